@@ -1,0 +1,73 @@
+"""The protocol of a backend: the whole transient is its business, so the time loop never crosses this line."""
+
+from collections.abc import Sequence
+from typing import Any, Literal, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.cellwise import Cellwise
+from cnnsim.errors import InputError
+from cnnsim.plan import Plan
+
+Plane = Any
+"""Opaque to everybody but its backend. A LAM plane holds real numbers, an LLM plane black and white. Grids are
+(rows, cols), or (n, rows, cols) for n grids that know nothing of each other."""
+
+Memory = Literal["lam", "llm"]
+
+
+class Outcome(NamedTuple):
+    """The end of a transient: the state plane, the time [time constants], whether it settled, the largest |dx/dt|.
+
+    ``slope`` is NaN where it was not asked for (a fixed duration, a closed form at a finite time).
+    """
+
+    x: Plane
+    t: float
+    settled: bool
+    slope: float
+
+
+class Backend(Protocol):
+    """What the machine asks of a place that computes."""
+
+    name: str
+    dtype: np.dtype[Any]
+
+    def load(self, values: NDArray[Any], memory: Memory) -> Plane:
+        """Bring an array in; into an LLM everything above 0 is black."""
+
+    def read(self, plane: Plane) -> NDArray[Any]:
+        """Bring a plane out as a new array: floats from a LAM, booleans (True is black) from an LLM."""
+
+    def convert(self, plane: Plane, memory: Memory) -> Plane:
+        """Give the plane for the other memory: black is +1, white -1; a value above 0 is black."""
+
+    def transient(
+        self, plan: Plan, x: Plane, u: Plane | None, bias: Plane | None = None, held: Plane | None = None
+    ) -> Outcome:
+        """Run a transient from the state ``x``; LAM planes, but ``held`` (LLM): black cells keep their state."""
+
+    def output(self, x: Plane) -> Plane:
+        """Give y = clip(x, -1, 1)."""
+
+    def cellwise(self, operation: Cellwise, planes: Sequence[Plane], parameters: Sequence[float]) -> tuple[Plane, ...]:
+        """Apply a per-cell operation to LAM planes."""
+
+    def logic(self, function: int, p: Plane, q: Plane) -> Plane:
+        """Apply one of the 16 two-input functions (see `cnnsim.logic`) to LLM planes."""
+
+    def count(self, plane: Plane) -> int:
+        """Count the black cells of an LLM plane: the global wire."""
+
+
+class NotFiniteError(InputError):
+    """A state came out as NaN or infinite."""
+
+
+def check_finite(x: NDArray[Any], t: float) -> None:
+    """Raise NotFiniteError if a state is not finite; the message names the first such cell."""
+    if not np.isfinite(x).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(x))[0])
+        raise NotFiniteError(f"the state is {x[where]} in cell {where} at t = {t:g}; planes must hold finite numbers")

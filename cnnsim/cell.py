@@ -1,0 +1,72 @@
+"""The cell: its output characteristic, its state equation, and the closed form where it has one.
+
+In words: a cell leaks towards zero and is pushed by what it hears. In symbols, with w = B*u + z (+ bias map):
+
+    dx/dt = -x + A*y + w,        y = f(x) = (|x + 1| - |x - 1|) / 2 = clip(x, -1, 1)
+
+Time is counted in time constants. Two cell models differ in what bounds them:
+
+* ``chua-yang``: the output is clipped, the state runs free (|x| <= |z| + sum|A| + sum|B|);
+* ``full-range``: the state itself is stopped at -1 and +1, and y = x. A numerical step (and each of its stages) that
+  would leave [-1, 1] ends on the wall.
+"""
+
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+CellModel = Literal["chua-yang", "full-range"]
+
+
+def output(x: NDArray[Any]) -> NDArray[Any]:
+    """Return y = clip(x, -1, 1)."""
+    return np.clip(x, x.dtype.type(-1), x.dtype.type(1))
+
+
+def slope(drive: NDArray[Any], x: NDArray[Any], model: CellModel) -> NDArray[Any]:
+    """Return dx/dt for the drive A*y + w; in the full-range model a wall stops what pushes against it."""
+    rate = drive - x
+    if model == "full-range":
+        stopped = ((x >= 1) & (rate > 0)) | ((x <= -1) & (rate < 0))
+        rate = np.where(stopped, rate.dtype.type(0), rate)
+    return rate
+
+
+def uncoupled_state(x0: NDArray[Any], s: NDArray[Any], a: float, t: float, model: CellModel) -> NDArray[Any]:
+    """Return the exact state x(t) of cells without neighbours: dx/dt = -x + a f(x) + s. ``t`` may be infinite.
+
+    One cell moves monotonically, so it meets at most three pieces: out of its saturation, through the linear piece
+    |x| <= 1, into the saturation ahead. Chua and Roska, "Cellular Neural Networks and Visual Computing", ch. 2-3.
+
+    Arguments: ``x0``, ``s`` float arrays of one shape; ``a`` the centre of A; ``t`` in time constants.
+    """
+    with np.errstate(all="ignore"):  # both sides of each np.where are computed; the wrong one may overflow
+        if model == "full-range":
+            return _through_linear(x0, s, a, np.full_like(x0, t), walls=True)
+        side = np.where(x0 < 0, -1.0, 1.0)
+        size, push = np.abs(x0), s * side
+        target = a + push
+        decayed = target + (size - target) * np.exp(-t)
+        until_one = np.where(target < 1, np.log((size - target) / (1 - target)), np.inf)
+        leaves = (size > 1) & (until_one < t)
+        rest_of_time = np.where(leaves, t - until_one, t)
+        inside = _through_linear(np.where(leaves, 1.0, size), push, a, rest_of_time, walls=False)
+        return side * np.where((size > 1) & ~leaves, decayed, inside)
+
+
+def _through_linear(x: NDArray[Any], s: NDArray[Any], a: float, t: NDArray[Any], *, walls: bool) -> NDArray[Any]:
+    """Go from |x| <= 1 for the times t, into the saturation ahead (or up to the wall) if it is reached."""
+    slope = (a - 1) * x + s
+    ahead = np.where(slope < 0, -1.0, 1.0)
+    x, s, slope = x * ahead, s * ahead, np.abs(slope)
+    slope_at_one = (a - 1) + s
+    if a == 1:
+        moved = slope * t
+        until_one = (1 - x) / slope
+    else:
+        moved = slope * np.expm1((a - 1) * t) / (a - 1)
+        until_one = np.log1p((a - 1) * (1 - x) / slope) / (a - 1)
+    reaches = (slope > 0) & (slope_at_one > 0) & (until_one <= t)
+    beyond = np.ones_like(x) if walls else (a + s) + (1 - a - s) * np.exp(-(t - until_one))
+    return ahead * np.where(reaches, beyond, np.where(slope > 0, x + moved, x))

@@ -1,0 +1,8 @@
+"""The one exception for what a user can get wrong."""
+
+
+class InputError(ValueError):
+    """Something given from outside is wrong; the message says what was given and what was wanted.
+
+    The command line prints it as one line on stderr and leaves with exit code 2.
+    """

@@ -1,0 +1,200 @@
+"""The library: templates as data. One TOML file is one template with its source and its own worked pictures."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import cache
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cnnsim.backends.base import Backend
+from cnnsim.errors import InputError
+from cnnsim.grid import Boundary, parse_boundary
+from cnnsim.picture import parse_ascii
+from cnnsim.plan import Duration
+from cnnsim.template import Template
+from cnnsim.transient import Result, run_transient
+
+Role = Literal["picture", "given", "none", "any"] | float
+
+
+@dataclass(frozen=True)
+class Example:
+    """Planes in and the output that must come out (to ``tolerance``; None: a binary output, compared by sign)."""
+
+    input: NDArray[np.float64] | None
+    state: NDArray[np.float64] | None
+    output: NDArray[np.float64]
+    mask: NDArray[np.float64] | None
+    bias: NDArray[np.float64] | None
+    tolerance: float | None
+
+    def holds(self, y: NDArray[Any]) -> bool:
+        """Return whether an output is the one that was worked out: right sign and |y| > 0.99, or within tolerance."""
+        if self.tolerance is not None:
+            return bool(np.abs(y - self.output).max() <= self.tolerance)
+        return bool(np.all(y * self.output > 0.99))
+
+
+@dataclass(frozen=True)
+class LibraryEntry:
+    """A template with all that is needed to use it as meant: roles of the pictures, boundary, running time, examples.
+
+    ``input`` (u): "picture", a constant, or "none". ``initial_state`` (x(0)): "picture" (the same one), "given" (a
+    second one), a constant, or "any" (0 is used).
+    """
+
+    name: str
+    summary: str
+    reference: str
+    tags: tuple[str, ...]
+    template: Template
+    input: Role
+    initial_state: Role
+    boundary: Boundary
+    duration: Duration
+    margin: float | None
+    note: str
+    aliases: tuple[str, ...]
+    examples: tuple[Example, ...]
+
+    def planes(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, ArrayLike]:
+        """Return the planes ``input`` and ``state`` that the picture (and the second one) stand for.
+
+        Raises:
+            InputError: a second picture is missing, or there is no use for it.
+        """
+        shape = np.shape(picture)
+        if (state is not None) != (self.initial_state == "given"):
+            has, wants = ("no", "a") if state is None else ("a", "no")
+            raise InputError(f"template {self.name!r} got {has} second picture as initial state, it takes {wants} such picture")
+        x0 = {"picture": picture, "given": state, "any": np.zeros(shape)}.get(str(self.initial_state), self.initial_state)
+        planes: dict[str, ArrayLike] = {"state": np.broadcast_to(np.asarray(x0, dtype=np.float64), shape)}
+        if self.input != "none":
+            planes["input"] = picture if self.input == "picture" else np.full(shape, self.input)
+        return planes
+
+
+_KEYS = {
+    "name", "summary", "reference", "tags", "A", "B", "z", "input", "initial_state", "boundary", "duration", "margin",
+    "note", "aliases", "example",
+}  # fmt: skip
+_EXAMPLE_KEYS = {"input", "state", "output", "mask", "bias", "tolerance"}
+
+
+def run(
+    entry: LibraryEntry | str, picture: ArrayLike, *, state: ArrayLike | None = None, backend: str | Backend = "cpu",
+    **changes: Any,
+) -> Result:  # fmt: skip
+    """Run a library template on a picture (rows, cols) of CNN values as its file says.
+
+    ``state`` is the second picture of templates that take one. ``changes`` replace what the file says: boundary,
+    duration, cell, scheme, step, limit, bias, mask, dtype, as in `run_transient`.
+    """
+    entry = load(entry) if isinstance(entry, str) else entry
+    task = {"boundary": entry.boundary, "duration": entry.duration, **changes}
+    return run_transient(entry.template, **entry.planes(picture, state), backend=backend, **task)
+
+
+def run_example(entry: LibraryEntry, example: Example, backend: str | Backend = "cpu", **changes: Any) -> Result:
+    """Run a template on one of its own examples."""
+    picture = example.state if example.input is None else example.input
+    second = example.state if entry.initial_state == "given" else None
+    assert picture is not None
+    return run(entry, picture, state=second, backend=backend, mask=example.mask, bias=example.bias, **changes)
+
+
+def folder() -> Path:
+    """Return where the template files are: inside an installed package, or beside it in a source tree."""
+    inside = Path(__file__).parent / "templates"
+    return inside if inside.is_dir() else Path(__file__).parent.parent / "templates"
+
+
+def names(tag: str | None = None) -> list[str]:
+    """Return the names of all templates, or of those with a tag, in alphabetical order."""
+    everything = sorted(path.stem for path in folder().glob("*.toml"))
+    return everything if tag is None else [name for name in everything if tag in load(name).tags]
+
+
+@cache
+def load(name: str) -> LibraryEntry:
+    """Return the library template called ``name``.
+
+    Raises:
+        InputError: there is none (the message has the nearest names), or its file is wrong.
+    """
+    path = folder() / f"{name}.toml"
+    if name not in names():
+        near = get_close_matches(name.lower(), names(), n=3, cutoff=0.4)
+        hint = f"; did you mean {' or '.join(near)}?" if near else ""
+        raise InputError(f"no template {name!r} in the library{hint} `cnnsim list` shows all {len(names())}")
+    return load_file(path)
+
+
+def load_file(path: Path) -> LibraryEntry:
+    """Read and check one template file.
+
+    Raises:
+        InputError: what is wrong, with the file's name.
+    """
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise InputError(f"no template file {path}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path} is no TOML: {error}") from error
+    try:
+        return _entry(data, path.stem)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def _entry(data: dict[str, Any], stem: str) -> LibraryEntry:
+    check_keys(data, _KEYS, required={"name", "summary", "reference", "A", "z", "input", "initial_state", "boundary", "duration"})
+    if data["name"] != stem:
+        raise InputError(f"the name is {data['name']!r}, the file is {stem}.toml; one name wanted")
+    template = Template(data["A"], data.get("B", 0.0), data["z"], data["name"])
+    entry = LibraryEntry(
+        data["name"], data["summary"], data["reference"], tuple(data.get("tags", ())), template,
+        _role("input", data["input"], ("picture", "none")),
+        _role("initial_state", data["initial_state"], ("picture", "given", "any")),
+        parse_boundary(data["boundary"]), data["duration"], data.get("margin"), data.get("note", ""),
+        tuple(data.get("aliases", ())), tuple(_example(item) for item in data.get("example", ())),
+    )  # fmt: skip
+    if not entry.examples:
+        raise InputError("no worked example; at least one [[example]] wanted")
+    if template.control_taps and entry.input == "none":
+        raise InputError("B is not zero, but input is 'none'")
+    return entry
+
+
+def _role(key: str, value: Any, words: tuple[str, ...]) -> Role:
+    if value in words or (isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= 1):
+        return value  # type: ignore[no-any-return]  # it came from a file and has just been checked
+    raise InputError(f"{key} is {value!r}; one of {', '.join(map(repr, words))} or a number from -1 to 1 wanted")
+
+
+def _example(data: dict[str, Any]) -> Example:
+    check_keys(data, _EXAMPLE_KEYS, required={"output"})
+    planes = {key: parse_ascii(data[key]) if key in data else None for key in _EXAMPLE_KEYS - {"tolerance"}}
+    if planes["input"] is None and planes["state"] is None:
+        raise InputError("an example without input and without state; at least one of them wanted")
+    shapes = {key: plane.shape for key, plane in planes.items() if plane is not None}
+    if len(set(shapes.values())) > 1:
+        raise InputError(f"an example's planes have different shapes: {shapes}")
+    return Example(**planes, tolerance=data.get("tolerance"))  # type: ignore[arg-type]  # output is required above
+
+
+def check_keys(data: Mapping[str, Any], known: set[str], required: set[str] = frozenset()) -> None:  # type: ignore[assignment]  # a frozen set is a set that is only read
+    """Raise InputError for a key that is not known (with the nearest one that is) or one that is missing."""
+    for key in data:
+        if key not in known:
+            near = get_close_matches(key, known, n=1, cutoff=0.0)
+            raise InputError(f"unknown key {key!r}; did you mean {near[0]!r}?")
+    missing = sorted(required - set(data))
+    if missing:
+        raise InputError(f"no {missing[0]!r}")

@@ -1,0 +1,146 @@
+"""Plan: looks at a template and a task, and decides how to compute it and what need not be computed at all."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from cnnsim.cell import CellModel
+from cnnsim.errors import InputError
+from cnnsim.grid import Boundary
+from cnnsim.scheme import ADAPTIVE, EULER, Scheme, find_scheme
+from cnnsim.stability import step_limit
+from cnnsim.template import Template
+
+Duration = float | Literal["settled"]
+Method = Literal["closed form", "stepped", "adaptive"]
+
+DEFAULT_STEP = 0.1
+SETTLED_SLOPE = 1e-4
+"""A network is at rest when |dx/dt| <= this in every cell; see `Plan.duration`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A transient, decided: everything a backend needs but the planes.
+
+    ``duration`` is a number of time constants, or ``"settled"``. Settled means that either no output can change any
+    more (every free cell has |x| >= 1 and sign(x) (A*y + w) >= 1, so with frozen neighbours it stays saturated), or
+    the network is at rest (|dx/dt| <= 1e-4 in every free cell). It is looked at once a time constant, and
+    ``limit`` time constants are the most that is waited for.
+
+    ``decisions`` are (what, why) lines for people.
+    """
+
+    template: Template
+    shape: tuple[int, int]
+    boundary: Boundary
+    cell: CellModel
+    method: Method
+    duration: Duration
+    limit: float
+    scheme: Scheme | None
+    step: float
+    decisions: tuple[tuple[str, str], ...]
+
+    @property
+    def steps(self) -> int:
+        """Steps of a fixed duration, or the most steps for ``"settled"``."""
+        time = self.limit if self.duration == "settled" else self.duration
+        return math.ceil(time / self.step - 1e-9)
+
+    @property
+    def check_every(self) -> int:
+        """Steps between two looks at whether the network has settled: one time constant."""
+        return max(1, round(1 / self.step))
+
+    def explain(self) -> str:
+        """Return the decisions as lines of text."""
+        width = max(len(what) for what, _ in self.decisions)
+        return "\n".join(f"{what:<{width}}  {why}" for what, why in self.decisions)
+
+
+def make_plan(
+    template: Template,
+    shape: tuple[int, ...],
+    boundary: Boundary,
+    *,
+    duration: Duration = "settled",
+    cell: CellModel = "chua-yang",
+    scheme: str | None = None,
+    step: float | None = None,
+    limit: float | None = None,
+) -> Plan:
+    """Decide how to run ``template`` on a grid of ``shape`` (..., rows, cols).
+
+    Without ``scheme`` and ``step`` the plan chooses: the closed form for uncoupled templates, else forward Euler with
+    h = 0.1 or half the stability limit, whichever is less.
+
+    Raises:
+        InputError: a step that cannot be stable (the message has the limit), a negative duration, an unknown name.
+    """
+    if cell not in ("chua-yang", "full-range"):
+        raise InputError(f"cell model {cell!r}; known are chua-yang, full-range")
+    if duration != "settled" and not (isinstance(duration, int | float) and 0 <= duration < math.inf):
+        raise InputError(f"duration {duration!r}; 'settled' or a number of time constants >= 0 wanted")
+    rows, cols = grid = _grid(shape)
+    limit = 200.0 + 10.0 * (rows + cols) if limit is None else limit
+    decisions = [_control_decision(template)]
+    if template.uncoupled and scheme is None and step is None:
+        decisions.append(("closed form", "A has only its centre, so each cell has an exact solution: no time loop"))
+        return Plan(template, grid, boundary, cell, "closed form", duration, limit, None, 1.0, tuple(decisions))
+
+    taps, entries = len(template.feedback_taps), template.A.size
+    decisions.append((f"{taps} of {entries} taps of A", "the others are zero and vanish"))
+    if scheme == ADAPTIVE:
+        if duration == "settled":
+            raise InputError("the adaptive scheme runs for a number of time constants, not until settled")
+        decisions.append(("adaptive", "DOP853 of scipy with relative tolerance 1e-10: a reference, not a fast road"))
+        return Plan(template, grid, boundary, cell, "adaptive", duration, limit, None, 1.0, tuple(decisions))
+    table = EULER if scheme is None else find_scheme(scheme)
+    longest = step_limit(template, boundary, table)
+    if step is None:
+        h = min(DEFAULT_STEP, longest / 2)
+        why = "the default" if h == DEFAULT_STEP else f"half the stability limit {longest:.4g} of this template"
+    else:
+        h, why = _checked_step(step, longest, table), f"as asked; stable below {longest:.4g}"
+    h = _divided(duration, h)
+    decisions += [
+        (f"{table.name}, h = {h:.4g}", f"order {table.order}; the step is {why}"),
+        _stop_decision(duration, limit),
+    ]
+    return Plan(template, grid, boundary, cell, "stepped", duration, limit, table, h, tuple(decisions))
+
+
+def _grid(shape: tuple[int, ...]) -> tuple[int, int]:
+    if len(shape) not in (2, 3) or 0 in shape:
+        raise InputError(f"planes of shape {shape}; (rows, cols) or (n, rows, cols) with at least one cell wanted")
+    return shape[-2], shape[-1]
+
+
+def _checked_step(step: float, longest: float, scheme: Scheme) -> float:
+    if not 0 < step < math.inf:
+        raise InputError(f"step {step!r}; a positive number of time constants wanted")
+    if step > longest * (1 + 1e-9):
+        raise InputError(f"step {step:g} cannot be stable: {scheme.name} on this template needs a step below {longest:.6g}")
+    return step
+
+
+def _divided(duration: Duration, h: float) -> float:
+    """Shorten the step a little where the duration is no multiple of it, so that the last step ends on time."""
+    if duration == "settled" or duration == 0:
+        return h
+    steps = math.ceil(duration / h - 1e-9)
+    return h if abs(steps * h - duration) <= 1e-9 * duration else duration / steps
+
+
+def _control_decision(template: Template) -> tuple[str, str]:
+    taps = len(template.control_taps)
+    if not taps:
+        return "no B*u", "B is zero: the input is not read"
+    return "B*u + z once", f"the input stands still: {taps} of {template.B.size} taps, computed before the time loop"
+
+
+def _stop_decision(duration: Duration, limit: float) -> tuple[str, str]:
+    if duration == "settled":
+        return "stop when settled", f"no output can change, or |dx/dt| <= {SETTLED_SLOPE:g}; at most {limit:g} time constants"
+    return f"stop at t = {duration:g}", "the running time is given"

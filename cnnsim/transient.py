@@ -1,0 +1,170 @@
+"""run_transient: the only road from a template to a backend."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cnnsim import backends
+from cnnsim.backends.base import Backend, Outcome
+from cnnsim.cell import CellModel, output
+from cnnsim.errors import InputError
+from cnnsim.grid import ZERO_FLUX, Boundary
+from cnnsim.plan import Duration, Plan, make_plan
+from cnnsim.template import Template
+
+
+@dataclass(frozen=True)
+class Result:
+    """The end of a transient: state ``x`` and output ``y`` (rows, cols), time ``t`` [time constants; inf: at rest].
+
+    ``settled`` says whether nothing changes any more (see `Plan`); after a fixed duration nobody looked and it is
+    False. ``slope`` is the largest |dx/dt| at the end, NaN if nobody looked.
+    """
+
+    x: NDArray[Any]
+    t: float
+    settled: bool
+    slope: float
+    plan: Plan
+
+    @property
+    def y(self) -> NDArray[Any]:
+        """The output, clip(x, -1, 1)."""
+        return output(self.x)
+
+
+class NotSettledError(InputError):
+    """A transient was to settle and did not within its limit; ``result`` has what there is."""
+
+    def __init__(self, message: str, result: Result) -> None:
+        super().__init__(message)
+        self.result = result
+
+
+@dataclass(frozen=True)
+class Task:
+    """A template with its planes checked and its plan made, ready for any backend."""
+
+    plan: Plan
+    state: NDArray[np.float64]
+    input: NDArray[np.float64] | None
+    bias: NDArray[np.float64] | None
+    mask: NDArray[np.bool_] | None
+
+    def start(self, backend: Backend, state: NDArray[Any] | None = None, plan: Plan | None = None) -> Outcome:
+        """Load the planes and run; ``state`` and ``plan`` replace the task's own (to go on from an earlier end)."""
+        return backend.transient(
+            self.plan if plan is None else plan,
+            backend.load(self.state if state is None else state, "lam"),
+            None if self.input is None else backend.load(self.input, "lam"),
+            None if self.bias is None else backend.load(self.bias, "lam"),
+            None if self.mask is None else backend.load(self.mask, "llm"),
+        )
+
+
+def make_task(
+    template: Template,
+    *,
+    state: ArrayLike,
+    input: ArrayLike | None = None,  # noqa: A002 - the field's word for u
+    bias: ArrayLike | None = None,
+    mask: ArrayLike | None = None,
+    boundary: Boundary = ZERO_FLUX,
+    duration: Duration = "settled",
+    cell: CellModel = "chua-yang",
+    scheme: str | None = None,
+    step: float | None = None,
+    limit: float | None = None,
+) -> Task:
+    """Check the planes against each other and plan the transient; the arguments are those of `run_transient`."""
+    x = _plane("state", state, None)
+    u = None if input is None else _plane("input", input, x.shape)
+    if u is None and template.control_taps:
+        raise InputError(f"template {template.name!r} has a B, so it needs an input plane")
+    plan = make_plan(template, x.shape, boundary, duration=duration, cell=cell, scheme=scheme, step=step, limit=limit)
+    if cell == "full-range" and np.abs(x).max() > 1:
+        raise InputError(f"state reaches {np.abs(x).max():g}; the full-range model keeps it from -1 to 1")
+    return Task(
+        plan,
+        x,
+        u,
+        None if bias is None else _plane("bias", bias, x.shape),
+        None if mask is None else _plane("mask", mask, x.shape) > 0,
+    )
+
+
+def run_transient(
+    template: Template,
+    *,
+    state: ArrayLike,
+    input: ArrayLike | None = None,  # noqa: A002 - the field's word for u
+    bias: ArrayLike | None = None,
+    mask: ArrayLike | None = None,
+    boundary: Boundary = ZERO_FLUX,
+    duration: Duration = "settled",
+    cell: CellModel = "chua-yang",
+    scheme: str | None = None,
+    step: float | None = None,
+    limit: float | None = None,
+    backend: str | Backend = "cpu",
+    dtype: Literal["float32", "float64"] | None = None,
+) -> Result:
+    """Run one template from x(0) = ``state`` with u = ``input`` and return where it ends.
+
+    Arguments: planes (rows, cols) or (n, rows, cols) of one shape; ``bias`` is added to z cell by cell; ``mask`` > 0
+    holds a cell's state; ``duration`` in time constants or ``"settled"`` (see `Plan`), then at most ``limit``;
+    ``scheme`` and ``step`` as in `cnnsim.scheme`, or None to let the plan choose.
+
+    Raises:
+        InputError: planes that do not fit or are not finite, a step that cannot be stable.
+        NotSettledError: the network did not settle within ``limit``; the error carries the result.
+    """
+    task = make_task(
+        template, state=state, input=input, bias=bias, mask=mask, boundary=boundary, duration=duration, cell=cell,
+        scheme=scheme, step=step, limit=limit,
+    )  # fmt: skip
+    where = backends.get(backend, dtype) if isinstance(backend, str) else backend
+    outcome = task.start(where)
+    result = Result(where.read(outcome.x), outcome.t, outcome.settled, outcome.slope, task.plan)
+    if duration == "settled" and not result.settled:
+        raise NotSettledError(
+            f"template {template.name!r} has not settled after {result.t:g} time constants: |dx/dt| is still "
+            f"{result.slope:.3g} somewhere; give a duration, or a higher limit",
+            result,
+        )
+    return result
+
+
+def trajectory(task: Task, backend: Backend, duration: float, frames: int) -> Iterator[tuple[float, NDArray[Any]]]:
+    """Yield (t, y) at ``frames`` + 1 evenly spaced times from 0 to ``duration``, the task's own stop rule set aside."""
+    old = task.plan
+    x = backend.load(task.state, "lam")
+    yield 0.0, output(backend.read(x))
+    scheme = old.scheme.name if old.scheme is not None else None
+    plan = make_plan(
+        old.template, old.shape, old.boundary, duration=duration / frames, cell=old.cell,
+        scheme="adaptive" if old.method == "adaptive" else scheme, step=old.step if scheme else None,
+    )  # fmt: skip
+    for frame in range(1, frames + 1):
+        x = task.start(backend, backend.read(x), plan).x
+        yield frame * duration / frames, output(backend.read(x))
+
+
+def _plane(name: str, values: ArrayLike, shape: tuple[int, ...] | None) -> NDArray[np.float64]:
+    try:
+        plane = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} is no rectangular array of numbers") from error
+    if plane.ndim == 0 and shape is not None:
+        plane = np.full(shape, plane)
+    if plane.ndim not in (2, 3) or plane.size == 0:
+        raise InputError(f"{name} has shape {plane.shape}; (rows, cols) with at least one cell wanted")
+    if shape is not None and plane.shape != shape:
+        raise InputError(f"{name} has shape {plane.shape}, the state has {shape}; one shape wanted")
+    if not np.isfinite(plane).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(plane))[0])
+        raise InputError(f"{name} holds {plane[where]} in cell {where}; finite numbers wanted")
+    return plane
