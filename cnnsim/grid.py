@@ -63,7 +63,9 @@ def parse_boundary(value: Any) -> Boundary:
         try:
             return fixed(*(float(part) for part in value.removeprefix("fixed:").split(",", 1)))
         except ValueError as error:
-            raise InputError(f"boundary {value!r}; 'fixed:v' or 'fixed:x,u' with numbers from -1 to 1 wanted") from error
+            raise InputError(
+                f"boundary {value!r}; 'fixed:v' or 'fixed:x,u' with numbers from -1 to 1 wanted"
+            ) from error
     if value in ("zero-flux", "periodic"):
         return Boundary(value)
     if isinstance(value, dict) and set(value) == {"fixed"}:
@@ -79,7 +81,7 @@ def parse_boundary(value: Any) -> Boundary:
 
 
 def virtual_index(cells: int, radius: int, boundary: Boundary) -> NDArray[np.int64]:
-    """Return, for positions -radius .. cells+radius-1 of one axis, the real cell each stands for (-1: none, a constant).
+    """Return, for positions -radius .. cells + radius - 1 of one axis, the real cell each stands for (-1: a constant).
 
     Grids smaller than the radius are right as well: a torus wraps as often as it must.
     """
@@ -92,7 +94,7 @@ def virtual_index(cells: int, radius: int, boundary: Boundary) -> NDArray[np.int
 
 
 def pad(plane: NDArray[Any], radius: int, boundary: Boundary, constant: float) -> NDArray[Any]:
-    """Return the plane(s) (..., rows, cols) with ``radius`` virtual cells on every side; ``constant`` is for fixed ones."""
+    """Return the plane(s) (..., rows, cols) with ``radius`` virtual cells all round; ``constant`` is for fixed ones."""
     rows = virtual_index(plane.shape[-2], radius, boundary)
     cols = virtual_index(plane.shape[-1], radius, boundary)
     padded = plane[..., rows[:, None], cols]

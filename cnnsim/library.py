@@ -1,7 +1,7 @@
 """The library: templates as data. One TOML file is one template with its source and its own worked pictures."""
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
@@ -62,7 +62,7 @@ class LibraryEntry:
     aliases: tuple[str, ...]
     examples: tuple[Example, ...]
 
-    def planes(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, ArrayLike]:
+    def planes(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, Any]:
         """Return the planes ``input`` and ``state`` that the picture (and the second one) stand for.
 
         Raises:
@@ -71,9 +71,13 @@ class LibraryEntry:
         shape = np.shape(picture)
         if (state is not None) != (self.initial_state == "given"):
             has, wants = ("no", "a") if state is None else ("a", "no")
-            raise InputError(f"template {self.name!r} got {has} second picture as initial state, it takes {wants} such picture")
-        x0 = {"picture": picture, "given": state, "any": np.zeros(shape)}.get(str(self.initial_state), self.initial_state)
-        planes: dict[str, ArrayLike] = {"state": np.broadcast_to(np.asarray(x0, dtype=np.float64), shape)}
+            raise InputError(
+                f"template {self.name!r} got {has} second picture as initial state, it takes {wants} such picture"
+            )
+        x0 = {"picture": picture, "given": state, "any": np.zeros(shape)}.get(
+            str(self.initial_state), self.initial_state
+        )
+        planes: dict[str, Any] = {"state": np.broadcast_to(np.asarray(x0, dtype=np.float64), shape)}
         if self.input != "none":
             planes["input"] = picture if self.input == "picture" else np.full(shape, self.input)
         return planes
@@ -96,7 +100,7 @@ def run(
     duration, cell, scheme, step, limit, bias, mask, dtype, as in `run_transient`.
     """
     entry = load(entry) if isinstance(entry, str) else entry
-    task = {"boundary": entry.boundary, "duration": entry.duration, **changes}
+    task: dict[str, Any] = {"boundary": entry.boundary, "duration": entry.duration, **changes}
     return run_transient(entry.template, **entry.planes(picture, state), backend=backend, **task)
 
 
@@ -154,7 +158,11 @@ def load_file(path: Path) -> LibraryEntry:
 
 
 def _entry(data: dict[str, Any], stem: str) -> LibraryEntry:
-    check_keys(data, _KEYS, required={"name", "summary", "reference", "A", "z", "input", "initial_state", "boundary", "duration"})
+    check_keys(
+        data,
+        _KEYS,
+        required={"name", "summary", "reference", "A", "z", "input", "initial_state", "boundary", "duration"},
+    )
     if data["name"] != stem:
         raise InputError(f"the name is {data['name']!r}, the file is {stem}.toml; one name wanted")
     template = Template(data["A"], data.get("B", 0.0), data["z"], data["name"])
@@ -186,15 +194,15 @@ def _example(data: dict[str, Any]) -> Example:
     shapes = {key: plane.shape for key, plane in planes.items() if plane is not None}
     if len(set(shapes.values())) > 1:
         raise InputError(f"an example's planes have different shapes: {shapes}")
-    return Example(**planes, tolerance=data.get("tolerance"))  # type: ignore[arg-type]  # output is required above
+    return Example(**planes, tolerance=data.get("tolerance"))
 
 
-def check_keys(data: Mapping[str, Any], known: set[str], required: set[str] = frozenset()) -> None:  # type: ignore[assignment]  # a frozen set is a set that is only read
+def check_keys(data: Mapping[str, Any], known: Collection[str], required: Collection[str] = ()) -> None:
     """Raise InputError for a key that is not known (with the nearest one that is) or one that is missing."""
     for key in data:
         if key not in known:
             near = get_close_matches(key, known, n=1, cutoff=0.0)
             raise InputError(f"unknown key {key!r}; did you mean {near[0]!r}?")
-    missing = sorted(required - set(data))
+    missing = sorted(set(required) - set(data))
     if missing:
         raise InputError(f"no {missing[0]!r}")

@@ -76,7 +76,9 @@ def parse_ascii(rows: Iterable[str | Sequence[float]]) -> NDArray[np.float64]:
         if isinstance(row, str):
             strange = set(row) - {"#", "."}
             if strange:
-                raise InputError(f"row {number} of a picture holds {sorted(strange)[0]!r}; '#' (black) and '.' (white) wanted")
+                raise InputError(
+                    f"row {number} of a picture holds {sorted(strange)[0]!r}; '#' (black) and '.' (white) wanted"
+                )
             values.append([1.0 if character == "#" else -1.0 for character in row])
         else:
             values.append([float(value) for value in row])

@@ -1,18 +1,22 @@
 """Plan: looks at a template and a task, and decides how to compute it and what need not be computed at all."""
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 from cnnsim.cell import CellModel
 from cnnsim.errors import InputError
 from cnnsim.grid import Boundary
 from cnnsim.scheme import ADAPTIVE, EULER, Scheme, find_scheme
 from cnnsim.stability import step_limit
-from cnnsim.template import Template
+from cnnsim.template import Tap, Template, all_taps
 
 Duration = float | Literal["settled"]
 Method = Literal["closed form", "stepped", "adaptive"]
+
+Saving = Literal["closed form", "sparse taps", "shared sums", "blocking", "sleep"]
+"""Ways of computing less for the same output; a plan can be made without any of them, for comparison."""
 
 DEFAULT_STEP = 0.1
 SETTLED_SLOPE = 1e-4
@@ -28,6 +32,7 @@ class Plan:
     the network is at rest (|dx/dt| <= 1e-4 in every free cell). It is looked at once a time constant, and
     ``limit`` time constants are the most that is waited for.
 
+    ``savings`` are the ways of doing less that apply here; a backend may use them and must give the same output.
     ``decisions`` are (what, why) lines for people.
     """
 
@@ -40,7 +45,13 @@ class Plan:
     limit: float
     scheme: Scheme | None
     step: float
+    savings: frozenset[Saving]
     decisions: tuple[tuple[str, str], ...]
+
+    @property
+    def feedback_taps(self) -> tuple[Tap, ...]:
+        """The taps of A that are summed: those that are not zero, unless sparse taps are switched off."""
+        return self.template.feedback_taps if "sparse taps" in self.savings else all_taps(self.template.A)
 
     @property
     def steps(self) -> int:
@@ -69,11 +80,12 @@ def make_plan(
     scheme: str | None = None,
     step: float | None = None,
     limit: float | None = None,
+    without: Collection[str] = (),
 ) -> Plan:
     """Decide how to run ``template`` on a grid of ``shape`` (..., rows, cols).
 
     Without ``scheme`` and ``step`` the plan chooses: the closed form for uncoupled templates, else forward Euler with
-    h = 0.1 or half the stability limit, whichever is less.
+    h = 0.1 or half the stability limit, whichever is less. ``without`` names savings (see `Saving`) not to use.
 
     Raises:
         InputError: a step that cannot be stable (the message has the limit), a negative duration, an unknown name.
@@ -84,18 +96,24 @@ def make_plan(
         raise InputError(f"duration {duration!r}; 'settled' or a number of time constants >= 0 wanted")
     rows, cols = grid = _grid(shape)
     limit = 200.0 + 10.0 * (rows + cols) if limit is None else limit
+    for name in without:
+        if name not in get_args(Saving):
+            raise InputError(f"cannot do without {name!r}; what can be switched off is {', '.join(get_args(Saving))}")
     decisions = [_control_decision(template)]
-    if template.uncoupled and scheme is None and step is None:
-        decisions.append(("closed form", "A has only its centre, so each cell has an exact solution: no time loop"))
-        return Plan(template, grid, boundary, cell, "closed form", duration, limit, None, 1.0, tuple(decisions))
 
-    taps, entries = len(template.feedback_taps), template.A.size
-    decisions.append((f"{taps} of {entries} taps of A", "the others are zero and vanish"))
+    def plan(method: Method, table: Scheme | None, h: float, savings: Collection[Saving] = ()) -> Plan:
+        return Plan(
+            template, grid, boundary, cell, method, duration, limit, table, h, frozenset(savings), tuple(decisions)
+        )
+
+    if template.uncoupled and scheme is None and step is None and "closed form" not in without:
+        decisions.append(("closed form", "A has only its centre, so each cell has an exact solution: no time loop"))
+        return plan("closed form", None, 1.0, {"closed form"})
     if scheme == ADAPTIVE:
         if duration == "settled":
             raise InputError("the adaptive scheme runs for a number of time constants, not until settled")
         decisions.append(("adaptive", "DOP853 of scipy with relative tolerance 1e-10: a reference, not a fast road"))
-        return Plan(template, grid, boundary, cell, "adaptive", duration, limit, None, 1.0, tuple(decisions))
+        return plan("adaptive", None, 1.0)
     table = EULER if scheme is None else find_scheme(scheme)
     longest = step_limit(template, boundary, table)
     if step is None:
@@ -108,7 +126,24 @@ def make_plan(
         (f"{table.name}, h = {h:.4g}", f"order {table.order}; the step is {why}"),
         _stop_decision(duration, limit),
     ]
-    return Plan(template, grid, boundary, cell, "stepped", duration, limit, table, h, tuple(decisions))
+    applicable = stepped_savings(template, table, h, cell, settles=duration == "settled")
+    decisions += [(what if what not in without else f"no {what}", why) for what, why in applicable]
+    return plan("stepped", table, h, {what for what, _ in applicable if what not in without})
+
+
+def stepped_savings(
+    template: Template, scheme: Scheme, h: float, cell: CellModel, *, settles: bool
+) -> list[tuple[Saving, str]]:
+    """Return the savings that apply to a stepped transient, each with its reason."""
+    taps, entries = len(template.feedback_taps), template.A.size
+    found: list[tuple[Saving, str]] = [("sparse taps", f"{taps} of the {entries} entries of A are not zero")]
+    if template.isotropic and taps >= 5 and template.A.shape[0] == 3:
+        found.append(("shared sums", "A is the same in all directions: neighbours are added before they are weighed"))
+    if len(scheme.b) == 1:
+        found.append(("blocking", "one-stage scheme: several steps a pass while the rows are in the cache"))
+        if settles and h <= 1 and cell == "chua-yang" and not template.uncoupled:
+            found.append(("sleep", "tiles in which no output can change are left out until a neighbour's output does"))
+    return found
 
 
 def _grid(shape: tuple[int, ...]) -> tuple[int, int]:
@@ -121,7 +156,9 @@ def _checked_step(step: float, longest: float, scheme: Scheme) -> float:
     if not 0 < step < math.inf:
         raise InputError(f"step {step!r}; a positive number of time constants wanted")
     if step > longest * (1 + 1e-9):
-        raise InputError(f"step {step:g} cannot be stable: {scheme.name} on this template needs a step below {longest:.6g}")
+        raise InputError(
+            f"step {step:g} cannot be stable: {scheme.name} on this template needs a step below {longest:.6g}"
+        )
     return step
 
 
@@ -142,5 +179,8 @@ def _control_decision(template: Template) -> tuple[str, str]:
 
 def _stop_decision(duration: Duration, limit: float) -> tuple[str, str]:
     if duration == "settled":
-        return "stop when settled", f"no output can change, or |dx/dt| <= {SETTLED_SLOPE:g}; at most {limit:g} time constants"
+        return (
+            "stop when settled",
+            f"no output can change, or |dx/dt| <= {SETTLED_SLOPE:g}; at most {limit:g} time constants",
+        )
     return f"stop at t = {duration:g}", "the running time is given"

@@ -16,7 +16,7 @@ class Tap(NamedTuple):
     """One entry of a template that is not zero: the neighbour at (row + k, col + l) counts ``weight`` times."""
 
     k: int
-    l: int  # noqa: E741 - (k, l) is how the literature names the offset
+    l: int
     weight: float
 
 
@@ -49,14 +49,18 @@ class Template:
         try:
             matrix = np.array(entries, dtype=np.float64)
         except (TypeError, ValueError) as error:
-            raise InputError(f"template {self.name!r}: {which} is no rectangular matrix of numbers: {entries!r}") from error
+            raise InputError(
+                f"template {self.name!r}: {which} is no rectangular matrix of numbers: {entries!r}"
+            ) from error
         if matrix.ndim == 0:
             matrix = matrix.reshape(1, 1)
         if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or matrix.shape[0] % 2 == 0:
             shape = " x ".join(map(str, matrix.shape))
             raise InputError(f"template {self.name!r}: {which} is {shape}, an odd square (3 x 3, 5 x 5, ...) wanted")
         if matrix.shape[0] > 2 * MAX_RADIUS + 1:
-            raise InputError(f"template {self.name!r}: {which} has radius {matrix.shape[0] // 2}, at most {MAX_RADIUS} wanted")
+            raise InputError(
+                f"template {self.name!r}: {which} has radius {matrix.shape[0] // 2}, at most {MAX_RADIUS} wanted"
+            )
         if not np.isfinite(matrix).all():
             row, col = np.argwhere(~np.isfinite(matrix))[0]
             raise InputError(
@@ -93,19 +97,29 @@ class Template:
         return bool(np.array_equal(self.A, self.A[::-1, ::-1]))
 
     @property
+    def isotropic(self) -> bool:
+        """True if A looks the same after a quarter turn and in a mirror."""
+        return np.array_equal(self.A, np.rot90(self.A)) and np.array_equal(self.A, self.A.T)
+
+    @property
     def radius(self) -> int:
         """The larger radius of A and B, zero rims left out."""
         taps = (*self.feedback_taps, *self.control_taps)
         return max((max(abs(tap.k), abs(tap.l)) for tap in taps), default=0)
 
     def state_bound(self, bias: float = 0.0) -> float:
-        """Return |z| + |bias| + sum|A| + sum|B|, which |x| never leaves if |x(0)| <= it, |u| <= 1 (Chua, Yang, theorem 1)."""
+        """Return |z| + |bias| + sum|A| + sum|B|: |x| stays within it if |x(0)| does and |u| <= 1.
+
+        Chua and Yang 1988, theorem 1.
+        """
         return abs(self.z) + abs(bias) + float(np.abs(self.A).sum() + np.abs(self.B).sum())
 
 
-def _taps(matrix: NDArray[np.float64]) -> tuple[Tap, ...]:
+def all_taps(matrix: NDArray[np.float64]) -> tuple[Tap, ...]:
+    """Return every entry of a template matrix as a tap, row by row, zeros included."""
     r = matrix.shape[0] // 2
-    return tuple(
-        Tap(int(k) - r, int(l) - r, float(matrix[k, l]))  # see Tap for the names
-        for k, l in np.argwhere(matrix)  # noqa: E741 - as above
-    )
+    return tuple(Tap(int(k) - r, int(l) - r, float(matrix[k, l])) for k, l in np.ndindex(matrix.shape))
+
+
+def _taps(matrix: NDArray[np.float64]) -> tuple[Tap, ...]:
+    return tuple(tap for tap in all_taps(matrix) if tap.weight)

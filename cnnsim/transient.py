@@ -1,6 +1,6 @@
 """run_transient: the only road from a template to a backend."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -78,13 +78,24 @@ def make_task(
     scheme: str | None = None,
     step: float | None = None,
     limit: float | None = None,
+    without: Collection[str] = (),
 ) -> Task:
     """Check the planes against each other and plan the transient; the arguments are those of `run_transient`."""
     x = _plane("state", state, None)
     u = None if input is None else _plane("input", input, x.shape)
     if u is None and template.control_taps:
         raise InputError(f"template {template.name!r} has a B, so it needs an input plane")
-    plan = make_plan(template, x.shape, boundary, duration=duration, cell=cell, scheme=scheme, step=step, limit=limit)
+    plan = make_plan(
+        template,
+        x.shape,
+        boundary,
+        duration=duration,
+        cell=cell,
+        scheme=scheme,
+        step=step,
+        limit=limit,
+        without=without,
+    )
     if cell == "full-range" and np.abs(x).max() > 1:
         raise InputError(f"state reaches {np.abs(x).max():g}; the full-range model keeps it from -1 to 1")
     return Task(
@@ -109,6 +120,7 @@ def run_transient(
     scheme: str | None = None,
     step: float | None = None,
     limit: float | None = None,
+    without: Collection[str] = (),
     backend: str | Backend = "cpu",
     dtype: Literal["float32", "float64"] | None = None,
 ) -> Result:
@@ -116,7 +128,7 @@ def run_transient(
 
     Arguments: planes (rows, cols) or (n, rows, cols) of one shape; ``bias`` is added to z cell by cell; ``mask`` > 0
     holds a cell's state; ``duration`` in time constants or ``"settled"`` (see `Plan`), then at most ``limit``;
-    ``scheme`` and ``step`` as in `cnnsim.scheme`, or None to let the plan choose.
+    ``scheme`` and ``step`` as in `cnnsim.scheme`, or None to let the plan choose; ``without`` as in `make_plan`.
 
     Raises:
         InputError: planes that do not fit or are not finite, a step that cannot be stable.
@@ -124,7 +136,7 @@ def run_transient(
     """
     task = make_task(
         template, state=state, input=input, bias=bias, mask=mask, boundary=boundary, duration=duration, cell=cell,
-        scheme=scheme, step=step, limit=limit,
+        scheme=scheme, step=step, limit=limit, without=without,
     )  # fmt: skip
     where = backends.get(backend, dtype) if isinstance(backend, str) else backend
     outcome = task.start(where)

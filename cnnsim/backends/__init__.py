@@ -8,18 +8,18 @@ from cnnsim.errors import InputError
 NAMES = ("reference", "cpu")
 
 
-def get(name: str = "cpu", dtype: DTypeLike = None) -> Backend:
+def get(name: str = "cpu", dtype: DTypeLike | None = None) -> Backend:
     """Return the backend called ``name``, working in ``dtype`` (its own default if None).
 
     Raises:
         InputError: no such backend, or one that cannot work in this dtype.
     """
     if name == "reference":
-        from cnnsim.backends.reference import ReferenceBackend  # noqa: PLC0415 - a backend costs nothing until asked for
+        from cnnsim.backends.reference import ReferenceBackend
 
         return ReferenceBackend(dtype)
     if name == "cpu":
-        from cnnsim.backends.cpu import CpuBackend  # noqa: PLC0415 - numba takes a second to import
+        from cnnsim.backends.cpu import CpuBackend
 
         return CpuBackend(dtype)
     raise InputError(f"backend {name!r}; known are {', '.join(NAMES)}")

@@ -1,7 +1,7 @@
 """The CPU backend: numba loops over whole transients, float32 or float64, on all cores."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -21,7 +21,7 @@ from cnnsim.template import Tap
 Array = NDArray[Any]
 
 _NO_MASK = np.empty((1, 1, 0), dtype=bool)
-_LOGIC = {
+_LOGIC: dict[str, Callable[[Array, Array], Array]] = {
     "nor": lambda p, q: ~(p | q), "not-p-and-q": lambda p, q: ~p & q, "p-and-not-q": lambda p, q: p & ~q,
     "xor": lambda p, q: p ^ q, "nand": lambda p, q: ~(p & q), "and": lambda p, q: p & q, "equal": lambda p, q: ~(p ^ q),
     "not-p-or-q": lambda p, q: ~p | q, "p-or-not-q": lambda p, q: p | ~q, "or": lambda p, q: p | q,
@@ -36,9 +36,9 @@ class _Prepared:
     def __init__(self, plan: Plan, dtype: np.dtype[Any]) -> None:
         rows, cols = plan.shape
         self.control = _taps(plan.template.control_taps, dtype)
-        self.feedback = _taps(plan.template.feedback_taps, dtype)
+        self.feedback = _taps(plan.feedback_taps, dtype)
         self.around_u = self._around(plan, rows, cols, plan.template.control_taps, plan.boundary.u, dtype)
-        self.around_y = self._around(plan, rows, cols, plan.template.feedback_taps, plan.boundary.y, dtype)
+        self.around_y = self._around(plan, rows, cols, plan.feedback_taps, plan.boundary.y, dtype)
         self.z = dtype.type(plan.template.z)
         self.a = float(plan.template.self_feedback)
         self.t = math.inf if plan.duration == "settled" else float(plan.duration)
@@ -57,7 +57,7 @@ class _Prepared:
 
 
 def _taps(taps: tuple[Tap, ...], dtype: np.dtype[Any]) -> tuple[Array, Array, Array]:
-    k, l = (np.array([tap[i] for tap in taps], dtype=np.int64) for i in (0, 1))  # noqa: E741 - see Tap
+    k, l = (np.array([tap[i] for tap in taps], dtype=np.int64) for i in (0, 1))
     return k, l, np.array([tap.weight for tap in taps], dtype=dtype)
 
 
@@ -71,7 +71,7 @@ class CpuBackend:
 
     name = "cpu"
 
-    def __init__(self, dtype: DTypeLike = None) -> None:
+    def __init__(self, dtype: DTypeLike | None = None) -> None:
         self.dtype = np.dtype(np.float32 if dtype is None else dtype)
         if self.dtype not in (np.float32, np.float64):
             raise InputError(f"the cpu backend computes in float32 or float64, not in {self.dtype}")
@@ -127,7 +127,9 @@ class CpuBackend:
             cpu_closed.closed_form.for_work(x.size)(x, w, held, ready.a, ready.t, ready.walls)
             return ready.t, settle, 0.0 if settle else math.nan
         if plan.method == "adaptive":
-            raise InputError("the adaptive scheme runs on the reference backend; choose --backend reference or a fixed-step scheme")
+            raise InputError(
+                "the adaptive scheme runs on the reference backend; choose --backend reference or a fixed-step scheme"
+            )
         kernel = cpu_kernels.stepped.for_work(x.size * max(1, ready.feedback[0].size))
         done, settled, slope = kernel(
             x, w, held, *ready.feedback, *ready.around_y, ready.ha, ready.hb, plan.steps,
@@ -148,8 +150,7 @@ class CpuBackend:
 
     def logic(self, function: int, p: Array, q: Array) -> Array:
         """See `Backend.logic`."""
-        result: Array = _LOGIC[FUNCTIONS[function]](p, q)
-        return result
+        return _LOGIC[FUNCTIONS[function]](p, q)
 
     def count(self, plane: Array) -> int:
         """See `Backend.count`."""

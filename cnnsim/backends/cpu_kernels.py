@@ -29,7 +29,7 @@ def fill_virtual(around: Array, rows: Array, cols: Array, r: int, constant: floa
 
 
 @helper
-def add_taps(total: Array, around: Array, k: Array, l: Array, weight: Array, i: int, r: int) -> None:  # noqa: E741
+def add_taps(total: Array, around: Array, k: Array, l: Array, weight: Array, i: int, r: int) -> None:
     """Add the taps' weighted neighbours of row i of one grid to ``total``."""
     cols = total.size
     for tap in range(weight.size):
@@ -52,7 +52,15 @@ def clip_row(row: Array, out: Array) -> None:
 
 @twins
 def control(
-    w: Array, u: Array, k: Array, l: Array, weight: Array, rows: Array, cols: Array, r: int, constant: float  # noqa: E741
+    w: Array,
+    u: Array,
+    k: Array,
+    l: Array,
+    weight: Array,
+    rows: Array,
+    cols: Array,
+    r: int,
+    constant: float,
 ) -> None:
     """Add B*u to w."""
     n, height, width = w.shape
@@ -66,7 +74,7 @@ def control(
 
 @twins
 def stepped(
-    x: Array, w: Array, held: Array, k: Array, l: Array, weight: Array, rows: Array, cols: Array, r: int,  # noqa: E741
+    x: Array, w: Array, held: Array, k: Array, l: Array, weight: Array, rows: Array, cols: Array, r: int,
     constant: float, ha: Array, hb: Array, steps: int, check_every: int, rest: float, step_freezes: bool, walls: bool,
 ) -> tuple[int, bool, float]:  # fmt: skip
     """Run Runge-Kutta steps on x in place; ``ha`` and ``hb`` are the scheme's table times its gain.
@@ -81,8 +89,8 @@ def stepped(
     steepest = np.empty(n * height, x.dtype)
     stuck = np.empty(n * height, np.bool_)
     done = 0
-    settled = False
-    largest = np.nan
+    settled: Any = False
+    largest: Any = np.nan
     while True:
         looking = check_every > 0 and (done % check_every == 0 or done == steps)
         if done == steps and not looking:

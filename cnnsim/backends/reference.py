@@ -25,7 +25,7 @@ def correlate(plane: Array, taps: Sequence[Tap], boundary: Boundary, constant: f
     r = max((max(abs(tap.k), abs(tap.l)) for tap in taps), default=0)
     around = pad(plane, r, boundary, constant)
     rows, cols = plane.shape[-2:]
-    for k, l, weight in taps:  # noqa: E741 - see Tap
+    for k, l, weight in taps:
         total += weight * around[..., r + k : r + k + rows, r + l : r + l + cols]
     return total
 
@@ -35,7 +35,7 @@ class ReferenceBackend:
 
     name = "reference"
 
-    def __init__(self, dtype: DTypeLike = None) -> None:
+    def __init__(self, dtype: DTypeLike | None = None) -> None:
         self.dtype = np.dtype(np.float64 if dtype is None else dtype)
         if self.dtype != np.float64:
             raise InputError(f"the reference backend computes in float64, not in {self.dtype}")
@@ -85,7 +85,7 @@ class ReferenceBackend:
 
 def _drive(plan: Plan, x: Array, w: Array) -> Array:
     """A*y + w."""
-    return correlate(output(x), plan.template.feedback_taps, plan.boundary, plan.boundary.y, w)
+    return correlate(output(x), plan.feedback_taps, plan.boundary, plan.boundary.y, w)
 
 
 def _closed_form(plan: Plan, x: Array, w: Array, free: Array) -> Outcome:
@@ -135,7 +135,7 @@ def _look(plan: Plan, x: Array, w: Array, free: Array) -> tuple[bool, float]:
 
 
 def _adaptive(plan: Plan, x: Array, w: Array, free: Array) -> Outcome:
-    from scipy.integrate import solve_ivp  # noqa: PLC0415 - scipy.integrate is slow to import and rarely wanted
+    from scipy.integrate import solve_ivp
 
     assert plan.duration != "settled"
 

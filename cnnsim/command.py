@@ -1,0 +1,43 @@
+"""What both command lines share: mistakes of the user become one line on stderr and exit code 2."""
+
+import json
+from typing import Any
+
+import click
+
+from cnnsim.errors import InputError
+
+
+class _Mistake(click.ClickException):
+    exit_code = 2
+
+
+class CommandGroup(click.Group):
+    """A click group that turns `InputError` into one clear line instead of a traceback."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command."""
+        try:
+            return super().invoke(ctx)
+        except InputError as error:
+            raise _Mistake(" ".join(str(error).split())) from error
+
+
+def print_json(data: Any) -> None:
+    """Print plain data as JSON that any parser reads: NaN and infinities become null."""
+    click.echo(json.dumps(_plain(data), indent=1, allow_nan=False))
+
+
+def _plain(data: Any) -> Any:
+    if isinstance(data, dict):
+        return {str(key): _plain(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_plain(value) for value in data]
+    if isinstance(data, float) and not abs(data) < float("inf"):
+        return None
+    return data
+
+
+def examples(*lines: str) -> str:
+    """Return an epilog that shows example calls as they are typed."""
+    return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in lines)

@@ -1,0 +1,144 @@
+"""UniversalMachine: runs analogic programs. `_execute` reads like the program it runs."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cnnsim import backends
+from cnnsim.backends.base import Backend, Plane
+from cnnsim.errors import InputError
+from cnnsim.globalwire import read_wire
+from cnnsim.logic import function_number
+from cnnsim.plan import Plan, make_plan
+from cnnsim.program import (
+    BranchStep,
+    CellwiseStep,
+    CopyStep,
+    FillStep,
+    LogicStep,
+    Program,
+    RepeatStep,
+    Step,
+    TemplateStep,
+    UntilUnchangedStep,
+    WireStep,
+)
+
+_XOR = function_number("xor")
+
+
+class UniversalMachine:
+    """A cellular neural network with memories, a logic unit and a program store, on one backend.
+
+    Planes stay on the backend while a program runs. What a program keeps (see `Program`) lives here from run to run;
+    `reset` forgets it. Roska and Chua, "The CNN universal machine", IEEE Trans. CAS-II 40 (1993) 163.
+    """
+
+    def __init__(self, backend: str | Backend = "cpu", dtype: str | None = None) -> None:
+        self.backend = backends.get(backend, dtype) if isinstance(backend, str) else backend
+        self._kept: dict[Program, dict[str, Plane]] = {}
+        self._plans: dict[tuple[TemplateStep, tuple[int, ...]], Plan] = {}
+
+    def reset(self) -> None:
+        """Forget all kept planes."""
+        self._kept.clear()
+
+    def run(self, program: Program, **inputs: ArrayLike) -> dict[str, Any]:
+        """Run a program on planes (rows, cols) of one shape and return its outputs: arrays, and numbers from wires.
+
+        Raises:
+            InputError: an input is missing, unknown or of another shape; a step fails (the message names it).
+        """
+        arrays = _check(program, inputs)
+        shape = next(iter(arrays.values())).shape
+        planes: dict[str, Any] = {
+            name: self.backend.load(array, program.memory[name])  # type: ignore[arg-type]  # inputs are never wires
+            for name, array in arrays.items()
+        }
+        kept = self._kept.get(program)
+        if kept is None or kept[""] != shape:
+            kept = {name: self._constant(program, name, value, shape) for name, value in program.keep.items()}
+        planes.update(kept)
+        planes[""] = shape
+        self._execute(program, program.steps, planes)
+        self._kept[program] = {name: planes[name] for name in ("", *program.keep)}
+        return {
+            name: planes[name] if program.memory[name] == "wire" else self.backend.read(planes[name])
+            for name in program.outputs
+        }
+
+    def _execute(self, program: Program, steps: tuple[Step, ...], planes: dict[str, Any]) -> None:
+        backend, memory = self.backend, program.memory
+        for step in steps:
+            match step:
+                case TemplateStep():
+                    x = self._transient(program, step, planes)
+                    planes[step.to] = backend.output(x) if memory[step.to] == "lam" else backend.convert(x, "llm")
+                case CellwiseStep(operation=operation, of=of, to=to, parameters=parameters):
+                    planes.update(
+                        zip(to, backend.cellwise(operation, [planes[p] for p in of], parameters), strict=True)
+                    )
+                case LogicStep(function=function, p=p, q=q, to=to):
+                    planes[to] = backend.logic(function, planes[p], planes[q])
+                case CopyStep(source=source, to=to):
+                    same = memory[source] == memory[to]
+                    planes[to] = planes[source] if same else backend.convert(planes[source], memory[to])  # type: ignore[arg-type]  # wires are not copied
+                case FillStep(value=value, to=to):
+                    planes[to] = self._constant(program, to, value, planes[""])
+                case WireStep(wire=wire, of=of, to=to):
+                    planes[to] = read_wire(wire, backend.count(planes[of]), int(np.prod(planes[""])))
+                case RepeatStep(times=times, do=do):
+                    for _ in range(times):
+                        self._execute(program, do, planes)
+                case UntilUnchangedStep():
+                    self._until_unchanged(program, step, planes)
+                case BranchStep(register=register, do=do, otherwise=otherwise):
+                    self._execute(program, do if planes[register] else otherwise, planes)
+
+    def _transient(self, program: Program, step: TemplateStep, planes: dict[str, Any]) -> Plane:
+        shape = planes[""]
+        plan = self._plans.get((step, shape))
+        if plan is None:
+            plan = self._plans[step, shape] = make_plan(step.template, shape, step.boundary, duration=step.duration)
+
+        def plane(name: str | float | None) -> Plane:
+            if isinstance(name, str):
+                return planes[name] if program.memory[name] == "lam" else self.backend.convert(planes[name], "lam")
+            return None if name is None else self.backend.load(np.full(shape, name), "lam")
+
+        held = None if step.mask is None else planes[step.mask]
+        if step.mask is not None and program.memory[step.mask] == "lam":
+            held = self.backend.convert(held, "llm")
+        try:
+            outcome = self.backend.transient(plan, plane(step.state), plane(step.input), plane(step.bias), held)
+        except InputError as error:
+            raise InputError(f"{step.where}: {error}") from error
+        if step.duration == "settled" and not outcome.settled:
+            raise InputError(
+                f"{step.where}: has not settled after {outcome.t:g} time constants; |dx/dt| {outcome.slope:.3g}"
+            )
+        return outcome.x
+
+    def _until_unchanged(self, program: Program, step: UntilUnchangedStep, planes: dict[str, Any]) -> None:
+        for _ in range(step.limit):
+            before = planes[step.plane]
+            self._execute(program, step.do, planes)
+            if not self.backend.count(self.backend.logic(_XOR, before, planes[step.plane])):
+                return
+        raise InputError(f"{step.where}: still changing after {step.limit} rounds")
+
+    def _constant(self, program: Program, name: str, value: float, shape: tuple[int, ...]) -> Plane:
+        return self.backend.load(np.full(shape, value), program.memory[name])  # type: ignore[arg-type]  # planes only
+
+
+def _check(program: Program, inputs: dict[str, ArrayLike]) -> dict[str, NDArray[Any]]:
+    if set(inputs) != set(program.inputs):
+        raise InputError(
+            f"program {program.name!r} got {', '.join(inputs) or 'nothing'}; {', '.join(program.inputs)} wanted"
+        )
+    arrays = {name: np.asarray(inputs[name]) for name in program.inputs}
+    shapes = {name: array.shape for name, array in arrays.items()}
+    if len(set(shapes.values())) > 1 or any(array.ndim not in (2, 3) or not array.size for array in arrays.values()):
+        raise InputError(f"program {program.name!r} got planes of shapes {shapes}; one shape (rows, cols) wanted")
+    return arrays

@@ -1,0 +1,196 @@
+"""One reader for each kind of step: a table of the file in, a checked step out."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from cnnsim import cellwise, library
+from cnnsim.errors import InputError
+from cnnsim.globalwire import check_wire
+from cnnsim.grid import Boundary, parse_boundary
+from cnnsim.logic import function_number
+from cnnsim.plan import Duration
+from cnnsim.program import (
+    BranchStep,
+    CellwiseStep,
+    CopyStep,
+    FillStep,
+    LogicStep,
+    RepeatStep,
+    Step,
+    TemplateStep,
+    UntilUnchangedStep,
+    WireStep,
+)
+from cnnsim.program_names import Names
+from cnnsim.template import Template
+
+LocalTemplate = tuple[Template, Boundary, Duration]
+
+
+@dataclass(frozen=True)
+class Scope:
+    """What a step can refer to."""
+
+    names: Names
+    templates: Mapping[str, LocalTemplate]
+
+
+def read_steps(tables: Any, prefix: str, scope: Scope) -> tuple[Step, ...]:
+    """Turn a list of tables into steps; ``prefix`` leads their numbers in messages.
+
+    Raises:
+        InputError: what is wrong, led by the step's number and kind.
+    """
+    if not isinstance(tables, list) or not tables or not all(isinstance(table, dict) for table in tables):
+        raise InputError(f"{prefix.strip()}: no steps; one table or more wanted")
+    return tuple(_step(table, f"{prefix}{i}", scope) for i, table in enumerate(tables, start=1))
+
+
+def _step(table: dict[str, Any], number: str, scope: Scope) -> Step:
+    kinds = [key for key in _READERS if key in table]
+    if len(kinds) != 1:
+        raise InputError(f"{number}: has {' and '.join(kinds) or 'none'} of {', '.join(_READERS)}; exactly one wanted")
+    required, optional, read = _READERS[kinds[0]]
+    where = f"{number} ({kinds[0]} {table[kinds[0]]})"
+    try:
+        library.check_keys(table, {kinds[0], *required, *optional}, required)
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from error
+    return read(table, where, number, scope)
+
+
+def _template(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
+    names = scope.names
+    template, boundary, duration, u, x0 = _find_template(table["template"], where, scope)
+    u = table.get("input", u)
+    if template.control_taps and u is None:
+        raise InputError(f"{where}: the template has a B, so 'input' must name a plane")
+    x0 = table.get("state", u if x0 == "picture" and u is not None else x0)
+    if x0 is None or x0 in ("given", "picture"):
+        raise InputError(f"{where}: 'state' must name the plane, or be the number, that x(0) is")
+    try:
+        boundary = parse_boundary(table.get("boundary", boundary))
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from error
+    return TemplateStep(
+        where,
+        template,
+        boundary,
+        table.get("duration", duration),
+        names.read(u, where, "lam", "llm") if isinstance(u, str) else u,
+        names.read(x0, where, "lam", "llm") if isinstance(x0, str) else float(x0),
+        names.read(table["bias"], where, "lam", "llm") if "bias" in table else None,
+        names.read(table["mask"], where, "lam", "llm") if "mask" in table else None,
+        names.write(table["to"], where, "lam", "llm"),
+    )
+
+
+def _find_template(name: str, where: str, scope: Scope) -> tuple[Template, Boundary, Duration, Any, Any]:
+    """Return template, boundary, duration, and what u and x(0) are if the step does not say (None: it must)."""
+    if name in scope.templates:
+        return (*scope.templates[name], None, None)
+    try:
+        entry = library.load(name)
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from error
+    u = entry.input if isinstance(entry.input, int | float) else None
+    x0 = 0.0 if entry.initial_state == "any" else entry.initial_state
+    return entry.template, entry.boundary, entry.duration, u, x0
+
+
+def _cellwise(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
+    try:
+        operation = cellwise.find(table["cellwise"])
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from error
+    of, to, numbers = _list(table["of"]), _list(table["to"]), _list(table.get("parameters", []))
+    for what, given, wanted in (
+        ("inputs", of, operation.inputs),
+        ("outputs", to, operation.outputs),
+        ("parameters", numbers, operation.parameters),
+    ):
+        if len(given) != len(wanted):
+            raise InputError(f"{where}: {len(given)} {what}; {len(wanted)} wanted: {', '.join(wanted) or 'none'}")
+    planes = tuple(scope.names.read(name, where, "lam") for name in of)
+    results = tuple(scope.names.write(name, where, "lam") for name in to)
+    return CellwiseStep(where, operation, planes, results, tuple(scope.names.number(value, where) for value in numbers))
+
+
+def _logic(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
+    of = _list(table["of"])
+    if len(of) not in (1, 2):
+        raise InputError(f"{where}: {len(of)} planes; one or two wanted")
+    p, q = (scope.names.read(name, where, "llm") for name in (of[0], of[-1]))
+    try:
+        function = function_number(table["logic"])
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from error
+    return LogicStep(where, function, p, q, scope.names.write(table["to"], where, "llm"))
+
+
+def _copy(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
+    source = scope.names.read(table["copy"], where, "lam", "llm")
+    return CopyStep(where, source, scope.names.write(table["to"], where, "lam", "llm"))
+
+
+def _fill(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
+    value = scope.names.number(table["fill"], where)
+    return FillStep(where, value, scope.names.write(table["to"], where, "lam", "llm"))
+
+
+def _wire(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
+    of = scope.names.read(table["of"], where, "llm")
+    try:
+        wire = check_wire(table["wire"])
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from error
+    return WireStep(where, wire, of, scope.names.write(table["to"], where, "wire"))
+
+
+def _repeat(table: dict[str, Any], where: str, number: str, scope: Scope) -> Step:
+    times = _whole(table["repeat"], "times", where)
+    return RepeatStep(where, times, read_steps(table["do"], f"{number}.", scope))
+
+
+def _until_unchanged(table: dict[str, Any], where: str, number: str, scope: Scope) -> Step:
+    plane = scope.names.read(table["until_unchanged"], where, "llm")
+    limit = _whole(table.get("limit", 10_000), "limit", where)
+    return UntilUnchangedStep(where, plane, limit, read_steps(table["do"], f"{number}.", scope))
+
+
+def _when(table: dict[str, Any], where: str, number: str, scope: Scope) -> Step:
+    names = scope.names
+    register = names.read(table["when"], where, "wire")
+    before = set(names.written)
+    do = read_steps(table["do"], f"{number}.", scope)
+    after_do, names.written = names.written, before
+    otherwise = read_steps(table["otherwise"], f"{number} otherwise ", scope) if "otherwise" in table else ()
+    names.written &= after_do  # only what both ways write can be read from here on
+    return BranchStep(where, register, do, otherwise)
+
+
+def _list(value: Any) -> list[Any]:
+    return value if isinstance(value, list) else [value]
+
+
+def _whole(value: Any, what: str, where: str) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise InputError(f"{where}: {what} {value!r}; a whole number from 1 wanted")
+    return value
+
+
+_Reader = Callable[[dict[str, Any], str, str, Scope], Step]
+
+_READERS: dict[str, tuple[set[str], set[str], _Reader]] = {
+    "template": ({"to"}, {"input", "state", "bias", "mask", "boundary", "duration"}, _template),
+    "cellwise": ({"of", "to"}, {"parameters"}, _cellwise),
+    "logic": ({"of", "to"}, set(), _logic),
+    "copy": ({"to"}, set(), _copy),
+    "fill": ({"to"}, set(), _fill),
+    "wire": ({"of", "to"}, set(), _wire),
+    "repeat": ({"do"}, set(), _repeat),
+    "until_unchanged": ({"do"}, {"limit"}, _until_unchanged),
+    "when": ({"do"}, {"otherwise"}, _when),
+}
+"""Kind of step: the keys it must have, those it may have, and its reader."""
