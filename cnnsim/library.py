@@ -182,7 +182,7 @@ def _entry(data: dict[str, Any], stem: str) -> LibraryEntry:
 
 def _role(key: str, value: Any, words: tuple[str, ...]) -> Role:
     if value in words or (isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= 1):
-        return value  # type: ignore[no-any-return]  # it came from a file and has just been checked
+        return value
     raise InputError(f"{key} is {value!r}; one of {', '.join(map(repr, words))} or a number from -1 to 1 wanted")
 
 
@@ -194,7 +194,7 @@ def _example(data: dict[str, Any]) -> Example:
     shapes = {key: plane.shape for key, plane in planes.items() if plane is not None}
     if len(set(shapes.values())) > 1:
         raise InputError(f"an example's planes have different shapes: {shapes}")
-    return Example(**planes, tolerance=data.get("tolerance"))
+    return Example(**planes, tolerance=data.get("tolerance"))  # type: ignore[arg-type]  # output is required above
 
 
 def check_keys(data: Mapping[str, Any], known: Collection[str], required: Collection[str] = ()) -> None:
