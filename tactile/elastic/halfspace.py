@@ -6,9 +6,7 @@ from numpy.typing import ArrayLike, NDArray
 from cnnsim.errors import InputError
 
 
-def point_load_strain(
-    positions: ArrayLike, depth: float, loads: ArrayLike, modulus: float
-) -> NDArray[np.float64]:
+def point_load_strain(positions: ArrayLike, depth: float, loads: ArrayLike, modulus: float) -> NDArray[np.float64]:
     """Strain (u_xz, u_yz, u_zz) under point loads on an incompressible half-space.
 
     Each load adds, with (x, y, z) the taxel seen from it and r^2 = x^2 + y^2 + z^2,

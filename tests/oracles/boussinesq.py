@@ -19,7 +19,7 @@ def displacement(
     q, r, f = load
     d = np.sqrt(x * x + y * y + z * z)
     k = 1 - 2 * nu
-    normal = np.array(
+    normal: NDArray[np.complex128] = np.array(
         [
             x * z / d**3 - k * x / (d * (d + z)),
             y * z / d**3 - k * y / (d * (d + z)),
@@ -63,7 +63,5 @@ def stress_tensor(
     """(3, 3) stress by Hooke's law; its z row does not depend on ``nu``, so a compressible body serves."""
     modulus = 1.0
     strain = strain_tensor(point, load, modulus, nu)
-    stress: NDArray[np.float64] = (modulus / (1 + nu)) * (
-        strain + nu / (1 - 2 * nu) * np.trace(strain) * np.eye(3)
-    )
+    stress: NDArray[np.float64] = (modulus / (1 + nu)) * (strain + nu / (1 - 2 * nu) * np.trace(strain) * np.eye(3))
     return stress
