@@ -95,7 +95,7 @@ def bistable(self_feedback: float, weights: npt.ArrayLike, z: float) -> Callable
     return solve
 
 
-STEEP_DIAGONAL = [
+STEEP_DIAGONAL: list[list[float]] = [
     [-1, -1, -1, 0.5, 1],
     [-1, -1, 1, 1, 0.5],
     [-1, 1, 5, 1, -1],
@@ -132,8 +132,8 @@ def anchored_heat(case: Case) -> Plane:
     """The rest x = (K x + K u) / 2 of the diffusion that half listens to its input."""
     u = case.picture
     half = coupling(HEAT, u.shape, repeat_border=True) / 2
-    rest: Plane = np.linalg.solve(np.eye(u.size) - half, half @ u.ravel())
-    return rest.reshape(u.shape)
+    rest = np.linalg.solve(np.eye(u.size) - half, half @ u.ravel())
+    return np.asarray(rest, dtype=np.float64).reshape(u.shape)
 
 
 def membrane(weights: npt.ArrayLike, repeat_border: bool) -> Callable[[Case], Plane]:
