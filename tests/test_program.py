@@ -255,10 +255,8 @@ def test_missing_files_wrong_inputs_and_endless_loops(tmp_path: Path) -> None:
         machine.run(program, p=_picture())
     with pytest.raises(InputError, match="one shape"):
         machine.run(program, p=_picture(), q=_picture(0, (3, 3)))
-    blinking = (
-        HEAD
-        + '[[step]]\nuntil_unchanged = "p"\nlimit = 5\n[[step.do]]\nlogic = "not-p"\nof = ["p"]\nto = "p"\n[[step]]\ncopy = "p"\nto = "r"\n'
-    )
+    step = '[[step]]\nuntil_unchanged = "p"\nlimit = 5\n[[step.do]]\nlogic = "not-p"\nof = ["p"]\nto = "p"\n'
+    blinking = HEAD + step + '[[step]]\ncopy = "p"\nto = "r"\n'
     with pytest.raises(InputError, match=r"step 1 .*still changing after 5 rounds"):
         machine.run(_load(tmp_path, blinking), p=_picture(), q=_picture())
 
