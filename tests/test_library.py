@@ -1,0 +1,393 @@
+"""The template library: every file, every worked example on every backend, global tasks on random pictures."""
+
+import itertools
+import re
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from cnnsim import library
+from cnnsim.grid import fixed
+from cnnsim.library import Example, run, run_example
+from tests.oracles import binary, gray
+from tests.oracles.binary import CROSS, SQUARE, Case, Picture, Plane, black, plane
+
+BACKENDS = ("reference", "cpu")
+NAMES = library.names()
+ANSWERS = {**binary.ANSWERS, **gray.ANSWERS}
+SHAPES = [(1, 1), (1, 9), (9, 1), (2, 2), (5, 8), (11, 10)]
+
+WITHOUT_ANSWER = {
+    "averaging-threshold", "checkerboard", "halftone-3x3", "halftone-5x5", "halftone-5x5-crounse",
+    "line-detector-3", "line-remover-7-horizontal", "line-remover-7-vertical", "patch-maker", "peel-1-pixel",
+    "small-object-remover", "stripes-horizontal", "stripes-vertical",
+}  # fmt: skip
+"""Templates whose task is a sentence and not a formula: the end of this file tests what the sentence promises."""
+
+
+def examples() -> list[tuple[str, int]]:
+    return [(name, k) for name in NAMES for k in range(len(library.load(name).examples))]
+
+
+def case_of(example: Example) -> Case:
+    held = None if example.mask is None else black(example.mask)
+    return Case(example.input, example.state, held, example.bias)
+
+
+# --- the files --------------------------------------------------------------------------------------------------
+
+
+def test_the_library_is_there() -> None:
+    assert len(NAMES) >= 135
+
+
+def test_every_template_has_an_independent_answer_or_a_test_of_its_promise() -> None:
+    assert set(ANSWERS) | WITHOUT_ANSWER == set(NAMES)
+    assert not set(ANSWERS) & WITHOUT_ANSWER
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_file_says_what_a_user_needs(name: str) -> None:
+    entry = library.load(name)
+    assert re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", name)
+    assert entry.summary.endswith(".")
+    assert entry.reference
+    assert 1 <= len(entry.examples) <= 3
+    assert ("uncoupled" in entry.tags) is entry.template.uncoupled
+    assert ("coupled" in entry.tags) is not entry.template.uncoupled
+    assert all(max(example.output.shape) <= 32 for example in entry.examples)
+
+
+@pytest.mark.parametrize("name", [n for n in NAMES if (library.load(n).margin or 1) < 0.25])
+def test_a_small_margin_is_told(name: str) -> None:
+    assert "critical" in library.load(name).note.lower()
+
+
+def test_critical_templates_have_their_margin_in_the_file() -> None:
+    critical = {name for name in NAMES if library.load(name).note.startswith("Critical")}
+    with_margin = {name for name in critical if library.load(name).margin is not None}
+    assert {name for name in with_margin if library.load(name).margin == 0} >= {
+        "edge-no-feedback", "erosion-l-shape", "dilation-l-shape", "erosion-cross", "dilation-cross",
+        "figure-reconstructor", "horizontal-line-detector",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "name",
+    [name for name in NAMES if not library.load(name).template.uncoupled and library.load(name).margin is not None],
+)
+def test_the_margin_of_a_coupled_template(name: str) -> None:
+    """The smallest drive over all black and white neighbourhoods, y of the cell itself weighing a - 1."""
+    template = library.load(name).template
+    others = [tap.weight for tap in template.feedback_taps if (tap.k, tap.l) != (0, 0)]
+    weights = [template.self_feedback - 1, *others, *(tap.weight for tap in template.control_taps)]
+    drives = np.array([template.z])
+    for weight in weights:
+        drives = np.unique(np.round(np.concatenate([drives - weight, drives + weight]), 9))
+    assert library.load(name).margin == pytest.approx(np.abs(drives).min(), abs=1e-9)
+
+
+# --- the worked examples ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(("name", "k"), examples())
+def test_an_example_holds(name: str, k: int, backend: str) -> None:
+    entry = library.load(name)
+    result = run_example(entry, entry.examples[k], backend=backend)
+    assert entry.examples[k].holds(result.y), np.round(result.y, 3)
+
+
+@pytest.mark.parametrize(("name", "k"), [pair for pair in examples() if pair[0] in ANSWERS])
+def test_an_example_is_what_the_definition_says(name: str, k: int) -> None:
+    example = library.load(name).examples[k]
+    answer = ANSWERS[name](case_of(example))
+    assert np.abs(example.output - answer).max() <= (0 if example.tolerance is None else 1e-4)
+
+
+# --- definitions, on random pictures ----------------------------------------------------------------------------
+
+
+def pictures(name: str, shape: tuple[int, int], number: int = 3) -> list[Picture]:
+    """A sparse, a balanced and a dense random picture, always the same ones for one name and shape."""
+    rng = np.random.default_rng([*name.encode(), *shape])
+    return [rng.random(shape) < share for share in (0.3, 0.5, 0.75)[:number]]
+
+
+ALONE = sorted(
+    name
+    for name in binary.ANSWERS
+    if library.load(name).initial_state != "given" and name != "horizontal-line-detector"
+)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("name", ALONE)
+def test_binary_definitions_of_one_picture(name: str, shape: tuple[int, int], backend: str) -> None:
+    for picture in pictures(name, shape):
+        y = run(name, plane(picture), backend=backend).y
+        assert (y * ANSWERS[name](Case(u=plane(picture))) > 0.99).all()
+
+
+def second_picture(name: str, first: Picture) -> Picture:
+    """An initial state as the template wants it."""
+    rng = np.random.default_rng([*name.encode(), first.size])
+    if name in ("recall", "figure-reconstructor"):
+        return first & (rng.random(first.shape) < 0.2)
+    if name == "connectivity":
+        return first & (rng.random(first.shape) < 0.9)
+    other = np.asarray(rng.random(first.shape) < 0.5)
+    return other & ~first if name.startswith(("masked-connected", "masked-shadow")) else other
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("name", sorted(set(binary.ANSWERS) - set(ALONE) - {"horizontal-line-detector"}))
+def test_binary_definitions_of_two_pictures(name: str, shape: tuple[int, int], backend: str) -> None:
+    for picture in pictures(name, shape):
+        state = second_picture(name, picture)
+        y = run(name, plane(picture), state=plane(state), backend=backend).y
+        assert (y * ANSWERS[name](Case(plane(picture), plane(state))) > 0.99).all()
+
+
+def test_the_scans_and_floods_agree_with_plain_loops() -> None:
+    """The oracles that are clever are held to ones that are not."""
+    rng = np.random.default_rng(5)
+    for shape in SHAPES:
+        picture = rng.random(shape) < 0.4
+        rows = ["".join("#" if cell else "." for cell in row) for row in picture]
+        assert [binary.runs(row) for row in picture] == [len(re.findall("#+", row)) for row in rows]
+        assert [row.sum() for row in binary.count_right(picture)] == [len(re.findall("#+", r)) for r in rows]
+        for i, j in itertools.product(range(shape[0]), range(shape[1])):
+            assert binary.shadow(picture, "left")[i, j] == picture[i, j:].any()
+            assert binary.shadow(picture, "right")[i, j] == picture[i, : j + 1].any()
+            assert binary.shadow(picture, "up")[i, j] == picture[i:, j].any()
+            assert binary.shadow(picture, "down")[i, j] == picture[: i + 1, j].any()
+
+
+@pytest.mark.parametrize(
+    ("name", "answer"),
+    [
+        ("erosion-cross", lambda p: ndimage.binary_erosion(p, CROSS)),
+        ("dilation-cross", lambda p: ndimage.binary_dilation(p, CROSS)),
+        ("erosion-square", lambda p: ndimage.binary_erosion(p, SQUARE, border_value=1)),
+        ("dilation-square", lambda p: ndimage.binary_dilation(p, SQUARE)),
+        ("erosion-l-shape", lambda p: ndimage.binary_erosion(p, [[0, 1, 0], [0, 1, 1], [0, 0, 0]])),
+        ("dilation-l-shape", lambda p: ndimage.binary_dilation(p, [[0, 1, 0], [0, 1, 1], [0, 0, 0]])),
+        ("dilation-2x2", lambda p: ndimage.binary_dilation(p, [[0, 1, 1], [0, 1, 1], [0, 0, 0]])),
+        ("erosion-2x2", lambda p: ndimage.binary_erosion(p, [[0, 1, 1], [0, 1, 1], [0, 0, 0]])),
+        ("erosion-horizontal", lambda p: ndimage.binary_erosion(p, [[1, 1, 1]])),
+        ("majority", lambda p: ndimage.median_filter(p.astype(int), 3, mode="constant") > 0),
+    ],
+)
+@pytest.mark.parametrize("shape", SHAPES)
+def test_morphology_is_that_of_scipy(name: str, answer: binary.Rule, shape: tuple[int, int]) -> None:
+    for picture in pictures(name, shape):
+        assert np.array_equal(black(run(name, plane(picture)).y), answer(picture))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_horizontal_lines_where_no_gap_is_a_single_pixel(shape: tuple[int, int]) -> None:
+    rng = np.random.default_rng(shape)
+    for _ in range(3):
+        lines = []
+        for _ in range(shape[0]):
+            parts = ["".join(("#" * rng.integers(1, 4), "." * rng.integers(2, 4))) for _ in range(shape[1])]
+            lines.append([cell == "#" for cell in "".join(parts)[: shape[1]]])
+        picture = plane(np.array(lines))
+        y = run("horizontal-line-detector", picture).y
+        assert (y * ANSWERS["horizontal-line-detector"](Case(picture)) > 0.99).all()
+
+
+FILTERS = [
+    "edge-gray", "threshold", "threshold-zero", "copy", "average", "lowpass", "laplacian", "optimal-edge",
+    "inverse-halftone-3x3", "inverse-halftone-5x5", "constrained-diffusion", "majority-vote-1",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("name", FILTERS)
+def test_gray_definitions(name: str, shape: tuple[int, int], backend: str) -> None:
+    rng = np.random.default_rng([*name.encode(), *shape])
+    picture = rng.uniform(-1, 1, shape)
+    y = run(name, picture, backend=backend).y
+    assert np.abs(y - ANSWERS[name](Case(picture))).max() < 1e-3
+
+
+@pytest.mark.parametrize("name", ["approximate-diagonal-detector", "muller-lyer"])
+def test_large_windows_on_gray_pictures(name: str) -> None:
+    rng = np.random.default_rng(3)
+    picture = rng.choice([-1.0, 1.0], (9, 12)) * rng.uniform(0.9, 1.0, (9, 12))
+    assert (run(name, picture).y * ANSWERS[name](Case(picture)) > 0.99).all()
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_diffusion_is_the_matrix_exponential(shape: tuple[int, int]) -> None:
+    start = np.random.default_rng(shape).uniform(-1, 1, shape)
+    for time in (0.5, 5.0):
+        y = run("diffusion", start, duration=time, scheme="rk4", step=0.05).y
+        assert np.abs(y - gray.heat(Case(x0=start), time)).max() < 1e-6
+    assert abs(run("diffusion", start).y.mean() - start.mean()) < 1e-6
+
+
+def anchors(shape: tuple[int, int], share: float) -> tuple[Plane, Picture]:
+    rng = np.random.default_rng(shape)
+    held = np.asarray(rng.random(shape) < share)
+    held.flat[0] = True
+    return np.where(held, rng.uniform(-0.4, 0.4, shape), 0.0), held
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize(("name", "share"), [("laplace-solver", 0.2), ("surface-interpolation", 0.6)])
+def test_surfaces_through_held_cells(name: str, share: float, shape: tuple[int, int]) -> None:
+    start, held = anchors(shape, share)
+    y = run(name, start, mask=held).y
+    assert np.abs(y - ANSWERS[name](Case(x0=start, held=held))).max() < 5e-3
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_poisson_with_a_random_load(shape: tuple[int, int]) -> None:
+    load = np.random.default_rng(shape).uniform(-0.4, 0.4, shape)
+    start = np.zeros(shape)
+    y = run("poisson-solver", start, bias=load).y
+    assert np.abs(y - ANSWERS["poisson-solver"](Case(x0=start, bias=load))).max() < 5e-3
+
+
+def test_hole_filling_and_counting_need_white_outside() -> None:
+    """The files depart from the printed boundary of 0; this is why."""
+    holes, lines = plane(np.eye(6, dtype=bool)), plane(np.tile([True, True, False, False], (4, 1)))
+    assert (run("hole-filler", holes, boundary=fixed(0)).y > -0.99).any()
+    assert black(run("hole-filler", holes).y).sum() == 6
+    assert (black(run("connected-components-horizontal", lines).y).sum(axis=1) == 1).all()
+    tail = run("connected-components-horizontal", lines, boundary=fixed(0), duration=150.0).y
+    assert not (black(tail).sum(axis=1) == 1).all()
+
+
+# --- what the sentences promise ---------------------------------------------------------------------------------
+
+
+def block(shape: tuple[int, int], rows: slice, cols: slice) -> Plane:
+    picture = -np.ones(shape)
+    picture[rows, cols] = 1
+    return picture
+
+
+@pytest.mark.parametrize(
+    ("name", "sign", "times", "extents"),
+    [
+        ("patch-maker", 1, (0.0, 4.0, 8.0, 12.0), (3, 7, 11, 15)),
+        ("trigger-wave", 1, (0.0, 2.0, 4.0), (3, 9, 15)),
+        ("trigger-wave-white", -1, (0.0, 2.0, 4.0), (3, 9, 15)),
+    ],
+)
+def test_how_far_a_wave_runs(name: str, sign: int, times: tuple[float, ...], extents: tuple[int, ...]) -> None:
+    start = sign * block((21, 21), slice(9, 12), slice(9, 12))
+    found = [int((sign * run(name, start, duration=t, scheme="rk4", step=0.05).y[10] > 0).sum()) for t in times]
+    assert found == list(extents)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_waves_reach_all_they_can_reach(shape: tuple[int, int]) -> None:
+    rng = np.random.default_rng(shape)
+    walls = rng.random(shape) < 0.4
+    start = plane((rng.random(shape) < 0.1) & ~walls)
+    case = Case(x0=start, held=walls)
+    y = run("trigger-wave", start, mask=walls, duration="settled").y
+    assert (y * ANSWERS["trigger-wave"](case) > 0.99).all()
+    inverse = run("trigger-wave-white", -start, mask=walls, duration="settled").y
+    assert np.array_equal(inverse, -y)
+    assert (run("patch-maker", start, duration="settled").y * plane(start.max() > 0) > 0.99).all()
+
+
+@pytest.mark.parametrize("name", ["small-object-remover", "averaging-threshold"])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_repeated_majority_ends_where_every_cell_agrees_with_its_majority(name: str, shape: tuple[int, int]) -> None:
+    voters, mode = (SQUARE, "constant") if name == "small-object-remover" else (CROSS, "nearest")
+    for picture in pictures(name, shape):
+        y = run(name, plane(picture)).y
+        assert (np.abs(y) > 0.99).all()
+        votes = ndimage.correlate(black(y).astype(int), voters.astype(int), mode=mode)
+        assert np.array_equal(black(y), votes > voters.sum() / 2)
+
+
+@pytest.mark.parametrize("size", [(1, 1), (2, 2), (3, 3), (1, 6), (6, 1)])
+def test_small_objects_vanish_and_large_ones_stay(size: tuple[int, int]) -> None:
+    small = block((14, 14), slice(4, 4 + size[0]), slice(4, 4 + size[1]))
+    assert (run("small-object-remover", small).y < -0.99).all()
+    y = run("small-object-remover", block((14, 14), slice(3, 11), slice(3, 11))).y
+    assert black(y).sum() >= 64 - 4 * 3
+    assert not black(y)[block((14, 14), slice(3, 11), slice(3, 11)) < 0].any()
+
+
+def test_averaging_mends_noise_that_a_threshold_does_not() -> None:
+    clean = block((16, 16), slice(4, 12), slice(4, 12))
+    noisy = np.clip(0.5 * clean + np.random.default_rng(2).normal(0, 0.45, clean.shape), -1, 1)
+    assert (noisy * clean < 0).sum() > 20
+    assert (run("averaging-threshold", noisy).y * clean < 0).sum() <= 3
+
+
+@pytest.mark.parametrize("length", range(1, 11))
+@pytest.mark.parametrize("name", ["line-remover-7-vertical", "line-remover-7-horizontal"])
+def test_lines_of_seven_pixels_go_and_longer_ones_keep_a_core(name: str, length: int) -> None:
+    line = block((15, 7), slice(2, 2 + length), slice(3, 4))
+    upright = name.endswith("vertical")
+    y = black(run(name, line if upright else line.T).y)
+    y = y if upright else y.T
+    assert y.any() == (length > 7)
+    assert not (y & (line < 0)).any()
+    assert np.array_equal(y[2 : 2 + length], y[2 : 2 + length][::-1]), "the core is in the middle"
+
+
+@pytest.mark.parametrize("length", range(1, 8))
+@pytest.mark.parametrize("direction", [(0, 1), (1, 0), (1, 1), (1, -1)])
+def test_lines_of_three_pixels_stay_and_longer_ones_go(length: int, direction: tuple[int, int]) -> None:
+    picture = np.zeros((12, 12))
+    for k in range(length):
+        picture[2 + k * direction[0], (9 if direction[1] < 0 else 2) + k * direction[1]] = 1
+    y = black(run("line-detector-3", picture).y)
+    assert np.array_equal(y, picture > 0) if length <= 3 else not y.any()
+
+
+@pytest.mark.parametrize("size", [(1, 1), (1, 5), (5, 1), (2, 2), (2, 6), (3, 4), (4, 7), (8, 8)])
+def test_peeling_takes_one_pixel_from_each_side(size: tuple[int, int]) -> None:
+    rows, cols = size
+    picture = block((12, 12), slice(2, 2 + rows), slice(2, 2 + cols))
+    peeled = block((12, 12), slice(3, max(3, 1 + rows)), slice(3, max(3, 1 + cols)))
+    assert (run("peel-1-pixel", picture).y * peeled > 0.99).all()
+
+
+@pytest.mark.parametrize("name", ["halftone-3x3", "halftone-5x5", "halftone-5x5-crounse"])
+def test_halftones_are_binary_and_keep_the_local_mean(name: str) -> None:
+    ramp = np.tile(np.linspace(-0.85, 0.85, 24), (16, 1))
+    y = run(name, ramp, duration=60.0).y
+    assert (np.abs(y) > 0.99).mean() > 0.95
+    error = ndimage.gaussian_filter(y, 2.0) - ndimage.gaussian_filter(ramp, 2.0)
+    assert np.abs(error)[4:-4, 4:-4].mean() < 0.1
+    assert abs(y.mean()) < 0.05
+
+
+def neighbours_alike(y: Plane) -> tuple[float, float]:
+    """Mean products of horizontal and of vertical neighbours on the torus."""
+    return float((y * np.roll(y, 1, axis=1)).mean()), float((y * np.roll(y, 1, axis=0)).mean())
+
+
+@pytest.mark.parametrize(
+    ("name", "signs"),
+    [("checkerboard", (-1, -1)), ("stripes-vertical", (-1, 1)), ("stripes-horizontal", (1, -1))],
+)
+def test_patterns_grow_out_of_noise(name: str, signs: tuple[int, int]) -> None:
+    noise = np.random.default_rng(11).normal(0, 0.05, (16, 16))
+    y = run(name, noise).y
+    assert (np.abs(y) > 0.99).all()
+    assert all(sign * alike > 0.6 for sign, alike in zip(signs, neighbours_alike(y), strict=True))
+
+
+def test_a_checkerboard_at_rest_has_at_most_two_neighbours_of_the_own_colour() -> None:
+    noise: NDArray[np.float64] = np.random.default_rng(12).normal(0, 0.05, (14, 10))
+    y = run("checkerboard", noise).y
+    around = sum(np.roll(y, step, axis) for step in (1, -1) for axis in (0, 1))
+    assert (y * around <= 0).all()
