@@ -89,6 +89,38 @@ def test_the_margin_of_a_coupled_template(name: str) -> None:
     assert library.load(name).margin == pytest.approx(np.abs(drives).min(), abs=1e-9)
 
 
+ISOTROPIC = [
+    "averaging-threshold", "checkerboard", "concave-filler", "connectivity", "diffusion", "edge-gray",
+    "figure-reconstructor", "framed-areas", "halftone-3x3", "halftone-5x5", "halftone-5x5-crounse",
+    "hole-filler", "inverse-halftone-3x3", "inverse-halftone-5x5", "laplace-solver", "line-detector-3",
+    "muller-lyer", "patch-maker", "peel-1-pixel", "poisson-solver", "recall", "small-object-remover",
+    "surface-interpolation", "trigger-wave", "trigger-wave-white",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ISOTROPIC)
+def test_templates_that_know_no_direction(name: str) -> None:
+    for matrix in (library.load(name).template.A, library.load(name).template.B):
+        assert np.array_equal(matrix, np.rot90(matrix))
+        assert np.array_equal(matrix, matrix.T)
+
+
+def test_templates_made_from_one_another() -> None:
+    a = {name: library.load(name).template.A for name in NAMES}
+    b = {name: library.load(name).template.B for name in NAMES}
+    assert np.array_equal(a["stripes-horizontal"], a["stripes-vertical"].T)
+    assert np.array_equal(a["line-remover-7-horizontal"], a["line-remover-7-vertical"].T)
+    assert np.array_equal(b["line-remover-7-horizontal"], b["line-remover-7-vertical"].T)
+    assert np.array_equal(a["trigger-wave-white"], a["trigger-wave"])
+    assert np.allclose(b["inverse-halftone-5x5"], b["halftone-5x5"] / 5, atol=1e-12)
+    for name in ("halftone-3x3", "halftone-5x5"):
+        ring = a[name] + b[name]
+        ring[ring.shape[0] // 2, ring.shape[0] // 2] = 0
+        assert not ring.any(), "neighbours pull with B what they push with A"
+    for quarters, name in enumerate(("shadow-left", "shadow-up", "shadow-right", "shadow-down")):
+        assert np.array_equal(a[name], np.rot90(a["shadow-left"], -quarters))
+
+
 # --- the worked examples ----------------------------------------------------------------------------------------
 
 
