@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cnnsim.errors import InputError
 
 Quantity = Literal["strain", "stress", "force"]
-"""What a taxel measures: strain (u_xz, u_yz, u_zz), stress [Pa] (sigma_xz, ...) or force [N] (shear, shear, pressing)."""
+"""What a taxel measures: strain (u_xz, u_yz, u_zz), stress [Pa] of the same components, or force [N]."""
 
 SHEAR_X, SHEAR_Y, NORMAL = 0, 1, 2
 """The last axis of a frame."""
@@ -61,9 +61,9 @@ class TaxelArray:
 class Frame:
     """One reading of one finger's array.
 
-    ``values`` (rows, cols, 3), last axis (shear_x, shear_y, normal) in the unit of the array's quantity; ``t`` [s] host
-    time since the stream began; ``t_device`` [s] the device's own clock (NaN where it has none); ``valid`` (rows, cols),
-    False where a taxel's reading is not to be used.
+    ``values`` (rows, cols, 3), last axis (shear_x, shear_y, normal) in the unit of the array's quantity; ``t`` [s]
+    host time since the stream began; ``t_device`` [s] the device's own clock (NaN where it has none); ``valid``
+    (rows, cols), False where a taxel's reading is not to be used.
     """
 
     finger: int

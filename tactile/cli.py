@@ -1,0 +1,90 @@
+"""The command line of the tactile layer."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from cnnsim import backends
+from cnnsim.command import CommandGroup, examples, print_json
+from tactile.encoding import SIGN, Threshold
+from tactile.pipeline import Settings
+from tactile.sources import open_source
+
+TARE = 100
+"""Frames averaged away at the start of a recording unless the user says otherwise; simulated frames have no offset."""
+
+
+@click.group(cls=CommandGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="cellular-wave-touch")
+def main() -> None:
+    """Turn frames of three-axial taxel arrays into events, located loads and texture figures."""
+
+
+@main.command(
+    epilog=examples(
+        "tactile run examples/scenes/grip.toml -o out/grip",
+        "tactile run grasp.npz -o out/grasp --tare 100",
+        "tactile run grasp.npz --sign-code --json",
+    )
+)
+@click.argument("source", type=click.Path(path_type=Path))
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), help="Folder for frames.csv, events.json and touch.png."
+)
+@click.option("--dead-band", type=float, help="Shear below this is no direction [unit of the signal].")
+@click.option("--hysteresis", type=float, help="A direction starts only this much above the dead band.")
+@click.option("--sign-code", is_flag=True, help="The paper's code: the bare signs, no dead band.")
+@click.option("--window", type=int, default=128, show_default=True, help="Frames a texture figure averages.")
+@click.option("--floor", type=float, help="Normal signal below which texture figures are not valid.")
+@click.option("--tare", type=int, help=f"Unloaded frames at the start to average away [{TARE} for .npz, else 0].")
+@click.option("--backend", type=click.Choice(backends.NAMES), default="cpu", show_default=True)
+@click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
+def run(
+    source: Path, output: Path | None, dead_band: float | None, hysteresis: float | None, sign_code: bool, window: int,
+    floor: float | None, tare: int | None, backend: str, as_json: bool,
+) -> None:  # fmt: skip
+    """Run SOURCE, a scene (.toml) or a recording (.npz, .csv), through the pipeline."""
+    from rich.progress import track  # not for --help
+
+    from tactile import pipeline  # the machine is loaded only when it runs
+    from tactile.report import summary, tables  # the same
+    from tactile.sinks import Collected, Record  # the same
+
+    frames = open_source(source)
+    shear = SIGN if sign_code else None
+    if dead_band is not None or hysteresis is not None:
+        if sign_code:
+            raise click.UsageError("--sign-code has no dead band; leave out --dead-band and --hysteresis")
+        if dead_band is None:
+            raise click.UsageError("--hysteresis needs a --dead-band, in the unit of the signal")
+        shear = Threshold(dead_band, dead_band / 2 if hysteresis is None else hysteresis)
+    offset = tare if tare is not None else (TARE if source.suffix == ".npz" else 0)
+    settings = Settings(shear, window=window, floor=floor, tare=offset, backend=backend)
+    collected = Collected()
+    watched = _Watched(frames, track(frames, "touch", total=frames.frames, transient=True, disable=as_json))
+    if output is None:
+        pipeline.run(watched, settings, [collected])
+    else:
+        with Record(output, {"source": source.name, "title": frames.title, "tare": offset}) as record:
+            pipeline.run(watched, settings, [collected, record])
+    if as_json:
+        print_json(summary(collected, frames.arrays))
+    else:
+        tables(collected, frames.arrays)
+    if output is not None:
+        from tactile.portrait import draw  # matplotlib is slow to import
+
+        draw(collected, frames.arrays, frames.title, output / "touch.png")
+        click.echo(f"wrote {output / 'frames.csv'}, {output / 'events.json'}, {output / 'touch.png'}", err=as_json)
+
+
+class _Watched:
+    """A source whose frames pass a progress bar."""
+
+    def __init__(self, source: Any, frames: Any) -> None:
+        self._frames = frames
+        self.arrays, self.modulus, self.frames, self.title = source.arrays, source.modulus, source.frames, source.title
+
+    def __iter__(self) -> Any:
+        return iter(self._frames)

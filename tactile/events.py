@@ -1,0 +1,66 @@
+"""Events: what a change of code means to a hand."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactile.encoding import Code
+from tactile.localise import Load
+from tactile.slip import Slip
+
+
+@dataclass(frozen=True)
+class Event:
+    """One tactile event of one finger.
+
+    ``t`` [s]; ``code`` the finger's arrows, ``ternary`` the same in -0+; ``hand`` the sign code of all fingers;
+    ``latency`` [s] from the frame's arrival in the pipeline to this event; ``load`` the one located in that frame.
+    """
+
+    t: float
+    finger: str
+    sequence: int
+    code: str
+    ternary: str
+    hand: int
+    meaning: str
+    latency: float
+    load: Load | None
+
+
+def meaning(before: Code, after: Code) -> str:
+    """Say in words what the change from one code to the next is."""
+    touched, touches = bool(before.contact.any()), bool(after.contact.any())
+    if touches != touched:
+        return "contact" if touches else "release"
+    old, new = direction(before), direction(after)
+    count = int(np.count_nonzero(after.x) + np.count_nonzero(after.y))
+    earlier = int(np.count_nonzero(before.x) + np.count_nonzero(before.y))
+    if count == earlier == 0:
+        return f"contact on {int(after.contact.sum())} of {after.contact.size} taxels"
+    if count == 0:
+        return "shear gone"
+    if earlier == 0:
+        return f"shear {new}"
+    if new != old:
+        return f"shear turns {new}"
+    return f"shear {new} {'spreads' if count > earlier else 'fades' if count < earlier else 'shifts'}"
+
+
+def direction(code: Code) -> str:
+    """Return where the taxels' shear points by majority: "+x", "-y", "+x -y", or "about a point" if they disagree."""
+    votes = (int(code.x.sum()), int(code.y.sum()))
+    most = max(abs(vote) for vote in votes)
+    if most == 0:
+        return "about a point"
+    return " ".join(
+        f"{'+' if vote > 0 else '-'}{axis}" for vote, axis in zip(votes, "xy", strict=True) if 2 * abs(vote) > most
+    )
+
+
+def slip_meaning(slip: Slip) -> str:
+    """Say a slip in words, with its length and its main direction."""
+    along_y = abs(slip.dy) >= abs(slip.dx)
+    way = ("-" if (slip.dy if along_y else slip.dx) < 0 else "+") + ("y" if along_y else "x")
+    length = float(np.hypot(slip.dx, slip.dy)) * 1e3
+    return f"slip begins toward {way}" if slip.begins else f"slip ends: {length:.2f} mm toward {way}"
