@@ -69,11 +69,10 @@ class LibraryEntry:
             InputError: a second picture is missing, or there is no use for it.
         """
         shape = np.shape(picture)
-        if (state is not None) != (self.initial_state == "given"):
-            has, wants = ("no", "a") if state is None else ("a", "no")
-            raise InputError(
-                f"template {self.name!r} got {has} second picture as initial state, it takes {wants} such picture"
-            )
+        if state is None and self.initial_state == "given":
+            raise InputError(f"template {self.name!r} takes a second picture, as initial state, and none was given")
+        if state is not None and self.initial_state != "given":
+            raise InputError(f"template {self.name!r} takes one picture; a second one, as initial state, was given")
         x0 = {"picture": picture, "given": state, "any": np.zeros(shape)}.get(
             str(self.initial_state), self.initial_state
         )
