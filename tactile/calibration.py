@@ -93,7 +93,7 @@ def beta_from_scan(shear: ArrayLike, normal: ArrayLike) -> float:
 
     |T_x|max is the mean of both lobes, so that a constant offset of the shear signal drops out. Between equally
     spaced samples an extremum is that of the polynomial through the largest sample and its three neighbours on
-    either side. On noiseless data of spacing h that is off by up to 8 (h / z)^7, and by rounding only where
+    either side. On noiseless data of spacing h that is off by up to 70 (h / z)^7, and by rounding only where
     samples hit the extrema and h is z / 20 or less. It does not smooth: filter a noisy scan first.
 
     Arguments: ``shear``, ``normal`` (n,) readings T_x, S_n at equally spaced places along the scan.

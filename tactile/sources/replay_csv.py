@@ -1,0 +1,199 @@
+"""Frames in a CSV file that people and spreadsheets can read: one line, one frame of one finger.
+
+The file begins with a header of comment lines that together are TOML, in SI units:
+
+    # tactile_recording = 1
+    # title = "grip"
+    # youngs_modulus_pa = 2400000.0          (left out where it is not known)
+    # [[finger]]
+    # name = "left"
+    # rows = 2
+    # cols = 2
+    # pitch_m = 0.0015
+    # depth_m = 0.0015
+    # origin_m = [0.0, 0.0]
+    # quantity = "strain"                    (strain, stress or force)
+
+Then a line of column names and the frames, ordered in time:
+
+    t_s,t_device_s,finger,sequence,x0,y0,n0,x1,y1,n1,...
+
+x, y, n are shear_x, shear_y and normal of taxel row * cols + col. A finger with fewer taxels has shorter lines. An
+empty or NaN cell makes the taxel invalid; ``t_device_s`` is empty where the device has no clock.
+"""
+
+import csv
+import json
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cnnsim.errors import InputError
+from tactile.frame import Frame, TaxelArray
+from tactile.sources.base import Source
+from tactile.sources.tables import check_keys, take, take_array, take_numbers, take_tables
+
+FIXED_COLUMNS = ("t_s", "t_device_s", "finger", "sequence")
+HEADER_KEYS = ("tactile_recording", "title", "youngs_modulus_pa", "finger")
+FINGER_KEYS = ("name", "rows", "cols", "pitch_m", "depth_m", "origin_m", "quantity")
+
+
+@dataclass(frozen=True)
+class CsvReplay:
+    """A recording read from CSV, as a ``Source``."""
+
+    title: str
+    arrays: tuple[TaxelArray, ...]
+    modulus: float | None
+    recorded: tuple[Frame, ...]
+
+    @property
+    def frames(self) -> int:
+        """Number of frames over all fingers."""
+        return len(self.recorded)
+
+    def __iter__(self) -> Iterator[Frame]:
+        return iter(self.recorded)
+
+
+def read_csv(path: Path) -> CsvReplay:
+    """Read a whole recording.
+
+    Raises:
+        InputError: no such file, or a line that is cut short, out of time order or not as the header says: the
+            message names file, line and what was wanted.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8").rstrip("\n").split("\n")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read as a CSV recording: {error}") from error
+    head = next((n for n, line in enumerate(lines) if not line.startswith("#")), len(lines))
+    title, modulus, arrays = _read_header("\n".join(line[1:].lstrip() for line in lines[:head]), str(path))
+    wanted = _columns(arrays)
+    rows = csv.reader(lines[head:])
+    if next(rows, None) != wanted:
+        got = lines[head] if head < len(lines) else "the end of the file"
+        raise InputError(f"{path}, line {head + 1}: {got!r}, the column names {','.join(wanted)!r} wanted")
+    frames: list[Frame] = []
+    for row in rows:
+        where = f"{path}, line {head + rows.line_num}"
+        frame = _read_frame(row, arrays, where)
+        if frames and frame.t < frames[-1].t:
+            raise InputError(f"{where}: t_s = {frame.t} after {frames[-1].t}, frames in the order of time wanted")
+        frames.append(frame)
+    if not frames:
+        raise InputError(f"{path}: no frames after the column names, at least one wanted")
+    return CsvReplay(title, arrays, modulus, tuple(frames))
+
+
+def write_csv(path: Path, source: Source) -> None:
+    """Write all frames of a source; reading them back gives the same numbers to the last bit.
+
+    Taxels that are not valid become empty cells, whatever they read.
+
+    Raises:
+        InputError: two fingers have one name, or the file cannot be written.
+    """
+    names = [array.name for array in source.arrays]
+    if len(set(names)) < len(names):
+        raise InputError(f"fingers {names}: each needs a name of its own to be written")
+    try:
+        with path.open("w", encoding="utf-8", newline="") as file:
+            file.writelines(f"# {line}\n" for line in _header(source))
+            out = csv.writer(file, lineterminator="\n")
+            out.writerow(_columns(source.arrays))
+            for frame in source:
+                values = np.where(frame.valid[..., None], frame.values, np.nan).ravel().tolist()
+                cells = [_cell(value) for value in (frame.t, frame.t_device, *values)]
+                out.writerow([*cells[:2], names[frame.finger], frame.sequence, *cells[2:]])
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error}") from error
+
+
+def _columns(arrays: tuple[TaxelArray, ...]) -> list[str]:
+    most = max(array.rows * array.cols for array in arrays)
+    return [*FIXED_COLUMNS, *(f"{axis}{taxel}" for taxel in range(most) for axis in "xyn")]
+
+
+def _cell(value: float) -> str:
+    return "" if np.isnan(value) else repr(value)
+
+
+def _header(source: Source) -> Iterator[str]:
+    yield "tactile_recording = 1"
+    yield f"title = {json.dumps(source.title, ensure_ascii=False)}"
+    if source.modulus is not None:
+        yield f"youngs_modulus_pa = {float(source.modulus)!r}"
+    for array in source.arrays:
+        yield "[[finger]]"
+        yield f"name = {json.dumps(array.name, ensure_ascii=False)}"
+        yield f"rows = {array.rows}"
+        yield f"cols = {array.cols}"
+        yield f"pitch_m = {float(array.pitch)!r}"
+        yield f"depth_m = {float(array.depth)!r}"
+        yield f"origin_m = [{float(array.origin[0])!r}, {float(array.origin[1])!r}]"
+        yield f'quantity = "{array.quantity}"'
+
+
+def _read_header(text: str, where: str) -> tuple[str, float | None, tuple[TaxelArray, ...]]:
+    try:
+        table: dict[str, Any] = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{where}: the comment lines at the top are not TOML: {error}") from error
+    check_keys(table, HEADER_KEYS, where)
+    version = take(table, "tactile_recording", int, where)
+    if version != 1:
+        raise InputError(f"{where}: tactile_recording = {version}, 1 wanted")
+    modulus = take(table, "youngs_modulus_pa", float, where) if "youngs_modulus_pa" in table else None
+    arrays = []
+    for number, finger in enumerate(take_tables(table, "finger", where), 1):
+        place = f"{where}: finger {number}"
+        check_keys(finger, FINGER_KEYS, place)
+        arrays.append(
+            take_array(
+                finger,
+                pitch=take(finger, "pitch_m", float, place),
+                depth=take(finger, "depth_m", float, place),
+                origin=take_numbers(finger, "origin_m", 2, place, [0.0, 0.0]),
+                quantity=take(finger, "quantity", str, place),
+                where=place,
+            )
+        )
+    if not arrays or len({array.name for array in arrays}) < len(arrays):
+        names = [array.name for array in arrays]
+        raise InputError(f"{where}: fingers {names}, at least one [[finger]] and no name twice wanted")
+    return take(table, "title", str, where, ""), modulus, tuple(arrays)
+
+
+def _read_frame(row: list[str], arrays: tuple[TaxelArray, ...], where: str) -> Frame:
+    names = [array.name for array in arrays]
+    if len(row) < len(FIXED_COLUMNS):
+        raise InputError(f"{where}: {len(row)} columns, at least {len(FIXED_COLUMNS)} wanted")
+    if row[2] not in names:
+        raise InputError(f"{where}: finger {row[2]!r}, one of {', '.join(names)} wanted")
+    finger = names.index(row[2])
+    array = arrays[finger]
+    count = len(FIXED_COLUMNS) + 3 * array.rows * array.cols
+    if len(row) != count:
+        raise InputError(f"{where}: {len(row)} columns, {count} wanted for finger {array.name!r}")
+    try:
+        sequence = int(row[3])
+    except ValueError as error:
+        raise InputError(f"{where}: sequence {row[3]!r}, a whole number wanted") from error
+    columns = _columns((array,))
+    t, t_device, *flat = (_number(row[i], f"{where}: {columns[i]}") for i in (0, 1, *range(len(FIXED_COLUMNS), count)))
+    if not np.isfinite(t):
+        raise InputError(f"{where}: t_s = {row[0]!r}, a finite time wanted")
+    values = np.array(flat).reshape(*array.shape, 3)
+    return Frame(finger, t, sequence, values, np.isfinite(values).all(-1), t_device)
+
+
+def _number(cell: str, where: str) -> float:
+    try:
+        return float(cell) if cell.strip() else float("nan")
+    except ValueError as error:
+        raise InputError(f"{where} = {cell!r}, a number or nothing wanted") from error
