@@ -47,9 +47,7 @@ def test_a_plane_carries_the_load() -> None:
     rho = DEPTH * np.tan(slant)
     jacobian = rho * DEPTH / np.cos(slant) ** 2 * weights * np.pi / 4
     azimuth = (np.arange(16) + 0.5) * 2 * np.pi / 16
-    at = np.stack(
-        [load[0] + rho[:, None] * np.cos(azimuth), load[1] + rho[:, None] * np.sin(azimuth)], axis=-1
-    )
+    at = np.stack([load[0] + rho[:, None] * np.cos(azimuth), load[1] + rho[:, None] * np.sin(azimuth)], axis=-1)
     traction = point_load_stress(at, DEPTH, [load])
     total = (traction * jacobian[:, None, None]).sum((0, 1)) * 2 * np.pi / 16
     assert total == pytest.approx((-load[2], -load[3], -load[4]), rel=1e-10)
