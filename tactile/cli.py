@@ -8,7 +8,7 @@ import click
 from cnnsim import backends
 from cnnsim.command import CommandGroup, examples, print_json
 from tactile.encoding import SIGN, Threshold
-from tactile.pipeline import Settings
+from tactile.finger import Settings
 from tactile.sources import open_source
 
 TARE = 100

@@ -1,10 +1,12 @@
 """Events: what a change of code means to a hand."""
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from tactile.encoding import Code
+from tactile.frame import Frame, TaxelArray
 from tactile.localise import Load
 from tactile.slip import Slip
 
@@ -27,6 +29,13 @@ class Event:
     latency: float
     load: Load | None
 
+    @classmethod
+    def of(
+        cls, frame: Frame, array: TaxelArray, code: Code, hand: int, what: str, latency: float, load: Load | None
+    ) -> Self:
+        """Return the event that ``what`` happened in this frame."""
+        return cls(frame.t, array.name, frame.sequence, code.arrows(), code.ternary(), hand, what, latency, load)
+
 
 def meaning(before: Code, after: Code) -> str:
     """Say in words what the change from one code to the next is."""
@@ -45,6 +54,15 @@ def meaning(before: Code, after: Code) -> str:
     if new != old:
         return f"shear turns {new}"
     return f"shear {new} {'spreads' if count > earlier else 'fades' if count < earlier else 'shifts'}"
+
+
+def load_meaning(before: Code, after: Code, load: Load) -> list[str]:
+    """Say in words how the tangential part of the whole finger's load changes; nothing if only the normal part does."""
+    if np.array_equal((before.x, before.y), (after.x, after.y)):
+        return []
+    if not (after.x.any() or after.y.any()):
+        return ["tangential load gone"]
+    return [f"tangential load {direction(after)}: {float(np.hypot(load.Q, load.R)):.2f} N"]
 
 
 def direction(code: Code) -> str:

@@ -1,4 +1,4 @@
-"""One picture of a run that a person understands at sight: forces over time, event marks, and where the load was."""
+"""One picture of a run that a person understands at sight: what happened, the forces over time, where the load was."""
 
 from pathlib import Path
 from typing import Any
@@ -6,91 +6,109 @@ from typing import Any
 import numpy as np
 
 from cnnsim import InputError
-from tactile.frame import TaxelArray
+from tactile.events import Event
+from tactile.frame import NORMAL, TaxelArray
+from tactile.report import grouped
 from tactile.sinks import Collected
 
-UNIT = {"force": "N", "strain": "‰", "stress": "kPa"}
-SCALE = {"force": 1.0, "strain": 1e3, "stress": 1e-3}
-MARKS = {"contact": "tab:green", "release": "tab:red", "slip": "tab:purple"}
-MAX_LABELS = 14
-"""More event labels than this on one axis cannot be read; the marks stay."""
+UNIT = {"force": (1.0, "N"), "strain": (1e3, "‰"), "stress": (1e-3, "kPa")}
+COLOURS = {"contact": "tab:green", "release": "tab:red", "slip": "tab:purple", "tangential": "tab:orange"}
+APART = 0.022
+"""Labels closer than this part of the time axis would lie on each other; the less important one is left out."""
 
 
 def draw(collected: Collected, arrays: tuple[TaxelArray, ...], title: str, path: Path) -> None:
-    """Write the picture: a row a finger, time on the left, the taxel plane on the right.
+    """Write the picture: for each finger its events, its normal and shear signals over time, and the taxel plane.
 
     Raises:
         InputError: the file cannot be written.
     """
     from matplotlib.figure import Figure  # slow to import
 
-    figure = Figure(figsize=(13, 1 + 3.6 * len(arrays)), layout="constrained")
-    axes = figure.subplots(len(arrays), 2, squeeze=False, width_ratios=[3, 1])
-    for (timeline, plane), array in zip(axes, arrays, strict=True):
+    figure = Figure(figsize=(13, 1 + 4.6 * len(arrays)), layout="constrained")
+    figure.suptitle(title, fontsize=14)
+    for part, array in zip(figure.subfigures(len(arrays), 1, squeeze=False)[:, 0], arrays, strict=True):
+        grid = part.add_gridspec(3, 2, width_ratios=[3.2, 1], height_ratios=[1.1, 1, 1])
         rows = collected.table(array.name)
-        _timeline(timeline, rows, array, [event for event in collected.events if event.finger == array.name])
-        _plane(plane, rows, array)
-    axes[-1][0].set_xlabel("time [s]")
-    figure.suptitle(title)
+        events = [event for event in collected.events if event.finger == array.name]
+        normal = part.add_subplot(grid[1, 0])
+        shear = part.add_subplot(grid[2, 0], sharex=normal)
+        labels = part.add_subplot(grid[0, 0], sharex=normal)
+        _signals(normal, shear, rows, array)
+        _events(labels, (normal, shear), events, rows[:, 0])
+        labels.set_title(f"{array.name}: {len(events)} events", loc="left")
+        _plane(part.add_subplot(grid[:, 1]), rows, array, collected.strongest.get(array.name))
     try:
-        figure.savefig(path, dpi=110)
+        figure.savefig(path, dpi=100)
     except OSError as error:
         raise InputError(f"cannot write {path}: {error.strerror}") from error
 
 
-def _timeline(axis: Any, rows: np.ndarray, array: TaxelArray, events: list[Any]) -> None:
-    t, scale, unit = rows[:, 0], SCALE[array.quantity], UNIT[array.quantity]
-    pressing = 1 if array.quantity == "force" else -1
-    located = np.isfinite(rows[:, 6])
-    if located.any():
-        axis.plot(t, np.where(located, rows[:, 8], np.nan), color="black", label="normal force F [N]")
-        axis.plot(t, np.where(located, rows[:, 6], np.nan), color="tab:blue", label="shear Q along x [N]")
-        axis.plot(t, np.where(located, rows[:, 7], np.nan), color="tab:orange", label="shear R along y [N]")
-        axis.set_ylabel("located load [N]")
+def _signals(normal: Any, shear: Any, rows: np.ndarray, array: TaxelArray) -> None:
+    """Draw the load's components where it was located, else the taxels' sums."""
+    t = rows[:, 0]
+    if np.isfinite(rows[:, 6:9]).any():
+        pressing, along_x, along_y, unit, what = rows[:, 8], rows[:, 6], rows[:, 7], "N", "located load"
     else:
-        axis.plot(t, pressing * scale * rows[:, 3], color="black", label=f"normal [{unit}]")
-        axis.plot(t, scale * rows[:, 1], color="tab:blue", label=f"shear x [{unit}]")
-        axis.plot(t, scale * rows[:, 2], color="tab:orange", label=f"shear y [{unit}]")
-        axis.set_ylabel(f"sum of {array.rows * array.cols} taxels [{unit}]")
-    axis.margins(x=0.01)
-    low, high = axis.get_ylim()
-    axis.set_ylim(low, high + 0.75 * (high - low))  # room for the labels of the events
-    named = {event.t: event.meaning for event in events}
-    labelled = (
-        events if len(events) <= MAX_LABELS else [e for e in events if e.meaning.split()[0] in MARKS][:MAX_LABELS]
-    )
-    for t_event, text in named.items():
-        colour = MARKS.get(text.split()[0], "tab:gray")
-        axis.axvline(t_event, color=colour, linewidth=0.8, alpha=0.6)
-    last = -np.inf
-    span = max(float(t[-1] - t[0]), 1e-9) if t.size else 1.0
-    for event in labelled:
-        if event.t - last < span / 45:
-            continue  # it would lie on the label before
-        last = event.t
-        axis.annotate(
-            event.meaning, (event.t, 0.99), xycoords=("data", "axes fraction"), rotation=90, fontsize=7, va="top",
-            ha="right", color=MARKS.get(event.meaning.split()[0], "dimgray"),
-        )  # fmt: skip
-    axis.set_title(f"{array.name}: {len(events)} events", loc="left")
-    axis.legend(loc="lower right", fontsize=8, ncols=3)
+        scale, unit = UNIT[array.quantity]
+        inward = scale if array.quantity == "force" else -scale
+        pressing, along_x, along_y, what = inward * rows[:, 3], scale * rows[:, 1], scale * rows[:, 2], "sum of taxels"
+    normal.plot(t, pressing, color="black")
+    normal.set_ylabel(f"normal [{unit}]\n{what}")
+    shear.plot(t, along_x, color="tab:blue", label="x")
+    shear.plot(t, along_y, color="tab:orange", label="y")
+    shear.set_ylabel(f"shear [{unit}]\n{what}")
+    shear.legend(loc="upper right", ncols=2, fontsize=8)
+    shear.set_xlabel("time [s]")
+    normal.tick_params(labelbottom=False)
+    if t.size:
+        normal.set_xlim(t[0], max(t[-1], t[0] + 1e-3))
 
 
-def _plane(axis: Any, rows: np.ndarray, array: TaxelArray) -> None:
+def _events(labels: Any, signals: tuple[Any, ...], events: list[Event], t: np.ndarray) -> None:
+    """Mark every event on the signals, and write down as many as can be read: the important ones first."""
+    for event in events:
+        colour = COLOURS.get(event.meaning.split()[0], "0.75")
+        for axis in signals:
+            axis.axvline(event.t, color=colour, linewidth=0.7, zorder=0)
+    span = float(np.ptp(t)) if t.size else 1.0
+    taken: list[float] = []
+    for event, changes in sorted(grouped(events), key=lambda line: line[0].meaning.split()[0] not in COLOURS):
+        if any(abs(event.t - other) < APART * span for other in taken):
+            continue
+        taken.append(event.t)
+        text = event.meaning if changes == 1 else f"{event.meaning} ({changes}x)"
+        colour = COLOURS.get(event.meaning.split()[0], "0.4")
+        place = {"xycoords": ("data", "axes fraction"), "rotation": 35, "va": "bottom", "annotation_clip": False}
+        labels.annotate(text, (event.t, 0.0), fontsize=8, color=colour, **place)
+    labels.set_ylim(0, 1)
+    labels.axis("off")
+
+
+def _plane(axis: Any, rows: np.ndarray, array: TaxelArray, strongest: np.ndarray | None) -> None:
+    """Draw the taxels, and over them the track of the located load, or the forces of the firmest moment."""
     places = array.positions().reshape(-1, 2) * 1e3
-    axis.scatter(*places.T, marker="s", s=120, facecolor="none", edgecolor="gray", label="taxels")
-    located = np.isfinite(rows[:, 6])
+    axis.scatter(*places.T, marker="s", s=110, facecolor="none", edgecolor="gray")
+    located = np.isfinite(rows[:, 4])
     if located.any():
-        size = 6 + 60 * np.clip(rows[located, 8] / max(rows[located, 8].max(), 1e-12), 0, 1)
-        dots = axis.scatter(
-            rows[located, 4] * 1e3, rows[located, 5] * 1e3, c=rows[located, 0], s=size, cmap="viridis", linewidth=0
-        )
-        axis.figure.colorbar(dots, ax=axis, label="time [s]")
-        axis.set_title("located load (size: F)", loc="left", fontsize=10)
-    else:
-        axis.set_title("taxels; force is measured", loc="left", fontsize=10)
-    axis.set_aspect("equal", adjustable="datalim")
-    axis.margins(0.25)
-    axis.invert_yaxis()
+        found = rows[located]
+        press = np.where(np.isfinite(found[:, 8]), found[:, 8], 0.0)
+        size = 6 + 60 * np.clip(press / max(press.max(), 1e-12), 0, 1)
+        dots = axis.scatter(found[:, 4] * 1e3, found[:, 5] * 1e3, c=found[:, 0], s=size, cmap="viridis", linewidth=0)
+        axis.figure.colorbar(dots, ax=axis, label="time [s]", location="bottom", shrink=0.8)
+    words = "located load, larger where firmer"
+    if array.quantity == "force" and strongest is not None:
+        words = "firmest moment: grey normal, blue shear"
+        press = np.clip(strongest[..., NORMAL].ravel(), 0, None)
+        axis.scatter(*places.T, s=900 * press / max(press.max(), 1e-12), color="0.85", zorder=0)
+        shear = strongest[..., :NORMAL].reshape(-1, 2)
+        longest = max(np.hypot(*shear.T).max(), 1e-12) / (0.7e3 * array.pitch)
+        axis.quiver(*places.T, *shear.T, angles="xy", scale_units="xy", scale=longest, color="tab:blue", width=0.012)
+    axis.set_title(f"taxels seen from outside\n{words}", loc="left", fontsize=9)
+    axis.set_aspect("equal", adjustable="box")
+    half = max(np.ptp(places[:, 0]), np.ptp(places[:, 1]), array.pitch * 1e3) * 0.8
+    centre = places.mean(axis=0)
+    axis.set_xlim(centre[0] - half, centre[0] + half)
+    axis.set_ylim(centre[1] + half, centre[1] - half)
     axis.set_xlabel("x [mm]")
-    axis.set_ylabel("y [mm], down as in CONVENTIONS")
+    axis.set_ylabel("y [mm]")

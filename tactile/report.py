@@ -1,24 +1,18 @@
 """What a run says in words: the tables on the terminal, and the same as data."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
+from tactile.events import Event
 from tactile.frame import TaxelArray
 from tactile.inverse import Validity
 from tactile.localise import Load
 from tactile.sinks import Collected
 
-
-def located(load: Load | None) -> str:
-    """Say where a load is and how sure that is."""
-    if load is None:
-        return ""
-    if not np.isfinite(load.F):
-        return load.validity.name.lower().replace("_", " ")
-    shear = "" if not np.isfinite(load.Q) else f" {load.Q:+.2f} {load.R:+.2f}"
-    where = f"({load.x * 1e3:+.2f}, {load.y * 1e3:+.2f}) mm{shear} {load.F:+.2f} N"
-    return f"{where} {load.validity.name.lower()}, {load.taxels} taxels"
+TOGETHER = 0.05
+"""[s] Code changes of one finger that follow each other faster than this are one line of the table."""
 
 
 def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
@@ -26,31 +20,49 @@ def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
     from rich.console import Console  # only for people
     from rich.table import Table  # the same
 
-    console = Console(width=None if Console().is_terminal else 150)
+    console = Console() if Console().is_terminal else Console(width=150)
+    forces = all(array.quantity == "force" for array in arrays)
     table = Table(title="Events", title_justify="left")
-    for heading in ("time [s]", "finger", "code", "hand", "meaning", "load: place, Q R F", "latency [µs]"):
-        table.add_column(heading, justify="right" if heading.endswith("]") else "left", no_wrap=heading != "meaning")
-    digits = sum(array.rows * array.cols for array in arrays) * 2 // 4
-    if not any(array.quantity != "force" for array in arrays):
-        table.columns.pop(5)
-    for event in collected.events:
-        cells = [f"{event.t:.3f}", event.finger, event.code, f"{event.hand:0{digits}x}", event.meaning,
-                 located(event.load), f"{event.latency * 1e6:.0f}"]  # fmt: skip
-        if len(table.columns) == len(cells) - 1:
-            cells.pop(5)
-        table.add_row(*cells)
+    headings = ["time [s]", "finger", "code", "hand", "meaning", "load: place, Q R F [N]", "latency [µs]"]
+    if forces:
+        headings.remove("load: place, Q R F [N]")
+    for heading in headings:
+        table.add_column(heading, justify="right" if heading in ("time [s]", "latency [µs]") else "left")
+    digits = -(-sum(2 * array.rows * array.cols for array in arrays) // 4)
+    for event, changes in grouped(collected.events):
+        what = event.meaning if changes == 1 else f"{event.meaning} ({changes} changes)"
+        cells = [f"{event.t:.3f}", event.finger, event.code, f"{event.hand:0{digits}x}", what]
+        table.add_row(*cells, *([] if forces else [_located(event.load)]), f"{event.latency * 1e6:.0f}")
     console.print(table)
     for name, facts in summary(collected, arrays)["fingers"].items():
-        friction, roughness = (
-            "not valid" if facts[key] is None else f"{facts[key]:.3g}" for key in ("friction", "roughness")
-        )
-        line = f"{name}: {facts['frames']} frames, friction {friction}, roughness {roughness}"
-        places = ", ".join(f"{count} {kind}" for kind, count in facts["located"].items())
-        console.print(line + (f"; loads: {places}" if places else ""), highlight=False)
+        texture = f"friction {_figure(facts['friction'])}, roughness {_figure(facts['roughness'])}"
+        line = f"{name}: {facts['frames']} frames; {texture}"
+        places = ", ".join(f"{count} {kind.replace('_', ' ')}" for kind, count in facts["located"].items())
+        console.print(line + (f"; loads: {places}" if places and not forces else ""), highlight=False)
+
+
+def grouped(events: Iterable[Event]) -> list[tuple[Event, int]]:
+    """Return the events in the order of time, quick successions of code changes as the last one and their number."""
+    lines: list[tuple[Event, int]] = []
+    open_line: dict[str, int] = {}
+    for event in events:
+        pattern = event.meaning.startswith(("shear", "contact on"))
+        at = open_line.get(event.finger)
+        if pattern and at is not None and event.t - lines[at][0].t <= TOGETHER:
+            lines[at] = (event, lines[at][1] + 1)
+            continue
+        open_line.pop(event.finger, None)
+        if pattern:
+            open_line[event.finger] = len(lines)
+        lines.append((event, 1))
+    return sorted(lines, key=lambda line: line[0].t)
 
 
 def summary(collected: Collected, arrays: tuple[TaxelArray, ...]) -> dict[str, Any]:
-    """Return the run as plain data: events, and for each finger its frames, loads by validity and texture figures."""
+    """Return the run as plain data: events, and for each finger its frames, loads by validity and texture figures.
+
+    The texture figures are medians over the frames in which they were valid; None if they never were.
+    """
     fingers = {}
     for array in arrays:
         rows = collected.table(array.name)
@@ -58,8 +70,8 @@ def summary(collected: Collected, arrays: tuple[TaxelArray, ...]) -> dict[str, A
         fingers[array.name] = {
             "frames": len(rows),
             "located": {kind: count for kind, count in kinds.items() if count},
-            "friction": _last(rows[:, 10]),
-            "roughness": _last(rows[:, 11]),
+            "friction": _median(rows[:, 10]),
+            "roughness": _median(rows[:, 11]),
         }
     events = [
         {
@@ -72,7 +84,19 @@ def summary(collected: Collected, arrays: tuple[TaxelArray, ...]) -> dict[str, A
     return {"seconds": seconds, "frames": collected.frames, "fingers": fingers, "events": events}
 
 
-def _last(values: np.ndarray) -> float | None:
-    """The last figure that was valid."""
+def _located(load: Load | None) -> str:
+    """Say where a load is and how sure that is."""
+    if load is None or not np.isfinite(load.F):
+        return "" if load is None else load.validity.name.lower().replace("_", " ")
+    place = f"({load.x * 1e3:+.2f}, {load.y * 1e3:+.2f}) mm"
+    shear = f" {load.Q + 0.0:+.2f} {load.R + 0.0:+.2f}" if np.isfinite(load.Q) else ""
+    return f"{place}{shear} {load.F:+.2f}, {load.validity.name.lower()}, {load.taxels} taxels"
+
+
+def _figure(value: float | None) -> str:
+    return "not valid" if value is None else f"{value:.3g}"
+
+
+def _median(values: np.ndarray) -> float | None:
     valid = values[np.isfinite(values)]
-    return float(valid[-1]) if valid.size else None
+    return float(np.median(valid)) if valid.size else None

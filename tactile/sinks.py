@@ -30,16 +30,21 @@ def figure(plane: Any, valid: Any) -> float:
 
 
 class Collected:
-    """Keeps what the table and the picture need: events, and one row of numbers a frame."""
+    """Keeps what the table and the picture need: events, a row of numbers a frame, and the frame that pressed most."""
 
     def __init__(self) -> None:
         self.events: list[Event] = []
         self.rows: dict[str, list[tuple[float, ...]]] = {}
+        self.strongest: dict[str, np.ndarray] = {}
         self.frames = 0
 
     def __call__(self, report: Report) -> None:
         """Take one report."""
         self.frames += 1
+        values = np.where(report.frame.valid[..., None], report.frame.values, 0.0)
+        best = self.strongest.setdefault(report.array.name, values)
+        if abs(values[..., NORMAL].sum()) > abs(best[..., NORMAL].sum()):
+            self.strongest[report.array.name] = values
         self.events += report.events
         load, texture = report.load, report.texture
         place = (np.nan,) * 6 if load is None else (load.x, load.y, load.Q, load.R, load.F, float(load.validity))

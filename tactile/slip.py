@@ -8,7 +8,7 @@ from tactile.localise import Load
 
 START = 50e-6
 """[m] of travel that begins a slip: ten times the precision of localisation (3-5 um, paper, section 4)."""
-REST = 0.15
+REST = 0.25
 """[s] without ``START`` of travel that ends one: longer than the sticking phases of stick-slip."""
 
 

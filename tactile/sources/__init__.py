@@ -1,0 +1,20 @@
+"""Sources of frames: simulated, recorded and (later) live ones look alike."""
+
+from pathlib import Path
+
+from cnnsim.errors import InputError
+from tactile.sources.base import Source
+
+
+def open_source(path: Path) -> Source:
+    """Return the source that a file is: a scene (.toml) or a recording (.npz, .csv).
+
+    Raises:
+        InputError: the file is missing, of no known kind, or wrong inside.
+    """
+    from tactile.sources.replay import read_recording  # only what the file needs is imported
+    from tactile.sources.simulated import read_scene  # the same
+
+    if not path.is_file():
+        raise InputError(f"no scene or recording {path}")
+    return read_scene(path) if path.suffix.lower() == ".toml" else read_recording(path)

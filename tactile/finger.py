@@ -1,0 +1,94 @@
+"""Finger: what has to be remembered of one array between frames, and what one frame does to it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cnnsim import InputError
+from cnnsim.machine import UniversalMachine
+from cnnsim.program import Program
+from cnnsim.program_file import load_program
+from tactile.calibration import Tare
+from tactile.comparators import Comparators
+from tactile.encoding import CONTACT, SHEAR, Threshold, encode
+from tactile.events import load_meaning, meaning, slip_meaning
+from tactile.frame import Frame, TaxelArray
+from tactile.localise import Load, localise
+from tactile.slip import SlipWatch
+from tactile.texture import Texture, TextureFigures
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a user can choose; None means: as the array's quantity asks for.
+
+    ``shear`` and ``contact`` thresholds in the unit of the signal; ``window`` T [frames] and ``floor`` (normal signal)
+    of the texture figures; ``tare`` frames at the start that are averaged away; ``backend`` of the machine.
+    """
+
+    shear: Threshold | None = None
+    contact: Threshold | None = None
+    window: int = 128
+    floor: float | None = None
+    tare: int = 0
+    backend: str = "cpu"
+
+
+class Finger:
+    """One array with its tare, its inverse, its comparators, its slip watch and its texture figures."""
+
+    def __init__(self, array: TaxelArray, modulus: float | None, settings: Settings) -> None:
+        contact = settings.contact or CONTACT[array.quantity]
+        shear = settings.shear or SHEAR[array.quantity]
+        machine = UniversalMachine(settings.backend, "float64")
+        self.array = array
+        self._shear, self._contact = shear, contact
+        self.tare = Tare(settings.tare)
+        self.taxels = Comparators(machine, array.shape, shear, contact)
+        self._load = Comparators(machine, (1, 1), SHEAR["force"], CONTACT["force"])
+        self._slip = SlipWatch()
+        self._texture = Texture(settings.window, contact.dead_band if settings.floor is None else settings.floor)
+        self._machine, self._inverse = machine, _inverse(array, modulus, contact.dead_band)
+        self._positions = array.positions()
+
+    def locate(self, frame: Frame) -> Load | None:
+        """Return the load under this finger: the inverse in every cell, then the taxels' consensus.
+
+        None for arrays that measure force themselves.
+        """
+        if self._inverse is None:
+            return None
+        values = np.where(frame.valid[..., None], frame.values, np.nan)
+        signals = {name: values[..., i] for i, name in enumerate(self._inverse.inputs)}
+        planes = tuple(self._machine.run(self._inverse, **signals).values())
+        return localise(self._positions, planes[:4], planes[4:] or None, self.array.depth)
+
+    def notice(self, frame: Frame, load: Load | None) -> list[str]:
+        """Run the comparators on the frame and return in words what has changed."""
+        happened = []
+        if self.taxels.update(encode(frame, self.array.quantity, self._shear, self._contact)):
+            happened.append(meaning(self.taxels.before, self.taxels.code))
+        if load is not None:
+            whole = np.nan_to_num(np.array([[[load.Q, load.R, load.F]]]))
+            alone = Frame(frame.finger, frame.t, frame.sequence, whole, np.ones((1, 1), dtype=bool))
+            if self._load.update(encode(alone, "force", SHEAR["force"], CONTACT["force"])):
+                happened += load_meaning(self._load.before, self._load.code, load)
+            slip = self._slip.update(frame.t, load, bool(self.taxels.code.contact.any()))
+            happened += [slip_meaning(slip)] if slip else []
+        return happened
+
+    def feel(self, frame: Frame) -> TextureFigures:
+        """Return the texture figures after this frame."""
+        return self._texture.update(np.where(frame.valid[..., None], frame.values, np.nan))
+
+
+def _inverse(array: TaxelArray, modulus: float | None, floor: float) -> Program | None:
+    if array.quantity == "force":
+        return None
+    if array.quantity == "stress":
+        return load_program("locate-stress", parameters={"depth": array.depth, "floor": floor})
+    if modulus is None:
+        raise InputError(
+            f"taxel array {array.name!r} measures strain; the cover's Young's modulus is wanted, none is given"
+        )
+    return load_program("locate-strain", parameters={"depth": array.depth, "modulus": modulus, "floor": floor})
