@@ -7,6 +7,7 @@ import click
 
 from cnnsim import backends
 from cnnsim.command import CommandGroup, examples, print_json
+from tactile.calibration import Gains
 from tactile.encoding import SIGN, Threshold
 from tactile.finger import Settings
 from tactile.sources import open_source
@@ -38,11 +39,12 @@ def main() -> None:
 @click.option("--window", type=int, default=128, show_default=True, help="Frames a texture figure averages.")
 @click.option("--floor", type=float, help="Normal signal below which texture figures are not valid.")
 @click.option("--tare", type=int, help=f"Unloaded frames at the start to average away [{TARE} for .npz, else 0].")
+@click.option("--gains", help="SHEAR,NORMAL: factors from readings to strain, stress or force (eq. 15).")
 @click.option("--backend", type=click.Choice(backends.NAMES), default="cpu", show_default=True)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
 def run(
     source: Path, output: Path | None, dead_band: float | None, hysteresis: float | None, sign_code: bool, window: int,
-    floor: float | None, tare: int | None, backend: str, as_json: bool,
+    floor: float | None, tare: int | None, gains: str | None, backend: str, as_json: bool,
 ) -> None:  # fmt: skip
     """Run SOURCE, a scene (.toml) or a recording (.npz, .csv), through the pipeline."""
     from rich.progress import track  # not for --help
@@ -60,7 +62,7 @@ def run(
             raise click.UsageError("--hysteresis needs a --dead-band, in the unit of the signal")
         shear = Threshold(dead_band, dead_band / 2 if hysteresis is None else hysteresis)
     offset = tare if tare is not None else (TARE if source.suffix == ".npz" else 0)
-    settings = Settings(shear, window=window, floor=floor, tare=offset, backend=backend)
+    settings = Settings(shear, window=window, floor=floor, tare=offset, gains=_gains(gains), backend=backend)
     collected = Collected()
     watched = _Watched(frames, track(frames, "touch", total=frames.frames, transient=True, disable=as_json))
     if output is None:
@@ -77,6 +79,16 @@ def run(
 
         draw(collected, frames.arrays, frames.title, output / "touch.png")
         click.echo(f"wrote {output / 'frames.csv'}, {output / 'events.json'}, {output / 'touch.png'}", err=as_json)
+
+
+def _gains(text: str | None) -> Gains | None:
+    if text is None:
+        return None
+    try:
+        shear, normal = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise click.UsageError(f"--gains {text!r}; two numbers SHEAR,NORMAL wanted") from error
+    return Gains(shear, normal)
 
 
 class _Watched:

@@ -1,6 +1,6 @@
 """Finger: what has to be remembered of one array between frames, and what one frame does to it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from cnnsim import InputError
 from cnnsim.machine import UniversalMachine
 from cnnsim.program import Program
 from cnnsim.program_file import load_program
-from tactile.calibration import Tare
+from tactile.calibration import Gains, Tare
 from tactile.comparators import Comparators
 from tactile.encoding import CONTACT, SHEAR, Threshold, encode
 from tactile.events import load_meaning, meaning, slip_meaning
@@ -23,7 +23,8 @@ class Settings:
     """What a user can choose; None means: as the array's quantity asks for.
 
     ``shear`` and ``contact`` thresholds in the unit of the signal; ``window`` T [frames] and ``floor`` (normal signal)
-    of the texture figures; ``tare`` frames at the start that are averaged away; ``backend`` of the machine.
+    of the texture figures; ``tare`` frames at the start that are averaged away; ``gains`` from readings to the array's
+    quantity, eq. (15); ``backend`` of the machine.
     """
 
     shear: Threshold | None = None
@@ -31,6 +32,7 @@ class Settings:
     window: int = 128
     floor: float | None = None
     tare: int = 0
+    gains: Gains | None = None
     backend: str = "cpu"
 
 
@@ -43,13 +45,18 @@ class Finger:
         machine = UniversalMachine(settings.backend, "float64")
         self.array = array
         self._shear, self._contact = shear, contact
-        self.tare = Tare(settings.tare)
+        self._tare, self._gains = Tare(settings.tare), settings.gains
         self.taxels = Comparators(machine, array.shape, shear, contact)
         self._load = Comparators(machine, (1, 1), SHEAR["force"], CONTACT["force"])
         self._slip = SlipWatch()
         self._texture = Texture(settings.window, contact.dead_band if settings.floor is None else settings.floor)
         self._machine, self._inverse = machine, _inverse(array, modulus, contact.dead_band)
         self._positions = array.positions()
+
+    def calibrate(self, raw: Frame) -> Frame:
+        """Return the frame less its tare, times the gains."""
+        frame = self._tare(raw)
+        return frame if self._gains is None else replace(frame, values=self._gains(frame.values))
 
     def locate(self, frame: Frame) -> Load | None:
         """Return the load under this finger: the inverse in every cell, then the taxels' consensus.

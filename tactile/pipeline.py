@@ -35,7 +35,7 @@ def run(source: Source, settings: Settings, sinks: Iterable[Sink]) -> None:
     for raw in source:
         arrived = perf_counter()
         finger = fingers[raw.finger]
-        frame = finger.tare(raw)
+        frame = finger.calibrate(raw)
         load = finger.locate(frame)
         happened = finger.notice(frame, load)
         texture = finger.feel(frame)

@@ -12,6 +12,7 @@ import pytest
 from click.testing import CliRunner, Result
 from PIL import Image
 
+from tactile.calibration import Gains
 from tactile.cli import main
 from tactile.encoding import SIGN
 from tactile.finger import Settings
@@ -172,6 +173,23 @@ def test_a_scene_written_and_replayed_gives_the_same_events(tmp_path: Path) -> N
     assert np.array_equal(live.table("left"), replayed.table("left"), equal_nan=True)
 
 
+def test_tare_and_gains_bring_readings_back_to_strain(tmp_path: Path) -> None:
+    """A sensor with alpha_s = 3e-4, alpha_n = 2e-4 and an offset, as eq. (15) has it, locates like a perfect one."""
+
+    class Raw(_Spoilt):
+        def __iter__(self) -> Iterator[Frame]:
+            offset = np.array([5.0, -3.0, 7.0])
+            for frame in self._source:
+                yield replace(frame, values=frame.values / [3e-4, 3e-4, 2e-4] + offset)
+
+    reports: list[Report] = []
+    run(Raw(open_source(_scene(tmp_path))), Settings(tare=40, gains=Gains(3e-4, 2e-4)), [reports.append])
+    assert not any(report.frame.valid.any() for report in reports[:40])
+    load = reports[90].load
+    assert load is not None
+    assert (load.x, load.F) == pytest.approx((-0.3e-3, 0.5), rel=1e-6)
+
+
 @recordings
 def test_real_grasps_run(tmp_path: Path) -> None:
     for path in (sorted(DATA.glob("grasp*.npz"))[0], DATA / "rigid_obj_slide_23-08-23.npz"):
@@ -207,6 +225,8 @@ def test_other_mistakes_are_told(tmp_path: Path) -> None:
         ((GRIP, "--hysteresis", "1"), "--hysteresis needs a --dead-band"),
         ((GRIP, "--dead-band", "-1"), "dead_band is -1.0"),
         ((GRIP, "--window", "0"), "window"),
+        ((GRIP, "--gains", "2"), "two numbers SHEAR,NORMAL wanted"),
+        ((GRIP, "--gains", "0,1"), "shear gain 0.0"),
         ((GRIP, "--tare", "-1"), "tare over -1 frames"),
         ((GRIP, "-o", GRIP), "cannot write the record"),
     ):
