@@ -20,7 +20,9 @@ class Cellwise:
     ``array(*inputs, *parameters)`` is the law: NumPy on arrays of any shape, giving one array an output.
     ``compiled()`` gives a kernel ``kernel(*inputs, *outputs, *parameters)`` for the CPU backend; the planes
     are contiguous 1-D arrays of one dtype, the outputs are written in place. Without it the CPU backend uses
-    ``array``, which is right for anything that is already one NumPy ufunc.
+    ``array``, which is right for anything that is already one NumPy ufunc. ``opencl`` is the operation's text for
+    one cell in OpenCL C, between the values of the inputs and the outputs it sets, all of type ``real`` (float or
+    double) and called by their names, as are the parameters: ``"sum = p + q;"``.
     """
 
     name: str
@@ -30,17 +32,36 @@ class Cellwise:
     parameters: tuple[str, ...]
     array: Callable[..., Planes]
     compiled: Callable[[], Callable[..., None]] | None = None
+    opencl: str = ""
 
 
 BUILT_IN = {
     op.name: op
     for op in (
-        Cellwise("add", "p + q", ("p", "q"), ("sum",), (), lambda p, q: (p + q,)),
-        Cellwise("subtract", "p - q", ("p", "q"), ("difference",), (), lambda p, q: (p - q,)),
-        Cellwise("multiply", "p * q", ("p", "q"), ("product",), (), lambda p, q: (p * q,)),
-        Cellwise("minimum", "min(p, q)", ("p", "q"), ("least",), (), lambda p, q: (np.minimum(p, q),)),
-        Cellwise("maximum", "max(p, q)", ("p", "q"), ("most",), (), lambda p, q: (np.maximum(p, q),)),
-        Cellwise("absolute", "|p|", ("p",), ("size",), (), lambda p: (np.abs(p),)),
+        Cellwise("add", "p + q", ("p", "q"), ("sum",), (), lambda p, q: (p + q,), opencl="sum = p + q;"),
+        Cellwise(
+            "subtract", "p - q", ("p", "q"), ("difference",), (), lambda p, q: (p - q,), opencl="difference = p - q;"
+        ),
+        Cellwise("multiply", "p * q", ("p", "q"), ("product",), (), lambda p, q: (p * q,), opencl="product = p * q;"),
+        Cellwise(
+            "minimum",
+            "min(p, q)",
+            ("p", "q"),
+            ("least",),
+            (),
+            lambda p, q: (np.minimum(p, q),),
+            opencl="least = (p < q) | (p != p) ? p : q;",  # NaN comes through, as in NumPy
+        ),
+        Cellwise(
+            "maximum",
+            "max(p, q)",
+            ("p", "q"),
+            ("most",),
+            (),
+            lambda p, q: (np.maximum(p, q),),
+            opencl="most = (p > q) | (p != p) ? p : q;",
+        ),
+        Cellwise("absolute", "|p|", ("p",), ("size",), (), lambda p: (np.abs(p),), opencl="size = fabs(p);"),
         Cellwise(
             "scale",
             "factor * p + offset, in the plane's own precision",
@@ -48,6 +69,7 @@ BUILT_IN = {
             ("scaled",),
             ("factor", "offset"),
             lambda p, factor, offset: (p.dtype.type(factor) * p + p.dtype.type(offset),),
+            opencl="scaled = factor * p + offset;",
         ),
     )
 }

@@ -5,14 +5,15 @@ from numpy.typing import DTypeLike
 from cnnsim.backends.base import Backend
 from cnnsim.errors import InputError
 
-NAMES = ("reference", "cpu")
+NAMES = ("reference", "cpu", "opencl")
+OPENCL_CURE = 'pip install "cellular-wave-touch[opencl]"'
 
 
 def get(name: str = "cpu", dtype: DTypeLike | None = None) -> Backend:
     """Return the backend called ``name``, working in ``dtype`` (its own default if None).
 
     Raises:
-        InputError: no such backend, or one that cannot work in this dtype.
+        InputError: no such backend, one that is not installed, or one that cannot work in this dtype.
     """
     if name == "reference":
         from cnnsim.backends.reference import ReferenceBackend
@@ -22,4 +23,12 @@ def get(name: str = "cpu", dtype: DTypeLike | None = None) -> Backend:
         from cnnsim.backends.cpu import CpuBackend
 
         return CpuBackend(dtype)
+    if name == "opencl":
+        try:
+            from cnnsim.backends.opencl import OpenCLBackend
+        except ModuleNotFoundError as error:
+            if error.name != "pyopencl":
+                raise
+            raise InputError(f"the opencl backend needs pyopencl: {OPENCL_CURE}") from error
+        return OpenCLBackend(dtype)
     raise InputError(f"backend {name!r}; known are {', '.join(NAMES)}")

@@ -1,0 +1,131 @@
+"""OpenCL programs: put together from .cl files and definitions, built once, kept."""
+
+import warnings
+from collections.abc import Iterable, Mapping
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+import pyopencl as cl
+
+from cnnsim.backends.opencl_device import Family
+from cnnsim.errors import InputError
+from cnnsim.grid import Boundary
+from cnnsim.template import Tap
+
+Defines = Mapping[str, str | int]
+
+GROUP = 256
+"""Work-items of a group in the kernels that go over cells one by one on a GPU."""
+
+
+class BuildError(InputError):
+    """OpenCL text that the device's compiler refuses; the message has its log."""
+
+
+class Workshop:
+    """One device with its context, its queue and its built programs, for one dtype and one family of kernels."""
+
+    def __init__(self, device: cl.Device, family: Family, dtype: np.dtype[Any]) -> None:
+        self.device, self.family, self.dtype = device, family, dtype
+        self.context, self.queue = _context_and_queue(device)
+        self.lanes = 64 // dtype.itemsize if family == "cpu" else 1
+        self.cores = device.max_compute_units
+        self.partial = cl.Buffer(self.context, cl.mem_flags.READ_WRITE, 2 * 8 * self.most_parts)
+        self._kernels: dict[tuple[str, ...], cl.Kernel] = {}
+
+    @property
+    def most_parts(self) -> int:
+        """The most parts that a sum over a plane comes back in."""
+        return 4 * self.cores if self.family == "cpu" else 4 * GROUP
+
+    def buffer(self, size: int) -> cl.Buffer:
+        """Return a new buffer of ``size`` bytes on the device."""
+        return cl.Buffer(self.context, cl.mem_flags.READ_WRITE, size)
+
+    def kernel(self, name: str, stem: str, defines: Defines, extra: str = "", twin: int = 0) -> cl.Kernel:
+        """Return a kernel of opencl_<stem>.cl (or of the text ``extra``) built with these definitions.
+
+        A kernel keeps its arguments, so those who need it with two sets of arguments ask for its ``twin`` as well.
+        """
+        lines = "".join(f"#define {key} {value}\n" for key, value in {**self._basics(), **defines}.items())
+        key = (name, stem, lines, extra, str(twin))
+        if key not in self._kernels:
+            text = lines + source("common") + (source(stem) if stem else "") + extra
+            self._kernels[key] = cl.Kernel(self._build(text, stem or name), name)
+        return self._kernels[key]
+
+    def run(self, kernel: cl.Kernel, work: int, *arguments: Any) -> int:
+        """Run a kernel that deals out ``work`` cells or words itself; return how many parts its sums have."""
+        if self.family == "cpu":
+            parts = max(1, min(self.most_parts, work // 4096))
+            shape: tuple[tuple[int], tuple[int]] = (parts,), (1,)
+        else:
+            parts = max(1, min(self.most_parts, -(-work // GROUP)))
+            shape = (parts * GROUP,), (GROUP,)
+        kernel.set_args(*arguments)
+        cl.enqueue_nd_range_kernel(self.queue, kernel, *shape)
+        return parts
+
+    def parts(self, count: int, dtype: np.dtype[Any]) -> np.ndarray[Any, Any]:
+        """Read ``count`` numbers that a kernel left in ``partial``."""
+        numbers = np.empty(count, dtype)
+        cl.enqueue_copy(self.queue, numbers, self.partial)
+        return numbers
+
+    def _basics(self) -> dict[str, str | int]:
+        kind = {"DOUBLE": ""} if self.dtype == np.float64 else {}
+        here = {"CPU": ""} if self.family == "cpu" else {"GROUP": GROUP}
+        return {"REAL": "double" if kind else "float", "V": self.lanes, **kind, **here}
+
+    def _build(self, text: str, what: str) -> cl.Program:
+        # -w: what a compiler remarks on is no business of those who run it
+        options = ["-w"]
+        if self.device.single_fp_config & cl.device_fp_config.CORRECTLY_ROUNDED_DIVIDE_SQRT:
+            options.append("-cl-fp32-correctly-rounded-divide-sqrt")
+        try:
+            with warnings.catch_warnings():
+                # pyopencl warns of every build log that is not empty, and drivers write a line when all is well
+                warnings.simplefilter("ignore", cl.CompilerWarning)
+                return cl.Program(self.context, text).build(options=options, devices=[self.device])
+        except cl.RuntimeError as error:
+            raise BuildError(f"{self.device.name}: the OpenCL text of {what!r} does not build:\n{error}") from error
+
+
+@cache
+def _context_and_queue(device: cl.Device) -> tuple[cl.Context, cl.CommandQueue]:
+    """Return one context and queue a device, so that planes may go between backends on it."""
+    context = cl.Context([device])
+    return context, cl.CommandQueue(context)
+
+
+@cache
+def workshop(device: cl.Device, family: Family, dtype: np.dtype[Any]) -> Workshop:
+    """Return the workshop of a device: one for all backends that want the same."""
+    return Workshop(device, family, dtype)
+
+
+@cache
+def source(stem: str) -> str:
+    """Return the text of opencl_<stem>.cl."""
+    return files("cnnsim.backends").joinpath(f"opencl_{stem}.cl").read_text(encoding="utf-8")
+
+
+def literal(value: float, dtype: np.dtype[Any]) -> str:
+    """Write a number so that the compiler reads exactly that number of this dtype."""
+    digits = repr(float(value)) if dtype == np.float64 else str(np.float32(value))
+    if "e" not in digits and "." not in digits:
+        digits += ".0"
+    return f"({digits})" if dtype == np.float64 else f"({digits}f)"
+
+
+def tap_defines(taps: Iterable[Tap], boundary: Boundary, constant: float, dtype: np.dtype[Any]) -> dict[str, str | int]:
+    """Return the definitions that say which neighbours count how much, and what lies around the grid."""
+    taps = tuple(taps)
+    return {
+        "TAPS(DO, a)": " ".join(f"DO(a, {k}, {l}, {literal(weight, dtype)})" for k, l, weight in taps),
+        "RADIUS": max((max(abs(tap.k), abs(tap.l)) for tap in taps), default=0),
+        "BOUNDARY": {"zero-flux": 0, "fixed": 1, "periodic": 2}[boundary.kind],
+        "CONSTANT": literal(constant if boundary.kind == "fixed" else 0.0, dtype),
+    }

@@ -1,0 +1,62 @@
+// What every kernel file stands on: the number type, vectors, the output characteristic, and who does which cells.
+//
+// The host defines REAL (float or double), V (numbers in a vector), CPU where a work-item is a core's share of work.
+
+#ifdef DOUBLE
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+#pragma OPENCL FP_CONTRACT OFF // every product rounded, as in the reference: the same bits
+typedef long sure; // what comparing two vectors gives
+#else
+typedef int sure;
+#endif
+
+typedef REAL real;
+#if V > 1
+// Not OpenCL's own float16: one that may lie anywhere, so that a plain dereference loads it.
+typedef real vec __attribute__((ext_vector_type(V), aligned(sizeof(real))));
+typedef sure sure_vec __attribute__((ext_vector_type(V)));
+#else
+typedef real vec;
+typedef int sure_vec;
+#endif
+typedef int sure_real;
+
+// The output characteristic; NaN stays NaN. (OpenCL's clamp need not keep it, and is slow in some PoCL builds.)
+#define CLIP(type, x) ((x) > (type)1 ? (type)1 : (x) < (type)-1 ? (type)-1 : (x))
+
+#ifdef CPU
+// Work-item p of n does one stretch of the cells 0 .. count - 1.
+#define SHARE(count, p, n) ((long)(count) * (p) / (n))
+#define EACH(i, count)                                                                          \
+    for (long i = SHARE(count, get_global_id(0), get_global_size(0)),                           \
+              i##_stop = SHARE(count, get_global_id(0) + 1, get_global_size(0)); i < i##_stop; i++)
+// Its part of a sum goes out as it is; the host adds up the few there are.
+#define HAND_IN(type, partial, total) partial[get_global_id(0)] = total;
+#else
+#define EACH(i, count) for (long i = get_global_id(0); i < (long)(count); i += get_global_size(0))
+// The parts of a work-group of GROUP are added up first.
+#define HAND_IN(type, partial, total)                                                           \
+    __local type parts[GROUP];                                                                  \
+    parts[get_local_id(0)] = total;                                                             \
+    for (int half_way = GROUP / 2; half_way; half_way /= 2) {                                   \
+        barrier(CLK_LOCAL_MEM_FENCE);                                                           \
+        if (get_local_id(0) < half_way) parts[get_local_id(0)] += parts[get_local_id(0) + half_way]; \
+    }                                                                                           \
+    if (get_local_id(0) == 0) partial[get_group_id(0)] = parts[0];
+#endif
+
+static inline int wrap(int i, int n)
+{
+    i %= n;
+    return i < 0 ? i + n : i;
+}
+
+static inline int clamp_to(int i, int n) { return i < 0 ? 0 : i >= n ? n - 1 : i; }
+
+static inline int floor_div(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
+
+// Whether a cell of an LLM plane is black; a row of `cols` cells begins a new 64-bit word.
+static inline int black(__global const ulong *plane, long line, int j, int cols)
+{
+    return plane[line * ((cols + 63) / 64) + j / 64] >> (j % 64) & 1;
+}

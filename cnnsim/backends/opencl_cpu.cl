@@ -1,0 +1,195 @@
+// Steps of a one-stage scheme where a work-item is a core's share of work: up to T a launch, rows streamed.
+//
+// A work-item owns a tile: `width` columns of one grid, `band` rows high. Blocks of R rows enter at level 0 and come
+// out at the last level, `steps` steps older; each level lags one block behind the level before it, because the last
+// row of a block hears RADIUS <= R rows below it. Beside its columns a tile holds HALO of its neighbours', and it
+// computes rows above and below its band, so that nothing is exchanged within a launch; where the grid ends, the
+// virtual cells are imposed anew at every level.
+//
+// `scratch` holds rows STRIDE apart in blocks of R: the outputs of T levels, three blocks each; a block for outputs
+// that nobody reads; T + 1 blocks of states, as many of drives w and, with HELD, of gains (GAIN, or 0 in held cells).
+//
+// The host defines besides: SHIFT, the columns of a tile left of its own ones; COPIES where the halo's columns are
+// cells like others (a torus of several tiles) and need no imposing.
+
+#define ZERO_FLUX 0
+#define FIXED 1
+#define PERIODIC 2
+
+#define BLOCK (R * STRIDE)
+#define VEC(type, at) (*(type vec *)(at))
+#define MODULO_3(b) (((b) + 6 * T) % 3)
+
+#if R == 1
+#define EACH_ROW(DO) DO(0)
+#elif R == 2
+#define EACH_ROW(DO) DO(0) DO(1)
+#elif R == 3
+#define EACH_ROW(DO) DO(0) DO(1) DO(2)
+#elif R == 4
+#define EACH_ROW(DO) DO(0) DO(1) DO(2) DO(3)
+#else
+#define EACH_ROW(DO) DO(0) DO(1) DO(2) DO(3) DO(4)
+#endif
+
+// Row q of the block (-R .. 2 R - 1: its neighbours' rows too), a vector of cells from column j + l on.
+#define ROW(q) ((q) < 0 ? above + ((q) + R) * STRIDE : (q) < R ? here + (q) * STRIDE : below + ((q) - R) * STRIDE)
+#define HEARD(q, l) VEC(const __local, ROW(q) + j + (l))
+
+// One step of a block's columns V .. end - 1: states in place, outputs to `fresh`. All rows are read before any is
+// written, so that the compiler may keep in registers what two of them hear.
+static void step_block(const __local real *above, const __local real *here, const __local real *below,
+                       __local real *x, const __local real *w, const __local real *gain, __local real *fresh, int end)
+{
+    for (int j = V; j < end; j += V) {
+#define START(q) vec s##q = VEC(const __local, x + (q) * STRIDE + j), d##q = VEC(const __local, w + (q) * STRIDE + j);
+        EACH_ROW(START)
+#ifdef SHARED_SUMS
+#define SIDES(q) (HEARD(q, -1) + HEARD(q, 1))
+#define DRIVE(q)                                                                                              \
+    d##q += (real)(CENTRE) * HEARD(q, 0) + (real)(EDGE) * ((SIDES(q) + HEARD(q - 1, 0)) + HEARD(q + 1, 0))    \
+          + (real)(CORNER) * (SIDES(q - 1) + SIDES(q + 1));
+#else
+#define TAP(q, k, l, weight) d##q += (real)(weight) * HEARD(q + (k), l);
+#define DRIVE(q) TAPS(TAP, q)
+#endif
+        EACH_ROW(DRIVE)
+#ifdef HELD
+#define UPDATE(q) s##q += VEC(const __local, gain + (q) * STRIDE + j) * (d##q - s##q);
+#else
+#define UPDATE(q) s##q += (real)(GAIN) * (d##q - s##q);
+#endif
+        EACH_ROW(UPDATE)
+#ifdef WALLS
+#define KEEP(q) s##q = CLIP(vec, s##q); VEC(__local, x + (q) * STRIDE + j) = s##q;
+#else
+#define KEEP(q) VEC(__local, x + (q) * STRIDE + j) = s##q;
+#endif
+        EACH_ROW(KEEP)
+#define SHOW(q) VEC(__local, fresh + (q) * STRIDE + j) = CLIP(vec, s##q);
+        EACH_ROW(SHOW)
+    }
+}
+
+// Impose the virtual cells beside one row of outputs; the grid's columns are left .. right - 1 of the buffer.
+static void fix_columns(__local real *row, int left, int right)
+{
+#ifndef COPIES
+    for (int q = 1; q <= RADIUS; q++) {
+#if BOUNDARY == FIXED
+        const real before = CONSTANT, after = CONSTANT;
+#elif BOUNDARY == PERIODIC
+        const real before = row[left + wrap(-q, right - left)], after = row[left + (q - 1) % (right - left)];
+#else
+        const real before = row[max(left, 0)], after = row[min(right, STRIDE) - 1];
+#endif
+        if (left - q >= 0) row[left - q] = before;
+        if (right + q - 1 < STRIDE) row[right + q - 1] = after;
+    }
+#endif
+}
+
+static void fill_row(__local real *to, const __local real *from)
+{
+    for (int j = 0; j + V <= STRIDE; j += V)
+#if BOUNDARY == FIXED
+        VEC(__local, to + j) = (vec)CONSTANT;
+#else
+        VEC(__local, to + j) = VEC(const __local, from + j);
+#endif
+}
+
+// Impose the virtual rows that touch block b of a level, whose outputs begin at y. A torus has none.
+static void fix_rows(__local real *y, int b, int rows)
+{
+#if BOUNDARY != PERIODIC
+    __local real *here = y + MODULO_3(b) * BLOCK, *before = y + MODULO_3(b - 1) * BLOCK;
+    const int last = rows - 1 - b * R; // the grid's last row, counted in this block
+    if (b == 0)
+        for (int q = 0; q < R; q++) fill_row(before + q * STRIDE, here);
+    if (0 <= last && last < R)
+        for (int q = last + 1; q < R; q++) fill_row(here + q * STRIDE, here + last * STRIDE);
+    if (-R <= last && last < 0)
+        for (int q = 0; q < R; q++) fill_row(here + q * STRIDE, before + (last + R) * STRIDE);
+#endif
+}
+
+// Bring in one row: its states, its drives, its gains and its outputs at level 0.
+static void bring(__global const real *x, __global const real *w, __global const ulong *held, long line, int cols,
+                  int start, int stop, __local real *xs, __local real *ws, __local real *gains, __local real *ys)
+{
+    x += line * cols;
+    w += line * cols;
+    int j = 0;
+    for (; start >= 0 && j + V <= stop && start + j + V <= cols; j += V) {
+        const vec s = VEC(const __global, x + start + j);
+        VEC(__local, xs + j) = s;
+        VEC(__local, ys + j) = CLIP(vec, s);
+        VEC(__local, ws + j) = VEC(const __global, w + start + j);
+    }
+    for (; j < stop; j++) {
+        const int c = BOUNDARY == PERIODIC ? wrap(start + j, cols) : clamp_to(start + j, cols);
+        const real s = x[c];
+        xs[j] = s;
+        ys[j] = CLIP(real, s);
+        ws[j] = w[c];
+    }
+#ifdef HELD
+    for (j = 0; j < stop; j++) {
+        const int c = BOUNDARY == PERIODIC ? wrap(start + j, cols) : clamp_to(start + j, cols);
+        gains[j] = black(held, line, c, cols) ? 0 : (real)(GAIN);
+    }
+#endif
+}
+
+__attribute__((reqd_work_group_size(1, 1, 1)))
+__kernel void steps(__global const real *x, __global const real *w, __global const ulong *held, __global real *out,
+                    __local real *scratch, int rows, int cols, int width, int band, int across, int down, int steps)
+{
+    const int tile = get_group_id(0), first_col = tile % across * width, first_row = tile / across % down * band;
+    const int stop_row = min(first_row + band, rows), own_cols = min(width, cols - first_col);
+    const long top = (long)(tile / across / down) * rows;
+    const int end = min(STRIDE - V, (SHIFT + own_cols + HALO + V - 1) / V * V - V + (HALO ? 0 : V));
+    const int left = SHIFT - first_col, right = SHIFT + cols - first_col;
+    __local real *const states = scratch + (3 * T + 1) * BLOCK, *const drives = states + (T + 1) * BLOCK;
+    __local real *const gains = drives + (T + 1) * BLOCK;
+
+    const int b_last = (stop_row + R - 1) / R - 1 + steps;
+    int slot = 0; // of block b in the rings of T + 1 blocks
+    for (int b = floor_div(first_row - steps * RADIUS, R); b <= b_last; b++) {
+        if (b * R < stop_row + steps * RADIUS) {
+            if (BOUNDARY == PERIODIC || (b >= 0 && b * R < rows))
+                for (int q = 0; q < R; q++) {
+                    const int i = BOUNDARY == PERIODIC ? wrap(b * R + q, rows) : min(b * R + q, rows - 1);
+                    const int at = slot * BLOCK + q * STRIDE;
+                    __local real *ys = scratch + MODULO_3(b) * BLOCK + q * STRIDE;
+                    bring(x, w, held, top + i, cols, first_col - SHIFT, end + V, states + at, drives + at, gains + at, ys);
+                    fix_columns(ys, left, right);
+                }
+            fix_rows(scratch, b, rows);
+        }
+        int at = slot;
+        for (int t = 1; t <= steps; t++) {
+            const int c = b - t, still = (steps - t) * RADIUS; // rows beyond the band that later levels hear
+            at = at ? at - 1 : T;
+            if (c * R + R <= first_row - still || c * R >= stop_row + still) continue;
+            const __local real *old = scratch + (t - 1) * 3 * BLOCK;
+            __local real *level = scratch + t * 3 * BLOCK, *fresh = level + (t < steps ? MODULO_3(c) * BLOCK : 0);
+            if (BOUNDARY == PERIODIC || (c >= 0 && c * R < rows)) {
+                step_block(old + MODULO_3(c - 1) * BLOCK, old + MODULO_3(c) * BLOCK, old + MODULO_3(c + 1) * BLOCK,
+                           states + at * BLOCK, drives + at * BLOCK, gains + at * BLOCK, fresh, end);
+                for (int q = 0; t < steps && q < R; q++) fix_columns(fresh + q * STRIDE, left, right);
+            }
+            if (t < steps) fix_rows(level, c, rows);
+        }
+        const int c = b - steps; // the block that comes out; `at` is its place in the rings
+        for (int q = 0; q < R && c * R >= first_row && c * R + q < stop_row; q++) {
+            __global real *to = out + (top + c * R + q) * cols + first_col;
+            const __local real *from = states + at * BLOCK + q * STRIDE + SHIFT;
+            int j = 0;
+            for (; j + V <= own_cols; j += V) VEC(__global, to + j) = VEC(const __local, from + j);
+            for (; j < own_cols; j++) to[j] = from[j];
+        }
+        slot = slot == T ? 0 : slot + 1;
+    }
+}

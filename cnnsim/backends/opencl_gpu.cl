@@ -1,0 +1,91 @@
+// Steps of a one-stage scheme on a GPU: up to T a launch, states in registers, outputs in local memory.
+//
+// A work-group owns a tile of WIDE x HIGH cells, of which the rim of HALO = T * RADIUS belongs to its neighbours and
+// is computed again here, so that groups never wait for each other. Work-items stand WIDE beside each other and
+// HIGH / R below each other; each holds R cells of a column. The tile's outputs are kept twice, one being read while
+// the other is written: one barrier a step. Where the grid ends, each real cell at the rim writes the virtual cells
+// that stand for it (or for a fixed boundary the virtual cells write their constant), at every step.
+
+#define ZERO_FLUX 0
+#define FIXED 1
+#define PERIODIC 2
+
+#define ROW_LENGTH (WIDE + 2 * RADIUS)
+#define PLACE(i, j) (((i) + RADIUS) * ROW_LENGTH + (j) + RADIUS)
+#define SIZE (ROW_LENGTH * (HIGH + 2 * RADIUS))
+
+// Write the output of the cell at tile place (i, j), grid place (gi, gj), and of the virtual cells it stands for.
+static inline void show(__local real *y, real v, int i, int j, int gi, int gj, int rows, int cols)
+{
+    y[PLACE(i, j)] = v;
+#if BOUNDARY == ZERO_FLUX
+    if (gi > 0 && gi < rows - 1 && gj > 0 && gj < cols - 1) return;
+    const int up = gi == 0 ? RADIUS : 0, down = gi == rows - 1 ? RADIUS : 0;
+    const int west = gj == 0 ? RADIUS : 0, east = gj == cols - 1 ? RADIUS : 0;
+    for (int k = max(i - up, -RADIUS); k <= min(i + down, HIGH + RADIUS - 1); k++)
+        for (int l = max(j - west, -RADIUS); l <= min(j + east, WIDE + RADIUS - 1); l++) y[PLACE(k, l)] = v;
+#endif
+}
+
+__attribute__((reqd_work_group_size(WIDE, HIGH / R, 1)))
+__kernel void steps(__global const real *x, __global const real *w, __global const ulong *held, __global real *out,
+                    int rows, int cols, int across, int down, int steps)
+{
+    __local real y[2 * SIZE];
+    const int tile = get_group_id(0), j = get_local_id(0), i0 = get_local_id(1) * R;
+    const int gj = tile % across * (WIDE - 2 * HALO) - HALO + j;
+    const int gi0 = tile / across % down * (HIGH - 2 * HALO) - HALO + i0;
+    const long top = (long)(tile / across / down) * rows;
+    const int real_col = BOUNDARY == PERIODIC || (gj >= 0 && gj < cols);
+    const int col = BOUNDARY == PERIODIC ? wrap(gj, cols) : clamp_to(gj, cols);
+    real s[R], drive[R], gain[R];
+
+#pragma unroll
+    for (int q = 0; q < R; q++) {
+        const int gi = gi0 + q, row = BOUNDARY == PERIODIC ? wrap(gi, rows) : clamp_to(gi, rows);
+        const long cell = (top + row) * cols + col;
+        s[q] = x[cell];
+        drive[q] = w[cell];
+#ifdef HELD
+        gain[q] = black(held, top + row, col, cols) ? 0 : (real)(GAIN);
+#else
+        gain[q] = GAIN;
+#endif
+    }
+    // what lies around the tile is heard only by cells that nobody will use, but let it be numbers
+    for (int at = get_local_id(1) * WIDE + j; at < 2 * SIZE; at += WIDE * (HIGH / R)) y[at] = 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+
+    for (int t = 0; t < steps; t++) {
+        __local real *now = y + (t & 1) * SIZE;
+#pragma unroll
+        for (int q = 0; q < R; q++) {
+            const int gi = gi0 + q, real_cell = BOUNDARY == PERIODIC || (real_col && gi >= 0 && gi < rows);
+            if (real_cell) show(now, CLIP(real, s[q]), i0 + q, j, gi, gj, rows, cols);
+#if BOUNDARY == FIXED
+            else now[PLACE(i0 + q, j)] = CONSTANT;
+#endif
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+        real d[R];
+#pragma unroll
+        for (int q = 0; q < R; q++) {
+            d[q] = drive[q];
+#define TAP(q, k, l, weight) d[q] += (real)(weight) * now[PLACE(i0 + q + (k), j + (l))];
+            TAPS(TAP, q)
+        }
+#pragma unroll
+        for (int q = 0; q < R; q++) {
+            s[q] += gain[q] * (d[q] - s[q]);
+#ifdef WALLS
+            s[q] = CLIP(real, s[q]);
+#endif
+        }
+    }
+    if (j < HALO || j >= WIDE - HALO || gj >= cols) return;
+#pragma unroll
+    for (int q = 0; q < R; q++) {
+        const int i = i0 + q, gi = gi0 + q;
+        if (i >= HALO && i < HIGH - HALO && gi < rows) out[(top + gi) * cols + gj] = s[q];
+    }
+}

@@ -1,0 +1,83 @@
+// Planes as a whole: the output characteristic, LAM to LLM and back, logic, counting, looking for NaN.
+//
+// A LAM plane is (lines, cols) numbers, lines = n * rows; an LLM plane (lines, words) 64-bit words, bit 1 for black,
+// the bits behind the last column 0.
+
+__kernel void clipped(__global const real *restrict x, __global real *restrict y, long count)
+{
+    EACH(i, count) y[i] = CLIP(real, x[i]);
+}
+
+__kernel void to_llm(__global const real *restrict x, __global ulong *restrict out, long lines, int cols)
+{
+    const int words = (cols + 63) / 64;
+    EACH(i, lines * words) {
+        const int from = (int)(i % words) * 64, cells = min(64, cols - from);
+        __global const real *cell = x + i / words * cols + from;
+        ulong word = 0;
+        for (int j = 0; j < cells; j++) word |= (ulong)(cell[j] > 0) << j;
+        out[i] = word;
+    }
+}
+
+__kernel void to_lam(__global const ulong *restrict p, __global real *restrict out, long lines, int cols)
+{
+    const int words = (cols + 63) / 64;
+#ifdef CPU
+    EACH(i, lines * words) {
+        const int from = (int)(i % words) * 64, cells = min(64, cols - from);
+        __global real *cell = out + i / words * cols + from;
+        const ulong word = p[i];
+        for (int j = 0; j < cells; j++) cell[j] = word >> j & 1 ? 1 : -1;
+    }
+#else
+    EACH(i, lines * cols) out[i] = black(p, i / cols, (int)(i % cols), cols) ? 1 : -1;
+#endif
+}
+
+// Bit 2p + q of `function` is the result for (p, q).
+__kernel void logic(__global const ulong *restrict p, __global const ulong *restrict q, __global ulong *restrict out,
+                    int function, long lines, int cols)
+{
+    const int words = (cols + 63) / 64, rest = cols % 64;
+    const ulong end = rest ? ((ulong)1 << rest) - 1 : ~(ulong)0;
+    const ulong f0 = -(ulong)(function & 1), f1 = -(ulong)(function >> 1 & 1);
+    const ulong f2 = -(ulong)(function >> 2 & 1), f3 = -(ulong)(function >> 3 & 1);
+    EACH(i, lines * words) {
+        const ulong a = p[i], b = q[i];
+        const ulong word = (f0 & ~a & ~b) | (f1 & ~a & b) | (f2 & a & ~b) | (f3 & a & b);
+        out[i] = i % words == words - 1 ? word & end : word;
+    }
+}
+
+// The black cells, counted in parts.
+__kernel void count_black(__global const ulong *restrict p, __global ulong *restrict partial, long words)
+{
+    ulong total = 0;
+    EACH(i, words) {
+        ulong v = p[i]; // the bits of a word counted in place: pairs, nibbles, bytes, all
+        v -= v >> 1 & 0x5555555555555555UL;
+        v = (v & 0x3333333333333333UL) + (v >> 2 & 0x3333333333333333UL);
+        v = (v + (v >> 4)) & 0x0f0f0f0f0f0f0f0fUL;
+        total += v * 0x0101010101010101UL >> 56;
+    }
+    HAND_IN(ulong, partial, total)
+}
+
+// 0 for each part with only finite numbers, else NaN: x * 0 is 0 exactly for finite x.
+__kernel void finite(__global const real *restrict x, __global real *restrict partial, long count)
+{
+    real total = 0;
+#if V > 1
+    const long first = SHARE(count, get_global_id(0), get_global_size(0));
+    const long stop = SHARE(count, get_global_id(0) + 1, get_global_size(0));
+    vec sum = (vec)0;
+    long i = first;
+    for (; i + V <= stop; i += V) sum += *(__global const vec *)(x + i) * (vec)0;
+    for (int j = 0; j < V; j++) total += sum[j];
+    for (; i < stop; i++) total += x[i] * 0;
+#else
+    EACH(i, count) total += x[i] * 0;
+#endif
+    HAND_IN(real, partial, total)
+}

@@ -1,0 +1,62 @@
+"""PoCL 3.0 on processors newer than itself: give its compiler a processor name that it knows."""
+
+import ctypes
+import platform
+from pathlib import Path
+
+import pyopencl as cl
+
+_UNKNOWN = b"generic"
+_HASWELL = frozenset(
+    ("avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe", "rdrand", "fsgsbase", "invpcid", "xsaveopt")
+)
+_FIELDS = 4096  # bytes of a device's record that are looked through
+
+
+def name_processor(device: cl.Device) -> None:
+    """Replace the processor name "generic" in the record of a PoCL device, where there is one.
+
+    PoCL 3.0 (the newest on PyPI) asks its LLVM 14 for the processor's name. For a processor younger than LLVM 14 the
+    answer is "generic", which that same LLVM then refuses for x86 ("unknown target CPU 'generic'"), so nothing could
+    be built. No option of PoCL sets the name. It lies as a string of its own in the device's record, and is
+    overwritten there with the name of an older processor that can do no more than this one. Nothing is done on other
+    platforms, other processors, or where the string is not found.
+    """
+    if not (needs_name(device) and platform.machine() in ("x86_64", "AMD64") and Path("/proc/self/maps").exists()):
+        return
+    name = b"haswell" if _processor_flags() >= _HASWELL else b"x86-64"
+    ours = _writable_memory()
+    for field in range(device.int_ptr, device.int_ptr + _FIELDS, 8):
+        if not _within(ours, field, 8):
+            return
+        string = ctypes.c_uint64.from_address(field).value
+        if _within(ours, string, len(_UNKNOWN) + 1) and ctypes.string_at(string, len(_UNKNOWN) + 1) == _UNKNOWN + b"\0":
+            ctypes.memmove(string, name + b"\0", len(name) + 1)
+            return
+
+
+def needs_name(device: cl.Device) -> bool:
+    """Return whether a device is PoCL's and was given the name that its compiler refuses."""
+    return device.platform.name == "Portable Computing Language" and device.version.endswith("-generic")
+
+
+def _processor_flags() -> set[str]:
+    for line in Path("/proc/cpuinfo").read_text().splitlines():
+        if line.startswith("flags"):
+            return set(line.split(":", 1)[1].split())
+    return set()
+
+
+def _writable_memory() -> list[tuple[int, int]]:
+    """Return the (first, last + 1) addresses of this process that may be read and written."""
+    found = []
+    for line in Path("/proc/self/maps").read_text().splitlines():
+        span, rights = line.split()[:2]
+        if rights.startswith("rw"):
+            first, end = span.split("-")
+            found.append((int(first, 16), int(end, 16)))
+    return found
+
+
+def _within(spans: list[tuple[int, int]], address: int, size: int) -> bool:
+    return any(first <= address and address + size <= end for first, end in spans)

@@ -1,0 +1,148 @@
+// Single sums over a template's taps: B*u + z, the stages of a scheme of several stages, and the look at dx/dt.
+//
+// The host defines TAPS(DO, ...), which says DO(..., k, l, weight) for each tap, RADIUS, BOUNDARY, and CONTROL where
+// the taps are B's: they hear the input as it is, A's hear the clipped state. CONSTANT is a fixed virtual cell.
+
+#define ZERO_FLUX 0
+#define FIXED 1
+#define PERIODIC 2
+
+#ifdef CONTROL
+#define HEARD(type, v) (v)
+#else
+#define HEARD(type, v) CLIP(type, v)
+#endif
+
+// The value of one grid at a place that may be a virtual cell.
+static inline real heard_at(__global const real *plane, int i, int j, int rows, int cols)
+{
+#if BOUNDARY == FIXED
+    if (i < 0 || i >= rows || j < 0 || j >= cols) return CONSTANT;
+#elif BOUNDARY == PERIODIC
+    i = wrap(i, rows);
+    j = wrap(j, cols);
+#else
+    i = clamp_to(i, rows);
+    j = clamp_to(j, cols);
+#endif
+    const real v = plane[(long)i * cols + j];
+    return HEARD(real, v);
+}
+
+#define LOAD(type, plane) (*(__global const type *)((plane) + cell))
+#define STORE(type, plane) (*(__global type *)((plane) + cell))
+
+// Both add the taps to `total` in order; the second for vectors of cells RADIUS or more away from the rim.
+#define TAP_AT(total, k, l, weight) total += (real)(weight) * heard_at(grid, i + (k), j + (l), rows, cols);
+#define ADD_real(plane, total) { __global const real *grid = (plane) + (line - i) * cols; TAPS(TAP_AT, total) }
+#define TAP_BY(total, k, l, weight) \
+    { const vec v = *(__global const vec *)(centre + (long)(k)*cols + (l)); total += (real)(weight) * HEARD(vec, v); }
+#define ADD_vec(plane, total) { __global const real *centre = (plane) + cell; TAPS(TAP_BY, total) }
+
+// Do DO(type) for each cell or vector of cells; i, j, line and `cell` say where it is.
+#ifdef CPU
+#ifdef HELD
+#define INNER 0 // masks are read cell by cell
+#else
+#define INNER (i >= RADIUS && i < rows - RADIUS)
+#endif
+#define EACH_CELL(DO)                                                                             \
+    EACH(line, lines) {                                                                           \
+        const int i = (int)(line % rows), inner = INNER;                                          \
+        int j = 0;                                                                                \
+        for (; j < (inner ? min(RADIUS, cols) : cols); j++) { const long cell = line * cols + j; DO(real) } \
+        for (; inner && j + V <= cols - RADIUS; j += V) { const long cell = line * cols + j; DO(vec) }      \
+        for (; j < cols; j++) { const long cell = line * cols + j; DO(real) }                     \
+    }
+#else
+#define EACH_CELL(DO)                                                                             \
+    EACH(cell, lines * cols) {                                                                    \
+        const long line = cell / cols;                                                            \
+        const int i = (int)(line % rows), j = (int)(cell % cols);                                 \
+        DO(real)                                                                                  \
+    }
+#endif
+
+// w = z + bias + B*u, of which bias and u may be missing.
+__kernel void control(__global const real *u, __global const real *bias, __global real *w, real z, int has_u,
+                      int has_bias, long lines, int rows, int cols)
+{
+#define DO_CONTROL(type)                              \
+    type total = (type)z;                             \
+    if (has_bias) total += LOAD(type, bias);          \
+    if (has_u) ADD_##type(u, total)                   \
+    STORE(type, w) = total;
+    EACH_CELL(DO_CONTROL)
+}
+
+// The slope of a stage: A*y + w - x.
+__kernel void slope(__global const real *x, __global const real *w, __global real *out, long lines, int rows, int cols)
+{
+#define DO_SLOPE(type)                                \
+    type total = LOAD(type, w);                       \
+    ADD_##type(x, total)                              \
+    STORE(type, out) = total - LOAD(type, x);
+    EACH_CELL(DO_SLOPE)
+}
+
+// Two numbers a work-item (or, on a GPU, a work-group): the largest |dx/dt| of the free cells it looked at, and 1
+// if one of them is not saturated for good.
+__kernel void look(__global const real *x, __global const real *w, __global const ulong *held,
+                   __global real *partial, long lines, int rows, int cols)
+{
+    real most_real = 0;
+    sure_real loose_real = 0;
+#if V > 1
+    vec most_vec = (vec)0;
+    sure_vec loose_vec = (sure_vec)0;
+#endif
+#ifdef WALLS
+#define STOPPED(type) rate = ((s >= (type)1) & (rate > (type)0)) | ((s <= (type)-1) & (rate < (type)0)) ? (type)0 : rate;
+#else
+#define STOPPED(type)
+#endif
+#ifdef HELD
+#define FREE !black(held, line, j, cols)
+#else
+#define FREE 1
+#endif
+#define DO_LOOK(type)                                                                                    \
+    if (FREE) {                                                                                          \
+        const type s = LOAD(type, x);                                                                    \
+        type drive = LOAD(type, w);                                                                      \
+        ADD_##type(x, drive)                                                                             \
+        type rate = drive - s;                                                                           \
+        STOPPED(type)                                                                                    \
+        rate = rate < (type)0 ? -rate : rate;                                                            \
+        most_##type = (rate > most_##type) | (rate != rate) ? rate : most_##type; /* NaN comes through */ \
+        loose_##type |= !(((s >= (type)1) & (drive >= (type)1)) | ((s <= (type)-1) & (drive <= (type)-1))); \
+    }
+    EACH_CELL(DO_LOOK)
+#if V > 1
+    for (int v = 0; v < V; v++) {
+        most_real = (most_vec[v] > most_real) | (most_vec[v] != most_vec[v]) ? most_vec[v] : most_real;
+        loose_real |= loose_vec[v] != 0;
+    }
+#endif
+#ifdef CPU
+    partial[2 * get_global_id(0)] = most_real;
+    partial[2 * get_global_id(0) + 1] = loose_real;
+#else
+    __local real most[GROUP], loose[GROUP];
+    const int me = get_local_id(0);
+    most[me] = most_real;
+    loose[me] = loose_real;
+    for (int half_way = GROUP / 2; half_way; half_way /= 2) {
+        barrier(CLK_LOCAL_MEM_FENCE);
+        if (me < half_way) {
+            const real other = most[me + half_way];
+            most[me] = (other > most[me]) | (other != other) ? other : most[me];
+            loose[me] = loose[me] + loose[me + half_way] > 0;
+        }
+    }
+    if (me == 0) {
+        partial[2 * get_group_id(0)] = most[0];
+        partial[2 * get_group_id(0) + 1] = loose[0];
+    }
+#endif
+}
