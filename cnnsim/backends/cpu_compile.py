@@ -29,16 +29,27 @@ def helper(function: Kernel) -> Kernel:
     return jitted
 
 
-def twins(function: Kernel) -> Twins:
-    """Compile a loop over `numba.prange` in both versions.
+def fused(function: Kernel) -> Kernel:
+    """Compile a helper in which a product and a sum may become one rounding (FMA).
 
-    The threaded one gets a name of its own, because numba's disk cache does not look at the threading option.
+    Nothing else of "fast" arithmetic is allowed: sums keep their order, and NaN stays NaN.
     """
-    assert isinstance(function, FunctionType)
-    copy = FunctionType(function.__code__, function.__globals__, function.__name__ + "_threaded")
-    copy.__qualname__ = function.__qualname__ + "_threaded"
-    copy.__module__ = function.__module__
+    jitted: Kernel = numba.njit(cache=True, error_model="numpy", fastmath={"contract"})(_named(function, "_fused"))
+    return jitted
+
+
+def twins(function: Kernel) -> Twins:
+    """Compile a loop over `numba.prange` in both versions."""
     return Twins(
         numba.njit(cache=True, error_model="numpy")(function),
-        numba.njit(cache=True, error_model="numpy", parallel=True)(copy),
+        numba.njit(cache=True, error_model="numpy", parallel=True)(_named(function, "_threaded")),
     )
+
+
+def _named(function: Kernel, suffix: str) -> Kernel:
+    """Copy a function under a name of its own, because numba's disk cache does not look at the options."""
+    assert isinstance(function, FunctionType)
+    copy = FunctionType(function.__code__, function.__globals__, function.__name__ + suffix)
+    copy.__qualname__ = function.__qualname__ + suffix
+    copy.__module__ = function.__module__
+    return copy

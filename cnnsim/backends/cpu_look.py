@@ -1,0 +1,61 @@
+"""A look at the step that would come: what would still move, and which cells are not saturated for good.
+
+A cell is stuck if |x| >= 1 and its drive d = A*y + w pulls it outwards: sign(x) d >= 1. While its neighbours' outputs
+stay, so does d, and a step x + h (d - x) with h <= 1 cannot bring it back inside: the exact value lies between x and d,
+and rounding keeps the order of numbers and 1 is one of them. So its output stays, to the bit.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.backends.cpu_compile import helper
+from cnnsim.backends.cpu_rows import BLOCK, STRIDE
+
+Array = NDArray[Any]
+
+STEEPEST, MOVING, RESTLESS, R0, R1, C0, C1 = range(7)
+"""What a look puts down: the largest |dx/dt| (if it is measured), how many cells have |dx/dt| above the rest slope, how
+many are not saturated for good, and the area that those lie in."""
+
+
+@helper
+def stuck(x: float, drive: float, one: float) -> bool:
+    """Return whether a cell is saturated for good, as long as its neighbours' outputs stay."""
+    return ((x >= one) & (drive >= one)) | ((x <= -one) & (drive <= -one))
+
+
+@helper
+def look_at_nothing(seen: Array) -> None:
+    """Start a look."""
+    seen[STEEPEST] = seen[MOVING] = seen[RESTLESS] = 0
+    seen[R0] = seen[C0] = np.inf
+    seen[R1] = seen[C1] = -np.inf
+
+
+@helper
+def look_block(
+    x: Array, drive: Array, r0: int, r1: int, i: int, n: int, at: int, rest: float, measure: bool, seen: Array
+) -> None:
+    """Put down in ``seen`` what moves in rows r0 .. r1 - 1 of a block of rows i .. i + 3, columns from ``at`` on."""
+    one, still = x.dtype.type(1), x.dtype.type(rest)
+    for q in range(max(r0 - i, 0), min(r1 - i, BLOCK)):
+        row, pull = x[q * STRIDE : q * STRIDE + n], drive[q * STRIDE : q * STRIDE + n]
+        moving, restless = np.int32(0), np.int32(0)
+        for j in range(n):
+            moving += np.int32(not abs(pull[j] - row[j]) <= still)
+            restless += np.int32(not stuck(row[j], pull[j], one))
+        seen[MOVING] += moving
+        seen[RESTLESS] += restless
+        if restless:
+            seen[R0], seen[R1] = min(seen[R0], i + q), max(seen[R1], i + q + 1)
+            first, last = 0, n - 1
+            while stuck(row[first], pull[first], one):
+                first += 1
+            while stuck(row[last], pull[last], one):
+                last -= 1
+            seen[C0], seen[C1] = min(seen[C0], at + first), max(seen[C1], at + last + 1)
+        if measure:
+            for j in range(n):
+                seen[STEEPEST] = max(seen[STEEPEST], abs(pull[j] - row[j]))

@@ -1,0 +1,123 @@
+"""Several Euler steps of one tile of the grid while its rows stay in the cache.
+
+The tile's rows stream through ``depth`` levels, four rows at a time; level t holds the state after t steps and follows
+level t-1 by r rows, which is all that a template of radius r needs to see. x and w exist once: each level replaces the
+rows of x in place, and only the 2r rows of outputs that the next level still needs are kept for each level. The tile
+is loaded with r cells more all round for each step; what comes in from outside spoils r of them a step, and what is
+left at the end is exact. At the rim of the grid the virtual cells are set again at every level.
+"""
+
+from typing import Any, NamedTuple
+
+from numpy.typing import NDArray
+
+from cnnsim.backends.cpu_compile import helper
+from cnnsim.backends.cpu_look import look_block
+from cnnsim.backends.cpu_room import PERIODIC, SLACK, Scratch, clip_block, load_row, move, set_virtual
+from cnnsim.backends.cpu_rows import BLOCK, PAD, STRIDE, any_taps, cross, isotropic, nine_taps
+
+Array = NDArray[Any]
+
+NINE, CROSS, ISOTROPIC, ANY = 0, 1, 2, 3
+
+
+class Rule(NamedTuple):
+    """A template's feedback, ready for the loops: taps, radius, which loop, step length, boundary and its constant."""
+
+    kind: int
+    r: int
+    k: Array
+    l: Array
+    weight: Array
+    square: Array
+    h: float
+    boundary: int
+    constant: float
+
+
+class Area(NamedTuple):
+    """The cells [r0, r1) x [c0, c1) of a grid."""
+
+    r0: int
+    r1: int
+    c0: int
+    c1: int
+
+
+@helper
+def step_block(rule: Rule, x: Array, w: Array, y: Array, out: Array, n: int, h: float, row: Array) -> None:
+    """Step one block by the loop that its rule names."""
+    if rule.kind == NINE:
+        nine_taps(x, w, y, out, n, rule.square, h)
+    elif rule.kind == CROSS:
+        cross(x, w, y, out, n, rule.square, h)
+    elif rule.kind == ISOTROPIC:
+        isotropic(x, w, y, out, n, rule.square, h)
+    else:
+        any_taps(x, w, y, out, n, rule.k, rule.l, rule.weight, rule.r, h, row)
+
+
+@helper
+def stream(
+    source: Array, w: Array, target: Array, rule: Rule, depth: int, area: Area, room: Scratch,
+    look: bool, rest: float, measure: bool, seen: Array,
+) -> None:  # fmt: skip
+    """Send a tile's rows through the levels; the last level goes to ``target``, or is only looked at (`look_block`)."""
+    rows, cols = source.shape
+    r, torus = rule.r, rule.boundary == PERIODIC
+    reach = depth * r
+    lo, hi, top, bottom = area.c0 - reach, area.c1 + reach, area.r0 - reach, area.r1 + reach
+    if not torus:
+        lo, hi, top, bottom = max(lo, 0), min(hi, cols), max(top, 0), min(bottom, rows)
+    left, right = not torus and lo == 0, not torus and hi == cols
+    n, inner, width = hi - lo, area.c0 - lo, area.c1 - area.c0
+    whole = (n + PAD - 1) // PAD * PAD  # no remainder loops: the cells beyond n are never looked at
+    used = whole + 2 * PAD
+    y, new = room.y, room.new
+    at = reach  # where row `base` lies in the buffers of x and w
+    for base in range(top, area.r1 + reach, BLOCK):
+        if at > reach + SLACK:
+            for p in range(reach):
+                move(room.x, (at - reach + p) * STRIDE, room.x, p * STRIDE, whole)
+                move(room.w, (at - reach + p) * STRIDE, room.w, p * STRIDE, whole)
+            at = reach
+        through = False
+        for level in range(depth + 1):
+            i, margin = base - level * r, (depth - level) * r
+            if i >= area.r1 + margin or (not torus and i >= rows + r):
+                through = True  # this level has done its rows; the next one finds the last of them kept
+                continue
+            if i + BLOCK <= area.r0 - margin or (not torus and i + BLOCK <= 0):
+                break  # this level and those after it have not begun
+            if through:
+                for p in range(2 * r):
+                    move(room.kept, ((level - 1) * 2 * r + p) * STRIDE, y, p * STRIDE, used)
+                through = False
+            o, out = (at - level * r) * STRIDE, new[2 * r * STRIDE :]
+            if level == 0:
+                for q in range(BLOCK):
+                    if i + q < bottom:
+                        load_row(source, i + q, lo, n, room.x, o + q * STRIDE)
+                        load_row(w, i + q, lo, n, room.w, o + q * STRIDE)
+                clip_block(room.x[o:], out, whole)
+            elif look:  # from x = 0 a step of length 1 goes to the drive, in the arithmetic of the steps
+                room.drive[:] = 0
+                step_block(rule, room.drive, room.w[o:], y, out, whole, source.dtype.type(1), room.row)
+                look_block(
+                    room.x[o + inner :], room.drive[inner:], area.r0, area.r1, i, width, area.c0, rest, measure, seen
+                )
+            else:
+                step_block(rule, room.x[o:], room.w[o:], y, out, whole, rule.h, room.row)
+            if level == depth:
+                if not look:
+                    for q in range(max(area.r0 - i, 0), min(area.r1 - i, BLOCK)):
+                        move(room.x, o + q * STRIDE + inner, target[i + q], area.c0, width)
+                continue
+            for p in range(2 * r):
+                move(room.kept, (level * 2 * r + p) * STRIDE, new, p * STRIDE, used)
+            if not torus:
+                set_virtual(new, i, rows, n, used, left, right, r, rule.boundary, rule.constant)
+            for p in range(2 * r):
+                move(new, (BLOCK + p) * STRIDE, room.kept, (level * 2 * r + p) * STRIDE, used)
+            y, new = new, y
+        at += BLOCK
