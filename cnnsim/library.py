@@ -2,7 +2,7 @@
 
 import tomllib
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
@@ -14,6 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 from cnnsim.backends.base import Backend
 from cnnsim.errors import InputError
 from cnnsim.grid import Boundary, parse_boundary
+from cnnsim.library_path import add as add  # ours to offer: `library.add(DIR)`, `with library.using(DIR)`
+from cnnsim.library_path import files
+from cnnsim.library_path import folder as folder
+from cnnsim.library_path import using as using
 from cnnsim.picture import parse_ascii
 from cnnsim.plan import Duration
 from cnnsim.template import Template
@@ -61,6 +65,12 @@ class LibraryEntry:
     note: str
     aliases: tuple[str, ...]
     examples: tuple[Example, ...]
+    file: Path | None = None
+
+    @property
+    def shipped(self) -> bool:
+        """True if the file is one of ours, not of a user's own library."""
+        return self.file is not None and self.file.parent == folder()
 
     def planes(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, Any]:
         """Return the planes ``input`` and ``state`` that the picture (and the second one) stand for.
@@ -111,35 +121,33 @@ def run_example(entry: LibraryEntry, example: Example, backend: str | Backend = 
     return run(entry, picture, state=second, backend=backend, mask=example.mask, bias=example.bias, **changes)
 
 
-def folder() -> Path:
-    """Return where the template files are: inside an installed package, or beside it in a source tree."""
-    inside = Path(__file__).parent / "templates"
-    return inside if inside.is_dir() else Path(__file__).parent.parent / "templates"
-
-
 def names(tag: str | None = None) -> list[str]:
     """Return the names of all templates, or of those with a tag, in alphabetical order."""
-    everything = sorted(path.stem for path in folder().glob("*.toml"))
-    return everything if tag is None else [name for name in everything if tag in load(name).tags]
+    return list(files()) if tag is None else [name for name in files() if tag in load(name).tags]
 
 
-@cache
 def load(name: str) -> LibraryEntry:
-    """Return the library template called ``name``.
+    """Return the library template called ``name``, from the last folder that has it.
 
     Raises:
         InputError: there is none (the message has the nearest names), or its file is wrong.
     """
-    path = folder() / f"{name}.toml"
-    if name not in names():
+    path = files().get(name)
+    if path is None:
         near = get_close_matches(name.lower(), names(), n=3, cutoff=0.4)
         hint = f"; did you mean {' or '.join(near)}?" if near else ""
         raise InputError(f"no template {name!r} in the library{hint} `cnnsim list` shows all {len(names())}")
+    return _load_once(path, path.stat().st_mtime_ns)
+
+
+@cache
+def _load_once(path: Path, changed: int) -> LibraryEntry:
+    """Load a file again only when it has changed."""
     return load_file(path)
 
 
 def load_file(path: Path) -> LibraryEntry:
-    """Read and check one template file.
+    """Read and check one template file. A shipped one has a worked example; a user's own may do without.
 
     Raises:
         InputError: what is wrong, with the file's name.
@@ -151,7 +159,10 @@ def load_file(path: Path) -> LibraryEntry:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{path} is no TOML: {error}") from error
     try:
-        return _entry(data, path.stem)
+        entry = replace(_entry(data, path.stem), file=path)
+        if entry.shipped and not entry.examples:
+            raise InputError("no worked example; at least one [[example]] wanted")
+        return entry
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
 
@@ -172,8 +183,6 @@ def _entry(data: dict[str, Any], stem: str) -> LibraryEntry:
         parse_boundary(data["boundary"]), data["duration"], data.get("margin"), data.get("note", ""),
         tuple(data.get("aliases", ())), tuple(_example(item) for item in data.get("example", ())),
     )  # fmt: skip
-    if not entry.examples:
-        raise InputError("no worked example; at least one [[example]] wanted")
     if template.control_taps and entry.input == "none":
         raise InputError("B is not zero, but input is 'none'")
     return entry

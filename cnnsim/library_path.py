@@ -1,0 +1,60 @@
+"""Where template files are looked for: the shipped folder first, then users' own folders; of one name the last wins."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from cnnsim.errors import InputError
+
+_own: tuple[Path, ...] = ()
+
+
+def folder() -> Path:
+    """Return where the shipped template files are: inside an installed package, or beside it in a source tree."""
+    inside = Path(__file__).parent / "templates"
+    return inside if inside.is_dir() else Path(__file__).parent.parent / "templates"
+
+
+def folders() -> tuple[Path, ...]:
+    """Return all folders that are searched, the shipped one first."""
+    return (folder(), *_own)
+
+
+def files() -> dict[str, Path]:
+    """Return the file of every template name, in alphabetical order; a later folder's file replaces an earlier one's."""
+    found = {path.stem: path for place in folders() for path in place.glob("*.toml")}
+    return dict(sorted(found.items()))
+
+
+def program_file(name: str) -> Path:
+    """Return the file of a program of the library, from the last folder that has it under ``programs``."""
+    places = [place / "programs" / f"{name}.toml" for place in reversed(folders())]
+    return next((path for path in places if path.is_file()), places[-1])
+
+
+def add(*paths: str | Path) -> None:
+    """Search users' own folders of template files as well, from now on; later ones come first.
+
+    A file there may have the name of a shipped template and then replaces it, and may do without a worked example.
+
+    Raises:
+        InputError: one of them is no folder.
+    """
+    global _own
+    for path in map(Path, paths):
+        if not path.is_dir():
+            raise InputError(f"library {path}: a folder of template files wanted, and there is none")
+        place = path.resolve()
+        _own = (*(other for other in _own if other != place), place)
+
+
+@contextmanager
+def using(*paths: str | Path) -> Iterator[None]:
+    """Search users' own folders as `add` does, for the time of a ``with`` block."""
+    global _own
+    before = _own
+    try:
+        add(*paths)
+        yield
+    finally:
+        _own = before
