@@ -132,6 +132,7 @@ class OpenCLBackend:
         else:
             end, done, settled, slope = stepped(shop, plan, shape, x.buffer, w, mask)
             t = done * plan.step if settle else float(plan.duration)
+        shop.recycle(w)
         state = DevicePlane(end, x.shape, "lam")
         self._check_finite(state, t)
         return Outcome(state, t, settled, slope)

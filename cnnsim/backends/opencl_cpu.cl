@@ -47,8 +47,9 @@ static void step_block(const __local real *above, const __local real *here, cons
 #ifdef SHARED_SUMS
 #define SIDES(q) (HEARD(q, -1) + HEARD(q, 1))
 #define DRIVE(q)                                                                                              \
-    d##q += (real)(CENTRE) * HEARD(q, 0) + (real)(EDGE) * ((SIDES(q) + HEARD(q - 1, 0)) + HEARD(q + 1, 0))    \
-          + (real)(CORNER) * (SIDES(q - 1) + SIDES(q + 1));
+    d##q += (real)(CENTRE) * HEARD(q, 0);                                                                     \
+    d##q += (real)(EDGE) * (SIDES(q) + (HEARD(q - 1, 0) + HEARD(q + 1, 0)));                                  \
+    d##q += (real)(CORNER) * (SIDES(q - 1) + SIDES(q + 1));
 #else
 #define TAP(q, k, l, weight) d##q += (real)(weight) * HEARD(q + (k), l);
 #define DRIVE(q) TAPS(TAP, q)

@@ -39,7 +39,7 @@ def cut(shop: Workshop, shape: tuple[int, int, int], radius: int, periodic: bool
 
 def _bands(shop: Workshop, grids: int, rows: int, cols: int, radius: int, periodic: bool, most: int) -> Tiles:
     lanes, size = shop.lanes, shop.dtype.itemsize
-    height = max(2, radius)  # rows of a block
+    height = max(3, radius)  # rows of a block
     widest = TILE_BYTES // size
     across = -(-cols // widest)
     if across == 1:  # the tile has all columns: nothing but virtual cells beside it

@@ -79,6 +79,11 @@ class Steps:
             self.x, self._turn = self._planes[turn], 1 - turn
             steps -= now
 
+    def finish(self) -> Buffer:
+        """Return the last state; the other plane may be used for something else."""
+        self._shop.recycle(*(plane for plane in self._planes if plane is not self.x))
+        return self.x
+
 
 class Stages:
     """Steps of a scheme of several stages: two launches a stage, one more a step."""
@@ -107,6 +112,10 @@ class Stages:
             self._sum(self._scheme.b, to, self._held)
             self.x, self._mine = to, True
 
+    def finish(self) -> Buffer:
+        """Return the last state."""
+        return self.x
+
     def _sum(self, weights: tuple[float, ...], to: Buffer, held: Buffer | None) -> None:
         """Write wall(x + sum of gain * weight * slope) to a plane."""
         slopes = [*self._slopes[: len(weights)], *[None] * (4 - len(weights))]
@@ -126,12 +135,12 @@ def stepped(
     road: Steps | Stages = (Steps if len(plan.scheme.b) == 1 else Stages)(shop, plan, shape, x, w, held)
     if plan.duration != "settled":
         road.advance(plan.steps)
-        return road.x, plan.steps, False, math.nan
+        return road.finish(), plan.steps, False, math.nan
     done = 0
     while True:
         settled, steepest = look(shop, plan, shape, road.x, w, held)
         if settled or done == plan.steps:
-            return road.x, done, settled, steepest
+            return road.finish(), done, settled, steepest
         now = min(plan.check_every, plan.steps - done)
         road.advance(now)
         done += now
