@@ -21,7 +21,7 @@ def folders() -> tuple[Path, ...]:
 
 
 def files() -> dict[str, Path]:
-    """Return the file of every template name, in alphabetical order; a later folder's file replaces an earlier one's."""
+    """Return the file of every template name, in alphabetical order; of one name the last folder's file counts."""
     found = {path.stem: path for place in folders() for path in place.glob("*.toml")}
     return dict(sorted(found.items()))
 
