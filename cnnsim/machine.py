@@ -12,11 +12,13 @@ from cnnsim.globalwire import read_wire
 from cnnsim.logic import function_number
 from cnnsim.plan import Plan, make_plan
 from cnnsim.program import (
+    ARITHMETIC,
     BranchStep,
     CellwiseStep,
     CopyStep,
     FillStep,
     LogicStep,
+    NumberStep,
     Program,
     RepeatStep,
     Step,
@@ -85,9 +87,12 @@ class UniversalMachine:
                     same = memory[source] == memory[to]
                     planes[to] = planes[source] if same else backend.convert(planes[source], memory[to])  # type: ignore[arg-type]  # wires are not copied
                 case FillStep(value=value, to=to):
-                    planes[to] = self._constant(program, to, value, planes[""])
+                    number = planes[value] if isinstance(value, str) else value
+                    planes[to] = number if memory[to] == "wire" else self._constant(program, to, number, planes[""])
                 case WireStep(wire=wire, of=of, to=to):
                     planes[to] = read_wire(wire, backend.count(planes[of]), int(np.prod(planes[""])))
+                case NumberStep(function=function, of=of, to=to):
+                    planes[to] = ARITHMETIC[function](*(planes[n] if isinstance(n, str) else n for n in of))
                 case RepeatStep(times=times, do=do):
                     for _ in range(times):
                         self._execute(program, do, planes)

@@ -6,14 +6,17 @@ A program is a TOML file. It declares its memories and lists its steps, each a t
 * ``cellwise``: apply a per-cell operation; ``of``, ``to`` list planes, ``parameters`` lists numbers or their names;
 * ``logic``: one of the 16 two-input functions; ``of`` lists two planes (or one), ``to`` names the result;
 * ``copy``: a plane ``to`` another, converted where one is analog and one logic;
-* ``fill``: a constant ``to`` a plane;
+* ``fill``: a constant, a parameter or a wire register ``to`` every cell of a plane; a constant ``to`` a register;
 * ``wire``: "any", "all" or "count" of the plane ``of`` into the wire register ``to``;
-* ``repeat``: so many times the steps in ``[[step.do]]``;
+* ``number``: "add", "subtract", "multiply" or "less" (1 or 0) ``of`` two wire registers, parameters or whole numbers
+  into the wire register ``to``;
+* ``repeat``: so many times (a number or a parameter) the steps in ``[[step.do]]``;
 * ``until_unchanged``: ``[[step.do]]`` until a logic plane comes out as it went in, at most ``limit`` times;
 * ``when``: ``[[step.do]]`` if a wire register is not 0, else ``[[step.otherwise]]``.
 """
 
-from collections.abc import Mapping
+import operator
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -75,10 +78,10 @@ class CopyStep:
 
 @dataclass(frozen=True, eq=False)
 class FillStep:
-    """Set every cell of a plane to a constant."""
+    """Set every cell of a plane, or a wire register, to a constant or (a plane only) to what a register holds."""
 
     where: str
-    value: float
+    value: float | str
     to: str
 
 
@@ -89,6 +92,25 @@ class WireStep:
     where: str
     wire: Wire
     of: str
+    to: str
+
+
+ARITHMETIC: Mapping[str, Callable[[int, int], int]] = {
+    "add": operator.add,
+    "subtract": operator.sub,
+    "multiply": operator.mul,
+    "less": lambda p, q: int(p < q),
+}
+"""What the control unit can do with two wire registers."""
+
+
+@dataclass(frozen=True, eq=False)
+class NumberStep:
+    """Put a function of two whole numbers, each a wire register or a constant, into a wire register."""
+
+    where: str
+    function: str
+    of: tuple[int | str, int | str]
     to: str
 
 
@@ -128,6 +150,7 @@ Step = (
     | CopyStep
     | FillStep
     | WireStep
+    | NumberStep
     | RepeatStep
     | UntilUnchangedStep
     | BranchStep

@@ -11,11 +11,13 @@ from cnnsim.grid import Boundary, parse_boundary
 from cnnsim.logic import function_number
 from cnnsim.plan import Duration
 from cnnsim.program import (
+    ARITHMETIC,
     BranchStep,
     CellwiseStep,
     CopyStep,
     FillStep,
     LogicStep,
+    NumberStep,
     RepeatStep,
     Step,
     TemplateStep,
@@ -135,8 +137,12 @@ def _copy(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step
 
 
 def _fill(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
-    value = scope.names.number(table["fill"], where)
-    return FillStep(where, value, scope.names.write(table["to"], where, "lam", "llm"))
+    names, value = scope.names, table["fill"]
+    if isinstance(table["to"], str) and names.memory.get(table["to"]) == "wire":
+        return FillStep(where, _integer(value, where, scope), names.write(table["to"], where, "wire"))
+    from_wire = isinstance(value, str) and names.memory.get(value) == "wire"
+    number = names.read(value, where, "wire") if from_wire else names.number(value, where)
+    return FillStep(where, number, names.write(table["to"], where, "lam", "llm"))
 
 
 def _wire(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
@@ -148,14 +154,30 @@ def _wire(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step
     return WireStep(where, wire, of, scope.names.write(table["to"], where, "wire"))
 
 
+def _arithmetic(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
+    function, of = table["number"], _list(table["of"])
+    if function not in ARITHMETIC:
+        raise InputError(f"{where}: number function {function!r}; known are {', '.join(ARITHMETIC)}")
+    if len(of) != 2:
+        raise InputError(f"{where}: of {len(of)} numbers; two wanted")
+    p, q = (_register_or_number(value, where, scope) for value in of)
+    return NumberStep(where, function, (p, q), scope.names.write(table["to"], where, "wire"))
+
+
+def _register_or_number(value: Any, where: str, scope: Scope) -> int | str:
+    if isinstance(value, str) and value in scope.names.memory:
+        return scope.names.read(value, where, "wire")
+    return _integer(value, where, scope)
+
+
 def _repeat(table: dict[str, Any], where: str, number: str, scope: Scope) -> Step:
-    times = _whole(table["repeat"], "times", where)
+    times = _whole(table["repeat"], "times", where, scope)
     return RepeatStep(where, times, read_steps(table["do"], f"{number}.", scope))
 
 
 def _until_unchanged(table: dict[str, Any], where: str, number: str, scope: Scope) -> Step:
     plane = scope.names.read(table["until_unchanged"], where, "llm")
-    limit = _whole(table.get("limit", 10_000), "limit", where)
+    limit = _whole(table.get("limit", 10_000), "limit", where, scope)
     return UntilUnchangedStep(where, plane, limit, read_steps(table["do"], f"{number}.", scope))
 
 
@@ -174,10 +196,18 @@ def _list(value: Any) -> list[Any]:
     return value if isinstance(value, list) else [value]
 
 
-def _whole(value: Any, what: str, where: str) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+def _integer(value: Any, where: str, scope: Scope) -> int:
+    number = scope.names.number(value, where)
+    if not number.is_integer():
+        raise InputError(f"{where}: {number:g}; a whole number wanted")
+    return int(number)
+
+
+def _whole(value: Any, what: str, where: str, scope: Scope) -> int:
+    value = scope.names.number(value, where) if isinstance(value, str) else value
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 1 <= value < 1e9 or value % 1:
         raise InputError(f"{where}: {what} {value!r}; a whole number from 1 wanted")
-    return value
+    return int(value)
 
 
 _Reader = Callable[[dict[str, Any], str, str, Scope], Step]
@@ -189,6 +219,7 @@ _READERS: dict[str, tuple[set[str], set[str], _Reader]] = {
     "copy": ({"to"}, set(), _copy),
     "fill": ({"to"}, set(), _fill),
     "wire": ({"of", "to"}, set(), _wire),
+    "number": ({"of", "to"}, set(), _arithmetic),
     "repeat": ({"do"}, set(), _repeat),
     "until_unchanged": ({"do"}, {"limit"}, _until_unchanged),
     "when": ({"do"}, {"otherwise"}, _when),
