@@ -20,7 +20,7 @@ GROUP = 256
 """Work-items of a group in the kernels that go over cells one by one on a GPU."""
 
 LANES = 8
-"""Numbers in a vector on a CPU, at least the largest radius. Measured: 16 are 5 % slower, too few registers hold them."""
+"""Numbers in a vector on a CPU, at least the largest radius. Measured: 16 are 5 % slower, for want of registers."""
 
 SPARE = 2
 """Buffers kept for the next transient: its drive, and one of the two states between which steps go."""

@@ -72,6 +72,12 @@ def family_of(device: cl.Device) -> Family:
     return "cpu" if device.type & cl.device_type.CPU else "gpu"
 
 
+def type_of(device: cl.Device) -> str:
+    """Return "cpu", "gpu" or "accelerator"."""
+    names = {cl.device_type.CPU: "cpu", cl.device_type.GPU: "gpu"}
+    return next((name for bit, name in names.items() if device.type & bit), "accelerator")
+
+
 def has_float64(device: cl.Device) -> bool:
     """Return whether a device computes in float64."""
     return bool(device.double_fp_config)

@@ -1,0 +1,41 @@
+// One strain taxel, `tactile.inverse.invert_strain` for one cell: u_xz, u_yz, u_zz; depth, modulus, floor, pressing
+// in; dx, dy, force, validity out. Without branches, so that a compiler makes vectors of it.
+
+#ifdef DOUBLE
+const real tiny = DBL_MIN;
+#else
+const real tiny = FLT_MIN;
+#endif
+const real far = (real)1e-6; // FAR
+
+// the signals over the largest of them; with no load at all a harmless direction
+const int finite = (u_xz - u_xz == 0) & (u_yz - u_yz == 0) & (u_zz - u_zz == 0);
+real x = finite ? u_xz : 0, y = finite ? u_yz : 0, z = finite ? u_zz : 0;
+real largest = fabs(x) > fabs(y) ? fabs(x) : fabs(y);
+largest = largest > fabs(z) ? largest : fabs(z);
+const int some = largest >= tiny;
+const real over = 1 / (some ? largest : 1);
+largest = some ? largest : 0;
+x *= over;
+y *= over;
+z = some ? z * over : -1;
+
+const real a2 = x * x + y * y, b = fabs(z);
+const real d = 4 * a2 + 9 * b * b + 3 * b * sqrt(9 * b * b + 8 * a2);
+const int straight = a2 <= far * far * b * b;
+const real sign = (pressing == 0) & straight & (z > 0) ? -1 : pressing < 0 ? -1 : 1;
+const int inside = sign * z < 0;
+const real a2_safe = straight ? 1 : a2;
+const real quotient = (inside ? 8 : d) / (inside ? d : 2 * a2_safe * a2_safe);
+const real reach = sqrt(quotient), t = a2 * quotient;
+real load = (t + 1) * sqrt(t + 1) * (3 * reach * a2 + fabs(t - 2) * b) / (t + 4);
+load = sign * load * ((real)4.18879020478639098 * modulus * depth * depth * largest); // 4 pi / 3
+const real length = sign * depth * reach;
+
+const int possible = finite & (inside | !straight) & (load - load == 0);
+const int loaded = !finite | (largest > floor), answered = possible & loaded;
+const real region = (pressing == 0) & !straight ? 3 : inside ? 1 : 2; // AMBIGUOUS, INSIDE, OUTSIDE
+dx = answered ? length * x : 0;
+dy = answered ? length * y : 0;
+force = answered ? load : 0;
+validity = loaded ? (possible ? region : 4) : 0; // INVALID, NO_LOAD
