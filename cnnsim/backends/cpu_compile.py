@@ -1,6 +1,13 @@
-"""How loops of the CPU backend are compiled: once, to disk, in a serial and a threaded version of one text."""
+"""How loops of the CPU backend are compiled: once, to disk, in a serial and a threaded version of one text.
+
+Numba's disk cache takes a function for unchanged while its own file is, though the functions it calls have changed, and
+does not look at compile options. So every function is compiled under a name that says both: its options, and a digest
+of all the backend's files.
+"""
 
 from collections.abc import Callable
+from hashlib import sha256
+from pathlib import Path
 from types import FunctionType
 from typing import Any, NamedTuple
 
@@ -23,10 +30,12 @@ class Twins(NamedTuple):
         return self.threaded if cells >= THREADS_PAY_FROM else self.serial
 
 
+_DIGEST = sha256(b"".join(path.read_bytes() for path in sorted(Path(__file__).parent.glob("cpu*.py")))).hexdigest()[:8]
+
+
 def helper(function: Kernel) -> Kernel:
     """Compile a function that is only called from other compiled ones."""
-    jitted: Kernel = numba.njit(cache=True, error_model="numpy")(function)
-    return jitted
+    return _compiled(function, "")
 
 
 def fused(function: Kernel) -> Kernel:
@@ -34,22 +43,19 @@ def fused(function: Kernel) -> Kernel:
 
     Nothing else of "fast" arithmetic is allowed: sums keep their order, and NaN stays NaN.
     """
-    jitted: Kernel = numba.njit(cache=True, error_model="numpy", fastmath={"contract"})(_named(function, "_fused"))
-    return jitted
+    return _compiled(function, "_fused", fastmath={"contract"})
 
 
 def twins(function: Kernel) -> Twins:
     """Compile a loop over `numba.prange` in both versions."""
-    return Twins(
-        numba.njit(cache=True, error_model="numpy")(function),
-        numba.njit(cache=True, error_model="numpy", parallel=True)(_named(function, "_threaded")),
-    )
+    return Twins(_compiled(function, ""), _compiled(function, "_threaded", parallel=True))
 
 
-def _named(function: Kernel, suffix: str) -> Kernel:
-    """Copy a function under a name of its own, because numba's disk cache does not look at the options."""
+def _compiled(function: Kernel, kind: str, **options: Any) -> Kernel:
     assert isinstance(function, FunctionType)
+    suffix = f"{kind}_{_DIGEST}"
     copy = FunctionType(function.__code__, function.__globals__, function.__name__ + suffix)
     copy.__qualname__ = function.__qualname__ + suffix
     copy.__module__ = function.__module__
-    return copy
+    jitted: Kernel = numba.njit(cache=True, error_model="numpy", **options)(copy)
+    return jitted

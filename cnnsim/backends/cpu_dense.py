@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cnnsim.backends.cpu_compile import twins
 from cnnsim.backends.cpu_look import MOVING, RESTLESS, STEEPEST, look_at_nothing
-from cnnsim.backends.cpu_room import divide, scratch_cells
+from cnnsim.backends.cpu_room import divide, room_cells
 from cnnsim.backends.cpu_tile import Area, Rule, stream
 
 Array = NDArray[Any]
@@ -37,12 +37,13 @@ def dense(
         measure = done == steps
         while looking:
             for thread in prange(threads):
-                room = divide(np.empty(scratch_cells(1, rule.r), x.dtype), 1, rule.r)
+                room = np.empty(room_cells(1, rule.r), x.dtype)
+                at = divide(room, 1, rule.r)
                 look_at_nothing(seen[thread])
                 for tile in range(thread * tiles // threads, (thread + 1) * tiles // threads):
                     g, p, q = tile // (down * across), tile // across % down, tile % across
                     area = Area(p * height, min(rows, p * height + height), q * width, min(cols, q * width + width))
-                    stream(source[g], w[g], target[g], rule, 1, area, room, True, rest, measure, seen[thread])
+                    stream(source[g], w[g], target[g], rule, 1, area, room, at, True, rest, measure, seen[thread])
             settled = seen[:, MOVING].sum() == 0 or (freezes and seen[:, RESTLESS].sum() == 0)
             if measure:
                 largest = seen[:, STEEPEST].max()
@@ -54,11 +55,12 @@ def dense(
         if check_every > 0:
             now = min(now, check_every - done % check_every)
         for thread in prange(threads):
-            room = divide(np.empty(scratch_cells(now, rule.r), x.dtype), now, rule.r)
+            room = np.empty(room_cells(now, rule.r), x.dtype)
+            at = divide(room, now, rule.r)
             for tile in range(thread * tiles // threads, (thread + 1) * tiles // threads):
                 g, p, q = tile // (down * across), tile // across % down, tile % across
                 area = Area(p * height, min(rows, p * height + height), q * width, min(cols, q * width + width))
-                stream(source[g], w[g], target[g], rule, now, area, room, False, rest, False, seen[thread])
+                stream(source[g], w[g], target[g], rule, now, area, room, at, False, rest, False, seen[thread])
         done += now
         where = 2 if where == 1 else 1
         source, target = target, (second if where == 1 else first)

@@ -36,12 +36,14 @@ def look_at_nothing(seen: Array) -> None:
 
 @helper
 def look_block(
-    x: Array, drive: Array, r0: int, r1: int, i: int, n: int, at: int, rest: float, measure: bool, seen: Array
-) -> None:
-    """Put down in ``seen`` what moves in rows r0 .. r1 - 1 of a block of rows i .. i + 3, columns from ``at`` on."""
-    one, still = x.dtype.type(1), x.dtype.type(rest)
+    room: Array, at_x: int, at_drive: int, r0: int, r1: int, i: int, n: int, c0: int, rest: float, measure: bool,
+    seen: Array,
+) -> None:  # fmt: skip
+    """Put down in ``seen`` what moves in rows r0 .. r1 - 1 of a block of rows i .. i + 3, n columns from c0 on."""
+    one, still = room.dtype.type(1), room.dtype.type(rest)
     for q in range(max(r0 - i, 0), min(r1 - i, BLOCK)):
-        row, pull = x[q * STRIDE : q * STRIDE + n], drive[q * STRIDE : q * STRIDE + n]
+        first, to = at_x + q * STRIDE, at_drive + q * STRIDE
+        row, pull = room[first : first + n], room[to : to + n]
         moving, restless = np.int32(0), np.int32(0)
         for j in range(n):
             moving += np.int32(not abs(pull[j] - row[j]) <= still)
@@ -55,7 +57,7 @@ def look_block(
                 first += 1
             while stuck(row[last], pull[last], one):
                 last -= 1
-            seen[C0], seen[C1] = min(seen[C0], at + first), max(seen[C1], at + last + 1)
+            seen[C0], seen[C1] = min(seen[C0], c0 + first), max(seen[C1], c0 + last + 1)
         if measure:
             for j in range(n):
                 seen[STEEPEST] = max(seen[STEEPEST], abs(pull[j] - row[j]))

@@ -14,36 +14,37 @@ SLACK = 32
 """Rows that stream past before the live ones are moved back to the start of their buffer."""
 
 
-class Scratch(NamedTuple):
-    """Buffers of one thread: live rows of x and w, two blocks of y, rows of y kept for each level, a drive, a row."""
+class Places(NamedTuple):
+    """Where things begin in a room: live rows of x and w, two blocks of y, the rows of y kept for each level, a drive,
+    a row, and the nine entries of a 3 x 3 matrix.
+    """
 
-    x: Array
-    w: Array
-    y: Array
-    new: Array
-    kept: Array
-    drive: Array
-    row: Array
+    x: int
+    w: int
+    y: int
+    new: int
+    kept: int
+    drive: int
+    row: int
+    square: int
 
 
 @helper
-def scratch_cells(depth: int, r: int) -> int:
-    """Return the cells of one thread's buffers for tiles of this depth."""
+def room_cells(depth: int, r: int) -> int:
+    """Return the size of one thread's room for tiles of this depth."""
     return STRIDE * (2 * (depth * r + BLOCK + SLACK) + 2 * (BLOCK + 2 * r) + 2 * r * depth + BLOCK + 2)
 
 
 @helper
-def divide(room: Array, depth: int, r: int) -> Scratch:
-    """Cut one thread's room into its buffers, starting at a cache line."""
-    start = (64 - (room.ctypes.data & 63)) // room.itemsize
+def divide(room: Array, depth: int, r: int) -> Places:
+    """Give each thing its place, the first at the start of a cache line."""
+    x = ((64 - (room.ctypes.data & 63)) & 63) // room.itemsize
     live, block = STRIDE * (depth * r + BLOCK + SLACK), STRIDE * (BLOCK + 2 * r)
-    y, kept = start + 2 * live, start + 2 * live + 2 * block
+    y = x + 2 * live
+    kept = y + 2 * block
     drive = kept + STRIDE * 2 * r * depth
     row = drive + STRIDE * BLOCK
-    return Scratch(
-        room[start : start + live], room[start + live : y], room[y : y + block], room[y + block : kept],
-        room[kept:drive], room[drive:row], room[row : row + STRIDE],
-    )  # fmt: skip
+    return Places(x, x + live, y, y + block, kept, drive, row, row + STRIDE)
 
 
 @helper
@@ -67,40 +68,50 @@ def load_row(plane: Array, i: int, first: int, n: int, target: Array, at: int) -
 
 
 @helper
-def clip_block(x: Array, y: Array, n: int) -> None:
+def clip_block(room: Array, at_x: int, at_y: int, n: int) -> None:
     """Write the outputs of a block."""
-    one = x.dtype.type(1)
+    one = room.dtype.type(1)
     for q in range(BLOCK):
-        row, to = x[q * STRIDE : q * STRIDE + n], y[q * STRIDE + PAD : q * STRIDE + PAD + n]
+        first, to = at_x + q * STRIDE, at_y + q * STRIDE + PAD
+        x, y = room[first : first + n], room[to : to + n]
         for j in range(n):
-            v = row[j]
+            v = x[j]
             v = one if v > one else v
-            to[j] = -one if v < -one else v
+            y[j] = -one if v < -one else v
+
+
+@helper
+def fill(room: Array, at: int, n: int, value: float) -> None:
+    """Set n cells."""
+    cells = room[at : at + n]
+    for j in range(n):
+        cells[j] = value
 
 
 @helper
 def set_virtual(
-    y: Array, i0: int, rows: int, n: int, used: int, left: bool, right: bool, r: int, kind: int, c: float
+    room: Array, at: int, i0: int, rows: int, n: int, left: bool, right: bool, r: int, kind: int, c: float
 ) -> None:
-    """Set the virtual cells of a block of y: its rows from 2r on are the grid's rows i0 .. i0 + 3.
+    """Set the virtual cells of a block of y: its rows from 2r on are the grid's rows i0 .. i0 + 3, n columns.
 
     ``left`` and ``right``: whether the block reaches the grid's first or last column. Rows above the grid are the r
     rows before row 0, still in the block when row 0 comes.
     """
+    used = n + 2 * PAD
     for q in range(BLOCK):
-        o, i = (q + 2 * r) * STRIDE, i0 + q
+        o, i = at + (q + 2 * r) * STRIDE, i0 + q
         if i >= rows and kind == ZERO_FLUX:
-            move(y, o - STRIDE, y, o, used)
+            move(room, o - STRIDE, room, o, used)
         elif i >= rows:
-            y[o : o + used].fill(c)
+            fill(room, o, used, c)
         if left:
-            y[o + PAD - r : o + PAD].fill(y[o + PAD] if kind == ZERO_FLUX else c)
+            fill(room, o + PAD - r, r, room[o + PAD] if kind == ZERO_FLUX else c)
         if right:
             end = o + PAD + n
-            y[end : end + r].fill(y[end - 1] if kind == ZERO_FLUX else c)
+            fill(room, end, r, room[end - 1] if kind == ZERO_FLUX else c)
         if i == 0:
             for p in range(1, r + 1):
                 if kind == ZERO_FLUX:
-                    move(y, o, y, o - p * STRIDE, used)
+                    move(room, o, room, o - p * STRIDE, used)
                 else:
-                    y[o - p * STRIDE : o - p * STRIDE + used].fill(c)
+                    fill(room, o - p * STRIDE, used, c)

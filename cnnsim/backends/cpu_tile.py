@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cnnsim.backends.cpu_compile import helper
 from cnnsim.backends.cpu_look import look_block
-from cnnsim.backends.cpu_room import PERIODIC, SLACK, Scratch, clip_block, load_row, move, set_virtual
+from cnnsim.backends.cpu_room import PERIODIC, SLACK, Places, clip_block, fill, load_row, move, set_virtual
 from cnnsim.backends.cpu_rows import BLOCK, PAD, STRIDE, any_taps, cross, isotropic, nine_taps
 
 Array = NDArray[Any]
@@ -45,26 +45,30 @@ class Area(NamedTuple):
 
 
 @helper
-def step_block(rule: Rule, x: Array, w: Array, y: Array, out: Array, n: int, h: float, row: Array) -> None:
-    """Step one block by the loop that its rule names."""
-    if rule.kind == NINE:
-        nine_taps(x, w, y, out, n, rule.square, h)
-    elif rule.kind == CROSS:
-        cross(x, w, y, out, n, rule.square, h)
-    elif rule.kind == ISOTROPIC:
-        isotropic(x, w, y, out, n, rule.square, h)
+def step_block(
+    kind: int, k: Array, l: Array, weight: Array, r: int, room: Array, at: Places, at_x: int, at_w: int, at_y: int,
+    at_out: int, n: int, h: float,
+) -> None:  # fmt: skip
+    """Step one block by the loop of this kind. (A rule is not handed on whole, for the sake of reference counts.)"""
+    if kind == NINE:
+        nine_taps(room, at_x, room, at_w, room, at_y, room, at_out, n, room, at.square, h)
+    elif kind == CROSS:
+        cross(room, at_x, room, at_w, room, at_y, room, at_out, n, room, at.square, h)
+    elif kind == ISOTROPIC:
+        isotropic(room, at_x, room, at_w, room, at_y, room, at_out, n, room, at.square, h)
     else:
-        any_taps(x, w, y, out, n, rule.k, rule.l, rule.weight, rule.r, h, row)
+        any_taps(room, at_x, at_w, at_y, at_out, n, k, l, weight, r, at.row, h)
 
 
 @helper
 def stream(
-    source: Array, w: Array, target: Array, rule: Rule, depth: int, area: Area, room: Scratch,
+    source: Array, w: Array, target: Array, rule: Rule, depth: int, area: Area, room: Array, at: Places,
     look: bool, rest: float, measure: bool, seen: Array,
 ) -> None:  # fmt: skip
     """Send a tile's rows through the levels; the last level goes to ``target``, or is only looked at (`look_block`)."""
     rows, cols = source.shape
-    r, torus = rule.r, rule.boundary == PERIODIC
+    kind, r, k, l, weight, square, h, boundary, constant = rule
+    torus = boundary == PERIODIC
     reach = depth * r
     lo, hi, top, bottom = area.c0 - reach, area.c1 + reach, area.r0 - reach, area.r1 + reach
     if not torus:
@@ -73,14 +77,16 @@ def stream(
     n, inner, width = hi - lo, area.c0 - lo, area.c1 - area.c0
     whole = (n + PAD - 1) // PAD * PAD  # no remainder loops: the cells beyond n are never looked at
     used = whole + 2 * PAD
-    y, new = room.y, room.new
-    at = reach  # where row `base` lies in the buffers of x and w
+    for m in range(square.size):
+        room[at.square + m] = square[m]
+    y, new = at.y, at.new
+    line = reach  # where row `base` lies among the live rows of x and w
     for base in range(top, area.r1 + reach, BLOCK):
-        if at > reach + SLACK:
+        if line > reach + SLACK:
             for p in range(reach):
-                move(room.x, (at - reach + p) * STRIDE, room.x, p * STRIDE, whole)
-                move(room.w, (at - reach + p) * STRIDE, room.w, p * STRIDE, whole)
-            at = reach
+                for live in (at.x, at.w):
+                    move(room, live + (line - reach + p) * STRIDE, room, live + p * STRIDE, whole)
+            line = reach
         through = False
         for level in range(depth + 1):
             i, margin = base - level * r, (depth - level) * r
@@ -91,33 +97,33 @@ def stream(
                 break  # this level and those after it have not begun
             if through:
                 for p in range(2 * r):
-                    move(room.kept, ((level - 1) * 2 * r + p) * STRIDE, y, p * STRIDE, used)
+                    move(room, at.kept + ((level - 1) * 2 * r + p) * STRIDE, room, y + p * STRIDE, used)
                 through = False
-            o, out = (at - level * r) * STRIDE, new[2 * r * STRIDE :]
+            o, out = (line - level * r) * STRIDE, new + 2 * r * STRIDE
             if level == 0:
                 for q in range(BLOCK):
                     if i + q < bottom:
-                        load_row(source, i + q, lo, n, room.x, o + q * STRIDE)
-                        load_row(w, i + q, lo, n, room.w, o + q * STRIDE)
-                clip_block(room.x[o:], out, whole)
+                        load_row(source, i + q, lo, n, room, at.x + o + q * STRIDE)
+                        load_row(w, i + q, lo, n, room, at.w + o + q * STRIDE)
+                clip_block(room, at.x + o, out, whole)
             elif look:  # from x = 0 a step of length 1 goes to the drive, in the arithmetic of the steps
-                room.drive[:] = 0
-                step_block(rule, room.drive, room.w[o:], y, out, whole, source.dtype.type(1), room.row)
+                fill(room, at.drive, BLOCK * STRIDE, 0)
+                step_block(kind, k, l, weight, r, room, at, at.drive, at.w + o, y, out, whole, source.dtype.type(1))
                 look_block(
-                    room.x[o + inner :], room.drive[inner:], area.r0, area.r1, i, width, area.c0, rest, measure, seen
+                    room, at.x + o + inner, at.drive + inner, area.r0, area.r1, i, width, area.c0, rest, measure, seen
                 )
             else:
-                step_block(rule, room.x[o:], room.w[o:], y, out, whole, rule.h, room.row)
+                step_block(kind, k, l, weight, r, room, at, at.x + o, at.w + o, y, out, whole, h)
             if level == depth:
                 if not look:
                     for q in range(max(area.r0 - i, 0), min(area.r1 - i, BLOCK)):
-                        move(room.x, o + q * STRIDE + inner, target[i + q], area.c0, width)
+                        move(room, at.x + o + q * STRIDE + inner, target[i + q], area.c0, width)
                 continue
             for p in range(2 * r):
-                move(room.kept, (level * 2 * r + p) * STRIDE, new, p * STRIDE, used)
+                move(room, at.kept + (level * 2 * r + p) * STRIDE, room, new + p * STRIDE, used)
             if not torus:
-                set_virtual(new, i, rows, n, used, left, right, r, rule.boundary, rule.constant)
+                set_virtual(room, new, i, rows, n, left, right, r, boundary, constant)
             for p in range(2 * r):
-                move(new, (BLOCK + p) * STRIDE, room.kept, (level * 2 * r + p) * STRIDE, used)
+                move(room, new + (BLOCK + p) * STRIDE, room, at.kept + (level * 2 * r + p) * STRIDE, used)
             y, new = new, y
-        at += BLOCK
+        line += BLOCK
