@@ -1,4 +1,4 @@
-"""The command line of the machine: list, show, run, program, explain."""
+"""The command line of the machine: list, show, run, program, explain, and what other files add to it."""
 
 from pathlib import Path
 from typing import Any
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim import backends, library
+from cnnsim.cli_devices import devices
 from cnnsim.command import CommandGroup, examples, print_json
 from cnnsim.errors import InputError
 from cnnsim.grid import parse_boundary
@@ -22,6 +23,9 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON f
 @click.version_option(package_name="cellular-wave-touch")
 def main() -> None:
     """Run templates and programs of a cellular neural network universal machine."""
+
+
+main.add_command(devices)
 
 
 @main.command("list", epilog=examples("cnnsim list", "cnnsim list --tag morphology", "cnnsim list --json"))
