@@ -2,14 +2,24 @@
 
 from typing import Literal, get_args
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cnnsim.errors import InputError
 
 Wire = Literal["any", "all", "count"]
+Register = int | NDArray[np.int64]
 
 
-def read_wire(wire: Wire, black: int, cells: int) -> int:
-    """Return the wire's value: 1 or 0 for "any" and "all" black, the number of black cells for "count"."""
-    return {"any": int(black > 0), "all": int(black == cells), "count": black}[wire]
+def read_wire(wire: Wire, black: Register, cells: int) -> Register:
+    """Return the wire's value: 1 or 0 for "any" and "all" black, the number of black cells for "count".
+
+    ``cells`` is the size of one grid; for n grids ``black`` and the value are (n,) numbers.
+    """
+    if wire == "count":
+        return black
+    told = black > 0 if wire == "any" else black == cells
+    return told.astype(np.int64) if isinstance(told, np.ndarray) else int(told)
 
 
 def check_wire(name: str) -> Wire:

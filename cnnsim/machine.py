@@ -1,5 +1,6 @@
 """UniversalMachine: runs analogic programs. `_execute` reads like the program it runs."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -7,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cnnsim import backends
 from cnnsim.backends.base import Backend, Plane
+from cnnsim.bitwise import BitRule, bit_rule
 from cnnsim.errors import InputError
 from cnnsim.globalwire import read_wire
 from cnnsim.logic import function_number
@@ -41,6 +43,7 @@ class UniversalMachine:
         self.backend = backends.get(backend, dtype) if isinstance(backend, str) else backend
         self._kept: dict[Program, dict[str, Plane]] = {}
         self._plans: dict[tuple[TemplateStep, tuple[int, ...]], Plan] = {}
+        self._rules: dict[TemplateStep, BitRule | None] = {}
 
     def reset(self) -> None:
         """Forget all kept planes."""
@@ -48,6 +51,9 @@ class UniversalMachine:
 
     def run(self, program: Program, **inputs: ArrayLike) -> dict[str, Any]:
         """Run a program on planes (rows, cols) of one shape and return its outputs: arrays, and numbers from wires.
+
+        Planes (n, rows, cols) are n grids that know nothing of each other; wires then give (n,) numbers, and steps that
+        ask a wire what to do are errors.
 
         Raises:
             InputError: an input is missing, unknown or of another shape; a step fails (the message names it).
@@ -74,9 +80,13 @@ class UniversalMachine:
         backend, memory = self.backend, program.memory
         for step in steps:
             match step:
-                case TemplateStep():
+                case TemplateStep(to=to, input=u):
+                    rule = self._rule(program, step)
+                    if rule is not None:
+                        planes[to] = backend.neighbourhood(rule, step.boundary, planes[u])  # type: ignore[index]  # then u is a plane
+                        continue
                     x = self._transient(program, step, planes)
-                    planes[step.to] = backend.output(x) if memory[step.to] == "lam" else backend.convert(x, "llm")
+                    planes[to] = backend.output(x) if memory[to] == "lam" else backend.convert(x, "llm")
                 case CellwiseStep(operation=operation, of=of, to=to, parameters=parameters):
                     planes.update(
                         zip(to, backend.cellwise(operation, [planes[p] for p in of], parameters), strict=True)
@@ -90,16 +100,35 @@ class UniversalMachine:
                     number = planes[value] if isinstance(value, str) else value
                     planes[to] = number if memory[to] == "wire" else self._constant(program, to, number, planes[""])
                 case WireStep(wire=wire, of=of, to=to):
-                    planes[to] = read_wire(wire, backend.count(planes[of]), int(np.prod(planes[""])))
+                    planes[to] = read_wire(wire, backend.count(planes[of]), math.prod(planes[""][-2:]))
                 case NumberStep(function=function, of=of, to=to):
-                    planes[to] = ARITHMETIC[function](*(planes[n] if isinstance(n, str) else n for n in of))
+                    numbers = [planes[n] if isinstance(n, str) else n for n in of]
+                    if any(isinstance(n, np.ndarray) for n in numbers):  # a number for each grid of a batch
+                        planes[to] = np.vectorize(ARITHMETIC[function], otypes=[np.int64])(*numbers)
+                    else:
+                        planes[to] = ARITHMETIC[function](*numbers)
                 case RepeatStep(times=times, do=do):
                     for _ in range(times):
                         self._execute(program, do, planes)
                 case UntilUnchangedStep():
                     self._until_unchanged(program, step, planes)
                 case BranchStep(register=register, do=do, otherwise=otherwise):
+                    if len(planes[""]) == 3:
+                        raise InputError(f"{step.where}: grids of a batch may go different ways; run them one by one")
                     self._execute(program, do if planes[register] else otherwise, planes)
+
+    def _rule(self, program: Program, step: TemplateStep) -> BitRule | None:
+        """Return the AND or OR that a step from LLM to LLM comes down to, None if it does not."""
+        if step in self._rules:
+            return self._rules[step]
+        rule, u, x0 = None, step.input, step.state
+        logic = isinstance(u, str) and program.memory[u] == program.memory[step.to] == "llm"
+        whole = step.bias is None and step.mask is None and step.duration == "settled"
+        able = hasattr(self.backend, "neighbourhood")
+        if able and logic and whole and (x0 == u or not isinstance(x0, str)):
+            rule = bit_rule(step.template, step.boundary, None if isinstance(x0, str) else x0)
+        self._rules[step] = rule
+        return rule
 
     def _transient(self, program: Program, step: TemplateStep, planes: dict[str, Any]) -> Plane:
         shape = planes[""]
@@ -126,6 +155,8 @@ class UniversalMachine:
         return outcome.x
 
     def _until_unchanged(self, program: Program, step: UntilUnchangedStep, planes: dict[str, Any]) -> None:
+        if len(planes[""]) == 3:
+            raise InputError(f"{step.where}: grids of a batch may take different times; run them one by one")
         for _ in range(step.limit):
             before = planes[step.plane]
             self._execute(program, step.do, planes)
@@ -133,8 +164,9 @@ class UniversalMachine:
                 return
         raise InputError(f"{step.where}: still changing after {step.limit} rounds")
 
-    def _constant(self, program: Program, name: str, value: float, shape: tuple[int, ...]) -> Plane:
-        return self.backend.load(np.full(shape, value), program.memory[name])  # type: ignore[arg-type]  # planes only
+    def _constant(self, program: Program, name: str, value: float | NDArray[Any], shape: tuple[int, ...]) -> Plane:
+        each = value[:, None, None] if isinstance(value, np.ndarray) else value
+        return self.backend.load(np.full(shape, each), program.memory[name])  # type: ignore[arg-type]  # planes only
 
 
 def _check(program: Program, inputs: dict[str, ArrayLike]) -> dict[str, NDArray[Any]]:

@@ -64,6 +64,14 @@ class Plan:
         """Steps between two looks at whether the network has settled: one time constant."""
         return max(1, round(1 / self.step))
 
+    @property
+    def depth(self) -> int:
+        """Steps a pass over the grid: about 16 rows' worth, evenly divided; 1 without blocking."""
+        if "blocking" not in self.savings:
+            return 1
+        radius = max((max(abs(tap.k), abs(tap.l)) for tap in self.feedback_taps), default=0)
+        return steps_a_pass(self.check_every if self.duration == "settled" else self.steps, radius)
+
     def explain(self) -> str:
         """Return the decisions as lines of text."""
         width = max(len(what) for what, _ in self.decisions)
@@ -131,13 +139,22 @@ def make_plan(
     return plan("stepped", table, h, {what for what, _ in applicable if what not in without})
 
 
+def steps_a_pass(steps: int, radius: int) -> int:
+    """Return how many of so many steps are taken while the rows of a tile are in the cache.
+
+    Each step of a tile needs ``radius`` rows and columns more around it; about 16 of them cost less than they save.
+    """
+    most = max(1, 16 // max(radius, 1))
+    return math.ceil(steps / max(1, math.ceil(steps / most)))
+
+
 def stepped_savings(
     template: Template, scheme: Scheme, h: float, cell: CellModel, *, settles: bool
 ) -> list[tuple[Saving, str]]:
     """Return the savings that apply to a stepped transient, each with its reason."""
     taps, entries = len(template.feedback_taps), template.A.size
     found: list[tuple[Saving, str]] = [("sparse taps", f"{taps} of the {entries} entries of A are not zero")]
-    if template.isotropic and taps >= 5 and template.A.shape[0] == 3:
+    if template.isotropic and template.A.shape[0] == 3 and template.A[0, 0]:
         found.append(("shared sums", "A is the same in all directions: neighbours are added before they are weighed"))
     if len(scheme.b) == 1:
         found.append(("blocking", "one-stage scheme: several steps a pass while the rows are in the cache"))

@@ -6,8 +6,10 @@ from typing import Any, Literal, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from cnnsim.bitwise import BitRule
 from cnnsim.cellwise import Cellwise
 from cnnsim.errors import InputError
+from cnnsim.grid import Boundary
 from cnnsim.plan import Plan
 
 Plane = Any
@@ -58,8 +60,11 @@ class Backend(Protocol):
     def logic(self, function: int, p: Plane, q: Plane) -> Plane:
         """Apply one of the 16 two-input functions (see `cnnsim.logic`) to LLM planes."""
 
-    def count(self, plane: Plane) -> int:
-        """Count the black cells of an LLM plane: the global wire."""
+    def neighbourhood(self, rule: BitRule, boundary: Boundary, plane: Plane) -> Plane:
+        """Apply an AND or OR of neighbours (see `cnnsim.bitwise`) to an LLM plane; fixed virtual cells hold u > 0."""
+
+    def count(self, plane: Plane) -> int | NDArray[np.int64]:
+        """Count the black cells of an LLM plane, the global wire: a number, or (n,) numbers for n grids."""
 
 
 class NotFiniteError(InputError):

@@ -1,73 +1,40 @@
 """The CPU backend: numba loops over whole transients, float32 or float64, on all cores."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 from weakref import WeakKeyDictionary
 
+import numba
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from cnnsim.backends import cpu_closed, cpu_kernels
+from cnnsim.backends import cpu_bits, cpu_closed, cpu_kernels
 from cnnsim.backends.base import Memory, Outcome, check_finite
-from cnnsim.backends.cpu_compile import Kernel
+from cnnsim.backends.cpu_bits import Bits
+from cnnsim.backends.cpu_compile import THREADS_PAY_FROM, Kernel
+from cnnsim.backends.cpu_control import control
+from cnnsim.backends.cpu_dense import dense
+from cnnsim.backends.cpu_morphology import neighbourhood
+from cnnsim.backends.cpu_prepared import Prepared
+from cnnsim.bitwise import BitRule
 from cnnsim.cellwise import Cellwise
 from cnnsim.errors import InputError
-from cnnsim.grid import virtual_index
-from cnnsim.logic import FUNCTIONS
-from cnnsim.plan import SETTLED_SLOPE, Plan
-from cnnsim.template import Tap
+from cnnsim.grid import Boundary, virtual_index
+from cnnsim.plan import Plan
 
 Array = NDArray[Any]
 
 _NO_MASK = np.empty((1, 1, 0), dtype=bool)
-_LOGIC: dict[str, Callable[[Array, Array], Array]] = {
-    "nor": lambda p, q: ~(p | q), "not-p-and-q": lambda p, q: ~p & q, "p-and-not-q": lambda p, q: p & ~q,
-    "xor": lambda p, q: p ^ q, "nand": lambda p, q: ~(p & q), "and": lambda p, q: p & q, "equal": lambda p, q: ~(p ^ q),
-    "not-p-or-q": lambda p, q: ~p | q, "p-or-not-q": lambda p, q: p | ~q, "or": lambda p, q: p | q,
-    "not-p": lambda p, _: ~p, "not-q": lambda _, q: ~q, "p": lambda p, _: p.copy(), "q": lambda _, q: q.copy(),
-    "white": lambda p, _: np.zeros_like(p), "black": lambda p, _: np.ones_like(p),
-}  # fmt: skip
-
-
-class _Prepared:
-    """What a plan looks like in arrays: made at its first transient, kept as long as the plan."""
-
-    def __init__(self, plan: Plan, dtype: np.dtype[Any]) -> None:
-        rows, cols = plan.shape
-        self.control = _taps(plan.template.control_taps, dtype)
-        self.feedback = _taps(plan.feedback_taps, dtype)
-        self.around_u = self._around(plan, rows, cols, plan.template.control_taps, plan.boundary.u, dtype)
-        self.around_y = self._around(plan, rows, cols, plan.feedback_taps, plan.boundary.y, dtype)
-        self.z = dtype.type(plan.template.z)
-        self.a = float(plan.template.self_feedback)
-        self.t = math.inf if plan.duration == "settled" else float(plan.duration)
-        self.walls = plan.cell == "full-range"
-        if plan.scheme is not None:
-            h = plan.scheme.gain(plan.step)
-            self.ha = (h * plan.scheme.matrix).astype(dtype)
-            self.hb = (h * np.array(plan.scheme.b)).astype(dtype)
-
-    @staticmethod
-    def _around(
-        plan: Plan, rows: int, cols: int, taps: tuple[Tap, ...], constant: float, dtype: np.dtype[Any]
-    ) -> tuple[Array, Array, int, Any]:
-        r = max((max(abs(tap.k), abs(tap.l)) for tap in taps), default=0)
-        return virtual_index(rows, r, plan.boundary), virtual_index(cols, r, plan.boundary), r, dtype.type(constant)
-
-
-def _taps(taps: tuple[Tap, ...], dtype: np.dtype[Any]) -> tuple[Array, Array, Array]:
-    k, l = (np.array([tap[i] for tap in taps], dtype=np.int64) for i in (0, 1))
-    return k, l, np.array([tap.weight for tap in taps], dtype=dtype)
 
 
 def _grids(plane: Array) -> Array:
     """View (rows, cols) as one grid of a batch."""
-    return plane.reshape(-1, *plane.shape[-2:])
+    return plane if plane.ndim == 3 else plane[None]
 
 
 class CpuBackend:
-    """Planes are contiguous NumPy arrays, in ``dtype`` for LAM and bool for LLM."""
+    """LAM planes are contiguous NumPy arrays in ``dtype``, LLM planes are `Bits`."""
 
     name = "cpu"
 
@@ -75,25 +42,36 @@ class CpuBackend:
         self.dtype = np.dtype(np.float32 if dtype is None else dtype)
         if self.dtype not in (np.float32, np.float64):
             raise InputError(f"the cpu backend computes in float32 or float64, not in {self.dtype}")
-        self._prepared: WeakKeyDictionary[Plan, _Prepared] = WeakKeyDictionary()
+        self._prepared: WeakKeyDictionary[Plan, Prepared] = WeakKeyDictionary()
+        self._rules: dict[tuple[BitRule, Boundary, tuple[int, ...]], tuple[Any, ...]] = {}
         self._kernels: dict[str, Kernel] = {}
+        self._nothing = np.empty((1, 1, 0), self.dtype)
+        self._one, self._minus_one = self.dtype.type(1), self.dtype.type(-1)
 
-    def load(self, values: Array, memory: Memory) -> Array:
+    def load(self, values: Array, memory: Memory) -> Any:
         """See `Backend.load`."""
         if memory == "llm":
-            return np.ascontiguousarray(np.asarray(values) > 0)
+            return self._pack(np.ascontiguousarray(values))
         return np.array(values, dtype=self.dtype, order="C")
 
-    def read(self, plane: Array) -> Array:
+    def read(self, plane: Any) -> Array:
         """See `Backend.read`."""
-        return plane.copy()
+        return self._unpack(plane, np.dtype(bool)) if isinstance(plane, Bits) else plane.copy()
 
-    def convert(self, plane: Array, memory: Memory) -> Array:
+    def convert(self, plane: Any, memory: Memory) -> Any:
         """See `Backend.convert`."""
-        out = np.empty(plane.shape, bool if memory == "llm" else self.dtype)
-        kernel = cpu_kernels.binarise if memory == "llm" else cpu_kernels.picture
-        kernel.for_work(plane.size)(_grids(plane), _grids(out))
-        return out
+        return self._pack(plane) if memory == "llm" else self._unpack(plane, self.dtype)
+
+    def _pack(self, values: Array) -> Bits:
+        bits = cpu_bits.empty(values.shape)
+        cpu_bits.pack.for_work(values.size)(_grids(values), bits.words)
+        return bits
+
+    def _unpack(self, bits: Bits, dtype: np.dtype[Any]) -> Array:
+        values = np.empty(bits.shape, dtype)
+        black, white = (self._one, self._minus_one) if dtype == self.dtype else (np.True_, np.False_)
+        cpu_bits.unpack.for_work(values.size)(bits.words, _grids(values), black, white)
+        return values
 
     def output(self, x: Array) -> Array:
         """See `Backend.output`."""
@@ -102,40 +80,50 @@ class CpuBackend:
         return y
 
     def transient(
-        self, plan: Plan, x: Array, u: Array | None, bias: Array | None = None, held: Array | None = None
+        self, plan: Plan, x: Array, u: Array | None, bias: Array | None = None, held: Bits | None = None
     ) -> Outcome:
         """See `Backend.transient`."""
         ready = self._prepared.get(plan)
         if ready is None:
-            ready = self._prepared[plan] = _Prepared(plan, self.dtype)
-        w = np.full_like(x, ready.z)
-        if bias is not None:
-            w += bias
-        if u is not None and ready.control[0].size:
-            control = cpu_kernels.control.for_work(x.size * ready.control[0].size)
-            control(_grids(w), _grids(u), *ready.control, *ready.around_u)
-        end = x.copy()
-        mask = _NO_MASK if held is None else _grids(held)
-        t, settled, slope = self._run(plan, ready, _grids(end), _grids(w), mask)
-        if not cpu_kernels.all_finite.for_work(x.size)(_grids(end)):
-            check_finite(end, t)
-        return Outcome(end, t, settled, slope)
-
-    def _run(self, plan: Plan, ready: _Prepared, x: Array, w: Array, held: Array) -> tuple[float, bool, float]:
-        settle = plan.duration == "settled"
+            ready = self._prepared[plan] = Prepared(plan, self.dtype, numba.get_num_threads())
+        mask = _NO_MASK if held is None else _grids(self._unpack(held, np.dtype(bool)))
+        drive = (
+            ready.z, self._nothing if bias is None else _grids(bias), _grids(x if u is None else u),
+            *ready.control, *ready.around_u,
+        )  # fmt: skip
+        work = x.size * max(1, ready.control[0].size)
         if plan.method == "closed form":
-            cpu_closed.closed_form.for_work(x.size)(x, w, held, ready.a, ready.t, ready.walls)
-            return ready.t, settle, 0.0 if settle else math.nan
-        if plan.method == "adaptive":
+            end = np.empty_like(x)
+            cpu_closed.closed_form.for_work(work)(_grids(x), _grids(end), mask, ready.a, ready.t, ready.walls, *drive)
+            outcome = Outcome(end, ready.t, ready.settles, 0.0 if ready.settles else math.nan)
+        elif plan.method == "stepped":
+            w = np.empty_like(x)
+            control.for_work(work)(_grids(w), *drive)
+            outcome = self._stepped(plan, ready, x, w, mask)
+        else:
             raise InputError(
                 "the adaptive scheme runs on the reference backend; choose --backend reference or a fixed-step scheme"
             )
-        kernel = cpu_kernels.stepped.for_work(x.size * max(1, ready.feedback[0].size))
-        done, settled, slope = kernel(
-            x, w, held, *ready.feedback, *ready.around_y, ready.ha, ready.hb, plan.steps,
-            plan.check_every if settle else 0, SETTLED_SLOPE, plan.step <= 1 and not ready.walls, ready.walls,
-        )  # fmt: skip
-        return (done * plan.step if settle else ready.t), bool(settled), float(slope)
+        if not cpu_kernels.all_finite.for_work(x.size)(_grids(outcome.x)):
+            check_finite(outcome.x, outcome.t)
+        return outcome
+
+    def _stepped(self, plan: Plan, ready: Prepared, x: Array, w: Array, mask: Array) -> Outcome:
+        work = x.size * len(plan.feedback_taps)
+        if len(ready.hb) == 1 and not mask.size and not ready.walls:
+            threads = numba.get_num_threads() if work >= THREADS_PAY_FROM else 1
+            planes = x, np.empty_like(x), np.empty_like(x)
+            done, settled, slope, where = dense.for_work(work)(
+                *map(_grids, planes), _grids(w), ready.rule, plan.depth, *ready.tile, threads, *ready.steps
+            )
+            end = x.copy() if where == 0 else planes[where]
+        else:
+            end = x.copy()
+            done, settled, slope = cpu_kernels.stepped.for_work(work)(
+                _grids(end), _grids(w), mask, *ready.feedback, *ready.around_y, ready.ha, ready.hb, *ready.steps,
+                ready.walls,
+            )  # fmt: skip
+        return Outcome(end, done * plan.step if ready.settles else ready.t, bool(settled), float(slope))
 
     def cellwise(self, operation: Cellwise, planes: Sequence[Array], parameters: Sequence[float]) -> tuple[Array, ...]:
         """See `Backend.cellwise`."""
@@ -148,10 +136,26 @@ class CpuBackend:
         self._kernels[operation.name](*flat, *parameters)
         return outputs
 
-    def logic(self, function: int, p: Array, q: Array) -> Array:
+    def logic(self, function: int, p: Bits, q: Bits) -> Bits:
         """See `Backend.logic`."""
-        return _LOGIC[FUNCTIONS[function]](p, q)
+        out = cpu_bits.empty(p.shape)
+        cpu_bits.logic.for_work(out.words.size)(function, p.words, q.words, out.words, p.shape[-1])
+        return out
 
-    def count(self, plane: Array) -> int:
+    def neighbourhood(self, rule: BitRule, boundary: Boundary, plane: Bits) -> Bits:
+        """See `Backend.neighbourhood`."""
+        key = rule, boundary, plane.shape[-2:]
+        if key not in self._rules:
+            k, l, negated = (np.array([literal[i] for literal in rule.literals], np.int64) for i in range(3))
+            rows, cols = (virtual_index(n, rule.radius, boundary) for n in plane.shape[-2:])
+            self._rules[key] = k, l, negated > 0, rule.every, rows, cols, rule.radius, int(boundary.u > 0)
+        out = cpu_bits.empty(plane.shape)
+        kernel = neighbourhood.for_work(out.words.size * len(rule.literals))
+        kernel(plane.words, out.words, plane.shape[-1], *self._rules[key])
+        return out
+
+    def count(self, plane: Bits) -> int | NDArray[np.int64]:
         """See `Backend.count`."""
-        return int(np.count_nonzero(plane))
+        totals = np.empty(plane.words.shape[0], np.int64)
+        cpu_bits.count.for_work(plane.words.size)(plane.words, totals)
+        return totals if len(plane.shape) == 3 else int(totals[0])

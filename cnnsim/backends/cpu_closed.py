@@ -7,6 +7,7 @@ from numba import prange
 from numpy.typing import NDArray
 
 from cnnsim.backends.cpu_compile import helper, twins
+from cnnsim.backends.cpu_control import control_row
 
 Array = NDArray[Any]
 
@@ -43,33 +44,48 @@ def cell_at(x: float, s: float, a: float, t: float, walls: bool) -> float:
 
 
 @helper
-def cell_at_rest(x: float, s: float, a: float, walls: bool) -> float:
-    """Return the state one cell comes to: no exponentials, only comparisons."""
-    if not walls and abs(x) > 1:
-        side = -1.0 if x < 0 else 1.0
-        if a + s * side >= 1:
-            return a * side + s
-        x = side
-    slope = (a - 1) * x + s
-    if slope == 0:
-        return x
-    ahead = -1.0 if slope < 0 else 1.0
-    if a - 1 + s * ahead > 0:
-        return ahead if walls else a * ahead + s
-    return s / (1 - a)
+def cell_at_rest(x: float, s: float, a: float, one: float, walls: bool) -> float:
+    """Return the state one cell comes to: only comparisons, and no branches, so that it runs in vectors."""
+    side = -one if x < 0 else one
+    far = (not walls) & (abs(x) > one)
+    stays = far & (a + s * side >= one)
+    start = side if far else x
+    slope = (a - one) * start + s
+    ahead = -one if slope < 0 else one
+    goes = (a - one) + s * ahead > 0
+    there = ahead if walls else a * ahead + s
+    there = there if goes else s / (one - a)
+    there = start if slope == 0 else there
+    there = a * side + s if stays else there
+    return there if x == x else x
 
 
 @twins
-def closed_form(x: Array, w: Array, held: Array, a: float, t: float, walls: bool) -> None:
-    """Replace the state x of every free cell by the one at time t (infinite: at rest)."""
+def closed_form(
+    x: Array, end: Array, held: Array, a: float, t: float, walls: bool, z: float, bias: Array, u: Array, k: Array,
+    l: Array, weight: Array, rows: Array, cols: Array, r: int, constant: float,
+) -> None:  # fmt: skip
+    """Write the states at time t (infinite: at rest) of cells that start at x; w = z + bias + B*u on the way.
+
+    What is not given (held, bias) has no cells.
+    """
     n, height, width = x.shape
+    one = x.dtype.type(1)
     for line in prange(n * height):
         g, p = line // height, line % height
-        row, drive = x[g, p], w[g, p]
+        row, drive = x[g, p], end[g, p]
         for j in range(width):
-            if held.size and held[g, p, j]:
-                continue
-            if t == math.inf:
-                row[j] = cell_at_rest(row[j], drive[j], a, walls)
-            else:
-                row[j] = cell_at(row[j], drive[j], a, t, walls)
+            drive[j] = z
+        if bias.size:
+            for j in range(width):
+                drive[j] += bias[g, p, j]
+        control_row(drive, u[g], p, k, l, weight, rows, cols, r, constant)
+        if t == math.inf:
+            for j in range(width):
+                drive[j] = cell_at_rest(row[j], drive[j], a, one, walls)
+        else:
+            for j in range(width):
+                drive[j] = cell_at(row[j], drive[j], a, t, walls)
+        if held.size:
+            for j in range(width):
+                drive[j] = row[j] if held[g, p, j] else drive[j]

@@ -14,7 +14,7 @@ Array = NDArray[Any]
 def control_row(
     total: Array, u: Array, i: int, k: Array, l: Array, weight: Array, rows: Array, cols: Array, r: int, constant: float
 ) -> None:
-    """Add B*u of row i of one grid; ``rows`` and ``cols`` say which real cell a position stands for (-1: a constant)."""
+    """Add B*u of row i of one grid; ``rows``, ``cols``: which real cell a position stands for (-1: a constant)."""
     n = total.size
     for tap in range(weight.size):
         c, p = weight[tap], rows[i + r + k[tap]]

@@ -51,28 +51,6 @@ def clip_row(row: Array, out: Array) -> None:
 
 
 @twins
-def control(
-    w: Array,
-    u: Array,
-    k: Array,
-    l: Array,
-    weight: Array,
-    rows: Array,
-    cols: Array,
-    r: int,
-    constant: float,
-) -> None:
-    """Add B*u to w."""
-    n, height, width = w.shape
-    around = np.empty((n, height + 2 * r, width + 2 * r), w.dtype)
-    for g in prange(n):
-        around[g, r : r + height, r : r + width] = u[g]
-        fill_virtual(around[g], rows, cols, r, constant)
-    for line in prange(n * height):
-        add_taps(w[line // height, line % height], around[line // height], k, l, weight, line % height, r)
-
-
-@twins
 def stepped(
     x: Array, w: Array, held: Array, k: Array, l: Array, weight: Array, rows: Array, cols: Array, r: int,
     constant: float, ha: Array, hb: Array, steps: int, check_every: int, rest: float, step_freezes: bool, walls: bool,
@@ -175,25 +153,6 @@ def all_finite(x: Array) -> bool:
             total += row[j] * zero
         fine[line] = total == zero
     return bool(fine.all())
-
-
-@twins
-def binarise(x: Array, out: Array) -> None:
-    """Write x > 0."""
-    for line in prange(x.shape[0] * x.shape[1]):
-        row, to = x[line // x.shape[1], line % x.shape[1]], out[line // x.shape[1], line % x.shape[1]]
-        for j in range(row.size):
-            to[j] = row[j] > 0
-
-
-@twins
-def picture(black: Array, out: Array) -> None:
-    """Write +1 for black, -1 for white."""
-    one = out.dtype.type(1)
-    for line in prange(out.shape[0] * out.shape[1]):
-        row, to = black[line // out.shape[1], line % out.shape[1]], out[line // out.shape[1], line % out.shape[1]]
-        for j in range(row.size):
-            to[j] = one if row[j] else -one
 
 
 @twins

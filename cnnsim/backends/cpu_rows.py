@@ -4,8 +4,8 @@ Everything lies in one flat array, ``room``; x, w, y and ``out`` say where a blo
 q * STRIDE. With a stride known to the compiler, all rows of a block are one memory range to it, so that few checks for
 overlap are left and the loops become vector code. One array, because every slice that is handed to another function
 costs two atomic instructions for its reference count; it is handed over once for each of its uses, because parts of
-one array are not checked for overlap but taken to overlap. Rows of outputs ``y`` begin PAD cells before their first column,
-which is room for the virtual cells on the left.
+one array are not checked for overlap but taken to overlap. Rows of outputs ``y`` begin PAD cells before their first
+column, which is room for the virtual cells on the left.
 
     total = w + sum of the taps in their order,    x <- x + h (total - x),    new y = clip(x, -1, 1)
 """

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from cnnsim.backends.base import Memory, Outcome, check_finite
+from cnnsim.bitwise import BitRule
 from cnnsim.cell import output, slope, uncoupled_state
 from cnnsim.cellwise import Cellwise
 from cnnsim.errors import InputError
@@ -79,9 +80,18 @@ class ReferenceBackend:
         """See `Backend.logic`."""
         return truth_table(function)[2 * p.astype(int) + q.astype(int)]
 
-    def count(self, plane: Array) -> int:
+    def neighbourhood(self, rule: BitRule, boundary: Boundary, plane: Array) -> Array:
+        """See `Backend.neighbourhood`."""
+        r, (rows, cols) = rule.radius, plane.shape[-2:]
+        around = pad(plane, r, boundary, boundary.u > 0)
+        seen = [around[..., r + k : r + k + rows, r + l : r + l + cols] != negated for k, l, negated in rule.literals]
+        combine = np.logical_and if rule.every else np.logical_or
+        return combine.reduce(seen) if seen else np.full(plane.shape, rule.every)
+
+    def count(self, plane: Array) -> int | NDArray[np.int64]:
         """See `Backend.count`."""
-        return int(np.count_nonzero(plane))
+        black = np.count_nonzero(plane, axis=(-2, -1))
+        return black if plane.ndim == 3 else int(black)
 
 
 def _drive(plan: Plan, x: Array, w: Array) -> Array:

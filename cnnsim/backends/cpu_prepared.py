@@ -1,0 +1,89 @@
+"""What a plan looks like in arrays: made at its first transient, kept as long as the plan."""
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.backends.cpu_room import FIXED, PERIODIC, ZERO_FLUX
+from cnnsim.backends.cpu_tile import ANY, CROSS, ISOTROPIC, NINE, Rule
+from cnnsim.grid import Boundary, virtual_index
+from cnnsim.plan import SETTLED_SLOPE, Plan
+from cnnsim.template import Tap
+
+Array = NDArray[Any]
+Taps = tuple[Array, Array, Array]
+
+BOUNDARY = {"fixed": FIXED, "zero-flux": ZERO_FLUX, "periodic": PERIODIC}
+TILE_ROWS, TILE_COLS = 512, 1024
+"""The most rows and columns of a tile; with a halo of 16 cells a row still fits into a row of the buffers."""
+
+
+class Prepared:
+    """Taps, virtual cells and numbers of one plan, in one dtype, for one number of threads."""
+
+    def __init__(self, plan: Plan, dtype: np.dtype[Any], threads: int) -> None:
+        template = plan.template
+        self.control = tap_arrays(template.control_taps, dtype)
+        self.around_u = around(plan.shape, template.control_taps, plan.boundary, plan.boundary.u, dtype)
+        self.z = dtype.type(template.z)
+        self.a = dtype.type(template.self_feedback) if plan.duration == "settled" else float(template.self_feedback)
+        self.settles = plan.duration == "settled"
+        self.t = math.inf if plan.duration == "settled" else float(plan.duration)
+        self.walls = plan.cell == "full-range"
+        if plan.scheme is None:
+            return
+        h = plan.scheme.gain(plan.step)
+        self.feedback = tap_arrays(plan.feedback_taps, dtype)
+        self.around_y = around(plan.shape, plan.feedback_taps, plan.boundary, plan.boundary.y, dtype)
+        self.ha = (h * plan.scheme.matrix).astype(dtype)
+        self.hb = (h * np.array(plan.scheme.b)).astype(dtype)
+        self.freezes = plan.step <= 1 and not self.walls
+        r = self.around_y[2]
+        self.rule = Rule(
+            loop_kind(plan, r, dtype), r, *self.feedback, square(plan, dtype), dtype.type(h),
+            BOUNDARY[plan.boundary.kind], dtype.type(plan.boundary.y),
+        )  # fmt: skip
+        self.steps = plan.steps, plan.check_every if self.settles else 0, SETTLED_SLOPE, self.freezes
+        self.tile = tile_shape(plan, threads)
+
+
+def tile_shape(plan: Plan, threads: int) -> tuple[int, int]:
+    """Return rows and columns of a tile: even parts of the grid, at least one for each thread, none too wide."""
+    rows, cols = plan.shape
+    across = -(-cols // TILE_COLS)
+    down = max(-(-rows // TILE_ROWS), min(threads, -(-rows // 64)) if across == 1 else 1)
+    return -(-rows // down), -(-cols // across)
+
+
+def loop_kind(plan: Plan, r: int, dtype: np.dtype[Any]) -> int:
+    """Choose the innermost loop (see `cnnsim.backends.cpu_rows`); float64 keeps the reference's order and rounding."""
+    if dtype != np.float32 or r > 1:
+        return ANY
+    if "shared sums" in plan.savings:
+        return ISOTROPIC
+    return CROSS if all(tap.k == 0 or tap.l == 0 for tap in plan.feedback_taps) else NINE
+
+
+def square(plan: Plan, dtype: np.dtype[Any]) -> Array:
+    """Return the nine middle entries of A, row by row."""
+    entries = np.zeros((3, 3), dtype)
+    for k, l, weight in plan.template.feedback_taps:
+        if abs(k) <= 1 and abs(l) <= 1:
+            entries[k + 1, l + 1] = weight
+    return entries.reshape(-1)
+
+
+def tap_arrays(taps: tuple[Tap, ...], dtype: np.dtype[Any]) -> Taps:
+    """Return rows, columns and weights of taps as three arrays."""
+    k, l = (np.array([tap[i] for tap in taps], dtype=np.int64) for i in (0, 1))
+    return k, l, np.array([tap.weight for tap in taps], dtype=dtype)
+
+
+def around(
+    shape: tuple[int, int], taps: tuple[Tap, ...], boundary: Boundary, constant: float, dtype: np.dtype[Any]
+) -> tuple[Array, Array, int, Any]:
+    """Return which real row and column every position stands for, the radius, and the fixed virtual cells' value."""
+    r = max((max(abs(tap.k), abs(tap.l)) for tap in taps), default=0)
+    return virtual_index(shape[0], r, boundary), virtual_index(shape[1], r, boundary), r, dtype.type(constant)
