@@ -40,6 +40,8 @@ class Workshop:
         self.cores = device.max_compute_units
         self.partial = cl.Buffer(self.context, cl.mem_flags.READ_WRITE, 2 * 8 * self.most_parts)
         self._spare: list[cl.Buffer] = []
+        self._taps: dict[tuple[Tap, ...], Any] = {}
+        self._programs: dict[tuple[str, ...], cl.Program] = {}
         self._kernels: dict[tuple[str, ...], cl.Kernel] = {}
 
     @property
@@ -60,16 +62,27 @@ class Workshop:
         """Take back buffers that nobody else knows: new memory costs more than a few steps of the time loop."""
         self._spare = [*self._spare, *buffers][-SPARE:]
 
+    def tap_buffers(self, taps: tuple[Tap, ...]) -> tuple[cl.Buffer, cl.Buffer]:
+        """Return the places (k, l) and the weights of taps on the device, in order; at least one entry."""
+        if taps not in self._taps:
+            places = np.array([(tap.k, tap.l) for tap in taps] or [(0, 0)], np.int32)
+            weights = np.array([tap.weight for tap in taps] or [0.0], self.dtype)
+            flags = cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR
+            self._taps[taps] = tuple(cl.Buffer(self.context, flags, hostbuf=host) for host in (places, weights))
+        return self._taps[taps]
+
     def kernel(self, name: str, stem: str, defines: Defines, extra: str = "", twin: int = 0) -> cl.Kernel:
         """Return a kernel of opencl_<stem>.cl (or of the text ``extra``) built with these definitions.
 
         A kernel keeps its arguments, so those who need it with two sets of arguments ask for its ``twin`` as well.
         """
         lines = "".join(f"#define {key} {value}\n" for key, value in {**self._basics(), **defines}.items())
-        key = (name, stem, lines, extra, str(twin))
+        key = (stem, lines, extra, f"{name} {twin}")
         if key not in self._kernels:
-            text = lines + source("common") + (source(stem) if stem else "") + extra
-            self._kernels[key] = cl.Kernel(self._build(text, stem or name), name)
+            if key[:-1] not in self._programs:
+                text = lines + source("common") + (source(stem) if stem else "") + extra
+                self._programs[key[:-1]] = self._build(text, stem or name)
+            self._kernels[key] = cl.Kernel(self._programs[key[:-1]], name)
         return self._kernels[key]
 
     def run(self, kernel: cl.Kernel, work: int, *arguments: Any) -> int:
@@ -136,12 +149,21 @@ def literal(value: float, dtype: np.dtype[Any]) -> str:
     return f"({digits})" if dtype == np.float64 else f"({digits}f)"
 
 
-def tap_defines(taps: Iterable[Tap], boundary: Boundary, constant: float, dtype: np.dtype[Any]) -> dict[str, str | int]:
+def radius_of(taps: Iterable[Tap]) -> int:
+    """Return how far taps reach."""
+    return max((max(abs(tap.k), abs(tap.l)) for tap in taps), default=0)
+
+
+def boundary_defines(boundary: Boundary) -> dict[str, str | int]:
+    """Return the definition that says what lies around the grid."""
+    return {"BOUNDARY": {"zero-flux": 0, "fixed": 1, "periodic": 2}[boundary.kind]}
+
+
+def tap_defines(taps: tuple[Tap, ...], boundary: Boundary, constant: float, dtype: np.dtype[Any]) -> Defines:
     """Return the definitions that say which neighbours count how much, and what lies around the grid."""
-    taps = tuple(taps)
     return {
         "TAPS(DO, a)": " ".join(f"DO(a, {k}, {l}, {literal(weight, dtype)})" for k, l, weight in taps),
-        "RADIUS": max((max(abs(tap.k), abs(tap.l)) for tap in taps), default=0),
-        "BOUNDARY": {"zero-flux": 0, "fixed": 1, "periodic": 2}[boundary.kind],
+        "RADIUS": radius_of(taps),
         "CONSTANT": literal(constant if boundary.kind == "fixed" else 0.0, dtype),
+        **boundary_defines(boundary),
     }

@@ -27,7 +27,7 @@ def text(operation: Cellwise) -> str:
     lines += [f"real {name};" for name in operation.outputs]
     stores = [f"out_{name}[cell] = {name};" for name in operation.outputs]
     body = "\n".join((*lines, operation.opencl, *stores))
-    return f"__kernel void cellwise({', '.join(arguments)})\n{{\nEACH(cell, count) {{\n{body}\n}}\n}}\n"
+    return f"KERNEL void cellwise({', '.join(arguments)})\n{{\nEACH(cell, count) {{\n{body}\n}}\n}}\n"
 
 
 def parameter_values(parameters: Sequence[float], dtype: np.dtype[Any]) -> list[Any]:

@@ -49,7 +49,7 @@ static inline real cell_at_rest(real x, real s, real a)
     return s / (1 - a);
 }
 
-__kernel void closed_form(__global const real *restrict x, __global const real *restrict w,
+KERNEL void closed_form(__global const real *restrict x, __global const real *restrict w,
                           __global const ulong *restrict held, __global real *restrict out, real a, real t, int rest,
                           int has_held, long lines, int cols)
 {

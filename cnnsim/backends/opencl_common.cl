@@ -25,6 +25,7 @@ typedef int sure_real;
 #define CLIP(type, x) ((x) > (type)1 ? (type)1 : (x) < (type)-1 ? (type)-1 : (x))
 
 #ifdef CPU
+#define KERNEL __attribute__((reqd_work_group_size(1, 1, 1))) __kernel
 // Work-item p of n does one stretch of the cells 0 .. count - 1.
 #define SHARE(count, p, n) ((long)(count) * (p) / (n))
 #define EACH(i, count)                                                                          \
@@ -33,6 +34,7 @@ typedef int sure_real;
 // Its part of a sum goes out as it is; the host adds up the few there are.
 #define HAND_IN(type, partial, total) partial[get_global_id(0)] = total;
 #else
+#define KERNEL __attribute__((reqd_work_group_size(GROUP, 1, 1))) __kernel
 #define EACH(i, count) for (long i = get_global_id(0); i < (long)(count); i += get_global_size(0))
 // The parts of a work-group of GROUP are added up first.
 #define HAND_IN(type, partial, total)                                                           \

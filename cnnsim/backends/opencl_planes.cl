@@ -3,12 +3,12 @@
 // A LAM plane is (lines, cols) numbers, lines = n * rows; an LLM plane (lines, words) 64-bit words, bit 1 for black,
 // the bits behind the last column 0.
 
-__kernel void clipped(__global const real *restrict x, __global real *restrict y, long count)
+KERNEL void clipped(__global const real *restrict x, __global real *restrict y, long count)
 {
     EACH(i, count) y[i] = CLIP(real, x[i]);
 }
 
-__kernel void to_llm(__global const real *restrict x, __global ulong *restrict out, long lines, int cols)
+KERNEL void to_llm(__global const real *restrict x, __global ulong *restrict out, long lines, int cols)
 {
     const int words = (cols + 63) / 64;
     EACH(i, lines * words) {
@@ -20,7 +20,7 @@ __kernel void to_llm(__global const real *restrict x, __global ulong *restrict o
     }
 }
 
-__kernel void to_lam(__global const ulong *restrict p, __global real *restrict out, long lines, int cols)
+KERNEL void to_lam(__global const ulong *restrict p, __global real *restrict out, long lines, int cols)
 {
     const int words = (cols + 63) / 64;
 #ifdef CPU
@@ -36,7 +36,7 @@ __kernel void to_lam(__global const ulong *restrict p, __global real *restrict o
 }
 
 // Bit 2p + q of `function` is the result for (p, q).
-__kernel void logic(__global const ulong *restrict p, __global const ulong *restrict q, __global ulong *restrict out,
+KERNEL void logic(__global const ulong *restrict p, __global const ulong *restrict q, __global ulong *restrict out,
                     int function, long lines, int cols)
 {
     const int words = (cols + 63) / 64, rest = cols % 64;
@@ -51,7 +51,7 @@ __kernel void logic(__global const ulong *restrict p, __global const ulong *rest
 }
 
 // The black cells, counted in parts.
-__kernel void count_black(__global const ulong *restrict p, __global ulong *restrict partial, long words)
+KERNEL void count_black(__global const ulong *restrict p, __global ulong *restrict partial, long words)
 {
     ulong total = 0;
     EACH(i, words) {
@@ -65,7 +65,7 @@ __kernel void count_black(__global const ulong *restrict p, __global ulong *rest
 }
 
 // 0 for each part with only finite numbers, else NaN: x * 0 is 0 exactly for finite x.
-__kernel void finite(__global const real *restrict x, __global real *restrict partial, long count)
+KERNEL void finite(__global const real *restrict x, __global real *restrict partial, long count)
 {
     real total = 0;
 #if V > 1

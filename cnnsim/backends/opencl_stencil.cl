@@ -1,7 +1,8 @@
-// Single sums over a template's taps: B*u + z, the stages of a scheme of several stages, and the look at dx/dt.
+// Single sums over a template's taps: B*u + z (CONTROL), a stage of a scheme of several (SLOPE), and the look at
+// dx/dt (LOOK). They run once, or once in many steps, so the taps are arguments: a build for each template would
+// cost more than it saves. One of the three is built at a time.
 //
-// The host defines TAPS(DO, ...), which says DO(..., k, l, weight) for each tap, RADIUS, BOUNDARY, and CONTROL where
-// the taps are B's: they hear the input as it is, A's hear the clipped state. CONSTANT is a fixed virtual cell.
+// B's taps hear the input as it is, A's the clipped state. `outside` is what a fixed virtual cell holds.
 
 #define ZERO_FLUX 0
 #define FIXED 1
@@ -14,10 +15,10 @@
 #endif
 
 // The value of one grid at a place that may be a virtual cell.
-static inline real heard_at(__global const real *plane, int i, int j, int rows, int cols)
+static inline real heard_at(__global const real *grid, int i, int j, int rows, int cols, real outside)
 {
 #if BOUNDARY == FIXED
-    if (i < 0 || i >= rows || j < 0 || j >= cols) return CONSTANT;
+    if (i < 0 || i >= rows || j < 0 || j >= cols) return outside;
 #elif BOUNDARY == PERIODIC
     i = wrap(i, rows);
     j = wrap(j, cols);
@@ -25,58 +26,69 @@ static inline real heard_at(__global const real *plane, int i, int j, int rows, 
     i = clamp_to(i, rows);
     j = clamp_to(j, cols);
 #endif
-    const real v = plane[(long)i * cols + j];
+    const real v = grid[(long)i * cols + j];
     return HEARD(real, v);
 }
+
+// What every kernel of this file takes: the taps, the value of fixed virtual cells and the shape.
+#define ARGUMENTS                                                                                       \
+    __global const int2 *places, __global const real *weights, int taps, int radius, real outside,     \
+    long lines, int rows, int cols
 
 #define LOAD(type, plane) (*(__global const type *)((plane) + cell))
 #define STORE(type, plane) (*(__global type *)((plane) + cell))
 
-// Both add the taps to `total` in order; the second for vectors of cells RADIUS or more away from the rim.
-#define TAP_AT(total, k, l, weight) total += (real)(weight) * heard_at(grid, i + (k), j + (l), rows, cols);
-#define ADD_real(plane, total) { __global const real *grid = (plane) + (line - i) * cols; TAPS(TAP_AT, total) }
-#define TAP_BY(total, k, l, weight) \
-    { const vec v = *(__global const vec *)(centre + (long)(k)*cols + (l)); total += (real)(weight) * HEARD(vec, v); }
-#define ADD_vec(plane, total) { __global const real *centre = (plane) + cell; TAPS(TAP_BY, total) }
+// Both add the taps to `total` in order; the second for vectors of cells `radius` or more away from the rim.
+#define ADD_real(plane, total)                                                                          \
+    for (int tap = 0; tap < taps; tap++)                                                                \
+        total += weights[tap] * heard_at((plane) + (line - i) * cols, i + places[tap].x, j + places[tap].y, rows, cols, \
+                                         outside);
+#define ADD_vec(plane, total)                                                                           \
+    for (int tap = 0; tap < taps; tap++) {                                                              \
+        const vec v = *(__global const vec *)((plane) + cell + (long)places[tap].x * cols + places[tap].y); \
+        total += weights[tap] * HEARD(vec, v);                                                          \
+    }
 
 // Do DO(type) for each cell or vector of cells; i, j, line and `cell` say where it is.
 #ifdef CPU
 #ifdef HELD
 #define INNER 0 // masks are read cell by cell
 #else
-#define INNER (i >= RADIUS && i < rows - RADIUS)
+#define INNER (i >= radius && i < rows - radius)
 #endif
-#define EACH_CELL(DO)                                                                             \
-    EACH(line, lines) {                                                                           \
-        const int i = (int)(line % rows), inner = INNER;                                          \
-        int j = 0;                                                                                \
-        for (; j < (inner ? min(RADIUS, cols) : cols); j++) { const long cell = line * cols + j; DO(real) } \
-        for (; inner && j + V <= cols - RADIUS; j += V) { const long cell = line * cols + j; DO(vec) }      \
-        for (; j < cols; j++) { const long cell = line * cols + j; DO(real) }                     \
+#define EACH_CELL(DO)                                                                                   \
+    EACH(line, lines) {                                                                                 \
+        const int i = (int)(line % rows), inner = INNER;                                                \
+        int j = 0;                                                                                      \
+        for (; j < (inner ? min(radius, cols) : cols); j++) { const long cell = line * cols + j; DO(real) } \
+        for (; inner && j + V <= cols - radius; j += V) { const long cell = line * cols + j; DO(vec) }  \
+        for (; j < cols; j++) { const long cell = line * cols + j; DO(real) }                           \
     }
 #else
-#define EACH_CELL(DO)                                                                             \
-    EACH(cell, lines * cols) {                                                                    \
-        const long line = cell / cols;                                                            \
-        const int i = (int)(line % rows), j = (int)(cell % cols);                                 \
-        DO(real)                                                                                  \
+#define EACH_CELL(DO)                                                                                   \
+    EACH(cell, lines * cols) {                                                                          \
+        const long line = cell / cols;                                                                  \
+        const int i = (int)(line % rows), j = (int)(cell % cols);                                       \
+        DO(real)                                                                                        \
     }
 #endif
 
-// w = z + bias + B*u, of which bias and u may be missing.
-__kernel void control(__global const real *u, __global const real *bias, __global real *w, real z, int has_u,
-                      int has_bias, long lines, int rows, int cols)
+#if defined(CONTROL)
+// w = z + bias + B*u, of which the bias may be missing.
+KERNEL void control(__global const real *u, __global const real *bias, __global real *w, real z,
+                      int has_bias, ARGUMENTS)
 {
 #define DO_CONTROL(type)                              \
     type total = (type)z;                             \
     if (has_bias) total += LOAD(type, bias);          \
-    if (has_u) ADD_##type(u, total)                   \
+    ADD_##type(u, total)                              \
     STORE(type, w) = total;
     EACH_CELL(DO_CONTROL)
 }
 
+#elif defined(SLOPE)
 // The slope of a stage: A*y + w - x.
-__kernel void slope(__global const real *x, __global const real *w, __global real *out, long lines, int rows, int cols)
+KERNEL void slope(__global const real *x, __global const real *w, __global real *out, ARGUMENTS)
 {
 #define DO_SLOPE(type)                                \
     type total = LOAD(type, w);                       \
@@ -85,10 +97,11 @@ __kernel void slope(__global const real *x, __global const real *w, __global rea
     EACH_CELL(DO_SLOPE)
 }
 
+#else // LOOK
 // Two numbers a work-item (or, on a GPU, a work-group): the largest |dx/dt| of the free cells it looked at, and 1
 // if one of them is not saturated for good.
-__kernel void look(__global const real *x, __global const real *w, __global const ulong *held,
-                   __global real *partial, long lines, int rows, int cols)
+KERNEL void look(__global const real *x, __global const real *w, __global const ulong *held,
+                   __global real *partial, ARGUMENTS)
 {
     real most_real = 0;
     sure_real loose_real = 0;
@@ -146,3 +159,4 @@ __kernel void look(__global const real *x, __global const real *w, __global cons
     }
 #endif
 }
+#endif

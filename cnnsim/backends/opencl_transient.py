@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 import pyopencl as cl
 
-from cnnsim.backends.opencl_build import Workshop, literal, tap_defines
+from cnnsim.backends.opencl_build import Workshop, boundary_defines, literal, radius_of, tap_defines
 from cnnsim.backends.opencl_tiles import cut
 from cnnsim.plan import SETTLED_SLOPE, Plan
+from cnnsim.template import Tap
 
 Buffer = cl.Buffer
 Shape = tuple[int, int, int]
@@ -18,12 +19,11 @@ def drive(shop: Workshop, plan: Plan, shape: Shape, u: Buffer | None, bias: Buff
     """Return w = z + bias + B*u."""
     grids, rows, cols = shape
     heard = plan.template.control_taps if u is not None else ()
-    defines = tap_defines(heard, plan.boundary, plan.boundary.u, shop.dtype)
     w = shop.buffer(grids * rows * cols * shop.dtype.itemsize)
     shop.run(
-        shop.kernel("control", "stencil", {**defines, "CONTROL": ""}), grids * rows * cols,
-        u if heard else None, bias, w, shop.dtype.type(plan.template.z), np.int32(bool(heard)),
-        np.int32(bias is not None), np.int64(grids * rows), np.int32(rows), np.int32(cols),
+        shop.kernel("control", "stencil", {**boundary_defines(plan.boundary), "CONTROL": ""}), grids * rows * cols,
+        u, bias, w, shop.dtype.type(plan.template.z), np.int32(bias is not None),
+        *stencil_arguments(shop, heard, plan.boundary.u, shape),
     )  # fmt: skip
     return w
 
@@ -51,7 +51,7 @@ class Steps:
         stretch = min(plan.steps, plan.check_every) if plan.duration == "settled" else plan.steps
         stretch = stretch if "blocking" in plan.savings else 1
         taps = tap_defines(plan.feedback_taps, plan.boundary, plan.boundary.y, shop.dtype)
-        self._tiles = cut(shop, shape, int(taps["RADIUS"]), plan.boundary.kind == "periodic", stretch)
+        self._tiles = cut(shop, shape, radius_of(plan.feedback_taps), plan.boundary.kind == "periodic", stretch)
         defines = {
             **taps, **_walls(plan), **_shared_sums(shop, plan), **({} if held is None else {"HELD": ""}),
             "GAIN": literal(plan.scheme.gain(plan.step) * plan.scheme.b[0], shop.dtype), **self._tiles.defines,
@@ -94,9 +94,9 @@ class Stages:
         self.x, self._shop, self._w, self._held, self._scheme = x, shop, w, held, plan.scheme
         self._gain = plan.scheme.gain(plan.step)
         self._cells = grids * rows * cols
-        self._lines = np.int64(grids * rows), np.int32(rows), np.int32(cols)
-        taps = tap_defines(plan.feedback_taps, plan.boundary, plan.boundary.y, shop.dtype)
-        self._slope = shop.kernel("slope", "stencil", taps)
+        self._lines = np.int64(grids * rows), np.int32(cols)
+        self._stencil = stencil_arguments(shop, plan.feedback_taps, plan.boundary.y, shape)
+        self._slope = shop.kernel("slope", "stencil", {**boundary_defines(plan.boundary), "SLOPE": ""})
         self._update = shop.kernel("update", "update", _walls(plan))
         self._slopes = [shop.buffer(x.size) for _ in plan.scheme.b]
         self._stage = shop.buffer(x.size)
@@ -107,7 +107,7 @@ class Stages:
         for _ in range(steps):
             for row, slope in zip(self._scheme.a, self._slopes, strict=True):
                 self._sum(row, self._stage, None)
-                self._shop.run(self._slope, self._cells, self._stage, self._w, slope, *self._lines)
+                self._shop.run(self._slope, self._cells, self._stage, self._w, slope, *self._stencil)
             to = self.x if self._mine else self._shop.buffer(self.x.size)
             self._sum(self._scheme.b, to, self._held)
             self.x, self._mine = to, True
@@ -120,10 +120,9 @@ class Stages:
         """Write wall(x + sum of gain * weight * slope) to a plane."""
         slopes = [*self._slopes[: len(weights)], *[None] * (4 - len(weights))]
         factors = [self._shop.dtype.type(self._gain * weight) for weight in (*weights, 0.0, 0.0, 0.0, 0.0)[:4]]
-        lines, _, cols = self._lines
         self._shop.run(
             self._update, self._cells, self.x, *slopes, held, to, *factors, np.int32(len(weights)),
-            np.int32(held is not None), lines, cols,
+            np.int32(held is not None), *self._lines,
         )  # fmt: skip
 
 
@@ -149,14 +148,22 @@ def stepped(
 def look(shop: Workshop, plan: Plan, shape: Shape, x: Buffer, w: Buffer, held: Buffer | None) -> tuple[bool, float]:
     """Return whether the network has settled (see `Plan`) and the largest |dx/dt|."""
     grids, rows, cols = shape
-    taps = tap_defines(plan.feedback_taps, plan.boundary, plan.boundary.y, shop.dtype)
-    kernel = shop.kernel("look", "stencil", {**taps, **_walls(plan), **({} if held is None else {"HELD": ""})})
-    parts = shop.run(
-        kernel, grids * rows * cols, x, w, held, shop.partial, np.int64(grids * rows), np.int32(rows), np.int32(cols)
-    )
+    mask = {} if held is None else {"HELD": ""}
+    kernel = shop.kernel("look", "stencil", {**boundary_defines(plan.boundary), **_walls(plan), **mask, "LOOK": ""})
+    taps = stencil_arguments(shop, plan.feedback_taps, plan.boundary.y, shape)
+    parts = shop.run(kernel, grids * rows * cols, x, w, held, shop.partial, *taps)
     steepest, loose = shop.parts(2 * parts, shop.dtype).reshape(parts, 2).max(axis=0).tolist()
     final = plan.cell == "chua-yang" and plan.step <= 1 and not loose
     return final or steepest <= SETTLED_SLOPE, steepest
+
+
+def stencil_arguments(shop: Workshop, taps: tuple[Tap, ...], constant: float, shape: Shape) -> tuple[Any, ...]:
+    """Return the arguments that all kernels of opencl_stencil.cl end with."""
+    grids, rows, cols = shape
+    return (
+        *shop.tap_buffers(taps), np.int32(len(taps)), np.int32(radius_of(taps)), shop.dtype.type(constant),
+        np.int64(grids * rows), np.int32(rows), np.int32(cols),
+    )  # fmt: skip
 
 
 def _walls(plan: Plan) -> dict[str, str | int]:

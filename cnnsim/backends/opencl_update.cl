@@ -2,7 +2,7 @@
 //
 // WALLS: the full-range cell, whose state stops at -1 and 1. `stages` of the four k are used.
 
-__kernel void update(__global const real *x, __global const real *k0, __global const real *k1, __global const real *k2,
+KERNEL void update(__global const real *x, __global const real *k0, __global const real *k1, __global const real *k2,
                      __global const real *k3, __global const ulong *held, __global real *out, real c0, real c1,
                      real c2, real c3, int stages, int has_held, long lines, int cols)
 {
