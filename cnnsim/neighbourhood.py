@@ -1,0 +1,48 @@
+"""What a cell can meet on a black-and-white picture: pairs of initial state and input, and all sums of its taps."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+Pair = tuple[float, float]
+"""(x(0), u) of one cell."""
+
+MOST = 1 << 18
+"""Different sums beyond which an enumeration is given up."""
+
+
+def pairs_of(input: str | float, initial_state: str | float) -> list[Pair] | str:  # noqa: A002 - the field's word for u
+    """Return the pairs (x(0), u) a cell can have when pictures are black and white, or why they cannot be listed.
+
+    The roles are those of a template file. An initial state called "any" is represented by its extremes.
+    """
+    both = (-1.0, 1.0)
+    if input == "picture" and initial_state == "picture":
+        return [(v, v) for v in both]
+    us = both if input == "picture" else (0.0,) if input == "none" else (float(input),)
+    if initial_state in ("picture", "given", "any"):
+        states: Sequence[float] = both
+    else:
+        states = (float(initial_state),)
+    return [(x0, u) for x0 in states for u in us]
+
+
+def weighted_sums(options: Sequence[Sequence[tuple[float, ...]]]) -> NDArray[np.float64] | None:
+    """Return all different sums of one vector from each list, as rows; None if there are more than `MOST`.
+
+    Sums that differ by less than 1e-9 count as one.
+    """
+    width = len(options[0][0]) if options else 1
+    sums = np.zeros((1, width))
+    for choices in options:
+        sums = (sums[:, None, :] + np.array(sorted(set(choices)))[None, :, :]).reshape(-1, width)
+        sums = np.unique(np.round(sums, 9), axis=0)
+        if len(sums) > MOST:
+            return None
+    return sums
+
+
+def too_many(taps: int) -> str:
+    """Return the sentence for an enumeration that was given up."""
+    return f"its {taps} taps have more than {MOST} different sums"
