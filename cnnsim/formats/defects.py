@@ -1,0 +1,80 @@
+"""Warns of what is known to be wrong with a template that comes in, and of what its numbers show by themselves."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from cnnsim import library
+from cnnsim.formats.draft import Draft
+from cnnsim.formats.known_defects import KNOWN
+from cnnsim.library import LibraryEntry
+from cnnsim.template import Tap, Template
+
+
+def defects(draft: Draft, source_name: str, system: str) -> list[str]:
+    """Return the warnings for a draft. ``source_name`` is its name in the source, ``system`` CANDY, MATCNN, ...
+
+    They come from the table of known defects, from the library's own template of that name, and from the numbers.
+    """
+    found = [KNOWN[source_name.upper()]] if source_name.upper() in KNOWN else []
+    if draft.missing:
+        return found
+    entry = counterpart(draft.template, source_name, system)
+    return [*found, *_from_numbers(draft, verified=entry is not None), *(compare(draft, entry) if entry else ())]
+
+
+def counterpart(template: Template, source_name: str, system: str) -> LibraryEntry | None:
+    """Return our own template that goes by that name in that system, of several the nearest in numbers."""
+    wanted = {source_name.upper(), f"{source_name} ({system})".upper()}
+    entries = [entry for entry in map(library.load, library.names()) if entry.shipped]
+    same = [entry for entry in entries if wanted & {alias.upper() for alias in entry.aliases}]
+    return min(same, key=lambda entry: len(list(number_differences(template, entry.template))), default=None)
+
+
+def taps(matrix: tuple[Tap, ...]) -> dict[tuple[int, int], float]:
+    """Return the weights by offset; what is not there is 0."""
+    return {(tap.k, tap.l): tap.weight for tap in matrix}
+
+
+def number_differences(ours: Template, theirs: Template) -> Iterator[str]:
+    """Yield every number in which two templates differ; rims of zeros make no difference."""
+    pairs = (("A", ours.feedback_taps, theirs.feedback_taps), ("B", ours.control_taps, theirs.control_taps))
+    for matrix, first, second in pairs:
+        left, right = taps(first), taps(second)
+        for k, l in sorted(left.keys() | right.keys()):
+            a, b = left.get((k, l), 0.0), right.get((k, l), 0.0)
+            if a != b:
+                yield f"{matrix}({k:+d}, {l:+d}) is {a:g}, not {b:g}"
+    if ours.z != theirs.z:
+        yield f"z is {ours.z:g}, not {theirs.z:g}"
+
+
+def compare(draft: Draft, entry: LibraryEntry) -> Iterator[str]:
+    """Yield what differs from the library's verified template."""
+    why = f": {entry.note}" if entry.note else ""
+    if differences := list(number_differences(draft.template, entry.template)):
+        yield f"differs from the library's {entry.name}: {', '.join(differences)}{why}"
+        return
+    settings = []
+    if draft.boundary != entry.boundary:
+        settings.append(f"boundary {draft.boundary}, not {entry.boundary}")
+    state = 0 if draft.initial_state == "any" else draft.initial_state
+    if entry.initial_state not in ("any", state, draft.initial_state):
+        settings.append(f"initial state {draft.initial_state}, not {entry.initial_state}")
+    if draft.duration != entry.duration and entry.duration != "settled":
+        settings.append(f"running time {draft.duration}, not {entry.duration} time constants")
+    if settings:
+        yield f"the numbers are those of the library's {entry.name}, the setting is not ({'; '.join(settings)}){why}"
+    elif "ritical" in entry.note:
+        yield f"as the library says of {entry.name}{why}"
+
+
+def _from_numbers(draft: Draft, verified: bool) -> Iterator[str]:
+    """Yield what the numbers alone show; of the boundary only where no verified template says which one it takes."""
+    template, a = draft.template, draft.template.self_feedback
+    reach = float(np.abs(template.B).sum())
+    if template.uncoupled and template.control_taps and a >= 1 and abs(template.z) - reach - (a - 1) > 0:
+        colour = "black" if template.z > 0 else "white"
+        yield f"the output is {colour} for every input and every initial state"
+    if not verified and not template.uncoupled and (draft.boundary.kind, draft.boundary.y) == ("fixed", 0):
+        yield "coupled, with a boundary of 0: waves can hang or start at the rim; white outside (-1) is often needed"

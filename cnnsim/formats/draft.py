@@ -1,0 +1,54 @@
+"""A template on its way from a foreign format into our library: what a template file will say."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from cnnsim.formats.report import Report
+from cnnsim.grid import ZERO_FLUX, Boundary
+from cnnsim.library import Role
+from cnnsim.plan import Duration
+from cnnsim.template import Template
+
+
+@dataclass(frozen=True)
+class Draft:
+    """The contents of a template file to be. ``other`` holds further keys of the file, for what is not linear.
+
+    ``missing`` says what the library's files cannot hold yet; such a draft is not written. ``given`` is False where
+    the format says nothing of boundary and initial state.
+    """
+
+    name: str
+    template: Template
+    summary: str
+    reference: str
+    input: Role = "picture"
+    initial_state: Role = "picture"
+    boundary: Boundary = ZERO_FLUX
+    duration: Duration = "settled"
+    tags: tuple[str, ...] = ()
+    note: str = ""
+    aliases: tuple[str, ...] = ()
+    other: Mapping[str, Any] = field(default_factory=dict)
+    missing: str = ""
+
+    def with_note(self, text: str) -> "Draft":
+        """Return the draft with one more sentence in its note."""
+        return replace(self, note=f"{self.note} {text}".strip())
+
+
+def library_name(text: str) -> str:
+    """Return a name as our files have it, lower case and hyphens: ``CCD_HOR`` becomes ``ccd-hor``."""
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or "unnamed"
+
+
+def assume_setting(draft: Draft, report: Report, boundary: Boundary | None = None) -> Draft:
+    """Fill in what a format leaves open, initial state and perhaps boundary, and say so."""
+    role: Role = "picture" if draft.template.control_taps else "none"
+    open_ends = "initial state" if boundary else "boundary and initial state"
+    taken = "the picture was taken" if boundary else "zero-flux and the picture were taken"
+    text = f"The source says nothing of {open_ends}; {taken}."
+    report.warning(None, f"{draft.name}: {text} Check the file that is written")
+    return replace(draft, input=role, boundary=boundary or ZERO_FLUX).with_note(text)

@@ -1,0 +1,20 @@
+"""Writes templates of the library in other formats."""
+
+from collections.abc import Callable
+
+from cnnsim.formats.celnn_json import celnn
+from cnnsim.formats.gene import gene
+from cnnsim.formats.tem_write import entry_to_tem, write_tem
+from cnnsim.library import LibraryEntry
+
+WRITERS: dict[str, Callable[[LibraryEntry], str]] = {
+    "tem": lambda entry: write_tem(entry_to_tem(entry)),
+    "gene": lambda entry: gene(entry.template),
+    "json": lambda entry: celnn(entry.template, entry.summary, entry.tags),
+}
+KEPT: dict[str, str] = {
+    "tem": "numbers, input, initial state, boundary, running time",
+    "gene": "numbers only; not the boundary, the initial state, the running time",
+    "json": "numbers, with the sign of z turned for black = -1; not the boundary, the initial state, the running time",
+}
+"""What of a template each format holds."""

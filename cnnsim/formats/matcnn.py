@@ -1,0 +1,131 @@
+"""Reads MATCNN's ``temlib.m``: MATLAB assignments ``NAME_A = [...]``, ``NAME_B``, ``NAME_I`` and non-linear parts.
+
+``NAME_a`` (function) with ``NAME_Aa`` (weights) is a non-linear A, ``_b`` with ``_Bb`` a non-linear B, ``_d`` with
+``_Dd`` a generalised difference: ``[interpolation n x y x y ... code]``. Differences are neighbour minus centre, the
+reverse of CANDY's. ``X_A = Y_A`` is an alias. Source: the MATCNN toolbox (Rekeczky), ``temlib.m`` and its user guide.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from cnnsim.errors import InputError
+from cnnsim.formats.draft import Draft, assume_setting, library_name
+from cnnsim.formats.matlab_expression import Array, evaluate
+from cnnsim.formats.matlab_tokens import Token, statements
+from cnnsim.formats.report import Report
+from cnnsim.formats.tem_lines import decode, split
+from cnnsim.template import Template
+
+_PARTS = ("A", "B", "I", "a", "Aa", "b", "Bb", "d", "Dd")
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A non-linear part: its function, its weights, and (D only) the code of its arguments."""
+
+    part: str
+    linear: bool
+    points: tuple[tuple[float, float], ...]
+    weights: Array
+    code: int | None = None
+
+
+@dataclass
+class Entry:
+    """What a file says of one name: its parts, and the line where it begins."""
+
+    name: str
+    line: int
+    parts: dict[str, Array] = field(default_factory=dict)
+    broken: bool = False
+
+
+def read_matcnn(data: bytes, report: Report) -> dict[str, Entry]:
+    """Return the entries of a file by name; what is no such assignment is a warning, a wrong one an error."""
+    values: dict[str, Array] = {}
+    entries: dict[str, Entry] = {}
+    text = "\n".join(row for _, row in split(decode(data, report), report))
+    for tokens in statements(text):
+        line = tokens[0].line
+        if len(tokens) < 2 or tokens[0].kind != "name" or (tokens[1].kind, tokens[1].text) != ("sign", "="):
+            if any(token.kind != "newline" for token in tokens):
+                report.warning(line, f"no assignment, not used: {' '.join(token.text for token in tokens)[:40]!r}")
+            continue
+        target = tokens[0].text
+        name, underscore, part = target.rpartition("_")
+        entry = Entry(name, line)
+        if underscore and part in _PARTS:
+            entry = entries.setdefault(name, entry)
+        else:
+            report.note(line, f"{target} is no part of a template; later lines may use it")
+        try:
+            values[target] = evaluate(_trimmed(tokens[2:]), values)
+        except InputError as error:
+            report.error(line, f"{target}: {error}")
+            entry.broken = True
+            continue
+        if part in entry.parts:
+            report.warning(line, f"{target} again; the last one counts, as in MATLAB")
+        entry.parts[part] = values[target]
+    if not entries:
+        report.error(None, "no NAME_A, NAME_B or NAME_I: this is no template file")
+    return entries
+
+
+def _trimmed(tokens: list[Token]) -> list[Token]:
+    while tokens and tokens[-1].kind == "newline":
+        tokens = tokens[:-1]
+    return tokens
+
+
+def nonlinear_part(entry: Entry, letter: str) -> Difference:
+    """Return the non-linear part ``a``, ``b`` or ``d`` of an entry.
+
+    Raises:
+        InputError: the function or the weights are missing, or the function's numbers do not make ``interpolation n``
+            and n pairs (D: and a code).
+    """
+    weights = entry.parts.get(letter.upper() + letter)
+    if letter not in entry.parts or weights is None:
+        raise InputError(f"{entry.name}_{letter} and {entry.name}_{letter.upper()}{letter} wanted, both")
+    numbers = entry.parts[letter].ravel()
+    pairs = int(numbers[1]) if numbers.size > 1 and 0 < numbers[1] < 1000 else 0
+    wanted = 2 + 2 * pairs + (letter == "d")
+    if pairs == 0 or numbers[1] != pairs or numbers[0] not in (0, 1) or numbers.size != wanted:
+        raise InputError(f"{entry.name}_{letter} is {numbers.tolist()}; interpolation, n and n pairs wanted")
+    points = tuple((float(x), float(y)) for x, y in numbers[2 : 2 + 2 * pairs].reshape(-1, 2))
+    code = int(numbers[-1]) if letter == "d" else None
+    return Difference(letter.upper(), bool(numbers[0]), points, np.atleast_2d(weights), code)
+
+
+def matcnn_drafts(entries: dict[str, Entry], report: Report) -> list[Draft]:
+    """Return a draft for each entry; those with a non-linear part say that they are not written."""
+    drafts = []
+    for entry in (entry for entry in entries.values() if not entry.broken):
+        name = library_name(entry.name)
+        try:
+            letters = [letter for letter in "abd" if {letter, letter.upper() + letter} & entry.parts.keys()]
+            nonlinear = [nonlinear_part(entry, letter) for letter in letters]
+            template = Template(entry.parts.get("A", [[0.0]]), entry.parts.get("B", [[0.0]]), _bias(entry), name)
+        except InputError as error:
+            report.error(entry.line, str(error))
+            continue
+        draft = Draft(
+            name, template, f"MATCNN template {entry.name}; the source does not say what it does.",
+            f"Imported from {report.file}, MATCNN entry {entry.name}", aliases=(entry.name,),
+        )  # fmt: skip
+        if nonlinear:
+            parts = " and ".join(part.part for part in nonlinear)
+            draft = replace(draft, missing=f"parsed, not written: kind not supported yet (non-linear {parts})")
+        else:
+            draft = assume_setting(draft, report)
+        drafts.append(draft)
+    return drafts
+
+
+def _bias(entry: Entry) -> float:
+    bias = entry.parts.get("I", np.zeros(()))
+    if bias.size != 1:
+        raise InputError(f"{entry.name}_I is {bias.shape}; one number wanted")
+    return float(bias.ravel()[0])

@@ -1,0 +1,139 @@
+"""Matrices and function lines of ``.tem`` files."""
+
+import re
+from dataclasses import dataclass
+from itertools import pairwise
+
+from cnnsim.errors import InputError
+from cnnsim.formats.numbers import is_number, number, whole
+from cnnsim.formats.report import Report
+from cnnsim.formats.tem import Call, Entry, Function
+from cnnsim.formats.tem_lines import Line
+
+_CALL = re.compile(r"([A-Za-z]+)([-0]?)")
+_ARGUMENT = re.compile(r"([xyu]\d?-[xyu]\d?)\s*#\s*([xyu]\d?-[xyu]\d?)?", re.I)
+_NAME = re.compile(r"[A-Za-z]+:?")
+
+
+@dataclass
+class Cursor:
+    """A place in the lines, and where to complain."""
+
+    lines: list[Line]
+    report: Report
+    at: int = 0
+
+    def peek(self) -> Line | None:
+        """Return the line that comes next."""
+        return self.lines[self.at] if self.at < len(self.lines) else None
+
+    def take(self) -> Line:
+        """Return the next line and go on."""
+        self.at += 1
+        return self.lines[self.at - 1]
+
+
+def is_function(line: Line) -> bool:
+    """Return whether a line is a function line: a letter, then numbers only, in the count that it announces or more.
+
+    ``d 0 d`` is a row of a matrix and ``d 0 2  0.01 0.5  2.5 -0.5`` is a function.
+    """
+    words = line.words
+    if line.keyword or len(words) < 3 or not _NAME.fullmatch(words[0]) or not all(map(is_number, words[1:])):
+        return False
+    return words[1] in ("0", "1") and (whole(words[2]) or 0) >= 1
+
+
+def read_function(cursor: Cursor) -> Function | None:
+    """Read a function line, and the lines of numbers that carry it on."""
+    line = cursor.take()
+    letter, kind, count, *values = line.words
+    wanted = 2 * (whole(count) or 0)
+    while len(values) < wanted and (more := cursor.peek()) and not more.keyword and all(map(is_number, more.words)):
+        values += cursor.take().words
+    if len(values) != wanted:
+        cursor.report.error(line.number, f"function {letter!r}: {len(values)} numbers, {count} pairs announced")
+        return None
+    try:
+        points = [number(word) for word in values]
+    except InputError as error:
+        cursor.report.error(line.number, f"function {letter!r}: {error}")
+        return None
+    pairs = tuple(zip(points[::2], points[1::2], strict=True))
+    if any(later[0] <= earlier[0] for earlier, later in pairwise(pairs)):
+        cursor.report.warning(line.number, f"function {letter!r}: its places do not ascend")
+    return Function(letter.rstrip(":"), kind == "1", pairs, line.number)
+
+
+def read_argument(cursor: Cursor) -> tuple[str, str]:
+    """Read the line ``argument # factor`` that follows NONLIN_D."""
+    line = cursor.peek()
+    if line and not line.keyword and (match := _ARGUMENT.fullmatch(line.text)):
+        cursor.take()
+        return match[1].lower(), (match[2] or "").lower()
+    given = "nothing" if line is None else repr(line.text[:40])
+    cursor.report.error(
+        line.number if line else None, f"NONLIN_D wants a line such as 'x-u#' or 'x-x#x-x'; {given} is there"
+    )
+    if line and "#" in line.text:
+        cursor.take()
+    return "", ""
+
+
+def read_matrix(cursor: Cursor, heading: Line, first: str) -> tuple[tuple[Entry, ...], ...]:
+    """Read the rows up to the next keyword or function line; () if they make no odd square, with an error said."""
+    rows = [Line(heading.number, first)] if first else []
+    while line := cursor.peek():
+        side = len(rows[0].words) if rows else 0
+        inside = len(rows) < side == len(line.words)
+        if line.keyword or "#" in line.text or (is_function(line) and not inside):
+            break
+        rows.append(cursor.take())
+    title = heading.keyword
+    if not rows:
+        cursor.report.error(heading.number, f"{title}: no matrix")
+        return ()
+    entries = [_row(line, title, cursor.report) for line in rows]
+    return () if None in entries or not _square(rows, title, cursor.report) else tuple(row for row in entries if row)
+
+
+def _row(line: Line, title: str, report: Report) -> tuple[Entry, ...] | None:
+    entries: list[Entry] = []
+    for word in line.words:
+        call = _CALL.fullmatch(word)
+        if call and title.startswith("NONLIN") and (call[2] == "") == (title == "NONLIN_D"):
+            entries.append(Call(call[1], call[2]))  # type: ignore[arg-type]  # the pattern allows these three only
+            continue
+        try:
+            entries.append(number(word))
+        except InputError as error:
+            report.error(line.number, f"{title}: {error}" + (_wanted(title) if call else ""))
+            return None
+    return tuple(entries)
+
+
+def _wanted(title: str) -> str:
+    if title == "NONLIN_D":
+        return "; in NONLIN_D a function is named by its letter alone"
+    return "; a function is named as a- or a0" if title.startswith("NONLIN") else "; only NONLIN blocks take functions"
+
+
+def _square(rows: list[Line], title: str, report: Report) -> bool:
+    widths = [len(line.words) for line in rows]
+    side = max(set(widths), key=widths.count)
+    for line, width in zip(rows, widths, strict=True):
+        if width != side:
+            report.error(
+                line.number, f"{title}: a row of {width} in a matrix of {side} columns{_lost_point(line, side)}"
+            )
+    if set(widths) == {side} and (len(rows) != side or side % 2 == 0):
+        report.error(rows[0].number, f"{title}: {len(rows)} rows of {side}; an odd square (3 x 3, 5 x 5, ...) wanted")
+    return set(widths) == {side} and len(rows) == side and side % 2 == 1
+
+
+def _lost_point(line: Line, side: int) -> str:
+    """Return a guess, as a remark only: ``0 0`` with a single blank may be ``0.0``."""
+    pairs = re.findall(r"(?<![\d.])(\d+) (\d+)(?![\d.])", line.text)
+    if len(line.words) == side + 1 and len(pairs) == 1:
+        return f"; '{pairs[0][0]} {pairs[0][1]}' may be '{pairs[0][0]}.{pairs[0][1]}' with its point lost"
+    return ""

@@ -1,0 +1,101 @@
+"""From the content of a ``.tem`` file to drafts of our template files."""
+
+from dataclasses import replace
+
+from cnnsim.errors import InputError
+from cnnsim.formats.draft import Draft, library_name
+from cnnsim.formats.report import Report
+from cnnsim.formats.tem import Block, Section, TemFile
+from cnnsim.formats.tem_header import Setting, read_setting
+from cnnsim.template import Template
+
+_NOT_YET = "parsed, not written: kind not supported yet"
+
+
+def tem_drafts(tem: TemFile, stem: str, report: Report) -> list[Draft]:
+    """Return one draft a template of the file; of a kind that our files cannot hold it says which."""
+    setting = read_setting(tem, report)
+    drafts = [_draft(tem, section, k, stem, setting, report) for k, section in enumerate(tem.sections)]
+    if tem.loop is not None:
+        first, times = tem.loop
+        text = f"The source runs its {len(drafts)} templates in turn, {times} times from label {first} on."
+        report.warning(None, f"{text} The templates are written, the loop is not")
+        drafts = [draft.with_note(text) for draft in drafts]
+    return drafts
+
+
+def _draft(tem: TemFile, section: Section, k: int, stem: str, setting: Setting, report: Report) -> Draft:
+    several = len(tem.sections) > 1
+    name = library_name(f"{stem}-{k + 1}" if several else stem)
+    title = tem.header("TemLibName").text.strip(" -?.")
+    summary = tem.header("Function").text or f"Imported from {stem}.tem, which does not say what it does."
+    draft = Draft(
+        name, Template([[0.0]], name=name), summary, _reference(stem, title), setting.input, setting.initial_state,
+        setting.boundary, setting.duration, note=_note(tem), aliases=_aliases(name, stem, title, several),
+    )  # fmt: skip
+    if kind := _kind(section):
+        return replace(draft, missing=f"{_NOT_YET} ({kind})")
+    layer = section.layers[0]
+    try:
+        a, b = (_matrix(layer.blocks, operation) for operation in ("feedback", "control"))
+        draft = replace(draft, template=Template(a, b, layer.current or 0.0, name))
+    except InputError as error:
+        report.error(layer.blocks[0].line if layer.blocks else None, str(error))
+        return replace(draft, missing="the numbers make no template")
+    return _with_setting(draft, tem, setting, report)
+
+
+def _with_setting(draft: Draft, tem: TemFile, setting: Setting, report: Report) -> Draft:
+    """Make input and initial state fit the numbers; every change is a warning."""
+    line = tem.header("Setting").line or None
+    if unsaid := [key for key in ("input", "inistate", "boundary") if key not in setting.said]:
+        words = {"input": "input", "inistate": "initial state", "boundary": "boundary"}
+        names = ", ".join(words[key] for key in unsaid)
+        report.warning(line, f"the header says nothing of {names}; picture and zero-flux are taken: check them")
+        draft = draft.with_note(f"The source says nothing of {names}; picture and zero-flux were taken.")
+    if draft.template.control_taps and draft.input == "none":
+        report.warning(line, "%Setting has no input, but CONTROL is not zero: the picture is taken as input")
+        draft = replace(draft, input="picture").with_note("The source names no input; the picture is taken.")
+    elif not draft.template.control_taps and draft.input != "none":
+        report.note(line, "%Setting has an input, but there is no CONTROL that would use it")
+        state = "picture" if draft.initial_state == "given" else draft.initial_state
+        draft = replace(draft, input="none", initial_state=state)
+    if setting.discrete and draft.template.uncoupled:
+        report.warning(tem.header("CNNModel").line, "made for discrete time (DT-CNN); written for continuous time")
+        draft = draft.with_note("The source means discrete time.")
+    elif setting.discrete:
+        draft = replace(draft, missing=f"{_NOT_YET} (discrete time, coupled)")
+    return draft
+
+
+def _kind(section: Section) -> str:
+    """Return what makes a section other than linear, of one layer; "" if nothing does."""
+    blocks = [block for layer in section.layers for block in layer.blocks]
+    if len(section.layers) > 1 or any(block.source not in (None, 1) for block in blocks):
+        return f"{len(section.layers)} layers"
+    if any(block.operation.startswith("delayed") for block in blocks):
+        return "delayed"
+    if any(not block.linear or block.operation == "nonlin_d" for block in blocks):
+        return "non-linear"
+    kinds = [block.operation.removeprefix("nonlin_") for block in blocks]
+    return "two matrices of one kind" if len(kinds) != len(set(kinds)) else ""
+
+
+def _matrix(blocks: tuple[Block, ...], operation: str) -> list[list[float]]:
+    found = [block for block in blocks if block.operation in (operation, f"nonlin_{operation}")]
+    return found[0].numbers if found else [[0.0]]
+
+
+def _reference(stem: str, title: str) -> str:
+    return f"Imported from {stem}.tem" + (f" ({title})" if title else "")
+
+
+def _aliases(name: str, stem: str, title: str, several: bool) -> tuple[str, ...]:
+    return () if several else tuple(word for word in dict.fromkeys((stem, title)) if word and word != name)
+
+
+def _note(tem: TemFile) -> str:
+    """Keep the header fields that our files have no key for."""
+    kept = ("Given", "Setting", "Output", "Timing", "CNNModel")
+    fields = [(key, tem.header(key).text) for key in kept]
+    return " ".join(f"{key}: {text.rstrip('.')}." for key, text in fields if text.strip(" -?.") != "")

@@ -1,0 +1,112 @@
+"""Writes ``.tem`` files: any content that was read, and the linear templates of our library."""
+
+from cnnsim.errors import InputError
+from cnnsim.formats.numbers import written
+from cnnsim.formats.tem import Block, Call, Entry, Function, Header, Layer, Section, TemFile
+from cnnsim.grid import Boundary
+from cnnsim.library import LibraryEntry, Role
+
+
+def write_tem(tem: TemFile) -> str:
+    """Return the text of a file; reading it gives the same content again."""
+    lines = [f"%{header.key}: {header.text}".rstrip() for header in tem.headers]
+    lines += [f"%% {comment}" for comment in tem.comments]
+    script = len(tem.sections) > 1 or tem.loop is not None
+    for section in tem.sections:
+        if script:
+            lines += ["", *([f"LABEL {section.label}"] if section.label else [])]
+            lines += [f"TEMPLATE: {section.title}".rstrip(), "NEW"]
+        lines += _section(section)
+    if tem.loop is not None:
+        lines += ["", f"LOOP: {tem.loop[0]} {tem.loop[1]}"]
+    return "\n".join(lines) + "\n"
+
+
+def _section(section: Section) -> list[str]:
+    several = len(section.layers) > 1
+    lines = ["", f"NRLAYERS {len(section.layers)}"] if several else []
+    radius: int | None = None
+    for layer in section.layers:
+        if several:
+            lines += ["", f"LAYER {layer.number} {layer.label}".rstrip()]
+        delay: float | None = None
+        for block in layer.blocks:
+            if block.radius is not None and block.radius != radius:
+                radius = block.radius
+                lines += ["", f"NEIGHBORHOOD: {radius}"]
+            if block.delay is not None and block.delay != delay:
+                delay = block.delay
+                lines += ["", f"DELAY: {written(delay)}"]
+            lines += ["", *_block(block)]
+        lines += _tail(layer)
+    return lines
+
+
+def _block(block: Block) -> list[str]:
+    source = "" if block.source is None else f" FROM {block.source}"
+    lines = [f"{block.operation.upper()}{source}:"]
+    if block.operation == "nonlin_d":
+        lines.append(f"{block.argument}#{block.factor}")
+    cells = [[_entry(entry) for entry in row] for row in block.rows]
+    width = max(len(cell) for row in cells for cell in row)
+    return lines + [" ".join(cell.rjust(width) for cell in row) for row in cells]
+
+
+def _entry(entry: Entry) -> str:
+    return f"{entry.letter}{entry.of}" if isinstance(entry, Call) else written(entry)
+
+
+def _tail(layer: Layer) -> list[str]:
+    lines = ["", *map(_function, layer.functions)] if layer.functions else []
+    return lines + ([] if layer.current is None else ["", f"CURRENT: {written(layer.current)}"])
+
+
+def _function(function: Function) -> str:
+    points = "  ".join(f"{written(x)} {written(y)}" for x, y in function.points)
+    return f"{function.letter} {int(function.linear)} {len(function.points)}  {points}"
+
+
+def entry_to_tem(entry: LibraryEntry) -> TemFile:
+    """Return the ``.tem`` content of a library template.
+
+    Raises:
+        InputError: a setting that the header comments have no word for.
+    """
+    template, blocks = entry.template, []
+    for operation, matrix in (("feedback", template.A), ("control", template.B)):
+        if matrix.any():
+            side = matrix if matrix.shape[0] > 1 else [[0, 0, 0], [0, matrix[0, 0], 0], [0, 0, 0]]
+            rows = tuple(tuple(float(value) for value in row) for row in side)
+            blocks.append(Block(operation, rows, None, len(rows) // 2))  # type: ignore[arg-type]  # two of its words
+    headers = [
+        Header("Function", " ".join(entry.summary.split())),
+        Header("TemLibName", entry.name),
+        Header("CNNModel", "Single-layer, CT-CNN"),
+        Header("Setting", _setting(entry)),
+        Header("Timing", "-" if entry.duration == "settled" else f"{written(float(entry.duration))} tau"),
+    ]
+    comments = [" ".join(text.split()) for text in (f"Source {entry.reference}", entry.note) if text.strip()]
+    layer = Layer(1, tuple(blocks), (), template.z)
+    return TemFile((Section((layer,)),), tuple(headers), tuple(text.replace("%", " per cent") for text in comments))
+
+
+def _setting(entry: LibraryEntry) -> str:
+    boundary = _boundary(entry.boundary)
+    if entry.initial_state != "given":
+        return f"Input:{_role(entry.input)}, IniState:{_role(entry.initial_state)}, Boundary:{boundary}"
+    if entry.input != "picture":
+        raise InputError(f"input {entry.input!r} with a second picture as initial state: no .tem header says that")
+    return f"Input:P1, IniState:P2, Boundary:{boundary}"
+
+
+def _role(role: Role) -> str:
+    words = {"picture": "P", "any": "Arbitrary(0)", "none": "-"}
+    return words[role] if isinstance(role, str) else written(role)
+
+
+def _boundary(boundary: Boundary) -> str:
+    if boundary.kind != "fixed":
+        return {"zero-flux": "Zero-flux", "periodic": "Periodic"}[boundary.kind]
+    if boundary.y != boundary.u:
+        raise InputError(f"boundary {boundary}: a .tem file has one value for state and input")
+    return f"Fixed({written(boundary.y)})"
