@@ -1,0 +1,20 @@
+"""Libraries that only boards on a serial port and their recordings need."""
+
+import importlib
+from types import ModuleType
+
+from cnnsim.errors import InputError
+
+INSTALL = "pip install 'cellular-wave-touch[serial]'"
+
+
+def need(module: str, what: str) -> ModuleType:
+    """Import a module for ``what``.
+
+    Raises:
+        InputError: a library it wants is not installed.
+    """
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        raise InputError(f"{what} needs {error.name}, which is not installed: {INSTALL}") from error

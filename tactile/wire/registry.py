@@ -1,0 +1,52 @@
+"""Which wire formats there are. Adding one is one file with a ``FORMAT`` and its name here."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from cnnsim.errors import InputError
+from tactile.wire.base import Decoder, Encoder, Options, Talk
+from tactile.wire.extras import need
+
+NAMES = {
+    "reskin": "reskin",
+    "papillarray": "papillarray",
+    "paxini-fast": "paxini",
+    "paxini-serial": "paxini",
+    "lowiek": "lowiek",
+    "native": "native",
+    "csv": "csv_text",
+}
+"""Protocol name -> the module of this package that has it in ``FORMATS``."""
+
+
+@dataclass(frozen=True)
+class Format:
+    """A wire format: ``unit`` of its readings, ``baudrate`` where the user gives none, ``keys`` its own options.
+
+    ``checked`` says whether a checksum guards the frames; ``scale`` is a reading that an emulator may send for a
+    strain of 0.01 where nobody says how strong the device's signals are.
+    """
+
+    name: str
+    summary: str
+    unit: str
+    baudrate: int
+    checked: bool
+    scale: float
+    decoder: Callable[[Options], Decoder]
+    encoder: Callable[[Options], Encoder]
+    talk: Callable[[Options], Talk] = lambda options: Talk()
+    keys: tuple[str, ...] = ()
+    signs: tuple[str, str, str] = ("x", "y", "z")
+
+
+def find_format(name: str) -> Format:
+    """Return the format of that name.
+
+    Raises:
+        InputError: there is none, or a library that it wants is missing.
+    """
+    if name not in NAMES:
+        raise InputError(f"protocol {name!r}; one of {', '.join(NAMES)} wanted")
+    found: Format = need(f"tactile.wire.{NAMES[name]}", f"protocol {name!r}").FORMATS[name]  # only the one that is used
+    return found

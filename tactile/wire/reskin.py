@@ -1,0 +1,97 @@
+"""ReSkin and AnySkin boards: magnetometer chips as bare floats that end in CR LF.
+
+One frame, little endian: for every chip (5 unless the description says otherwise) float32 temperature [deg C], x, y, z
+[uT]; then 0D 0A. No header, checksum, sequence number or time, and CR LF may occur inside a float.
+
+In step, CR LF has to stand where the frame ends, and a changed number goes unseen. Out of step every offset is tried,
+and a frame counts only if all its numbers could be a chip's: a temperature of -40..150 deg C and fields that are 0 or
+0.1 nT..100 mT, or a dead chip that sends zeros. Bytes at random pass that once in about 10^20 frames.
+
+Sources: reskin_sensor 2.0.2 ``sensor.py``; anyskin ``5X_binary_burst_stream.ino``.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactile.wire.base import Decoder, Encoder, Found, Options, Reading, Taxels
+from tactile.wire.registry import Format
+
+END = b"\r\n"
+WARM = (-40.0, 150.0)
+FIELD = (1e-4, 1e5)
+"""Smallest field that is not 0, and the largest [uT]."""
+ROOM = 25.0
+
+
+def plausible(chips: NDArray[np.float32]) -> bool:
+    """Return whether (chips, 4) numbers could be what chips send: see the head of this file."""
+    size = np.abs(chips)
+    field = ((size[:, 1:] >= FIELD[0]) & (size[:, 1:] <= FIELD[1])) | (size[:, 1:] == 0)
+    warm = (chips[:, 0] > WARM[0]) & (chips[:, 0] < WARM[1]) & (size[:, 0] > 1e-3)
+    dead = (size == 0).all(1)
+    return bool(warm.any() and ((warm & field.all(1)) | dead).all())
+
+
+class ReskinDecoder(Decoder):
+    """Decodes frames of as many chips as the boards have taxels; the chips of all boards follow each other."""
+
+    def __init__(self, options: Options) -> None:
+        super().__init__()
+        self._chips = sum(options.taxels)
+        self._length = 16 * self._chips + len(END)
+        self._in_step = False
+
+    def _restart(self) -> None:
+        self._in_step = False
+
+    def _next(self, over: bool) -> Found | None:
+        length, data = self._length, self._buffer
+        if len(data) < length:
+            return None
+        if self._in_step and data[length - 2 : length] == END:
+            return self._found(0)
+        self._in_step = False
+        at = -1
+        while (mark := data.find(END, at + length - 1)) >= 0:
+            at = mark + len(END) - length
+            if plausible(self._numbers(at)):
+                self._in_step = True
+                return self._found(at)
+        # no frame ends in this buffer, so none begins before its last length - 1 bytes
+        return Found(len(data) - length + 1)
+
+    def _numbers(self, at: int) -> NDArray[np.float32]:
+        return np.frombuffer(bytes(self._buffer[at : at + self._length - 2]), "<f4").reshape(-1, 4)
+
+    def _found(self, at: int) -> Found:
+        with np.errstate(invalid="ignore"):  # a signalling NaN may come over the wire
+            values = self._numbers(at)[:, 1:].astype(np.float64)
+        return Found(at, self._length, Reading(values, self._begin + at + self._length))
+
+
+class ReskinEncoder(Encoder):
+    """Encodes frames of chips at room temperature."""
+
+    def __init__(self, options: Options) -> None:
+        pass
+
+    def encode(self, boards: Sequence[Taxels], sequence: int, t_device: float) -> bytes:
+        """Return one frame with the chips of all boards."""
+        values = np.concatenate(boards)
+        return np.column_stack((np.full(len(values), ROOM), values)).astype("<f4").tobytes() + END
+
+
+FORMATS = {
+    "reskin": Format(
+        "reskin",
+        "ReSkin / AnySkin magnetometer boards",
+        "uT",
+        115200,
+        False,
+        1000.0,
+        ReskinDecoder,
+        ReskinEncoder,
+    )
+}
