@@ -12,8 +12,8 @@ from cnnsim.running_time import TOLERANCE, cell_time, guaranteed_time, time_of_p
 from cnnsim.transient import run_transient
 from tests.oracles.binary import plane
 
-EXACT: dict[str, Any] = {"scheme": "rk4", "step": 0.02, "dtype": "float64"}
-EULER: dict[str, Any] = {"scheme": "euler", "step": 0.1}
+EXACT: dict[str, Any] = {"scheme": "rk4", "step": 0.05, "backend": "reference"}
+EULER: dict[str, Any] = {"scheme": "euler", "step": 0.1, "backend": "reference"}
 
 UNCOUPLED = [
     name
