@@ -68,8 +68,8 @@ def _template(table: dict[str, Any], where: str, _number: str, scope: Scope) -> 
     u = table.get("input", u)
     if template.control_taps and u is None:
         raise InputError(f"{where}: the template has a B, so 'input' must name a plane")
-    x0 = table.get("state", u if x0 == "picture" and u is not None else x0)
-    if x0 is None or x0 in ("given", "picture"):
+    x0 = table.get("state", u if x0 == "picture" else None if x0 == "given" else x0)
+    if x0 is None:
         raise InputError(f"{where}: 'state' must name the plane, or be the number, that x(0) is")
     try:
         boundary = parse_boundary(table.get("boundary", boundary))
