@@ -10,6 +10,8 @@ from cnnsim.formats.known_defects import KNOWN
 from cnnsim.library import LibraryEntry
 from cnnsim.template import Tap, Template
 
+_SMALL_MARGIN = 0.25  # what an analog chip of 7 or 8 bits cannot be trusted with
+
 
 def defects(draft: Draft, source_name: str, system: str) -> list[str]:
     """Return the warnings for a draft. ``source_name`` is its name in the source, ``system`` CANDY, MATCNN, ...
@@ -65,8 +67,8 @@ def compare(draft: Draft, entry: LibraryEntry) -> Iterator[str]:
         settings.append(f"running time {draft.duration}, not {entry.duration} time constants")
     if settings:
         yield f"the numbers are those of the library's {entry.name}, the setting is not ({'; '.join(settings)}){why}"
-    elif "ritical" in entry.note:
-        yield f"as the library says of {entry.name}{why}"
+    elif entry.margin is not None and entry.margin < _SMALL_MARGIN:
+        yield f"nearly critical: the margin of the library's {entry.name} is {entry.margin:g}{why}"
 
 
 def _from_numbers(draft: Draft, verified: bool) -> Iterator[str]:

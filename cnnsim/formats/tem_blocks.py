@@ -86,7 +86,8 @@ def read_matrix(cursor: Cursor, heading: Line, first: str) -> tuple[tuple[Entry,
     while line := cursor.peek():
         side = len(rows[0].words) if rows else 0
         inside = len(rows) < side == len(line.words)
-        if line.keyword or "#" in line.text or (is_function(line) and not inside):
+        stray = 0 < side == len(rows) and side != len(line.words) and not is_number(line.words[0])
+        if line.keyword or "#" in line.text or stray or (is_function(line) and not inside):
             break
         rows.append(cursor.take())
     title = heading.keyword

@@ -15,7 +15,8 @@ _NOT_YET = "parsed, not written: kind not supported yet"
 def tem_drafts(tem: TemFile, stem: str, report: Report) -> list[Draft]:
     """Return one draft a template of the file; of a kind that our files cannot hold it says which."""
     setting = read_setting(tem, report)
-    drafts = [_draft(tem, section, k, stem, setting, report) for k, section in enumerate(tem.sections)]
+    sections = [(k, section) for k, section in enumerate(tem.sections) if section.layers]
+    drafts = [_draft(tem, section, k, stem, setting, report) for k, section in sections]
     if tem.loop is not None:
         first, times = tem.loop
         text = f"The source runs its {len(drafts)} templates in turn, {times} times from label {first} on."

@@ -87,7 +87,7 @@ def entry_to_tem(entry: LibraryEntry) -> TemFile:
     ]
     comments = [" ".join(text.split()) for text in (f"Source {entry.reference}", entry.note) if text.strip()]
     layer = Layer(1, tuple(blocks), (), template.z)
-    return TemFile((Section((layer,)),), tuple(headers), tuple(text.replace("%", " per cent") for text in comments))
+    return TemFile((Section((layer,)),), tuple(headers), tuple(comments))
 
 
 def _setting(entry: LibraryEntry) -> str:

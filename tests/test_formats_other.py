@@ -1,0 +1,244 @@
+"""MATCNN, CNNSim text, genes and celnn's JSON: what they say, what is wrong, and that nothing in them is executed."""
+
+import json
+
+import numpy as np
+import pytest
+
+from cnnsim import InputError, library
+from cnnsim.formats.celnn_json import celnn, read_celnn
+from cnnsim.formats.cnnsim_text import read_cnnsim
+from cnnsim.formats.defects import number_differences
+from cnnsim.formats.draft import Draft
+from cnnsim.formats.gene import gene, read_gene
+from cnnsim.formats.matcnn import matcnn_drafts, nonlinear_part, read_matcnn
+from cnnsim.formats.report import Report
+from cnnsim.grid import PERIODIC, ZERO_FLUX, fixed
+from cnnsim.template import Template
+
+# --- MATCNN -------------------------------------------------------------------------------------------------------
+
+
+def matcnn(text: str) -> tuple[dict[str, Draft], Report]:
+    report = Report("temlib.m")
+    return {draft.name: draft for draft in matcnn_drafts(read_matcnn(text.encode(), report), report)}, report
+
+
+def value(expression: str) -> np.ndarray:
+    report = Report("x.m")
+    entries = read_matcnn(f"Y_A = [2 4];\nX_A = {expression};".encode(), report)
+    assert not report.failed, report.lines()
+    return entries["X"].parts["A"]
+
+
+@pytest.mark.parametrize(
+    ("expression", "wanted"),
+    [
+        ("[1 -1 +2]", [[1, -1, 2]]),
+        ("[1 - 1, 3 -4]", [[0, 3, -4]]),
+        ("[1-1 2*3 .5/2]", [[0, 6, 0.25]]),
+        ("[-.1 1e-1;\t2. (1 - 3)]", [[-0.1, 0.1], [2, -2]]),
+        ("[1 2 % first row\n 3 4 ;\n\n 5 6]", [[1, 2], [3, 4], [5, 6]]),
+        ("[1 ...the row goes on\n 2]", [[1, 2]]),
+        ("1/4*[1 2;3 4]", [[0.25, 0.5], [0.75, 1]]),
+        ("-(2 + [1 2])*3", [[-9, -12]]),
+        ("[8 6] - Y_A/2", [[7, 4]]),
+        ("Y_A .* [3 .5] ./ 2", [[3, 1]]),
+        ("- -+3", 3),
+        ("2 - 3 - 4", -5),
+        ("16/2/4", 2),
+    ],
+)
+def test_expressions_are_worked_out_as_matlab_does(expression: str, wanted: object) -> None:
+    assert np.array_equal(value(expression), np.array(wanted, dtype=float))
+
+
+@pytest.mark.parametrize(
+    ("expression", "words"),
+    [
+        ("__import__('os')", "'_'"),
+        ("eval(1)", "'eval' is not defined"),
+        ("[1 2; 3]", "equal rows"),
+        ("[1 2]*[3 4]", "between a matrix"),
+        ("[1 2] + [3 4 5]", "between a matrix"),
+        ("1/0", "division by zero"),
+        ("1e308*1e308", "not finite"),
+        ("[1 2", "wanted"),
+        ("(1 2)", "')' wanted"),
+        ("1 2", "after the end"),
+        ("", "wanted"),
+        ("[[1 2] 3]", "inside a matrix"),
+        ("(" * 100 + "1" + ")" * 100, "nested deeper"),
+        ("Z_A", "not defined"),
+        ("2^3", "after the end"),
+    ],
+)
+def test_anything_else_is_an_error_with_its_line(expression: str, words: str) -> None:
+    drafts, report = matcnn(f"GOOD_A = 1;\n\nX_A = {expression};\nX_I = 2;\nLAST_A = 3;")
+    (error,) = report.of("error")
+    assert error.line == 3
+    assert words in error.message
+    assert list(drafts) == ["good", "last"]  # the wrong one is left out, whole
+
+
+def test_entries_aliases_and_missing_parts() -> None:
+    one_a, one_b = "ONE_A = [0 0 0; 0 2 0; 0 0 0];", "ONE_B = 1/2*[0 1 0;1 0 1;0 1 0];"
+    drafts, report = matcnn(f"% library\n{one_a}\n{one_b}\nONE_I = -1;\nTWO_B = ONE_B; TWO_I = 3\n")
+    one, two = drafts["one"].template, drafts["two"].template
+    assert one.self_feedback == 2
+    assert one.B[0, 1] == two.B[0, 1] == 0.5
+    assert (one.z, two.z, two.feedback_taps) == (-1, 3, ())
+    assert not report.failed
+    assert all("zero-flux" in item.message for item in report.of("warning"))
+
+
+def test_nonlinear_entries_are_read_whole_and_not_yet_written() -> None:
+    weights, function = "N_Dd = [.5 1 .5; 1 0 1; .5 1 .5];", "N_d = [1 3  -2 0  0 1  2 0  122];"
+    report = Report("x.m")
+    entries = read_matcnn(f"N_A = 1;\n{weights}\n{function}\nM_Aa = [1 1 1];\nM_a = [0 1 0 3];".encode(), report)
+    part = nonlinear_part(entries["N"], "d")
+    assert (part.linear, part.points, part.code) == (True, ((-2, 0), (0, 1), (2, 0)), 122)
+    assert part.weights.shape == (3, 3)
+    assert nonlinear_part(entries["M"], "a").points == ((0, 3),)
+    assert [draft.missing for draft in matcnn_drafts(entries, report)] == [
+        "parsed, not written: kind not supported yet (non-linear D)",
+        "parsed, not written: kind not supported yet (non-linear A)",
+    ]
+
+
+@pytest.mark.parametrize("text", ["N_d = [1 1 0 0 11];", "N_Bb = 1;", "N_Aa = 1;\nN_a = [1 2 0 0];",
+                                  "N_Dd = 1;\nN_d = [1 1 0 0];", "N_Aa = 1;\nN_a = [2 1 0 0];",
+                                  "N_A = [1 2 3];", "N_A = 1;\nN_I = [1 2];", "x = 3;", ""])  # fmt: skip
+def test_incomplete_matcnn_entries_are_errors(text: str) -> None:
+    drafts, report = matcnn(text)
+    assert report.failed
+    assert drafts == {}
+
+
+def test_an_unclosed_bracket_costs_one_entry_only() -> None:
+    drafts, report = matcnn("X_A = [1 2\nY_A = 3;\n")
+    assert list(drafts) == ["y"]
+    assert [item.line for item in report.of("error")] == [1]
+
+
+# --- CNNSim text --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("tail", "boundary"),
+    [
+        ("C\nConstant -1\n", fixed(-1)),
+        ("Boundary\n  ZeroFlux", ZERO_FLUX),
+        ("C Periodic", PERIODIC),
+    ],
+)
+def test_cnnsim_text(tail: str, boundary: object) -> None:
+    report = Report("x")
+    (draft,) = read_cnnsim(f"A\n0 1 0\n 0 2 0 0 0\t3\nZ\n-.5\nB 1 2 3 4 5 6 7 8 9\n{tail}".encode(), "My Name", report)
+    assert draft.template.A.tolist() == [[0, 1, 0], [0, 2, 0], [0, 0, 3]]
+    assert draft.template.B.tolist() == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
+    assert (draft.template.z, draft.boundary, draft.name) == (-0.5, boundary, "my-name")
+    assert not report.failed
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [("1 2 3", 1), ("A\n1 2 3\n", 2), ("A\n1 2 x\n", 2), ("Z\n1", None), ("A\nA\n", 2), ("", None)],
+)
+def test_cnnsim_errors_name_their_line(text: str, line: int | None) -> None:
+    report = Report("x")
+    assert read_cnnsim(text.encode(), "x", report) == []
+    assert report.of("error")[0].line == line
+
+
+# --- gene ---------------------------------------------------------------------------------------------------------
+
+GENE = "-1 " + " ".join(map(str, range(1, 10))) + " " + " ".join(map(str, range(11, 20)))
+
+
+@pytest.mark.parametrize(
+    "text", [GENE, GENE.replace(" ", ", "), GENE.replace(" 11", "\n# A\n11"), f"% z b a\n{GENE}\r\n"]
+)
+def test_a_gene_is_z_then_b_then_a(text: str) -> None:
+    (draft,) = read_gene(text.encode(), "g", Report("g"))
+    assert draft.template.z == -1
+    assert draft.template.B.tolist() == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
+    assert draft.template.A.tolist() == [[11, 12, 13], [14, 15, 16], [17, 18, 19]]
+
+
+def test_several_genes_one_a_line() -> None:
+    assert [draft.name for draft in read_gene(f"{GENE}\n{GENE}".encode(), "G", Report("g"))] == ["g-1", "g-2"]
+
+
+@pytest.mark.parametrize("text", ["1 2 3", GENE + " 4", GENE.replace("19", "x"), ""])
+def test_wrong_genes(text: str) -> None:
+    report = Report("g")
+    assert read_gene(text.encode(), "g", report) == []
+    assert report.failed
+
+
+@pytest.mark.parametrize("name", library.names())
+def test_library_templates_go_through_gene_and_json_unharmed(name: str) -> None:
+    entry = library.load(name)
+    (draft,) = read_celnn(celnn(entry.template, entry.summary, entry.tags).encode(), Report("x"))
+    assert list(number_differences(draft.template, entry.template)) == []
+    assert (draft.name, draft.summary, draft.tags) == (entry.name, entry.summary, entry.tags)
+    if entry.template.radius > 1:
+        with pytest.raises(InputError, match="3 x 3 only"):
+            gene(entry.template)
+    else:
+        (draft,) = read_gene(gene(entry.template).encode(), name, Report("x"))
+        assert list(number_differences(draft.template, entry.template)) == []
+
+
+def test_small_matrices_sit_in_the_middle_of_a_gene() -> None:
+    assert gene(Template(2, [[0] * 5] * 2 + [[0, 0, 0, 3, 0]] + [[0] * 5] * 2, 1)).split() == list(
+        "1000003000000020000"
+    )
+
+
+# --- celnn's JSON ---------------------------------------------------------------------------------------------------
+
+ITEM = {"name": "My Edge", "feedback": [[2]], "control": [[3]], "bias": -1.5, "description": "d", "tags": ["t"],
+        "initial_state": None, "metadata": {}}  # fmt: skip
+
+
+def test_celnn_turns_the_sign_of_z_and_says_so() -> None:
+    report = Report("x.json")
+    (draft,) = read_celnn(json.dumps(ITEM).encode(), report)
+    assert (draft.template.A.tolist(), draft.template.B.tolist(), draft.template.z) == ([[2]], [[3]], 1.5)
+    assert "sign of z is turned" in draft.note
+    assert any("sign of z is turned" in item.message for item in report.of("warning"))
+    assert (draft.name, draft.summary, draft.tags) == ("my-edge", "d", ("t",))
+    exported = json.loads(celnn(draft.template, "d", ("t",)))
+    assert exported["bias"] == -1.5
+    assert exported["feedback"] == [[0, 0, 0], [0, 2, 0], [0, 0, 0]]
+
+
+def test_turning_both_pictures_and_z_is_the_same_template() -> None:
+    rng = np.random.default_rng(3)
+    entry = library.load("corner-chip-1")
+    picture = np.where(rng.random((9, 9)) < 0.5, 1.0, -1.0)
+    turned = json.loads(celnn(entry.template, "", ()))
+    theirs = Template(turned["feedback"], turned["control"], turned["bias"])
+    from cnnsim import run_transient
+
+    ours = run_transient(entry.template, input=picture, state=0 * picture, boundary=fixed(-1), backend="reference")
+    other = run_transient(theirs, input=-picture, state=0 * picture, boundary=fixed(1), backend="reference")
+    assert np.array_equal(ours.y, -other.y)
+
+
+def test_a_registry_loses_only_the_wrong_ones() -> None:
+    wrong = [{**ITEM, "bias": [1, 2]}, {**ITEM, "control": [[1, 2]]}, {**ITEM, "feedback": [["1"]]}, 3, {"name": "x"},
+             {**ITEM, "name": 3}, {**ITEM, "tags": "t"}, {**ITEM, "feedback": [[True]]}]  # fmt: skip
+    report = Report("x.json")
+    drafts = read_celnn(json.dumps({"templates": [*wrong, ITEM]}).encode(), report)
+    assert [draft.name for draft in drafts] == ["my-edge"]
+    assert len(report.of("error")) == len(wrong)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[1]", '{"templates": 3}', '{"name": "x", "feedback": NaN}', "[" * 100000])
+def test_no_celnn_json(text: str) -> None:
+    report = Report("x.json")
+    assert read_celnn(text.encode(), report) == []
+    assert report.failed
