@@ -14,17 +14,15 @@
 #define PLACE(i, j) (((i) + RADIUS) * ROW_LENGTH + (j) + RADIUS)
 #define SIZE (ROW_LENGTH * (HIGH + 2 * RADIUS))
 
-// Write the output of the cell at tile place (i, j), grid place (gi, gj), and of the virtual cells it stands for.
-static inline void show(__local real *y, real v, int i, int j, int gi, int gj, int rows, int cols)
+// Copy the output of a cell at the rim of the grid, tile place (i, j), grid place (gi, gj), to the virtual cells that it
+// stands for.
+static inline void stand_in(__local real *y, int i, int j, int gi, int gj, int rows, int cols)
 {
-    y[PLACE(i, j)] = v;
-#if BOUNDARY == ZERO_FLUX
-    if (gi > 0 && gi < rows - 1 && gj > 0 && gj < cols - 1) return;
     const int up = gi == 0 ? RADIUS : 0, down = gi == rows - 1 ? RADIUS : 0;
     const int west = gj == 0 ? RADIUS : 0, east = gj == cols - 1 ? RADIUS : 0;
+    const real v = y[PLACE(i, j)];
     for (int k = max(i - up, -RADIUS); k <= min(i + down, HIGH + RADIUS - 1); k++)
         for (int l = max(j - west, -RADIUS); l <= min(j + east, WIDE + RADIUS - 1); l++) y[PLACE(k, l)] = v;
-#endif
 }
 
 __attribute__((reqd_work_group_size(WIDE, HIGH / R, 1)))
@@ -60,12 +58,20 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
         __local real *now = y + (t & 1) * SIZE;
 #pragma unroll
         for (int q = 0; q < R; q++) {
-            const int gi = gi0 + q, real_cell = BOUNDARY == PERIODIC || (real_col && gi >= 0 && gi < rows);
-            if (real_cell) show(now, CLIP(real, s[q]), i0 + q, j, gi, gj, rows, cols);
+            const int real_cell = BOUNDARY == PERIODIC || (real_col && gi0 + q >= 0 && gi0 + q < rows);
+            if (real_cell) now[PLACE(i0 + q, j)] = CLIP(real, s[q]);
 #if BOUNDARY == FIXED
             else now[PLACE(i0 + q, j)] = CONSTANT;
 #endif
         }
+#if BOUNDARY == ZERO_FLUX
+#pragma unroll 1 // rare; and it reads back what it needs, so that s stays in registers
+        for (int q = 0; real_col && q < R; q++) {
+            const int gi = gi0 + q;
+            if (gi >= 0 && gi < rows && (gi == 0 || gi == rows - 1 || gj == 0 || gj == cols - 1))
+                stand_in(now, i0 + q, j, gi, gj, rows, cols);
+        }
+#endif
         barrier(CLK_LOCAL_MEM_FENCE);
         real d[R];
 #pragma unroll

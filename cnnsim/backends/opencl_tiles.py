@@ -6,6 +6,7 @@ import numpy as np
 import pyopencl as cl
 
 from cnnsim.backends.opencl_build import Defines, Workshop
+from cnnsim.backends.opencl_device import family_of
 
 TILE_BYTES = 2048
 """Length of a tile's row on a CPU. Measured: with 1 KiB and with 4 KiB the transient is some per cent slower."""
@@ -74,13 +75,14 @@ def _squares(shop: Workshop, grids: int, rows: int, cols: int, radius: int, most
     halo = most * radius
     limit = min(LOCAL_BYTES, shop.device.local_mem_size)
     best: tuple[float, int, int] = (0.0, 0, 0)
-    for wide, high in ((64, 64), (64, 32), (32, 32), (32, 16)):
+    on_gpu = family_of(shop.device) == "gpu"
+    for wide, high in ((64, 64), (64, 32), (32, 32)) if on_gpu else ((32, 16),):  # elsewhere to be tested: small
         bytes_ = 2 * (wide + 2 * radius) * (high + 2 * radius) * shop.dtype.itemsize
         useful = (wide - 2 * halo) * (high - 2 * halo) / (wide * high) if high > 2 * halo else 0.0
         if bytes_ <= limit and useful > best[0]:
             best = useful, wide, high
     _, wide, high = best
-    items = min(256 if radius < 3 else 512, shop.device.max_work_group_size, high * wide)
+    items = min(512 if radius > 2 else 256 if on_gpu else 128, shop.device.max_work_group_size, high * wide)
     column = high * wide // items  # cells of a work-item
     across, down = -(-cols // (wide - 2 * halo)), -(-rows // (high - 2 * halo))
     defines: dict[str, str | int] = {"R": column, "T": most, "HALO": halo, "WIDE": wide, "HIGH": high}
