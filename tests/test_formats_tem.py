@@ -154,6 +154,13 @@ def test_layers_have_labels_sources_and_a_radius(where: tuple[str, str]) -> None
     assert not report.failed
 
 
+@pytest.mark.parametrize("words", ["1 - rods", "1: rods", "1\trods", "1, rods", "1-rods -", "1 rods."])
+def test_free_words_after_a_layer_are_its_label(words: str) -> None:
+    tem, report = parse(f"LAYER {words}\nCONTROL:\n1\n")
+    assert [(layer.number, layer.label) for layer in tem.sections[0].layers] == [(1, "rods")]
+    assert not report.failed
+
+
 def test_the_same_block_twice_is_reported_and_both_are_kept() -> None:
     tem, report = parse(f"NEIGHBORHOOD: 1\n{A}{A}CURRENT: 0")
     assert len(tem.sections[0].layers[0].blocks) == 2
@@ -314,7 +321,7 @@ def tem_files(draw: st.DrawFn) -> TemFile:
         used = {e.letter for block in own for row in block.rows for e in row if isinstance(e, Call)}
         points = st.lists(st.tuples(numbers, numbers), min_size=1, max_size=4).map(tuple)
         functions = tuple(Function(letter, draw(st.booleans()), draw(points)) for letter in sorted(used))
-        label = draw(words.map(lambda text: text.strip(" -:"))) if count > 1 else ""
+        label = draw(words.map(lambda text: text.strip(" -:,."))) if count > 1 else ""
         layers.append(Layer(number, own, functions, draw(st.none() | numbers), label))
     headers = tuple(Header(key, draw(words)) for key in ("Function", "Setting"))
     comments = draw(st.lists(words.filter(bool), max_size=2).map(tuple))

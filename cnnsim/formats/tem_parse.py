@@ -21,6 +21,7 @@ from cnnsim.formats.tem_blocks import Cursor, is_function, read_argument, read_f
 from cnnsim.formats.tem_layers import LayerBuilder, SectionBuilder
 from cnnsim.formats.tem_lines import Line, decode, scan
 
+_LAYER = re.compile(r"(\d{1,6})(?!\d)(.*)", re.S | re.ASCII)  # free words may follow: LAYER 1 - photoreceptor
 _FROM = re.compile(r"FROM\s*:?\s*(?:LAYER\s*)?(\S+?)\s*:?(?:\s+(.*))?", re.I | re.S)
 
 
@@ -67,11 +68,10 @@ def _statement(cursor: Cursor, section: SectionBuilder) -> None:
     if line.keyword == "NRLAYERS":
         section.announce(line, _count(line, report))
     elif line.keyword == "LAYER":
-        word, _, words = line.rest.replace("\t", " ").partition(" ")
-        count = whole(word.rstrip(":-,."))
-        if count is None:
-            report.error(line.number, f"LAYER {word[:40]!r}; a whole number wanted")
-        section.open_layer(count or 0, words.strip(" -:"), line.number)
+        match = _LAYER.fullmatch(line.rest)
+        if match is None:
+            report.error(line.number, f"LAYER {line.rest[:40]!r}; a whole number wanted")
+        section.open_layer(int(match[1]) if match else 0, match[2].strip(" \t-:,.") if match else "", line.number)
     elif line.keyword == "NEIGHBORHOOD":
         section.radius = _count(line, report)
     elif line.keyword == "CURRENT":
