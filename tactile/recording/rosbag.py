@@ -1,0 +1,87 @@
+"""PapillArray recordings in ROS bags (1 and 2), read with the `rosbags` library.
+
+A sensor's topic carries messages with ``tus`` (device time [us]) and ``pillars``, each with ``fX``, ``fY``, ``fZ`` [N];
+bags name the type papillarray_ros_v2/SensorState or sensor_interfaces/SensorState. Frames get the time at which the bag
+has them, counted from the first.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rosbags.highlevel import AnyReader, AnyReaderError
+from rosbags.typesys import Stores, get_typestore
+
+from cnnsim.errors import InputError
+from tactile.frame import Frame, TaxelArray
+from tactile.sources.replay_npz import PILLAR_PITCH
+
+KIND = "SensorState"
+
+
+@dataclass(frozen=True)
+class BagReplay:
+    """The sensors of a bag, as a ``Source`` of force frames, read again each time."""
+
+    path: Path
+    topics: tuple[str, ...]
+    arrays: tuple[TaxelArray, ...]
+    frames: int
+    modulus: None = None
+
+    @property
+    def title(self) -> str:
+        """The bag's name."""
+        return self.path.stem
+
+    def __iter__(self) -> Iterator[Frame]:
+        counts, start = [0] * len(self.topics), None
+        for topic, stamp, message in _messages(self.path, self.topics):
+            finger = self.topics.index(topic)
+            start = stamp if start is None else start
+            force = np.array([(p.fX, p.fY, p.fZ) for p in message.pillars], dtype=np.float64)
+            values = force.reshape(*self.arrays[finger].shape, 3)
+            t_device = float(getattr(message, "tus", math.nan)) * 1e-6
+            valid = np.isfinite(values).all(-1)
+            yield Frame(finger, (stamp - start) * 1e-9, counts[finger], values, valid, t_device)
+            counts[finger] += 1
+
+
+def read_bag(path: Path) -> BagReplay:
+    """Find the sensors in a bag: a .bag file, a .db3 file or the folder of a ROS 2 bag.
+
+    Raises:
+        InputError: no such bag, one that cannot be read, or one without a sensor.
+    """
+    folder = path.parent if path.suffix == ".db3" else path
+    try:
+        with _reader(folder) as bag:
+            found = [c for c in bag.connections if c.msgtype.endswith(f"/{KIND}") and c.msgcount]
+            kinds = sorted({c.msgtype for c in bag.connections})
+    except (AnyReaderError, OSError) as error:
+        raise InputError(f"{path}: cannot be read as a ROS bag: {error}") from error
+    if not found:
+        raise InputError(f"{path}: messages of {', '.join(kinds) or 'no kind'}; {KIND} with pillars wanted")
+    topics = tuple(sorted({connection.topic for connection in found}))
+    arrays = []
+    for topic in topics:
+        _, _, message = next(_messages(folder, (topic,)))
+        side = math.isqrt(len(message.pillars))
+        if side == 0 or side * side != len(message.pillars):
+            raise InputError(f"{path}: topic {topic} has {len(message.pillars)} pillars, a square number wanted")
+        arrays.append(TaxelArray(topic.strip("/"), side, side, PILLAR_PITCH, 0.0, quantity="force"))
+    return BagReplay(folder, topics, tuple(arrays), sum(connection.msgcount for connection in found))
+
+
+def _reader(path: Path) -> AnyReader:
+    return AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
+
+
+def _messages(path: Path, topics: tuple[str, ...]) -> Iterator[tuple[str, int, Any]]:
+    with _reader(path) as bag:
+        wanted = [connection for connection in bag.connections if connection.topic in topics]
+        for connection, stamp, raw in bag.messages(wanted):
+            yield connection.topic, stamp, bag.deserialize(raw, connection.msgtype)

@@ -1,0 +1,66 @@
+"""What the messages of a recording look like: ROS 2 message definitions and their CDR bytes, and JSON.
+
+Any MCAP viewer decodes both. CDR, little endian: four bytes 00 01 00 00, then every number at a multiple of its size
+counted from there; a sequence is its u32 length and its elements.
+
+Source: OMG Common Data Representation, DDS-XTypes 1.3, section 7.4.1 (version 1, as ROS 2 writes it).
+"""
+
+import struct
+
+import numpy as np
+
+from tactile.frame import Frame
+
+HEAD = b"\0\1\0\0"
+WIRE_NAME, WIRE = "tactile/msg/Wire", "uint8[] data\n"
+FRAME_NAME = "tactile/msg/Frame"
+FRAME = """\
+# One frame of one finger. values: shear_x, shear_y, normal of every taxel, row by row, before the tare, in the unit
+# of the finger's quantity. t [s] since the recording began, t_device [s], NaN where the device has no clock.
+float64 t
+float64 t_device
+int64 sequence
+uint32 finger
+uint32 rows
+uint32 cols
+uint8[] valid
+float64[] values
+"""
+FIXED = struct.Struct("<ddqIII")
+COUNT = struct.Struct("<I")
+ANYTHING = b'{"type": "object"}'
+"""JSON schema of notes, events, counters and tares: objects whose keys speak for themselves."""
+
+
+def pack_wire(data: bytes) -> bytes:
+    """Return the CDR bytes of a Wire message."""
+    return HEAD + COUNT.pack(len(data)) + data
+
+
+def unpack_wire(message: bytes) -> bytes:
+    """Return the bytes that a Wire message holds."""
+    return message[8 : 8 + COUNT.unpack_from(message, 4)[0]]
+
+
+def pack_frame(frame: Frame) -> bytes:
+    """Return the CDR bytes of a Frame message."""
+    rows, cols = frame.valid.shape
+    body = FIXED.pack(frame.t, frame.t_device, frame.sequence, frame.finger, rows, cols)
+    body += COUNT.pack(rows * cols) + frame.valid.astype(np.uint8).tobytes()
+    body += bytes(-len(body) % 4) + COUNT.pack(frame.values.size)
+    body += bytes(-len(body) % 8) + frame.values.astype("<f8").tobytes()
+    return HEAD + body
+
+
+def unpack_frame(message: bytes) -> Frame:
+    """Return the frame that a Frame message holds."""
+    body = message[len(HEAD) :]
+    t, t_device, sequence, finger, rows, cols = FIXED.unpack_from(body)
+    at = FIXED.size + COUNT.size
+    valid = np.frombuffer(body, np.uint8, rows * cols, at).astype(bool).reshape(rows, cols)
+    at += rows * cols
+    at += -at % 4 + COUNT.size
+    at += -at % 8
+    values = np.frombuffer(body, "<f8", rows * cols * 3, at).astype(np.float64).reshape(rows, cols, 3)
+    return Frame(finger, t, sequence, values, valid, t_device)

@@ -1,0 +1,120 @@
+"""Writing recordings: MCAP files with the bytes of the wire, the frames made of them, and all that explains them.
+
+Topics: ``/wire`` bytes as they arrived, ``/wire/unparsed`` those for which the reader had no room, ``/port`` notes
+(plugged, unplugged, tare), ``/frames/NAME`` frames of each finger, ``/tare`` offsets, ``/events``, ``/counts``. The
+array description is attached as ``array.toml``; the metadata record ``tactile`` says with what the file was made,
+``counts`` is there if it was closed in good order.
+
+Messages are written one by one and not in compressed chunks, since an unfinished chunk would be lost with the program.
+`tactile convert a.mcap b.mcap` makes the indexed and compressed form.
+"""
+
+import json
+import platform
+import threading
+import time
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from mcap.writer import CompressionType, Writer
+
+from tactile.frame import Frame
+from tactile.recording import schema
+from tactile.recording.durable import DurableFile
+from tactile.serial.description import Description
+from tactile.serial.source import Chunk
+from tactile.serial.tare import TareNote
+
+PUSH = 0.1
+"""[s] after which what was recorded is handed to the operating system."""
+
+
+class Recording:
+    """A recording that is being written. Two threads may write; a full disk only sets ``failed``.
+
+    Raises:
+        InputError: the file cannot be made.
+    """
+
+    def __init__(self, path: Path, description: Description, origin: dict[str, str], indexed: bool = False) -> None:
+        self._file = DurableFile(path)
+        self._lock = threading.Lock()
+        self._start, self._pushed = time.time_ns(), 0.0
+        self._writer = Writer(
+            self._file,  # type: ignore[arg-type]  # write, tell and flush are all that it uses
+            chunk_size=2**20,
+            compression=CompressionType.ZSTD if indexed else CompressionType.NONE,
+            use_chunking=indexed,
+        )
+        self._writer.start("ros2", f"cellular-wave-touch {version('cellular-wave-touch')}")
+        made = {"start_ns": str(self._start), "title": description.title, "protocol": description.wire.name}
+        made |= {"python": platform.python_version(), "machine": platform.machine(), "system": platform.system()}
+        made |= {"written": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(self._start // 10**9))}
+        self._writer.add_metadata("tactile", made | origin)
+        self._writer.add_attachment(
+            self._start, self._start, "array.toml", "application/toml", description.text.encode()
+        )
+        self._topics(description)
+        self._file.push()
+
+    def _topics(self, description: Description) -> None:
+        register = self._writer.register_channel
+        wire = self._writer.register_schema(schema.WIRE_NAME, "ros2msg", schema.WIRE.encode())
+        frame = self._writer.register_schema(schema.FRAME_NAME, "ros2msg", schema.FRAME.encode())
+        thing = self._writer.register_schema("tactile.Note", "jsonschema", schema.ANYTHING)
+        self._wire, self._unparsed = register("/wire", "cdr", wire), register("/wire/unparsed", "cdr", wire)
+        self._frames = [register(f"/frames/{array.name}", "cdr", frame) for array in description.arrays]
+        names = ("/port", "/tare", "/events", "/counts")
+        self._notes = {name: register(name, "json", thing) for name in names}
+
+    @property
+    def failed(self) -> str:
+        """Why nothing is written any more; empty while all is well."""
+        return self._file.failed
+
+    def chunk(self, chunk: Chunk, parsed: bool = True) -> None:
+        """Write what came over the wire, or a note about it."""
+        if chunk.note:
+            self.note("/port", chunk.t, {"note": chunk.note})
+            return
+        self._add(self._wire if parsed else self._unparsed, chunk.t, schema.pack_wire(chunk.data))
+
+    def frame(self, frame: Frame, arrival: int) -> None:
+        """Write a frame that arrived ``arrival`` [ns] after the stream began."""
+        self._add(self._frames[frame.finger], arrival, schema.pack_frame(frame), frame.sequence % 2**32)
+
+    def tare(self, note: TareNote) -> None:
+        """Write what became of a tare."""
+        offset = None if note.offset is None else [[_nan_free(v) for v in row] for row in note.offset.tolist()]
+        self.note(
+            "/tare", round(note.t * 1e9), {"finger": note.finger, "t_s": note.t, "why": note.why, "offset": offset}
+        )
+
+    def note(self, topic: str, t: int, data: dict[str, Any]) -> None:
+        """Write a JSON object ``t`` [ns] after the stream began."""
+        self._add(self._notes[topic], t, json.dumps(data, ensure_ascii=False, allow_nan=False).encode())
+
+    def _add(self, channel: int, t: int, data: bytes, sequence: int = 0) -> None:
+        if self._file.failed:
+            return
+        with self._lock:
+            self._writer.add_message(channel, self._start + t, data, self._start + t, sequence)
+
+    def push(self, now: bool = False) -> None:
+        """Hand what was written to the operating system if the last time is long enough ago."""
+        if now or time.monotonic() - self._pushed >= PUSH:
+            with self._lock:
+                self._file.push()
+            self._pushed = time.monotonic()
+
+    def close(self, counts: dict[str, Any]) -> None:
+        """Write the counters and the index, and close."""
+        with self._lock:
+            self._writer.add_metadata("counts", {name: json.dumps(value) for name, value in counts.items()})
+            self._writer.finish()  # type: ignore[no-untyped-call]  # the library left its types out
+            self._file.close()
+
+
+def _nan_free(values: list[float]) -> list[float | None]:
+    return [value if value == value else None for value in values]

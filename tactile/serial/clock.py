@@ -1,0 +1,92 @@
+"""The device's clock as host time: a robust line through the frames that were held up least.
+
+What comes over a cable can be late, never early. So of every quarter of a second of device time only the frame with the
+smallest (arrival - device time) counts, and the line is Theil and Sen's: the median of the slopes of all pairs of
+those, then the median of the offsets. One held up for seconds, or a third of them, does not move it.
+
+Source: P. K. Sen, "Estimates of the regression coefficient based on Kendall's tau", JASA 63 (1968) 1379.
+"""
+
+from collections import deque
+
+import numpy as np
+
+BIN = 0.25
+"""[s] of device time from which one frame counts."""
+KEPT = 64
+"""Bins that make the line: the last 16 s."""
+ENOUGH = 8
+"""Bins from which on the slope is the data's; before, both clocks are taken to run alike."""
+LATE = 0.02
+"""[s] after the line from which on a frame counts as late."""
+ANEW = 1.0
+"""[s] that device time may leap against host time before it is taken for another clock."""
+
+
+class ClockLine:
+    """Maps the device's time to the host's, both in seconds since the stream began; it only looks back.
+
+    ``late`` counts frames more than `LATE` after the line.
+    """
+
+    def __init__(self) -> None:
+        self.late = 0
+        self._residuals: deque[float] = deque(maxlen=4096)
+        self._latest = 0.0
+        self._start_anew()
+
+    def _start_anew(self) -> None:
+        self._bins: deque[tuple[float, float]] = deque(maxlen=KEPT)
+        self._best: tuple[float, float] | None = None
+        self._bin_start = self._last_device = self._last_arrival = float("nan")
+        self._slope, self._offset, self._base = 1.0, float("inf"), 0.0
+
+    def __call__(self, t_device: float, arrival: float) -> float:
+        """Return the host time of a frame [s]: the arrival where the device has no clock. It never runs backwards."""
+        if t_device == t_device:  # a device without a clock says NaN
+            step, waited = t_device - self._last_device, arrival - self._last_arrival
+            if step < 0 or step - waited > ANEW:
+                self._start_anew()
+            self._last_device, self._last_arrival = t_device, arrival
+            self._collect(t_device, arrival)
+            arrival = min(arrival, self._measure(t_device, arrival))
+        self._latest = max(self._latest, arrival)
+        return self._latest
+
+    def report(self) -> dict[str, float | None]:
+        """Return the drift [1e-6] and the residual's median, 99th percentile and largest of late [s]; None without."""
+        if not self._residuals:
+            return {"drift_ppm": None, "residual_median_s": None, "residual_p99_s": None, "residual_max_s": None}
+        residual = np.array(self._residuals)
+        return {
+            "drift_ppm": (self._slope - 1) * 1e6,
+            "residual_median_s": float(np.median(residual)),
+            "residual_p99_s": float(np.percentile(residual, 99)),
+            "residual_max_s": float(residual.max()),
+        }
+
+    def _collect(self, t: float, arrival: float) -> None:
+        if not t - self._bin_start < BIN:  # also where there is no bin yet
+            if self._best is not None:
+                self._bins.append(self._best)
+                self._fit()
+            self._bin_start, self._best = t, (t, arrival)
+        elif self._best is None or arrival - t < self._best[1] - self._best[0]:
+            self._best = (t, arrival)
+        if len(self._bins) < ENOUGH:
+            self._offset = min(self._offset, arrival - t)
+
+    def _fit(self) -> None:
+        if len(self._bins) < ENOUGH:
+            return
+        t, arrival = np.array(self._bins).T
+        i, j = np.triu_indices(t.size, 1)
+        self._base = float(t[-1])
+        self._slope = float(np.median((arrival[j] - arrival[i]) / (t[j] - t[i])))
+        self._offset = float(np.median(arrival - self._slope * (t - self._base))) - self._base
+
+    def _measure(self, t: float, arrival: float) -> float:
+        mapped = self._slope * (t - self._base) + self._base + self._offset
+        self._residuals.append(arrival - mapped)
+        self.late += arrival - mapped > LATE
+        return mapped

@@ -1,0 +1,179 @@
+"""What the commands that read a port share: opening, stopping in good order, and saying how it went."""
+
+import contextlib
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from cnnsim.errors import InputError
+
+if TYPE_CHECKING:
+    from tactile.serial.description import Description
+    from tactile.serial.session import Session
+
+
+def chosen_description(protocol: str | None, array: Path | None) -> "Description":
+    """Return what --array or --protocol name.
+
+    Raises:
+        InputError: the description is wrong, or the protocol needs one.
+    """
+    from tactile.serial.description import default_description, read_description  # NumPy is slow to import
+
+    if array is None:
+        if protocol is None:
+            raise click.UsageError("--array or --protocol wanted")
+        return default_description(protocol)
+    description = read_description(array)
+    if protocol not in (None, description.wire.name):
+        raise click.UsageError(f"--protocol {protocol}, but {array} says {description.wire.name}")
+    return description
+
+
+def mcap(path: Path) -> Path:
+    """Return the path of a recording to write.
+
+    Raises:
+        InputError: another suffix than .mcap.
+    """
+    if path.suffix != ".mcap":
+        raise InputError(f"{path}: suffix {path.suffix!r}, .mcap wanted")
+    return path
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a small file.
+
+    Raises:
+        InputError: it cannot be written.
+    """
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"cannot write {path}: {error.strerror}") from error
+
+
+def check(chosen: dict[str, Any]) -> None:
+    """Refuse thresholds that contradict each other."""
+    if chosen["sign_code"] and (chosen["dead_band"], chosen["hysteresis"]) != (None, None):
+        raise click.UsageError("--sign-code has no dead band; leave out --dead-band and --hysteresis")
+    if chosen["hysteresis"] is not None and chosen["dead_band"] is None:
+        raise click.UsageError("--hysteresis needs a --dead-band, in the unit of the quantity")
+
+
+def warm_up(description: "Description", settings: Any) -> None:
+    """Run the pipeline on a made-up frame, so that nothing is compiled or refused once real ones arrive."""
+    import numpy as np  # only here
+
+    from tactile.frame import Frame  # the same
+    from tactile.pipeline import run  # the same
+
+    class Made:
+        title, arrays, modulus, frames = "made up", description.arrays, description.modulus, None
+
+        def __iter__(self) -> Iterator[Frame]:
+            for finger, array in enumerate(self.arrays):
+                for n in range(2):
+                    yield Frame(finger, 0.0, n, np.full((*array.shape, 3), 0.01), np.ones(array.shape, bool))
+
+    run(Made(), settings, [])
+
+
+def opened(make: "Callable[[], Session]", recording: Any) -> "Session":
+    """Open the session; a port that does not open leaves a recording that says so by being empty but whole."""
+    try:
+        return make()
+    except InputError:
+        if recording is not None:
+            recording.close({})
+        raise
+
+
+@contextlib.contextmanager
+def stopping(stop: Callable[[], None]) -> Iterator[None]:
+    """Let Ctrl-C and SIGTERM call ``stop`` instead of breaking off."""
+    if threading.current_thread() is not threading.main_thread():  # signals reach only that one
+        yield
+        return
+    before = {kind: signal.signal(kind, lambda *_: stop()) for kind in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for kind, handler in before.items():
+            signal.signal(kind, handler)
+
+
+@contextlib.contextmanager
+def closing(session: "Session", recording: Any, as_json: bool) -> Iterator[None]:
+    """Close port and recording whatever happens, and print the counters."""
+    try:
+        yield
+    finally:
+        session.close()
+        counts, clock = session.counts, session.source.clock.report()
+        settled, unplugged = session.source.decoder.settled(), session.reader.unplugged
+        summary = {"counts": counts.plain(), "clock": clock, "settled": settled, "unplugged": unplugged}
+        if recording is not None:
+            recording.close(summary)
+        if as_json:
+            from tactile.serial.live import print_line  # only here
+
+            print_line({"type": "end", **summary})
+        else:
+            click.echo(f"{'' if recording is None else 'recorded: '}{counts}; unplugged {unplugged} times")
+            if clock["residual_median_s"] is not None:
+                usual, most = clock["residual_median_s"], clock["residual_max_s"]
+                click.echo(
+                    f"device clock: {clock['drift_ppm']:+.1f} ppm; frames come {usual:.6f} s after it, at most {most:.6f}"
+                )
+            for name, value in settled.items():
+                click.echo(f"{name.replace('_', ' ')}: {'not told by the data' if value is None else value}")
+    if recording is not None and recording.failed:
+        raise InputError(recording.failed)
+
+
+@contextlib.contextmanager
+def viewing(watch: Any, session: "Session", port: str, wanted: bool) -> Iterator[None]:
+    """Show the live view on a terminal while something runs."""
+    if not (wanted and sys.stdout.isatty()):
+        yield
+        return
+    from rich.live import Live  # only for people
+
+    from tactile.serial.view import LiveView  # the same
+
+    def state() -> str:
+        return f"{port}: {session.reader.why or 'open'}"
+
+    with Live(LiveView(watch, session.source.title, state), refresh_per_second=8, transient=True):
+        yield
+
+
+def listen(session: "Session") -> None:
+    """Take commands typed while it runs."""
+    with contextlib.suppress(OSError, ValueError):  # no standard input
+        for line in sys.stdin:
+            if line.strip() == "t":
+                session.reader.ask_tare()
+            elif line.strip() == "q":
+                session.stop()
+
+
+def fair_threads() -> None:
+    """Let the thread that owns the port have its turn within half a millisecond, where Python's default is 5 ms."""
+    sys.setswitchinterval(0.0005)
+
+
+def tell(line: dict[str, Any]) -> None:
+    """Print an event for people."""
+    if line["type"] == "event":
+        click.echo(f"{line['t_s']:10.3f}  {line['finger']}  {line['meaning']}")
+
+
+def nothing(line: dict[str, Any]) -> None:
+    """Print nothing: there is a view."""

@@ -1,0 +1,158 @@
+"""A device that is not there: a pseudo-terminal that sends packets at their times, with faults on request.
+
+What it writes goes through the kernel's terminal as from a real port; the other side opens the port with any program.
+"""
+
+import contextlib
+import fcntl
+import os
+import pty
+import select
+import sys
+import termios
+import threading
+import time
+import tty
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import numpy as np
+
+from cnnsim.errors import InputError
+from tactile.serial.faults import Faults
+from tactile.serial.packets import Packet
+
+BUFFER = 64 * 1024
+"""Bytes the device keeps while nobody reads; frames beyond are lost, as in firmware, and counted."""
+BOOT = 0.1
+"""[s] from the opening of the port to the first frame."""
+PIECE_PAUSE = 0.0005
+"""[s] between the pieces of a frame that is split."""
+LINGER = 0.1
+"""[s] that the port stays after the last byte."""
+
+
+class Emulator:
+    """One device. ``port`` is the name to open, and stays the same over unpluggings if there is a ``link``.
+
+    ``poll``: what the host has to send before each frame, nothing for devices that push. After `run`, ``sent`` is the
+    number of packets that went out or were spoilt on purpose, ``lost`` of those for which there was no room.
+    """
+
+    def __init__(
+        self, faults: Faults | None = None, link: Path | None = None, poll: bytes = b"", seed: int = 0
+    ) -> None:
+        self.sent = self.lost = self.unplugged = 0
+        self._faults, self._link, self._poll = faults or Faults(), link, poll
+        self._rng = np.random.default_rng(seed)
+        self._pending = bytearray()
+        self._asked = bytearray()
+        self._plug()
+
+    def _plug(self) -> None:
+        self._master, slave = pty.openpty()
+        tty.setraw(slave)  # no echo, no line editing
+        os.set_blocking(self._master, False)
+        self.port = self._terminal = os.ttyname(slave)
+        os.close(slave)  # from now on the master hangs up whenever nobody has the port open
+        if self._link is not None:
+            try:
+                self._link.unlink(missing_ok=True)
+                self._link.symlink_to(self.port)
+            except OSError as error:
+                os.close(self._master)
+                raise InputError(f"link {self._link}: cannot be made: {error.strerror}") from error
+            self.port = str(self._link)
+
+    def _pull(self) -> None:
+        if self._link is not None:
+            self._link.unlink(missing_ok=True)
+        os.close(self._master)
+        self._pending.clear()
+        self._asked.clear()
+
+    def run(self, packets: Iterable[Packet], stop: threading.Event, opened: Callable[[], None] | None = None) -> None:
+        """Send every packet at its time after the port was first opened, until they end or ``stop`` is set."""
+        try:
+            self._wait_open(stop)
+            if opened is not None:
+                opened()
+            stop.wait(BOOT)
+            start, pieces = time.monotonic(), self._faults
+            for t, packet in packets:
+                while not stop.is_set() and (wait := start + t - time.monotonic()) > 0:
+                    self._serve(wait)
+                if pieces.in_spell(t, pieces.unplug, pieces.unplug_for):
+                    self._replug(stop)
+                while not stop.is_set() and pieces.in_spell(time.monotonic() - start, pieces.stall, pieces.stall_for):
+                    stop.wait(0.005)
+                if stop.is_set():
+                    return
+                if not self._poll or self._was_asked(stop):
+                    self._send(packet)
+            self._flush(stop)
+        finally:
+            self._pull()
+
+    def _replug(self, stop: threading.Event) -> None:
+        self._pull()
+        self.unplugged += 1
+        stop.wait(self._faults.unplug_for)
+        self._plug()
+
+    def _wait_open(self, stop: threading.Event) -> None:
+        while not stop.is_set() and self._hung_up():
+            stop.wait(0.01)
+
+    def _hung_up(self) -> bool:
+        poll = select.poll()
+        poll.register(self._master, select.POLLHUP)
+        return any(event & select.POLLHUP for _, event in poll.poll(0))
+
+    def _serve(self, seconds: float) -> None:
+        """Wait, while what is pending goes out and what the host says is heard."""
+        wanted = [self._master] if self._pending else []
+        if self._hung_up():
+            time.sleep(min(seconds, 0.01))
+            return
+        select.select([self._master], wanted, [], min(seconds, 0.05))
+        self._move()
+
+    def _move(self) -> None:
+        # a port that nobody has open gives EIO; full and empty ones give BlockingIOError
+        with contextlib.suppress(OSError):
+            self._asked += os.read(self._master, 4096)
+        with contextlib.suppress(OSError):
+            while self._pending:
+                del self._pending[: os.write(self._master, self._pending)]
+
+    def _was_asked(self, stop: threading.Event) -> bool:
+        while not stop.is_set() and self._poll not in self._asked:
+            self._serve(0.05)
+        self._asked = self._asked.partition(self._poll)[2]
+        return not stop.is_set()
+
+    def _send(self, packet: bytes) -> None:
+        self.sent += 1
+        for piece in self._faults.spoil(packet, self._rng):
+            if len(self._pending) + len(piece) > BUFFER:
+                self.lost += 1
+                break
+            self._pending += piece
+            self._move()
+            if self._faults.split:
+                time.sleep(PIECE_PAUSE)
+
+    def _flush(self, stop: threading.Event) -> None:
+        """Wait until the host has everything, or hangs up: closing the port throws away what waits in it."""
+        while not stop.is_set() and not self._hung_up() and (self._pending or self._unread()):
+            self._serve(0.01)
+            stop.wait(0.01)
+        stop.wait(LINGER)
+
+    def _unread(self) -> int:
+        other = os.open(self._terminal, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
+        try:
+            return int.from_bytes(fcntl.ioctl(other, termios.FIONREAD, bytes(4)), sys.byteorder)
+        finally:
+            os.close(other)

@@ -1,0 +1,78 @@
+"""What an emulated device sends: the frames of a scene or a recording in a wire format, each at its time."""
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+
+from cnnsim.errors import InputError
+from tactile.frame import Frame
+from tactile.serial.arrange import back
+from tactile.serial.description import Description, parse_description, write_description
+from tactile.sources.base import Source
+from tactile.wire.registry import find_format
+
+FIRM = {"strain": 0.01, "stress": 2e4, "force": 1.0}
+"""A firm touch in every quantity [1, Pa, N]."""
+
+Packet = tuple[float, bytes]
+"""Seconds since the device started, and what it sends then."""
+
+
+def emulated_description(protocol: str, source: Source) -> Description:
+    """Return a description of a device that could have sensed the source's frames.
+
+    Raises:
+        InputError: the source's arrays do not fit the protocol.
+    """
+    wire = find_format(protocol)
+    if protocol == "paxini-serial" and len(source.arrays) > 1:
+        raise InputError(f"protocol {protocol!r} carries one array, {source.title!r} has {len(source.arrays)}")
+    fingers: list[dict[str, Any]] = []
+    for array in source.arrays:
+        finger: dict[str, Any] = {
+            "name": array.name, "rows": array.rows, "cols": array.cols, "pitch_mm": array.pitch * 1e3,
+            "depth_mm": array.depth * 1e3, "origin_mm": [x * 1e3 for x in array.origin], "quantity": array.quantity,
+        }  # fmt: skip
+        if wire.pushes and array.quantity != "force":
+            finger["axes"] = ["x", "y", "-z"]
+        if wire.strong is not None:
+            finger["gains"] = [FIRM[array.quantity] / wire.strong] * 2
+        fingers.append(finger)
+    top: dict[str, Any] = {"title": source.title, "protocol": protocol}
+    if source.modulus is not None:
+        top["youngs_modulus_mpa"] = source.modulus * 1e-6
+    return parse_description(write_description(top, fingers), f"emulated {protocol}")
+
+
+def packets(description: Description, source: Source, loop: bool = False) -> Iterator[Packet]:
+    """Yield what the described device sends while the source's frames happen; ``loop`` begins again at the end.
+
+    Raises:
+        InputError: the source's arrays are not the description's.
+    """
+    if [array.shape for array in source.arrays] != [array.shape for array in description.arrays]:
+        raise InputError(f"{source.title!r} and the array description have arrays of different shapes")
+    encoder = description.wire.encoder(description.options)
+    count, begin, preamble = 0, 0.0, encoder.preamble()
+    while True:
+        last = step = 0.0
+        for t, frames in instants(source, len(description.boards)):
+            boards = [back(frame, board) for frame, board in zip(frames, description.boards, strict=True)]
+            if description.wire.name != "csv":
+                boards = [np.nan_to_num(board) for board in boards]
+            yield begin + t, preamble + encoder.encode(boards, count, begin + t)
+            count, preamble, step, last = count + 1, b"", t - last, t
+        if not loop:
+            return
+        begin += last + step
+
+
+def instants(frames: Iterable[Frame], fingers: int) -> Iterator[tuple[float, list[Frame]]]:
+    """Yield one frame of every finger at a time, as soon as each has a new one, at the last one's time [s]."""
+    newest: dict[int, Frame] = {}
+    for frame in frames:
+        newest[frame.finger] = frame
+        if len(newest) == fingers:
+            yield frame.t, [newest[finger] for finger in range(fingers)]
+            newest = {}

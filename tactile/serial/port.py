@@ -1,0 +1,54 @@
+"""Opening a serial port, and saying in words why it does not open."""
+
+import contextlib
+import errno
+from typing import TYPE_CHECKING
+
+from cnnsim.errors import InputError
+from tactile.wire.extras import need
+
+if TYPE_CHECKING:
+    import serial
+
+WAIT = 0.05
+"""[s] a read waits for a byte."""
+CURES = {
+    errno.ENOENT: "there is no such port: is the device plugged in? `tactile ports` lists the ports there are",
+    errno.ENODEV: "the device behind it is gone: plug it in again",
+    errno.ENXIO: "the device behind it is gone: plug it in again",
+    errno.EIO: "the device behind it is gone: plug it in again",
+    errno.EACCES: "no permission: add yourself to the group that owns it (often `sudo usermod -aG dialout $USER`,"
+    " then log in again)",
+    errno.EPERM: "no permission: another program may have it for itself, or the group `dialout` is wanted",
+    errno.EBUSY: "busy: another program has it open (`fuser -v` on the port names it); close that first",
+    errno.EAGAIN: "busy: another reader has it open (`fuser -v` on the port names it); close that first",
+    errno.ENOTTY: "not a serial port",
+    errno.EISDIR: "not a serial port",
+}
+"""Error number -> what it means and what to do."""
+
+
+def open_port(name: str, baudrate: int) -> "serial.Serial":
+    """Open a port for oneself alone, 8N1, without flow control.
+
+    Raises:
+        InputError: it cannot be opened; the message says which of the reasons it is and what helps.
+    """
+    serial = need("serial", "a serial port")
+    try:
+        port = serial.Serial(name, baudrate, timeout=WAIT, write_timeout=1.0, exclusive=True)
+    except (OSError, ValueError) as error:  # SerialException is an OSError
+        number = error.errno if isinstance(error, OSError) else None
+        what = CURES.get(number, str(error)) if number is not None else _configured(str(error))
+        raise InputError(f"port {name}: {what}") from error
+    with contextlib.suppress(OSError, ValueError, NotImplementedError):  # only some drivers have it
+        port.set_low_latency_mode(True)  # USB adapters wait 16 ms for more bytes otherwise
+    return port
+
+
+def _configured(text: str) -> str:
+    """Return the cure where pyserial hides the error number in its text."""
+    for number in (errno.ENOTTY, errno.EIO):
+        if f"({number}," in text:
+            return CURES[number]
+    return text

@@ -1,0 +1,94 @@
+"""The one thread that owns the port: it reads, stamps and hands on, and never waits for anyone else."""
+
+import threading
+import time
+from collections.abc import Callable
+
+from cnnsim.errors import InputError
+from tactile.serial.port import WAIT, open_port
+from tactile.serial.ring import Ring
+from tactile.serial.source import PLUGGED, TARE, UNPLUGGED, Chunk
+from tactile.wire.base import Talk
+
+FIRST_PAUSE, LONGEST_PAUSE = 0.1, 5.0
+"""[s] between tries to open a port that was unplugged: doubled each time."""
+MOST = 65536
+
+
+class PortReader:
+    """Reads a port into a ring from the moment it is made; chunks count nanoseconds from ``origin``.
+
+    A bad frame is not its business: only a port that fails is closed, and opened again, later and later, until it is
+    back. ``why`` says why it is not open just now.
+
+    Raises:
+        InputError: the port cannot be opened the first time.
+    """
+
+    def __init__(
+        self, name: str, baudrate: int, talk: Talk, ring: Ring, clock: Callable[[], int] = time.monotonic_ns
+    ) -> None:
+        self.origin = clock()
+        self.unplugged = 0
+        self.why = ""
+        self._name, self._baudrate, self._talk, self._ring, self._clock = name, baudrate, talk, ring, clock
+        self._stop = threading.Event()
+        self._port = open_port(name, baudrate)
+        self._thread = threading.Thread(target=self._run, name=f"port {name}", daemon=True)
+        self._thread.start()
+
+    def ask_tare(self) -> None:
+        """Put a request for a tare into the stream, where a recording keeps it."""
+        self._note(TARE)
+
+    def close(self) -> None:
+        """Stop reading and let go of the port; the ring is closed after the last chunk."""
+        self._stop.set()
+        self._thread.join()
+
+    def _note(self, text: str) -> None:
+        self._ring.put(Chunk(self._clock() - self.origin, note=text))
+
+    def _run(self) -> None:
+        try:
+            while not self._stop.is_set():
+                self._note(PLUGGED)
+                try:
+                    self._read()
+                except OSError as error:  # SerialException is one
+                    self.why = str(error)
+                finally:
+                    self._port.close()
+                if not self._stop.is_set():
+                    self._note(UNPLUGGED)
+                    self.unplugged += 1
+                    self._reopen()
+        finally:
+            self._ring.close()
+
+    def _read(self) -> None:
+        port, talk = self._port, self._talk
+        port.timeout = min(WAIT, talk.period) if talk.poll else WAIT
+        if talk.hello:
+            port.write(talk.hello)
+        asked = 0
+        while not self._stop.is_set():
+            if talk.poll and self._clock() - asked >= talk.period * 1e9:
+                asked = self._clock()
+                port.write(talk.poll)
+            data = port.read(1)
+            if data:
+                data += port.read(min(port.in_waiting, MOST))
+                self._ring.put(Chunk(self._clock() - self.origin, data))
+
+    def _reopen(self) -> None:
+        pause = FIRST_PAUSE
+        while not self._stop.wait(pause):
+            try:
+                self._port = open_port(self._name, self._baudrate)
+            except InputError as error:
+                self.why = str(error)
+                pause = min(2 * pause, LONGEST_PAUSE)
+            else:
+                self.why = ""
+                return

@@ -1,0 +1,62 @@
+"""A bounded queue between two threads that never makes the giver wait and counts what it cannot take."""
+
+import threading
+from collections import deque
+
+from tactile.serial.source import Chunk
+
+ROOM = 16 * 2**20
+"""Bytes kept for a reader that is behind: about 20 s of a 1000 Hz array of 64 taxels."""
+CHUNK_COST = 64
+"""Bytes that a chunk counts beside its data, so that empty ones are bounded, too."""
+
+
+class Ring:
+    """Chunks in, chunks out. One that finds no room is dropped: the newest goes, so that what is kept is unbroken."""
+
+    def __init__(self, room: int = ROOM) -> None:
+        self.overflowed = 0
+        self.highest = 0
+        self._room, self._used = room, 0
+        self._chunks: deque[Chunk] = deque()
+        self._wake = threading.Condition()
+        self._closed = False
+
+    def put(self, chunk: Chunk) -> bool:
+        """Take a chunk at once, or count its bytes as overflowed and return False. Notes always find room."""
+        cost = len(chunk.data) + CHUNK_COST
+        with self._wake:
+            if chunk.data and self._used + cost > self._room:
+                self.overflowed += len(chunk.data)
+                return False
+            self._chunks.append(chunk)
+            self._used += cost
+            self.highest = max(self.highest, self._used)
+            self._wake.notify()
+        return True
+
+    def has_room(self, chunk: Chunk) -> bool:
+        """Return whether `put` would take the chunk; it stays true if nobody else puts."""
+        with self._wake:
+            return not chunk.data or self._used + len(chunk.data) + CHUNK_COST <= self._room
+
+    def get(self, timeout: float) -> list[Chunk]:
+        """Return all chunks there are, waiting up to ``timeout`` [s] for the first."""
+        with self._wake:
+            if not self._chunks and not self._closed:
+                self._wake.wait(timeout)
+            chunks = list(self._chunks)
+            self._chunks.clear()
+            self._used = 0
+        return chunks
+
+    def close(self) -> None:
+        """Let `get` return at once from now on."""
+        with self._wake:
+            self._closed = True
+            self._wake.notify_all()
+
+    @property
+    def closed(self) -> bool:
+        """Whether nothing more will come."""
+        return self._closed

@@ -1,0 +1,106 @@
+"""A port being read: the reader's thread, the recording's thread, and the frames for whoever asks."""
+
+import threading
+import time
+from collections.abc import Iterator
+
+from tactile.frame import Frame
+from tactile.recording.writer import Recording
+from tactile.serial.description import Description
+from tactile.serial.reader import PortReader
+from tactile.serial.ring import Ring
+from tactile.serial.source import Chunk, WireSource
+from tactile.serial.tare import LiveTare
+from tactile.wire.base import Counts
+
+NAP = 0.1
+"""[s] after which waiting threads look whether it is time to stop."""
+
+
+class Session:
+    """Reads a port until `stop`, and records what comes before anyone looks at it.
+
+    port thread -> ring -> recording thread -> ring -> whoever iterates over ``source``. Without a recording the first
+    ring is the only one. Bytes for which the second ring has no room are recorded all the same, as unparsed.
+
+    Raises:
+        InputError: the port cannot be opened.
+    """
+
+    def __init__(
+        self, port: str, description: Description, recording: Recording | None = None, tares: tuple[LiveTare, ...] = (),
+        seconds: float | None = None,
+    ) -> None:  # fmt: skip
+        self._recording, self._description = recording, description
+        self._came = Ring()
+        self._ready = self._came if recording is None else Ring()
+        self._unparsed = 0
+        self._stopped = threading.Event()
+        self._until = float("inf") if seconds is None else time.monotonic() + seconds
+        self.source = WireSource(description, self._chunks(), tares, None if recording is None else self._keep)
+        self.reader = PortReader(port, description.baudrate, description.wire.talk(description.options), self._came)
+        self._logger = threading.Thread(target=self._log, name="recording", daemon=True)
+        if recording is not None:
+            self._logger.start()
+
+    @property
+    def counts(self) -> Counts:
+        """All counters of the stream so far."""
+        counts = self.source.counts
+        counts.overflowed = self._came.overflowed + self._unparsed
+        return counts
+
+    @property
+    def behind(self) -> int:
+        """Most bytes that ever waited to be parsed or recorded."""
+        return max(self._came.highest, self._ready.highest)
+
+    def now(self) -> int:
+        """Return [ns] since the stream began."""
+        return time.monotonic_ns() - self.reader.origin
+
+    def stop(self) -> None:
+        """Let the frames end; what has arrived by now still comes. May be called from a signal handler."""
+        self._stopped.set()
+
+    def close(self) -> None:
+        """Let go of the port and finish the recording's thread."""
+        self.stop()
+        self.reader.close()
+        if self._recording is not None:
+            self._logger.join()
+
+    def _chunks(self) -> Iterator[Chunk]:
+        closing = False
+        while True:
+            chunks = self._ready.get(NAP)
+            yield from chunks
+            if not closing and (self._stopped.is_set() or time.monotonic() >= self._until or self._failed()):
+                self.close()  # from here the ring only empties
+                closing = True
+            elif closing and not chunks:
+                return
+
+    def _failed(self) -> bool:
+        return self._recording is not None and bool(self._recording.failed)
+
+    def _log(self) -> None:
+        assert self._recording is not None
+        while True:
+            closed = self._came.closed
+            chunks = self._came.get(NAP)
+            for chunk in chunks:
+                room = self._ready.has_room(chunk)
+                self._recording.chunk(chunk, room)
+                if room:
+                    self._ready.put(chunk)
+                else:
+                    self._unparsed += len(chunk.data)
+            self._recording.push()
+            if closed and not chunks:
+                break
+        self._ready.close()
+
+    def _keep(self, frame: Frame) -> None:
+        assert self._recording is not None
+        self._recording.frame(frame, self.source.arrival)
