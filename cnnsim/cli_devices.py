@@ -24,7 +24,7 @@ def devices(as_json: bool) -> None:
         double = "float32, float64" if device["float64"] else "float32"
         mark = "*" if device["chosen"] else " "
         click.echo(f"{mark} {device['index']}  {device['name']}  ({device['platform']})")
-        click.echo(f"     {device['type']}, {device['compute_units']} compute units, {double}, kernels {device['family']}")
+        click.echo(f"     {device['type']}, {device['compute_units']} compute units, {double}")
 
 
 def describe_devices() -> list[dict[str, Any]]:

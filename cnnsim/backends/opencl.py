@@ -10,12 +10,14 @@ import pyopencl as cl
 from numpy.typing import DTypeLike, NDArray
 
 from cnnsim.backends.base import Memory, Outcome, check_finite
-from cnnsim.backends.opencl_build import workshop
+from cnnsim.backends.opencl_build import boundary_defines, workshop
 from cnnsim.backends.opencl_cellwise import parameter_values, text
 from cnnsim.backends.opencl_device import Family, choose_device, family_of, has_float64, title
 from cnnsim.backends.opencl_transient import closed_form, drive, stepped
+from cnnsim.bitwise import BitRule
 from cnnsim.cellwise import Cellwise
 from cnnsim.errors import InputError
+from cnnsim.grid import Boundary
 from cnnsim.plan import Plan
 
 Array = NDArray[Any]
@@ -118,10 +120,7 @@ class OpenCLBackend:
         held: DevicePlane | None = None,
     ) -> Outcome:
         """See `Backend.transient`."""
-        if plan.method == "adaptive":
-            raise InputError(
-                "the adaptive scheme runs on the reference backend; choose --backend reference or a fixed-step scheme"
-            )
+        _check_plan(plan)
         shop, shape = self._shop, x.grids
         mask = None if held is None else held.buffer
         w = drive(shop, plan, shape, None if u is None else u.buffer, None if bias is None else bias.buffer)
@@ -154,8 +153,25 @@ class OpenCLBackend:
         self._run("logic", p.words, p.buffer, q.buffer, out.buffer, np.int32(function), *self._lines(p))
         return out
 
-    def count(self, plane: DevicePlane) -> int:
+    def neighbourhood(self, rule: BitRule, boundary: Boundary, plane: DevicePlane) -> DevicePlane:
+        """See `Backend.neighbourhood`."""
+        out = self._new(plane.shape, "llm")
+        literals = self._shop.table(np.array(rule.literals or [(0, 0, 0)], np.int32))
+        self._shop.run(
+            self._shop.kernel("neighbourhood", "neighbourhood", boundary_defines(boundary)), plane.words, plane.buffer,
+            out.buffer, literals, np.int32(len(rule.literals)), np.int32(rule.every), np.int32(boundary.u > 0),
+            np.int64(plane.lines), np.int32(plane.shape[-2]), np.int32(plane.shape[-1]),
+        )  # fmt: skip
+        return out
+
+    def count(self, plane: DevicePlane) -> int | NDArray[np.int64]:
         """See `Backend.count`."""
+        if len(plane.shape) == 3:
+            grids = plane.shape[0]
+            totals, each = np.empty(grids, np.int64), self._shop.buffer(8 * grids)
+            self._run("count_each", plane.words, plane.buffer, each, np.int64(grids), np.int32(plane.words // grids))
+            cl.enqueue_copy(self._shop.queue, totals, each)
+            return totals
         parts = self._run("count_black", plane.words, plane.buffer, self._shop.partial, np.int64(plane.words))
         return int(self._shop.parts(parts, np.dtype(np.uint64)).sum())
 
@@ -174,3 +190,16 @@ class OpenCLBackend:
     @staticmethod
     def _lines(plane: DevicePlane) -> tuple[np.int64, np.int32]:
         return np.int64(plane.lines), np.int32(plane.shape[-1])
+
+
+def _check_plan(plan: Plan) -> None:
+    """Refuse what has no OpenCL kernel, rather than leave a part of it out."""
+    if plan.method == "adaptive":
+        raise InputError(
+            "the adaptive scheme runs on the reference backend; choose --backend reference or a fixed-step scheme"
+        )
+    if plan.method not in ("closed form", "stepped") or getattr(plan.template, "control_terms", False):
+        raise InputError(
+            f"template {plan.template.name!r}: the opencl backend runs linear templates of one layer; "
+            "choose --backend reference"
+        )

@@ -40,7 +40,7 @@ class Workshop:
         self.cores = device.max_compute_units
         self.partial = cl.Buffer(self.context, cl.mem_flags.READ_WRITE, 2 * 8 * self.most_parts)
         self._spare: list[cl.Buffer] = []
-        self._taps: dict[tuple[Tap, ...], Any] = {}
+        self._tables: dict[bytes, cl.Buffer] = {}
         self._programs: dict[tuple[str, ...], cl.Program] = {}
         self._kernels: dict[tuple[str, ...], cl.Kernel] = {}
 
@@ -64,12 +64,17 @@ class Workshop:
 
     def tap_buffers(self, taps: tuple[Tap, ...]) -> tuple[cl.Buffer, cl.Buffer]:
         """Return the places (k, l) and the weights of taps on the device, in order; at least one entry."""
-        if taps not in self._taps:
-            places = np.array([(tap.k, tap.l) for tap in taps] or [(0, 0)], np.int32)
-            weights = np.array([tap.weight for tap in taps] or [0.0], self.dtype)
+        places = np.array([(tap.k, tap.l) for tap in taps] or [(0, 0)], np.int32)
+        weights = np.array([tap.weight for tap in taps] or [0.0], self.dtype)
+        return self.table(places), self.table(weights)
+
+    def table(self, numbers: np.ndarray[Any, Any]) -> cl.Buffer:
+        """Return a few numbers on the device, to be read only; the same numbers are brought there once."""
+        key = numbers.tobytes()
+        if key not in self._tables:
             flags = cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR
-            self._taps[taps] = tuple(cl.Buffer(self.context, flags, hostbuf=host) for host in (places, weights))
-        return self._taps[taps]
+            self._tables[key] = cl.Buffer(self.context, flags, hostbuf=numbers)
+        return self._tables[key]
 
     def kernel(self, name: str, stem: str, defines: Defines, extra: str = "", twin: int = 0) -> cl.Kernel:
         """Return a kernel of opencl_<stem>.cl (or of the text ``extra``) built with these definitions.

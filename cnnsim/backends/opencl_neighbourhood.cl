@@ -1,0 +1,62 @@
+// ANDs and ORs of neighbours on LLM planes, 64 cells at a time; see `cnnsim.bitwise`.
+//
+// A literal is (k, l, negated): the neighbour at (row + k, col + l). `outside` is what fixed virtual cells are.
+
+#define ZERO_FLUX 0
+#define FIXED 1
+#define PERIODIC 2
+
+// One cell of a row, which may be a virtual one.
+static inline ulong cell_of(__global const ulong *row, int j, int cols, int outside)
+{
+#if BOUNDARY == FIXED
+    return outside;
+#elif BOUNDARY == PERIODIC
+    j = wrap(j, cols);
+#else
+    j = clamp_to(j, cols);
+#endif
+    return row[j / 64] >> (j % 64) & 1;
+}
+
+// The cells l to the right of those of word c; only the few virtual ones among them are looked at one by one.
+static inline ulong shifted(__global const ulong *row, int c, int l, int words, int cols, int outside)
+{
+    ulong seen = row[c];
+    if (l > 0) {
+        seen = seen >> l | (c + 1 < words ? row[c + 1] << (64 - l) : 0);
+        for (int j = cols; j < cols + l; j++) {
+            const int bit = j - 64 * c - l;
+            if (bit >= 0 && bit < 64) seen |= cell_of(row, j, cols, outside) << bit;
+        }
+    } else if (l < 0) {
+        seen = seen << -l | (c > 0 ? row[c - 1] >> (64 + l) : 0);
+        for (int j = l; c == 0 && j < 0; j++) seen |= cell_of(row, j, cols, outside) << (j - l);
+    }
+    return seen;
+}
+
+KERNEL void neighbourhood(__global const ulong *restrict plane, __global ulong *restrict out,
+                          __global const int *literals, int count, int every, int outside, long lines, int rows, int cols)
+{
+    const int words = (cols + 63) / 64, rest = cols % 64;
+    const ulong end = rest ? ((ulong)1 << rest) - 1 : ~(ulong)0;
+    EACH(at, lines * words) {
+        const int c = (int)(at % words), i = (int)(at / words % rows);
+        __global const ulong *grid = plane + at - c - (long)i * words;
+        ulong result = every ? ~(ulong)0 : 0;
+        for (int n = 0; n < count; n++) {
+            int p = i + literals[3 * n];
+            ulong seen;
+            if (BOUNDARY == FIXED && (p < 0 || p >= rows)) {
+                seen = outside ? ~(ulong)0 : 0;
+            } else {
+                p = BOUNDARY == PERIODIC ? wrap(p, rows) : clamp_to(p, rows);
+                seen = shifted(grid + (long)p * words, c, literals[3 * n + 1], words, cols, outside);
+            }
+            if (literals[3 * n + 2]) seen = ~seen;
+            result = every ? result & seen : result | seen;
+        }
+        out[at] = c == words - 1 ? result & end : result;
+    }
+}
