@@ -4,32 +4,29 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.errors import InputError
+from tactile.elastic.medium import Medium
 
 
-def point_load_strain(positions: ArrayLike, depth: float, loads: ArrayLike, modulus: float) -> NDArray[np.float64]:
-    """Strain (u_xz, u_yz, u_zz) under point loads on an incompressible half-space.
+def point_load_strain(
+    positions: ArrayLike, depth: float, loads: ArrayLike, modulus: float, nu: float = 0.5
+) -> NDArray[np.float64]:
+    """Strain (u_xz, u_yz, u_zz) under point loads on a half-space of any Poisson's ratio.
 
     Each load adds, with (x, y, z) the taxel seen from it and r^2 = x^2 + y^2 + z^2,
 
-        3 (Q x + R y + F z) / (4 pi E r^5) * (-3 x z, -3 y z, x^2 + y^2 - 2 z^2)
+        (1 + nu) (Q x + R y + F z) / (2 pi E r^5) * (-3 x z, -3 y z, 2 nu r^2 - 3 z^2)
 
     Arguments: ``positions`` (..., 2) taxel centres [m]; ``depth`` z [m]; ``loads`` (n, 5), rows
-    (x, y, Q, R, F) [m, m, N, N, N]; ``modulus`` E [Pa]. Loads of shape (..., n, 5) broadcast against
-    ``positions``. Returns (..., 3).
+    (x, y, Q, R, F) [m, m, N, N, N]; ``modulus`` E [Pa]; ``nu``, 1/2 in the paper. Loads of shape (..., n, 5)
+    broadcast against ``positions``. Returns (..., 3).
 
     Raises:
-        InputError: wrong shapes, a depth or modulus that is not positive.
+        InputError: wrong shapes, a depth or modulus that is not positive, a nu outside 0 .. 1/2.
 
-    Source: Vasarhelyi, Fodor, Roska, eq. (1).
+    Source: Boussinesq and Cerruti, as in Johnson, Contact Mechanics, eqs (3.18), (3.75); for nu = 1/2
+    Vasarhelyi, Fodor, Roska, eq. (1).
     """
-    if not (np.isfinite(modulus) and modulus > 0):
-        raise InputError(f"Young's modulus {modulus} Pa, a positive number wanted")
-    x, y, weight = _seen_from_loads(positions, depth, loads)
-    weight *= 9 / (4 * np.pi * modulus * depth**2)
-    # summed over the loads: the body is linear
-    return np.stack(
-        [-(weight * x).sum(-1), -(weight * y).sum(-1), (weight * ((x * x + y * y - 2) / 3)).sum(-1)], axis=-1
-    )
+    return point_load(positions, depth, loads, Medium(modulus, nu))
 
 
 def point_load_stress(positions: ArrayLike, depth: float, loads: ArrayLike) -> NDArray[np.float64]:
@@ -46,26 +43,54 @@ def point_load_stress(positions: ArrayLike, depth: float, loads: ArrayLike) -> N
 
     Source: Vasarhelyi, Fodor, Roska, eq. (10).
     """
-    x, y, weight = _seen_from_loads(positions, depth, loads)
-    weight *= -3 / (2 * np.pi * depth**2)
-    return np.stack([(weight * x).sum(-1), (weight * y).sum(-1), weight.sum(-1)], axis=-1)
+    return point_load(positions, depth, loads, Medium(1.0, quantity="stress"))
 
 
-def _seen_from_loads(
-    positions: ArrayLike, depth: float, loads: ArrayLike
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return x / z, y / z and (Q x + R y + F z) z^4 / r^5, the loads along a new last axis."""
+def point_load(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Medium) -> NDArray[np.float64]:
+    """Strain or stress, as the medium says, under point loads: the reference that the faster roads are held to.
+
+    Arguments, shapes and errors: as ``point_load_strain``.
+    """
+    scale, trace = point_scale(depth, medium)
     at = np.asarray(positions, dtype=np.float64)
-    rows = np.asarray(loads, dtype=np.float64)
+    rows = check_loads(loads)
     if at.ndim < 1 or at.shape[-1] != 2:
         raise InputError(f"taxel positions of shape {at.shape}, (..., 2) wanted")
-    if rows.ndim < 2 or rows.shape[-1] != 5:
-        raise InputError(f"loads of shape {rows.shape}, (n, 5) with rows (x, y, Q, R, F) wanted")
-    if not (np.isfinite(depth) and depth > 0):
-        raise InputError(f"depth {depth} m, a positive length wanted")
     # lengths in units of the depth, so that no fifth power leaves the range of the numbers
     x = (at[..., 0, None] - rows[..., 0]) / depth
     y = (at[..., 1, None] - rows[..., 1]) / depth
     nearness = 1 / (1 + x * x + y * y)
-    turning = rows[..., 2] * x + rows[..., 3] * y + rows[..., 4]
-    return x, y, turning * nearness**2 * np.sqrt(nearness)
+    weight = (rows[..., 2] * x + rows[..., 3] * y + rows[..., 4]) * (nearness * np.sqrt(nearness)) * scale
+    # summed over the loads: the body is linear
+    components = -3 * weight * nearness * x, -3 * weight * nearness * y, weight * (trace - 3 * nearness)
+    return np.stack([part.sum(-1) for part in components], axis=-1)
+
+
+def point_scale(depth: float, medium: Medium) -> tuple[float, float]:
+    """(c / (2 pi z^2), 2 n) with the medium's reading (c, n): the numbers every road multiplies with.
+
+    Raises:
+        InputError: a depth that is not positive, or so small that the reading is not a number any more.
+    """
+    if not (np.isfinite(depth) and depth > 0):
+        raise InputError(f"depth {depth} m, a positive length wanted")
+    factor, trace = medium.reading
+    scale = factor / (2 * np.pi) / depth / depth if depth > 1e-150 else np.inf
+    if not np.isfinite(scale):
+        raise InputError(f"depth {depth} m: the reading under a load grows over all numbers, a larger depth wanted")
+    return scale, 2 * trace
+
+
+def check_loads(loads: ArrayLike) -> NDArray[np.float64]:
+    """Return loads as an array (..., n, 5) of finite numbers.
+
+    Raises:
+        InputError: another shape, or a load that is not finite.
+    """
+    rows = np.asarray(loads, dtype=np.float64)
+    if rows.ndim < 2 or rows.shape[-1] != 5:
+        raise InputError(f"loads of shape {rows.shape}, (n, 5) with rows (x, y, Q, R, F) wanted")
+    if not np.isfinite(rows).all():
+        where = np.argwhere(~np.isfinite(rows).all(-1))[0].tolist()
+        raise InputError(f"load {where} is not finite, rows (x, y, Q, R, F) of finite numbers wanted")
+    return rows

@@ -1,0 +1,55 @@
+"""One cell of a traction map: what a taxel feels of unit tractions on it, as a point or as a rectangle."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactile.elastic.halfspace import point_load, point_scale
+from tactile.elastic.medium import Medium
+
+Plane = NDArray[np.float64]
+
+
+def point_cell(x: ArrayLike, y: ArrayLike, depth: float, pitch: float, medium: Medium) -> Plane:
+    """Response (..., 3 components, 3 tractions) at (x, y) [m] from a cell whose traction sits in its middle.
+
+    Unit: reading per Pa. Good where the taxels lie deeper than about two cells.
+    """
+    at = np.stack(np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float)), axis=-1)
+    unit = np.zeros((3, 1, 5))
+    unit[range(3), 0, range(2, 5)] = pitch**2
+    return np.stack([point_load(at, depth, load, medium) for load in unit], axis=-1)
+
+
+def uniform_cell(x: ArrayLike, y: ArrayLike, depth: float, pitch: float, medium: Medium) -> Plane:
+    """The same for a traction spread evenly over the square cell: right at any depth.
+
+    Sums over the corners (X, Y) of the antiderivatives of the potential V of the square, as in ``discs``.
+
+    Source: Love (1929); Johnson, Contact Mechanics, sect. 3.3.
+    """
+    scale, trace = point_scale(depth, medium)
+    out: Plane = np.zeros(())
+    for sign_x in (1, -1):
+        for sign_y in (1, -1):
+            a = (np.asarray(x, float) + sign_x * pitch / 2) / depth
+            b = (np.asarray(y, float) + sign_y * pitch / 2) / depth
+            out = out + sign_x * sign_y * _corner(a + 0 * b, b + 0 * a, trace)
+    # point_scale is per area of a depth squared, and the sums above count the cell in that unit
+    return np.asarray(scale * depth**2 * out)
+
+
+def _corner(x: Plane, y: Plane, trace: float) -> Plane:
+    """T_i and the trace's share at depth 1 for tractions along j, without terms that cancel over the corners."""
+    across_x, across_y = 1 + x * x, 1 + y * y
+    r = np.sqrt(across_x + y * y)
+    v_x, v_y = np.arcsinh(y / np.sqrt(across_x)), np.arcsinh(x / np.sqrt(across_y))
+    v_z = -np.arctan2(x * y, r)
+    v_xx, v_yy, v_xy = -x * y / (r * across_x), -x * y / (r * across_y), 1 / r
+    v_xz, v_yz = -y / (r * across_x), -x / (r * across_y)
+    v_zz = -v_xx - v_yy
+    rows = (
+        (v_z - v_xx, -v_xy, -v_xz),
+        (-v_xy, v_z - v_yy, -v_yz),
+        (-v_xz - trace * v_x, -v_yz - trace * v_y, v_z - v_zz - trace * v_z),
+    )
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)

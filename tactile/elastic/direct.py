@@ -1,0 +1,43 @@
+"""The direct sum: every load on every taxel in every frame, compiled and on all cores."""
+
+import numpy as np
+from numba import get_num_threads
+from numpy.typing import ArrayLike, NDArray
+
+from cnnsim.errors import InputError
+from tactile.elastic.direct_numba import MANY, few_loads, few_loads_parallel, many_loads
+from tactile.elastic.halfspace import check_loads, point_scale
+from tactile.elastic.medium import Medium
+
+SERIAL_BELOW = 200_000
+"""Fewer pairs than this are done before the threads have woken up, or soon after."""
+
+
+def direct_sum(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Medium) -> NDArray[np.float64]:
+    """What the taxels feel in every frame: ``halfspace.point_load``, compiled.
+
+    Arguments: ``positions`` (..., 2) taxel centres [m]; ``depth`` z [m]; ``loads`` (frames, n, 5), rows
+    (x, y, Q, R, F) [m, m, N, N, N]. Returns (frames, ..., 3).
+
+    Raises:
+        InputError: as ``halfspace.point_load``.
+    """
+    scale, trace = point_scale(depth, medium)
+    at = np.asarray(positions, dtype=np.float64)
+    rows = np.ascontiguousarray(check_loads(loads))
+    if at.ndim < 1 or at.shape[-1] != 2:
+        raise InputError(f"taxel positions of shape {at.shape}, (..., 2) wanted")
+    if rows.ndim != 3:
+        raise InputError(f"loads of shape {rows.shape}, (frames, n, 5) wanted")
+    x, y = (np.ascontiguousarray(at[..., axis]).ravel() for axis in (0, 1))
+    frames, count = rows.shape[:2]
+    out = np.empty((frames, x.size, 3))
+    numbers = 1 / depth, trace, scale
+    if count >= MANY:
+        for row, frame in zip(rows, out, strict=True):
+            many_loads(x, y, np.ascontiguousarray(row.T), frame, get_num_threads(), *numbers)
+    elif frames * x.size * count < SERIAL_BELOW:
+        few_loads(x, y, rows, out, 0, frames, *numbers)
+    else:
+        few_loads_parallel(x, y, rows, out, get_num_threads(), *numbers)
+    return out.reshape(frames, *at.shape[:-1], 3)

@@ -1,0 +1,84 @@
+"""The direct sum's inner loops: one over taxels where there are few loads, one over loads where there are many.
+
+Both are written so that LLVM makes vector code of them: the first keeps its three sums in one small array (with
+three output planes LLVM would have to prove that none overlaps another, and gives up), the second writes nothing.
+"""
+
+import math
+
+import numpy as np
+from numba import njit, prange
+
+BLOCK = 256
+"""Taxels in a block: its places and sums stay in the first-level cache."""
+MANY = 24
+"""From so many loads a frame on, the loop over loads is the inner one."""
+FAST = {"contract", "reassoc", "nsz", "arcp"}
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def _add_load(x_of, y_of, sums, load, over_depth, trace):  # type: ignore[no-untyped-def]  # numba types it at the call
+    x0, y0, q, r, f = load[0], load[1], load[2], load[3], load[4]
+    for i in range(x_of.size):
+        x = (x_of[i] - x0) * over_depth
+        y = (y_of[i] - y0) * over_depth
+        nearness = 1 / (1 + x * x + y * y)
+        weight = (q * x + r * y + f) * (nearness * math.sqrt(nearness))
+        along = -3 * (weight * nearness)
+        sums[i] += along * x
+        sums[i + BLOCK] += along * y
+        sums[i + 2 * BLOCK] += weight * trace + along
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def _sum_loads(at_x, at_y, columns, over_depth, trace):  # type: ignore[no-untyped-def]  # the same
+    x_of, y_of, q_of, r_of, f_of = columns[0], columns[1], columns[2], columns[3], columns[4]
+    a = b = c = 0.0
+    for j in range(x_of.size):
+        x = (at_x - x_of[j]) * over_depth
+        y = (at_y - y_of[j]) * over_depth
+        nearness = 1 / (1 + x * x + y * y)
+        weight = (q_of[j] * x + r_of[j] * y + f_of[j]) * (nearness * math.sqrt(nearness))
+        along = -3 * (weight * nearness)
+        a += along * x
+        b += along * y
+        c += weight * trace + along
+    return a, b, c
+
+
+@njit(cache=True, error_model="numpy")
+def few_loads(x_of, y_of, loads, out, first, last, over_depth, trace, scale):  # type: ignore[no-untyped-def]  # the same
+    """Frames first .. last: out (frames, taxels, 3) from loads (frames, n, 5)."""
+    sums = np.empty(3 * BLOCK)
+    for start in range(0, x_of.size, BLOCK):
+        count = min(BLOCK, x_of.size - start)
+        x_here, y_here = x_of[start : start + count], y_of[start : start + count]
+        for n in range(first, last):
+            sums[:] = 0
+            for m in range(loads.shape[1]):
+                if loads[n, m, 2] != 0 or loads[n, m, 3] != 0 or loads[n, m, 4] != 0:
+                    _add_load(x_here, y_here, sums, loads[n, m], over_depth, trace)
+            here = out[n, start : start + count]
+            for i in range(count):
+                here[i, 0] = scale * sums[i]
+                here[i, 1] = scale * sums[i + BLOCK]
+                here[i, 2] = scale * sums[i + 2 * BLOCK]
+
+
+@njit(cache=True, parallel=True, error_model="numpy")
+def few_loads_parallel(x_of, y_of, loads, out, threads, over_depth, trace, scale):  # type: ignore[no-untyped-def]  # the same
+    """All frames, shared out over the threads."""
+    for thread in prange(threads):
+        first, last = thread * out.shape[0] // threads, (thread + 1) * out.shape[0] // threads
+        few_loads(x_of, y_of, loads, out, first, last, over_depth, trace, scale)
+
+
+@njit(cache=True, parallel=True, error_model="numpy")
+def many_loads(x_of, y_of, columns, out, threads, over_depth, trace, scale):  # type: ignore[no-untyped-def]  # the same
+    """One frame: out (taxels, 3) from the loads' columns (5, n), the taxels shared out over the threads."""
+    for thread in prange(threads):
+        for i in range(thread * x_of.size // threads, (thread + 1) * x_of.size // threads):
+            a, b, c = _sum_loads(x_of[i], y_of[i], columns, over_depth, trace)
+            out[i, 0] = scale * a
+            out[i, 1] = scale * b
+            out[i, 2] = scale * c

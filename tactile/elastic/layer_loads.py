@@ -1,0 +1,109 @@
+"""Point loads on a bonded layer: what the layer adds to the half-space, from tables made once for each depth."""
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicSpline
+from scipy.special import j0, j1
+
+from cnnsim.errors import InputError
+from tactile.elastic.halfspace import check_loads, point_load
+from tactile.elastic.layer import transfer
+from tactile.elastic.medium import Felt, Medium
+
+Plane = NDArray[np.float64]
+REACH = 30.0
+"""Thicknesses from a load beyond which a bonded layer feels nothing: its field dies out exponentially."""
+POINTS = 600
+"""Radii in a table, denser near the load; the spline between them is good to 1e-9 of the peak."""
+NODES = 3200
+"""Waves in the Hankel integrals."""
+
+
+def layer_load(
+    positions: ArrayLike, depth: float, loads: ArrayLike, thickness: float, medium: Medium
+) -> NDArray[np.float64]:
+    """Strain or stress, as the medium says, under point loads on a layer bonded to a rigid base.
+
+    The half-space's closed form plus ``layer_term``. Arguments and errors: as these two.
+    """
+    return point_load(positions, depth, loads, medium) + layer_term(positions, depth, loads, thickness, medium)
+
+
+def layer_term(
+    positions: ArrayLike, depth: float, loads: ArrayLike, thickness: float, medium: Medium
+) -> NDArray[np.float64]:
+    """Layer minus half-space under point loads.
+
+    With N(k) the difference of the transfer functions, a load P = (Q, R, F) at distance rho = |(x, y)| adds
+
+        zz: F I0[normal] - (Q x + R y) / rho I1[normal_shear]
+        xz: -F x / rho I1[shear_normal] + Q I0[(shear + across) / 2]
+            - ((2 x^2 / rho^2 - 1) Q + 2 x y / rho^2 R) I2[(shear - across) / 2]
+
+    and yz alike, where Im[N] = integral of k N(k) Jm(k rho) dk / (2 pi). The difference falls off like exp(-k (2 h -
+    z)), so the integrals are short and smooth whatever the depth, and what is left of the sum far away is the small
+    field of the layer.
+
+    Arguments: ``positions`` (..., 2) [m]; ``depth`` [m], at most ``thickness``; ``loads`` (..., n, 5) rows
+    (x, y, Q, R, F) [m, N]; ``thickness`` h [m], infinite for none. Returns (..., 3).
+
+    Raises:
+        InputError: as ``halfspace.point_load``, and a depth beyond the thickness.
+    """
+    at, rows = np.asarray(positions, dtype=np.float64), check_loads(loads)
+    if not thickness > 0 or depth > thickness:
+        raise InputError(f"taxels {depth} m deep in a layer of {thickness} m, a thickness of at least the depth wanted")
+    x, y = at[..., 0, None] - rows[..., 0], at[..., 1, None] - rows[..., 1]
+    if np.isinf(thickness) or thickness > 1e8 * depth:  # below 1e-15 of the half-space's own field
+        return np.zeros((*x.shape[:-1], 3))
+    rho = np.hypot(x, y)
+    c, s = np.where(rho > 0, x, 1) / np.where(rho > 0, rho, 1), y / np.where(rho > 0, rho, 1)
+    unit = 1.0 if medium.quantity == "stress" else 1 / medium.modulus
+    table = _table(depth / thickness, medium.nu, medium.quantity)
+    near, reached = rho < REACH * thickness, np.minimum(rho / thickness / REACH, 1)
+    normal, normal_shear, shear_normal, even, odd = np.moveaxis(table(np.sqrt(reached)) * (unit / thickness**2), -1, 0)
+    q, r, f = rows[..., 2], rows[..., 3], rows[..., 4]
+    along = q * c + r * s
+    x_z = -f * c * shear_normal + q * even - (2 * c * along - q) * odd
+    y_z = -f * s * shear_normal + r * even - (2 * s * along - r) * odd
+    z_z = f * normal - along * normal_shear
+    added = np.stack([np.where(near, part, 0).sum(-1) for part in (x_z, y_z, z_z)], axis=-1)
+    if not near.all():
+        far = np.where(near[..., None], 0, rows[..., 2:])
+        added -= point_load(
+            at, depth, np.concatenate([np.broadcast_to(rows[..., :2], (*far.shape[:-1], 2)), far], -1), medium
+        )
+    return added
+
+
+@lru_cache(maxsize=64)
+def _table(depth: float, nu: float, quantity: Felt) -> CubicSpline:
+    """The five integrals over sqrt(rho / REACH), for thickness 1 and modulus 1."""
+    medium = Medium(1.0, nu, quantity)
+    top = 46 / (2 - depth)  # exp(-46) is 1e-20
+    edges = np.linspace(0, top, NODES // 16 + 1)
+    nodes, weights = np.polynomial.legendre.leggauss(16)
+    k = ((edges[:-1] + edges[1:]) / 2)[:, None] + (edges[1] / 2) * nodes
+    k, weight = k.ravel(), np.tile(weights * edges[1] / 2, len(edges) - 1)
+    layer, half = transfer(k, depth, 1.0, medium), transfer(k, depth, np.inf, medium)
+    step = k * weight / (2 * np.pi)
+    root = np.linspace(0, 1, POINTS)
+    phase = k * (REACH * root**2)[:, None]
+    zeroth, first = j0(phase), j1(phase)
+    second = np.where(phase > 1e-3, 2 * first / np.maximum(phase, 1e-3) - zeroth, phase**2 / 8)
+
+    def gap(name: str) -> Plane:
+        difference: Plane = getattr(layer, name) - getattr(half, name)
+        return difference * step
+
+    even, odd = (gap("shear") + gap("across")) / 2, (gap("shear") - gap("across")) / 2
+    columns = (
+        zeroth @ gap("normal"),
+        first @ gap("normal_shear"),
+        first @ gap("shear_normal"),
+        zeroth @ even,
+        second @ odd,
+    )
+    return CubicSpline(root, np.stack(columns, axis=-1))

@@ -1,0 +1,83 @@
+"""Contacts along a line, an edge or a lying cylinder, as point loads that taxels cannot tell from them."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cnnsim.errors import InputError
+
+MOST_NODES = 2000
+"""Nodes along one direction; a longer contact, or a shallower taxel, is refused."""
+
+
+def edge_loads(load: ArrayLike, length: float, angle: float, depth: float) -> NDArray[np.float64]:
+    """A straight edge that presses with the same force everywhere, as Gauss points along it.
+
+    The nodes' number grows with length / depth so that the error stays below 1e-10 of the field at that depth.
+
+    Arguments: ``load`` (..., 5) rows (x, y, Q, R, F): middle [m] and total force [N]; ``length`` [m]; ``angle``
+    [rad] from x towards y; ``depth`` [m] of the taxels. Returns (..., m, 5).
+
+    Raises:
+        InputError: a length or depth that is not positive, or more than 2000 nodes needed.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(_count(length / 2, depth))
+    return _spread(load, nodes * length / 2, np.zeros(1), weights / 2, np.ones(1), angle)
+
+
+def cylinder_loads(
+    load: ArrayLike, length: float, half_width: ArrayLike, angle: float, depth: float
+) -> NDArray[np.float64]:
+    """A lying cylinder: uniform along its axis, p ~ sqrt(1 - s^2 / b^2) across, as products of Gauss points.
+
+    Arguments: ``half_width`` b (...) [m] from ``cylinder_half_width``; the others as ``edge_loads``. The ends carry
+    no stress concentration: the cylinder is taken to be a little rounded there.
+
+    Raises:
+        InputError: as ``edge_loads``.
+
+    Source: Johnson, Contact Mechanics, eq. (4.45).
+    """
+    width = np.asarray(half_width, dtype=np.float64)
+    along, along_weights = np.polynomial.legendre.leggauss(_count(length / 2, depth))
+    count = _count(max(float(width.max(initial=0)), 1e-12), depth)
+    turn = np.arange(1, count + 1) * np.pi / (count + 1)
+    across_weights = 2 / (count + 1) * np.sin(turn) ** 2  # Gauss-Chebyshev of the second kind, sum 1
+    return _spread(load, along * length / 2, width[..., None] * np.cos(turn), along_weights / 2, across_weights, angle)
+
+
+def cylinder_half_width(force: ArrayLike, length: float, radius: float, contact_modulus: float) -> NDArray[np.float64]:
+    """b = sqrt(4 P R / (pi E* L)) [m]. Source: Johnson, Contact Mechanics, eq. (4.43)."""
+    pressing = np.maximum(np.asarray(force, dtype=np.float64), 0)
+    width: NDArray[np.float64] = np.sqrt(pressing) * np.sqrt(4 * radius / (np.pi * contact_modulus * length))
+    return width
+
+
+def _count(half: float, depth: float) -> int:
+    if not (half > 0 and depth > 0 and np.isfinite(half / depth)):
+        raise InputError(f"contact half {half} m long over taxels {depth} m deep, positive lengths wanted")
+    # Gauss converges like exp(-2 n asinh(z / half)): 13 is half of ln(1e-11)
+    count = int(np.ceil(13 / np.arcsinh(depth / half))) + 3
+    if count > MOST_NODES:
+        raise InputError(f"a contact {2 * half / depth:.3g} depths long, at most {2 * MOST_NODES / 13:.0f} wanted")
+    return count
+
+
+def _spread(
+    load: ArrayLike,
+    along: NDArray[np.float64],
+    across: NDArray[np.float64],
+    along_weights: NDArray[np.float64],
+    across_weights: NDArray[np.float64],
+    angle: float,
+) -> NDArray[np.float64]:
+    rows = np.asarray(load, dtype=np.float64)
+    if rows.ndim < 1 or rows.shape[-1] != 5:
+        raise InputError(f"load of shape {rows.shape}, (..., 5) rows (x, y, Q, R, F) wanted")
+    s, t = along[:, None], across[..., None, :]
+    weight = along_weights[:, None] * across_weights
+    shape = np.broadcast_shapes(rows.shape[:-1], across.shape[:-1])
+    out = np.empty((*shape, *weight.shape, 5))
+    out[..., 0] = rows[..., 0, None, None] + s * np.cos(angle) - t * np.sin(angle)
+    out[..., 1] = rows[..., 1, None, None] + s * np.sin(angle) + t * np.cos(angle)
+    out[..., 2:] = rows[..., None, None, 2:] * weight[..., None]
+    return out.reshape(*shape, -1, 5)

@@ -1,0 +1,54 @@
+"""The elastic cover as numbers: stiffness, Poisson's ratio, and whether its taxels feel strain or stress."""
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+
+from cnnsim.errors import InputError
+
+Felt = Literal["strain", "stress"]
+"""What a taxel inside the cover measures."""
+
+
+@dataclass(frozen=True)
+class Medium:
+    """A homogeneous, isotropic, linear elastic body and what is read from it.
+
+    Arguments: ``modulus`` Young's modulus E [Pa]; ``nu`` Poisson's ratio, 0 to 1/2; ``quantity``: "strain" reads
+    (u_xz, u_yz, u_zz), "stress" reads (sigma_xz, sigma_yz, sigma_zz) [Pa].
+
+    Raises:
+        InputError: a modulus that is not positive, a Poisson's ratio outside 0 .. 1/2, an unknown quantity.
+    """
+
+    modulus: float
+    nu: float = 0.5
+    quantity: Felt = "strain"
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.modulus) and self.modulus > 0):
+            raise InputError(f"Young's modulus {self.modulus} Pa, a positive number wanted")
+        if not 0 <= self.nu <= 0.5:
+            raise InputError(f"Poisson's ratio {self.nu}, a number from 0 to 0.5 wanted")
+        if self.quantity not in get_args(Felt):
+            raise InputError(f"quantity {self.quantity!r}, one of {', '.join(get_args(Felt))} wanted")
+
+    @property
+    def shear_modulus(self) -> float:
+        """G = E / (2 (1 + nu)) [Pa]."""
+        return self.modulus / (2 * (1 + self.nu))
+
+    @property
+    def contact_modulus(self) -> float:
+        """E* = E / (1 - nu^2) [Pa], against a rigid indenter."""
+        return self.modulus / (1 - self.nu**2)
+
+    @property
+    def reading(self) -> tuple[float, float]:
+        """(c, n): what is read is c (sigma_xz, sigma_yz, sigma_zz - n P . grad(V) / pi), V the potential of the load.
+
+        Stress is read with (1, 0). Strain is read with ((1 + nu) / E, nu), because the trace of the stress under
+        any surface load is (1 + nu) / pi times P . grad(V).
+        """
+        return (1.0, 0.0) if self.quantity == "stress" else ((1 + self.nu) / self.modulus, self.nu)

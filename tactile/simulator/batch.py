@@ -1,0 +1,26 @@
+"""Many frames of one finger at once: what the effects on frames take and give."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactile.frame import TaxelArray
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Consecutive frames of one finger.
+
+    ``t`` (n,) host times [s]; ``sequence`` (n,); ``values`` (n, rows, cols, 3), whoever holds the batch may write
+    into it; ``valid`` (n, rows, cols); ``unit``: what a reading of strain 1 is, 1 for strain and E for stress [Pa];
+    ``full_scale``: the largest reading the electronics are made for, in the unit of the values.
+    """
+
+    array: TaxelArray
+    unit: float
+    full_scale: float
+    t: NDArray[np.float64]
+    sequence: NDArray[np.int64]
+    values: NDArray[np.float64]
+    valid: NDArray[np.bool_]

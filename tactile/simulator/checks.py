@@ -1,0 +1,16 @@
+"""One check that all effects need."""
+
+import math
+
+from cnnsim.errors import InputError
+
+
+def within(name: str, value: float, low: float = 0.0, high: float = math.inf) -> None:
+    """Refuse a value outside low .. high, both allowed.
+
+    Raises:
+        InputError: it is outside, or not a number.
+    """
+    if not low <= value <= high:
+        wanted = f"at least {low:g}" if math.isinf(high) else f"from {low:g} to {high:g}"
+        raise InputError(f"{name} = {value!r}, {wanted} wanted")

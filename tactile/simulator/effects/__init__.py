@@ -1,0 +1,103 @@
+"""The effects a scene can call for: one small file each, imported only when a scene names it.
+
+An effect is a frozen value called with a stream (fields before the electronics, batches of frames after) and a random
+generator; it gives the stream back, changed. At strength zero it changes nothing. Its class says
+
+    STAGE   "field" or "frames": where in the chain it acts
+    RANDOM  whether it draws random numbers
+    KEYS    the keys of its table in a scene: name -> (attribute, factor to SI units)
+    NONE    the attributes that make its strength zero
+
+and its attributes' defaults are typical values, which estimates use where a scene does not give any.
+"""
+
+import importlib
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, ClassVar, Protocol, cast
+
+import numpy as np
+
+from cnnsim.errors import InputError
+from tactile.simulator.batch import Batch
+from tactile.simulator.field import Field
+from tactile.sources.tables import check_keys, take
+
+ORDER = (
+    "needle_vibration",
+    "surface_waviness",
+    "poisson_ratio",
+    "finite_tip",
+    "finite_thickness",
+    "taxel_area",
+    "strain_nonlinearity",
+    "viscoelastic",
+    "hysteresis",
+    "crosstalk",
+    "motor_noise",
+    "drift",
+    "read_noise",
+    "dead_taxels",
+    "quantisation",
+    "frame_timing",
+)
+"""Names of all effects in the order in which they act: what presses, the cover, the taxels, the electronics."""
+
+
+class Effect(Protocol):
+    """What all effects have in common: four words about themselves."""
+
+    STAGE: ClassVar[str]
+    RANDOM: ClassVar[bool]
+    KEYS: ClassVar[Mapping[str, tuple[str, float]]]
+    NONE: ClassVar[Mapping[str, Any]]
+
+
+class FieldEffect(Effect, Protocol):
+    """An effect that adds a term to the field."""
+
+    def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]: ...  # noqa: D102 - the module says it
+
+
+class FrameEffect(Effect, Protocol):
+    """An effect that changes frames."""
+
+    def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]: ...  # noqa: D102 - the same
+
+
+def effect_class(name: str) -> type[Effect]:
+    """Import the effect's file and return its class: ``read_noise`` is ``ReadNoise``.
+
+    Raises:
+        InputError: no effect of that name.
+    """
+    check_keys({name: None}, ORDER, "effect")
+    module = importlib.import_module(f"tactile.simulator.effects.{name}")
+    return cast(type[Effect], getattr(module, "".join(part.capitalize() for part in name.split("_"))))
+
+
+def read_effect(name: str, table: Mapping[str, Any], where: str) -> Effect:
+    """The effect that a scene's table describes; what the table does not say is typical.
+
+    Raises:
+        InputError: an unknown effect or key, a value of a wrong type or out of range.
+    """
+    check_keys({name: None}, ORDER, f"{where}: effect")
+    kind = effect_class(name)
+    check_keys(table, tuple(kind.KEYS), where)
+    typical = kind()
+    given: dict[str, Any] = {}
+    for key in table:
+        attribute, factor = kind.KEYS[key]
+        default = getattr(typical, attribute)
+        wanted = float if default is None else list if isinstance(default, tuple) else type(default)
+        value: Any = take(table, key, wanted, where)
+        given[attribute] = value * factor if isinstance(value, float) else value
+    try:
+        return kind(**given)
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from error
+
+
+def without(kind: type[Effect]) -> Effect:
+    """The effect of that class at strength zero."""
+    return kind(**kind.NONE)

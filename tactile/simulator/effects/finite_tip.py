@@ -1,0 +1,48 @@
+"""A needle is no point: its hemispherical tip spreads the load over a circle."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from tactile.elastic.discs import disc_load
+from tactile.elastic.halfspace import point_load
+from tactile.elastic.profiles import ROUND_TIP, round_tip_radius
+from tactile.simulator.checks import within
+from tactile.simulator.field import Field
+
+
+@dataclass(frozen=True)
+class FiniteTip:
+    """Point loads are pressed by a rigid hemisphere of ``radius`` [m]; 0 leaves them points.
+
+    Adds, for every contact that acts at one point, the field of its load spread like the pressure under the tip
+    minus that of the point. Contacts with a shape of their own stay as they are.
+
+    Source: Sneddon (1965); Vasarhelyi, Fodor, Roska, sects 4 and 4.1 (a needle of 100 um).
+    """
+
+    radius: float = 50e-6
+
+    STAGE: ClassVar[str] = "field"
+    RANDOM: ClassVar[bool] = False
+    KEYS: ClassVar[Mapping[str, tuple[str, float]]] = {"radius_um": ("radius", 1e-6)}
+    NONE: ClassVar[Mapping[str, Any]] = {"radius": 0.0}
+
+    def __post_init__(self) -> None:
+        within("radius", self.radius)
+
+    def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
+        """Fields under tips."""
+        for field in stream:
+            owner = field.pressed.owner
+            points = np.bincount(owner)[owner] == 1 if owner.size else np.zeros(0, bool)
+            loads = field.pressed.loads[:, points][:, None, None]
+            if self.radius == 0 or not loads.size:
+                yield field
+                continue
+            radii = round_tip_radius(loads[..., 4], self.radius, field.medium.contact_modulus)
+            at, depth = field.array.positions(), field.array.depth
+            spread = disc_load(at, depth, loads, radii, ROUND_TIP, field.medium, radii / self.radius)
+            yield replace(field, values=field.values + spread - point_load(at, depth, loads, field.medium))

@@ -1,0 +1,60 @@
+"""Frames that come early or late, twice, or not at all."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from tactile.simulator.batch import Batch
+from tactile.simulator.checks import within
+
+
+@dataclass(frozen=True)
+class FrameTiming:
+    """Host times are off by a normal ``jitter`` [s]; frames repeat the one before, or get lost, at random.
+
+    ``repeats`` and ``drops`` are probabilities. A repeated frame has the values and the sequence number of the last
+    fresh one; a lost one leaves a gap in both times and numbers. Each frame's fate is independent. Times never run
+    backwards: a frame that would overtake the one before gets its time. The first frame is neither repeated nor lost.
+    """
+
+    jitter: float = 1e-4
+    repeats: float = 0.001
+    drops: float = 0.001
+
+    STAGE: ClassVar[str] = "frames"
+    RANDOM: ClassVar[bool] = True
+    KEYS: ClassVar[Mapping[str, tuple[str, float]]] = {
+        "jitter_ms": ("jitter", 1e-3),
+        "repeats": ("repeats", 1.0),
+        "drops": ("drops", 1.0),
+    }
+    NONE: ClassVar[Mapping[str, Any]] = {"jitter": 0.0, "repeats": 0.0, "drops": 0.0}
+
+    def __post_init__(self) -> None:
+        within("jitter", self.jitter)
+        within("repeats", self.repeats, 0.0, 1.0)
+        within("drops", self.drops, 0.0, 1.0)
+
+    def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
+        """Frames as they arrive."""
+        last_t, fresh_values, fresh_sequence = 0.0, np.zeros(0), 0
+        for batch in stream:
+            count = len(batch.t)
+            lots = random.uniform(size=(count, 2))
+            late = random.standard_normal(count) * self.jitter
+            repeated, lost = lots[:, 0] < self.repeats, lots[:, 1] < self.drops
+            if not fresh_values.size:
+                repeated[:1] = lost[:1] = False
+                fresh_values = batch.values[0] if count else fresh_values
+            t = np.maximum.accumulate(np.maximum(batch.t + late, last_t))
+            last_t = float(t[-1]) if count else last_t
+            # index of the last fresh frame, -1 for the one before this batch
+            source = np.maximum.accumulate(np.where(repeated, -1, np.arange(count)))
+            values = np.concatenate([batch.values, fresh_values[None]])[source] if repeated.any() else batch.values
+            sequence = np.append(batch.sequence, fresh_sequence)[source]
+            if count:
+                fresh_values, fresh_sequence = values[-1], int(sequence[-1])
+            keep = ~lost
+            yield replace(batch, t=t[keep], sequence=sequence[keep], values=values[keep], valid=batch.valid[keep])

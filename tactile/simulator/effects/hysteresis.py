@@ -1,0 +1,63 @@
+"""Readings that depend on whether the load grows or falls."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import numpy as np
+from numba import njit
+
+from tactile.simulator.batch import Batch
+from tactile.simulator.checks import within
+
+PLAYS = 4
+
+
+@dataclass(frozen=True)
+class Hysteresis:
+    """y = x + weight (mean of p_k - x), p_k a play of half-width k ``width`` / 4 of full scale, k = 1 .. 4.
+
+    A play follows its input with a dead zone, p <- max(x - r, min(x + r, p)): independent of the rate, with closed
+    loops and a memory of turning points. No reading is off by more than weight * width * full scale; a large slow cycle
+    opens to weight * 5/8 * 2 width of it. All starts at rest.
+
+    Source: Prandtl and Ishlinskii; Krasnoselskii and Pokrovskii, Systems with Hysteresis (1989).
+    """
+
+    weight: float = 0.2
+    width: float = 0.05
+
+    STAGE: ClassVar[str] = "frames"
+    RANDOM: ClassVar[bool] = False
+    KEYS: ClassVar[Mapping[str, tuple[str, float]]] = {"weight": ("weight", 1.0), "width": ("width", 1.0)}
+    NONE: ClassVar[Mapping[str, Any]] = {"weight": 0.0}
+
+    def __post_init__(self) -> None:
+        within("weight", self.weight, 0.0, 1.0)
+        within("width", self.width)
+
+    def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
+        """Frames that lag."""
+        plays = np.zeros((0, 0))
+        for batch in stream:
+            if self.weight == 0:
+                yield batch
+                continue
+            flat = batch.values.reshape(len(batch.t), -1)
+            if not plays.size:
+                plays = np.zeros((PLAYS, flat.shape[1]))
+            out = np.empty_like(flat)
+            radii = np.arange(1, PLAYS + 1) / PLAYS * self.width * batch.full_scale
+            _follow(flat, plays, radii, self.weight, out)
+            yield replace(batch, values=out.reshape(batch.values.shape))
+
+
+@njit(cache=True)
+def _follow(x, plays, radii, weight, out):  # type: ignore[no-untyped-def]  # numba types it at the call
+    for n in range(x.shape[0]):
+        for c in range(x.shape[1]):
+            total = 0.0
+            for k in range(radii.size):
+                plays[k, c] = max(x[n, c] - radii[k], min(x[n, c] + radii[k], plays[k, c]))
+                total += plays[k, c]
+            out[n, c] = x[n, c] + weight * (total / radii.size - x[n, c])

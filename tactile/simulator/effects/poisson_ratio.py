@@ -1,0 +1,42 @@
+"""Rubber is nearly, not quite, incompressible: Poisson's ratio below 1/2."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from tactile.simulator.checks import within
+from tactile.simulator.field import Field, felt
+
+
+@dataclass(frozen=True)
+class PoissonRatio:
+    """The cover's Poisson's ratio ``nu``; 1/2 is the paper's model and changes nothing.
+
+    Adds strain(nu) - strain(1/2) of the half-space under the same tractions; stress at the taxels does not depend on
+    nu. Effects that come later in the chain (finite tip, finite thickness) then work with this nu.
+
+    Source: Johnson, Contact Mechanics, eqs (3.18), (3.75); Vasarhelyi, Fodor, Roska, sect. 4.1.
+    """
+
+    nu: float = 0.49
+
+    STAGE: ClassVar[str] = "field"
+    RANDOM: ClassVar[bool] = False
+    KEYS: ClassVar[Mapping[str, tuple[str, float]]] = {"nu": ("nu", 1.0)}
+    NONE: ClassVar[Mapping[str, Any]] = {"nu": 0.5}
+
+    def __post_init__(self) -> None:
+        within("nu", self.nu, 0.0, 0.5)
+
+    def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
+        """Fields in the compressible cover."""
+        for field in stream:
+            if self.nu == field.medium.nu:
+                yield field
+                continue
+            medium = replace(field.medium, nu=self.nu)
+            at, depth = field.array.positions(), field.array.depth
+            term = felt(at, depth, field.pressed, medium) - felt(at, depth, field.pressed, field.medium)
+            yield replace(field, medium=medium, values=field.values + term)

@@ -1,0 +1,61 @@
+"""The cover is not a perfect plane: a held needle meets hills and valleys."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from tactile.simulator.checks import within
+from tactile.simulator.field import Field, felt
+from tactile.simulator.hold import force_factor
+
+WAVES = 32
+
+
+@dataclass(frozen=True)
+class SurfaceWaviness:
+    """A random surface of standard deviation ``rms`` [m] over hills ``wavelength`` [m] apart.
+
+    The height h(x, y) is a sum of 32 plane waves of random directions and phases, wavelengths within a factor 1.5 of
+    ``wavelength``; mean 0 and deviation ``rms`` over the plane, the same surface for the whole scene. A held tip of
+    ``tip_radius`` [m] presses (1 + h / delta)^1.5 times as hard; slopes are too small to turn the force.
+
+    Source: Vasarhelyi, Fodor, Roska, sect. 4.1.
+    """
+
+    rms: float = 0.5e-6
+    wavelength: float = 1e-3
+    tip_radius: float = 50e-6
+
+    STAGE: ClassVar[str] = "field"
+    RANDOM: ClassVar[bool] = True
+    KEYS: ClassVar[Mapping[str, tuple[str, float]]] = {
+        "rms_um": ("rms", 1e-6),
+        "wavelength_mm": ("wavelength", 1e-3),
+        "tip_radius_um": ("tip_radius", 1e-6),
+    }
+    NONE: ClassVar[Mapping[str, Any]] = {"rms": 0.0}
+
+    def __post_init__(self) -> None:
+        within("rms", self.rms)
+        within("wavelength", self.wavelength, 1e-9)
+        within("tip_radius", self.tip_radius, 1e-12)
+
+    def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
+        """Fields with the forces that the surface makes of the contacts."""
+        length = self.wavelength * 1.5 ** random.uniform(-1, 1, WAVES)
+        turn = random.uniform(0, 2 * np.pi, WAVES)
+        waves = 2 * np.pi / length * np.stack([np.cos(turn), np.sin(turn)])
+        phase = random.uniform(0, 2 * np.pi, WAVES)
+        for field in stream:
+            if self.rms == 0:
+                yield field
+                continue
+            totals = field.pressed.totals
+            height = self.rms * np.sqrt(2 / WAVES) * np.cos(totals[..., :2] @ waves + phase).sum(axis=-1)
+            factor = force_factor(totals[..., 4], height, self.tip_radius, field.medium)
+            pressed = field.pressed.moved(np.zeros((*factor.shape, 2)), factor)
+            at, depth = field.array.positions(), field.array.depth
+            term = felt(at, depth, pressed, field.medium) - felt(at, depth, field.pressed, field.medium)
+            yield replace(field, pressed=pressed, values=field.values + term)

@@ -1,0 +1,106 @@
+"""What a scene consists of: every part with its size in the signal, its time per frame, and what is left out."""
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from tactile.simulator.auto import candidates, choose, size_of
+from tactile.simulator.estimate import Sample
+from tactile.simulator.scene import Scene
+from tactile.simulator.scene_file import bare_scene, read_table
+
+
+@dataclass(frozen=True)
+class Part:
+    """One part of a scene.
+
+    ``size``: largest change it makes to the signal, relative to the peak; ``seconds``: measured time per frame,
+    None for what is off. For an effect that is off ``size`` is the estimate of what leaving it out costs.
+    """
+
+    name: str
+    what: str
+    on: bool
+    size: float
+    seconds: float | None
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A scene taken apart: ``lines`` about contacts and roads, ``parts`` in the order in which they act."""
+
+    title: str
+    peak: float
+    unit: str
+    lines: tuple[str, ...]
+    parts: tuple[Part, ...]
+    notes: tuple[str, ...]
+
+
+def explain_file(path: Path) -> Explanation:
+    """Explain the scene in a file.
+
+    Raises:
+        InputError: as ``read_scene``.
+    """
+    scene, tolerance = bare_scene(read_table(path), str(path), path.parent)
+    return explain(scene, tolerance)
+
+
+def explain(scene: Scene, tolerance: float | None = None) -> Explanation:
+    """Explain a scene; with a ``tolerance`` its effects are chosen first, as ``effects = "auto"`` does."""
+    described = scene
+    notes: list[str] = []
+    choice = None
+    if tolerance is not None:
+        choice = choose(scene, tolerance)
+        scene = choice.scene
+        notes.append(f"effects chosen for a tolerance of {tolerance:g} of the peak; measured error {choice.joint:.2g}")
+        if choice.together:
+            notes.append(f"on although small, for what is left out adds up: {', '.join(choice.together)}")
+        if choice.left_out:
+            bounds = ", ".join(f"{name} {size:.2g}" for name, size in choice.left_out.items())
+            notes.append(f"left out, with the bound of their size: {bounds}")
+    sample = Sample(scene)
+    on = dict(scene.effects)
+    seconds = sample.seconds(list(scene.effects))
+    parts = [
+        Part(
+            "contacts",
+            f"{len(scene.loads) + len(scene.contacts)} on {len(scene.arrays)} fingers",
+            True,
+            0.0,
+            seconds["contacts"],
+        ),
+        Part("field", "elastic half-space, incompressible", True, 1.0, seconds["field"]),
+    ]
+    for name, effect in candidates(described):
+        size = choice.sizes[name] if choice else size_of(sample, name, effect)
+        parts.append(Part(name, _describe(effect), name in on, size, seconds.get(name)))
+    quantity = scene.arrays[0].quantity
+    return Explanation(
+        scene.title,
+        sample.peak,
+        "Pa" if quantity == "stress" else "strain",
+        tuple(_lines(scene)),
+        tuple(parts),
+        tuple(notes),
+    )
+
+
+def _describe(effect: Any) -> str:
+    values = ((part.name, getattr(effect, part.name)) for part in fields(effect))
+    return ", ".join(f"{name} {value:g}" if isinstance(value, float) else f"{name} {value}" for name, value in values)
+
+
+def _lines(scene: Scene) -> list[str]:
+    lines = []
+    for finger, array in enumerate(scene.arrays):
+        road = scene.road(finger)
+        mine = [contact for contact in (*scene.loads, *scene.contacts) if contact.finger == finger]
+        kinds = ", ".join(sorted({type(contact).__name__ for contact in mine})) or "nothing"
+        lines.append(
+            f"{array.name}: {array.rows} x {array.cols} taxels of {array.quantity}, {array.depth * 1e3:g} mm deep; "
+            f"{len(mine)} x {kinds}; road: {road.name} ({road.why})"
+        )
+    return lines

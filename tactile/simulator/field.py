@@ -1,0 +1,63 @@
+"""The strain or stress field at the taxels of one finger over some frames, before any electronics."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactile.elastic.medium import Medium
+from tactile.frame import TaxelArray
+from tactile.simulator.pressed import Pressed
+from tactile.simulator.roads import Road, felt_by
+
+Plane = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Field:
+    """What the taxels feel, with all that is needed to add a term to it.
+
+    ``times`` (n,) [s]; ``first``: number of the first frame; ``values`` (n, rows, cols, 3) in the medium's reading.
+    """
+
+    array: TaxelArray
+    medium: Medium
+    times: Plane
+    first: int
+    pressed: Pressed
+    values: Plane
+
+
+def felt(positions: Plane, depth: float, pressed: Pressed, medium: Medium, road: Road | None = None) -> Plane:
+    """What taxels at ``positions`` (..., 2) feel of all that presses: (frames, ..., 3).
+
+    Points go by the road, circles and twists by their own quadrature; what is not there is not imported.
+    """
+    values = felt_by(road, positions, depth, pressed.loads, medium)
+    extra = (1,) * (positions.ndim - 1)
+    for disc in pressed.discs:
+        from tactile.elastic.discs import disc_load  # only where called for
+
+        frames, count = disc.radii.shape
+        loads, radii, lam = (
+            part.reshape(frames, *extra, count, *part.shape[2:]) for part in (disc.loads, disc.radii, disc.lam)
+        )
+        values += disc_load(positions, depth, loads, radii, disc.profile, medium, lam)
+    for twist in pressed.twists:
+        from tactile.elastic.discs import twist_load  # the same
+
+        frames, count = twist.radii.shape
+        values += twist_load(
+            positions,
+            depth,
+            twist.twists.reshape(frames, *extra, count, 3),
+            twist.radii.reshape(frames, *extra, count),
+            medium,
+        )
+    return values
+
+
+def field_of(array: TaxelArray, medium: Medium, times: Plane, first: int, pressed: Pressed, road: Road) -> Field:
+    """The field of what presses on a finger, without effects."""
+    values = felt(array.positions(), array.depth, pressed, medium, road)
+    return Field(array, medium, times, first, pressed, values)

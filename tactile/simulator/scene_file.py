@@ -1,0 +1,157 @@
+"""Scenes in TOML files: examples/scenes/ explains every key. Lengths in mm there, SI units here."""
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from cnnsim.errors import InputError
+from tactile.frame import TaxelArray
+from tactile.simulator.contacts import MovingLoad
+from tactile.simulator.scene import FULL_SCALE, Contact, Scene
+from tactile.simulator.scene_parts import keyframes, one_finger, positive
+from tactile.sources.tables import check_keys, take, take_array, take_numbers, take_tables
+
+TOP_KEYS = (
+    "title", "rate_hz", "duration_s", "seed", "effects", "tolerance",
+    "cover", "finger", "load", "contact", "texture", "map", "effect",
+)  # fmt: skip
+COVER_KEYS = ("youngs_modulus_mpa", "quantity", "full_scale")
+FINGER_KEYS = ("name", "rows", "cols", "pitch_mm", "depth_mm", "origin_mm")
+LOAD_KEYS = ("finger", "path")
+KEYFRAME = "t_s, x_mm, y_mm, Q_N, R_N, F_N"
+TOLERANCE = 0.02
+"""What ``effects = "auto"`` may leave out, relative to the peak of the signal, unless the scene says."""
+
+
+def read_scene(path: Path) -> Scene:
+    """Read a scene from a TOML file; ``examples/scenes/`` explains every key.
+
+    Raises:
+        InputError: no such file, no TOML, an unknown or missing key, a wrong type or value, nothing that presses.
+    """
+    return scene_from(read_table(path), str(path), path.parent)
+
+
+def read_table(path: Path) -> dict[str, Any]:
+    """The file's bare table.
+
+    Raises:
+        InputError: no such file, or no TOML.
+    """
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read as a scene: {error}") from error
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: not TOML: {error}") from error
+
+
+def scene_from(table: dict[str, Any], where: str, folder: Path = Path()) -> Scene:
+    """Return the scene that a parsed TOML table describes; ``where`` names it in messages, ``folder`` holds its files.
+
+    With ``effects = "auto"`` the effects whose estimated size exceeds ``tolerance`` are on, see ``auto``.
+
+    Raises:
+        InputError: as ``read_scene``.
+    """
+    scene, tolerance = bare_scene(table, where, folder)
+    if tolerance is None:
+        return scene
+    from tactile.simulator.auto import choose  # only where called for
+
+    return choose(scene, tolerance).scene
+
+
+def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tuple[Scene, float | None]:
+    """The scene with the effects that it names, and the tolerance of ``effects = "auto"``, None without it.
+
+    Raises:
+        InputError: as ``read_scene``.
+    """
+    check_keys(table, TOP_KEYS, where)
+    cover = take(table, "cover", dict, where)
+    check_keys(cover, COVER_KEYS, f"{where}: [cover]")
+    modulus = positive(cover, "youngs_modulus_mpa", f"{where}: [cover]") * 1e6
+    quantity = take(cover, "quantity", str, f"{where}: [cover]", "strain")
+    if quantity not in ("strain", "stress"):
+        raise InputError(f"{where}: [cover]: quantity = {quantity!r}, 'strain' or 'stress' wanted")
+    fingers = take_tables(table, "finger", where)
+    arrays = tuple(_finger(finger, quantity, f"{where}: finger {n}") for n, finger in enumerate(fingers, 1))
+    names = [array.name for array in arrays]
+    if not names or len(set(names)) < len(names):
+        raise InputError(f"{where}: fingers {names}, at least one [[finger]] and no name twice wanted")
+    loads = tuple(
+        _load(load, names, f"{where}: load {n}") for n, load in enumerate(take_tables(table, "load", where), 1)
+    )
+    contacts = _contacts(table, names, where, folder)
+    if not loads and not contacts:
+        raise InputError(
+            f"{where}: a scene without loads, at least one [[load]] wanted (or [[contact]], [[texture]], [[map]])"
+        )
+    scene = Scene(
+        title=take(table, "title", str, where),
+        rate=positive(table, "rate_hz", where),
+        duration=positive(table, "duration_s", where),
+        modulus=modulus,
+        arrays=arrays,
+        loads=loads,
+        contacts=contacts,
+        effects=_effects(table, where),
+        full_scale=positive(cover, "full_scale", f"{where}: [cover]", FULL_SCALE),
+        seed=take(table, "seed", int, where, 0),
+    )
+    if scene.seed < 0:
+        raise InputError(f"{where}: seed = {scene.seed}, a whole number from 0 up wanted")
+    if "effects" not in table:
+        if "tolerance" in table:
+            raise InputError(f"{where}: a tolerance without effects = 'auto'")
+        return scene, None
+    if table["effects"] != "auto":
+        raise InputError(
+            f"{where}: effects = {table['effects']!r}, 'auto' wanted; single ones are tables [effect.NAME]"
+        )
+    return scene, positive(table, "tolerance", where, TOLERANCE)
+
+
+def _finger(table: dict[str, Any], quantity: str, where: str) -> TaxelArray:
+    check_keys(table, FINGER_KEYS, where)
+    return take_array(
+        table,
+        pitch=take(table, "pitch_mm", float, where) * 1e-3,
+        depth=take(table, "depth_mm", float, where) * 1e-3,
+        origin=[x * 1e-3 for x in take_numbers(table, "origin_mm", 2, where, [0.0, 0.0])],
+        quantity=quantity,
+        where=where,
+    )
+
+
+def _load(table: dict[str, Any], names: list[str], where: str) -> MovingLoad:
+    check_keys(table, LOAD_KEYS, where)
+    finger = one_finger(table, names, where)
+    return MovingLoad(finger, keyframes(table, KEYFRAME, where) * (1, 1e-3, 1e-3, 1, 1, 1))
+
+
+def _contacts(table: dict[str, Any], names: list[str], where: str, folder: Path) -> tuple[Contact, ...]:
+    if not any(table.get(kind) for kind in ("contact", "texture", "map")):
+        return ()
+    from tactile.simulator import scene_contacts  # only where called for
+
+    return tuple(
+        read(entry, names, f"{where}: {kind} {n}", folder)
+        for kind, read in scene_contacts.READERS.items()
+        for n, entry in enumerate(take_tables(table, kind, where), 1)
+    )
+
+
+def _effects(table: dict[str, Any], where: str) -> tuple[tuple[str, Any], ...]:
+    named = take(table, "effect", dict, where, {})
+    if not named:
+        return ()
+    from tactile.simulator.effects import ORDER, read_effect  # only where called for
+
+    check_keys(named, ORDER, f"{where}: [effect]")
+    return tuple(
+        (name, read_effect(name, take(named, name, dict, f"{where}: [effect]"), f"{where}: [effect.{name}]"))
+        for name in ORDER
+        if name in named
+    )
