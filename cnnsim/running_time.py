@@ -71,7 +71,7 @@ def guaranteed_time(
 
 def time_of_picture(
     template: Template, *, state: Array, input: Array | None = None, boundary: Boundary,  # noqa: A002 - u
-    bias: Array | None = None, mask: Array | None = None, step: float = 0.1,
+    bias: Array | None = None, mask: NDArray[Any] | None = None, step: float = 0.1,
 ) -> RunningTime:  # fmt: skip
     """Return the time after which every output is final, for these planes (rows, cols).
 
