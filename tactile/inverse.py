@@ -16,6 +16,7 @@ sign of sigma_zz is that of -s, and there is one candidate only.
 
 from collections.abc import Callable
 from enum import IntEnum
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -166,6 +167,7 @@ STRAIN_INVERSE = Cellwise(
     ("depth", "modulus", "floor", "pressing"),
     invert_strain,
     _strain_kernel,
+    (files("tactile") / "inverse_strain.cl").read_text(encoding="utf-8"),
 )
 STRESS_INVERSE = Cellwise(
     "stress-inverse",
@@ -175,4 +177,5 @@ STRESS_INVERSE = Cellwise(
     ("depth", "floor"),
     invert_stress,
     _stress_kernel,
+    (files("tactile") / "inverse_stress.cl").read_text(encoding="utf-8"),
 )
