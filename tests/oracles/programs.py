@@ -1,0 +1,367 @@
+"""What the programs of the library have to answer, by other ways: labels, floods, queues, ranks and plain loops.
+
+Pictures are boolean arrays, True where black; gray planes are float arrays. Every oracle gives a program's outputs by
+name. Those of programs that keep planes take the frames of a sequence and give the outputs of each run.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping, Sequence
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy import ndimage
+from skimage.measure import euler_number
+
+Picture = npt.NDArray[np.bool_]
+Plane = npt.NDArray[np.float64]
+Answer = dict[str, Any]
+Cell = tuple[int, int]
+
+SQUARE = np.ones((3, 3), dtype=bool)
+CROSS = ndimage.generate_binary_structure(2, 1)
+
+
+# --- objects and holes -------------------------------------------------------------------------------------------------
+
+
+def count(picture: Picture, neighbours: Picture = SQUARE) -> int:
+    """The number of connected objects."""
+    return int(ndimage.label(picture, neighbours)[1])
+
+
+def hole_count(picture: Picture, neighbours: Picture = CROSS) -> int:
+    """The number of white regions that do not reach the outside."""
+    return count(~np.pad(picture, 1), neighbours) - 1
+
+
+def touched(picture: Picture, marker: Picture) -> Picture:
+    """The 8-connected objects with a cell in the marker, by their labels."""
+    labels, _ = ndimage.label(picture, SQUARE)
+    return np.asarray(np.isin(labels, np.unique(labels[marker & picture])) & picture)
+
+
+def eroded(picture: Picture, times: int) -> Picture:
+    """Erosion by the 3x3 square with white outside."""
+    return np.asarray(ndimage.binary_erosion(picture, SQUARE, iterations=times))
+
+
+def opening(picture: Picture) -> Answer:
+    return {"opened": ndimage.binary_opening(picture, SQUARE)}
+
+
+def closing(picture: Picture) -> Answer:
+    """Closing on a wide white plane; but what is outside the picture never keeps a cell from being filled."""
+    wide = ndimage.grey_closing(picture.astype(int), size=3, mode="constant", cval=0) > 0
+    dilated = ndimage.binary_dilation(picture, SQUARE)
+    closed = np.array([
+        [dilated[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2].all() for j in range(picture.shape[1])]
+        for i in range(picture.shape[0])
+    ])  # fmt: skip
+    assert not (wide & ~closed).any()
+    return {"closed": closed}
+
+
+def thinning(picture: Picture) -> Answer:
+    """Golay's L by the hit-or-miss transform: rows are black, white, does not matter."""
+    hit = np.array([[0, 0, 0], [0, 1, 0], [1, 1, 1]]), np.array([[0, 0, 0], [1, 1, 0], [0, 1, 0]])
+    miss = np.array([[1, 1, 1], [0, 0, 0], [0, 0, 0]]), np.array([[0, 1, 1], [0, 0, 1], [0, 0, 0]])
+    thin = picture
+    while True:
+        before = thin
+        for turn in range(4):  # clockwise: the side, then the corner to its right
+            for black, white in zip(hit, miss, strict=True):
+                thin = thin & ~ndimage.binary_hit_or_miss(thin, np.rot90(black, -turn), np.rot90(white, -turn))
+        if np.array_equal(thin, before):
+            return {"thin": thin}
+
+
+def areas(picture: Picture) -> Answer:
+    filled = ndimage.binary_fill_holes(picture)
+    return {
+        "holes": filled & ~picture,
+        "black": picture.sum(),
+        "enclosed": filled.sum(),
+        "hole_area": filled.sum() - picture.sum(),
+    }
+
+
+def euler(picture: Picture) -> Answer:
+    """Bit quads, by scikit-image."""
+    return {"euler": euler_number(picture, connectivity=2)}
+
+
+def objects(picture: Picture) -> Answer:
+    return {"objects": count(picture)}
+
+
+def holes(picture: Picture) -> Answer:
+    return {"objects": count(picture), "holes": hole_count(picture), "euler": count(picture) - hole_count(picture)}
+
+
+def _runs_at_the_end(line: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """As many single black cells as the line has runs, at its end, one white cell between each two."""
+    squeezed = np.zeros_like(line)
+    number = sum(black for black, _ in groupby(line.tolist()))
+    squeezed[len(line) - 1 - 2 * np.arange(number)] = True
+    return squeezed
+
+
+def runs(picture: Picture) -> Answer:
+    rows, columns, diagonals = (np.zeros_like(picture) for _ in range(3))
+    for i, row in enumerate(picture):
+        rows[i] = _runs_at_the_end(row)
+    for j, column in enumerate(picture.T):
+        columns[:, j] = _runs_at_the_end(column)
+    i, j = np.indices(picture.shape)
+    for offset in range(1 - picture.shape[0], picture.shape[1]):
+        diagonals[j - i == offset] = _runs_at_the_end(picture[j - i == offset])
+    planes = {"rows": rows, "columns": columns, "diagonals": diagonals}
+    return {
+        **planes,
+        "row_runs": rows.sum(),
+        "column_runs": columns.sum(),
+        "diagonal_runs": diagonals.sum(),
+    }
+
+
+def sizes(picture: Picture, medium: int = 1, large: int = 2) -> Answer:
+    thicker, thick = (touched(picture, eroded(picture, n)) for n in (medium, large))
+    return {"small": picture & ~thicker, "medium": thicker & ~thick, "large": thick}
+
+
+def band(picture: Picture, at_least: int = 1, too_large: int = 2) -> Answer:
+    chosen = sizes(picture, at_least, too_large)["medium"]
+    return {"chosen": chosen, "contour": chosen & ~eroded(chosen, 1)}
+
+
+def isolated(picture: Picture, marker: Picture) -> Answer:
+    chosen = touched(picture, marker)
+    return {"chosen": chosen, "rest": picture & ~chosen}
+
+
+# --- mazes -------------------------------------------------------------------------------------------------------------
+
+
+def _beside(cell: Cell, lanes: Picture) -> list[Cell]:
+    i, j = cell
+    near = [(i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)]
+    return [(k, l) for k, l in near if 0 <= k < lanes.shape[0] and 0 <= l < lanes.shape[1] and lanes[k, l]]
+
+
+def distances(lanes: Picture, start: Picture) -> npt.NDArray[np.int_]:
+    """Steps from the nearest start by breadth-first search; -1 where there is no way."""
+    steps = np.where(start & lanes, 0, -1)
+    queue = deque((int(i), int(j)) for i, j in np.argwhere(start & lanes))
+    while queue:
+        cell = queue.popleft()
+        for other in _beside(cell, lanes):
+            if steps[other] < 0:
+                steps[other] = steps[cell] + 1
+                queue.append(other)
+    return steps
+
+
+def without_dead_ends(walls: Picture, ends: Picture) -> Answer:
+    """The lanes that are left when dead ends are taken away one cell at a time, in no particular order."""
+    lanes = ~walls | ends
+    waiting = [(int(i), int(j)) for i, j in np.argwhere(lanes)]
+    while waiting:
+        cell = waiting.pop()
+        near = _beside(cell, lanes)
+        if lanes[cell] and not ends[cell] and len(near) <= 1:
+            lanes[cell] = False
+            waiting += near
+    return {"path": lanes}
+
+
+def shortest_paths(walls: Picture, start: Picture, goal: Picture) -> Answer:
+    there, back = distances(~walls, start), distances(~walls, goal)
+    met = (there >= 0) & (back >= 0)
+    length = (there + back)[met].min() if met.any() else -1
+    return {"path": met & (there + back == length), "length": length}
+
+
+# --- life, gray pictures -----------------------------------------------------------------------------------------------
+
+
+def life(picture: Picture, generations: int = 1) -> Answer:
+    """Conway's rule, cell by cell."""
+    alive = picture
+    for _ in range(generations):
+        around = ndimage.convolve(alive.astype(int), [[1, 1, 1], [1, 0, 1], [1, 1, 1]], mode="constant")
+        alive = (around == 3) | (alive & (around == 2))
+    return {"alive": alive}
+
+
+def gray_opening(picture: Plane, radius: int = 1) -> Answer:
+    size = 2 * radius + 1
+    darkest = ndimage.grey_erosion(picture, size=(size, size), mode="nearest")
+    return {"eroded": darkest, "opened": ndimage.grey_dilation(darkest, size=(size, size), mode="nearest")}
+
+
+def gray_closing(picture: Plane, radius: int = 1) -> Answer:
+    size = 2 * radius + 1
+    lightest = ndimage.grey_dilation(picture, size=(size, size), mode="nearest")
+    return {"dilated": lightest, "closed": ndimage.grey_erosion(lightest, size=(size, size), mode="nearest")}
+
+
+def gray_gradient(picture: Plane) -> Answer:
+    return {"gradient": ndimage.morphological_gradient(picture, size=(3, 3), mode="nearest") / 2}
+
+
+def median(picture: Plane) -> Answer:
+    return {"median": ndimage.median_filter(picture, size=3, mode="nearest")}
+
+
+def ranked(picture: Plane, rank: int = 5) -> Answer:
+    return {"ranked": ndimage.rank_filter(picture, rank=9 - rank, size=3, mode="nearest")}
+
+
+def edge_density(picture: Plane, averages: int = 3) -> Plane:
+    """Mean size of the differences to the eastern and southern neighbours, scaled to 0..1 and averaged in boxes."""
+    wide = np.pad(picture, ((0, 1), (0, 1)), mode="edge")
+    density = (np.abs(np.diff(wide, axis=1))[:-1] + np.abs(np.diff(wide, axis=0))[:, :-1]) / 4
+    for _ in range(averages):
+        density = ndimage.uniform_filter(density, size=3, mode="nearest")
+    return density
+
+
+# --- sequences ---------------------------------------------------------------------------------------------------------
+
+Frames = Sequence[Mapping[str, Any]]
+
+
+def _with_before(frames: Frames) -> list[tuple[Picture, Picture]]:
+    pictures = [frame["frame"] for frame in frames]
+    return list(zip([np.zeros_like(pictures[0]), *pictures], pictures, strict=False))
+
+
+def motion(frames: Frames) -> list[Answer]:
+    answers = []
+    for before, now in _with_before(frames):
+        moving = touched(now, now & ~before)
+        planes = {"appeared": now & ~before, "vanished": before & ~now, "moving": moving, "resting": now & ~moving}
+        answers.append({**planes, "motion": int((now != before).any())})
+    return answers
+
+
+def speed(frames: Frames, cells: int = 1) -> list[Answer]:
+    """Chessboard distance to the nearest black cell of the frame before, object by object."""
+    answers = []
+    for before, now in _with_before(frames):
+        far = np.full(now.shape, np.inf)
+        if before.any():
+            far = ndimage.distance_transform_cdt(~before, "chessboard")
+        slow = np.zeros_like(now)
+        labels, number = ndimage.label(now, SQUARE)
+        for label in range(1, number + 1):
+            slow |= (labels == label) & (far[labels == label].max() <= cells)
+        answers.append({"slow": slow, "fast": now & ~slow})
+    return answers
+
+
+def direction(frames: Frames) -> list[Answer]:
+    """An object fits a direction if all its cells, one step back, were black before."""
+    back = {"east": (0, -1), "west": (0, 1), "north": (1, 0), "south": (-1, 0), "rest": (0, 0)}
+    answers = []
+    for before, now in _with_before(frames):
+        answer = {name: np.zeros_like(now) for name in back}
+        labels, number = ndimage.label(now, SQUARE)
+        wide = np.pad(before, 1)
+        for label in range(1, number + 1):
+            cells = np.argwhere(labels == label)
+            for name, step in back.items():
+                if all(wide[i + 1 + step[0], j + 1 + step[1]] for i, j in cells):
+                    answer[name] |= labels == label
+        answers.append(answer)
+    return answers
+
+
+# --- touch -------------------------------------------------------------------------------------------------------------
+
+
+def contact_blob(pressing: Plane, level: float = 0.25) -> Answer:
+    """The edge: blob cells that see an 8-neighbour inside the array which is no blob."""
+    contact = pressing > level
+    blob = ndimage.binary_fill_holes(contact)
+    edge = blob & ~ndimage.binary_erosion(blob, SQUARE, border_value=True)
+    return {"contact": contact, "blob": blob, "edge": edge, "area": blob.sum(), "edge_length": edge.sum()}
+
+
+def slip(frames: Frames, level: float = 0.25) -> list[Answer]:
+    """Taxel by taxel: a direction goes on above 1/4 and off below 1/6 of full scale."""
+    answers = []
+    shape = frames[0]["shear_x"].shape
+    code = np.zeros((*shape, 4), dtype=bool)
+    touched_before, slid = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
+    for frame in frames:
+        x, y = frame["shear_x"], frame["shear_y"]
+        strength = np.stack((x, -x, y, -y), axis=-1)
+        new = np.where(code, strength > 1 / 6, strength > 1 / 4)
+        contact = frame["pressing"] > level
+        slipped = (new != code).any(axis=-1) & contact & touched_before
+        slid = (slid | slipped) & contact
+        stuck = contact & ~slid
+        front = np.zeros(shape, dtype=bool)
+        for i, j in np.argwhere(slid):
+            front[i, j] = stuck[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2].any()
+        planes = {"slipped": slipped, "slid": slid, "stuck": stuck, "front": front}
+        answers.append({**planes, "slipping": int(slipped.any())})
+        code, touched_before = new, contact
+    return answers
+
+
+def _slope(plane: Plane, axis: int) -> Plane:
+    """numpy's gradient, its one-sided differences at the rim halved; 0 along a side of one taxel."""
+    if plane.shape[axis] == 1:
+        return np.zeros_like(plane)
+    slope = np.gradient(plane, axis=axis)
+    rim = np.moveaxis(slope, axis, 0)
+    rim[[0, -1]] /= 2
+    return np.asarray(slope)
+
+
+def shear_flow(shear_x: Plane, shear_y: Plane, level: float = 0.1) -> Answer:
+    divergence = _slope(shear_x, 1) + _slope(shear_y, 0)
+    curl = _slope(shear_y, 1) - _slope(shear_x, 0)
+    return {
+        "divergence": divergence,
+        "curl": curl,
+        "spreading": divergence > level,
+        "converging": divergence < -level,
+        "clockwise": curl > level,
+        "anticlockwise": curl < -level,
+    }
+
+
+def coherent_shear(
+    shear_x: Plane, shear_y: Plane, pressing: Plane, level: float = 0.25, dead_band: float = 0.25, votes: int = 5
+) -> Answer:
+    contact = pressing > level
+    answer: Answer = {"coherent": np.zeros_like(contact), "whole": 0}
+    for name, strength in {"right": shear_x, "left": -shear_x, "down": shear_y, "up": -shear_y}.items():
+        points = (strength > dead_band) & contact
+        heard = ndimage.correlate(points.astype(int), np.ones((3, 3), dtype=int), mode="constant")
+        answer[name] = (heard >= votes) & contact
+        answer["coherent"] |= answer[name]
+        answer["whole"] += int(2 * points.sum() > contact.sum())
+    return answer
+
+
+def onset_wave(contact: Picture, onset: Picture) -> Answer:
+    """Geodesic reconstruction, and breadth-first search over eight neighbours for the order of arrival."""
+    start = contact & onset
+    arrival = np.where(start, 0, -1)
+    queue = deque((int(i), int(j)) for i, j in np.argwhere(start))
+    while queue:
+        i, j = queue.popleft()
+        for k in range(max(i - 1, 0), min(i + 2, contact.shape[0])):
+            for l in range(max(j - 1, 0), min(j + 2, contact.shape[1])):
+                if contact[k, l] and arrival[k, l] < 0:
+                    arrival[k, l] = arrival[i, j] + 1
+                    queue.append((k, l))
+    return {"reached": ndimage.binary_propagation(start, SQUARE, contact), "arrival": arrival}
