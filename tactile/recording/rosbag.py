@@ -45,7 +45,7 @@ class BagReplay:
             force = np.array([(p.fX, p.fY, p.fZ) for p in message.pillars], dtype=np.float64)
             values = force.reshape(*self.arrays[finger].shape, 3)
             t_device = float(getattr(message, "tus", math.nan)) * 1e-6
-            valid = np.isfinite(values).all(-1)
+            valid = np.asarray(np.isfinite(values).all(-1))
             yield Frame(finger, (stamp - start) * 1e-9, counts[finger], values, valid, t_device)
             counts[finger] += 1
 

@@ -129,7 +129,7 @@ def closing(session: "Session", recording: Any, as_json: bool) -> Iterator[None]
             if clock["residual_median_s"] is not None:
                 usual, most = clock["residual_median_s"], clock["residual_max_s"]
                 click.echo(
-                    f"device clock: {clock['drift_ppm']:+.1f} ppm; frames come {usual:.6f} s after it, at most {most:.6f}"
+                    f"device: {clock['drift_ppm']:+.1f} ppm; frames come {usual:.6f} s after it, longest {most:.6f}"
                 )
             for name, value in settled.items():
                 click.echo(f"{name.replace('_', ' ')}: {'not told by the data' if value is None else value}")

@@ -24,10 +24,12 @@ from tactile.serial.packets import Packet
 
 BUFFER = 64 * 1024
 """Bytes the device keeps while nobody reads; frames beyond are lost, as in firmware, and counted."""
-BOOT = 0.1
+BOOT = 0.3
 """[s] from the opening of the port to the first frame."""
 PIECE_PAUSE = 0.0005
 """[s] between the pieces of a frame that is split."""
+AWAY = -1
+"""The file number of a port that is unplugged."""
 LINGER = 0.1
 """[s] that the port stays after the last byte."""
 
@@ -65,9 +67,12 @@ class Emulator:
             self.port = str(self._link)
 
     def _pull(self) -> None:
+        if self._master == AWAY:
+            return
         if self._link is not None:
             self._link.unlink(missing_ok=True)
         os.close(self._master)
+        self._master = AWAY
         self._pending.clear()
         self._asked.clear()
 
@@ -78,13 +83,17 @@ class Emulator:
             if opened is not None:
                 opened()
             stop.wait(BOOT)
-            start, pieces = time.monotonic(), self._faults
+            start, faults = time.monotonic(), self._faults
             for t, packet in packets:
                 while not stop.is_set() and (wait := start + t - time.monotonic()) > 0:
                     self._serve(wait)
-                if pieces.in_spell(t, pieces.unplug, pieces.unplug_for):
-                    self._replug(stop)
-                while not stop.is_set() and pieces.in_spell(time.monotonic() - start, pieces.stall, pieces.stall_for):
+                if faults.in_spell(t, faults.unplug, faults.unplug_for):
+                    self._pull()
+                    continue
+                if self._master == AWAY:
+                    self.unplugged += 1
+                    self._plug()
+                while not stop.is_set() and faults.in_spell(time.monotonic() - start, faults.stall, faults.stall_for):
                     stop.wait(0.005)
                 if stop.is_set():
                     return
@@ -94,17 +103,14 @@ class Emulator:
         finally:
             self._pull()
 
-    def _replug(self, stop: threading.Event) -> None:
-        self._pull()
-        self.unplugged += 1
-        stop.wait(self._faults.unplug_for)
-        self._plug()
-
     def _wait_open(self, stop: threading.Event) -> None:
         while not stop.is_set() and self._hung_up():
             stop.wait(0.01)
 
     def _hung_up(self) -> bool:
+        """Return whether nobody has the port open."""
+        if self._master == AWAY:
+            return True
         poll = select.poll()
         poll.register(self._master, select.POLLHUP)
         return any(event & select.POLLHUP for _, event in poll.poll(0))

@@ -14,6 +14,8 @@ from tactile.wire.registry import find_format
 
 FIRM = {"strain": 0.01, "stress": 2e4, "force": 1.0}
 """A firm touch in every quantity [1, Pa, N]."""
+KEPT = 50_000
+"""Frames up to which all are computed before the first is sent, so that none is late for that."""
 
 Packet = tuple[float, bytes]
 """Seconds since the device started, and what it sends then."""
@@ -53,11 +55,13 @@ def packets(description: Description, source: Source, loop: bool = False) -> Ite
     """
     if [array.shape for array in source.arrays] != [array.shape for array in description.arrays]:
         raise InputError(f"{source.title!r} and the array description have arrays of different shapes")
+    few = source.frames is not None and source.frames <= KEPT
+    every: Iterable[Frame] = list(source) if few else source
     encoder = description.wire.encoder(description.options)
     count, begin, preamble = 0, 0.0, encoder.preamble()
     while True:
         last = step = 0.0
-        for t, frames in instants(source, len(description.boards)):
+        for t, frames in instants(every, len(description.boards)):
             boards = [back(frame, board) for frame, board in zip(frames, description.boards, strict=True)]
             if description.wire.name != "csv":
                 boards = [np.nan_to_num(board) for board in boards]

@@ -1,0 +1,210 @@
+"""The long runs that the test suite only samples. Each prints its figures and fails if something was lost unseen.
+
+python -m tests.fuzz.endurance rate --hz 1000 --seconds 60     through a pseudo-terminal into a recording
+python -m tests.fuzz.endurance unplug --times 50
+python -m tests.fuzz.endurance kill --times 20
+python -m tests.fuzz.endurance random --count 1000000          random and mutated bytes, every decoder
+"""
+
+import json
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from tactile.recording.reader import open_recording
+from tactile.wire.registry import NAMES, find_format
+from tests.wire_kit import pair, stream
+
+TACTILE = [
+    sys.executable, "-c",
+    "from cnnsim.command import CommandGroup; from tactile.cli_serial import COMMANDS;"
+    "CommandGroup(commands={c.name: c for c in COMMANDS})()",
+]  # fmt: skip
+SCENE = """
+title = "endurance"
+rate_hz = {hz}
+duration_s = {seconds}
+[cover]
+youngs_modulus_mpa = 2.4
+[[finger]]
+name = "tip"
+rows = 8
+cols = 8
+pitch_mm = 1.0
+depth_mm = 1.0
+[[load]]
+finger = "tip"
+path = [[0.5, -0.3, 0.2, 0.0, 0.0, 0.0], [1.0, -0.3, 0.2, 0.1, -0.3, 0.5], [2.5, 1.4, 0.2, 0.1, -0.3, 0.5],
+        [3.0, 1.4, 0.2, 0.0, 0.0, 0.0]]
+"""
+
+
+@click.group()
+def main() -> None:
+    """Long runs."""
+
+
+def emulator(folder: Path, hz: float, seconds: float, *more: str) -> "subprocess.Popen[str]":
+    """Start a device that loops over the scene; its port is ``folder / skin``."""
+    (folder / "scene.toml").write_text(SCENE.format(hz=hz, seconds=float(seconds)), encoding="utf-8")
+    arguments = ["emulate", "--protocol", "native", "--scene", str(folder / "scene.toml"), "--link",
+                 str(folder / "skin"), "--write-array", str(folder / "array.toml"), *more]  # fmt: skip
+    process = subprocess.Popen([*TACTILE, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    process.stdout.readline()
+    return process
+
+
+def reader(folder: Path, name: str, *more: str, command: str = "live") -> "subprocess.Popen[str]":
+    """Start a reader that writes JSON lines and a recording."""
+    record = ["-o" if command == "record" else "--record", str(folder / f"{name}.mcap")]
+    arguments = [command, "-p", str(folder / "skin"), "-a", str(folder / "array.toml"), "--json", *record, *more]
+    return subprocess.Popen([*TACTILE, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                            stdin=subprocess.DEVNULL)  # fmt: skip
+
+
+def peak_mib(process: "subprocess.Popen[str]") -> float:
+    """Return the most memory a running process ever had [MiB]."""
+    status = Path(f"/proc/{process.pid}/status").read_text(encoding="ascii")
+    return int(next(line for line in status.splitlines() if line.startswith("VmHWM")).split()[1]) / 1024
+
+
+@main.command()
+@click.option("--hz", type=float, default=1000.0)
+@click.option("--seconds", type=float, default=60.0)
+@click.option("--record-only", is_flag=True, help="Without the pipeline.")
+def rate(hz: float, seconds: float, record_only: bool) -> None:
+    """Frames of 8 x 8 x 3 at this rate with the pipeline running: nothing lost, or every loss counted."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        device = emulator(folder, hz, min(seconds, 4.0), "--loop")
+        options = [] if record_only else ["--tare", "off"]
+        process = reader(
+            folder, "r", "--seconds", str(seconds + 2.0), *options, command="record" if record_only else "live"
+        )
+        assert process.stdout is not None
+        memory, status, end = [], {}, {}
+        for text in process.stdout:
+            line: dict[str, Any] = json.loads(text)
+            if line["type"] == "status":
+                memory.append(peak_mib(process))
+                status = line
+            elif line["type"] == "end":
+                end = line
+        device.send_signal(signal.SIGINT)
+        _, said = device.communicate()
+        recorded = open_recording(folder / "r.mcap")
+        seen = end["counts"]
+        print(f"device: {said.strip()}")
+        print(f"counts: {seen}, recorded frames: {recorded.messages.get('/frames/tip')}, clock {end['clock']}")
+        if status:
+            latency = {key: f"{1e3 * status[f'latency_{key}_s']:.2f} ms" for key in ("median", "p99", "max")}
+            print(f"latency: {latency}; peak memory {memory[0]:.0f} MiB after 1 s, {memory[-1]:.0f} MiB at the end")
+        assert recorded.messages.get("/frames/tip") == seen["good"]
+
+
+@main.command()
+@click.option("--times", type=int, default=50)
+def unplug(times: int) -> None:
+    """Take the port away again and again; the reader always comes back and the frames between are counted."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        device = emulator(folder, 200, 4.0, "--loop", "--unplug", "0.6", "--unplug-for", "0.2")
+        process = reader(folder, "u", "--tare", "off")
+        time.sleep(0.8 * times + 6)
+        process.send_signal(signal.SIGINT)
+        out, errors = process.communicate(timeout=60)
+        device.send_signal(signal.SIGINT)
+        _, said = device.communicate()
+        end = json.loads(out.splitlines()[-1])
+        print(f"device: {said.strip()}\nunplugged {end['unplugged']} times: {end['counts']} {errors}")
+        sent = int(said.split()[1])
+        recorded = open_recording(folder / "u.mcap")
+        plugged = sum(note["note"] == "plugged" for note in recorded.notes("/port"))
+        print(f"plugged {plugged} times by the recording, complete: {recorded.complete}; device sent {sent}")
+        assert end["unplugged"] >= times
+        assert end["counts"]["bad_checksum"] == 0
+
+
+@main.command()
+@click.option("--times", type=int, default=20)
+@click.option("--seed", type=int, default=0)
+def kill(times: int, seed: int) -> None:
+    """Kill the recorder at random moments: every frame older than 0.5 s must be there."""
+    rng, worst = random.Random(seed), 0.0
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        device = emulator(folder, 500, 4.0, "--loop")
+        for n in range(times):
+            process = reader(folder, f"k{n}", command="record")
+            path = folder / f"k{n}.mcap"
+            while not path.exists() or path.stat().st_size < 20_000:
+                time.sleep(0.01)
+            time.sleep(rng.uniform(0.3, 2.0))
+            process.kill()
+            killed = time.time_ns()
+            process.communicate()
+            recorded = open_recording(path)
+            last = int(recorded.made["start_ns"]) + [chunk.t for chunk in recorded.chunks() if chunk.data][-1]
+            frames = list(recorded.source())
+            steps = np.diff([frame.sequence for frame in frames])
+            missing = (killed - last) * 1e-9
+            worst = max(worst, missing)
+            assert not recorded.complete
+            assert (steps == 1).all(), steps[steps != 1]
+            assert missing < 0.5, f"the last {missing:.3f} s are gone"
+        device.send_signal(signal.SIGINT)
+        device.communicate()
+    print(f"{times} kills: no frame missing inside, at most the last {worst:.3f} s gone")
+
+
+@main.command("random")
+@click.option("--count", type=int, default=1_000_000)
+@click.option("--seed", type=int, default=1)
+@click.argument("names", nargs=-1)
+def random_bytes(count: int, seed: int, names: tuple[str, ...]) -> None:
+    """Random bytes, then streams in which one byte in 500 is changed, lost or added: time and false frames."""
+    for name in names or NAMES:
+        rng = np.random.default_rng(seed)
+        decoder, begun = pair(name)[0], time.perf_counter()
+        false = sum(len(decoder.feed(rng.bytes(4096))) for _ in range(count // 4096 + 1)) + len(decoder.finish())
+        seconds = time.perf_counter() - begun
+        packets, _ = stream(name, {}, 4000, seed)
+        clean = b"".join(packets)
+        truth = {reading.values.tobytes() for reading in pair(name)[0].feed(clean)}
+        data = bytearray()
+        while len(data) < count:
+            data += clean
+        whole, mutated = len(data), _mutate(bytes(data[:count]), rng)
+        decoder, begun = pair(name)[0], time.perf_counter()
+        got = [reading for at in range(0, len(mutated), 4096) for reading in decoder.feed(mutated[at : at + 4096])]
+        wrong = sum(reading.values.tobytes() not in truth for reading in got)
+        print(f"{name}: random {count} bytes: {false} false frames in {seconds:.1f} s; mutated: {len(got)} frames,"
+              f" {wrong} wrong in {time.perf_counter() - begun:.1f} s; {decoder.counts} ({whole} clean)")  # fmt: skip
+        assert false <= (1 if find_format(name).checked else 0)
+
+
+def _mutate(data: bytes, rng: np.random.Generator) -> bytes:
+    out, places = bytearray(), np.flatnonzero(rng.random(len(data)) < 1 / 500).tolist()
+    for a, b in zip([0, *places], [*places, len(data)], strict=True):
+        out += data[a:b]
+        kind = rng.integers(3)
+        if b < len(data) and kind == 0:
+            out += rng.bytes(1)
+        elif out and kind == 1:
+            out[-1] ^= 1 << int(rng.integers(8))
+        elif out:
+            del out[-1]
+    return bytes(out)
+
+
+if __name__ == "__main__":
+    main()
