@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from tests.oracles import programs as oracle
+from tests.oracles import touch_programs as oracle
 from tests.program_cases import (
     BACKENDS,
     TINY,
