@@ -9,7 +9,7 @@ import numba
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from cnnsim.backends import cpu_bits, cpu_closed, cpu_kernels
+from cnnsim.backends import cpu_bits, cpu_closed, cpu_general, cpu_kernels
 from cnnsim.backends.base import Memory, Outcome, check_finite
 from cnnsim.backends.cpu_bits import Bits
 from cnnsim.backends.cpu_compile import THREADS_PAY_FROM, Kernel
@@ -17,6 +17,7 @@ from cnnsim.backends.cpu_control import control
 from cnnsim.backends.cpu_dense import dense
 from cnnsim.backends.cpu_morphology import neighbourhood
 from cnnsim.backends.cpu_prepared import Prepared
+from cnnsim.backends.cpu_sleep import sleeping
 from cnnsim.bitwise import BitRule
 from cnnsim.cellwise import Cellwise
 from cnnsim.errors import InputError
@@ -29,8 +30,8 @@ _NO_MASK = np.empty((1, 1, 0), dtype=bool)
 
 
 def _grids(plane: Array) -> Array:
-    """View (rows, cols) as one grid of a batch."""
-    return plane if plane.ndim == 3 else plane[None]
+    """View (rows, cols) as one grid of a batch, and the layers of a batch as grids."""
+    return plane if plane.ndim == 3 else plane.reshape(-1, *plane.shape[-2:])
 
 
 class CpuBackend:
@@ -83,6 +84,9 @@ class CpuBackend:
         self, plan: Plan, x: Array, u: Array | None, bias: Array | None = None, held: Bits | None = None
     ) -> Outcome:
         """See `Backend.transient`."""
+        if plan.method == "general":
+            return cpu_general.transient(plan, x, u, bias, None if held is None else self._unpack(held, np.dtype(bool)))
+        bias = cpu_general.with_control_terms(plan, u, bias)
         ready = self._prepared.get(plan)
         if ready is None:
             ready = self._prepared[plan] = Prepared(plan, self.dtype, numba.get_num_threads())
@@ -112,6 +116,12 @@ class CpuBackend:
         work = x.size * len(plan.feedback_taps)
         if len(ready.hb) == 1 and not mask.size and not ready.walls:
             threads = numba.get_num_threads() if work >= THREADS_PAY_FROM else 1
+            if "sleep" in plan.savings:
+                end = x.copy()
+                done, settled, slope = sleeping.for_work(work)(
+                    _grids(end), _grids(np.empty_like(x)), _grids(w), ready.rule, plan.depth, threads, *ready.steps[:3]
+                )
+                return Outcome(end, done * plan.step, bool(settled), float(slope))
             planes = x, np.empty_like(x), np.empty_like(x)
             done, settled, slope, where = dense.for_work(work)(
                 *map(_grids, planes), _grids(w), ready.rule, plan.depth, *ready.tile, threads, *ready.steps

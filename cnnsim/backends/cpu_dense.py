@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cnnsim.backends.cpu_compile import twins
 from cnnsim.backends.cpu_look import MOVING, RESTLESS, STEEPEST, look_at_nothing
 from cnnsim.backends.cpu_room import divide, room_cells
-from cnnsim.backends.cpu_tile import Area, Rule, stream
+from cnnsim.backends.cpu_tile import Rule, stream, tile_area
 
 Array = NDArray[Any]
 
@@ -28,6 +28,7 @@ def dense(
     n, rows, cols = x.shape
     down, across = (rows + height - 1) // height, (cols + width - 1) // width
     tiles = n * down * across
+    rooms = np.empty((threads, room_cells(depth, rule.r)), x.dtype)
     seen = np.empty((threads, 7), np.float64)
     source, target = x, first
     done, where = 0, 0
@@ -37,12 +38,10 @@ def dense(
         measure = done == steps
         while looking:
             for thread in prange(threads):
-                room = np.empty(room_cells(1, rule.r), x.dtype)
-                at = divide(room, 1, rule.r)
+                room, at = rooms[thread], divide(rooms[thread], 1, rule.r)
                 look_at_nothing(seen[thread])
                 for tile in range(thread * tiles // threads, (thread + 1) * tiles // threads):
-                    g, p, q = tile // (down * across), tile // across % down, tile % across
-                    area = Area(p * height, min(rows, p * height + height), q * width, min(cols, q * width + width))
+                    g, area = tile // (down * across), tile_area(tile, down, across, height, width, rows, cols)
                     stream(source[g], w[g], target[g], rule, 1, area, room, at, True, rest, measure, seen[thread])
             settled = seen[:, MOVING].sum() == 0 or (freezes and seen[:, RESTLESS].sum() == 0)
             if measure:
@@ -55,11 +54,9 @@ def dense(
         if check_every > 0:
             now = min(now, check_every - done % check_every)
         for thread in prange(threads):
-            room = np.empty(room_cells(now, rule.r), x.dtype)
-            at = divide(room, now, rule.r)
+            room, at = rooms[thread], divide(rooms[thread], now, rule.r)
             for tile in range(thread * tiles // threads, (thread + 1) * tiles // threads):
-                g, p, q = tile // (down * across), tile // across % down, tile % across
-                area = Area(p * height, min(rows, p * height + height), q * width, min(cols, q * width + width))
+                g, area = tile // (down * across), tile_area(tile, down, across, height, width, rows, cols)
                 stream(source[g], w[g], target[g], rule, now, area, room, at, False, rest, False, seen[thread])
         done += now
         where = 2 if where == 1 else 1

@@ -56,13 +56,26 @@ def move(source: Array, i: int, target: Array, j: int, n: int) -> None:
 
 
 @helper
-def load_row(plane: Array, i: int, first: int, n: int, target: Array, at: int) -> None:
-    """Copy n cells of row i from column ``first`` on, around the torus where that leaves the grid."""
+def fill(room: Array, at: int, n: int, value: float) -> None:
+    """Set n cells."""
+    cells = room[at : at + n]
+    for j in range(n):
+        cells[j] = value
+
+
+@helper
+def load_row(plane: Array, i: int, first: int, n: int, room: Array, at: int, whole: int) -> None:
+    """Copy n cells of row i from column ``first`` on, around the torus where that leaves the grid.
+
+    The cells up to ``whole`` become 0: left over, they would decay from pass to pass into subnormal numbers, which are
+    slow to compute with.
+    """
     rows, cols = plane.shape
+    fill(room, at + n, whole - n, 0)
     if 0 <= i < rows and first >= 0 and first + n <= cols:
-        move(plane[i], first, target, at, n)
+        move(plane[i], first, room, at, n)
         return
-    row, to = plane[i % rows], target[at : at + n]
+    row, to = plane[i % rows], room[at : at + n]
     for m in range(n):
         to[m] = row[(first + m) % cols]
 
@@ -78,14 +91,6 @@ def clip_block(room: Array, at_x: int, at_y: int, n: int) -> None:
             v = x[j]
             v = one if v > one else v
             y[j] = -one if v < -one else v
-
-
-@helper
-def fill(room: Array, at: int, n: int, value: float) -> None:
-    """Set n cells."""
-    cells = room[at : at + n]
-    for j in range(n):
-        cells[j] = value
 
 
 @helper

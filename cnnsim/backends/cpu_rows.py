@@ -12,6 +12,7 @@ column, which is room for the virtual cells on the left.
 
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.backends.cpu_compile import fused, helper
@@ -164,3 +165,29 @@ def any_taps(
         else:
             drive_row_exact(room, at_w + o, at_y + o, k, l, weight, r, at_row, n)
             finish_row_exact(room, at_x + o, at_row, at_out + o + PAD, n, h)
+
+
+def _catch_up_row(room: Array, at_x: int, at_drive: int, n: int, h: float, steps: int) -> None:
+    """Take so many steps towards a drive that stays: x <- x + h (drive - x), until no bit changes any more."""
+    x, drive = room[at_x : at_x + n], room[at_drive : at_drive + n]
+    for _ in range(steps):
+        changes = np.int32(0)
+        for j in range(n):
+            v = x[j] + h * (drive[j] - x[j])
+            changes += np.int32(v != x[j])
+            x[j] = v
+        if changes == 0:
+            return
+
+
+catch_up_row_fused, catch_up_row_exact = fused(_catch_up_row), helper(_catch_up_row)
+
+
+@helper
+def catch_up_block(room: Array, at_x: int, at_drive: int, n: int, h: float, steps: int) -> None:
+    """Take the steps that a block has slept through, with the rounding of every single one."""
+    for q in range(BLOCK):
+        if room.itemsize == 4:
+            catch_up_row_fused(room, at_x + q * STRIDE, at_drive + q * STRIDE, n, h, steps)
+        else:
+            catch_up_row_exact(room, at_x + q * STRIDE, at_drive + q * STRIDE, n, h, steps)

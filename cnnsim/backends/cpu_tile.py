@@ -45,19 +45,26 @@ class Area(NamedTuple):
 
 
 @helper
+def tile_area(tile: int, down: int, across: int, height: int, width: int, rows: int, cols: int) -> Area:
+    """Return the cells of a tile; they are counted row by row, grid by grid."""
+    r0, c0 = tile // across % down * height, tile % across * width
+    return Area(r0, min(rows, r0 + height), c0, min(cols, c0 + width))
+
+
+@helper
 def step_block(
-    kind: int, k: Array, l: Array, weight: Array, r: int, room: Array, at: Places, at_x: int, at_w: int, at_y: int,
-    at_out: int, n: int, h: float,
+    kind: int, k: Array, l: Array, weight: Array, r: int, room: Array, at_row: int, at_square: int, at_x: int, at_w: int,
+    at_y: int, at_out: int, n: int, h: float,
 ) -> None:  # fmt: skip
     """Step one block by the loop of this kind. (A rule is not handed on whole, for the sake of reference counts.)"""
     if kind == NINE:
-        nine_taps(room, at_x, room, at_w, room, at_y, room, at_out, n, room, at.square, h)
+        nine_taps(room, at_x, room, at_w, room, at_y, room, at_out, n, room, at_square, h)
     elif kind == CROSS:
-        cross(room, at_x, room, at_w, room, at_y, room, at_out, n, room, at.square, h)
+        cross(room, at_x, room, at_w, room, at_y, room, at_out, n, room, at_square, h)
     elif kind == ISOTROPIC:
-        isotropic(room, at_x, room, at_w, room, at_y, room, at_out, n, room, at.square, h)
+        isotropic(room, at_x, room, at_w, room, at_y, room, at_out, n, room, at_square, h)
     else:
-        any_taps(room, at_x, at_w, at_y, at_out, n, k, l, weight, r, at.row, h)
+        any_taps(room, at_x, at_w, at_y, at_out, n, k, l, weight, r, at_row, h)
 
 
 @helper
@@ -65,7 +72,10 @@ def stream(
     source: Array, w: Array, target: Array, rule: Rule, depth: int, area: Area, room: Array, at: Places,
     look: bool, rest: float, measure: bool, seen: Array,
 ) -> None:  # fmt: skip
-    """Send a tile's rows through the levels; the last level goes to ``target``, or is only looked at (`look_block`)."""
+    """Send a tile's rows through the levels; the last one goes to ``target``.
+
+    With ``look`` (depth 1) nothing is written, but the step that would come is looked at (`look_block`).
+    """
     rows, cols = source.shape
     kind, r, k, l, weight, square, h, boundary, constant = rule
     torus = boundary == PERIODIC
@@ -103,17 +113,18 @@ def stream(
             if level == 0:
                 for q in range(BLOCK):
                     if i + q < bottom:
-                        load_row(source, i + q, lo, n, room, at.x + o + q * STRIDE)
-                        load_row(w, i + q, lo, n, room, at.w + o + q * STRIDE)
+                        load_row(source, i + q, lo, n, room, at.x + o + q * STRIDE, whole)
+                        load_row(w, i + q, lo, n, room, at.w + o + q * STRIDE, whole)
                 clip_block(room, at.x + o, out, whole)
             elif look:  # from x = 0 a step of length 1 goes to the drive, in the arithmetic of the steps
-                fill(room, at.drive, BLOCK * STRIDE, 0)
-                step_block(kind, k, l, weight, r, room, at, at.drive, at.w + o, y, out, whole, source.dtype.type(1))
-                look_block(
-                    room, at.x + o + inner, at.drive + inner, area.r0, area.r1, i, width, area.c0, rest, measure, seen
-                )
+                for q in range(BLOCK):
+                    fill(room, at.drive + q * STRIDE, whole, 0)
+                one = source.dtype.type(1)
+                step_block(kind, k, l, weight, r, room, at.row, at.square, at.drive, at.w + o, y, out, whole, one)
+                x0, drive0 = at.x + o + inner, at.drive + inner
+                look_block(room, x0, drive0, area.r0, area.r1, i, width, area.c0, rest, measure, seen)
             else:
-                step_block(kind, k, l, weight, r, room, at, at.x + o, at.w + o, y, out, whole, h)
+                step_block(kind, k, l, weight, r, room, at.row, at.square, at.x + o, at.w + o, y, out, whole, h)
             if level == depth:
                 if not look:
                     for q in range(max(area.r0 - i, 0), min(area.r1 - i, BLOCK)):

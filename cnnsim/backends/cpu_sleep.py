@@ -1,0 +1,101 @@
+"""Euler transients in which tiles sleep while no output in them can change; bit for bit the dense transient.
+
+A cell is stuck if |x| >= 1 and its drive pulls it outwards (see `cnnsim.backends.cpu_look`); only the others, the
+restless ones, can change an output, and what they change travels r cells a step. So a tile farther than d r cells from
+every restless cell keeps all its outputs for d steps and need not be computed: its states run towards constant drives,
+x(k) = d + (1 - h)^k (x - d), and when it wakes up it takes those steps at once, each rounded as it would have been.
+When no cell is restless, no output will ever change.
+"""
+
+from typing import Any
+
+import numpy as np
+from numba import prange
+from numpy.typing import NDArray
+
+from cnnsim.backends.cpu_compile import helper, twins
+from cnnsim.backends.cpu_look import C0, C1, MOVING, R0, R1, RESTLESS, STEEPEST, look_at_nothing
+from cnnsim.backends.cpu_room import PERIODIC, move
+from cnnsim.backends.cpu_tile import Rule, tile_area
+from cnnsim.backends.cpu_window import CATCH_UP, LOOK, shelve, step_window, window_cells
+
+Array = NDArray[Any]
+
+HEIGHT, WIDTH = 32, 64
+"""Cells of a tile: small enough to lie still as a whole, wide enough for the vectors."""
+
+
+@helper
+def wake(seen: Array, reach: int, shape: tuple[int, int, int], torus: bool, awake: Array) -> None:
+    """Mark the tiles that a restless cell's change can come to when it travels ``reach`` cells."""
+    n, rows, cols = shape
+    down, across = (rows + HEIGHT - 1) // HEIGHT, (cols + WIDTH - 1) // WIDTH
+    for tile in range(n * down * across):
+        if seen[tile, RESTLESS] == 0:
+            continue
+        first = tile // (down * across) * down * across
+        r0, r1 = int(seen[tile, R0]) - reach, int(seen[tile, R1]) + reach
+        c0, c1 = int(seen[tile, C0]) - reach, int(seen[tile, C1]) + reach
+        if not torus:
+            r0, r1, c0, c1 = max(r0, 0), min(r1, rows), max(c0, 0), min(c1, cols)
+        for i in range(r0, r1):
+            if i > r0 and i % rows % HEIGHT:
+                continue  # the same row of tiles as before
+            for j in range(c0, c1):
+                if j == c0 or j % cols % WIDTH == 0:
+                    awake[first + i % rows // HEIGHT * across + j % cols // WIDTH] = True
+
+
+@twins
+def sleeping(
+    x: Array, spare: Array, w: Array, rule: Rule, depth: int, threads: int, steps: int, check_every: int, rest: float
+) -> tuple[int, bool, float]:
+    """Run the transient of n grids in place until all have settled; ``spare`` is a plane to work in.
+
+    Returns the steps taken, whether all grids have settled, and the largest |dx/dt|, all as `dense` would.
+    """
+    n, rows, cols = x.shape
+    down, across = (rows + HEIGHT - 1) // HEIGHT, (cols + WIDTH - 1) // WIDTH
+    tiles = n * down * across
+    rooms = np.empty((threads, window_cells(HEIGHT, depth, rule.r)), x.dtype)
+    seen = np.empty((tiles, 7), np.float64)
+    upto = np.zeros(tiles, np.int64)  # the step that a tile's states belong to
+    chosen = np.ones(tiles, np.bool_)
+    done, now, settled, measure = 0, 0, False, False
+    while True:
+        work = np.flatnonzero(chosen)
+        for thread in prange(threads):
+            room, at = rooms[thread], shelve(rooms[thread], HEIGHT, depth, rule.r)
+            for tile in work[thread::threads]:
+                look_at_nothing(seen[tile])
+                g, area = tile // (down * across), tile_area(tile, down, across, HEIGHT, WIDTH, rows, cols)
+                step_window(x[g], w[g], spare[g], rule, now, area, room, at, LOOK, rest, measure, 0, seen[tile])
+        if now:
+            for thread in prange(threads):
+                for tile in work[thread::threads]:
+                    g, area = tile // (down * across), tile_area(tile, down, across, HEIGHT, WIDTH, rows, cols)
+                    for i in range(area.r0, area.r1):
+                        move(spare[g, i], area.c0, x[g, i], area.c0, area.c1 - area.c0)
+        done += now
+        upto[work] = done
+        if measure:  # all tiles have been looked at, none has been stepped
+            settled = seen[:, RESTLESS].sum() == 0 or seen[:, MOVING].sum() == 0
+            if settled or done == steps:
+                return done, settled, seen[:, STEEPEST].max()
+        frozen, resting = seen[:, RESTLESS].sum() == 0, seen[work, MOVING].sum() == 0
+        if (done % check_every == 0 and (frozen or resting) and not measure) or done == steps:
+            chosen[:] = measure = True
+            now = 0
+        else:
+            measure = False
+            now = min(depth, steps - done, check_every - done % check_every)
+            chosen[:] = False
+            wake(seen, now * rule.r, x.shape, rule.boundary == PERIODIC, chosen)
+        late = np.flatnonzero(chosen & (upto < done))
+        if late.size:
+            for thread in prange(threads):
+                room, at = rooms[thread], shelve(rooms[thread], HEIGHT, depth, rule.r)
+                for tile in late[thread::threads]:
+                    g, area = tile // (down * across), tile_area(tile, down, across, HEIGHT, WIDTH, rows, cols)
+                    missed = done - upto[tile]
+                    step_window(x[g], w[g], x[g], rule, 0, area, room, at, CATCH_UP, rest, False, missed, seen[tile])
