@@ -18,6 +18,7 @@ PORT = click.option("--port", "-p", required=True, help="Port to read; `tactile 
 PROTOCOL = click.option("--protocol", type=click.Choice(list(NAMES)), help="For devices that need no --array.")
 ARRAY = click.option("--array", "-a", type=FILE, help="Array description (TOML), as CONNECT.md explains.")
 SECONDS = click.option("--seconds", type=click.FloatRange(0, min_open=True), help="Stop after this time [s].")
+ONCE = click.option("--once", is_flag=True, help="Stop when the port is unplugged instead of waiting for it.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON lines for other programs.")
 
 
@@ -27,9 +28,10 @@ JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON lines fo
 @ARRAY
 @click.option("-o", "--output", type=FILE, required=True, help="Recording to write (.mcap).")
 @SECONDS
+@ONCE
 @JSON
 def record(
-    port: str, protocol: str | None, array: Path | None, output: Path, seconds: float | None, as_json: bool
+    port: str, protocol: str | None, array: Path | None, output: Path, seconds: float | None, once: bool, as_json: bool
 ) -> None:
     """Record bytes and frames of a port until Ctrl-C, without interpreting them."""
     from tactile.recording.writer import Recording  # only here
@@ -37,7 +39,7 @@ def record(
 
     description = console.chosen_description(protocol, array)
     recording = Recording(console.mcap(output), description, {"port": port})
-    session = console.opened(lambda: Session(port, description, recording, seconds=seconds), recording)
+    session = console.opened(lambda: Session(port, description, recording, seconds=seconds, once=once), recording)
     console.fair_threads()
     with console.stopping(session.stop), console.closing(session, recording, as_json):
         following = 10**9
@@ -67,10 +69,11 @@ def record(
 @click.option("--floor", type=float, help="Normal signal below which texture figures are not valid.")
 @click.option("--backend", type=click.Choice(backends.NAMES), default="cpu", show_default=True)
 @SECONDS
+@ONCE
 @JSON
 def live(
-    port: str, protocol: str | None, array: Path | None, output: Path | None, seconds: float | None, as_json: bool,
-    **chosen: Any,
+    port: str, protocol: str | None, array: Path | None, output: Path | None, seconds: float | None, once: bool,
+    as_json: bool, **chosen: Any,
 ) -> None:  # fmt: skip
     """Run the pipeline on frames as they arrive. Typing t and Return asks for a tare, q or Ctrl-C ends."""
     from tactile.recording.writer import Recording  # only here
@@ -86,23 +89,18 @@ def live(
     if output is not None:
         recording = Recording(console.mcap(output), description, {"port": port, "choices": choices.text()})
     tares = choices.tares(description.arrays)
-    session = console.opened(lambda: Session(port, description, recording, tares, seconds), recording)
+    session = console.opened(lambda: Session(port, description, recording, tares, seconds, once), recording)
     console.fair_threads()
-    say = print_line if as_json else console.nothing
+    view = sys.stdout.isatty() and not as_json
+    say = print_line if as_json else console.nothing if view else console.tell
     watch = Watch(session.source, say, session.now, recording.note if recording else None, lambda: session.counts)
     threading.Thread(target=console.listen, args=(session,), daemon=True).start()
     with (
         console.stopping(session.stop),
-        console.closing(session, recording, as_json),
-        console.viewing(watch, session, port, not as_json),
+        console.closing(session, recording, as_json, watch),
+        console.viewing(watch, session, port, view),
     ):
         watch.run(choices)
-    if not as_json:
-        status = watch.status()
-        for event in watch.events:
-            click.echo(f"{event.t:10.3f}  {event.finger}  {event.meaning}")
-        click.echo(f"{watch.happened} events; latency median {status['latency_median_s']} s,"
-                   f" 99 % {status['latency_p99_s']} s, longest {status['latency_max_s']} s")  # fmt: skip
 
 
 @click.command(epilog=examples("tactile replay hand.mcap", "tactile replay hand.mcap --paced --json"))

@@ -109,15 +109,17 @@ def stopping(stop: Callable[[], None]) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def closing(session: "Session", recording: Any, as_json: bool) -> Iterator[None]:
-    """Close port and recording whatever happens, and print the counters."""
+def closing(session: "Session", recording: Any, as_json: bool, watch: Any = None) -> Iterator[None]:
+    """Close port and recording whatever happens, and print the counters; those of a ``watch``, too."""
     try:
         yield
     finally:
         session.close()
         counts, clock = session.counts, session.source.clock.report()
         settled, unplugged = session.source.decoder.settled(), session.reader.unplugged
-        summary = {"counts": counts.plain(), "clock": clock, "settled": settled, "unplugged": unplugged}
+        summary: dict[str, Any] = {"counts": counts.plain(), "clock": clock, "settled": settled, "unplugged": unplugged}
+        if watch is not None:
+            summary["latency"] = {name: value for name, value in watch.status().items() if name.startswith("latency")}
         if recording is not None:
             recording.close(summary)
         if as_json:
@@ -126,6 +128,11 @@ def closing(session: "Session", recording: Any, as_json: bool) -> Iterator[None]
             print_line({"type": "end", **summary})
         else:
             click.echo(f"{'' if recording is None else 'recorded: '}{counts}; unplugged {unplugged} times")
+            if watch is not None and watch.meter.frames:
+                usual, most, longest = (1e3 * value for value in summary["latency"].values())
+                click.echo(
+                    f"{watch.happened} events; latency {usual:.2f} ms, 99 % {most:.2f} ms, longest {longest:.2f} ms"
+                )
             if clock["residual_median_s"] is not None:
                 usual, most = clock["residual_median_s"], clock["residual_max_s"]
                 click.echo(
@@ -140,7 +147,7 @@ def closing(session: "Session", recording: Any, as_json: bool) -> Iterator[None]
 @contextlib.contextmanager
 def viewing(watch: Any, session: "Session", port: str, wanted: bool) -> Iterator[None]:
     """Show the live view on a terminal while something runs."""
-    if not (wanted and sys.stdout.isatty()):
+    if not wanted:
         yield
         return
     from rich.live import Live  # only for people

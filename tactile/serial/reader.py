@@ -19,19 +19,21 @@ class PortReader:
     """Reads a port into a ring from the moment it is made; chunks count nanoseconds from ``origin``.
 
     A bad frame is not its business: only a port that fails is closed, and opened again, later and later, until it is
-    back. ``why`` says why it is not open just now.
+    back; ``once``: it stays closed. ``why`` says why it is not open just now.
 
     Raises:
         InputError: the port cannot be opened the first time.
     """
 
     def __init__(
-        self, name: str, baudrate: int, talk: Talk, ring: Ring, clock: Callable[[], int] = time.monotonic_ns
-    ) -> None:
+        self, name: str, baudrate: int, talk: Talk, ring: Ring, once: bool = False,
+        clock: Callable[[], int] = time.monotonic_ns,
+    ) -> None:  # fmt: skip
         self.origin = clock()
         self.unplugged = 0
         self.why = ""
         self._name, self._baudrate, self._talk, self._ring, self._clock = name, baudrate, talk, ring, clock
+        self._once = once
         self._stop = threading.Event()
         self._port = open_port(name, baudrate)
         self._thread = threading.Thread(target=self._run, name=f"port {name}", daemon=True)
@@ -62,6 +64,8 @@ class PortReader:
                 if not self._stop.is_set():
                     self._note(UNPLUGGED)
                     self.unplugged += 1
+                    if self._once:
+                        break
                     self._reopen()
         finally:
             self._ring.close()

@@ -18,7 +18,7 @@ NAP = 0.1
 
 
 class Session:
-    """Reads a port until `stop`, and records what comes before anyone looks at it.
+    """Reads a port until `stop`, for ``seconds``, or ``once`` until it is unplugged; records before anyone looks.
 
     port thread -> ring -> recording thread -> ring -> whoever iterates over ``source``. Without a recording the first
     ring is the only one. Bytes for which the second ring has no room are recorded all the same, as unparsed.
@@ -29,7 +29,7 @@ class Session:
 
     def __init__(
         self, port: str, description: Description, recording: Recording | None = None, tares: tuple[LiveTare, ...] = (),
-        seconds: float | None = None,
+        seconds: float | None = None, once: bool = False,
     ) -> None:  # fmt: skip
         self._recording, self._description = recording, description
         self._came = Ring()
@@ -38,7 +38,8 @@ class Session:
         self._stopped = threading.Event()
         self._until = float("inf") if seconds is None else time.monotonic() + seconds
         self.source = WireSource(description, self._chunks(), tares, None if recording is None else self._keep)
-        self.reader = PortReader(port, description.baudrate, description.wire.talk(description.options), self._came)
+        talk = description.wire.talk(description.options)
+        self.reader = PortReader(port, description.baudrate, talk, self._came, once)
         self._logger = threading.Thread(target=self._log, name="recording", daemon=True)
         if recording is not None:
             self._logger.start()
@@ -73,13 +74,14 @@ class Session:
     def _chunks(self) -> Iterator[Chunk]:
         closing = False
         while True:
+            over = self._ready.closed
             chunks = self._ready.get(NAP)
             yield from chunks
+            if over and not chunks:
+                return
             if not closing and (self._stopped.is_set() or time.monotonic() >= self._until or self._failed()):
                 self.close()  # from here the ring only empties
                 closing = True
-            elif closing and not chunks:
-                return
 
     def _failed(self) -> bool:
         return self._recording is not None and bool(self._recording.failed)

@@ -106,8 +106,8 @@ def rate(hz: float, seconds: float, record_only: bool) -> None:
         print(f"device: {said.strip()}")
         print(f"counts: {seen}, recorded frames: {recorded.messages.get('/frames/tip')}, clock {end['clock']}")
         if status:
-            latency = {key: f"{1e3 * status[f'latency_{key}_s']:.2f} ms" for key in ("median", "p99", "max")}
-            print(f"latency: {latency}; peak memory {memory[0]:.0f} MiB after 1 s, {memory[-1]:.0f} MiB at the end")
+            latency = {key: f"{1e3 * value:.2f} ms" for key, value in end["latency"].items()}
+            print(f"{latency}; peak memory {memory[0]:.0f} MiB after 1 s, {memory[-1]:.0f} MiB at the end")
         assert recorded.messages.get("/frames/tip") == seen["good"]
 
 

@@ -1,0 +1,301 @@
+"""The pipeline on a port: events as they come, the same again from the recording, and ending in good order."""
+
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from tactile.recording.reader import open_recording
+from tactile.recording.writer import Recording
+from tactile.serial.live import Choices, Watch, paced
+from tactile.serial.meter import Meter
+from tactile.serial.packets import emulated_description, packets
+from tactile.serial.session import Session
+from tactile.serial.source import Chunk, WireSource
+from tactile.serial.view import LiveView
+from tests.serial_kit import GRIP, call, device, grip, sent
+
+LIMIT = "20"
+
+
+def lines(text: str, kind: str) -> list[str]:
+    return [line for line in text.splitlines() if json.loads(line)["type"] == kind]
+
+
+def write_array(tmp_path: Path, text: str) -> Path:
+    path = tmp_path / "array.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(("protocol", "tare"), [("native", "off"), ("native", "auto"), ("reskin", "off")])
+def test_a_recording_replayed_gives_the_live_events_byte_for_byte(tmp_path: Path, protocol: str, tare: str) -> None:
+    """The grip from its first touch on; with a tare, half a second of nothing before."""
+    scene = grip(1.6 if tare == "off" else 2.2)
+    if tare == "auto":
+        scene = replace(
+            scene, loads=tuple(replace(load, path=np.add(load.path, [0.7, 0, 0, 0, 0, 0])) for load in scene.loads)
+        )
+    description = emulated_description(protocol, scene)
+    array, mcap = write_array(tmp_path, description.text), tmp_path / "r.mcap"
+    with device(list(packets(description, scene))) as emulator:
+        live = call("live", "-p", emulator.port, "-a", array, "--record", mcap, "--json", "--tare", tare, "--once",
+                    "--seconds", LIMIT)  # fmt: skip
+    assert live.exit_code == 0, live.output
+    events = lines(live.stdout, "event")
+    meanings = [json.loads(event)["meaning"] for event in events]
+    assert meanings.count("contact") == 2
+    assert any(meaning.startswith("tangential load +y") for meaning in meanings)
+    replayed = call("replay", mcap, "--json")
+    assert lines(replayed.stdout, "event") == events
+    assert lines(replayed.stdout, "tare") == lines(live.stdout, "tare")
+    assert len(lines(live.stdout, "tare")) == (0 if tare == "off" else 2)
+    (end,) = (json.loads(line) for line in lines(live.stdout, "end"))
+    assert end["counts"]["good"] == (2 if protocol == "native" else 1) * round(200 * scene.duration)
+    recorded = open_recording(mcap)
+    assert [json.dumps(event, ensure_ascii=False) for event in recorded.notes("/events")] == events
+    assert recorded.counts is not None
+    assert recorded.counts["counts"] == end["counts"]
+    assert json.loads(recorded.made["choices"])["tare"] == tare
+    (last,) = (json.loads(line) for line in lines(replayed.stdout, "end"))
+    assert last["complete"] is True
+    assert last["counts"] == end["counts"]
+
+
+def test_people_get_text(tmp_path: Path) -> None:
+    description, stream = sent("native", 0.6)
+    array, mcap = write_array(tmp_path, description.text), tmp_path / "r.mcap"
+    with device(stream) as emulator:
+        live = call("live", "-p", emulator.port, "-a", array, "--record", mcap, "--tare", "off", "--once")
+    assert live.exit_code == 0, live.output
+    assert "  left  contact" in live.stdout
+    assert "240 good, 0 bad checksum" in live.stdout
+    assert "events; latency" in live.stdout
+    assert "device: +0.0 ppm" in live.stdout
+    replayed = call("replay", mcap)
+    assert "  left  contact" in replayed.stdout
+    assert "240 frames" in replayed.stdout
+
+
+def test_recording_without_the_pipeline(tmp_path: Path) -> None:
+    description, stream = sent("papillarray", 0.3)
+    array, mcap = write_array(tmp_path, description.text), tmp_path / "r.mcap"
+    with device(stream) as emulator:
+        result = call("record", "-p", emulator.port, "-a", array, "-o", mcap, "--once")
+    assert result.exit_code == 0, result.output
+    assert "recorded: 60 good" in result.stdout
+    assert "slip entry type bytes: 2" in result.stdout
+    again = open_recording(mcap)
+    assert again.messages["/wire"] >= 1
+    assert again.messages["/frames/left"] == again.messages["/frames/right"] == 60
+
+
+def test_typing_t_asks_for_a_tare_and_q_ends(tmp_path: Path) -> None:
+    """The request goes into the stream, so that the replay tares at the same frame."""
+    scene = replace(
+        grip(1.5), loads=tuple(replace(load, path=np.add(load.path[:1], [9, 0, 0, 0, 0, 0])) for load in grip(1).loads)
+    )
+    description = emulated_description("native", scene)
+    mcap = tmp_path / "r.mcap"
+    choices = Choices(tare="manual")
+    recording = Recording(mcap, description, {"choices": choices.text()})
+    said: list[dict[str, Any]] = []
+    with device(list(packets(description, scene))) as emulator:
+        session = Session(emulator.port, description, recording, choices.tares(description.arrays), seconds=20)
+        asked = False
+
+        def look(line: dict[str, Any]) -> None:
+            nonlocal asked
+            said.append(line)
+            if line["type"] == "tare" and not asked:
+                session.reader.ask_tare()
+                asked = True
+            elif line["type"] == "tare" and line["why"] == "on request":
+                session.stop()
+
+        watch = Watch(session.source, look, session.now, recording.note)
+        watch.run(choices)
+        recording.close({})
+    tares = [line for line in said if line["type"] == "tare"]
+    assert [line["why"] for line in tares if line["finger"] == "left"] == ["at the start", "on request"]
+    replayed = call("replay", mcap, "--json")
+    assert [json.loads(line) for line in lines(replayed.stdout, "tare")] == tares
+    assert [note["note"] for note in open_recording(mcap).notes("/port")] == ["plugged", "tare"]
+
+
+def test_mistakes_are_one_line(tmp_path: Path) -> None:
+    description, stream = sent("reskin", 0.1)
+    array = write_array(tmp_path, description.text)
+    bare = tmp_path / "bare.toml"
+    bare.write_text("\n".join(line for line in description.text.splitlines() if not line.startswith("gains")))
+    for arguments, message in (
+        (("live", "-p", tmp_path / "none", "-a", array), "there is no such port"),
+        (("live", "-p", "x", "-a", bare), "gains = [shear, normal] per uT wanted"),
+        (("live", "-p", "x"), "--array or --protocol wanted"),
+        (("live", "-p", "x", "-a", array, "--protocol", "csv"), "says reskin"),
+        (("live", "-p", "x", "--protocol", "reskin"), "--array FILE wanted"),
+        (("live", "-p", "x", "-a", array, "--hysteresis", "1"), "--hysteresis needs a --dead-band"),
+        (("live", "-p", "x", "-a", array, "--sign-code", "--dead-band", "1"), "--sign-code has no dead band"),
+        (("record", "-p", "x", "-a", array, "-o", tmp_path / "r.bag"), ".mcap wanted"),
+        (("record", "-p", "x", "-a", tmp_path / "no.toml", "-o", tmp_path / "r.mcap"), "cannot be read"),
+        (("replay", tmp_path / "none.mcap"), "cannot be read"),
+        (("emulate", "--protocol", "csv"), "either --scene or --recording wanted"),
+        (("emulate", "--scene", GRIP), "--protocol or --array wanted"),
+        (("emulate", "--scene", GRIP, "--protocol", "csv", "--drop", "2"), "drop = 2.0"),
+        (("emulate", "--scene", GRIP, "--protocol", "paxini-serial"), "carries one array"),
+    ):
+        result = call(*arguments)
+        assert result.exit_code == 2, (arguments, result.output)
+        assert message in result.stderr
+        assert "Traceback" not in result.output
+    with device(stream) as emulator:
+        session = Session(emulator.port, description, seconds=20)
+        second = call("record", "-p", emulator.port, "-a", array, "-o", tmp_path / "r.mcap")
+        session.stop()
+        list(session.source)
+    assert second.exit_code == 2
+    assert "another reader has it open" in second.stderr
+    assert open_recording(tmp_path / "r.mcap").complete  # empty, but whole
+
+
+PROGRAM = (
+    "from cnnsim.command import CommandGroup; from tactile.cli_serial import COMMANDS;"
+    "CommandGroup(commands={c.name: c for c in COMMANDS})()"
+)
+
+
+def start(*arguments: Any) -> "subprocess.Popen[str]":
+    command = [sys.executable, "-c", PROGRAM, *(str(argument) for argument in arguments)]
+    return subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True
+    )
+
+
+def test_two_programs_and_ctrl_c(tmp_path: Path) -> None:
+    """Emulator and reader as a user starts them; Ctrl-C ends the reader with its recording closed."""
+    link, array, mcap = tmp_path / "skin", tmp_path / "array.toml", tmp_path / "r.mcap"
+    emulator = start(
+        "emulate", "--protocol", "lowiek", "--scene", GRIP, "--link", link, "--write-array", array, "--loop"
+    )
+    reader = None
+    try:
+        assert emulator.stdout is not None
+        assert emulator.stdout.readline() == f"{link}\n"
+        reader = start("live", "-p", link, "-a", array, "--record", mcap, "--json", "--tare", "off")
+        assert reader.stdout is not None
+        first = reader.stdout.readline()
+        assert json.loads(first)["type"] in ("event", "status")
+        reader.send_signal(signal.SIGINT)
+        out, errors = reader.communicate(timeout=30)
+        assert (reader.returncode, errors) == (0, "")
+        end = json.loads(out.splitlines()[-1])
+        assert end["type"] == "end"
+        assert end["counts"]["good"] > 10
+        emulator.send_signal(signal.SIGTERM)
+        _, said = emulator.communicate(timeout=30)
+        assert emulator.returncode == 0
+        assert said.startswith("sent ")
+    finally:
+        for process in (emulator, reader):
+            if process is not None and process.poll() is None:
+                process.kill()
+                process.communicate()
+    assert not os.path.lexists(link)
+    recorded = open_recording(mcap)
+    assert recorded.complete
+    assert recorded.counts is not None
+    assert recorded.counts["counts"] == end["counts"]
+
+
+def test_a_killed_recorder_leaves_what_is_older_than_half_a_second(tmp_path: Path) -> None:
+    description, _ = sent("native", 0.1)
+    scene = grip(6.0)
+    array, mcap = write_array(tmp_path, description.text), tmp_path / "r.mcap"
+    with device(list(packets(description, scene))) as emulator:
+        recorder = start("record", "-p", emulator.port, "-a", array, "-o", mcap)
+        until = time.monotonic() + 20
+        while (not mcap.exists() or mcap.stat().st_size < 100_000) and time.monotonic() < until:
+            time.sleep(0.01)
+        recorder.kill()
+        killed = time.time_ns()
+        recorder.communicate()
+    recorded = open_recording(mcap)
+    assert not recorded.complete
+    frames = [frame.sequence for frame in recorded.source() if frame.finger == 0]
+    assert len(frames) > 50
+    assert (np.diff(frames) == 1).all()
+    last = max(chunk.t for chunk in recorded.chunks())
+    assert (killed - int(recorded.made["start_ns"]) - last) * 1e-9 < 0.5
+
+
+def test_the_view_shows_arrows_events_and_losses() -> None:
+    description, stream = sent("native", 1.2)
+    source = WireSource(description, [Chunk(round(t * 1e9), data) for t, data in stream])
+    watch = Watch(source, lambda line: None)
+    watch.run(Choices(tare="off"))
+    console = Console(file=io.StringIO(), width=110, force_terminal=True, color_system=None)
+    console.print(LiveView(watch, "grip", lambda: "/dev/skin: open"))
+    shown = console.file.getvalue()  # type: ignore[attr-defined]  # it is the StringIO above
+    assert "left" in shown
+    assert "right" in shown
+    assert any(arrow in shown for arrow in "↖↗↘↙↓")
+    assert watch.events[-1].meaning in shown
+    assert "480 good, 0 bad checksum, 0 resynchronised, 0 missing" in shown
+    assert "/dev/skin: open" in shown
+    assert "frames/s" in shown
+
+
+def test_meter_percentiles_are_within_five_percent() -> None:
+    meter = Meter()
+    assert np.isnan(meter.percentile(50))
+    latencies = np.random.default_rng(0).lognormal(-7, 1, 5000)
+    for n, latency in enumerate(latencies.tolist()):
+        meter.add(latency, n * 0.002)
+    for percent in (1, 50, 99):
+        assert meter.percentile(percent) == pytest.approx(np.percentile(latencies, percent), rel=0.05)
+    assert meter.longest == latencies.max()
+    assert meter.rate(4999 * 0.002) == pytest.approx(500, abs=2)
+    assert meter.rate(100.0) == 0
+
+
+def test_paced_chunks_keep_their_times() -> None:
+    clock = [100.0]
+    chunks = [Chunk(round(t * 1e9)) for t in (0.0, 0.5, 0.5, 2.0)]
+    waits: list[float] = []
+
+    def wait(seconds: float) -> None:
+        waits.append(seconds)
+        clock[0] += seconds
+
+    assert list(paced(chunks, 2.0, lambda: clock[0], wait)) == chunks
+    assert waits == pytest.approx([0.25, 0.75], abs=1e-12)
+
+
+def test_a_recording_can_be_emulated(tmp_path: Path) -> None:
+    """Bytes of a recording over a terminal again, through the command's own path."""
+    description, stream = sent("csv", 0.3)
+    array, first, second = write_array(tmp_path, description.text), tmp_path / "1.mcap", tmp_path / "2.mcap"
+    with device(stream) as emulator:
+        call("record", "-p", emulator.port, "-a", array, "-o", first, "--once")
+    link, results = tmp_path / "skin", []
+    thread = threading.Thread(target=lambda: results.append(call("emulate", "--recording", first, "--link", link)))
+    thread.start()
+    until = time.monotonic() + 20
+    while not os.path.lexists(link) and time.monotonic() < until:
+        time.sleep(0.01)
+    again = call("record", "-p", link, "-a", array, "-o", second, "--once")
+    thread.join()
+    assert (again.exit_code, results[0].exit_code) == (0, 0), again.output + results[0].output
+    one, two = (b"".join(chunk.data for chunk in open_recording(path).chunks()) for path in (first, second))
+    assert one == two == b"".join(data for _, data in stream)
