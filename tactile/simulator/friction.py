@@ -116,6 +116,9 @@ def _cut(ends: Vector, shares: Vector, normal: float) -> tuple[Vector, Vector]:
 
 
 def _short(ends: Vector, shares: Vector) -> tuple[Vector, Vector]:
+    """Rings that slipped the same way are one ring, and there are no more than MEMORY of them."""
+    differ = np.append(np.abs(np.diff(shares, axis=0)).max(axis=1) > 1e-12, True)
+    ends, shares = ends[differ], shares[differ]
     while len(ends) > MEMORY:  # the two innermost rings become one that carries the same
         both = (ends[0] * shares[0] + (ends[1] - ends[0]) * shares[1]) / ends[1]
         ends, shares = ends[1:], np.vstack([both, shares[2:]])
