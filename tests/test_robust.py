@@ -117,7 +117,7 @@ def test_entries_are_disturbed_as_said() -> None:
 
 
 def test_bits() -> None:
-    template = Template([[1]], [[0.3, 0, 7], [0, -3.4, 0], [0, 0, 0]], 0.6)
+    template = Template([[1]], [[0.3, 0.0, 7.0], [0.0, -3.4, 0.0], [0.0, 0.0, 0.0]], 0.6)
     coarse = quantised(template, 4)  # steps of 7 / 7
     assert coarse.B[0].tolist() == [0, 0, 7]
     assert coarse.B[1, 1] == -3

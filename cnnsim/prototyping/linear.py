@@ -1,0 +1,169 @@
+"""One threshold for a rule: weights of maximal margin by linear programming, or a certificate that there are none."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Bits = NDArray[np.int8]
+Norm = Literal["sum", "largest"]
+"""What the margin is compared with: the sum of all |weights| (and |z|), or the largest of them."""
+
+
+@dataclass(frozen=True)
+class Separator:
+    """``weights`` . v + ``bias`` is >= 1 on all black rows v and <= -1 on all white ones: a margin of exactly 1."""
+
+    weights: tuple[Fraction, ...]
+    bias: Fraction
+
+    def drive(self, rows: Bits) -> list[Fraction]:
+        """Return weights . v + bias for rows (n, d), exactly."""
+        return [sum((w if v > 0 else -w for w, v in zip(self.weights, row, strict=True)), self.bias) for row in rows]
+
+    def colours(self, rows: Bits) -> Bits:
+        """Return +1 or -1 for rows (n, d)."""
+        floats = rows @ np.array([float(w) for w in self.weights]) + float(self.bias)
+        return np.where(floats > 0, 1, -1).astype(np.int8)
+
+    def relative_margin(self, norm: Norm = "sum") -> float:
+        """Return 1 / (sum or largest of |weights| and |z|)."""
+        sizes = [abs(w) for w in (*self.weights, self.bias)]
+        return float(1 / (sum(sizes) if norm == "sum" else max(sizes)))
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """Why no threshold exists: the same point is a mean of black rows and a mean of white ones.
+
+    ``black`` and ``white`` hold (share, row number); the shares of each are positive and sum to 1. A plane with all
+    black rows on one side would have that point on this side, and on the other (Farkas 1902).
+    """
+
+    black: tuple[tuple[Fraction, int], ...]
+    white: tuple[tuple[Fraction, int], ...]
+
+    def holds(self, rows: Bits, table: Bits) -> bool:
+        """Check the certificate exactly, in rational arithmetic."""
+        return (
+            all(table[i] == 1 for _, i in self.black)
+            and all(table[i] == -1 for _, i in self.white)
+            and all(share > 0 for share, _ in (*self.black, *self.white))
+            and sum(share for share, _ in self.black) == sum(share for share, _ in self.white) == 1
+            and _mean(self.black, rows) == _mean(self.white, rows)
+        )
+
+
+def separate(rows: Bits, table: Bits, norm: Norm = "sum") -> Separator | Certificate:
+    """Return the weights whose margin is largest compared with their norm, or a certificate that there are none.
+
+    Minimises the norm of (w, z) under d_i (w . v_i + z) >= 1 (Haenggi and Moschytz, IEEE Trans. CAS-I 46 (1999) 304:
+    margin / sum|weights| is the relative error that each entry may have). The solution is made rational and its margin
+    computed and set to 1 exactly; a solution that is not right in rational arithmetic is never returned.
+
+    Arguments: ``rows`` (n, d) of -1 and +1, ``table`` (n,) +1, -1, or 0 for rows that do not matter.
+    """
+    from scipy.optimize import linprog
+
+    known, counts = _telling(rows, table)
+    points = np.column_stack([rows[known] * counts, np.ones(len(known))]).astype(float)
+    signed = points * table[known, None]
+    size = points.shape[1]
+    if norm == "sum":  # w = w+ - w-
+        cost, left = np.ones(2 * size), np.hstack([-signed, signed])
+        right, bounds = -np.ones(len(known)), [(0, None)] * (2 * size)
+    else:  # minimise t with |w| <= t; a little of the sum keeps weights that do nothing at zero
+        cost = np.concatenate([np.full(2 * size, 1e-4), [1.0]])
+        box = np.hstack([np.eye(size), np.eye(size), -np.ones((size, 1))])
+        left = np.vstack([np.hstack([-signed, signed, np.zeros((len(known), 1))]), box])
+        right, bounds = np.concatenate([-np.ones(len(known)), np.zeros(size)]), [(0, None)] * (2 * size + 1)
+    found = linprog(cost, A_ub=left, b_ub=right, bounds=bounds, method="highs")
+    if found.status == 0:
+        exact = _exact_separator(found.x[:size] - found.x[size : 2 * size], rows[known] * counts, table[known])
+        if exact is not None:
+            return exact
+    return certify(rows, table)
+
+
+def certify(rows: Bits, table: Bits) -> Certificate:
+    """Return the certificate that no threshold separates black rows from white ones; there has to be one.
+
+    Raises:
+        ArithmeticError: there is none, or it could not be made exact.
+    """
+    from scipy.optimize import linprog
+
+    known, _ = _telling(rows, table)
+    black = table[known] > 0
+    columns = np.column_stack([rows[known], np.ones(len(known))]).T * np.where(black, 1, -1)
+    equations = np.vstack([columns, black.astype(float)])
+    wanted = np.zeros(len(equations))
+    wanted[-1] = 1.0
+    found = linprog(np.zeros(len(known)), A_eq=equations, b_eq=wanted, bounds=(0, None), method="highs-ds")
+    if found.status != 0:
+        raise ArithmeticError("neither a threshold nor a certificate that there is none")
+    support = np.flatnonzero(found.x > 1e-9)
+    shares = _solve_exactly(equations[:, support], wanted)
+    pairs = [(share, int(known[i])) for share, i in zip(shares, support, strict=True) if share]
+    certificate = Certificate(
+        tuple(pair for pair in pairs if table[pair[1]] > 0), tuple(pair for pair in pairs if table[pair[1]] < 0)
+    )
+    if not certificate.holds(rows, table):
+        raise ArithmeticError("the certificate is not exact")
+    return certificate
+
+
+def _exact_separator(weights: NDArray[np.float64], rows: Bits, table: Bits) -> Separator | None:
+    """Make weights rational, with denominators as small as keep the margin, and scale them to a margin of 1."""
+    for denominator in (1, 2, 3, 4, 6, 12, 60, 1000, 10**6):
+        near = [Fraction(float(w)).limit_denominator(denominator) for w in weights]
+        if max(abs(float(f) - w) for f, w in zip(near, weights, strict=True)) > 1e-7 and denominator < 10**6:
+            continue
+        trial = Separator(tuple(near[:-1]), near[-1])
+        margin = min(d * int(wanted) for d, wanted in zip(trial.drive(rows), table, strict=True))
+        if margin > 0:
+            return Separator(tuple(w / margin for w in trial.weights), trial.bias / margin)
+    return None
+
+
+def _solve_exactly(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> list[Fraction]:
+    """Solve an overdetermined system of small whole numbers with independent columns by elimination of fractions."""
+    table = [[Fraction(int(v)) for v in (*row, r)] for row, r in zip(matrix, right, strict=True)]
+    size = matrix.shape[1]
+    for done in range(size):
+        column = done
+        pivot = next((i for i in range(done, len(table)) if table[i][column]), None)
+        if pivot is None:
+            raise ArithmeticError("the solution is not a vertex")
+        table[done], table[pivot] = table[pivot], table[done]
+        table[done] = [v / table[done][column] for v in table[done]]
+        for i in range(len(table)):
+            if i != done and table[i][column]:
+                factor = table[i][column]
+                table[i] = [a - factor * b for a, b in zip(table[i], table[done], strict=True)]
+    return [table[i][-1] for i in range(size)]
+
+
+def _telling(rows: Bits, table: Bits) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Return the numbers of rows that say all, and which variables change an answer.
+
+    Of variables that change nothing, only rows with -1 are needed. That applies to whole tables, whose row numbers are
+    the rows' bits; of any other all rows that matter are returned.
+    """
+    size, index = rows.shape[1], np.arange(len(rows))
+    counts = np.ones(size, dtype=bool)
+    kept = table != 0
+    if len(rows) == 1 << size and np.array_equal((rows > 0) @ (1 << np.arange(size)[::-1]), index):
+        for variable in range(size):
+            bit = 1 << (size - 1 - variable)
+            if np.array_equal(table, table[index & ~bit]):
+                counts[variable] = False
+                kept &= (index & bit) == 0
+    return np.flatnonzero(kept), counts
+
+
+def _mean(parts: Sequence[tuple[Fraction, int]], rows: Bits) -> list[Any]:
+    return [sum((share * int(rows[i, j]) for share, i in parts), Fraction(0)) for j in range(rows.shape[1])]
