@@ -39,11 +39,12 @@ class FrameTiming:
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames as they arrive."""
+        fates, delays = random.spawn(2)
         last_t, fresh_values, fresh_sequence = 0.0, np.zeros(0), 0
         for batch in stream:
             count = len(batch.t)
-            lots = random.uniform(size=(count, 2))
-            late = random.standard_normal(count) * self.jitter
+            lots = fates.uniform(size=(count, 2))
+            late = delays.standard_normal(count) * self.jitter
             repeated, lost = lots[:, 0] < self.repeats, lots[:, 1] < self.drops
             if not fresh_values.size:
                 repeated[:1] = lost[:1] = False
