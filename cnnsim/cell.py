@@ -4,11 +4,15 @@ In words: a cell leaks towards zero and is pushed by what it hears. In symbols, 
 
     dx/dt = -x + A*y + w,        y = f(x) = (|x + 1| - |x - 1|) / 2 = clip(x, -1, 1)
 
-Time is counted in time constants. Two cell models differ in what bounds them:
+Time is counted in time constants. Cell models differ in what bounds them, and in their time:
 
 * ``chua-yang``: the output is clipped, the state runs free (|x| <= |z| + sum|A| + sum|B|);
 * ``full-range``: the state itself is stopped at -1 and +1, and y = x. A numerical step (and each of its stages) that
-  would leave [-1, 1] ends on the wall.
+  would leave [-1, 1] ends on the wall;
+* ``discrete-time``: y(k + 1) = f(A*y(k) + w), f the sign unless another characteristic is asked for. All cells change
+  at once, one step is one time constant, and the state is the output. A drive of exactly 0 keeps the old output (so a
+  cell that starts at 0 stays there until its drive is not 0). Harrer and Nossek, "Discrete-time cellular neural
+  networks", Int. J. Circuit Theory Appl. 20 (1992) 453.
 """
 
 from typing import Any, Literal
@@ -16,7 +20,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-CellModel = Literal["chua-yang", "full-range"]
+CellModel = Literal["chua-yang", "full-range", "discrete-time"]
 
 
 def output(x: NDArray[Any]) -> NDArray[Any]:

@@ -1,19 +1,24 @@
 """Plan: looks at a template and a task, and decides how to compute it and what need not be computed at all."""
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
+
+from numpy.typing import NDArray
 
 from cnnsim.cell import CellModel
+from cnnsim.characteristic import CLIP, Cell, Characteristic, parse_cell
 from cnnsim.errors import InputError
+from cnnsim.general import check_grid, decide_general, divided, why_general
 from cnnsim.grid import Boundary
+from cnnsim.layers import AnyTemplate, LayeredTemplate, layered
 from cnnsim.scheme import ADAPTIVE, EULER, Scheme, find_scheme
 from cnnsim.stability import step_limit
 from cnnsim.template import Tap, Template, all_taps
 
 Duration = float | Literal["settled"]
-Method = Literal["closed form", "stepped", "adaptive"]
+Method = Literal["closed form", "stepped", "adaptive", "general"]
 
 Saving = Literal["closed form", "sparse taps", "shared sums", "blocking", "sleep"]
 """Ways of computing less for the same output; a plan can be made without any of them, for comparison."""
@@ -33,7 +38,8 @@ class Plan:
     ``limit`` time constants are the most that is waited for.
 
     ``savings`` are the ways of doing less that apply here; a backend may use them and must give the same output.
-    ``decisions`` are (what, why) lines for people.
+    ``decisions`` are (what, why) lines for people. The method "general" takes all kinds of template as a ``network``
+    of layers, with any ``characteristic``; ``template`` is then its first layer, a missing ``scheme`` means adaptive.
     """
 
     template: Template
@@ -47,11 +53,17 @@ class Plan:
     step: float
     savings: frozenset[Saving]
     decisions: tuple[tuple[str, str], ...]
+    network: LayeredTemplate | None = None
+    characteristic: Characteristic = CLIP
 
     @property
     def feedback_taps(self) -> tuple[Tap, ...]:
         """The taps of A that are summed: those that are not zero, unless sparse taps are switched off."""
         return self.template.feedback_taps if "sparse taps" in self.savings else all_taps(self.template.A)
+
+    def output(self, x: NDArray[Any]) -> NDArray[Any]:
+        """Return the output of a state (an array): discrete-time cells have it as their state."""
+        return x if self.cell == "discrete-time" else self.characteristic(x)
 
     @property
     def steps(self) -> int:
@@ -79,18 +91,21 @@ class Plan:
 
 
 def make_plan(
-    template: Template,
+    template: AnyTemplate,
     shape: tuple[int, ...],
     boundary: Boundary,
     *,
     duration: Duration = "settled",
-    cell: CellModel = "chua-yang",
+    cell: CellModel | Cell = "chua-yang",
     scheme: str | None = None,
     step: float | None = None,
     limit: float | None = None,
     without: Collection[str] = (),
+    every: Sequence[float] = (),
 ) -> Plan:
     """Decide how to run ``template`` on a grid of ``shape`` (..., rows, cols).
+
+    ``every`` are the times for which planes are held that change with time (see `cnnsim.frames`).
 
     Without ``scheme`` and ``step`` the plan chooses: the closed form for uncoupled templates, else forward Euler with
     h = 0.1 or half the stability limit, whichever is less. ``without`` names savings (see `Saving`) not to use.
@@ -98,21 +113,30 @@ def make_plan(
     Raises:
         InputError: a step that cannot be stable (the message has the limit), a negative duration, an unknown name.
     """
-    if cell not in ("chua-yang", "full-range"):
-        raise InputError(f"cell model {cell!r}; known are chua-yang, full-range")
+    kind = parse_cell(cell)
     if duration != "settled" and not (isinstance(duration, int | float) and 0 <= duration < math.inf):
         raise InputError(f"duration {duration!r}; 'settled' or a number of time constants >= 0 wanted")
-    rows, cols = grid = _grid(shape)
+    network = layered(template)
+    rows, cols = grid = _grid(shape, len(network.layers))
     limit = 200.0 + 10.0 * (rows + cols) if limit is None else limit
     for name in without:
         if name not in get_args(Saving):
             raise InputError(f"cannot do without {name!r}; what can be switched off is {', '.join(get_args(Saving))}")
-    decisions = [_control_decision(template)]
+    first = network.layers[0]
+    decisions = [_control_decision(first)]
 
     def plan(method: Method, table: Scheme | None, h: float, savings: Collection[Saving] = ()) -> Plan:
         return Plan(
-            template, grid, boundary, cell, method, duration, limit, table, h, frozenset(savings), tuple(decisions)
-        )
+            first, grid, boundary, kind.model, method, duration, limit, table, h, frozenset(savings), tuple(decisions),
+            network if method == "general" else None, kind.output,
+        )  # fmt: skip
+
+    check_grid(network, grid)
+    if why := why_general(template, kind, every):
+        table, h, decisions = decide_general(network, kind, why, scheme, step, DEFAULT_STEP, duration, every)
+        decisions.append(_stop_decision(duration, limit))
+        return plan("general", table, h)
+    assert isinstance(template, Template)
 
     if template.uncoupled and scheme is None and step is None and "closed form" not in without:
         decisions.append(("closed form", "A has only its centre, so each cell has an exact solution: no time loop"))
@@ -129,12 +153,12 @@ def make_plan(
         why = "the default" if h == DEFAULT_STEP else f"half the stability limit {longest:.4g} of this template"
     else:
         h, why = _checked_step(step, longest, table), f"as asked; stable below {longest:.4g}"
-    h = _divided(duration, h)
+    h = divided(duration, h)
     decisions += [
         (f"{table.name}, h = {h:.4g}", f"order {table.order}; the step is {why}"),
         _stop_decision(duration, limit),
     ]
-    applicable = stepped_savings(template, table, h, cell, settles=duration == "settled")
+    applicable = stepped_savings(template, table, h, kind.model, settles=duration == "settled")
     decisions += [(what if what not in without else f"no {what}", why) for what, why in applicable]
     return plan("stepped", table, h, {what for what, _ in applicable if what not in without})
 
@@ -163,8 +187,12 @@ def stepped_savings(
     return found
 
 
-def _grid(shape: tuple[int, ...]) -> tuple[int, int]:
-    if len(shape) not in (2, 3) or 0 in shape:
+def _grid(shape: tuple[int, ...], layers: int) -> tuple[int, int]:
+    if layers > 1 and (len(shape) not in (3, 4) or shape[-3] != layers or 0 in shape):
+        raise InputError(
+            f"planes of shape {shape}; ({layers}, rows, cols), perhaps after an n, wanted: a plane a layer"
+        )
+    if (layers == 1 and len(shape) not in (2, 3)) or 0 in shape:
         raise InputError(f"planes of shape {shape}; (rows, cols) or (n, rows, cols) with at least one cell wanted")
     return shape[-2], shape[-1]
 
@@ -179,16 +207,10 @@ def _checked_step(step: float, longest: float, scheme: Scheme) -> float:
     return step
 
 
-def _divided(duration: Duration, h: float) -> float:
-    """Shorten the step a little where the duration is no multiple of it, so that the last step ends on time."""
-    if duration == "settled" or duration == 0:
-        return h
-    steps = math.ceil(duration / h - 1e-9)
-    return h if abs(steps * h - duration) <= 1e-9 * duration else duration / steps
-
-
 def _control_decision(template: Template) -> tuple[str, str]:
     taps = len(template.control_taps)
+    if template.control_terms:
+        return "B*u + z once", f"the input stands still: {'; '.join(map(str, template.control_terms))}, and {taps} taps"
     if not taps:
         return "no B*u", "B is zero: the input is not read"
     return "B*u + z once", f"the input stands still: {taps} of {template.B.size} taps, computed before the time loop"

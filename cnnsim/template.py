@@ -1,32 +1,27 @@
-"""Template: the numbers A, B, z that say how a cell listens to its neighbours."""
+"""Template: the numbers A, B, z that say how a cell listens to its neighbours, and terms that are not so simple."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.errors import InputError
+from cnnsim.term import Term
+from cnnsim.weights import MAX_RADIUS, Tap, all_taps, checked_number, checked_weights, reach, taps_of
 
-MAX_RADIUS = 5
-
-
-class Tap(NamedTuple):
-    """One entry of a template that is not zero: the neighbour at (row + k, col + l) counts ``weight`` times."""
-
-    k: int
-    l: int
-    weight: float
+__all__ = ["MAX_RADIUS", "Tap", "Template", "all_taps"]
 
 
 @dataclass(frozen=True, eq=False)
 class Template:
-    """A linear space-invariant template: dx/dt = -x + A*y + B*u + z.
+    """A template: dx/dt = -x + A*y + B*u + z, plus ``terms`` if it has any.
 
     ``A`` (feedback) and ``B`` (control) are odd square matrices, up to 11 x 11, not necessarily of one size; ``z`` is
     the bias. ``*`` is a correlation: entry (k, l) weighs the neighbour at offset (k, l), the top row is the northern
-    neighbours. Chua and Yang, "Cellular neural networks: theory", IEEE Trans. CAS 35 (1988) 1257.
+    neighbours. Chua and Yang, "Cellular neural networks: theory", IEEE Trans. CAS 35 (1988) 1257. A template without
+    terms is linear and the same in every cell; what terms can be, `cnnsim.term` says.
 
     Raises:
         InputError: a matrix that is not square, of even side, too large, or with an entry that is not finite.
@@ -36,49 +31,49 @@ class Template:
     B: NDArray[np.float64] = field(repr=False)
     z: float = 0.0
     name: str = "unnamed"
+    terms: tuple[Term, ...] = ()
 
-    def __init__(self, A: ArrayLike, B: ArrayLike = 0.0, z: float = 0.0, name: str = "unnamed") -> None:
+    def __init__(
+        self, A: ArrayLike, B: ArrayLike = 0.0, z: float = 0.0, name: str = "unnamed", terms: Iterable[Term] = ()
+    ) -> None:
+        owner = f"template {name!r}"
         object.__setattr__(self, "name", name)
-        object.__setattr__(self, "A", self._matrix("A", A))
-        object.__setattr__(self, "B", self._matrix("B", B))
-        if isinstance(z, bool) or not isinstance(z, int | float | np.number) or not np.isfinite(z):
-            raise InputError(f"template {name!r}: z is {z!r}, a finite number wanted")
-        object.__setattr__(self, "z", float(z))
-
-    def _matrix(self, which: str, entries: ArrayLike) -> NDArray[np.float64]:
-        try:
-            matrix = np.array(entries, dtype=np.float64)
-        except (TypeError, ValueError) as error:
-            raise InputError(
-                f"template {self.name!r}: {which} is no rectangular matrix of numbers: {entries!r}"
-            ) from error
-        if matrix.ndim == 0:
-            matrix = matrix.reshape(1, 1)
-        if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or matrix.shape[0] % 2 == 0:
-            shape = " x ".join(map(str, matrix.shape))
-            raise InputError(f"template {self.name!r}: {which} is {shape}, an odd square (3 x 3, 5 x 5, ...) wanted")
-        if matrix.shape[0] > 2 * MAX_RADIUS + 1:
-            raise InputError(
-                f"template {self.name!r}: {which} has radius {matrix.shape[0] // 2}, at most {MAX_RADIUS} wanted"
-            )
-        if not np.isfinite(matrix).all():
-            row, col = np.argwhere(~np.isfinite(matrix))[0]
-            raise InputError(
-                f"template {self.name!r}: {which} holds {matrix[row, col]} in row {row + 1}, column {col + 1}; "
-                "finite numbers wanted"
-            )
-        matrix.flags.writeable = False
-        return matrix
+        object.__setattr__(self, "A", checked_weights(owner, "A", A))
+        object.__setattr__(self, "B", checked_weights(owner, "B", B))
+        object.__setattr__(self, "z", checked_number(owner, "z", z))
+        object.__setattr__(self, "terms", tuple(terms))
+        if not all(isinstance(term, Term) for term in self.terms):
+            raise InputError(f"{owner}: terms are {self.terms!r}; a list of Term wanted")
 
     @cached_property
     def feedback_taps(self) -> tuple[Tap, ...]:
         """The entries of A that are not zero, row by row."""
-        return _taps(self.A)
+        return taps_of(self.A)
 
     @cached_property
     def control_taps(self) -> tuple[Tap, ...]:
         """The entries of B that are not zero, row by row."""
-        return _taps(self.B)
+        return taps_of(self.B)
+
+    @cached_property
+    def control_terms(self) -> tuple[Term, ...]:
+        """The terms of the present input alone: they are part of the constant drive, like B*u."""
+        return tuple(term for term in self.terms if term.control)
+
+    @cached_property
+    def feedback_terms(self) -> tuple[Term, ...]:
+        """All other terms: they need the general time loop."""
+        return tuple(term for term in self.terms if not term.control)
+
+    @property
+    def linear(self) -> bool:
+        """True if A, B and z say all."""
+        return not self.terms
+
+    @property
+    def reads_input(self) -> bool:
+        """True if B or a term reads u."""
+        return bool(self.control_taps) or any("u" in term.quantities for term in self.terms)
 
     @property
     def self_feedback(self) -> float:
@@ -88,8 +83,8 @@ class Template:
 
     @property
     def uncoupled(self) -> bool:
-        """True if A feeds no neighbour back: every cell is on its own once B*u + z is known."""
-        return all(tap.k == tap.l == 0 for tap in self.feedback_taps)
+        """True if nothing feeds a neighbour back: every cell is on its own once what it hears of u is known."""
+        return all(tap.k == tap.l == 0 for tap in self.feedback_taps) and not any(t.couples for t in self.terms)
 
     @property
     def symmetric(self) -> bool:
@@ -103,23 +98,14 @@ class Template:
 
     @property
     def radius(self) -> int:
-        """The larger radius of A and B, zero rims left out."""
+        """The largest radius of A, B and the terms, zero rims left out."""
         taps = (*self.feedback_taps, *self.control_taps)
-        return max((max(abs(tap.k), abs(tap.l)) for tap in taps), default=0)
+        return max(reach((tap.k, tap.l) for tap in taps), *(term.radius for term in self.terms), 0)
 
     def state_bound(self, bias: float = 0.0) -> float:
-        """Return |z| + |bias| + sum|A| + sum|B|: |x| stays within it if |x(0)| does and |u| <= 1.
+        """Return |z| + |bias| + sum|A| + sum|B| + bounds of the terms: |x| stays within it if |x(0)| does, |u| <= 1.
 
-        Chua and Yang 1988, theorem 1.
+        Chua and Yang 1988, theorem 1. Terms count with their largest value for |x| <= 1.
         """
-        return abs(self.z) + abs(bias) + float(np.abs(self.A).sum() + np.abs(self.B).sum())
-
-
-def all_taps(matrix: NDArray[np.float64]) -> tuple[Tap, ...]:
-    """Return every entry of a template matrix as a tap, row by row, zeros included."""
-    r = matrix.shape[0] // 2
-    return tuple(Tap(int(k) - r, int(l) - r, float(matrix[k, l])) for k, l in np.ndindex(matrix.shape))
-
-
-def _taps(matrix: NDArray[np.float64]) -> tuple[Tap, ...]:
-    return tuple(tap for tap in all_taps(matrix) if tap.weight)
+        linear = float(np.abs(self.A).sum() + np.abs(self.B).sum())
+        return abs(self.z) + abs(bias) + linear + sum(term.bound for term in self.terms)

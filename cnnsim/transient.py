@@ -1,7 +1,7 @@
 """run_transient: the only road from a template to a backend."""
 
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -9,11 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from cnnsim import backends
 from cnnsim.backends.base import Backend, Outcome
-from cnnsim.cell import CellModel, output
+from cnnsim.cell import CellModel
+from cnnsim.characteristic import Cell
 from cnnsim.errors import InputError
+from cnnsim.frames import Frames
 from cnnsim.grid import ZERO_FLUX, Boundary
+from cnnsim.layers import AnyTemplate
 from cnnsim.plan import Duration, Plan, make_plan
-from cnnsim.template import Template
 
 
 @dataclass(frozen=True)
@@ -32,8 +34,8 @@ class Result:
 
     @property
     def y(self) -> NDArray[Any]:
-        """The output, clip(x, -1, 1)."""
-        return output(self.x)
+        """The output: clip(x, -1, 1), or what the cell's characteristic makes of the state."""
+        return self.plan.output(self.x)
 
 
 class NotSettledError(InputError):
@@ -50,8 +52,8 @@ class Task:
 
     plan: Plan
     state: NDArray[np.float64]
-    input: NDArray[np.float64] | None
-    bias: NDArray[np.float64] | None
+    input: NDArray[np.float64] | Frames[NDArray[np.float64]] | None
+    bias: NDArray[np.float64] | Frames[NDArray[np.float64]] | None
     mask: NDArray[np.bool_] | None
 
     def start(self, backend: Backend, state: NDArray[Any] | None = None, plan: Plan | None = None) -> Outcome:
@@ -59,22 +61,22 @@ class Task:
         return backend.transient(
             self.plan if plan is None else plan,
             backend.load(self.state if state is None else state, "lam"),
-            None if self.input is None else backend.load(self.input, "lam"),
-            None if self.bias is None else backend.load(self.bias, "lam"),
+            _load(backend, self.input),
+            _load(backend, self.bias),
             None if self.mask is None else backend.load(self.mask, "llm"),
         )
 
 
 def make_task(
-    template: Template,
+    template: AnyTemplate,
     *,
     state: ArrayLike,
-    input: ArrayLike | None = None,  # noqa: A002 - the field's word for u
-    bias: ArrayLike | None = None,
+    input: ArrayLike | Frames[Any] | None = None,  # noqa: A002 - the field's word for u
+    bias: ArrayLike | Frames[Any] | None = None,
     mask: ArrayLike | None = None,
     boundary: Boundary = ZERO_FLUX,
     duration: Duration = "settled",
-    cell: CellModel = "chua-yang",
+    cell: CellModel | Cell = "chua-yang",
     scheme: str | None = None,
     step: float | None = None,
     limit: float | None = None,
@@ -82,41 +84,28 @@ def make_task(
 ) -> Task:
     """Check the planes against each other and plan the transient; the arguments are those of `run_transient`."""
     x = _plane("state", state, None)
-    u = None if input is None else _plane("input", input, x.shape)
-    if u is None and template.control_taps:
-        raise InputError(f"template {template.name!r} has a B, so it needs an input plane")
+    u, w = _planes("input", input, x.shape), _planes("bias", bias, x.shape)
+    if u is None and template.reads_input:
+        raise InputError(f"template {template.name!r} has a B, or a term of u, so it needs an input plane")
     plan = make_plan(
-        template,
-        x.shape,
-        boundary,
-        duration=duration,
-        cell=cell,
-        scheme=scheme,
-        step=step,
-        limit=limit,
-        without=without,
-    )
-    if cell == "full-range" and np.abs(x).max() > 1:
+        template, x.shape, boundary, duration=duration, cell=cell, scheme=scheme, step=step, limit=limit,
+        without=without, every=[value.every for value in (u, w) if isinstance(value, Frames)],
+    )  # fmt: skip
+    if plan.cell == "full-range" and np.abs(x).max() > 1:
         raise InputError(f"state reaches {np.abs(x).max():g}; the full-range model keeps it from -1 to 1")
-    return Task(
-        plan,
-        x,
-        u,
-        None if bias is None else _plane("bias", bias, x.shape),
-        None if mask is None else _plane("mask", mask, x.shape) > 0,
-    )
+    return Task(plan, x, u, w, None if mask is None else _plane("mask", mask, x.shape) > 0)
 
 
 def run_transient(
-    template: Template,
+    template: AnyTemplate,
     *,
     state: ArrayLike,
-    input: ArrayLike | None = None,  # noqa: A002 - the field's word for u
-    bias: ArrayLike | None = None,
+    input: ArrayLike | Frames[Any] | None = None,  # noqa: A002 - the field's word for u
+    bias: ArrayLike | Frames[Any] | None = None,
     mask: ArrayLike | None = None,
     boundary: Boundary = ZERO_FLUX,
     duration: Duration = "settled",
-    cell: CellModel = "chua-yang",
+    cell: CellModel | Cell = "chua-yang",
     scheme: str | None = None,
     step: float | None = None,
     limit: float | None = None,
@@ -126,8 +115,10 @@ def run_transient(
 ) -> Result:
     """Run one template from x(0) = ``state`` with u = ``input`` and return where it ends.
 
-    Arguments: planes (rows, cols) or (n, rows, cols) of one shape; ``bias`` is added to z cell by cell; ``mask`` > 0
-    holds a cell's state; ``duration`` in time constants or ``"settled"`` (see `Plan`), then at most ``limit``;
+    Arguments: planes (rows, cols) or (n, rows, cols) of one shape, of a network of layers (layers, rows, cols) or
+    (n, layers, rows, cols), where a plane (rows, cols) stands for all grids and layers; ``input`` and ``bias`` may be
+    `Frames`; ``bias`` is added to z cell by cell; ``mask`` > 0 holds a cell's state; ``duration`` in time constants or
+    ``"settled"`` (see `Plan`), then at most ``limit``;
     ``scheme`` and ``step`` as in `cnnsim.scheme`, or None to let the plan choose; ``without`` as in `make_plan`.
 
     Raises:
@@ -154,7 +145,12 @@ def trajectory(task: Task, backend: Backend, duration: float, frames: int) -> It
     """Yield (t, y) at ``frames`` + 1 evenly spaced times from 0 to ``duration``, the task's own stop rule set aside."""
     old = task.plan
     x = backend.load(task.state, "lam")
-    yield 0.0, output(backend.read(x))
+    yield 0.0, old.output(backend.read(x))
+    if old.method == "general":  # with delays and sequences a run cannot be cut in two, so each picture has its own
+        for frame in range(1, frames + 1):
+            t = round(frame * duration / frames / old.step) * old.step
+            yield t, old.output(backend.read(task.start(backend, plan=replace(old, duration=t)).x))
+        return
     scheme = old.scheme.name if old.scheme is not None else None
     plan = make_plan(
         old.template, old.shape, old.boundary, duration=duration / frames, cell=old.cell,
@@ -162,7 +158,19 @@ def trajectory(task: Task, backend: Backend, duration: float, frames: int) -> It
     )  # fmt: skip
     for frame in range(1, frames + 1):
         x = task.start(backend, backend.read(x), plan).x
-        yield frame * duration / frames, output(backend.read(x))
+        yield frame * duration / frames, old.output(backend.read(x))
+
+
+def _load(backend: Backend, value: Any) -> Any:
+    if isinstance(value, Frames):
+        return value.map(lambda plane: backend.load(plane, "lam"))
+    return None if value is None else backend.load(value, "lam")
+
+
+def _planes(name: str, value: Any, shape: tuple[int, ...]) -> Any:
+    if isinstance(value, Frames):
+        return value.map(lambda plane: _plane(name, plane, shape))
+    return None if value is None else _plane(name, value, shape)
 
 
 def _plane(name: str, values: ArrayLike, shape: tuple[int, ...] | None) -> NDArray[np.float64]:
@@ -172,7 +180,9 @@ def _plane(name: str, values: ArrayLike, shape: tuple[int, ...] | None) -> NDArr
         raise InputError(f"{name} is no rectangular array of numbers") from error
     if plane.ndim == 0 and shape is not None:
         plane = np.full(shape, plane)
-    if plane.ndim not in (2, 3) or plane.size == 0:
+    if shape is not None and len(shape) > 2 and plane.shape == shape[-2:]:
+        plane = np.broadcast_to(plane, shape).copy()
+    if plane.ndim not in (2, 3, 4) or plane.size == 0:
         raise InputError(f"{name} has shape {plane.shape}; (rows, cols) with at least one cell wanted")
     if shape is not None and plane.shape != shape:
         raise InputError(f"{name} has shape {plane.shape}, the state has {shape}; one shape wanted")

@@ -9,7 +9,7 @@ import numba
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from cnnsim.backends import cpu_bits, cpu_closed, cpu_kernels
+from cnnsim.backends import cpu_bits, cpu_closed, cpu_general, cpu_kernels
 from cnnsim.backends.base import Memory, Outcome, check_finite
 from cnnsim.backends.cpu_bits import Bits
 from cnnsim.backends.cpu_compile import THREADS_PAY_FROM, Kernel
@@ -84,6 +84,9 @@ class CpuBackend:
         self, plan: Plan, x: Array, u: Array | None, bias: Array | None = None, held: Bits | None = None
     ) -> Outcome:
         """See `Backend.transient`."""
+        if plan.method == "general":
+            return cpu_general.transient(plan, x, u, bias, None if held is None else self._unpack(held, np.dtype(bool)))
+        bias = cpu_general.with_control_terms(plan, u, bias)
         ready = self._prepared.get(plan)
         if ready is None:
             ready = self._prepared[plan] = Prepared(plan, self.dtype, numba.get_num_threads())

@@ -1,5 +1,6 @@
 """Black-and-white planes of the CPU backend: 64 cells a word, and what is done to all 64 at once."""
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,8 +24,7 @@ class Bits(NamedTuple):
 
 def empty(shape: tuple[int, ...]) -> Bits:
     """Return a plane whose cells are not set."""
-    n = shape[0] if len(shape) == 3 else 1
-    return Bits(np.empty((n, shape[-2], -(-shape[-1] // 64)), np.uint64), shape)
+    return Bits(np.empty((math.prod(shape[:-2]), shape[-2], -(-shape[-1] // 64)), np.uint64), shape)
 
 
 @helper

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from cnnsim.backends import reference_general
 from cnnsim.backends.base import Memory, Outcome, check_finite
 from cnnsim.bitwise import BitRule
 from cnnsim.cell import output, slope, uncoupled_state
@@ -61,6 +62,9 @@ class ReferenceBackend:
         self, plan: Plan, x: Array, u: Array | None, bias: Array | None = None, held: Array | None = None
     ) -> Outcome:
         """See `Backend.transient`."""
+        if plan.method == "general":
+            return reference_general.transient(plan, x, u, bias, held)
+        bias = reference_general.with_control_terms(plan.template, plan.boundary, u, bias)
         w = np.full_like(x, plan.template.z)
         if bias is not None:
             w += bias

@@ -1,0 +1,95 @@
+"""Every backend against the reference on random networks of all kinds: terms, delays, layers, sequences, cells."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cnnsim import PERIODIC, ZERO_FLUX, Template, fixed, run_transient
+from cnnsim.characteristic import Cell, Characteristic
+from cnnsim.frames import Frames
+from cnnsim.layers import LayeredTemplate
+from cnnsim.table import Table, lines
+from cnnsim.term import Term
+
+BACKENDS = ["cpu"]
+ARGUMENTS = ["y_kl", "u_kl", "x_kl", "u_kl - u_ij", "y_kl - y_ij", "x_kl - x_ij", "u_kl - x_ij", "y_kl - u_ij"]
+
+
+def random_table(rng: np.random.Generator) -> Table:
+    """Linear: a step would turn rounding errors into jumps; the tests of terms have those."""
+    at = np.sort(rng.uniform(-2, 2, 4)) + np.arange(4) * 0.2
+    return lines(*zip(at.tolist(), rng.uniform(-0.5, 0.5, 4).tolist(), strict=True))
+
+
+def random_term(rng: np.random.Generator, shape: tuple[int, int], layers: int, delays: bool) -> Term:
+    side = int(rng.choice([1, 3, 5]))
+    weights = rng.normal(size=(side, side)) * 0.5 / side**2
+    varying = rng.random() < 0.3
+    return Term(
+        weights[..., None, None] * rng.uniform(0.5, 1, shape) if varying else weights,
+        str(rng.choice(ARGUMENTS)),
+        random_table(rng) if rng.random() < 0.7 else None,
+        str(rng.choice(ARGUMENTS)) if rng.random() < 0.3 else None,
+        float(rng.choice([0.1, 0.3, 1.0])) if delays and rng.random() < 0.6 else 0.0,
+        int(rng.integers(layers)) if rng.random() < 0.4 else None,
+    )
+
+
+CELLS = [
+    Cell(), Cell("full-range"), Cell("chua-yang", Characteristic("tanh", 2.0)),
+    Cell("chua-yang", Characteristic(slope=3)),
+    Cell("chua-yang", Characteristic("table", table=lines((-1.5, -1), (0, 0.2), (1, 1)))),
+    Cell("discrete-time", Characteristic()),
+]  # fmt: skip
+
+
+def task_of(seed: int) -> dict[str, Any]:
+    rng = np.random.default_rng(seed)
+
+    def coin() -> bool:
+        return bool(rng.random() < 0.5)
+
+    layers, grid = int(rng.integers(1, 4)), (int(rng.integers(1, 10)), int(rng.integers(1, 10)))
+    cell, delays = CELLS[rng.integers(len(CELLS))], coin()
+    if cell.model == "discrete-time":
+        delays = False
+    parts = [
+        Template(rng.normal(size=(3, 3)) * 0.3, rng.normal(size=(3, 3)) * 0.3, rng.normal(),
+                 terms=[random_term(rng, grid, layers, delays) for _ in range(rng.integers(1, 4))])
+        for _ in range(layers)
+    ]  # fmt: skip
+    constants = None if cell.model == "discrete-time" else rng.uniform(0.5, 3, layers).tolist()
+    shape: tuple[int, ...] = (layers, *grid) if layers > 1 else grid
+    if coin():
+        shape = (int(rng.integers(1, 4)), *shape)
+    frames = coin()
+    u = rng.uniform(-1, 1, (3, *shape))
+    every = 1.0 if cell.model == "discrete-time" else 0.4
+    return {
+        "template": LayeredTemplate(parts, constants) if layers > 1 else parts[0],
+        "state": rng.uniform(-1, 1, shape),
+        "input": Frames(list(u), every) if frames else u[0],
+        "bias": Frames(list(rng.normal(size=(2, *shape))), every) if coin() else rng.normal(size=shape),
+        "mask": rng.uniform(-1, 1, shape) if coin() else None,
+        "boundary": [ZERO_FLUX, PERIODIC, fixed(-1.0), fixed(0.3, -0.7)][rng.integers(4)],
+        "scheme": None if cell.model == "discrete-time" else str(rng.choice(["euler", "heun", "exponential-euler"])),
+        "step": None if cell.model == "discrete-time" else 0.1,
+        "cell": cell,
+        "duration": 3.0 if cell.model == "discrete-time" else 1.2,
+    }
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(("dtype", "tolerance"), [("float64", 1e-12), ("float32", 1e-5)])
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 2**32))
+def test_agrees_with_the_reference(backend: str, dtype: Any, tolerance: float, seed: int) -> None:
+    task = task_of(seed)
+    template = task.pop("template")
+    law = run_transient(template, **task, backend="reference")
+    ours = run_transient(template, **task, backend=backend, dtype=dtype)
+    assert np.abs(ours.x - law.x).max() <= tolerance * (1 + template.state_bound(1.0))
+    assert ours.t == law.t
