@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from cnnsim import InputError, library
 from cnnsim.cli_formats import export, import_
 from cnnsim.command import CommandGroup
-from cnnsim.formats.defects import number_differences
+from cnnsim.formats.differences import number_differences
 from cnnsim.formats.draft import Draft
 from cnnsim.formats.files import READERS, import_file
 from cnnsim.formats.report import Report
@@ -113,7 +113,7 @@ def test_formats_go_by_suffix_or_by_option(tmp_path: Path) -> None:
     assert unknown.exit_code == 2
     assert "'.txt' is not known" in unknown.output
     assert call("import", tmp_path / "g.txt", "--format", "gene", "-o", tmp_path).exit_code == 0
-    assert library.load_file(tmp_path / "g.toml").template.self_feedback == 2
+    assert library.load_file(tmp_path / "g.toml").template.state_bound() == 2
 
 
 def test_an_import_that_would_hide_a_shipped_template_says_so(tmp_path: Path) -> None:

@@ -8,12 +8,13 @@ import pytest
 from cnnsim import InputError, library
 from cnnsim.formats.celnn_json import celnn, read_celnn
 from cnnsim.formats.cnnsim_text import read_cnnsim
-from cnnsim.formats.defects import number_differences
-from cnnsim.formats.draft import Draft
+from cnnsim.formats.differences import number_differences
+from cnnsim.formats.draft import Draft, plain
 from cnnsim.formats.gene import gene, read_gene
-from cnnsim.formats.matcnn import matcnn_drafts, nonlinear_part, read_matcnn
+from cnnsim.formats.matcnn import entry_template, matcnn_drafts, read_matcnn
 from cnnsim.formats.report import Report
 from cnnsim.grid import PERIODIC, ZERO_FLUX, fixed
+from cnnsim.table import lines, steps
 from cnnsim.template import Template
 
 # --- MATCNN -------------------------------------------------------------------------------------------------------
@@ -84,7 +85,7 @@ def test_anything_else_is_an_error_with_its_line(expression: str, words: str) ->
 def test_entries_aliases_and_missing_parts() -> None:
     one_a, one_b = "ONE_A = [0 0 0; 0 2 0; 0 0 0];", "ONE_B = 1/2*[0 1 0;1 0 1;0 1 0];"
     drafts, report = matcnn(f"% library\n{one_a}\n{one_b}\nONE_I = -1;\nTWO_B = ONE_B; TWO_I = 3\n")
-    one, two = drafts["one"].template, drafts["two"].template
+    one, two = (plain(drafts[name].template, "") for name in ("one", "two"))
     assert one.self_feedback == 2
     assert one.B[0, 1] == two.B[0, 1] == 0.5
     assert (one.z, two.z, two.feedback_taps) == (-1, 3, ())
@@ -95,19 +96,21 @@ def test_entries_aliases_and_missing_parts() -> None:
 def test_nonlinear_entries_are_read_whole_and_not_yet_written() -> None:
     weights, function = "N_Dd = [.5 1 .5; 1 0 1; .5 1 .5];", "N_d = [1 3  -2 0  0 1  2 0  122];"
     report = Report("x.m")
-    entries = read_matcnn(f"N_A = 1;\n{weights}\n{function}\nM_Aa = [1 1 1];\nM_a = [0 1 0 3];".encode(), report)
-    part = nonlinear_part(entries["N"], "d")
-    assert (part.linear, part.points, part.code) == (True, ((-2, 0), (0, 1), (2, 0)), 122)
-    assert part.weights.shape == (3, 3)
-    assert nonlinear_part(entries["M"], "a").points == ((0, 3),)
+    entries = read_matcnn(f"N_A = 1;\n{weights}\n{function}\nM_Aa = 1;\nM_a = [0 1 0 3];".encode(), report)
+    (d,) = entry_template(entries["N"], "n").terms
+    assert (str(d), d.table) == ("f(x_kl - x_ij) (x_kl - x_ij)", lines((-2, 0), (0, 1), (2, 0)))
+    assert d.weights.tolist() == [[0.5, 1, 0.5], [1, 0, 1], [0.5, 1, 0.5]]  # neighbour minus centre, as ours
+    (a,) = entry_template(entries["M"], "m").terms
+    assert (str(a), a.table) == ("f(y_kl - y_ij)", steps([], [3]))
     assert [draft.missing for draft in matcnn_drafts(entries, report)] == [
-        "parsed, not written: kind not supported yet (non-linear D)",
-        "parsed, not written: kind not supported yet (non-linear A)",
+        "parsed, not written: kind not supported yet (non-linear)",
+        "parsed, not written: kind not supported yet (non-linear)",
     ]
 
 
 @pytest.mark.parametrize("text", ["N_d = [1 1 0 0 11];", "N_Bb = 1;", "N_Aa = 1;\nN_a = [1 2 0 0];",
-                                  "N_Dd = 1;\nN_d = [1 1 0 0];", "N_Aa = 1;\nN_a = [2 1 0 0];",
+                                  "N_Dd = 1;\nN_d = [1 1 0 0];", "N_Dd = 1;\nN_d = [1 1 0 0 44];",
+                                  "N_Aa = 1;\nN_a = [2 1 0 0];",
                                   "N_A = [1 2 3];", "N_A = 1;\nN_I = [1 2];", "x = 3;", ""])  # fmt: skip
 def test_incomplete_matcnn_entries_are_errors(text: str) -> None:
     drafts, report = matcnn(text)
@@ -135,9 +138,9 @@ def test_an_unclosed_bracket_costs_one_entry_only() -> None:
 def test_cnnsim_text(tail: str, boundary: object) -> None:
     report = Report("x")
     (draft,) = read_cnnsim(f"A\n0 1 0\n 0 2 0 0 0\t3\nZ\n-.5\nB 1 2 3 4 5 6 7 8 9\n{tail}".encode(), "My Name", report)
-    assert draft.template.A.tolist() == [[0, 1, 0], [0, 2, 0], [0, 0, 3]]
-    assert draft.template.B.tolist() == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
-    assert (draft.template.z, draft.boundary, draft.name) == (-0.5, boundary, "my-name")
+    assert plain(draft.template, "").A.tolist() == [[0, 1, 0], [0, 2, 0], [0, 0, 3]]
+    assert plain(draft.template, "").B.tolist() == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
+    assert (plain(draft.template, "").z, draft.boundary, draft.name) == (-0.5, boundary, "my-name")
     assert not report.failed
 
 
@@ -161,9 +164,9 @@ GENE = "-1 " + " ".join(map(str, range(1, 10))) + " " + " ".join(map(str, range(
 )
 def test_a_gene_is_z_then_b_then_a(text: str) -> None:
     (draft,) = read_gene(text.encode(), "g", Report("g"))
-    assert draft.template.z == -1
-    assert draft.template.B.tolist() == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
-    assert draft.template.A.tolist() == [[11, 12, 13], [14, 15, 16], [17, 18, 19]]
+    assert plain(draft.template, "").z == -1
+    assert plain(draft.template, "").B.tolist() == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
+    assert plain(draft.template, "").A.tolist() == [[11, 12, 13], [14, 15, 16], [17, 18, 19]]
 
 
 def test_several_genes_one_a_line() -> None:
@@ -206,7 +209,11 @@ ITEM = {"name": "My Edge", "feedback": [[2]], "control": [[3]], "bias": -1.5, "d
 def test_celnn_turns_the_sign_of_z_and_says_so() -> None:
     report = Report("x.json")
     (draft,) = read_celnn(json.dumps(ITEM).encode(), report)
-    assert (draft.template.A.tolist(), draft.template.B.tolist(), draft.template.z) == ([[2]], [[3]], 1.5)
+    assert (
+        plain(draft.template, "").A.tolist(),
+        plain(draft.template, "").B.tolist(),
+        plain(draft.template, "").z,
+    ) == ([[2]], [[3]], 1.5)
     assert "sign of z is turned" in draft.note
     assert any("sign of z is turned" in item.message for item in report.of("warning"))
     assert (draft.name, draft.summary, draft.tags) == ("my-edge", "d", ("t",))

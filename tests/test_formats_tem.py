@@ -5,12 +5,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cnnsim import InputError, library
-from cnnsim.formats.defects import number_differences
+from cnnsim.formats.differences import number_differences
+from cnnsim.formats.draft import plain
 from cnnsim.formats.report import Report
 from cnnsim.formats.tem import Block, Call, Function, Header, Layer, Section, TemFile
 from cnnsim.formats.tem_draft import tem_drafts
+from cnnsim.formats.tem_entry import entry_to_tem
 from cnnsim.formats.tem_parse import parse_tem, read_tem
-from cnnsim.formats.tem_write import entry_to_tem, write_tem
+from cnnsim.formats.tem_write import write_tem
 from cnnsim.grid import PERIODIC, ZERO_FLUX, fixed
 
 A = "FEEDBACK:\n0 0 0\n0 1 0\n0 0 0\n"
@@ -78,7 +80,7 @@ def test_a_missing_current_is_zero_and_noted() -> None:
     tem, report = parse("NEIGHBORHOOD: 1\n" + A)
     assert tem.sections[0].layers[0].current is None
     assert remarks(report, "note") == [(None, "no CURRENT: z = 0")]
-    assert tem_drafts(tem, "x", Report("x"))[0].template.z == 0
+    assert plain(tem_drafts(tem, "x", Report("x"))[0].template, "").z == 0
 
 
 def test_radius_changes_inside_a_file() -> None:
@@ -86,7 +88,7 @@ def test_radius_changes_inside_a_file() -> None:
     tem, report = parse(f"NEIGHBORHOOD: 1\n{A}NEIGHBORHOOD: 2\nCONTROL:\n{five}\nCURRENT: 1")
     assert [block.radius for block in tem.sections[0].layers[0].blocks] == [1, 2]
     assert remarks(report, "warning") == []
-    template = tem_drafts(tem, "x", Report("x"))[0].template
+    template = plain(tem_drafts(tem, "x", Report("x"))[0].template, "")
     assert (template.A.shape, template.B.shape) == ((3, 3), (5, 5))
 
 
@@ -106,12 +108,10 @@ def test_nonlinear_blocks_and_their_functions() -> None:
 
 
 @pytest.mark.parametrize(
-    "order", ["{f}{h}{m}", "{h}{f}{m}", "{h}{m}{f}", "{h}{m}CURRENT: 1\n{f}"], ids=["first", "inside", "after", "later"]
+    "order", ["{f}{h}{a}{m}", "{h}{f}{a}{m}", "{h}{a}{f}{m}", "{h}{a}{m}{f}", "{h}{a}{m}CURRENT: 1\n{f}"]
 )
 def test_function_lines_may_stand_anywhere(order: str) -> None:
-    parts = {"f": "d 0 2 0.01 0.5 2.5 -0.5\n", "h": "NONLIN_D:\nx-u#\n", "m": "d d d\nd 0 d\nd d d\n"}
-    if order.startswith("{h}{f}"):
-        parts |= {"h": "NONLIN_D:\n", "f": parts["f"] + "x-u#\n"}
+    parts = {"f": "d 0 2 0.01 0.5 2.5 -0.5\n", "h": "NONLIN_D:\n", "a": "x-u#\n", "m": "d d d\nd 0 d\nd d d\n"}
     tem, report = parse("NEIGHBORHOOD: 1\n" + order.format(**parts))
     (block,) = tem.sections[0].layers[0].blocks
     d = Call("d", "")
@@ -128,6 +128,15 @@ def test_a_row_that_could_be_a_function_is_a_row_inside_a_matrix() -> None:
     assert block.rows[1] == (Call("d", ""), 0, 1, 0, 0)
     assert (block.argument, block.factor) == ("x-x", "x-x")
     assert tem.sections[0].layers[0].functions == (Function("d", False, ((0, 0),)),)
+    assert not report.failed
+
+
+def test_three_words_are_a_row_of_nonlin_d_and_a_function_that_goes_on_elsewhere() -> None:
+    tem, report = parse("NONLIN_D:\nx-u#\nd 0 1\n0 d 0\nd 0 d\nd 1 1\n 0 5\nNONLIN_CONTROL:\nb 1 1\n0 6\nb-\n")
+    first, second = tem.sections[0].layers[0].blocks
+    assert first.rows[0] == (Call("d", ""), 0, 1)
+    assert second.rows == ((Call("b", "-"),),)
+    assert [function.points for function in tem.sections[0].layers[0].functions] == [((0, 5),), ((0, 6),)]
     assert not report.failed
 
 
@@ -166,7 +175,7 @@ def test_the_same_block_twice_is_reported_and_both_are_kept() -> None:
     assert len(tem.sections[0].layers[0].blocks) == 2
     assert remarks(report, "warning")[0][0] == 6
     (draft,) = tem_drafts(tem, "x", Report("x"))
-    assert "two matrices of one kind" in draft.missing
+    assert "FEEDBACK twice" in draft.missing
 
 
 def test_a_script_is_a_list_of_templates_and_a_loop() -> None:
@@ -176,7 +185,7 @@ def test_a_script_is_a_list_of_templates_and_a_loop() -> None:
     assert tem.loop == (1, 9)
     assert not report.items
     drafts = tem_drafts(tem, "TURN", report)
-    assert [(draft.name, draft.template.z) for draft in drafts] == [("turn-1", 1), ("turn-2", 2)]
+    assert [(draft.name, plain(draft.template, "").z) for draft in drafts] == [("turn-1", 1), ("turn-2", 2)]
     assert "9 times" in drafts[0].note
     assert "the loop is not" in report.of("warning")[-1].message
 

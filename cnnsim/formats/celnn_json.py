@@ -9,8 +9,9 @@ import json
 from typing import Any
 
 from cnnsim.errors import InputError
-from cnnsim.formats.draft import Draft, assume_setting, library_name
+from cnnsim.formats.draft import Draft, assume_setting, library_name, plain
 from cnnsim.formats.report import Report
+from cnnsim.layers import AnyTemplate
 from cnnsim.template import Template
 
 _KNOWN = {"name", "feedback", "control", "bias", "initial_state", "description", "tags", "metadata"}
@@ -76,8 +77,13 @@ def _numbers(item: dict[str, Any], key: str) -> Any:
     return rows
 
 
-def celnn(template: Template, summary: str, tags: tuple[str, ...]) -> str:
-    """Return a template as celnn reads it, A and B in one shape, the sign of z turned."""
+def celnn(template: AnyTemplate, summary: str, tags: tuple[str, ...]) -> str:
+    """Return a template as celnn reads it, A and B in one shape, the sign of z turned.
+
+    Raises:
+        InputError: a template that is not linear.
+    """
+    template = plain(template, "celnn's JSON")
     side = max(template.A.shape[0], template.B.shape[0], 3)
     a, b = (_in_frame(matrix.tolist(), side) for matrix in (template.A, template.B))
     data = {

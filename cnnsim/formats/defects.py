@@ -1,14 +1,17 @@
 """Warns of what is known to be wrong with a template that comes in, and of what its numbers show by themselves."""
 
 from collections.abc import Iterator
+from functools import cache
 
 import numpy as np
 
 from cnnsim import library
+from cnnsim.formats.differences import number_differences
 from cnnsim.formats.draft import Draft
 from cnnsim.formats.known_defects import KNOWN
+from cnnsim.layers import AnyTemplate
 from cnnsim.library import LibraryEntry
-from cnnsim.template import Tap, Template
+from cnnsim.template import Template
 
 _SMALL_MARGIN = 0.25  # what an analog chip of 7 or 8 bits cannot be trusted with
 
@@ -25,30 +28,17 @@ def defects(draft: Draft, source_name: str, system: str) -> list[str]:
     return [*found, *_from_numbers(draft, verified=entry is not None), *(compare(draft, entry) if entry else ())]
 
 
-def counterpart(template: Template, source_name: str, system: str) -> LibraryEntry | None:
+def counterpart(template: AnyTemplate, source_name: str, system: str) -> LibraryEntry | None:
     """Return our own template that goes by that name in that system, of several the nearest in numbers."""
     wanted = {source_name.upper(), f"{source_name} ({system})".upper()}
-    entries = [entry for entry in map(library.load, library.names()) if entry.shipped]
-    same = [entry for entry in entries if wanted & {alias.upper() for alias in entry.aliases}]
+    same = [entry for entry in _shipped() if wanted & {alias.upper() for alias in entry.aliases}]
     return min(same, key=lambda entry: len(list(number_differences(template, entry.template))), default=None)
 
 
-def taps(matrix: tuple[Tap, ...]) -> dict[tuple[int, int], float]:
-    """Return the weights by offset; what is not there is 0."""
-    return {(tap.k, tap.l): tap.weight for tap in matrix}
-
-
-def number_differences(ours: Template, theirs: Template) -> Iterator[str]:
-    """Yield every number in which two templates differ; rims of zeros make no difference."""
-    pairs = (("A", ours.feedback_taps, theirs.feedback_taps), ("B", ours.control_taps, theirs.control_taps))
-    for matrix, first, second in pairs:
-        left, right = taps(first), taps(second)
-        for k, l in sorted(left.keys() | right.keys()):
-            a, b = left.get((k, l), 0.0), right.get((k, l), 0.0)
-            if a != b:
-                yield f"{matrix}({k:+d}, {l:+d}) is {a:g}, not {b:g}"
-    if ours.z != theirs.z:
-        yield f"z is {ours.z:g}, not {theirs.z:g}"
+@cache
+def _shipped() -> tuple[LibraryEntry, ...]:
+    """Return our own templates; what is in a user's folders has no say here."""
+    return tuple(library.load_file(path) for path in sorted(library.folder().glob("*.toml")))
 
 
 def compare(draft: Draft, entry: LibraryEntry) -> Iterator[str]:
@@ -73,10 +63,11 @@ def compare(draft: Draft, entry: LibraryEntry) -> Iterator[str]:
 
 def _from_numbers(draft: Draft, verified: bool) -> Iterator[str]:
     """Yield what the numbers alone show; of the boundary only where no verified template says which one it takes."""
-    template, a = draft.template, draft.template.self_feedback
-    reach = float(np.abs(template.B).sum())
-    if template.uncoupled and template.control_taps and a >= 1 and abs(template.z) - reach - (a - 1) > 0:
-        colour = "black" if template.z > 0 else "white"
-        yield f"the output is {colour} for every input and every initial state"
+    template = draft.template
+    if isinstance(template, Template) and template.linear and template.uncoupled and template.control_taps:
+        a, reach = template.self_feedback, float(np.abs(template.B).sum())
+        if a >= 1 and abs(template.z) - reach - (a - 1) > 0:
+            colour = "black" if template.z > 0 else "white"
+            yield f"the output is {colour} for every input and every initial state"
     if not verified and not template.uncoupled and (draft.boundary.kind, draft.boundary.y) == ("fixed", 0):
         yield "coupled, with a boundary of 0: waves can hang or start at the rim; white outside (-1) is often needed"

@@ -5,8 +5,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from cnnsim.errors import InputError
 from cnnsim.formats.report import Report
 from cnnsim.grid import ZERO_FLUX, Boundary
+from cnnsim.layers import AnyTemplate, LayeredTemplate
 from cnnsim.library import Role
 from cnnsim.plan import Duration
 from cnnsim.template import Template
@@ -21,7 +23,7 @@ class Draft:
     """
 
     name: str
-    template: Template
+    template: AnyTemplate
     summary: str
     reference: str
     input: Role = "picture"
@@ -39,6 +41,26 @@ class Draft:
         return replace(self, note=f"{self.note} {text}".strip())
 
 
+def not_held(template: AnyTemplate) -> str:
+    """Return what our template files have no keys for yet, "" if they can hold the template."""
+    if isinstance(template, LayeredTemplate):
+        return f"parsed, not written: kind not supported yet ({len(template.layers)} layers)"
+    if any(term.delay for term in template.terms):
+        return "parsed, not written: kind not supported yet (delayed)"
+    return "" if template.linear else "parsed, not written: kind not supported yet (non-linear)"
+
+
+def plain(template: AnyTemplate, place: str) -> Template:
+    """Return a linear template of one layer as what it is.
+
+    Raises:
+        InputError: it is of another kind, and ``place`` holds no such.
+    """
+    if isinstance(template, Template) and template.linear:
+        return template
+    raise InputError(f"template {template.name!r} is not linear or of several layers; {place} holds no such template")
+
+
 def library_name(text: str) -> str:
     """Return a name as our files have it, lower case and hyphens: ``CCD_HOR`` becomes ``ccd-hor``."""
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or "unnamed"
@@ -46,7 +68,7 @@ def library_name(text: str) -> str:
 
 def assume_setting(draft: Draft, report: Report, boundary: Boundary | None = None) -> Draft:
     """Fill in what a format leaves open, initial state and perhaps boundary, and say so."""
-    role: Role = "picture" if draft.template.control_taps else "none"
+    role: Role = "picture" if draft.template.reads_input else "none"
     open_ends = "initial state" if boundary else "boundary and initial state"
     taken = "the picture was taken" if boundary else "zero-flux and the picture were taken"
     text = f"The source says nothing of {open_ends}; {taken}."

@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 from cnnsim.formats.celnn_json import celnn
 from cnnsim.formats.gene import gene
-from cnnsim.formats.tem_write import entry_to_tem, write_tem
+from cnnsim.formats.tem_entry import entry_to_tem
+from cnnsim.formats.tem_write import write_tem
 from cnnsim.library import LibraryEntry
 
 WRITERS: dict[str, Callable[[LibraryEntry], str]] = {

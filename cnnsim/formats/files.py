@@ -20,7 +20,8 @@ from cnnsim.library import load_file
 
 
 def _tem(data: bytes, stem: str, report: Report) -> list[Draft]:
-    return tem_drafts(read_tem(data, report), stem, report)
+    tem = read_tem(data, report)
+    return [] if report.failed else tem_drafts(tem, stem, report)
 
 
 def _matcnn(data: bytes, stem: str, report: Report) -> list[Draft]:

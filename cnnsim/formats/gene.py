@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.errors import InputError
-from cnnsim.formats.draft import Draft, assume_setting, library_name
+from cnnsim.formats.draft import Draft, assume_setting, library_name, plain
 from cnnsim.formats.numbers import number, written
 from cnnsim.formats.report import Report
 from cnnsim.formats.tem_lines import decode, split
+from cnnsim.layers import AnyTemplate
 from cnnsim.template import Template
 
 LENGTH = 19
@@ -48,12 +49,13 @@ def _draft(gene: list[float], name: str, report: Report) -> Draft:
     return assume_setting(Draft(name, template, summary, f"Imported from {report.file}"), report)
 
 
-def gene(template: Template) -> str:
+def gene(template: AnyTemplate) -> str:
     """Return the gene of a template.
 
     Raises:
-        InputError: a template of radius 2 or more.
+        InputError: a template of radius 2 or more, or one that is not linear.
     """
+    template = plain(template, "a gene")
     if template.radius > 1:
         raise InputError(f"template {template.name!r} has radius {template.radius}; a gene holds 3 x 3 only")
     a, b = (_three(matrix) for matrix in (template.A, template.B))

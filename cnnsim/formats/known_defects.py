@@ -23,10 +23,6 @@ KNOWN: dict[str, str] = {
         "learned texture template without a running time; its task could be reproduced in part, at a time of 6 to 10",
     ),
     **dict.fromkeys(("PARITY", "MAJVOT2"), "with the functions as printed it does not do what its header says"),
-    **dict.fromkeys(
-        ("HORSKELL", "HORSKELR", "VERSKELT", "VERSKELB"),
-        "the initial state has to be the picture, whatever the header says",
-    ),
     "HISTOGRAM": "works in discrete time with a black west border only; in continuous time it stalls half-way",
     "HISTOGR": "works in discrete time with a black west border only; in continuous time it stalls half-way",
     "CONCCONT": "works in discrete time only; in continuous time its rings are distorted",

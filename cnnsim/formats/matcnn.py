@@ -10,25 +10,17 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from cnnsim.errors import InputError
-from cnnsim.formats.draft import Draft, assume_setting, library_name
+from cnnsim.formats.draft import Draft, assume_setting, library_name, not_held
 from cnnsim.formats.matlab_expression import Array, evaluate
 from cnnsim.formats.matlab_tokens import Token, statements
 from cnnsim.formats.report import Report
 from cnnsim.formats.tem_lines import decode, split
+from cnnsim.table import from_pairs
 from cnnsim.template import Template
+from cnnsim.term import Term, from_matcnn
 
+_CODES = {"a": 33, "b": 11}  # A: of y_kl - y_ij, B: of u_kl - u_ij; D says its own
 _PARTS = ("A", "B", "I", "a", "Aa", "b", "Bb", "d", "Dd")
-
-
-@dataclass(frozen=True)
-class Difference:
-    """A non-linear part: its function, its weights, and (D only) the code of its arguments."""
-
-    part: str
-    linear: bool
-    points: tuple[tuple[float, float], ...]
-    weights: Array
-    code: int | None = None
 
 
 @dataclass
@@ -79,13 +71,19 @@ def _trimmed(tokens: list[Token]) -> list[Token]:
     return tokens
 
 
-def nonlinear_part(entry: Entry, letter: str) -> Difference:
-    """Return the non-linear part ``a``, ``b`` or ``d`` of an entry.
+def entry_template(entry: Entry, name: str) -> Template:
+    """Return the template of an entry.
 
     Raises:
-        InputError: the function or the weights are missing, or the function's numbers do not make ``interpolation n``
-            and n pairs (D: and a code).
+        InputError: numbers that make no template, a function without weights or the reverse.
     """
+    letters = [letter for letter in "abd" if {letter, letter.upper() + letter} & entry.parts.keys()]
+    terms = [_term(entry, letter) for letter in letters]
+    return Template(entry.parts.get("A", [[0.0]]), entry.parts.get("B", [[0.0]]), _bias(entry), name, terms)
+
+
+def _term(entry: Entry, letter: str) -> Term:
+    """Return the non-linear part ``a``, ``b`` or ``d``: interpolation, n, n pairs, for d the code of its arguments."""
     weights = entry.parts.get(letter.upper() + letter)
     if letter not in entry.parts or weights is None:
         raise InputError(f"{entry.name}_{letter} and {entry.name}_{letter.upper()}{letter} wanted, both")
@@ -94,9 +92,8 @@ def nonlinear_part(entry: Entry, letter: str) -> Difference:
     wanted = 2 + 2 * pairs + (letter == "d")
     if pairs == 0 or numbers[1] != pairs or numbers[0] not in (0, 1) or numbers.size != wanted:
         raise InputError(f"{entry.name}_{letter} is {numbers.tolist()}; interpolation, n and n pairs wanted")
-    points = tuple((float(x), float(y)) for x, y in numbers[2 : 2 + 2 * pairs].reshape(-1, 2))
-    code = int(numbers[-1]) if letter == "d" else None
-    return Difference(letter.upper(), bool(numbers[0]), points, np.atleast_2d(weights), code)
+    table = from_pairs(int(numbers[0]), [(float(x), float(y)) for x, y in numbers[2 : 2 + 2 * pairs].reshape(-1, 2)])
+    return from_matcnn(np.atleast_2d(weights), table, _CODES.get(letter) or int(numbers[-1]))
 
 
 def matcnn_drafts(entries: dict[str, Entry], report: Report) -> list[Draft]:
@@ -105,9 +102,7 @@ def matcnn_drafts(entries: dict[str, Entry], report: Report) -> list[Draft]:
     for entry in (entry for entry in entries.values() if not entry.broken):
         name = library_name(entry.name)
         try:
-            letters = [letter for letter in "abd" if {letter, letter.upper() + letter} & entry.parts.keys()]
-            nonlinear = [nonlinear_part(entry, letter) for letter in letters]
-            template = Template(entry.parts.get("A", [[0.0]]), entry.parts.get("B", [[0.0]]), _bias(entry), name)
+            template = entry_template(entry, name)
         except InputError as error:
             report.error(entry.line, str(error))
             continue
@@ -115,11 +110,8 @@ def matcnn_drafts(entries: dict[str, Entry], report: Report) -> list[Draft]:
             name, template, f"MATCNN template {entry.name}; the source does not say what it does.",
             f"Imported from {report.file}, MATCNN entry {entry.name}", aliases=(entry.name,),
         )  # fmt: skip
-        if nonlinear:
-            parts = " and ".join(part.part for part in nonlinear)
-            draft = replace(draft, missing=f"parsed, not written: kind not supported yet (non-linear {parts})")
-        else:
-            draft = assume_setting(draft, report)
+        missing = not_held(template)
+        draft = replace(draft, missing=missing) if missing else assume_setting(draft, report)
         drafts.append(draft)
     return drafts
 

@@ -6,6 +6,8 @@ Source: the template files of the SzTAKI CNN simulators (CANDY, SimCNN, VisualMo
 from dataclasses import dataclass, field
 from typing import Literal
 
+from cnnsim.errors import InputError
+
 Operation = Literal[
     "feedback", "control", "nonlin_feedback", "nonlin_control", "nonlin_d", "delayed_feedback", "delayed_control"
 ]
@@ -75,8 +77,15 @@ class Layer:
     line: int = field(default=0, compare=False)
 
     def function(self, letter: str) -> Function:
-        """Return the function of a letter; the parser has made sure that it is there."""
-        return next(function for function in self.functions if function.letter == letter)
+        """Return the function of a letter.
+
+        Raises:
+            InputError: no line of the layer defines it.
+        """
+        for function in self.functions:
+            if function.letter == letter:
+                return function
+        raise InputError(f"layer {self.number} has no function {letter!r}; it has {[f.letter for f in self.functions]}")
 
 
 @dataclass(frozen=True)

@@ -33,13 +33,19 @@ class Cursor:
         return self.lines[self.at - 1]
 
 
-def is_function(line: Line) -> bool:
-    """Return whether a line is a function line: a letter, then numbers only, in the count that it announces or more.
+def is_function(line: Line, words_at_least: int = 3) -> bool:
+    """Return whether a line is a function line: a letter, interpolation, a count, then numbers only.
 
-    ``d 0 d`` is a row of a matrix and ``d 0 2  0.01 0.5  2.5 -0.5`` is a function.
+    ``d 0 d`` is a row of a matrix and ``d 0 2  0.01 0.5  2.5 -0.5`` is a function. Where a row may come as well, a
+    pair of numbers is wanted on the same line (``words_at_least`` 5): ``d 0 1`` is a row of NONLIN_D then.
     """
     words = line.words
-    if line.keyword or len(words) < 3 or not _NAME.fullmatch(words[0]) or not all(map(is_number, words[1:])):
+    if (
+        line.keyword
+        or len(words) < words_at_least
+        or not _NAME.fullmatch(words[0])
+        or not all(map(is_number, words[1:]))
+    ):
         return False
     return words[1] in ("0", "1") and (whole(words[2]) or 0) >= 1
 
@@ -86,8 +92,10 @@ def read_matrix(cursor: Cursor, heading: Line, first: str) -> tuple[tuple[Entry,
     while line := cursor.peek():
         side = len(rows[0].words) if rows else 0
         inside = len(rows) < side == len(line.words)
-        stray = 0 < side == len(rows) and side != len(line.words) and not is_number(line.words[0])
-        if line.keyword or "#" in line.text or stray or (is_function(line) and not inside):
+        complete = 0 < side == len(rows)
+        stray = complete and side != len(line.words) and not is_number(line.words[0])
+        function = is_function(line, 5 if heading.keyword == "NONLIN_D" and not complete else 3)
+        if line.keyword or "#" in line.text or stray or (function and not inside):
             break
         rows.append(cursor.take())
     title = heading.keyword

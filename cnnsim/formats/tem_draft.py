@@ -3,13 +3,12 @@
 from dataclasses import replace
 
 from cnnsim.errors import InputError
-from cnnsim.formats.draft import Draft, library_name
+from cnnsim.formats.draft import Draft, library_name, not_held
 from cnnsim.formats.report import Report
-from cnnsim.formats.tem import Block, Section, TemFile
+from cnnsim.formats.tem import Section, TemFile
 from cnnsim.formats.tem_header import Setting, read_setting
+from cnnsim.formats.tem_terms import section_template
 from cnnsim.template import Template
-
-_NOT_YET = "parsed, not written: kind not supported yet"
 
 
 def tem_drafts(tem: TemFile, stem: str, report: Report) -> list[Draft]:
@@ -34,16 +33,11 @@ def _draft(tem: TemFile, section: Section, k: int, stem: str, setting: Setting, 
         name, Template([[0.0]], name=name), summary, _reference(stem, title), setting.input, setting.initial_state,
         setting.boundary, setting.duration, note=_note(tem), aliases=_aliases(name, stem, title, several),
     )  # fmt: skip
-    if kind := _kind(section):
-        return replace(draft, missing=f"{_NOT_YET} ({kind})")
-    layer = section.layers[0]
     try:
-        a, b = (_matrix(layer.blocks, operation) for operation in ("feedback", "control"))
-        draft = replace(draft, template=Template(a, b, layer.current or 0.0, name))
+        template = section_template(section, name)
     except InputError as error:
-        report.error(layer.blocks[0].line if layer.blocks else None, str(error))
-        return replace(draft, missing="the numbers make no template")
-    return _with_setting(draft, tem, setting, report)
+        return replace(draft, missing=f"parsed, not written: {error}")
+    return _with_setting(replace(draft, template=template, missing=not_held(template)), tem, setting, report)
 
 
 def _with_setting(draft: Draft, tem: TemFile, setting: Setting, report: Report) -> Draft:
@@ -54,10 +48,10 @@ def _with_setting(draft: Draft, tem: TemFile, setting: Setting, report: Report) 
         names = ", ".join(words[key] for key in unsaid)
         report.warning(line, f"the header says nothing of {names}; picture and zero-flux are taken: check them")
         draft = draft.with_note(f"The source says nothing of {names}; picture and zero-flux were taken.")
-    if draft.template.control_taps and draft.input == "none":
+    if draft.template.reads_input and draft.input == "none":
         report.warning(line, "%Setting has no input, but CONTROL is not zero: the picture is taken as input")
         draft = replace(draft, input="picture").with_note("The source names no input; the picture is taken.")
-    elif not draft.template.control_taps and draft.input != "none":
+    elif not draft.template.reads_input and draft.input != "none":
         report.note(line, "%Setting has an input, but there is no CONTROL that would use it")
         state = "picture" if draft.initial_state == "given" else draft.initial_state
         draft = replace(draft, input="none", initial_state=state)
@@ -65,26 +59,8 @@ def _with_setting(draft: Draft, tem: TemFile, setting: Setting, report: Report) 
         report.warning(tem.header("CNNModel").line, "made for discrete time (DT-CNN); written for continuous time")
         draft = draft.with_note("The source means discrete time.")
     elif setting.discrete:
-        draft = replace(draft, missing=f"{_NOT_YET} (discrete time, coupled)")
+        draft = replace(draft, missing="parsed, not written: kind not supported yet (discrete time, coupled)")
     return draft
-
-
-def _kind(section: Section) -> str:
-    """Return what makes a section other than linear, of one layer; "" if nothing does."""
-    blocks = [block for layer in section.layers for block in layer.blocks]
-    if len(section.layers) > 1 or any(block.source not in (None, 1) for block in blocks):
-        return f"{len(section.layers)} layers"
-    if any(block.operation.startswith("delayed") for block in blocks):
-        return "delayed"
-    if any(not block.linear or block.operation == "nonlin_d" for block in blocks):
-        return "non-linear"
-    kinds = [block.operation.removeprefix("nonlin_") for block in blocks]
-    return "two matrices of one kind" if len(kinds) != len(set(kinds)) else ""
-
-
-def _matrix(blocks: tuple[Block, ...], operation: str) -> list[list[float]]:
-    found = [block for block in blocks if block.operation in (operation, f"nonlin_{operation}")]
-    return found[0].numbers if found else [[0.0]]
 
 
 def _reference(stem: str, title: str) -> str:

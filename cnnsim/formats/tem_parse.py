@@ -88,10 +88,11 @@ def _block(cursor: Cursor, line: Line, layer: LayerBuilder, radius: int | None) 
         source, first = whole(match[1]), match[2] or ""
         if source is None:
             cursor.report.error(line.number, f"{line.keyword} FROM {match[1][:40]!r}; the number of a layer wanted")
-    while (ahead := cursor.peek()) and is_function(ahead):  # function lines between heading and matrix
-        if function := read_function(cursor):
-            layer.add_function(function)
-    argument, factor = read_argument(cursor) if line.keyword == "NONLIN_D" else ("", "")
+    _functions(cursor, layer)
+    argument, factor = "", ""
+    if line.keyword == "NONLIN_D":
+        argument, factor = read_argument(cursor)
+        _functions(cursor, layer, 5)
     rows = read_matrix(cursor, line, first)
     if not rows:
         return
@@ -104,6 +105,13 @@ def _block(cursor: Cursor, line: Line, layer: LayerBuilder, radius: int | None) 
         )
     operation = cast(Operation, line.keyword.lower())
     layer.add_block(Block(operation, rows, source, radius, argument, factor, None, line.number))
+
+
+def _functions(cursor: Cursor, layer: LayerBuilder, words_at_least: int = 3) -> None:
+    """Read the function lines that stand between a heading and its matrix."""
+    while (ahead := cursor.peek()) and is_function(ahead, words_at_least):
+        if function := read_function(cursor):
+            layer.add_function(function)
 
 
 def _value(line: Line, report: Report) -> float | None:

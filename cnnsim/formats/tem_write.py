@@ -1,10 +1,7 @@
-"""Writes ``.tem`` files: any content that was read, and the linear templates of our library."""
+"""Writes ``.tem`` files from their content."""
 
-from cnnsim.errors import InputError
 from cnnsim.formats.numbers import written
-from cnnsim.formats.tem import Block, Call, Entry, Function, Header, Layer, Section, TemFile
-from cnnsim.grid import Boundary
-from cnnsim.library import LibraryEntry, Role
+from cnnsim.formats.tem import Block, Call, Entry, Function, Layer, Section, TemFile
 
 
 def write_tem(tem: TemFile) -> str:
@@ -64,49 +61,3 @@ def _tail(layer: Layer) -> list[str]:
 def _function(function: Function) -> str:
     points = "  ".join(f"{written(x)} {written(y)}" for x, y in function.points)
     return f"{function.letter} {int(function.linear)} {len(function.points)}  {points}"
-
-
-def entry_to_tem(entry: LibraryEntry) -> TemFile:
-    """Return the ``.tem`` content of a library template.
-
-    Raises:
-        InputError: a setting that the header comments have no word for.
-    """
-    template, blocks = entry.template, []
-    for operation, matrix in (("feedback", template.A), ("control", template.B)):
-        if matrix.any():
-            side = matrix if matrix.shape[0] > 1 else [[0, 0, 0], [0, matrix[0, 0], 0], [0, 0, 0]]
-            rows = tuple(tuple(float(value) for value in row) for row in side)
-            blocks.append(Block(operation, rows, None, len(rows) // 2))  # type: ignore[arg-type]  # two of its words
-    headers = [
-        Header("Function", " ".join(entry.summary.split())),
-        Header("TemLibName", entry.name),
-        Header("CNNModel", "Single-layer, CT-CNN"),
-        Header("Setting", _setting(entry)),
-        Header("Timing", "-" if entry.duration == "settled" else f"{written(float(entry.duration))} tau"),
-    ]
-    comments = [" ".join(text.split()) for text in (f"Source {entry.reference}", entry.note) if text.strip()]
-    layer = Layer(1, tuple(blocks), (), template.z)
-    return TemFile((Section((layer,)),), tuple(headers), tuple(comments))
-
-
-def _setting(entry: LibraryEntry) -> str:
-    boundary = _boundary(entry.boundary)
-    if entry.initial_state != "given":
-        return f"Input:{_role(entry.input)}, IniState:{_role(entry.initial_state)}, Boundary:{boundary}"
-    if entry.input != "picture":
-        raise InputError(f"input {entry.input!r} with a second picture as initial state: no .tem header says that")
-    return f"Input:P1, IniState:P2, Boundary:{boundary}"
-
-
-def _role(role: Role) -> str:
-    words = {"picture": "P", "any": "Arbitrary(0)", "none": "-"}
-    return words[role] if isinstance(role, str) else written(role)
-
-
-def _boundary(boundary: Boundary) -> str:
-    if boundary.kind != "fixed":
-        return {"zero-flux": "Zero-flux", "periodic": "Periodic"}[boundary.kind]
-    if boundary.y != boundary.u:
-        raise InputError(f"boundary {boundary}: a .tem file has one value for state and input")
-    return f"Fixed({written(boundary.y)})"

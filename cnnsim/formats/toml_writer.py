@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from cnnsim.errors import InputError
-from cnnsim.formats.draft import Draft
+from cnnsim.formats.draft import Draft, plain
 from cnnsim.formats.numbers import written
 from cnnsim.grid import Boundary
 
@@ -18,7 +18,7 @@ def template_file(draft: Draft) -> str:
     """
     if draft.missing:
         raise InputError(f"template {draft.name!r}: {draft.missing}")
-    template = draft.template
+    template = plain(draft.template, "a template file")
     data: dict[str, Any] = {
         "name": draft.name,
         "summary": draft.summary,
