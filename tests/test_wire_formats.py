@@ -151,6 +151,19 @@ def test_lowiek_follows_a_field_beyond_its_range() -> None:
     assert got[-1].values[0, 0] > 2**15 * 0.150
 
 
+def test_a_changed_bit_leaves_no_offset_in_lowiek_s_fields() -> None:
+    """The highest bit of a word is half the range: nearest to the value before would be ambiguous ever after."""
+    encoder = pair("lowiek")[1]
+    fields = [np.full((4, 3), 3.0 * (n % 5 - 2)) * [0.150, 0.150, 0.242] for n in range(40)]
+    packets = [bytearray(encoder.encode([values], 0, 0.0)) for values in fields]
+    for n in range(10, 30):
+        packets[n][1 + n % 24 // 2 * 2] ^= 0x80
+    got = [reading.values for reading in decoded(pair("lowiek")[0], b"".join(packets))]
+    wrong = [n for n in range(40) if np.abs(got[n] - fields[n]).max() > 1e-9]
+    assert wrong == list(range(10, 30))
+    assert all((np.abs(got[n] - fields[n]) > 1e-9).sum() == 1 for n in wrong)
+
+
 def test_text_that_is_no_frame_is_passed_over() -> None:
     decoder, _ = pair("csv", {"before": ["t_ms", "-"]})
     good = "12,x,".replace("x", "7") + ",".join(str(n) for n in range(12))

@@ -108,7 +108,7 @@ FORMATS = {
         "as the firmware says",
         115200,
         False,
-        0.01,
+        None,
         CsvDecoder,
         CsvEncoder,
         keys=("before", "check"),

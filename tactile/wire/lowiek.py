@@ -2,8 +2,9 @@
 
 One frame, big endian: AA; then for every taxel x, y, z as u16, the bitwise complement of the magnetometer's word. No
 checksum, number or time, and AA may occur anywhere inside. A word stands for 0.150 uT (x, y) or 0.242 uT (z), at gain 7
-and resolution 0. The chips wrap around: a jump of more than 2^15 is taken for a wrap and counted as 2^16. With option
-``mode = "force"`` a word is a force instead: x, y from -10 to 10 N, z from -30 to 30 N.
+and resolution 0. The chips wrap around: of the values 2^16 apart that a word may stand for, it is the one nearest to the
+value before. A leap of over 2^14 moves that value only if it lasts for three frames, so that one changed bit leaves no
+offset. With option ``mode = "force"`` a word is a force instead: x, y from -10 to 10 N, z from -30 to 30 N.
 
 Out of step, the frames' phase is found from five frames: of the offsets where AA stands five times a frame apart, the
 one at which the words change least, since out of phase low bytes become high ones. In step, a frame that changes
@@ -26,8 +27,10 @@ from tactile.wire.registry import Format
 START = 0xAA
 LSB = np.array([0.150, 0.150, 0.242])
 SPAN = np.array([10.0, 10.0, 30.0])
-PROOF = 5
-"""Start bytes in a row that make a phase."""
+PROOF, LAST_PROOF = 5, 3
+"""Start bytes in a row that make a phase, and at the stream's end."""
+LEAP, LASTING = 2**14, 3
+"""A change of a word from one frame to the next that is doubted, and the frames after which it is believed."""
 SMOOTH = 2**11
 """A word that changes by less from one frame to the next is no sign of a lost byte (307 uT)."""
 
@@ -44,7 +47,8 @@ class LowiekDecoder(Decoder):
     def _restart(self) -> None:
         self._in_step = False
         self._words: NDArray[np.int64] | None = None  # of the last frame
-        self._cycles = np.zeros(3 * self._taxels, np.int64)
+        self._value: NDArray[np.int64] | None = None  # what the words stood for when last believed
+        self._doubted = np.zeros(3 * self._taxels, np.int64)
 
     def _next(self, over: bool) -> Found | None:
         if not self._in_step:
@@ -69,7 +73,8 @@ class LowiekDecoder(Decoder):
         data, length = self._buffer, self._length
         proof = min(PROOF, len(data) // length) if over else PROOF
         room = len(data) - proof * length + 1  # offsets from which so many frames fit
-        if proof == 0 or (room < length and not over):
+        alone = proof < LAST_PROOF and len(data) == proof * length  # a stream of a frame or two and nothing else
+        if (room < length and not over) or (over and proof < LAST_PROOF and not (proof and alone)):
             return None
         tries = range(min(length, room))
         found = [at for at in tries if all(data[at + n * length] == START for n in range(proof))]
@@ -93,13 +98,19 @@ class LowiekDecoder(Decoder):
         if self._force:
             values = (words.reshape(-1, 3) / 65535 * 2 - 1) * SPAN
         else:
-            signed = words.astype(np.int16).astype(np.int64)
-            if self._words is not None:
-                before = self._words.astype(np.int16).astype(np.int64)
-                self._cycles += (before - signed > 2**15).astype(np.int64) - (signed - before > 2**15)
-            values = (signed + 65536 * self._cycles).reshape(-1, 3) * LSB
+            values = self._unwrapped(words).reshape(-1, 3) * LSB
         self._words = words
         return Found(at, self._length, Reading(values, self._begin + at + self._length))
+
+    def _unwrapped(self, words: NDArray[np.int64]) -> NDArray[np.int64]:
+        if self._value is None:
+            self._value = words.astype(np.int16).astype(np.int64)
+        change = _jump(words, self._value)
+        near = np.abs(change) < LEAP
+        self._doubted = np.where(near, 0, self._doubted + 1)
+        values = self._value + change
+        self._value = np.where(near | (self._doubted >= LASTING), values, self._value)
+        return values
 
 
 class LowiekEncoder(Encoder):

@@ -105,7 +105,7 @@ FORMATS = {
         "as the firmware says",
         921600,
         True,
-        0.01,
+        None,
         NativeDecoder,
         NativeEncoder,
         keys=("value",),

@@ -204,7 +204,7 @@ FORMATS = {
         PushEncoder,
         _push_talk,
         ("resultant",),
-        ("x", "y", "-z"),
+        True,
     ),
     "paxini-serial": Format(
         "paxini-serial",
@@ -217,6 +217,6 @@ FORMATS = {
         AnswerEncoder,
         _answer_talk,
         (),
-        ("x", "y", "-z"),
+        True,
     ),
 }

@@ -23,8 +23,9 @@ NAMES = {
 class Format:
     """A wire format: ``unit`` of its readings, ``baudrate`` where the user gives none, ``keys`` its own options.
 
-    ``checked`` says whether a checksum guards the frames; ``scale`` is a reading that an emulator may send for a
-    strain of 0.01 where nobody says how strong the device's signals are.
+    ``checked`` says whether a checksum guards the frames; ``strong`` is a reading that a firm touch may give, for
+    emulators of devices that nobody has calibrated, None where firmware sends the quantity itself; ``pushes``: z is
+    positive when pressed and cannot be negative.
     """
 
     name: str
@@ -32,12 +33,12 @@ class Format:
     unit: str
     baudrate: int
     checked: bool
-    scale: float
+    strong: float | None
     decoder: Callable[[Options], Decoder]
     encoder: Callable[[Options], Encoder]
     talk: Callable[[Options], Talk] = lambda options: Talk()
     keys: tuple[str, ...] = ()
-    signs: tuple[str, str, str] = ("x", "y", "z")
+    pushes: bool = False
 
 
 def find_format(name: str) -> Format:
