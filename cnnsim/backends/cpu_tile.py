@@ -54,17 +54,17 @@ def tile_area(tile: int, down: int, across: int, height: int, width: int, rows: 
 @helper
 def step_block(
     kind: int, k: Array, l: Array, weight: Array, r: int, room: Array, at_row: int, at_square: int, at_x: int, at_w: int,
-    at_y: int, at_out: int, n: int, h: float,
+    at_y: int, at_out: int, n: int, h: float, blocks: int,
 ) -> None:  # fmt: skip
-    """Step one block by the loop of this kind. (A rule is not handed on whole, for the sake of reference counts.)"""
+    """Step so many blocks by the loop of this kind. (A rule is not handed on whole, for the sake of reference counts.)"""
     if kind == NINE:
-        nine_taps(room, at_x, room, at_w, room, at_y, room, at_out, n, room, at_square, h)
+        nine_taps(room, at_x, room, at_w, room, at_y, room, at_out, n, room, at_square, h, blocks)
     elif kind == CROSS:
-        cross(room, at_x, room, at_w, room, at_y, room, at_out, n, room, at_square, h)
+        cross(room, at_x, room, at_w, room, at_y, room, at_out, n, room, at_square, h, blocks)
     elif kind == ISOTROPIC:
-        isotropic(room, at_x, room, at_w, room, at_y, room, at_out, n, room, at_square, h)
+        isotropic(room, at_x, room, at_w, room, at_y, room, at_out, n, room, at_square, h, blocks)
     else:
-        any_taps(room, at_x, at_w, at_y, at_out, n, k, l, weight, r, at_row, h)
+        any_taps(room, at_x, at_w, at_y, at_out, n, k, l, weight, r, at_row, h, blocks)
 
 
 @helper
@@ -120,11 +120,11 @@ def stream(
                 for q in range(BLOCK):
                     fill(room, at.drive + q * STRIDE, whole, 0)
                 one = source.dtype.type(1)
-                step_block(kind, k, l, weight, r, room, at.row, at.square, at.drive, at.w + o, y, out, whole, one)
+                step_block(kind, k, l, weight, r, room, at.row, at.square, at.drive, at.w + o, y, out, whole, one, 1)
                 x0, drive0 = at.x + o + inner, at.drive + inner
                 look_block(room, x0, drive0, area.r0, area.r1, i, width, area.c0, rest, measure, seen)
             else:
-                step_block(kind, k, l, weight, r, room, at.row, at.square, at.x + o, at.w + o, y, out, whole, h)
+                step_block(kind, k, l, weight, r, room, at.row, at.square, at.x + o, at.w + o, y, out, whole, h, 1)
             if level == depth:
                 if not look:
                     for q in range(max(area.r0 - i, 0), min(area.r1 - i, BLOCK)):

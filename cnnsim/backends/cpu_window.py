@@ -102,10 +102,10 @@ def step_window(
     set_edges(room, y, m, n, *sides, r, boundary, constant)
     for level in range(1, depth + 1):
         margin = (depth + 1 - level) * r
-        for i in range(max(area.r0 - margin, top), min(area.r1 + margin, bottom), BLOCK):
-            o = (i - top) * STRIDE
-            step_block(kind, k, l, weight, r, room, at.row, at.square, at.x + o, at.w + o, y + o, new + o + r * STRIDE,
-                       whole, h)  # fmt: skip
+        first, last = max(area.r0 - margin, top), min(area.r1 + margin, bottom)
+        o, blocks = (first - top) * STRIDE, (last - first + BLOCK - 1) // BLOCK
+        step_block(kind, k, l, weight, r, room, at.row, at.square, at.x + o, at.w + o, y + o, new + o + r * STRIDE,
+                   whole, h, blocks)  # fmt: skip
         set_edges(room, new, m, n, *sides, r, boundary, constant)
         y, new = new, y
     for i in range(area.r0, area.r1, BLOCK):  # from x = 0 a step of length 1 goes to the drive, as a step computes it
@@ -113,7 +113,7 @@ def step_window(
         for q in range(BLOCK):
             fill(room, at.drive + q * STRIDE, whole, 0)
         step_block(kind, k, l, weight, r, room, at.row, at.square, at.drive, at.w + o, y + o, new, whole,
-                   source.dtype.type(1))  # fmt: skip
+                   source.dtype.type(1), 1)  # fmt: skip
         if task == LOOK:
             look_block(room, at.x + o + inner, at.drive + inner, area.r0, area.r1, i, area.c1 - area.c0, area.c0, rest,
                        measure, seen)  # fmt: skip
