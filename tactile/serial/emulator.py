@@ -140,6 +140,9 @@ class Emulator:
 
     def _send(self, packet: bytes) -> None:
         self.sent += 1
+        if self._hung_up():  # with nobody there a device keeps nothing for later
+            self._pending.clear()
+            return
         for piece in self._faults.spoil(packet, self._rng):
             if len(self._pending) + len(piece) > BUFFER:
                 self.lost += 1

@@ -2,9 +2,9 @@
 
 One frame, big endian: AA; then for every taxel x, y, z as u16, the bitwise complement of the magnetometer's word. No
 checksum, number or time, and AA may occur anywhere inside. A word stands for 0.150 uT (x, y) or 0.242 uT (z), at gain 7
-and resolution 0. The chips wrap around: of the values 2^16 apart that a word may stand for, it is the one nearest to the
-value before. A leap of over 2^14 moves that value only if it lasts for three frames, so that one changed bit leaves no
-offset. With option ``mode = "force"`` a word is a force instead: x, y from -10 to 10 N, z from -30 to 30 N.
+and resolution 0. The chips wrap around: of the values 2^16 apart that a word may stand for, it is the one nearest to
+the value before. A leap of over 2^14 moves that value only if it lasts for three frames, so that one changed bit leaves
+no offset. With option ``mode = "force"`` a word is a force instead: x, y from -10 to 10 N, z from -30 to 30 N.
 
 Out of step, the frames' phase is found from five frames: of the offsets where AA stands five times a frame apart, the
 one at which the words change least, since out of phase low bytes become high ones. In step, a frame that changes
