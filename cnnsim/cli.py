@@ -1,31 +1,38 @@
-"""The command line of the machine: list, show, run, program, explain, and what other files add to it."""
+"""The command line of the machine: the commands about the library, and those that other files add."""
 
 from pathlib import Path
-from typing import Any
 
 import click
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim import backends, library
+from cnnsim import library
 from cnnsim.cli_devices import devices
+from cnnsim.cli_formats import export, import_
+from cnnsim.cli_prototyping import design, robust, trace
+from cnnsim.cli_run import json_option, program, run, without_option
 from cnnsim.command import CommandGroup, examples, print_json
 from cnnsim.errors import InputError
-from cnnsim.grid import parse_boundary
-from cnnsim.picture import read_picture, to_ascii, write_film, write_picture
-from cnnsim.scheme import ADAPTIVE, SCHEMES
-
-backend_option = click.option("--backend", type=click.Choice(backends.NAMES), default="cpu", show_default=True)
-json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
+from cnnsim.picture import to_ascii
 
 
 @click.group(cls=CommandGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="cellular-wave-touch")
-def main() -> None:
+@click.option(
+    "--library",
+    "folders",
+    type=click.Path(path_type=Path),
+    multiple=True,
+    help="A folder of your own templates; of several the last comes first.",
+)
+@click.pass_context
+def main(context: click.Context, folders: tuple[Path, ...]) -> None:
     """Run templates and programs of a cellular neural network universal machine."""
+    context.with_resource(library.using(*folders))
 
 
-main.add_command(devices)
+for command in (run, program, trace, robust, design, import_, export, devices):
+    main.add_command(command)
 
 
 @main.command("list", epilog=examples("cnnsim list", "cnnsim list --tag morphology", "cnnsim list --json"))
@@ -38,11 +45,17 @@ def list_(tag: str | None, as_json: bool) -> None:
         tags = sorted({tag for name in library.names() for tag in library.load(name).tags})
         raise InputError(f"no template has the tag {tag!r}; tags are {', '.join(tags)}")
     if as_json:
-        print_json([{"name": e.name, "summary": e.summary, "tags": e.tags, "reference": e.reference} for e in entries])
+        print_json(
+            [
+                {"name": e.name, "summary": e.summary, "tags": e.tags, "reference": e.reference, "file": str(e.file)}
+                for e in entries
+            ]
+        )
         return
     width = max(len(entry.name) for entry in entries)
     for entry in entries:
-        click.echo(f"{entry.name:<{width}}  {entry.summary}")
+        own = "" if entry.shipped else f"  [{entry.file}]"
+        click.echo(f"{entry.name:<{width}}  {entry.summary}{own}")
 
 
 @main.command(epilog=examples("cnnsim show edge", "cnnsim show hole-filler --json"))
@@ -76,72 +89,12 @@ def show(name: str, as_json: bool) -> None:
     click.echo("\nExample\n" + _beside({name: to_ascii(plane) for name, plane in planes.items() if plane is not None}))
 
 
-@main.command(
-    epilog=examples(
-        "cnnsim run edge square.png -o edge.png",
-        "cnnsim run hole-filler scan.png -o filled.png --binary --trajectory wave.gif",
-        "cnnsim run diffusion photo.jpg -o soft.png --time 3 --boundary zero-flux",
-        "cnnsim run recall mask.png --state marker.png -o found.png",
-    )
-)
-@click.argument("name")
-@click.argument("picture", type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="Where the output picture goes.")
-@click.option("--state", type=click.Path(path_type=Path), help="The second picture, for templates that take one.")
-@click.option("--binary", is_flag=True, help="Make the pictures black and white before the run.")
-@click.option("--boundary", help="zero-flux, periodic, fixed:v or fixed:x,u instead of the template's own.")
-@click.option("--time", "duration", type=float, help="Run this many time constants instead of the template's own rule.")
-@click.option(
-    "--scheme", type=click.Choice([*SCHEMES, ADAPTIVE]), help="Integration scheme instead of the plan's choice."
-)
-@click.option("--step", type=float, help="Step in time constants.")
-@click.option("--cell", type=click.Choice(["chua-yang", "full-range"]), default="chua-yang", show_default=True)
-@click.option("--dtype", type=click.Choice(["float32", "float64"]), help="Precision of the backend.")
-@click.option("--trajectory", type=click.Path(path_type=Path), help="Also write the output over time as a GIF.")
-@backend_option
-@json_option
-def run(
-    name: str, picture: Path, output: Path | None, state: Path | None, binary: bool, trajectory: Path | None,
-    backend: str, dtype: str | None, as_json: bool, **options: Any,
-) -> None:  # fmt: skip
-    """Run template NAME on PICTURE (any format Pillow reads; black is +1, white -1)."""
-    from cnnsim.transient import NotSettledError, make_task, run_transient
-
-    entry = library.load(name)
-    given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
-    if "boundary" in given:
-        given["boundary"] = parse_boundary(given["boundary"])
-    second = None if state is None else read_picture(state, binary=binary)
-    planes = entry.planes(read_picture(picture, binary=binary), second)
-    task: dict[str, Any] = {"boundary": entry.boundary, "duration": entry.duration, **given, **planes}
-    where = backends.get(backend, dtype)
-    try:
-        result = run_transient(entry.template, **task, backend=where)
-    except NotSettledError as error:
-        if output is not None:
-            write_picture(error.result.y, output)
-        raise
-    if output is not None:
-        write_picture(result.y, output)
-    if trajectory is not None:
-        end = result.t if np.isfinite(result.t) else 10.0
-        _write_trajectory(make_task(entry.template, **task), where, max(end, 1.0), trajectory)
-    black = int((result.y > 0).sum())
-    if as_json:
-        facts = {"template": name, "t": result.t, "settled": result.settled, "slope": result.slope}
-        print_json({**facts, "black": black, "cells": result.y.size, "shape": result.y.shape})
-    else:
-        ended = (
-            "at rest" if not np.isfinite(result.t) else f"t = {result.t:g}" + (", settled" if result.settled else "")
-        )
-        click.echo(f"{name}: {result.y.shape[0]} x {result.y.shape[1]} cells, {ended}, {black} black" + _arrow(output))
-
-
 @main.command(epilog=examples("cnnsim explain edge", "cnnsim explain hole-filler --size 512x512"))
 @click.argument("name")
 @click.option("--size", default="64x64", show_default=True, help="Grid as ROWSxCOLS.")
+@without_option
 @json_option
-def explain(name: str, size: str, as_json: bool) -> None:
+def explain(name: str, size: str, without: tuple[str, ...], as_json: bool) -> None:
     """Print what the plan decides for a template, and why."""
     from cnnsim.plan import make_plan
 
@@ -150,66 +103,11 @@ def explain(name: str, size: str, as_json: bool) -> None:
     except ValueError as error:
         raise InputError(f"size {size!r}; ROWSxCOLS wanted, such as 64x64") from error
     entry = library.load(name)
-    plan = make_plan(entry.template, (rows, cols), entry.boundary, duration=entry.duration)
+    plan = make_plan(entry.template, (rows, cols), entry.boundary, duration=entry.duration, without=without)
     if as_json:
         print_json({"template": name, "method": plan.method, "step": plan.step, "decisions": plan.decisions})
     else:
         click.echo(plan.explain())
-
-
-@main.command(
-    epilog=examples(
-        "cnnsim program opening --input picture=scan.png -o out/",
-        "cnnsim program my-program.toml --input a=left.png --input b=right.png -o out/ --json",
-    )
-)
-@click.argument("file")
-@click.option("--input", "pairs", multiple=True, metavar="NAME=PICTURE", help="A picture for an input plane.")
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="Folder for the output planes, one PNG each.")
-@click.option("--binary", is_flag=True, help="Make the pictures black and white before the run.")
-@backend_option
-@json_option
-def program(file: str, pairs: tuple[str, ...], output: Path | None, binary: bool, backend: str, as_json: bool) -> None:
-    """Run an analogic program: FILE is a TOML file, or the name of a program of the library."""
-    from cnnsim.machine import UniversalMachine
-    from cnnsim.program_file import load_program
-
-    parsed = load_program(file)
-    pictures: dict[str, NDArray[Any]] = {}
-    for pair in pairs:
-        key, equals, path = pair.partition("=")
-        if not equals:
-            raise InputError(f"--input {pair!r}; NAME=PICTURE wanted, with a name of {', '.join(parsed.inputs)}")
-        pictures[key] = read_picture(path, binary=binary)
-    results = UniversalMachine(backend).run(parsed, **pictures)
-    numbers: dict[str, Any] = {}
-    for key, value in results.items():
-        if isinstance(value, int):
-            numbers[key] = value
-            continue
-        numbers[key] = {"black": int((value > 0).sum()), "shape": value.shape}
-        if output is not None:
-            output.mkdir(parents=True, exist_ok=True)
-            write_picture(value, output / f"{key}.png")
-    if as_json:
-        print_json({"program": parsed.name, "outputs": numbers})
-        return
-    for key, value in numbers.items():
-        text = f"{value['black']} black cells" if isinstance(value, dict) else str(value)
-        click.echo(f"{key}: {text}" + _arrow(output / f"{key}.png" if output and isinstance(value, dict) else None))
-
-
-def _write_trajectory(task: Any, backend: Any, end: float, path: Path) -> None:
-    from rich.progress import track
-
-    from cnnsim.transient import trajectory
-
-    frames = trajectory(task, backend, end, 60)
-    write_film([y for _, y in track(frames, "film", total=61, transient=True)], path)
-
-
-def _arrow(path: Path | None) -> str:
-    return "" if path is None else f" -> {path}"
 
 
 def _matrix(matrix: NDArray[np.float64]) -> list[str]:
