@@ -8,6 +8,8 @@ import click
 from cnnsim import backends
 from cnnsim.command import CommandGroup, examples, print_json
 from tactile.calibration import Gains
+from tactile.cli_serial import convert_command, emulate, live, ports, record, replay
+from tactile.cli_simulator import explain
 from tactile.encoding import SIGN, Threshold
 from tactile.finger import Settings
 from tactile.sources import open_source
@@ -20,6 +22,10 @@ TARE = 100
 @click.version_option(package_name="cellular-wave-touch")
 def main() -> None:
     """Turn frames of three-axial taxel arrays into events, located loads and texture figures."""
+
+
+for command in (explain, ports, emulate, record, replay, convert_command, live):
+    main.add_command(command)
 
 
 @main.command(
