@@ -98,6 +98,9 @@ class Cell:
         return self.characteristic or (SIGN if self.model == "discrete-time" else CLIP)
 
 
+CHUA_YANG = Cell()
+
+
 def parse_cell(value: Any) -> Cell:
     """Read a cell as files and callers write it.
 

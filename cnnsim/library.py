@@ -12,13 +12,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.backends.base import Backend
+from cnnsim.characteristic import CHUA_YANG, Cell, parse_cell
 from cnnsim.errors import InputError
+from cnnsim.frames import Frames
 from cnnsim.grid import Boundary, parse_boundary
+from cnnsim.layers import AnyTemplate, LayeredTemplate
+from cnnsim.library_kinds import TEMPLATE_KEYS, read_pictures, read_template
 from cnnsim.library_path import add as add  # ours to offer: `library.add(DIR)`, `with library.using(DIR)`
 from cnnsim.library_path import files
 from cnnsim.library_path import folder as folder
 from cnnsim.library_path import using as using
-from cnnsim.picture import parse_ascii
 from cnnsim.plan import Duration
 from cnnsim.template import Template
 from cnnsim.transient import Result, run_transient
@@ -49,16 +52,18 @@ class LibraryEntry:
     """A template with all that is needed to use it as meant: roles of the pictures, boundary, running time, examples.
 
     ``input`` (u): "picture", a constant, or "none". ``initial_state`` (x(0)): "picture" (the same one), "given" (a
-    second one), a constant, or "any" (0 is used).
+    second one), a constant, or "any" (0 is used); for a ``network`` of layers it may be one of these a layer. With
+    ``frame_time`` [time constants] the picture is a sequence (frames, rows, cols), x(0) its first frame. ``cell`` and
+    ``step`` belong to the template where it works with no other.
     """
 
     name: str
     summary: str
     reference: str
     tags: tuple[str, ...]
-    template: Template
+    network: AnyTemplate
     input: Role
-    initial_state: Role
+    initial_state: Role | tuple[Role, ...]
     boundary: Boundary
     duration: Duration
     margin: float | None
@@ -66,11 +71,30 @@ class LibraryEntry:
     aliases: tuple[str, ...]
     examples: tuple[Example, ...]
     file: Path | None = None
+    cell: Cell = CHUA_YANG
+    step: float | None = None
+    frame_time: float | None = None
 
     @property
     def shipped(self) -> bool:
         """True if the file is one of ours, not of a user's own library."""
         return self.file is not None and self.file.parent == folder()
+
+    @property
+    def template(self) -> Template:
+        """The template of a single layer.
+
+        Raises:
+            InputError: this one has several.
+        """
+        if isinstance(self.network, LayeredTemplate):
+            raise InputError(f"template {self.name!r} has {len(self.network.layers)} layers; a single layer wanted")
+        return self.network
+
+    def task(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, Any]:
+        """Return what `run_transient` takes for a picture (and a second one): planes, boundary, time, cell, step."""
+        task = {**self.planes(picture, state), "boundary": self.boundary, "duration": self.duration, "cell": self.cell}
+        return task if self.step is None else {**task, "step": self.step}
 
     def planes(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, Any]:
         """Return the planes ``input`` and ``state`` that the picture (and the second one) stand for.
@@ -78,23 +102,32 @@ class LibraryEntry:
         Raises:
             InputError: a second picture is missing, or there is no use for it.
         """
-        shape = np.shape(picture)
-        if state is None and self.initial_state == "given":
+        roles = self.initial_state if isinstance(self.initial_state, tuple) else (self.initial_state,)
+        layers = len(self.network.layers) if isinstance(self.network, LayeredTemplate) else 0
+        shape = (layers, *np.shape(picture)[-2:]) if layers else np.shape(picture)
+        shape = shape[-2:] if self.frame_time else shape
+        if state is None and "given" in roles:
             raise InputError(f"template {self.name!r} takes a second picture, as initial state, and none was given")
-        if state is not None and self.initial_state != "given":
+        if state is not None and "given" not in roles:
             raise InputError(f"template {self.name!r} takes one picture; a second one, as initial state, was given")
-        x0 = {"picture": picture, "given": state, "any": np.zeros(shape)}.get(
-            str(self.initial_state), self.initial_state
-        )
-        planes: dict[str, Any] = {"state": np.broadcast_to(np.asarray(x0, dtype=np.float64), shape)}
+        first = np.asarray(picture)[0] if self.frame_time else picture
+
+        def start(role: Any) -> NDArray[np.float64]:
+            return np.asarray({"picture": first, "given": state, "any": 0.0}.get(str(role), role), dtype=np.float64)
+
+        if len(roles) == 1:
+            planes: dict[str, Any] = {"state": np.broadcast_to(start(roles[0]), shape)}
+        else:
+            planes = {"state": np.array([np.broadcast_to(start(role), shape[-2:]) for role in roles])}
         if self.input != "none":
-            planes["input"] = picture if self.input == "picture" else np.full(shape, self.input)
+            heard = Frames(list(np.asarray(picture)), self.frame_time) if self.frame_time else picture
+            planes["input"] = heard if self.input == "picture" else np.full(shape, self.input)
         return planes
 
 
 _KEYS = {
-    "name", "summary", "reference", "tags", "A", "B", "z", "input", "initial_state", "boundary", "duration", "margin",
-    "note", "aliases", "example",
+    "name", "summary", "reference", "tags", "input", "initial_state", "boundary", "duration", "margin", "note",
+    "aliases", "example", "cell", "step", "frame_time", *TEMPLATE_KEYS,
 }  # fmt: skip
 _EXAMPLE_KEYS = {"input", "state", "output", "mask", "bias", "tolerance"}
 
@@ -109,14 +142,14 @@ def run(
     duration, cell, scheme, step, limit, bias, mask, dtype, as in `run_transient`.
     """
     entry = load(entry) if isinstance(entry, str) else entry
-    task: dict[str, Any] = {"boundary": entry.boundary, "duration": entry.duration, **changes}
-    return run_transient(entry.template, **entry.planes(picture, state), backend=backend, **task)
+    return run_transient(entry.network, **{**entry.task(picture, state), **changes}, backend=backend)
 
 
 def run_example(entry: LibraryEntry, example: Example, backend: str | Backend = "cpu", **changes: Any) -> Result:
     """Run a template on one of its own examples."""
     picture = example.state if example.input is None else example.input
-    second = example.state if entry.initial_state == "given" else None
+    given = "given" in entry.initial_state if isinstance(entry.initial_state, tuple) else entry.initial_state == "given"
+    second = example.state if given else None
     assert picture is not None
     return run(entry, picture, state=second, backend=backend, mask=example.mask, bias=example.bias, **changes)
 
@@ -171,20 +204,25 @@ def _entry(data: dict[str, Any], stem: str) -> LibraryEntry:
     check_keys(
         data,
         _KEYS,
-        required={"name", "summary", "reference", "A", "z", "input", "initial_state", "boundary", "duration"},
+        required={"name", "summary", "reference", "input", "initial_state", "boundary", "duration"},
     )
     if data["name"] != stem:
         raise InputError(f"the name is {data['name']!r}, the file is {stem}.toml; one name wanted")
-    template = Template(data["A"], data.get("B", 0.0), data["z"], data["name"])
+    template, roles = read_template(data, data["name"]), data["initial_state"]
+    words = ("picture", "given", "any")
     entry = LibraryEntry(
         data["name"], data["summary"], data["reference"], tuple(data.get("tags", ())), template,
         _role("input", data["input"], ("picture", "none")),
-        _role("initial_state", data["initial_state"], ("picture", "given", "any")),
+        tuple(_role("initial_state", role, words) for role in roles) if isinstance(roles, list)
+        else _role("initial_state", roles, words),
         parse_boundary(data["boundary"]), data["duration"], data.get("margin"), data.get("note", ""),
         tuple(data.get("aliases", ())), tuple(_example(item) for item in data.get("example", ())),
+        cell=parse_cell(data.get("cell", "chua-yang")), step=data.get("step"), frame_time=data.get("frame_time"),
     )  # fmt: skip
-    if template.control_taps and entry.input == "none":
-        raise InputError("B is not zero, but input is 'none'")
+    if template.reads_input and entry.input == "none":
+        raise InputError("B is not zero, or a term reads u, but input is 'none'")
+    if isinstance(roles, list) and not (isinstance(template, LayeredTemplate) and len(roles) == len(template.layers)):
+        raise InputError(f"{len(roles)} initial states; one, or one a layer, wanted")
     return entry
 
 
@@ -196,10 +234,10 @@ def _role(key: str, value: Any, words: tuple[str, ...]) -> Role:
 
 def _example(data: dict[str, Any]) -> Example:
     check_keys(data, _EXAMPLE_KEYS, required={"output"})
-    planes = {key: parse_ascii(data[key]) if key in data else None for key in _EXAMPLE_KEYS - {"tolerance"}}
+    planes = {key: read_pictures(data[key]) if key in data else None for key in _EXAMPLE_KEYS - {"tolerance"}}
     if planes["input"] is None and planes["state"] is None:
         raise InputError("an example without input and without state; at least one of them wanted")
-    shapes = {key: plane.shape for key, plane in planes.items() if plane is not None}
+    shapes = {key: plane.shape[-2:] for key, plane in planes.items() if plane is not None}
     if len(set(shapes.values())) > 1:
         raise InputError(f"an example's planes have different shapes: {shapes}")
     return Example(**planes, tolerance=data.get("tolerance"))  # type: ignore[arg-type]  # output is required above

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from cnnsim import backends
 from cnnsim.backends.base import Backend, Plane
 from cnnsim.bitwise import BitRule, bit_rule
+from cnnsim.characteristic import CHUA_YANG
 from cnnsim.errors import InputError
 from cnnsim.globalwire import read_wire
 from cnnsim.logic import function_number
@@ -123,7 +124,7 @@ class UniversalMachine:
             return self._rules[step]
         rule, u, x0 = None, step.input, step.state
         logic = isinstance(u, str) and program.memory[u] == program.memory[step.to] == "llm"
-        whole = step.bias is None and step.mask is None and step.duration == "settled"
+        whole = step.bias is None and step.mask is None and step.duration == "settled" and step.cell == CHUA_YANG
         able = hasattr(self.backend, "neighbourhood")
         if able and logic and whole and (x0 == u or not isinstance(x0, str)):
             rule = bit_rule(step.template, step.boundary, None if isinstance(x0, str) else x0)
@@ -134,7 +135,9 @@ class UniversalMachine:
         shape = planes[""]
         plan = self._plans.get((step, shape))
         if plan is None:
-            plan = self._plans[step, shape] = make_plan(step.template, shape, step.boundary, duration=step.duration)
+            plan = self._plans[step, shape] = make_plan(
+                step.template, shape, step.boundary, duration=step.duration, cell=step.cell, step=step.step
+            )
 
         def plane(name: str | float | None) -> Plane:
             if isinstance(name, str):

@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Literal
 
 from cnnsim.cellwise import Cellwise
+from cnnsim.characteristic import CHUA_YANG, Cell
 from cnnsim.globalwire import Wire
 from cnnsim.grid import Boundary
 from cnnsim.plan import Duration
@@ -43,6 +44,8 @@ class TemplateStep:
     bias: str | None
     mask: str | None
     to: str
+    cell: Cell = CHUA_YANG
+    step: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

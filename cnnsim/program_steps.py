@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cnnsim import cellwise, library
+from cnnsim.characteristic import CHUA_YANG, Cell
 from cnnsim.errors import InputError
 from cnnsim.globalwire import check_wire
 from cnnsim.grid import Boundary, parse_boundary
@@ -65,8 +66,9 @@ def _step(table: dict[str, Any], number: str, scope: Scope) -> Step:
 def _template(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
     names = scope.names
     template, boundary, duration, u, x0 = _find_template(table["template"], where, scope)
+    cell, step = _cell_and_step(table["template"], scope)
     u = table.get("input", u)
-    if template.control_taps and u is None:
+    if template.reads_input and u is None:
         raise InputError(f"{where}: the template has a B, so 'input' must name a plane")
     x0 = table.get("state", u if x0 == "picture" else None if x0 == "given" else x0)
     if x0 is None:
@@ -85,7 +87,17 @@ def _template(table: dict[str, Any], where: str, _number: str, scope: Scope) -> 
         names.read(table["bias"], where, "lam", "llm") if "bias" in table else None,
         names.read(table["mask"], where, "lam", "llm") if "mask" in table else None,
         names.write(table["to"], where, "lam", "llm"),
+        cell,
+        step,
     )
+
+
+def _cell_and_step(name: str, scope: Scope) -> tuple[Cell, float | None]:
+    """Return what a template of the library asks for; a program's own templates are Chua-Yang cells."""
+    if name in scope.templates:
+        return CHUA_YANG, None
+    entry = library.load(name)
+    return entry.cell, entry.step
 
 
 def _find_template(name: str, where: str, scope: Scope) -> tuple[Template, Boundary, Duration, Any, Any]:
@@ -94,11 +106,14 @@ def _find_template(name: str, where: str, scope: Scope) -> tuple[Template, Bound
         return (*scope.templates[name], None, None)
     try:
         entry = library.load(name)
+        template = entry.template
+        if entry.frame_time:
+            raise InputError(f"template {name!r} takes a sequence of pictures, a step has one")
     except InputError as error:
         raise InputError(f"{where}: {error}") from error
     u = entry.input if isinstance(entry.input, int | float) else None
     x0 = 0.0 if entry.initial_state == "any" else entry.initial_state
-    return entry.template, entry.boundary, entry.duration, u, x0
+    return template, entry.boundary, entry.duration, u, x0
 
 
 def _cellwise(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:

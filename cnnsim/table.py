@@ -134,10 +134,8 @@ def parse_table(value: Any) -> Table:
             if not all(isinstance(point, list) and len(point) == 2 for point in points):
                 raise InputError(f"linear table {points!r}; pairs [v, f] wanted")
             return lines(*((point[0], point[1]) for point in points))
-        case {"step": {"at": [*at], "values": [*values], **closed}, **other} if not other and closed.keys() <= {
-            "closed"
-        }:
-            return Table("step", tuple(at), tuple(values), closed.get("closed", "right"))
+        case {"step": {"at": [*at], "values": [*values], **rest}, **other} if not other and rest.keys() <= {"closed"}:
+            return Table("step", tuple(at), tuple(values), "left" if rest.get("closed") == "left" else "right")
     raise InputError(
         f"table {value!r}; {{ linear = [[v, f], ...] }} or {{ step = {{ at = [...], values = [...] }} }} wanted"
     )

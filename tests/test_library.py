@@ -8,23 +8,25 @@ import pytest
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from cnnsim import library
+from cnnsim import Template, library
 from cnnsim.grid import fixed
 from cnnsim.library import Example, run, run_example
-from tests.oracles import binary, gray
+from tests.oracles import binary, gray, kinds
 from tests.oracles.binary import CROSS, SQUARE, Case, Picture, Plane, black, plane
 
 BACKENDS = ("reference", "cpu")
 NAMES = library.names()
-ANSWERS = {**binary.ANSWERS, **gray.ANSWERS}
+ANSWERS = {**binary.ANSWERS, **gray.ANSWERS, **kinds.ANSWERS}
+LINEAR = [n for n in NAMES if isinstance(library.load(n).network, Template) and library.load(n).template.linear]
 SHAPES = [(1, 1), (1, 9), (9, 1), (2, 2), (5, 8), (11, 10)]
 
 WITHOUT_ANSWER = {
     "averaging-threshold", "checkerboard", "halftone-3x3", "halftone-5x5", "halftone-5x5-crounse",
     "line-detector-3", "line-remover-7-horizontal", "line-remover-7-vertical", "patch-maker", "peel-1-pixel",
-    "small-object-remover", "stripes-horizontal", "stripes-vertical",
+    "small-object-remover", "stripes-horizontal", "stripes-vertical", "perona-malik", "perona-malik-4", "motion-right",
+    "slow-motion", "moving-parts", "herring-grid", "path-tracing", "autowave",
 }  # fmt: skip
-"""Templates whose task is a sentence and not a formula: the end of this file tests what the sentence promises."""
+"""Templates whose task is a sentence and not a formula: the end of this file, and the tests of the kinds, test that."""
 
 
 def examples() -> list[tuple[str, int]]:
@@ -55,8 +57,8 @@ def test_a_file_says_what_a_user_needs(name: str) -> None:
     assert entry.summary.endswith(".")
     assert entry.reference
     assert 1 <= len(entry.examples) <= 3
-    assert ("uncoupled" in entry.tags) is entry.template.uncoupled
-    assert ("coupled" in entry.tags) is not entry.template.uncoupled
+    assert ("uncoupled" in entry.tags) is entry.network.uncoupled
+    assert ("coupled" in entry.tags) is not entry.network.uncoupled
     assert all(max(example.output.shape) <= 32 for example in entry.examples)
 
 
@@ -76,7 +78,7 @@ def test_critical_templates_have_their_margin_in_the_file() -> None:
 
 @pytest.mark.parametrize(
     "name",
-    [name for name in NAMES if not library.load(name).template.uncoupled and library.load(name).margin is not None],
+    [name for name in LINEAR if not library.load(name).template.uncoupled and library.load(name).margin is not None],
 )
 def test_the_margin_of_a_coupled_template(name: str) -> None:
     """The smallest drive over all black and white neighbourhoods, y of the cell itself weighing a - 1."""
@@ -106,8 +108,8 @@ def test_templates_that_know_no_direction(name: str) -> None:
 
 
 def test_templates_made_from_one_another() -> None:
-    a = {name: library.load(name).template.A for name in NAMES}
-    b = {name: library.load(name).template.B for name in NAMES}
+    a = {name: library.load(name).template.A for name in LINEAR}
+    b = {name: library.load(name).template.B for name in LINEAR}
     assert np.array_equal(a["stripes-horizontal"], a["stripes-vertical"].T)
     assert np.array_equal(a["line-remover-7-horizontal"], a["line-remover-7-vertical"].T)
     assert np.array_equal(b["line-remover-7-horizontal"], b["line-remover-7-vertical"].T)
