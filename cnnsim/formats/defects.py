@@ -32,7 +32,7 @@ def counterpart(template: AnyTemplate, source_name: str, system: str) -> Library
     """Return our own template that goes by that name in that system, of several the nearest in numbers."""
     wanted = {source_name.upper(), f"{source_name} ({system})".upper()}
     same = [entry for entry in _shipped() if wanted & {alias.upper() for alias in entry.aliases}]
-    return min(same, key=lambda entry: len(list(number_differences(template, entry.template))), default=None)
+    return min(same, key=lambda entry: len(list(number_differences(template, entry.network))), default=None)
 
 
 @cache
@@ -44,7 +44,7 @@ def _shipped() -> tuple[LibraryEntry, ...]:
 def compare(draft: Draft, entry: LibraryEntry) -> Iterator[str]:
     """Yield what differs from the library's verified template."""
     why = f": {entry.note}" if entry.note else ""
-    if differences := list(number_differences(draft.template, entry.template)):
+    if differences := list(number_differences(draft.template, entry.network)):
         yield f"differs from the library's {entry.name}: {', '.join(differences)}{why}"
         return
     settings = []
@@ -55,6 +55,8 @@ def compare(draft: Draft, entry: LibraryEntry) -> Iterator[str]:
         settings.append(f"initial state {draft.initial_state}, not {entry.initial_state}")
     if draft.duration != entry.duration and entry.duration != "settled":
         settings.append(f"running time {draft.duration}, not {entry.duration} time constants")
+    if draft.discrete != (entry.cell.model == "discrete-time"):
+        settings.append("discrete time, not continuous" if draft.discrete else "continuous time, not discrete")
     if settings:
         yield f"the numbers are those of the library's {entry.name}, the setting is not ({'; '.join(settings)}){why}"
     elif entry.margin is not None and entry.margin < _SMALL_MARGIN:

@@ -1,14 +1,12 @@
 """A template on its way from a foreign format into our library: what a template file will say."""
 
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 from cnnsim.errors import InputError
 from cnnsim.formats.report import Report
 from cnnsim.grid import ZERO_FLUX, Boundary
-from cnnsim.layers import AnyTemplate, LayeredTemplate
+from cnnsim.layers import AnyTemplate
 from cnnsim.library import Role
 from cnnsim.plan import Duration
 from cnnsim.template import Template
@@ -16,11 +14,7 @@ from cnnsim.template import Template
 
 @dataclass(frozen=True)
 class Draft:
-    """The contents of a template file to be. ``other`` holds further keys of the file, for what is not linear.
-
-    ``missing`` says what the library's files cannot hold yet; such a draft is not written. ``given`` is False where
-    the format says nothing of boundary and initial state.
-    """
+    """The contents of a template file to be; ``missing`` says why it cannot be written, where that is so."""
 
     name: str
     template: AnyTemplate
@@ -33,21 +27,12 @@ class Draft:
     tags: tuple[str, ...] = ()
     note: str = ""
     aliases: tuple[str, ...] = ()
-    other: Mapping[str, Any] = field(default_factory=dict)
+    discrete: bool = False
     missing: str = ""
 
     def with_note(self, text: str) -> "Draft":
         """Return the draft with one more sentence in its note."""
         return replace(self, note=f"{self.note} {text}".strip())
-
-
-def not_held(template: AnyTemplate) -> str:
-    """Return what our template files have no keys for yet, "" if they can hold the template."""
-    if isinstance(template, LayeredTemplate):
-        return f"parsed, not written: kind not supported yet ({len(template.layers)} layers)"
-    if any(term.delay for term in template.terms):
-        return "parsed, not written: kind not supported yet (delayed)"
-    return "" if template.linear else "parsed, not written: kind not supported yet (non-linear)"
 
 
 def plain(template: AnyTemplate, place: str) -> Template:

@@ -10,8 +10,8 @@ from cnnsim.library import LibraryEntry
 
 WRITERS: dict[str, Callable[[LibraryEntry], str]] = {
     "tem": lambda entry: write_tem(entry_to_tem(entry)),
-    "gene": lambda entry: gene(entry.template),
-    "json": lambda entry: celnn(entry.template, entry.summary, entry.tags),
+    "gene": lambda entry: gene(entry.network),
+    "json": lambda entry: celnn(entry.network, entry.summary, entry.tags),
 }
 KEPT: dict[str, str] = {
     "tem": "numbers, input, initial state, boundary, running time",

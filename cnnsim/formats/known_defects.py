@@ -29,6 +29,7 @@ KNOWN: dict[str, str] = {
     **dict.fromkeys(
         ("HERRING", "HERRING1", "HERRING2", "HERRING3"), "never settles; read its output after 2 to 8 time constants"
     ),
+    "LIFE_1L": 'wants the piecewise linear output: cell = { model = "discrete-time", characteristic = "clip" }',
     "TRACE": "critical: a visited cell has a drive of exactly 0 in layer 2; z = 2.5 there would hold it",
     "GLOB_CONN": "does not delete exactly the marked object; use connectivity",
     **dict.fromkeys(

@@ -5,12 +5,12 @@
 reverse of CANDY's. ``X_A = Y_A`` is an alias. Source: the MATCNN toolbox (Rekeczky), ``temlib.m`` and its user guide.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from cnnsim.errors import InputError
-from cnnsim.formats.draft import Draft, assume_setting, library_name, not_held
+from cnnsim.formats.draft import Draft, assume_setting, library_name
 from cnnsim.formats.matlab_expression import Array, evaluate
 from cnnsim.formats.matlab_tokens import Token, statements
 from cnnsim.formats.report import Report
@@ -97,7 +97,7 @@ def _term(entry: Entry, letter: str) -> Term:
 
 
 def matcnn_drafts(entries: dict[str, Entry], report: Report) -> list[Draft]:
-    """Return a draft for each entry; those with a non-linear part say that they are not written."""
+    """Return a draft for each entry; one that is wrong is an error and left out."""
     drafts = []
     for entry in (entry for entry in entries.values() if not entry.broken):
         name = library_name(entry.name)
@@ -110,9 +110,7 @@ def matcnn_drafts(entries: dict[str, Entry], report: Report) -> list[Draft]:
             name, template, f"MATCNN template {entry.name}; the source does not say what it does.",
             f"Imported from {report.file}, MATCNN entry {entry.name}", aliases=(entry.name,),
         )  # fmt: skip
-        missing = not_held(template)
-        draft = replace(draft, missing=missing) if missing else assume_setting(draft, report)
-        drafts.append(draft)
+        drafts.append(assume_setting(draft, report))
     return drafts
 
 

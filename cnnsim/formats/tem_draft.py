@@ -3,16 +3,19 @@
 from dataclasses import replace
 
 from cnnsim.errors import InputError
-from cnnsim.formats.draft import Draft, library_name, not_held
+from cnnsim.formats.draft import Draft, library_name
 from cnnsim.formats.report import Report
 from cnnsim.formats.tem import Section, TemFile
 from cnnsim.formats.tem_header import Setting, read_setting
 from cnnsim.formats.tem_terms import section_template
+from cnnsim.layers import layered
 from cnnsim.template import Template
+
+_AFTER_DELAY = 10.0  # time constants in which a cell without neighbours is at rest
 
 
 def tem_drafts(tem: TemFile, stem: str, report: Report) -> list[Draft]:
-    """Return one draft a template of the file; of a kind that our files cannot hold it says which."""
+    """Return one draft a template of the file; of one that cannot be written it says why."""
     setting = read_setting(tem, report)
     sections = [(k, section) for k, section in enumerate(tem.sections) if section.layers]
     drafts = [_draft(tem, section, k, stem, setting, report) for k, section in sections]
@@ -37,7 +40,7 @@ def _draft(tem: TemFile, section: Section, k: int, stem: str, setting: Setting, 
         template = section_template(section, name)
     except InputError as error:
         return replace(draft, missing=f"parsed, not written: {error}")
-    return _with_setting(replace(draft, template=template, missing=not_held(template)), tem, setting, report)
+    return _with_setting(replace(draft, template=template), tem, setting, report)
 
 
 def _with_setting(draft: Draft, tem: TemFile, setting: Setting, report: Report) -> Draft:
@@ -55,12 +58,13 @@ def _with_setting(draft: Draft, tem: TemFile, setting: Setting, report: Report) 
         report.note(line, "%Setting has an input, but there is no CONTROL that would use it")
         state = "picture" if draft.initial_state == "given" else draft.initial_state
         draft = replace(draft, input="none", initial_state=state)
-    if setting.discrete and draft.template.uncoupled:
-        report.warning(tem.header("CNNModel").line, "made for discrete time (DT-CNN); written for continuous time")
-        draft = draft.with_note("The source means discrete time.")
-    elif setting.discrete:
-        draft = replace(draft, missing="parsed, not written: kind not supported yet (discrete time, coupled)")
-    return draft
+    delay = max((term.delay for layer in layered(draft.template).layers for term in layer.terms), default=0.0)
+    if delay and draft.duration == "settled":
+        draft = replace(draft, duration=delay + _AFTER_DELAY)
+        text = f"no running time is given, and with a delay nothing is at rest: {draft.duration:g} time constants"
+        report.warning(tem.header("Timing").line or None, f"{text} are written: check them")
+        draft = draft.with_note("The source gives no running time; the delay and ten time constants were taken.")
+    return replace(draft, discrete=setting.discrete)
 
 
 def _reference(stem: str, title: str) -> str:

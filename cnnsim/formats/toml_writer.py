@@ -1,45 +1,54 @@
 """Writes a draft as a template file of our library (TOML)."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from cnnsim.errors import InputError
-from cnnsim.formats.draft import Draft, plain
+from cnnsim.formats.draft import Draft
 from cnnsim.formats.numbers import written
+from cnnsim.formats.toml_terms import template_keys
 from cnnsim.grid import Boundary
+
+_TABLES = ("layer", "term")
 
 
 def template_file(draft: Draft) -> str:
     """Return the text of a template file.
 
     Raises:
-        InputError: the draft is of a kind that the files cannot hold.
+        InputError: the draft says that it is not to be written.
     """
     if draft.missing:
         raise InputError(f"template {draft.name!r}: {draft.missing}")
-    template = plain(draft.template, "a template file")
+    keys = template_keys(draft.template)
     data: dict[str, Any] = {
         "name": draft.name,
         "summary": draft.summary,
         "reference": draft.reference,
         "tags": list(draft.tags) or None,
-        "A": template.A.tolist(),
-        "B": template.B.tolist() if template.control_taps else None,
-        "z": template.z,
-        **{key: value for key, value in draft.other.items() if not isinstance(value, Mapping)},
+        **{key: value for key, value in keys.items() if key not in _TABLES},
         "input": draft.input,
         "initial_state": draft.initial_state,
         "boundary": _boundary(draft.boundary),
         "duration": draft.duration,
+        "cell": "discrete-time" if draft.discrete else None,
         "note": draft.note or None,
         "aliases": list(draft.aliases) or None,
+        **{key: keys[key] for key in _TABLES if key in keys},
     }
-    lines = [f"{key} = {toml_value(value)}" for key, value in data.items() if value is not None]
-    for key, value in draft.other.items():
-        if isinstance(value, Mapping):
-            lines += ["", f"[{key}]", *(f"{inner} = {toml_value(item)}" for inner, item in value.items())]
-    return "\n".join(lines) + "\n"
+    return "\n".join(_lines(data, "")) + "\n"
+
+
+def _lines(data: Mapping[str, Any], parent: str) -> Iterator[str]:
+    """Yield the lines of a table; lists of tables are its last keys."""
+    for key, value in data.items():
+        if key in _TABLES and isinstance(value, list):  # the layer of a term is a number
+            for table in value:
+                yield from ("", f"[[{parent}{key}]]")
+                yield from _lines(table, f"{key}.")
+        elif value is not None:
+            yield f"{key} = {toml_value(value)}"
 
 
 def _boundary(boundary: Boundary) -> Any:
