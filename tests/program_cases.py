@@ -68,7 +68,7 @@ Draw = Callable[[np.random.Generator, Shape], npt.NDArray[Any]]
 
 
 @st.composite
-def planes(draw: st.DrawFn, kinds: Mapping[str, Draw], longest: int = 12) -> Planes:
+def planes(draw: st.DrawFn, kinds: Mapping[str, Draw], longest: int = 10) -> Planes:
     """Planes of one shape, from 1 x 1 up."""
     shape = draw(st.integers(1, longest)), draw(st.integers(1, longest))
     rng = np.random.default_rng(draw(st.integers(0, 2**32)))
