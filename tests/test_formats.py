@@ -295,8 +295,18 @@ TWINS = {
     "CCD_HOR": "connected-components-horizontal", "CENTER1": "center-point-1", "CORNER": "corner",
     "DIFFUS": "diffusion", "EDGE": "edge", "HLF5KC": "halftone-5x5-crounse", "HOLE": "hole-filler",
     "LINCUT7H": "line-remover-7-horizontal", "LOGAND": "logic-and", "LSE": "local-southern-element",
+    "CONTOUR": "gray-contour", "EXTREME": "flat-places", "GLOBMAX": "global-maximum", "GRADIENT": "gradient-threshold",
+    "LIFE_1L": "life-discrete-1-layer", "LOGDIFNF": "moving-parts", "MEDIAN": "median", "MOTINDEP": "slow-motion",
 }  # fmt: skip
-CORRECTED = {"LINCUT7H": ["A(+0, +1) is 1, not 0.5", "A(+0, +2) is 0.5, not 1"]}
+CORRECTED = {
+    "LINCUT7H": ["A(+0, +1) is 1, not 0.5", "A(+0, +2) is 0.5, not 1"],
+    # a difference of exactly 0.18 falls on the other side
+    "CONTOUR": ["a term is f(u_kl - u_ij) at (+0, +1) [0.5, -1.0, 0.5] with steps at [-0.18, 0.18], closed left, not "
+                "f(u_kl - u_ij) at (+0, +1) [0.5, -1.0, 0.5] with steps at [-0.18, 0.18], closed right"],
+    # ours is MATCNN's median, with the step at 0
+    "MEDIAN": ["a term is f(u_kl - x_ij) at (+0, +1) [-0.5, 0.5] with steps at [-0.01], closed left, not "
+               "f(u_kl - x_ij) at (+0, +1) [-0.5, 0.5] with steps at [0.0], closed right"],
+}  # fmt: skip
 
 
 @needs_real
