@@ -256,6 +256,25 @@ def test_the_view_shows_arrows_events_and_losses() -> None:
     assert "frames/s" in shown
 
 
+def test_a_program_of_one_s_own_runs_beside_the_pipeline(tmp_path: Path) -> None:
+    """contact-blob on the grip: four taxels in contact are a blob of area 4; the replay runs it again."""
+    description, stream = sent("native", 0.4)
+    array, mcap = write_array(tmp_path, description.text), tmp_path / "r.mcap"
+    with device(stream) as emulator:
+        live = call("live", "-p", emulator.port, "-a", array, "--record", mcap, "--json", "--tare", "off", "--once",
+                    "--program", "contact-blob")  # fmt: skip
+    assert live.exit_code == 0, live.output
+    said = [json.loads(line) for line in lines(live.stdout, "program")]
+    assert {line["finger"] for line in said} == {"left", "right"}
+    assert said[0]["outputs"]["area"] == 0
+    assert said[-1]["outputs"]["contact"] == [[1, 1], [1, 1]]
+    assert said[-1]["outputs"]["area"] == 4
+    replayed = call("replay", mcap, "--json")
+    assert [json.loads(line) for line in lines(replayed.stdout, "program")] == said
+    wrong = call("live", "-p", "x", "-a", array, "--program", "median")
+    assert (wrong.exit_code, "wants picture; a frame has shear_x" in wrong.stderr) == (2, True)
+
+
 def test_meter_percentiles_are_within_five_percent() -> None:
     meter = Meter()
     assert np.isnan(meter.percentile(50))

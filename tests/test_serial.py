@@ -341,7 +341,7 @@ def test_devices_that_need_no_description_and_those_that_do() -> None:
         emulated_description("paxini-serial", grip(0.1))
     description, _ = sent("native", 0.1)
     with pytest.raises(InputError, match="different shapes"):
-        next(packets(description, replace(grip(0.1), arrays=grip(0.1).arrays[:1])))
+        packets(description, replace(grip(0.1), arrays=grip(0.1).arrays[:1]))
 
 
 def test_loops_go_on_counting() -> None:

@@ -64,6 +64,7 @@ def record(
 @click.option("--tare", type=click.Choice(["auto", "manual", "off"]), default="auto", show_default=True)
 @click.option("--dead-band", type=float, help="Shear below this is no direction [unit of the quantity].")
 @click.option("--hysteresis", type=float, help="A direction starts only this much above the dead band.")
+@click.option("--program", help="Also run this analogic program (a name or a .toml file) on every frame.")
 @click.option("--sign-code", is_flag=True, help="The paper's code: the bare signs, no dead band.")
 @click.option("--window", type=int, default=128, show_default=True, help="Frames a texture figure averages.")
 @click.option("--floor", type=float, help="Normal signal below which texture figures are not valid.")
@@ -82,9 +83,8 @@ def live(
 
     description, choices = console.chosen_description(protocol, array), Choices(**chosen)
     description.check_calibrated()
-    settings = choices.settings()
     console.check(chosen)
-    console.warm_up(description, settings)
+    console.warm_up(description, choices)
     recording = None
     if output is not None:
         recording = Recording(console.mcap(output), description, {"port": port, "choices": choices.text()})

@@ -14,6 +14,7 @@ from cnnsim.errors import InputError
 
 if TYPE_CHECKING:
     from tactile.serial.description import Description
+    from tactile.serial.live import Choices
     from tactile.serial.session import Session
 
 
@@ -66,12 +67,13 @@ def check(chosen: dict[str, Any]) -> None:
         raise click.UsageError("--hysteresis needs a --dead-band, in the unit of the quantity")
 
 
-def warm_up(description: "Description", settings: Any) -> None:
+def warm_up(description: "Description", choices: "Choices") -> None:
     """Run the pipeline on a made-up frame, so that nothing is compiled or refused once real ones arrive."""
     import numpy as np  # only here
 
     from tactile.frame import Frame  # the same
     from tactile.pipeline import run  # the same
+    from tactile.serial.programs import UserProgram  # the same
 
     class Made:
         title, arrays, modulus, frames = "made up", description.arrays, description.modulus, None
@@ -81,7 +83,9 @@ def warm_up(description: "Description", settings: Any) -> None:
                 for n in range(2):
                     yield Frame(finger, 0.0, n, np.full((*array.shape, 3), 0.01), np.ones(array.shape, bool))
 
-    run(Made(), settings, [])
+    settings = choices.settings()
+    own = [] if choices.program is None else [UserProgram(choices.program, settings.shear, choices.backend, nothing)]
+    run(Made(), settings, own)
 
 
 def opened(make: "Callable[[], Session]", recording: Any) -> "Session":
@@ -177,7 +181,9 @@ def fair_threads() -> None:
 
 
 def tell(line: dict[str, Any]) -> None:
-    """Print an event for people."""
+    """Print an event, or what a program of the user's says, for people."""
+    if line["type"] == "program":
+        click.echo(f"{line['t_s']:10.3f}  {line['finger']}  {line['program']}: {line['outputs']}")
     if line["type"] == "event":
         click.echo(f"{line['t_s']:10.3f}  {line['finger']}  {line['meaning']}")
 

@@ -34,6 +34,7 @@ class Choices:
     window: int = 128
     floor: float | None = None
     backend: str = "cpu"
+    program: str | None = None
 
     def settings(self) -> Settings:
         """Return the pipeline's settings; tare and gains are dealt with before the pipeline."""
@@ -125,8 +126,14 @@ class Watch:
         }  # fmt: skip
 
     def run(self, choices: Choices) -> None:
-        """Take all frames of the source through the pipeline."""
-        pipeline.run(self._source, choices.settings(), [self])
+        """Take all frames of the source through the pipeline, and through the user's program if there is one."""
+        settings = choices.settings()
+        sinks: list[Callable[[Report], None]] = [self]
+        if choices.program is not None:
+            from tactile.serial.programs import UserProgram  # only where it is wanted
+
+            sinks.insert(0, UserProgram(choices.program, settings.shear, choices.backend, self._say))
+        pipeline.run(self._source, settings, sinks)
 
 
 def print_line(line: dict[str, Any]) -> None:

@@ -48,7 +48,9 @@ def emulated_description(protocol: str, source: Source) -> Description:
 
 
 def packets(description: Description, source: Source, loop: bool = False) -> Iterator[Packet]:
-    """Yield what the described device sends while the source's frames happen; ``loop`` begins again at the end.
+    """Return what the described device sends while the source's frames happen; ``loop`` begins again at the end.
+
+    All that takes long is done before this returns, so that the first packets are in time.
 
     Raises:
         InputError: the source's arrays are not the description's.
@@ -56,7 +58,10 @@ def packets(description: Description, source: Source, loop: bool = False) -> Ite
     if [array.shape for array in source.arrays] != [array.shape for array in description.arrays]:
         raise InputError(f"{source.title!r} and the array description have arrays of different shapes")
     few = source.frames is not None and source.frames <= KEPT
-    every: Iterable[Frame] = list(source) if few else source
+    return _packets(description, list(source) if few else source, loop)
+
+
+def _packets(description: Description, every: Iterable[Frame], loop: bool) -> Iterator[Packet]:
     encoder = description.wire.encoder(description.options)
     count, begin, preamble = 0, 0.0, encoder.preamble()
     while True:

@@ -7,6 +7,7 @@ python -m tests.fuzz.endurance random --count 1000000          random and mutate
 """
 
 import json
+import os
 import random
 import signal
 import subprocess
@@ -93,6 +94,12 @@ def peak_mib(process: "subprocess.Popen[str]") -> float:
     return int(next(line for line in status.splitlines() if line.startswith("VmHWM")).split()[1]) / 1024
 
 
+def processor_seconds(process: "subprocess.Popen[str]") -> float:
+    """Return the processor time [s] that a running process has had, in its own code and the kernel's."""
+    fields = Path(f"/proc/{process.pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
 @main.command()
 @click.option("--hz", type=float, default=1000.0)
 @click.option("--seconds", type=float, default=60.0)
@@ -106,12 +113,14 @@ def rate(hz: float, seconds: float, record_only: bool) -> None:
             folder, "r", "--seconds", str(seconds + 2.0), *options, command="record" if record_only else "live"
         )
         assert process.stdout is not None
-        memory, status, end = [], {}, {}
+        memory: list[float] = []
+        spent: list[tuple[float, int]] = []
+        end: dict[str, Any] = {}
         for text in process.stdout:
             line: dict[str, Any] = json.loads(text)
             if line["type"] == "status":
                 memory.append(peak_mib(process))
-                status = line
+                spent.append((processor_seconds(process), line["counts"]["good"]))
             elif line["type"] == "end":
                 end = line
         said = device()
@@ -119,7 +128,9 @@ def rate(hz: float, seconds: float, record_only: bool) -> None:
         seen = end["counts"]
         print(f"device: {said}")
         print(f"counts: {seen}, recorded frames: {recorded.messages.get('/frames/tip')}, clock {end['clock']}")
-        if status:
+        if spent:
+            seconds, frames = (last - first for first, last in zip(spent[0], spent[-1], strict=True))
+            print(f"processor time {1e3 * seconds / frames:.2f} ms a frame, all threads; load {os.getloadavg()}")
             latency = {key: f"{1e3 * value:.2f} ms" for key, value in end["latency"].items()}
             print(f"{latency}; peak memory {memory[0]:.0f} MiB after 1 s, {memory[-1]:.0f} MiB at the end")
         assert recorded.messages.get("/frames/tip") == seen["good"]
