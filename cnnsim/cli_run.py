@@ -5,7 +5,6 @@ from typing import Any, get_args
 
 import click
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim import backends, library
 from cnnsim.command import examples, print_json
@@ -89,11 +88,13 @@ def run(
 @click.command(
     epilog=examples(
         "cnnsim program opening --input picture=scan.png -o out/",
+        "cnnsim program gray-opening --input picture=photo.png --set radius=2 -o out/",
         "cnnsim program my-program.toml --input a=left.png --input b=right.png -o out/ --json",
     )
 )
 @click.argument("file")
 @click.option("--input", "pairs", multiple=True, metavar="NAME=PICTURE", help="A picture for an input plane.")
+@click.option("--set", "settings", multiple=True, metavar="NAME=NUMBER", help="A number for one of its parameters.")
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Folder for the output planes, one PNG each.")
 @click.option("--binary", is_flag=True, help="Make the pictures black and white before the run.")
 @backend_option
@@ -102,6 +103,7 @@ def run(
 def program(
     file: str,
     pairs: tuple[str, ...],
+    settings: tuple[str, ...],
     output: Path | None,
     binary: bool,
     backend: str,
@@ -112,13 +114,8 @@ def program(
     from cnnsim.machine import UniversalMachine
     from cnnsim.program_file import load_program
 
-    parsed = load_program(file)
-    pictures: dict[str, NDArray[Any]] = {}
-    for pair in pairs:
-        key, equals, path = pair.partition("=")
-        if not equals:
-            raise InputError(f"--input {pair!r}; NAME=PICTURE wanted, with a name of {', '.join(parsed.inputs)}")
-        pictures[key] = read_picture(path, binary=binary)
+    parsed = load_program(file, parameters={key: _number(key, text) for key, text in _pairs("--set", settings)})
+    pictures = {key: read_picture(path, binary=binary) for key, path in _pairs("--input", pairs)}
     results = UniversalMachine(backends.get(backend, device=device)).run(parsed, **pictures)
     numbers: dict[str, Any] = {}
     for key, value in results.items():
@@ -135,6 +132,21 @@ def program(
     for key, value in numbers.items():
         text = f"{value['black']} black cells" if isinstance(value, dict) else str(value)
         click.echo(f"{key}: {text}" + _arrow(output / f"{key}.png" if output and isinstance(value, dict) else None))
+
+
+def _pairs(option: str, pairs: tuple[str, ...]) -> list[tuple[str, str]]:
+    for pair in pairs:
+        if "=" not in pair:
+            raise InputError(f"{option} {pair!r}; NAME=VALUE wanted")
+    return [(key, value) for key, _, value in (pair.partition("=") for pair in pairs)]
+
+
+def _number(name: str, text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError as error:
+        raise InputError(f"--set {name}={text}; a number wanted") from error
+    return int(value) if value.is_integer() else value
 
 
 def _write_trajectory(task: Any, backend: Any, end: float, path: Path) -> None:

@@ -97,6 +97,15 @@ def test_program_opening_is_scipy_s(blobs: Path, tmp_path: Path) -> None:
     assert np.array_equal(read_picture(tmp_path / "out" / "opened.png") > 0, opened)
 
 
+def test_a_program_s_parameter_can_be_set(blobs: Path, tmp_path: Path) -> None:
+    for radius in (1, 2):
+        how = ("--input", f"picture={blobs}", "--set", f"radius={radius}", "-o", tmp_path)
+        assert _call("program", "gray-opening", *how).exit_code == 0
+        wanted = ndimage.grey_opening(read_picture(blobs), size=2 * radius + 1, mode="nearest")
+        found = read_picture(next(tmp_path.glob("opened.png")))
+        assert np.array_equal(found[4:-4, 4:-4] > 0, wanted[4:-4, 4:-4] > 0)
+
+
 def test_explain_says_what_was_decided() -> None:
     assert "closed form" in _call("explain", "edge").output
     text = _call("explain", "hole-filler", "--size", "100x20").output
@@ -119,7 +128,11 @@ def test_explain_says_what_was_decided() -> None:
     (("explain", "edge", "--size", "big"), "ROWSxCOLS"),
     (("list", "--tag", "nonsense"), "tags are"),
     (("program", "none.toml"), "no program file"),
-    (("program", "opening", "--input", "picture"), "NAME=PICTURE"),
+    (("program", "opening", "--input", "picture"), "NAME=VALUE wanted"),
+    (("program", "gray-opening", "--set", "radius=two"), "a number wanted"),
+    (("program", "gray-opening", "--set", "raduis=2"), "raduis"),
+    (("run", "edge", "BLOBS", "--device", "0"), "only the opencl backend"),
+    (("--library", "nowhere", "list"), "library nowhere"),
     (("program", "opening"), "picture wanted"),
 ])  # fmt: skip
 def test_a_mistake_is_one_line_and_exit_code_two(arguments: tuple[str, ...], message: str, blobs: Path) -> None:
