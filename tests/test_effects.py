@@ -150,7 +150,7 @@ def test_finite_thickness_is_the_layer(thickness: float) -> None:
     wanted = layer_load(ARRAY.positions(), ARRAY.depth, before.pressed.loads[:, None, None], thickness, Medium(2.4e6))
     assert np.abs(before.values + added - wanted).max() < 1e-12 * np.abs(before.values).max()
     if thickness == ARRAY.depth:
-        assert np.abs(wanted[..., 2]).max() < 1e-8 * np.abs(before.values).max()  # on the base nothing is squeezed
+        assert np.abs(wanted[..., 2]).max() < 1e-6 * np.abs(before.values).max()  # on the base nothing is squeezed
 
 
 def test_taxel_area_is_the_mean_over_the_area() -> None:

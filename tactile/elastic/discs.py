@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.errors import InputError
+from tactile.elastic.gauss import gauss
 from tactile.elastic.halfspace import check_loads, point_scale
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import HERTZ, Profile
@@ -44,7 +45,8 @@ def disc_load(
     at, rows = np.asarray(positions, dtype=np.float64), check_loads(loads)
     x = (at[..., 0, None] - rows[..., 0]) / depth
     y = (at[..., 1, None] - rows[..., 1]) / depth
-    a, b, c, h = _potential(np.hypot(x, y), np.asarray(radii, dtype=np.float64) / depth, profile, np.asarray(lam))
+    size = np.asarray(radii, dtype=np.float64) / depth
+    a, b, c, h = _potential(np.hypot(x, y), size, profile, np.asarray(lam), (rows[..., 2:] != 0).any(axis=-1))
     q, r, f = rows[..., 2], rows[..., 3], rows[..., 4]
     s = q * x + r * y
     t_x = q * (b - a) - x * (h * s + f * c)
@@ -74,27 +76,33 @@ def twist_load(positions: ArrayLike, depth: float, twists: ArrayLike, radii: Arr
     at, (scale, _) = np.asarray(positions, dtype=np.float64), point_scale(depth, medium)
     x = (at[..., 0, None] - rows[..., 0]) / depth
     y = (at[..., 1, None] - rows[..., 1]) / depth
-    around = _potential(np.hypot(x, y), np.asarray(radii, dtype=np.float64) / depth, HERTZ, np.zeros(()))[2]
+    size = np.asarray(radii, dtype=np.float64) / depth
+    around = _potential(np.hypot(x, y), size, HERTZ, np.zeros(()), rows[..., 2] != 0)[2]
     swirl = scale / (2 * depth) * rows[..., 2] * around
     return np.stack([(swirl * y).sum(-1), -(swirl * x).sum(-1), np.zeros(swirl.shape[:-1])], axis=-1)
 
 
-def _potential(rho: Plane, radius: Plane, profile: Profile, lam: Plane) -> tuple[Plane, Plane, Plane, Plane]:
-    """(V_rho / rho, V_z, V_rho_z / rho, (V_rho_rho - V_rho / rho) / rho^2) at depth 1."""
+def _potential(
+    rho: Plane, radius: Plane, profile: Profile, lam: Plane, wanted: ArrayLike
+) -> tuple[Plane, Plane, Plane, Plane]:
+    """(V_rho / rho, V_z, V_rho_z / rho, (V_rho_rho - V_rho / rho) / rho^2) at depth 1, 0 where not wanted."""
     shape = np.broadcast_shapes(rho.shape, radius.shape, lam.shape)
     if not (np.isfinite(radius).all() and (radius >= 0).all()):
         raise InputError("contact radii of 0 or more, finite, wanted")
     widest = float(radius.max(initial=0))
     if widest > WIDEST:
         raise InputError(f"a contact {widest:.3g} depths in radius, at most {WIDEST:g} wanted")
-    flat = [np.broadcast_to(part, shape).ravel() for part in (rho, radius, lam)]
-    out = np.empty((4, flat[0].size))
-    count = _nodes(widest)
+    asked = np.broadcast_to(wanted, shape)
+    flat = [np.broadcast_to(part, shape)[asked] for part in (rho, radius, lam)]
+    found = np.empty((4, flat[0].size))
+    count = _nodes(float(flat[1].max(initial=0)))
     chunk = max(1, BUDGET // count)
-    for start in range(0, out.shape[1], chunk):
+    for start in range(0, found.shape[1], chunk):
         cut = slice(start, start + chunk)
-        out[:, cut] = _line(flat[0][cut], flat[1][cut], profile, flat[2][cut], count)
-    a, b, c, h = out.reshape(4, *shape)
+        found[:, cut] = _line(flat[0][cut], flat[1][cut], profile, flat[2][cut], count)
+    out = np.zeros((4, *shape))
+    out[:, asked] = found
+    a, b, c, h = out
     return a, b, c, h
 
 
@@ -110,7 +118,7 @@ def _line(rho: Plane, radius: Plane, profile: Profile, lam: Plane, count: int) -
 
     Source: Johnston and Elliott (2005), for nearly singular integrals.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(count)
+    nodes, weights = gauss(count)
     floor = np.maximum(radius, 1e-9)  # a point's sources all sit in one place; any small line serves
     near = np.arcsin((rho + 1j) / floor)
     middle, width = near.real, np.abs(near.imag)

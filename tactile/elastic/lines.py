@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.errors import InputError
+from tactile.elastic.gauss import gauss
 
 MOST_NODES = 2000
 """Nodes along one direction; a longer contact, or a shallower taxel, is refused."""
@@ -20,7 +21,7 @@ def edge_loads(load: ArrayLike, length: float, angle: float, depth: float) -> ND
     Raises:
         InputError: a length or depth that is not positive, or more than 2000 nodes needed.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(_count(length / 2, depth))
+    nodes, weights = gauss(_count(length / 2, depth))
     return _spread(load, nodes * length / 2, np.zeros(1), weights / 2, np.ones(1), angle)
 
 
@@ -38,7 +39,7 @@ def cylinder_loads(
     Source: Johnson, Contact Mechanics, eq. (4.45).
     """
     width = np.asarray(half_width, dtype=np.float64)
-    along, along_weights = np.polynomial.legendre.leggauss(_count(length / 2, depth))
+    along, along_weights = gauss(_count(length / 2, depth))
     count = _count(max(float(width.max(initial=0)), 1e-12), depth)
     turn = np.arange(1, count + 1) * np.pi / (count + 1)
     across_weights = 2 / (count + 1) * np.sin(turn) ** 2  # Gauss-Chebyshev of the second kind, sum 1

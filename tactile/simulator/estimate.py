@@ -16,7 +16,7 @@ from tactile.simulator.scene import Scene
 
 Plane = NDArray[np.float64]
 Named = tuple[str, Any]
-FRAMES = 384
+FRAMES = 512
 """Frames of each finger in a sample."""
 
 

@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from tactile.elastic.gauss import gauss
 from tactile.simulator.checks import within
 from tactile.simulator.field import Field, felt
 
@@ -41,7 +42,7 @@ class TaxelArea:
             at, depth = field.array.positions(), field.array.depth
             # Gauss converges like exp(-2 n asinh(z / half width)): 7 is half of ln(1e6)
             count = min(MOST, int(np.ceil(7 / np.arcsinh(2 * depth / self.width))) + 1)
-            nodes, weights = np.polynomial.legendre.leggauss(count)
+            nodes, weights = gauss(count)
             steps = np.stack(np.meshgrid(nodes, nodes), axis=-1).reshape(-1, 2) * self.width / 2
             over = np.outer(weights, weights).ravel() / 4
             everywhere = felt(at[:, :, None] + steps, depth, field.pressed, field.medium)
