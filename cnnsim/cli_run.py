@@ -5,6 +5,7 @@ from typing import Any, get_args
 
 import click
 import numpy as np
+from numpy.typing import NDArray
 
 from cnnsim import backends, library
 from cnnsim.command import examples, print_json
@@ -31,7 +32,7 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON f
     )
 )
 @click.argument("name")
-@click.argument("picture", type=click.Path(path_type=Path))
+@click.argument("pictures", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="PICTURE...")
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Where the output picture goes.")
 @click.option("--state", type=click.Path(path_type=Path), help="The second picture, for templates that take one.")
 @click.option("--binary", is_flag=True, help="Make the pictures black and white before the run.")
@@ -41,7 +42,9 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON f
     "--scheme", type=click.Choice([*SCHEMES, ADAPTIVE]), help="Integration scheme instead of the plan's choice."
 )
 @click.option("--step", type=float, help="Step in time constants.")
-@click.option("--cell", type=click.Choice(["chua-yang", "full-range"]), default="chua-yang", show_default=True)
+@click.option(
+    "--cell", type=click.Choice(["chua-yang", "full-range"]), help="Cell model instead of the template's own."
+)
 @without_option
 @click.option("--dtype", type=click.Choice(["float32", "float64"]), help="Precision of the backend.")
 @click.option("--trajectory", type=click.Path(path_type=Path), help="Also write the output over time as a GIF.")
@@ -49,10 +52,13 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON f
 @device_option
 @json_option
 def run(
-    name: str, picture: Path, output: Path | None, state: Path | None, binary: bool, trajectory: Path | None,
-    backend: str, device: str | None, dtype: str | None, as_json: bool, **options: Any,
+    name: str, pictures: tuple[Path, ...], output: Path | None, state: Path | None, binary: bool,
+    trajectory: Path | None, backend: str, device: str | None, dtype: str | None, as_json: bool, **options: Any,
 ) -> None:  # fmt: skip
-    """Run template NAME on PICTURE (any format Pillow reads; black is +1, white -1)."""
+    """Run template NAME on PICTURE (any format Pillow reads; black is +1, white -1).
+
+    Templates for moving pictures take several, one a frame; of a network of layers each layer has its own output.
+    """
     from cnnsim.transient import NotSettledError, make_task, run_transient
 
     entry = library.load(name)
@@ -60,21 +66,26 @@ def run(
     if "boundary" in given:
         given["boundary"] = parse_boundary(given["boundary"])
     second = None if state is None else read_picture(state, binary=binary)
-    planes = entry.planes(read_picture(picture, binary=binary), second)
-    task: dict[str, Any] = {"boundary": entry.boundary, "duration": entry.duration, **given, **planes}
+    frames = [read_picture(picture, binary=binary) for picture in pictures]
+    if len(frames) > 1 and entry.frame_time is None:
+        raise InputError(f"template {name!r} takes one picture, {len(frames)} were given")
+    if len({frame.shape for frame in frames}) > 1:
+        raise InputError(f"frames of different sizes: {', '.join(str(frame.shape) for frame in frames)}")
+    task = {**entry.task(np.stack(frames) if entry.frame_time is not None else frames[0], second), **given}
     where = backends.get(backend, dtype, device)
     try:
-        result = run_transient(entry.template, **task, backend=where)
+        result = run_transient(entry.network, **task, backend=where)
     except NotSettledError as error:
         if output is not None:
-            write_picture(error.result.y, output)
+            _write(error.result.y, output)
         raise
     if output is not None:
-        write_picture(result.y, output)
+        _write(result.y, output)
     if trajectory is not None:
         end = result.t if np.isfinite(result.t) else 10.0
-        _write_trajectory(make_task(entry.template, **task), where, max(end, 1.0), trajectory)
+        _write_trajectory(make_task(entry.network, **task), where, max(end, 1.0), trajectory)
     black = int((result.y > 0).sum())
+    size = " x ".join(str(n) for n in result.y.shape)
     if as_json:
         facts = {"template": name, "t": result.t, "settled": result.settled, "slope": result.slope}
         print_json({**facts, "black": black, "cells": result.y.size, "shape": result.y.shape})
@@ -82,7 +93,7 @@ def run(
         ended = (
             "at rest" if not np.isfinite(result.t) else f"t = {result.t:g}" + (", settled" if result.settled else "")
         )
-        click.echo(f"{name}: {result.y.shape[0]} x {result.y.shape[1]} cells, {ended}, {black} black" + _arrow(output))
+        click.echo(f"{name}: {size} cells, {ended}, {black} black" + _arrow(output))
 
 
 @click.command(
@@ -147,6 +158,14 @@ def _number(name: str, text: str) -> float:
     except ValueError as error:
         raise InputError(f"--set {name}={text}; a number wanted") from error
     return int(value) if value.is_integer() else value
+
+
+def _write(y: NDArray[Any], path: Path) -> None:
+    """Write a picture; of several layers each its own, numbered."""
+    for number, layer in enumerate(y if y.ndim == 3 else []):
+        write_picture(layer, path.with_stem(f"{path.stem}-{number}"))
+    if y.ndim == 2:
+        write_picture(y, path)
 
 
 def _write_trajectory(task: Any, backend: Any, end: float, path: Path) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from cnnsim import library
+from cnnsim import library, library_path
 from cnnsim.errors import InputError
 from cnnsim.grid import parse_boundary
 from cnnsim.program import Program
@@ -33,7 +33,7 @@ def load_program(
     """
     file = Path(path)
     if not file.suffix:
-        file = library.folder() / "programs" / f"{path}.toml"
+        file = library_path.program_file(str(path))
     try:
         data = tomllib.loads(file.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
