@@ -8,6 +8,10 @@ from numpy.typing import NDArray
 
 BITS = 13
 """The table has 2^13 quantiles: 32 KiB, the first-level cache."""
+SERIAL_BELOW = 200_000
+"""Fewer pairs than this are done before the threads have woken up, or soon after."""
+LONGEST = 1 << 33
+"""Numbers from one key."""
 MASK = np.uint32((1 << BITS) - 1)
 
 
@@ -24,30 +28,38 @@ def _quantiles() -> NDArray[np.float32]:
 
 
 @njit(cache=True)
-def _add(values, first, last, sigma, key, count, table):  # type: ignore[no-untyped-def]  # numba types it at the call
+def _hash(pair, key):  # type: ignore[no-untyped-def]  # numba types it at the call
+    """lowbias32 of the counter, then of the key: every bit depends on every bit."""
+    h = np.uint32(pair)  # numba widens every operation of 32 bits, hence the casts
+    h = np.uint32((h ^ (h >> np.uint32(16))) * np.uint32(0x7FEB352D))
+    h = np.uint32(h ^ (h >> np.uint32(15)) ^ key)
+    h = np.uint32(h * np.uint32(0x846CA68B))
+    h = np.uint32((h ^ (h >> np.uint32(16))) * np.uint32(0x7FEB352D))
+    return np.uint32(h ^ (h >> np.uint32(15)))
+
+
+@njit(cache=True)
+def _add_pairs(pairs, first, last, sigma, key, count, table):  # type: ignore[no-untyped-def]  # the same
+    """Add to rows first .. last of (n, 2): a + b and a - b of two normal numbers are two, independent."""
     for i in range(first, last):
-        # lowbias32 of the counter, then of the key: every bit depends on every bit
-        h = np.uint32(np.uint32(i) + count)  # numba widens every operation of 32 bits, hence the casts
-        h = np.uint32((h ^ (h >> np.uint32(16))) * np.uint32(0x7FEB352D))
-        h = np.uint32(h ^ (h >> np.uint32(15)) ^ key)
-        h = np.uint32(h * np.uint32(0x846CA68B))
-        h = np.uint32((h ^ (h >> np.uint32(16))) * np.uint32(0x7FEB352D))
-        h = np.uint32(h ^ (h >> np.uint32(15)))
-        values[i] += sigma * (np.float64(table[h & MASK]) + np.float64(table[(h >> np.uint32(16)) & MASK]))
+        h = _hash(np.uint32(i) + count, key)
+        a, b = sigma * table[h & MASK], sigma * table[(h >> np.uint32(16)) & MASK]
+        pairs[i, 0] += a + b
+        pairs[i, 1] += a - b
 
 
 @njit(cache=True, parallel=True)
-def _add_parallel(values, threads, sigma, key, count, table):  # type: ignore[no-untyped-def]  # the same
+def _add_parallel(pairs, threads, sigma, key, count, table):  # type: ignore[no-untyped-def]  # the same
     for thread in prange(threads):
-        first, last = thread * values.size // threads, (thread + 1) * values.size // threads
-        _add(values, first, last, sigma, key, count, table)
+        first, last = thread * len(pairs) // threads, (thread + 1) * len(pairs) // threads
+        _add_pairs(pairs, first, last, sigma, key, count, table)
 
 
 class NormalNoise:
     """A stream of independent standard normal numbers, the same however it is cut into pieces.
 
-    Each is the sum of two quantiles of a table: the distribution function is within 1e-4 of the normal one, the
-    variance 1 to 1e-6, and no number lies beyond 5.7. Numbers repeat after 2^32 of them, when a new key is drawn.
+    Two of them are sum and difference of two quantiles of a table: the distribution function is within 1e-4 of the
+    normal one, the variance 1 to 1e-6, and no number lies beyond 5.7. After 2^33 numbers a new key is drawn.
 
     Arguments: ``random``, from which only the keys are taken.
     """
@@ -64,11 +76,26 @@ class NormalNoise:
         """Add the next ``values.size`` numbers times ``sigma`` to ``values`` (contiguous), in place."""
         flat = values.reshape(-1)
         assert np.shares_memory(flat, values) or not values.size  # a copy would be thrown away
-        if self._count + flat.size > 1 << 32:
+        if self._count + flat.size > LONGEST:
             self._count, self._key = 0, self._draw()
-        numbers = np.float64(sigma), self._key, np.uint32(self._count), _quantiles()
-        if flat.size < 20_000:
-            _add(flat, 0, flat.size, *numbers)
+        start = 0
+        if self._count % 2 and flat.size:  # the second of a pair whose first was the last number of the piece before
+            flat[0] += self._pair(sigma)[1]
+            start = 1
+        whole = (flat.size - start) // 2
+        pairs = flat[start : start + 2 * whole].reshape(-1, 2)
+        numbers = np.float64(sigma), self._key, np.uint32((self._count + start) // 2), _quantiles()
+        if whole < SERIAL_BELOW:
+            _add_pairs(pairs, 0, whole, *numbers)
         else:
-            _add_parallel(flat, get_num_threads(), *numbers)
-        self._count += flat.size
+            _add_parallel(pairs, get_num_threads(), *numbers)
+        self._count += start + 2 * whole
+        if start + 2 * whole < flat.size:
+            flat[-1] += self._pair(sigma)[0]
+            self._count += 1
+
+    def _pair(self, sigma: float) -> NDArray[np.float64]:
+        """The pair that the next number belongs to."""
+        pair = np.zeros((1, 2))
+        _add_pairs(pair, 0, 1, np.float64(sigma), self._key, np.uint32(self._count // 2), _quantiles())
+        return pair[0]
