@@ -81,8 +81,8 @@ class Plan:
         """Steps a pass over the grid: about 16 rows' worth, evenly divided; 1 without blocking."""
         if "blocking" not in self.savings:
             return 1
-        radius = max((max(abs(tap.k), abs(tap.l)) for tap in self.feedback_taps), default=0)
-        return steps_a_pass(self.check_every if self.duration == "settled" else self.steps, radius)
+        steps = self.check_every if self.duration == "settled" else self.steps
+        return steps_a_pass(steps, radius_of(self.feedback_taps))
 
     def explain(self) -> str:
         """Return the decisions as lines of text."""
@@ -158,9 +158,15 @@ def make_plan(
         (f"{table.name}, h = {h:.4g}", f"order {table.order}; the step is {why}"),
         _stop_decision(duration, limit),
     ]
-    applicable = stepped_savings(template, table, h, kind.model, settles=duration == "settled")
+    steps = max(1, round(1 / h)) if duration == "settled" else math.ceil(duration / h - 1e-9)
+    applicable = stepped_savings(template, table, h, kind.model, steps, settles=duration == "settled")
     decisions += [(what if what not in without else f"no {what}", why) for what, why in applicable]
     return plan("stepped", table, h, {what for what, _ in applicable if what not in without})
+
+
+def radius_of(taps: Collection[Tap]) -> int:
+    """Return how far taps reach."""
+    return max((max(abs(tap.k), abs(tap.l)) for tap in taps), default=0)
 
 
 def steps_a_pass(steps: int, radius: int) -> int:
@@ -173,17 +179,21 @@ def steps_a_pass(steps: int, radius: int) -> int:
 
 
 def stepped_savings(
-    template: Template, scheme: Scheme, h: float, cell: CellModel, *, settles: bool
+    template: Template, scheme: Scheme, h: float, cell: CellModel, steps: int, *, settles: bool
 ) -> list[tuple[Saving, str]]:
-    """Return the savings that apply to a stepped transient, each with its reason."""
+    """Return the savings that apply to a stepped transient, each with its reason.
+
+    ``steps``: how many are taken, or lie between two looks at whether the network has settled.
+    """
     taps, entries = len(template.feedback_taps), template.A.size
     found: list[tuple[Saving, str]] = [("sparse taps", f"{taps} of the {entries} entries of A are not zero")]
     if template.isotropic and template.A.shape[0] == 3 and template.A[0, 0]:
         found.append(("shared sums", "A is the same in all directions: neighbours are added before they are weighed"))
     if len(scheme.b) == 1:
-        found.append(("blocking", "one-stage scheme: several steps a pass while the rows are in the cache"))
+        depth = steps_a_pass(steps, radius_of(template.feedback_taps))
+        found.append(("blocking", f"one-stage scheme: {depth} steps a pass while the rows of a tile are in the cache"))
         if settles and h <= 1 and cell == "chua-yang" and not template.uncoupled:
-            found.append(("sleep", "tiles in which no output can change are left out until a neighbour's output does"))
+            found.append(("sleep", "tiles of 32 x 64 cells in which no output can change are left out"))
     return found
 
 

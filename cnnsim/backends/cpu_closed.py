@@ -57,7 +57,7 @@ def cell_at_rest(x: float, s: float, a: float, one: float, walls: bool) -> float
     there = there if goes else s / (one - a)
     there = start if slope == 0 else there
     there = a * side + s if stays else there
-    return there if x == x else x
+    return there if x - x == 0 else x  # NaN and infinity stay what they are, to be found
 
 
 @twins

@@ -40,7 +40,7 @@ class Prepared:
         self.ha = (h * plan.scheme.matrix).astype(dtype)
         self.hb = (h * np.array(plan.scheme.b)).astype(dtype)
         self.freezes = plan.step <= 1 and not self.walls
-        r = self.around_y[2]
+        r = max(self.around_y[2], 1)  # the loops over rows look at one neighbour at least
         self.rule = Rule(
             loop_kind(plan, r, dtype), r, *self.feedback, square(plan, dtype), dtype.type(h),
             BOUNDARY[plan.boundary.kind], dtype.type(plan.boundary.y),
@@ -53,7 +53,7 @@ def tile_shape(plan: Plan, threads: int) -> tuple[int, int]:
     """Return rows and columns of a tile: even parts of the grid, at least one for each thread, none too wide."""
     rows, cols = plan.shape
     across = -(-cols // TILE_COLS)
-    down = max(-(-rows // TILE_ROWS), min(threads, -(-rows // 64)) if across == 1 else 1)
+    down = max(-(-rows // TILE_ROWS), min(threads, -(-rows // 64)))
     return -(-rows // down), -(-cols // across)
 
 

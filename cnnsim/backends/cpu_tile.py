@@ -53,10 +53,10 @@ def tile_area(tile: int, down: int, across: int, height: int, width: int, rows: 
 
 @helper
 def step_block(
-    kind: int, k: Array, l: Array, weight: Array, r: int, room: Array, at_row: int, at_square: int, at_x: int, at_w: int,
-    at_y: int, at_out: int, n: int, h: float, blocks: int,
+    kind: int, k: Array, l: Array, weight: Array, r: int, room: Array, at_row: int, at_square: int, at_x: int,
+    at_w: int, at_y: int, at_out: int, n: int, h: float, blocks: int,
 ) -> None:  # fmt: skip
-    """Step so many blocks by the loop of this kind. (A rule is not handed on whole, for the sake of reference counts.)"""
+    """Step blocks by the loop of this kind. (A rule is not handed on whole, for the sake of reference counts.)"""
     if kind == NINE:
         nine_taps(room, at_x, room, at_w, room, at_y, room, at_out, n, room, at_square, h, blocks)
     elif kind == CROSS:
