@@ -12,6 +12,8 @@ from cnnsim.command import examples, print_json
 from tactile.serial.commands import ARRAY, FILE, PROTOCOL, live, record, replay
 from tactile.serial.console import chosen_description, stopping, write_text
 
+__all__ = ["COMMANDS", "convert_command", "emulate", "live", "ports", "record", "replay"]
+
 
 @click.command(epilog=examples("tactile ports"))
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
