@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import click
-import numpy as np
 
 from cnnsim import backends, library
 from cnnsim.command import examples, print_json
@@ -33,6 +32,7 @@ _FILE = click.Path(path_type=Path)
 @click.option("--cell", "cells", multiple=True, metavar="ROW,COL", help="A cell to follow; some telling ones if none.")
 @click.option("--film", type=_FILE, help="Also write the output over time as a GIF.")
 @click.option("--frames", type=click.IntRange(1, 2000), default=120, show_default=True, help="Times at which to look.")
+@click.option("--layer", type=click.IntRange(0), default=0, show_default=True, help="Of a network of layers.")
 @click.option("--state", type=_FILE, help="The second picture, for templates that take one.")
 @click.option("--binary", is_flag=True, help="Make the pictures black and white before the run.")
 @click.option("--boundary", help="zero-flux, periodic, fixed:v or fixed:x,u instead of the template's own.")
@@ -42,8 +42,8 @@ _FILE = click.Path(path_type=Path)
 @_json
 def trace(
     name: str, picture: Path, output: Path | None, cells: tuple[str, ...], film: Path | None, frames: int,
-    state: Path | None, binary: bool, boundary: str | None, duration: float | None, scheme: str | None, backend: str,
-    as_json: bool,
+    layer: int, state: Path | None, binary: bool, boundary: str | None, duration: float | None, scheme: str | None,
+    backend: str, as_json: bool,
 ) -> None:  # fmt: skip
     """Record the transient of template NAME on PICTURE: states and outputs over time, and the pictures."""
     from cnnsim.prototyping.trace import parse_cell, record, telling_cells, watching_time
@@ -53,15 +53,21 @@ def trace(
         raise InputError("nothing to do: give -o for a plot, --film for a film, or --json")
     entry = library.load(name)
     second = None if state is None else read_picture(state, binary=binary)
-    planes = entry.planes(read_picture(picture, binary=binary), second)
-    chosen = [parse_cell(cell, np.shape(planes["state"])) for cell in cells]
+    if entry.frame_time:
+        raise InputError(f"template {name!r} works on sequences of pictures; a trace is made from one picture")
+    given = entry.task(read_picture(picture, binary=binary), second)
+    if boundary is not None:
+        given["boundary"] = parse_boundary(boundary)
+    chosen = [parse_cell(cell, given["state"].shape[-2:]) for cell in cells]
     where = backends.get(backend)
-    given: dict[str, Any] = {"boundary": entry.boundary if boundary is None else parse_boundary(boundary)}
-    rule: Any = entry.duration if duration is None else duration
-    if duration is None and scheme == ADAPTIVE:  # the adaptive scheme cannot look for rest; the plan's own one can
-        rule = watching_time(make_task(entry.template, **planes, **given, duration=rule), where)
-    task = make_task(entry.template, **planes, **given, duration=rule, scheme=scheme)
-    found = record(task, where, watching_time(task, where) if duration is None else duration, frames)
+    if scheme is not None:
+        given.pop("step", None)  # it was meant for another scheme
+    if duration is not None:
+        given["duration"] = duration
+    elif scheme == ADAPTIVE:  # the adaptive scheme cannot look for rest; the plan's own one can
+        given["duration"] = watching_time(make_task(entry.network, **given), where)
+    task = make_task(entry.network, **given, scheme=scheme)
+    found = record(task, where, watching_time(task, where) if duration is None else duration, frames, layer)
     chosen = chosen or telling_cells(found)
     if output is not None:
         from cnnsim.prototyping.trace_plot import draw_trace

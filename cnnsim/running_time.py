@@ -11,7 +11,7 @@ The times hold for the exact network and for Euler steps of the given length; ot
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +21,16 @@ from cnnsim.grid import Boundary, pad
 from cnnsim.neighbourhood import Pair, pairs_of, too_many, weighted_sums
 from cnnsim.template import Tap, Template
 
+if TYPE_CHECKING:
+    from cnnsim.library import LibraryEntry  # which needs the plan, which may need this file
+
 Array = NDArray[np.float64]
 
 TOLERANCE = 0.01
 """An output that only comes nearer and nearer to its final value counts as final from this distance on."""
 
 _TIE = 1e-9
+_TERMS = "it has non-linear, delayed or space-variant terms"
 
 
 @dataclass(frozen=True)
@@ -43,6 +47,20 @@ class RunningTime:
         return f"{self.time:.4g} time constants: {self.why}" + (f", if {self.assuming}" if self.assuming else "")
 
 
+def time_of_entry(
+    entry: "LibraryEntry", shape: tuple[int, int], *, step: float = 0.1, walls: bool = False
+) -> RunningTime:
+    """Return `guaranteed_time` for a library template used as its file says."""
+    if not isinstance(entry.network, Template) or isinstance(entry.initial_state, tuple):
+        return RunningTime(None, "it has several layers")
+    if entry.cell.model == "discrete-time" or entry.cell.characteristic is not None:
+        return RunningTime(None, "its cells are not those of Chua and Yang")
+    return guaranteed_time(
+        entry.network, shape, entry.boundary, input=entry.input, initial_state=entry.initial_state, step=step,
+        walls=walls,
+    )  # fmt: skip
+
+
 def guaranteed_time(
     template: Template, shape: tuple[int, int], boundary: Boundary, *, input: str | float = "picture",  # noqa: A002 - the field's word for u
     initial_state: str | float = "any", step: float = 0.1, walls: bool = False,
@@ -52,6 +70,8 @@ def guaranteed_time(
     Arguments: ``input`` and ``initial_state`` say what u and x(0) are, in the words of a template file; ``step`` is
     the longest Euler step it has to hold for; ``walls`` says that a mask may hold cells.
     """
+    if not template.linear:
+        return RunningTime(None, _TERMS)
     if contraction := _contraction(template):
         return contraction
     found = pairs_of(input, initial_state)
@@ -77,6 +97,8 @@ def time_of_picture(
 
     ``state`` within [-1, 1], and black and white for templates with neighbours; ``input`` may be grey.
     """
+    if not template.linear:
+        return RunningTime(None, _TERMS)
     if contraction := _contraction(template):
         return contraction
     drive = np.full(state.shape, template.z) + (0.0 if bias is None else bias)

@@ -13,6 +13,7 @@ from PIL import Image
 from cnnsim import Template, library
 from cnnsim.cell import output, uncoupled_state
 from cnnsim.cli_prototyping import robust
+from cnnsim.layers import AnyTemplate, layered
 from cnnsim.prototyping.disturb import quantised, with_relative_errors
 from cnnsim.prototyping.judge import final_colour, judge_of
 from cnnsim.prototyping.margin import margin_of, tolerated_error
@@ -29,7 +30,9 @@ def test_the_margin_is_that_of_the_file(name: str) -> None:
     assert found.exact is library.load(name).template.uncoupled
 
 
-@pytest.mark.parametrize("name", ["average", "diffusion", "halftone-5x5", "poisson-solver"])
+@pytest.mark.parametrize(
+    "name", ["average", "diffusion", "halftone-5x5", "poisson-solver", "median", "autowave", "discrete-edge"]
+)
 def test_a_margin_does_not_apply_to_grey_templates(name: str) -> None:
     found = margin_of(library.load(name))
     assert found.value is None
@@ -51,6 +54,7 @@ def colours(name: str, factors: dict[tuple[int, ...], float], epsilon: float) ->
     if isinstance(entry.initial_state, int | float):
         x0 = np.full(count, float(entry.initial_state))
     else:
+        assert isinstance(entry.initial_state, str)
         x0 = {"picture": u[:, b.size // 2], "given": other, "any": other}[entry.initial_state]
     with np.errstate(all="ignore"):
         return np.sign(np.round(output(uncoupled_state(x0, s, a, 400.0, "chua-yang")), 12))
@@ -106,11 +110,28 @@ def test_decisions_in_closed_form_are_those_of_the_cell() -> None:
         assert np.array_equal(final_colour(s, x0, a), np.sign(uncoupled_state(x0, s, a, np.inf, "chua-yang")))
 
 
+def plain(template: AnyTemplate) -> Template:
+    assert isinstance(template, Template)
+    return template
+
+
+def test_entries_of_terms_and_layers_are_disturbed_as_well() -> None:
+    for name in ("median", "autowave"):
+        network = library.load(name).network
+        found = with_relative_errors(network, 0.1, np.random.default_rng(0))
+        for before, after in zip(layered(network).layers, layered(found).layers, strict=True):
+            assert len(before.terms) == len(after.terms)
+            for one, two in zip(before.terms, after.terms, strict=True):
+                assert np.array_equal(one.weights == 0, two.weights == 0)
+                assert not np.array_equal(one.weights, two.weights)
+                assert (one.of, one.table, one.layer) == (two.of, two.table, two.layer)
+
+
 def test_entries_are_disturbed_as_said() -> None:
     template = Template([[0, 1, 0], [2, 3, 0], [0, 0, 0]], 4, -5)
-    found = with_relative_errors(template, 0.1, np.random.default_rng(0))
+    found = plain(with_relative_errors(template, 0.1, np.random.default_rng(0)))
     assert np.array_equal(found.A == 0, template.A == 0)
-    many = [with_relative_errors(template, 0.1, np.random.default_rng(seed)) for seed in range(2000)]
+    many = [plain(with_relative_errors(template, 0.1, np.random.default_rng(seed))) for seed in range(2000)]
     assert np.std([t.z for t in many]) == pytest.approx(0.5, rel=0.1)
     assert np.std([t.A[1, 1] for t in many]) == pytest.approx(0.3, rel=0.1)
     assert np.mean([t.B[0, 0] for t in many]) == pytest.approx(4, abs=0.05)
@@ -118,18 +139,32 @@ def test_entries_are_disturbed_as_said() -> None:
 
 def test_bits() -> None:
     template = Template([[1]], [[0.3, 0.0, 7.0], [0.0, -3.4, 0.0], [0.0, 0.0, 0.0]], 0.6)
-    coarse = quantised(template, 4)  # steps of 7 / 7
+    coarse = plain(quantised(template, 4))  # steps of 7 / 7
     assert coarse.B[0].tolist() == [0, 0, 7]
     assert coarse.B[1, 1] == -3
     assert coarse.z == 1
-    assert np.abs(quantised(template, 12).B - template.B).max() <= 7 / 2047 / 2 + 1e-12
-    assert quantised(Template([[0]]), 3).z == 0
+    assert np.abs(plain(quantised(template, 12)).B - template.B).max() <= 7 / 2047 / 2 + 1e-12
+    assert plain(quantised(Template([[0]]), 3)).z == 0
 
 
-@pytest.mark.parametrize("name", ["edge", "horizontal-skeleton-left", "logic-or", "recall", "average", "fill-black"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "edge",
+        "horizontal-skeleton-left",
+        "logic-or",
+        "recall",
+        "average",
+        "fill-black",
+        "median",
+        "autowave",
+        "discrete-hole-filler",
+        "slow-motion",
+    ],
+)
 def test_an_undisturbed_template_is_right(name: str) -> None:
     entry = library.load(name)
-    assert judge_of(entry).share_of_wrong(entry.template, 0.0, np.random.default_rng(0)) == 0
+    assert judge_of(entry).share_of_wrong(entry.network, 0.0, np.random.default_rng(0)) == 0
 
 
 def test_the_judge_counts_wrong_neighbourhoods() -> None:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cnnsim import PERIODIC, ZERO_FLUX, Template, fixed, library
 from cnnsim.cell import output, uncoupled_state
-from cnnsim.running_time import TOLERANCE, cell_time, guaranteed_time, time_of_picture
+from cnnsim.running_time import TOLERANCE, cell_time, guaranteed_time, time_of_entry, time_of_picture
 from cnnsim.transient import run_transient
 from tests.oracles.binary import plane
 
@@ -30,9 +30,7 @@ WAVES = {
 
 def guaranteed(name: str, shape: tuple[int, int], **more: Any) -> float:
     entry = library.load(name)
-    found = guaranteed_time(
-        entry.template, shape, entry.boundary, input=entry.input, initial_state=entry.initial_state, **more
-    )
+    found = time_of_entry(entry, shape, **more)
     assert found.time is not None, found
     return found.time
 
@@ -256,13 +254,14 @@ def test_random_one_way_templates(boundary: Any) -> None:
         ("figure-reconstructor", "tie"),
         ("small-object-remover", "both colours"),
         ("diffusion", "a <= 1"),
+        ("autowave", "layers"),
+        ("median", "non-linear"),
+        ("discrete-hole-filler", "Chua and Yang"),
     ],
 )
 def test_where_theory_gives_no_time_the_reason_is_told(name: str, reason: str) -> None:
     entry = library.load(name)
-    found = guaranteed_time(
-        entry.template, (9, 9), entry.boundary, input=entry.input, initial_state=entry.initial_state
-    )
+    found = time_of_entry(entry, (9, 9))
     assert found.time is None
     assert reason in str(found)
 

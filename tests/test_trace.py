@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from PIL import Image
 
 from cnnsim import backends, library, write_picture
-from cnnsim.cell import uncoupled_state
+from cnnsim.cell import output, uncoupled_state
 from cnnsim.cli_prototyping import trace
 from cnnsim.errors import InputError
 from cnnsim.prototyping.trace import Trace, parse_cell, record, telling_cells, watching_time
@@ -61,18 +61,38 @@ def test_telling_cells_go_different_ways() -> None:
     x[:, 0, 0] = 5 * t
     x[:, 1, 2] = -3 * t
     x[:, 1, 1] = 5 * t
-    assert telling_cells(Trace(t, x), most=3) in ([(0, 0), (1, 2), (0, 1)], [(0, 1), (0, 0), (1, 2)])
-    assert telling_cells(Trace(t, x), most=5) == telling_cells(Trace(t, x), most=3)  # the rest repeats them
-    assert telling_cells(Trace(t, np.zeros((11, 2, 3)))) == [(0, 0)]
+    assert telling_cells(Trace(t, x, output(x)), most=3) in ([(0, 0), (1, 2), (0, 1)], [(0, 1), (0, 0), (1, 2)])
+    assert telling_cells(Trace(t, x, output(x)), most=5) == telling_cells(
+        Trace(t, x, output(x)), most=3
+    )  # the rest repeats them
+    assert telling_cells(Trace(t, 0 * x, 0 * x)) == [(0, 0)]
 
 
 def test_the_contact_sheet_shows_the_time_in_which_something_happens() -> None:
     x = np.zeros((101, 1, 1))
     x[:, 0, 0] = np.minimum(np.arange(101) / 20, 1)
-    frames = sheet_frames(Trace(np.arange(101.0), x))
+    frames = sheet_frames(Trace(np.arange(101.0), x, output(x)))
     assert frames[0] == 0
     assert frames[-1] == 20
     assert len(frames) == SHEET
+
+
+@pytest.mark.parametrize(("name", "layer"), [("autowave", 0), ("autowave", 1), ("median", 0), ("discrete-edge", 0)])
+def test_other_kinds_of_template_are_traced_as_well(name: str, layer: int) -> None:
+    entry = library.load(name)
+    picture = entry.examples[0].input if entry.examples[0].state is None else entry.examples[0].state
+    assert picture is not None
+    task = make_task(entry.network, **{**entry.task(picture), "duration": 4.0})
+    found = record(task, backends.get("reference"), 4.0, 4, layer)
+    assert found.t == pytest.approx(np.arange(5))
+    end = library.run(entry, picture, backend="reference", duration=4.0)
+    assert np.allclose(found.x[-1], end.x[layer] if end.x.ndim == 3 else end.x, atol=1e-9)
+    assert np.allclose(found.y[-1], end.y[layer] if end.x.ndim == 3 else end.y, atol=1e-9)
+
+
+def test_a_layer_that_is_not_there() -> None:
+    with pytest.raises(InputError, match="layer 1; 0 to 0"):
+        record(task_of("edge"), backends.get("reference"), 1.0, 2, 1)
 
 
 @pytest.mark.parametrize("text", ["3", "a,b", "-1,0", "0,9", "1,2,3", ""])

@@ -1,38 +1,52 @@
 """What a real chip does to a template: errors of its entries, coarse entries, noise."""
 
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
+from cnnsim.layers import AnyTemplate, LayeredTemplate
 from cnnsim.template import Template
 
+Array = NDArray[np.float64]
 
-def with_relative_errors(template: Template, sigma: float, rng: np.random.Generator) -> Template:
-    """Return the template with every entry e of A, B and z replaced by e (1 + sigma N), N standard normal.
 
-    Entries that are zero stay zero: no weight is no error. The errors are those of one programming of a chip, the
-    same in all its cells.
+def with_relative_errors(template: AnyTemplate, sigma: float, rng: np.random.Generator) -> AnyTemplate:
+    """Return the template with every entry e of A, B, z and of the terms' weights replaced by e (1 + sigma N).
+
+    N is standard normal. Entries that are zero stay zero: no weight is no error. The errors are those of one
+    programming of a chip, the same in all its cells.
     """
-    factors = 1 + sigma * rng.standard_normal(template.A.size + template.B.size + 1)
-    a, b, z = np.split(factors, (template.A.size, template.A.size + template.B.size))
-    return Template(
-        template.A * a.reshape(template.A.shape),
-        template.B * b.reshape(template.B.shape),
-        template.z * float(z[0]),
-        template.name,
-    )
+    return _changed(template, lambda entries: entries * (1 + sigma * rng.standard_normal(entries.shape)))
 
 
-def quantised(template: Template, bits: int) -> Template:
+def quantised(template: AnyTemplate, bits: int) -> AnyTemplate:
     """Return the template with entries in steps of R / (2**(bits - 1) - 1), R being the largest entry.
 
     So n bits hold a sign and n - 1 bits of size, zero and the largest entry are met exactly.
     """
-    largest = max(float(np.abs(template.A).max()), float(np.abs(template.B).max()), abs(template.z))
-    step = largest / (2 ** (bits - 1) - 1)
-    if step == 0:
-        return template
+    sizes: list[float] = []
 
-    def rounded(entries: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.rint(entries / step) * step
+    def look(entries: Array) -> Array:
+        sizes.append(float(np.abs(entries).max()))
+        return entries
 
-    return Template(rounded(template.A), rounded(template.B), float(rounded(np.asarray(template.z))), template.name)
+    _changed(template, look)
+    step = max(sizes) / (2 ** (bits - 1) - 1)
+    return template if step == 0 else _changed(template, lambda entries: np.rint(entries / step) * step)
+
+
+def _changed(template: AnyTemplate, change: Callable[[Array], Any]) -> AnyTemplate:
+    """Apply a change to all entries of a template, of all its layers."""
+    if isinstance(template, LayeredTemplate):
+        layers = [_changed_layer(layer, change) for layer in template.layers]
+        return LayeredTemplate(layers, template.time_constants, template.name)
+    return _changed_layer(template, change)
+
+
+def _changed_layer(template: Template, change: Callable[[Array], Any]) -> Template:
+    a, b, z = change(template.A), change(template.B), float(change(np.asarray(template.z)))
+    terms = [replace(term, weights=change(term.weights)) for term in template.terms]
+    return Template(a, b, z, template.name, terms)

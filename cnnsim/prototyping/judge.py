@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim import backends
-from cnnsim.cell import output
 from cnnsim.errors import InputError
+from cnnsim.frames import Frames
+from cnnsim.layers import AnyTemplate, layered
 from cnnsim.library import Example, LibraryEntry
 from cnnsim.prototyping.margin import margin_of
 from cnnsim.template import Tap, Template
@@ -26,13 +27,13 @@ class Judge(Protocol):
 
     what: str
 
-    def share_of_wrong(self, template: Template, noise: float, rng: np.random.Generator) -> float:
+    def share_of_wrong(self, template: AnyTemplate, noise: float, rng: np.random.Generator) -> float:
         """Return the share of wrong cells of a disturbed template with Gaussian noise on the picture."""
 
 
 def judge_of(entry: LibraryEntry, seed: int = 0) -> Judge:
     """Return the judge for a template: neighbourhoods where it decides without coupling, else its own examples."""
-    if entry.template.uncoupled and margin_of(entry).value is not None:
+    if margin_of(entry).value is not None and entry.template.uncoupled:
         return _Neighbourhoods(entry, seed)
     return _Examples(entry)
 
@@ -71,10 +72,12 @@ class _Neighbourhoods:
             assert self.centre is not None
             self.x0 = rows[:, self.centre]
         else:
-            self.x0 = np.full(len(rows), 0.0 if entry.initial_state == "any" else float(entry.initial_state))
+            constant = entry.initial_state if isinstance(entry.initial_state, int | float) else 0.0
+            self.x0 = np.full(len(rows), float(constant))
         self.right = self._colours(entry.template, self.u, self.x0)
 
-    def share_of_wrong(self, template: Template, noise: float, rng: np.random.Generator) -> float:
+    def share_of_wrong(self, template: AnyTemplate, noise: float, rng: np.random.Generator) -> float:
+        assert isinstance(template, Template)
         u, x0 = self.u, self.x0
         if self.entry.initial_state == "any":
             x0 = rng.uniform(-1, 1, x0.shape)
@@ -104,24 +107,34 @@ class _Examples:
         if any(example.tolerance is not None for example in entry.examples):
             self.what += f" (wrong: off by more than {_GREY:g})"
 
-    def share_of_wrong(self, template: Template, noise: float, rng: np.random.Generator) -> float:
+    def share_of_wrong(self, template: AnyTemplate, noise: float, rng: np.random.Generator) -> float:
         wrong = sum(
             self._wrong(example, task, template, noise, rng)
             for example, task in zip(self.examples, self.tasks, strict=True)
         )
         return wrong / sum(example.output.size for example in self.examples)
 
-    def _wrong(self, example: Example, task: Task, template: Template, noise: float, rng: np.random.Generator) -> int:
+    def _wrong(
+        self, example: Example, task: Task, template: AnyTemplate, noise: float, rng: np.random.Generator
+    ) -> int:
         if noise:
-            picture = getattr(task, self.plane)
-            noisy = np.clip(picture + noise * rng.standard_normal(picture.shape), -1, 1)
-            task = replace(task, **{self.plane: noisy})
+
+            def noisy(picture: Array) -> Array:
+                return np.clip(picture + noise * rng.standard_normal(picture.shape), -1, 1)
+
+            heard = getattr(task, self.plane)
+            shown: Any = heard.map(noisy) if isinstance(heard, Frames) else noisy(heard)
+            task = replace(task, state=shown) if self.plane == "state" else replace(task, input=shown)
+        network = layered(template)
+        # the plan of the undisturbed template: a new one for each draw would cost more than the run
+        plan = replace(task.plan, template=network.layers[0])
+        if plan.network is not None:
+            plan = replace(plan, network=network)
         try:
-            # the plan of the undisturbed template: a new one for each draw would cost more than the run
-            outcome = task.start(self.backend, plan=replace(task.plan, template=template))
+            outcome = task.start(self.backend, plan=plan)
         except InputError:
             return example.output.size  # it has blown up
-        y = output(self.backend.read(outcome.x))  # a chip is read out whether it has settled or not
+        y = task.plan.output(self.backend.read(outcome.x))  # a chip is read out whether it has settled or not
         if example.tolerance is None:
             return int((y * example.output <= 0).sum())
         return int((np.abs(y - example.output) > max(example.tolerance, _GREY)).sum())
@@ -130,8 +143,8 @@ class _Examples:
 def _task(entry: LibraryEntry, example: Example) -> Task:
     picture = example.state if example.input is None else example.input
     assert picture is not None
-    planes = entry.planes(picture, example.state if entry.initial_state == "given" else None)
+    roles = entry.initial_state if isinstance(entry.initial_state, tuple) else (entry.initial_state,)
     return make_task(
-        entry.template, **planes, mask=example.mask, bias=example.bias, boundary=entry.boundary,
-        duration=entry.duration, limit=_WAIT, without=["shared sums"],  # a disturbed A is no longer isotropic
+        entry.network, **entry.task(picture, example.state if "given" in roles else None), mask=example.mask,
+        bias=example.bias, limit=_WAIT, without=["shared sums"],  # a disturbed A is no longer isotropic
     )  # fmt: skip

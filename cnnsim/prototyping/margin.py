@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from cnnsim.library import LibraryEntry
 from cnnsim.neighbourhood import pairs_of, too_many, weighted_sums
+from cnnsim.template import Template
 
 Array = NDArray[np.float64]
 
@@ -33,9 +34,13 @@ def margin_of(entry: LibraryEntry) -> Margin:
     of taps that are not zero, also those that never occur. Zarandy, "The art of CNN template design", Int. J. Circuit
     Theory Appl. 27 (1999) 5; Haenggi and Moschytz, IEEE Trans. CAS-I 46 (1999) 304.
     """
-    template = entry.template
-    if getattr(template, "terms", ()):
+    template = entry.network
+    if not isinstance(template, Template):
+        return _none("it has several layers")
+    if not template.linear:
         return _none("it has non-linear, delayed or space-variant terms")
+    if entry.cell.model == "discrete-time" or entry.cell.characteristic is not None:
+        return _none("its cells are not those of Chua and Yang")
     if "gray" in entry.tags and entry.margin is None:
         return _none("it works on grey values: its output follows the picture continuously, and decides nothing")
     if not template.uncoupled and template.self_feedback <= 1:
@@ -68,6 +73,7 @@ def tolerated_error(m: Array, x0: Array | None, a: float, size: float) -> Array:
 
 def _uncoupled(entry: LibraryEntry) -> Margin:
     template, a = entry.template, entry.template.self_feedback
+    assert not isinstance(entry.initial_state, tuple)  # only networks of layers have one for each
     found = pairs_of(entry.input, entry.initial_state)
     if isinstance(found, str):
         return _none(found)

@@ -1,13 +1,13 @@
 """Records a transient: the states of a whole plane at evenly spaced times."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.backends.base import Backend
-from cnnsim.cell import output
 from cnnsim.errors import InputError
 from cnnsim.plan import make_plan
 from cnnsim.running_time import time_of_picture
@@ -21,39 +21,49 @@ _UNKNOWN = 10.0
 
 @dataclass(frozen=True)
 class Trace:
-    """States ``x`` (frames, rows, cols) at the times ``t`` (frames,) [time constants], from 0 on."""
+    """States ``x`` and outputs ``y`` (frames, rows, cols) at the times ``t`` (frames,) [time constants], from 0 on."""
 
     t: NDArray[np.float64]
     x: NDArray[np.float64]
-
-    @property
-    def y(self) -> NDArray[np.float64]:
-        """The outputs (frames, rows, cols)."""
-        return output(self.x)
+    y: NDArray[np.float64]
 
 
-def record(task: Task, backend: Backend, duration: float, frames: int = 120) -> Trace:
+def record(task: Task, backend: Backend, duration: float, frames: int = 120, layer: int = 0) -> Trace:
     """Run a task for ``duration`` time constants and keep its state ``frames`` + 1 times; its stop rule is set aside.
 
+    Of a network of layers one ``layer`` is kept, counted from 0.
+
     Raises:
-        InputError: a duration that is not positive, fewer than one frame, or a batch of planes.
+        InputError: a duration that is not positive, fewer than one frame, a layer that is not there, a batch of planes.
     """
-    if not duration > 0 or frames < 1:
+    if not 0 < duration < np.inf or frames < 1:
         raise InputError(f"a trace of {duration:g} time constants in {frames} frames; more than 0 and from 1 wanted")
-    if task.state.ndim != 2:
-        raise InputError(f"planes of shape {task.state.shape}; a trace is of one grid (rows, cols)")
-    old = task.plan
+    layers = task.state.shape[0] if task.state.ndim == 3 else 1
+    if task.state.ndim > 2 and (task.plan.network is None or len(task.plan.network.layers) != layers):
+        raise InputError(f"planes of shape {task.state.shape}; a trace is of one grid, not of a batch")
+    if not 0 <= layer < layers:
+        raise InputError(f"layer {layer}; 0 to {layers - 1} are there")
+    times, states = zip(*_states(task, backend, duration, frames), strict=True)
+    x = np.array([state.reshape(-1, *state.shape[-2:])[layer] for state in states], dtype=np.float64)
+    return Trace(np.array(times), x, task.plan.output(x))
+
+
+def _states(task: Task, backend: Backend, duration: float, frames: int) -> Iterator[tuple[float, NDArray[Any]]]:
+    old, x = task.plan, np.asarray(task.state)
+    yield 0.0, x
+    if old.method == "general":  # with delays and sequences a run cannot be cut in two, so each state has its own
+        for frame in range(1, frames + 1):
+            t = max(1, round(frame * duration / frames / old.step)) * old.step
+            yield t, backend.read(task.start(backend, plan=replace(old, duration=t)).x)
+        return
     scheme = old.scheme.name if old.scheme is not None else None
     plan = make_plan(
         old.template, old.shape, old.boundary, duration=duration / frames, cell=old.cell,
         scheme="adaptive" if old.method == "adaptive" else scheme, step=old.step if scheme else None,
     )  # fmt: skip
-    x: Any = task.state
-    states = [np.array(x, dtype=np.float64)]
-    for _ in range(frames):
+    for frame in range(1, frames + 1):
         x = backend.read(task.start(backend, x, plan).x)
-        states.append(np.array(x, dtype=np.float64))
-    return Trace(np.linspace(0.0, duration, frames + 1), np.array(states))
+        yield frame * duration / frames, x
 
 
 def watching_time(task: Task, backend: Backend) -> float:
@@ -104,6 +114,7 @@ def telling_cells(trace: Trace, most: int = 5) -> list[Cell]:
         if apart.max() <= 0.02 * frames:
             break
         picked.append(int(apart.argmax()))
-    final = np.abs(output(states) - output(states[-1])) < 0.5
+    outputs = trace.y.reshape(frames, -1)
+    final = np.abs(outputs - outputs[-1]) < 0.5
     picked.sort(key=lambda cell: int(final[:, cell].argmax()))
     return [divmod(cell, cols) for cell in picked]

@@ -1,0 +1,19 @@
+"""The share of wrong cells of EDGE under errors of its entries, few bits and noise, drawn as curves."""
+
+import argparse
+from pathlib import Path
+
+from cnnsim import library
+from cnnsim.prototyping.robust import measure
+from cnnsim.prototyping.robust_plot import draw_robustness
+
+
+def main(output: Path) -> None:
+    """Write the curves to ``output``."""
+    draw_robustness(measure(library.load("edge"), draws=20), output)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--output", type=Path, default=Path("robust.png"))
+    main(parser.parse_args().output)
