@@ -10,6 +10,8 @@ BITS = 13
 """The table has 2^13 quantiles: 32 KiB, the first-level cache."""
 SERIAL_BELOW = 200_000
 """Fewer pairs than this are done before the threads have woken up, or soon after."""
+BLOCK = 512
+"""Pairs hashed at once."""
 LONGEST = 1 << 33
 """Numbers from one key."""
 MASK = np.uint32((1 << BITS) - 1)
@@ -40,12 +42,20 @@ def _hash(pair, key):  # type: ignore[no-untyped-def]  # numba types it at the c
 
 @njit(cache=True)
 def _add_pairs(pairs, first, last, sigma, key, count, table):  # type: ignore[no-untyped-def]  # the same
-    """Add to rows first .. last of (n, 2): a + b and a - b of two normal numbers are two, independent."""
-    for i in range(first, last):
-        h = _hash(np.uint32(i) + count, key)
-        a, b = sigma * table[h & MASK], sigma * table[(h >> np.uint32(16)) & MASK]
-        pairs[i, 0] += a + b
-        pairs[i, 1] += a - b
+    """Add to rows first .. last of (n, 2): a + b and a - b of two normal numbers are two, independent.
+
+    Hashes first, in vectors; then the look-ups, one by one: gathered in vectors they are half as fast.
+    """
+    hashes = np.empty(BLOCK, np.uint32)
+    for start in range(first, last, BLOCK):
+        size = min(BLOCK, last - start)
+        for i in range(size):
+            hashes[i] = _hash(np.uint32(start + i) + count, key)
+        for i in range(size):
+            h = hashes[i]
+            a, b = sigma * table[h & MASK], sigma * table[(h >> np.uint32(16)) & MASK]
+            pairs[start + i, 0] += a + b
+            pairs[start + i, 1] += a - b
 
 
 @njit(cache=True, parallel=True)
