@@ -8,7 +8,15 @@ from tactile.sources.base import Source
 from tactile.sources.replay_csv import read_csv
 from tactile.sources.replay_npz import read_npz
 
-READERS: dict[str, Callable[[Path], Source]] = {".csv": read_csv, ".npz": read_npz}
+
+def _read_mcap(path: Path) -> Source:
+    from tactile.wire.extras import need  # the mcap library comes with an extra
+
+    source: Source = need("tactile.recording.reader", "an MCAP recording").open_recording(path).source()
+    return source
+
+
+READERS: dict[str, Callable[[Path], Source]] = {".csv": read_csv, ".npz": read_npz, ".mcap": _read_mcap}
 
 
 def read_recording(path: Path) -> Source:
