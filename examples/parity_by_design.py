@@ -6,7 +6,9 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from cnnsim import UniversalMachine, fixed, load_program, write_picture
+from cnnsim import fixed, write_picture
+from cnnsim.machine import UniversalMachine
+from cnnsim.program_file import load_program
 from cnnsim.prototyping.design import design
 from cnnsim.prototyping.expression import parse_rule
 from cnnsim.prototyping.files import write_design

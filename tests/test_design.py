@@ -24,6 +24,7 @@ from cnnsim.prototyping.linear import Certificate, Norm, Separator, separate
 from cnnsim.prototyping.rule import NAMES, Rule, windows
 from cnnsim.prototyping.rule_files import read_table, rule_of_pairs
 from cnnsim.prototyping.verify import run_program, wrong_windows
+from cnnsim.transient import run_transient
 from tests.oracles.binary import RULES, Window, fill_holes, plane
 
 LIBRARY = [name for name in RULES if (library.load(name).margin or 0) > 0]
@@ -238,7 +239,8 @@ def test_expressions_of_library_rules(name: str) -> None:
 def test_precedence_is_that_of_python() -> None:
     """Python's own operators on every window are the oracle."""
     for text in (
-        "not n and c or s", "n or c and not s", "n + c * 2 - s > 1", "0 <= n - s < 1", "not n == c", "(n + c) % 2 == 1 and e",
+        "not n and c or s", "n or c and not s", "n + c * 2 - s > 1", "0 <= n - s < 1", "not n == c",
+        "(n + c) % 2 == 1 and e",
         "n < c == s", "-n + 1 == c", "not not n", "n * c != e", "n - c - s >= -1", "2 * -n < 0",
     ):  # fmt: skip
         table = parse_rule(text).table
@@ -335,7 +337,7 @@ def test_a_coupled_template_is_fitted_to_pairs() -> None:
     assert not found.template.uncoupled
     assert np.array_equal(found.template.A, np.rot90(found.template.A))
     for picture, wanted in pairs:
-        y = library.run_transient(found.template, state=np.ones(picture.shape), input=picture, boundary=fixed(-1)).y
+        y = run_transient(found.template, state=np.ones(picture.shape), input=picture, boundary=fixed(-1)).y
         assert (y * wanted > 0.99).all()
     again = fit(pairs, fixed(-1), initial_state=1.0, seed=2, generations=40)
     assert np.array_equal(again.template.A, found.template.A)
@@ -377,7 +379,9 @@ def test_the_command_on_pairs_of_pictures(tmp_path: Path) -> None:
     pair = f"{tmp_path / 'in.png'}={tmp_path / 'out.png'}"
     assert "are open" in run("--pair", pair, "--name", "learned", "-o", str(tmp_path)).output
     entry = library.load_file(tmp_path / "learned.toml")
-    assert np.array_equal(entry.examples[0].input, plane(drawn))
+    shown = entry.examples[0].input
+    assert shown is not None
+    assert np.array_equal(shown, plane(drawn))
     pair = f"{tmp_path / 'in.png'}={tmp_path / 'filled.png'}"
     result = run("--pair", pair, "--coupled", "--state", "1", "--name", "filled", "-o", str(tmp_path))
     assert result.exit_code == 0, result.exception
