@@ -159,7 +159,7 @@ def _progress(what: str) -> Iterator[Any]:
         "cnnsim design --pair before.png=after.png --coupled --state 1 --name filled -o designs/",
     )
 )
-@click.option("--rule", "text", help="An expression, such as 'c and (n + e + s + w) < 4'; names below.")
+@click.option("--rule", "text", help="An expression, such as 'c and (n + e + s + w) < 4'; names as above.")
 @click.option("--table", type=_FILE, help="A truth table: TOML with black, white (lists of windows) and default.")
 @click.option("--pair", "pairs", multiple=True, metavar="INPUT=OUTPUT", help="Two pictures: what should become what.")
 @click.option("--name", required=True, help="Name of the template, and of its files.")

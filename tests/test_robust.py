@@ -182,7 +182,7 @@ def test_the_judge_counts_wrong_cells_of_examples() -> None:
     assert judge_of(entry).share_of_wrong(all_black, 0.0, np.random.default_rng(0)) == white / cells
 
 
-@pytest.mark.parametrize("name", ["edge", "shadow-left", "average"])
+@pytest.mark.parametrize("name", ["edge", "shadow-left", "average", "autowave"])
 def test_curves_can_be_reproduced_and_rise(name: str) -> None:
     entry = library.load(name)
     found, again = measure(entry, draws=6, seed=3), measure(entry, draws=6, seed=3)

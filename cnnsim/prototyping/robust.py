@@ -73,14 +73,14 @@ def measure(entry: LibraryEntry, *, draws: int = 40, seed: int = 0, track: Track
 def _shares(entry: LibraryEntry, judge: Judge, level: tuple[str, float], draws: int, seed: int) -> list[float]:
     kind, size = level
     if kind == "bits":
-        return [judge.share_of_wrong(quantised(entry.template, int(size)), 0.0, np.random.default_rng(seed))]
+        return [judge.share_of_wrong(quantised(entry.network, int(size)), 0.0, np.random.default_rng(seed))]
     found = []
     for draw in range(draws):
         rng = np.random.default_rng([seed, draw])  # one draw is the same error at every level, only larger
         if kind == "noise":
-            found.append(judge.share_of_wrong(entry.template, size, rng))
+            found.append(judge.share_of_wrong(entry.network, size, rng))
         else:
-            found.append(judge.share_of_wrong(with_relative_errors(entry.template, size, rng), 0.0, rng))
+            found.append(judge.share_of_wrong(with_relative_errors(entry.network, size, rng), 0.0, rng))
     return found
 
 
