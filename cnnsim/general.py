@@ -164,9 +164,9 @@ def largest_jump(network: LayeredTemplate, output: Characteristic) -> float:
 def step_bound(network: LayeredTemplate, output: Characteristic, scheme: Scheme) -> float:
     """Return a step below which no decaying mode can grow: Gershgorin's circles, with the tables' steepest slopes.
 
-    Row of the Jacobian: its centre is at least d, the rest sums up to at most R, so the fastest decay is 1 - d + R
-    (over the layer's time constant). Enough, not necessary: a template may be stable with longer steps. Jumps are no
-    part of it: at a jump Euler's state swings by about step x jump and stays there.
+    In a row of the Jacobian the centre is at least d and the rest sums up to at most R, so no decay is faster than
+    1 - min(0, d - R), over the layer's time constant. Enough, not necessary: a template may be stable with longer
+    steps. Jumps are no part of it: at a jump Euler's state swings by about step x jump and stays there.
     """
     fastest = max(
         _decay(layer, output) / time for layer, time in zip(network.layers, network.time_constants, strict=True)
@@ -195,7 +195,7 @@ def _decay(layer: Template, output: Characteristic) -> float:
                             diagonal += min(sign * side for side in slope)
                         else:
                             off += max(map(abs, slope))
-    return 1.0 - diagonal + off
+    return 1.0 - min(0.0, diagonal - off)
 
 
 def _slopes(term: Term) -> Range:

@@ -1,32 +1,47 @@
 """Every backend against the reference on random networks of all kinds: terms, delays, layers, sequences, cells."""
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cnnsim import PERIODIC, ZERO_FLUX, Template, fixed, run_transient
+from cnnsim import PERIODIC, ZERO_FLUX, InputError, Template, backends, fixed, library, run, run_transient
+from cnnsim.backends.base import Backend
 from cnnsim.characteristic import Cell, Characteristic
 from cnnsim.frames import Frames
 from cnnsim.layers import LayeredTemplate
+from cnnsim.library import run_example
 from cnnsim.table import Table, lines
 from cnnsim.term import Term
 
-BACKENDS = ["cpu"]
+BACKENDS = ["cpu", "opencl cpu", "opencl gpu"]
 ARGUMENTS = ["y_kl", "u_kl", "x_kl", "u_kl - u_ij", "y_kl - y_ij", "x_kl - x_ij", "u_kl - x_ij", "y_kl - u_ij"]
+
+
+def backend_of(name: str, dtype: Any) -> Backend:
+    """A backend, of OpenCL with one of its two families of kernels; skipped where there is no OpenCL."""
+    if not name.startswith("opencl"):
+        return backends.get(name, dtype)
+    pytest.importorskip("pyopencl", reason="the opencl backend needs pyopencl")
+    from cnnsim.backends import opencl_device
+    from cnnsim.backends.opencl import OpenCLBackend
+
+    if not opencl_device.devices():
+        pytest.skip("there is no OpenCL device")
+    return OpenCLBackend(dtype, family=cast(Any, name.split()[1]))
 
 
 def random_table(rng: np.random.Generator) -> Table:
     """Linear: a step would turn rounding errors into jumps; the tests of terms have those."""
-    at = np.sort(rng.uniform(-2, 2, 4)) + np.arange(4) * 0.2
+    at = np.sort(rng.uniform(-2, 2, 4)) + np.arange(4) * 0.5
     return lines(*zip(at.tolist(), rng.uniform(-0.5, 0.5, 4).tolist(), strict=True))
 
 
 def random_term(rng: np.random.Generator, shape: tuple[int, int], layers: int, delays: bool) -> Term:
     side = int(rng.choice([1, 3, 5]))
-    weights = rng.normal(size=(side, side)) * 0.5 / side**2
+    weights = rng.normal(size=(side, side)) * 0.3 / side**2
     varying = rng.random() < 0.3
     return Term(
         weights[..., None, None] * rng.uniform(0.5, 1, shape) if varying else weights,
@@ -76,7 +91,6 @@ def task_of(seed: int) -> dict[str, Any]:
         "mask": rng.uniform(-1, 1, shape) if coin() else None,
         "boundary": [ZERO_FLUX, PERIODIC, fixed(-1.0), fixed(0.3, -0.7)][rng.integers(4)],
         "scheme": None if cell.model == "discrete-time" else str(rng.choice(["euler", "heun", "exponential-euler"])),
-        "step": None if cell.model == "discrete-time" else 0.1,
         "cell": cell,
         "duration": 3.0 if cell.model == "discrete-time" else 1.2,
     }
@@ -90,6 +104,38 @@ def test_agrees_with_the_reference(backend: str, dtype: Any, tolerance: float, s
     task = task_of(seed)
     template = task.pop("template")
     law = run_transient(template, **task, backend="reference")
-    ours = run_transient(template, **task, backend=backend, dtype=dtype)
+    ours = run_transient(template, **task, backend=backend_of(backend, dtype))
     assert np.abs(ours.x - law.x).max() <= tolerance * (1 + template.state_bound(1.0))
     assert ours.t == law.t
+
+
+ENTRIES = [library.load(name) for name in library.names()]
+KINDS = [e.name for e in ENTRIES if not (isinstance(e.network, Template) and e.template.linear) or e.cell != Cell()]
+
+
+@pytest.mark.parametrize("backend", ["opencl cpu", "opencl gpu"])
+@pytest.mark.parametrize("name", KINDS)
+def test_the_library_on_opencl(name: str, backend: str) -> None:
+    """The other backends run all examples in the tests of the library."""
+    entry, where = library.load(name), backend_of(backend, "float32")
+    for example in entry.examples:
+        assert example.holds(run_example(entry, example, backend=where).y)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_discrete_time_on_every_backend(backend: str) -> None:
+    rng = np.random.default_rng(5)
+    picture, where = np.where(rng.random((2, 9, 11)) < 0.6, 1.0, -1.0), backend_of(backend, "float32")
+    law = [run("discrete-hole-filler", grid, backend="reference") for grid in picture]
+    ours = run("discrete-hole-filler", picture, backend=where)
+    assert np.array_equal(ours.y, np.stack([result.y for result in law]))
+    assert ours.t == max(result.t for result in law)
+    with pytest.raises(InputError, match="has not settled"):
+        run_transient(Template([[-1.0]]), state=picture, cell="discrete-time", backend=where)
+
+
+@pytest.mark.parametrize("backend", ["reference", *BACKENDS])
+def test_a_state_that_overflows_is_found(backend: str) -> None:
+    growing = Template(0, terms=[Term([[3.0]], "x_kl")])
+    with pytest.raises(InputError, match=r"the state is (inf|nan) in cell"):
+        run_transient(growing, state=[[1e300]], duration=60.0, backend=backend_of(backend, "float64"))

@@ -44,7 +44,8 @@ def transient(plan: Plan, x: Array, u: Any, bias: Any, held: Array | None) -> Ou
             "the adaptive scheme runs on the reference backend; choose --backend reference or a fixed-step scheme"
         )
     run = _Run(plan, x, u, bias, held)
-    end, t, settled, slope = (_discrete if plan.cell == "discrete-time" else _stepped)(plan, run)
+    with np.errstate(over="ignore", invalid="ignore"):  # what overflows is found and reported below
+        end, t, settled, slope = (_discrete if plan.cell == "discrete-time" else _stepped)(plan, run)
     end = end.reshape(x.shape).copy()
     check_finite(end, t)
     return Outcome(end, t, settled, slope)

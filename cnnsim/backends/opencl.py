@@ -13,10 +13,12 @@ from cnnsim.backends.base import Memory, Outcome, check_finite
 from cnnsim.backends.opencl_build import boundary_defines, workshop
 from cnnsim.backends.opencl_cellwise import parameter_values, text
 from cnnsim.backends.opencl_device import Family, choose_device, family_of, has_float64, title
+from cnnsim.backends.opencl_general import control_terms, general
 from cnnsim.backends.opencl_transient import closed_form, drive, stepped
 from cnnsim.bitwise import BitRule
 from cnnsim.cellwise import Cellwise
 from cnnsim.errors import InputError
+from cnnsim.frames import Frames
 from cnnsim.grid import Boundary
 from cnnsim.plan import Plan
 
@@ -123,6 +125,15 @@ class OpenCLBackend:
         _check_plan(plan)
         shop, shape = self._shop, x.grids
         mask = None if held is None else held.buffer
+        if plan.method == "general":
+            buffers = (_buffers(u), _buffers(bias), mask)
+            end, t, settled, slope = general(shop, plan, shape[0], x.buffer, *buffers)
+            state = DevicePlane(end, x.shape, "lam")
+            self._check_finite(state, t)
+            return Outcome(state, t, settled, slope)
+        if u is not None and plan.template.control_terms:
+            heard = control_terms(shop, plan, shape[0], u.buffer, _buffers(bias))
+            bias = DevicePlane(heard, x.shape, "lam")
         w = drive(shop, plan, shape, None if u is None else u.buffer, None if bias is None else bias.buffer)
         settle = plan.duration == "settled"
         if plan.method == "closed form":
@@ -194,12 +205,14 @@ class OpenCLBackend:
 
 def _check_plan(plan: Plan) -> None:
     """Refuse what has no OpenCL kernel, rather than leave a part of it out."""
-    if plan.method == "adaptive":
+    if plan.method == "adaptive" or (plan.method == "general" and plan.cell != "discrete-time" and plan.scheme is None):
         raise InputError(
             "the adaptive scheme runs on the reference backend; choose --backend reference or a fixed-step scheme"
         )
-    if plan.method not in ("closed form", "stepped") or getattr(plan.template, "control_terms", False):
-        raise InputError(
-            f"template {plan.template.name!r}: the opencl backend runs linear templates of one layer; "
-            "choose --backend reference"
-        )
+
+
+def _buffers(value: DevicePlane | Frames[DevicePlane] | None) -> Any:
+    """Return what a plane, or each plane of a sequence, is on the device."""
+    if isinstance(value, Frames):
+        return value.map(lambda plane: plane.buffer)
+    return None if value is None else value.buffer
