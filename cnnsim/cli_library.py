@@ -79,7 +79,8 @@ def show(name: str, as_json: bool) -> None:
 @json_option
 def explain(name: str, size: str, without: tuple[str, ...], as_json: bool) -> None:
     """Print what the plan decides for a template, and why."""
-    from cnnsim.transient import make_task  # not for list and show
+    from cnnsim.running_time import time_of_entry  # not for list and show
+    from cnnsim.transient import make_task  # the same
 
     try:
         rows, cols = (int(part) for part in size.lower().split("x"))
@@ -91,10 +92,12 @@ def explain(name: str, size: str, without: tuple[str, ...], as_json: bool) -> No
     second = white if "given" in roles else None
     task = entry.task(white if entry.frame_time is None else np.stack([white, white]), second)
     plan = make_task(entry.network, **task, without=without).plan
+    known = time_of_entry(entry, (rows, cols))
     if as_json:
-        print_json({"template": name, "method": plan.method, "step": plan.step, "decisions": plan.decisions})
+        facts = {"template": name, "method": plan.method, "step": plan.step, "decisions": plan.decisions}
+        print_json(facts | {"guaranteed_time": known.time, "why": known.why, "assuming": known.assuming})
     else:
-        click.echo(plan.explain())
+        click.echo(f"{plan.explain()}\nguaranteed time  {known}")
 
 
 def _facts(entry: LibraryEntry) -> dict[str, object]:

@@ -22,7 +22,8 @@ from cnnsim.library_path import add as add  # ours to offer: `library.add(DIR)`,
 from cnnsim.library_path import files
 from cnnsim.library_path import folder as folder
 from cnnsim.library_path import using as using
-from cnnsim.plan import Duration
+from cnnsim.plan import DEFAULT_STEP, Duration, usual_limit
+from cnnsim.running_time import time_of_entry
 from cnnsim.template import Template
 from cnnsim.transient import Result, run_transient
 
@@ -94,6 +95,11 @@ class LibraryEntry:
     def task(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, Any]:
         """Return what `run_transient` takes for a picture (and a second one): planes, boundary, time, cell, step."""
         task = {**self.planes(picture, state), "boundary": self.boundary, "duration": self.duration, "cell": self.cell}
+        if self.duration == "settled":
+            grid = task["state"].shape[-2:]
+            known = time_of_entry(self, grid, step=self.step or DEFAULT_STEP).time
+            if known is not None:  # enough by theory, and one more, as rest is looked for once a time constant
+                task["limit"] = max(usual_limit(grid), known + 1.0)
         return task if self.step is None else {**task, "step": self.step}
 
     def planes(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, Any]:

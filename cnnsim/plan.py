@@ -117,8 +117,8 @@ def make_plan(
     if duration != "settled" and not (isinstance(duration, int | float) and 0 <= duration < math.inf):
         raise InputError(f"duration {duration!r}; 'settled' or a number of time constants >= 0 wanted")
     network = layered(template)
-    rows, cols = grid = _grid(shape, len(network.layers))
-    limit = 200.0 + 10.0 * (rows + cols) if limit is None else limit
+    grid = _grid(shape, len(network.layers))
+    limit = usual_limit(grid) if limit is None else limit
     for name in without:
         if name not in get_args(Saving):
             raise InputError(f"cannot do without {name!r}; what can be switched off is {', '.join(get_args(Saving))}")
@@ -167,6 +167,11 @@ def make_plan(
 def radius_of(taps: Collection[Tap]) -> int:
     """Return how far taps reach."""
     return max((max(abs(tap.k), abs(tap.l)) for tap in taps), default=0)
+
+
+def usual_limit(grid: tuple[int, int]) -> float:
+    """Return how long it is waited for rest where theory knows no time [time constants]."""
+    return 200.0 + 10.0 * sum(grid)
 
 
 def steps_a_pass(steps: int, radius: int) -> int:

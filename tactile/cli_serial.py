@@ -32,8 +32,8 @@ def ports(as_json: bool) -> None:
 
 @click.command(
     epilog=examples(
-        "tactile emulate --protocol reskin --scene examples/scenes/grip.toml --write-array /tmp/array.toml",
-        "tactile emulate --array hand.toml --scene grasp.npz --flip 1e-5 --unplug 10 --link /tmp/hand",
+        "tactile emulate --protocol reskin --scene examples/scenes/grip.toml --write-array array.toml",
+        "tactile emulate --array hand.toml --scene grasp.npz --flip 1e-5 --unplug 10 --link hand.port",
         "tactile emulate --recording hand.mcap",
     )
 )

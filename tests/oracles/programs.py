@@ -116,9 +116,9 @@ def runs(picture: Picture) -> Answer:
         rows[i] = _runs_at_the_end(row)
     for j, column in enumerate(picture.T):
         columns[:, j] = _runs_at_the_end(column)
-    i, j = np.indices(picture.shape)
+    across, down = np.indices(picture.shape)[::-1]
     for offset in range(1 - picture.shape[0], picture.shape[1]):
-        diagonals[j - i == offset] = _runs_at_the_end(picture[j - i == offset])
+        diagonals[across - down == offset] = _runs_at_the_end(picture[across - down == offset])
     planes = {"rows": rows, "columns": columns, "diagonals": diagonals}
     return {
         **planes,
