@@ -75,6 +75,15 @@ def logic(function: int, p: Array, q: Array, out: Array, cols: int) -> None:
         to[-1] &= inside
 
 
+@helper
+def add_up(lines: Array, height: int, totals: Array) -> None:
+    """Add the lines of every grid; not in `count`, where numba would start the threads for each sum."""
+    for g in range(totals.size):
+        totals[g] = 0
+        for i in range(height):
+            totals[g] += lines[g * height + i]
+
+
 @twins
 def count(words: Array, totals: Array) -> None:
     """Count the black cells of every grid: bits are added in pairs, fours, eights, and the eight bytes at once."""
@@ -92,5 +101,4 @@ def count(words: Array, totals: Array) -> None:
             v = (v + (v >> np.uint64(4))) & eights
             total += (v * ones) >> np.uint64(56)
         lines[line] = total
-    for g in range(totals.size):
-        totals[g] = lines[g * height : (g + 1) * height].sum()
+    add_up(lines, height, totals)

@@ -7,7 +7,7 @@ from numba import prange
 from numpy.typing import NDArray
 
 from cnnsim.backends.cpu_compile import twins
-from cnnsim.backends.cpu_look import MOVING, RESTLESS, STEEPEST, look_at_nothing
+from cnnsim.backends.cpu_look import MOVING, RESTLESS, look_at_nothing, steepest, total
 from cnnsim.backends.cpu_room import divide, room_cells
 from cnnsim.backends.cpu_tile import Rule, stream, tile_area
 
@@ -43,9 +43,9 @@ def dense(
                 for tile in range(thread * tiles // threads, (thread + 1) * tiles // threads):
                     g, area = tile // (down * across), tile_area(tile, down, across, height, width, rows, cols)
                     stream(source[g], w[g], target[g], rule, 1, area, room, at, True, rest, measure, seen[thread])
-            settled = seen[:, MOVING].sum() == 0 or (freezes and seen[:, RESTLESS].sum() == 0)
+            settled = total(seen, MOVING) == 0 or (freezes and total(seen, RESTLESS) == 0)
             if measure:
-                largest = seen[:, STEEPEST].max()
+                largest = steepest(seen)
                 return done, settled, largest, where
             looking = measure = settled  # once more, for the slope
         if done == steps:

@@ -35,6 +35,25 @@ def look_at_nothing(seen: Array) -> None:
 
 
 @helper
+def total(seen: Array, what: int) -> float:
+    """Add up one figure of many looks; a helper, because in a threaded loop numba would start the threads for it."""
+    so_far = 0.0
+    for i in range(seen.shape[0]):
+        so_far += seen[i, what]
+    return so_far
+
+
+@helper
+def steepest(seen: Array) -> float:
+    """Return the largest |dx/dt| of many looks; NaN if there is one."""
+    largest = 0.0
+    for i in range(seen.shape[0]):
+        if not seen[i, STEEPEST] <= largest:
+            largest = seen[i, STEEPEST]
+    return largest
+
+
+@helper
 def look_block(
     room: Array, at_x: int, at_drive: int, r0: int, r1: int, i: int, n: int, c0: int, rest: float, measure: bool,
     seen: Array,
@@ -60,4 +79,6 @@ def look_block(
             seen[C0], seen[C1] = min(seen[C0], c0 + first), max(seen[C1], c0 + last + 1)
         if measure:
             for j in range(n):
-                seen[STEEPEST] = max(seen[STEEPEST], abs(pull[j] - row[j]))
+                slope = abs(pull[j] - row[j])
+                if not slope <= seen[STEEPEST]:
+                    seen[STEEPEST] = slope

@@ -14,7 +14,7 @@ from numba import prange
 from numpy.typing import NDArray
 
 from cnnsim.backends.cpu_compile import helper, twins
-from cnnsim.backends.cpu_look import C0, C1, MOVING, R0, R1, RESTLESS, STEEPEST, look_at_nothing
+from cnnsim.backends.cpu_look import C0, C1, MOVING, R0, R1, RESTLESS, look_at_nothing, steepest, total
 from cnnsim.backends.cpu_room import PERIODIC, move
 from cnnsim.backends.cpu_tile import Rule, tile_area
 from cnnsim.backends.cpu_window import CATCH_UP, LOOK, shelve, step_window, window_cells
@@ -46,6 +46,31 @@ def wake(seen: Array, reach: int, shape: tuple[int, int, int], torus: bool, awak
                     awake[first + i % rows // HEIGHT * across + j % cols // WIDTH] = True
 
 
+# What follows stands outside `sleeping` because numba would start the threads for every array operation in there.
+
+
+@helper
+def choose(chosen: Array, value: bool) -> None:
+    """Choose all tiles, or none."""
+    chosen[:] = value
+
+
+@helper
+def overdue(chosen: Array, upto: Array, step: int) -> Array:
+    """Return the chosen tiles whose states belong to an earlier step."""
+    return np.flatnonzero(chosen & (upto < step))
+
+
+@helper
+def arrived(work: Array, step: int, upto: Array, seen: Array) -> float:
+    """Put down that tiles have come to a step; return how many cells in them still move."""
+    moving = 0.0
+    for tile in work:
+        upto[tile] = step
+        moving += seen[tile, MOVING]
+    return moving
+
+
 @twins
 def sleeping(
     x: Array, spare: Array, w: Array, rule: Rule, depth: int, threads: int, steps: int, check_every: int, rest: float
@@ -60,10 +85,11 @@ def sleeping(
     rooms = np.empty((threads, window_cells(HEIGHT, depth, rule.r)), x.dtype)
     seen = np.empty((tiles, 7), np.float64)
     upto = np.zeros(tiles, np.int64)  # the step that a tile's states belong to
-    chosen = np.ones(tiles, np.bool_)
+    chosen = np.empty(tiles, np.bool_)
+    choose(chosen, True)
     done, now, settled, measure = 0, 0, False, False
     while True:
-        work = np.flatnonzero(chosen)
+        work = overdue(chosen, upto, done + 1)
         for thread in prange(threads):
             room, at = rooms[thread], shelve(rooms[thread], HEIGHT, depth, rule.r)
             for tile in work[thread::threads]:
@@ -77,21 +103,21 @@ def sleeping(
                     for i in range(area.r0, area.r1):
                         move(spare[g, i], area.c0, x[g, i], area.c0, area.c1 - area.c0)
         done += now
-        upto[work] = done
+        moving = arrived(work, done, upto, seen)
         if measure:  # all tiles have been looked at, none has been stepped
-            settled = seen[:, RESTLESS].sum() == 0 or seen[:, MOVING].sum() == 0
+            settled = total(seen, RESTLESS) == 0 or total(seen, MOVING) == 0
             if settled or done == steps:
-                return done, settled, seen[:, STEEPEST].max()
-        frozen, resting = seen[:, RESTLESS].sum() == 0, seen[work, MOVING].sum() == 0
+                return done, settled, steepest(seen)
+        frozen, resting = total(seen, RESTLESS) == 0, moving == 0
         if (done % check_every == 0 and (frozen or resting) and not measure) or done == steps:
-            chosen[:] = measure = True
-            now = 0
+            measure, now = True, 0
+            choose(chosen, True)
         else:
             measure = False
             now = min(depth, steps - done, check_every - done % check_every)
-            chosen[:] = False
+            choose(chosen, False)
             wake(seen, now * rule.r, x.shape, rule.boundary == PERIODIC, chosen)
-        late = np.flatnonzero(chosen & (upto < done))
+        late = overdue(chosen, upto, done)
         if late.size:
             for thread in prange(threads):
                 room, at = rooms[thread], shelve(rooms[thread], HEIGHT, depth, rule.r)

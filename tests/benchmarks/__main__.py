@@ -1,0 +1,37 @@
+"""Measure everything, print one table, save it: ``python -m tests.benchmarks [-o FOLDER] [--rounds N]``."""
+
+import argparse
+from pathlib import Path
+
+from tests.benchmarks import dense, less, limits, peers, report, startup, touch
+
+
+def main() -> None:
+    """Run all families of measurements."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("-o", "--output", type=Path, default=Path("build"), help="where JSON and picture go")
+    parser.add_argument("--rounds", type=int, default=5, help="the best of so many rounds counts")
+    given = parser.parse_args()
+    n = given.rounds
+    fma, triad = limits.measure(n)
+    rows = [
+        *dense.against_peers(2048, 50, fma, ">= 3 x jax, >= 2 x numba_loop", n),
+        *dense.against_peers(512, 400, fma, ">= 1 x jax", n),
+        *dense.templates_and_sizes(n),
+        *less.uncoupled(n),
+        *less.sleep(n),
+        *less.logic(triad, n),
+        *touch.frames(n),
+        *touch.inverse(triad, n),
+        *startup.measure(n),
+        *dense.memory(),
+    ]
+    print(f"{fma:.0f} GFLOP/s of FMA and {triad:.1f} GB/s of triad measured; best of {n} rounds")
+    print(report.table(rows))
+    for package in peers.missing():
+        print(f"{package}: not installed, not compared")
+    report.save(rows, fma, triad, given.output)
+
+
+if __name__ == "__main__":
+    main()

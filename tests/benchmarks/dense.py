@@ -1,0 +1,100 @@
+"""Dense Euler transients: sizes, templates and backends, beside the peers."""
+
+import tracemalloc
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+
+from cnnsim.backends import get
+from cnnsim.backends.base import Backend
+from cnnsim.errors import InputError
+from cnnsim.grid import fixed
+from cnnsim.plan import make_plan
+from cnnsim.template import Template
+from tests.benchmarks.peers import installed
+from tests.benchmarks.race import Row, race, versus
+
+NINE = np.array([[0.1, 0.2, 0.15], [0.3, 1.5, -0.2], [0.05, -0.1, 0.12]], np.float32)
+CROSS = np.array([[0, 0.2, 0], [0.3, 1.5, -0.2], [0, -0.1, 0]], np.float32)
+ISOTROPIC = np.array([[0.1, 0.2, 0.1], [0.2, 0.5, 0.2], [0.1, 0.2, 0.1]], np.float32)
+H = 0.1
+FLOP = 22
+"""Ten fused multiply-adds, a minimum and a maximum."""
+
+
+def backends() -> dict[str, Backend]:
+    """Return the backends that are there, in float32."""
+    found: dict[str, Backend] = {"cpu": get("cpu", "float32")}
+    with suppress(InputError):
+        found["opencl"] = get("opencl", "float32")
+    return found
+
+
+def transient(backend: Backend, a: Any, n: int, steps: int) -> Callable[[], object]:
+    """Return a run of so many steps on n x n cells, planes already loaded."""
+    rng = np.random.default_rng(0)
+    template = Template(a)
+    plan = make_plan(template, (n, n), fixed(0), duration=steps * H, scheme="euler", step=H)
+    x, bias = (backend.load(rng.uniform(-s, s, (n, n)), "lam") for s in (1.0, 0.1))
+
+    def run() -> None:
+        outcome = backend.transient(plan, x, None, bias)
+        backend.count(backend.convert(outcome.x, "llm"))  # waits for devices that work behind our back
+
+    return run
+
+
+def against_peers(n: int, steps: int, fma: float, target: str, rounds: int) -> list[Row]:
+    """Nine different taps on n x n cells, us and the peers by turns."""
+    rng = np.random.default_rng(0)
+    x, w = (rng.uniform(-s, s, (n, n)).astype(np.float32) for s in (1.0, 0.1))
+    runners = {name: transient(backend, NINE, n, steps) for name, backend in backends().items()}
+    ours = list(runners)
+    runners |= {name: peer(x, w, NINE, H, steps) for name, peer in installed(fast_only=n > 1000)}
+    seconds = race(runners, rounds)
+    rows = []
+    for who in ours:
+        rate = 1e-9 * n * n * steps / seconds[who]
+        others = {name: ratio for name, ratio in versus(seconds, who).items() if name not in ours}
+        rows.append(
+            Row(f"dense {n}^2, nine taps", who, rate, "Gcs", target, others, f"{FLOP * rate / fma:.0%} of FMA peak")
+        )
+    return rows
+
+
+def templates_and_sizes(rounds: int) -> list[Row]:
+    """Cross and isotropic beside nine taps, and a large grid beside a small one."""
+    rows = []
+    for who, backend in backends().items():
+        runners = {
+            "nine taps": transient(backend, NINE, 2048, 50),
+            "cross": transient(backend, CROSS, 2048, 50),
+            "isotropic": transient(backend, ISOTROPIC, 2048, 50),
+            "nine taps 512^2": transient(backend, NINE, 512, 400),
+            "nine taps 8192^2": transient(backend, NINE, 8192, 20),
+        }
+        seconds = race(runners, rounds)
+        cells = {"nine taps 512^2": 512**2 * 400, "nine taps 8192^2": 8192**2 * 20}
+        rate = {name: 1e-9 * cells.get(name, 2048**2 * 50) / s for name, s in seconds.items()}
+        for name in ("cross", "isotropic"):
+            ratio = {"nine taps": rate[name] / rate["nine taps"]}
+            rows.append(Row(f"dense 2048^2, {name}", who, rate[name], "Gcs", ">= 1.2 x nine taps", ratio))
+        ratio = {"512^2": rate["nine taps 8192^2"] / rate["nine taps 512^2"]}
+        rows.append(Row("dense 8192^2, nine taps", who, rate["nine taps 8192^2"], "Gcs", ">= 0.8 x 512^2", ratio))
+    return rows
+
+
+def memory() -> list[Row]:
+    """Planes that a dense transient with input holds at its peak, x and u among them."""
+    n, backend = 4096, get("cpu", "float32")
+    plan = make_plan(Template(NINE, 0.5), (n, n), fixed(0), duration=5.0, scheme="euler", step=H)
+    backend.transient(plan, *(backend.load(np.zeros((n, n)), "lam") for _ in range(2)))
+    tracemalloc.start()
+    x, u = (backend.load(np.zeros((n, n), np.float32), "lam") for _ in range(2))
+    tracemalloc.reset_peak()
+    backend.transient(plan, x, u)
+    planes = tracemalloc.get_traced_memory()[1] / x.nbytes
+    tracemalloc.stop()
+    return [Row("memory of a dense transient", "cpu", planes, "planes", "<= 5", note="seen by tracemalloc")]

@@ -1,0 +1,35 @@
+"""Timing by turns: everybody runs once a round, the best round counts, so that a noisy machine is noisy for all."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass
+class Row:
+    """One line of the table. ``value`` in ``unit``; ``ratios`` to others of the same race; ``share`` of a limit."""
+
+    work: str
+    who: str
+    value: float
+    unit: str
+    target: str = ""
+    ratios: dict[str, float] = field(default_factory=dict)
+    note: str = ""
+
+
+def race(runners: Mapping[str, Callable[[], object]], rounds: int = 5) -> dict[str, float]:
+    """Return the best seconds of each runner; one round before the first is not counted (it compiles)."""
+    best = dict.fromkeys(runners, float("inf"))
+    for counted in range(rounds + 1):
+        for name, run in runners.items():
+            start = time.perf_counter()
+            run()
+            if counted:
+                best[name] = min(best[name], time.perf_counter() - start)
+    return best
+
+
+def versus(seconds: Mapping[str, float], who: str) -> dict[str, float]:
+    """Return how many times faster ``who`` was than each of the others."""
+    return {name: time / seconds[who] for name, time in seconds.items() if name != who}

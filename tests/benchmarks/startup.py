@@ -1,0 +1,26 @@
+"""How long a new process takes to import the package, and to its first template, compiled code being on disk."""
+
+import subprocess
+import sys
+import time
+
+from tests.benchmarks.race import Row
+
+FIRST = "import numpy; from cnnsim import run; run('{}', numpy.eye(64) * 2 - 1)"
+
+
+def measure(rounds: int) -> list[Row]:
+    """Return the best of some new processes, a bare interpreter's start taken off."""
+    texts = {"bare": "pass", "import cnnsim": "import cnnsim", "edge": FIRST.format("edge"),
+             "hole-filler": FIRST.format("hole-filler")}  # fmt: skip
+    best = dict.fromkeys(texts, float("inf"))
+    for _ in range(rounds + 1):
+        for name, text in texts.items():
+            start = time.perf_counter()
+            subprocess.run([sys.executable, "-c", text], check=True)
+            best[name] = min(best[name], time.perf_counter() - start)
+    bare = best.pop("bare")
+    wanted = {"import cnnsim": "< 0.3"}
+    label = {"import cnnsim": "import cnnsim", "edge": "new process, first run of edge",
+             "hole-filler": "new process, first run of hole-filler"}  # fmt: skip
+    return [Row(label[name], "cpu", s - bare, "s", wanted.get(name, "< 1")) for name, s in best.items()]

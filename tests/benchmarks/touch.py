@@ -1,0 +1,80 @@
+"""Small grids, many frames: an analogic program with the load inverse, and the inverse alone."""
+
+import time
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from cnnsim.cellwise import find
+from cnnsim.grid import ZERO_FLUX
+from cnnsim.logic import function_number
+from cnnsim.machine import UniversalMachine
+from cnnsim.program import CellwiseStep, LogicStep, Program, TemplateStep, WireStep
+from cnnsim.template import Template
+from tests.benchmarks.race import Row, race
+
+PARAMETERS = (0.002, 2.5e5, 1e-6, 1.0)
+"""Depth [m], modulus [Pa], floor [strain], pressing."""
+
+
+def five_steps() -> Program:
+    """Loads from strains, contact where the force is above a threshold, without lone taxels, new contact, its size."""
+    strains, loads = ("u_xz", "u_yz", "u_zz"), ("dx", "dy", "force", "validity")
+    contact = Template(2, 5.0, -1.0, "threshold")
+    grown = Template(1, [[0, 1, 0], [1, 1, 1], [0, 1, 0]], 4.0, "dilation-cross")
+    memory = dict.fromkeys((*strains, *loads), "lam") | dict.fromkeys(("on", "near", "fresh"), "llm")
+    steps = (
+        CellwiseStep("step 1", find("strain-inverse"), strains, loads, PARAMETERS),
+        TemplateStep("step 2", contact, ZERO_FLUX, "settled", "force", 0.0, None, None, "on"),
+        TemplateStep("step 3", grown, ZERO_FLUX, "settled", "on", 0.0, None, None, "near"),
+        LogicStep("step 4", function_number("p-and-not-q"), "near", "on", "fresh"),
+        WireStep("step 5", "count", "fresh", "size"),
+    )
+    memory["size"] = "wire"
+    return Program("five steps", "", memory, strains, ("force", "near", "size"), {}, steps)  # type: ignore[arg-type]
+
+
+def frames(rounds: int) -> list[Row]:
+    """8 x 8 taxels: one frame at a time, and 100 000 frames in a batch."""
+    rng, machine, program = np.random.default_rng(0), UniversalMachine("cpu"), five_steps()
+    batch = {name: rng.normal(0, 1e-3, (100_000, 8, 8)).astype(np.float32) for name in program.inputs}
+    single = [{name: batch[name][i] for name in program.inputs} for i in range(2000)]
+    seconds: list[float] = []
+    for _ in range(rounds):
+        for frame in single:
+            start = time.perf_counter()
+            machine.run(program, **frame)
+            seconds.append(time.perf_counter() - start)
+    median, late = np.percentile(seconds[2000:] or seconds, [50, 99])
+    whole = race({"batch": lambda: machine.run(program, **batch)}, rounds)["batch"]
+    return [
+        Row("8x8, five steps, a frame", "cpu", 1e6 * float(median), "us", "median < 60"),
+        Row("8x8, five steps, a frame", "cpu", 1e6 * float(late), "us", "99 % < 250"),
+        Row(
+            "8x8, 100 000 frames at once",
+            "cpu",
+            100 / whole,
+            "kHz",
+            ">= 20 x one by one",
+            {"one by one": 1e5 * float(median) / whole},
+        ),
+    ]
+
+
+def inverse(triad: float, rounds: int) -> list[Row]:
+    """The load inverse on ten million taxels, beside a least-squares fit of one."""
+    operation = find("strain-inverse")
+    assert operation.compiled is not None
+    kernel, n, rng = operation.compiled(), 10_000_000, np.random.default_rng(0)
+    planes = [rng.normal(0, 1e-3, n).astype(np.float32) for _ in range(3)] + [np.empty(n, np.float32) for _ in range(4)]
+
+    def residual(load: np.ndarray) -> np.ndarray:
+        x, y, f = load
+        s = f / (x * x + y * y + 1) ** 2.5
+        return s * np.array([3 * x, 3 * y, x * x + y * y - 2]) - np.array([0.3, 0.1, -0.5])
+
+    best = race({"kernel": lambda: kernel(*planes, *PARAMETERS)}, rounds)["kernel"]
+    fit = race({"fit": lambda: least_squares(residual, [0.1, 0.1, 0.1])}, 20)["fit"]
+    rate = 1e-9 * 28 * n / best
+    ratios = {"triad": rate / triad, "least_squares a taxel": fit / (best / n)}
+    return [Row("load inverse, 1e7 taxels", "cpu", rate, "GB/s", ">= 0.5 of triad", ratios, f"{1e3 * best:.1f} ms")]
