@@ -8,9 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cnnsim import PERIODIC, ZERO_FLUX, InputError, Template, fixed, library, run, run_transient
+from cnnsim.backends import NAMES
 from cnnsim.scheme import SCHEMES
 
-BACKENDS = ["cpu"]
+BACKENDS = [name for name in NAMES if name != "reference"]
 
 
 @st.composite

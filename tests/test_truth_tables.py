@@ -8,11 +8,12 @@ import pytest
 from numpy.typing import NDArray
 
 from cnnsim import library
+from cnnsim.backends import NAMES as NAMES_OF_BACKENDS
 from cnnsim.library import run
 from cnnsim.transient import run_transient
 from tests.oracles.binary import LOGIC, RULES, Window, black, plane
 
-BACKENDS = ("reference", "cpu")
+BACKENDS = NAMES_OF_BACKENDS
 
 
 def all_windows() -> NDArray[np.bool_]:
