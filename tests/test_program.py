@@ -8,11 +8,12 @@ import pytest
 from scipy import ndimage
 
 from cnnsim import InputError, Template
+from cnnsim.backends import NAMES
 from cnnsim.logic import FUNCTIONS, function_number
 from cnnsim.machine import UniversalMachine
 from cnnsim.program_file import load_program
 
-BACKENDS = ["reference", "cpu"]
+BACKENDS = NAMES
 HEAD = 'name = "p"\nlam = ["a", "b"]\nllm = ["p", "q", "r"]\nwire = ["n"]\ninputs = ["p", "q"]\noutputs = ["r"]\n'
 
 
