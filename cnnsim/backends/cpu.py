@@ -116,16 +116,12 @@ class CpuBackend:
         work = x.size * len(plan.feedback_taps)
         if len(ready.hb) == 1 and not mask.size and not ready.walls:
             threads = numba.get_num_threads() if work >= THREADS_PAY_FROM else 1
-            if "sleep" in plan.savings:
-                end = x.copy()
-                done, settled, slope = sleeping.for_work(work)(
-                    _grids(end), _grids(np.empty_like(x)), _grids(w), ready.rule, plan.depth, threads, *ready.steps[:3]
-                )
-                return Outcome(end, done * plan.step, bool(settled), float(slope))
             planes = x, np.empty_like(x), np.empty_like(x)
-            done, settled, slope, where = dense.for_work(work)(
-                *map(_grids, planes), _grids(w), ready.rule, plan.depth, *ready.tile, threads, *ready.steps
-            )
+            given = (*map(_grids, planes), _grids(w), ready.rule, plan.depth)
+            if "sleep" in plan.savings:
+                done, settled, slope, where = sleeping.for_work(work)(*given, threads, *ready.steps[:3])
+            else:
+                done, settled, slope, where = dense.for_work(work)(*given, *ready.tile, threads, *ready.steps)
             end = x.copy() if where == 0 else planes[where]
         else:
             end = x.copy()

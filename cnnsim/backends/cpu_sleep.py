@@ -56,28 +56,31 @@ def choose(chosen: Array, value: bool) -> None:
 
 
 @helper
-def overdue(chosen: Array, upto: Array, step: int) -> Array:
-    """Return the chosen tiles whose states belong to an earlier step."""
-    return np.flatnonzero(chosen & (upto < step))
+def either(chosen: Array, differs: Array) -> Array:
+    """Return the tiles that are to be stepped or copied."""
+    return np.flatnonzero(chosen | differs)
 
 
 @helper
-def arrived(work: Array, step: int, upto: Array, seen: Array) -> float:
-    """Put down that tiles have come to a step; return how many cells in them still move."""
+def arrived(work: Array, chosen: Array, step: int, upto: Array, seen: Array) -> float:
+    """Put down that the chosen tiles have come to a step; return how many cells in them still move."""
     moving = 0.0
     for tile in work:
-        upto[tile] = step
-        moving += seen[tile, MOVING]
+        if chosen[tile]:
+            upto[tile] = step
+            moving += seen[tile, MOVING]
     return moving
 
 
 @twins
 def sleeping(
-    x: Array, spare: Array, w: Array, rule: Rule, depth: int, threads: int, steps: int, check_every: int, rest: float
-) -> tuple[int, bool, float]:
-    """Run the transient of n grids in place until all have settled; ``spare`` is a plane to work in.
+    x: Array, first: Array, second: Array, w: Array, rule: Rule, depth: int, threads: int, steps: int,
+    check_every: int, rest: float,
+) -> tuple[int, bool, float, int]:  # fmt: skip
+    """Run the transient of n grids from ``x`` until all have settled, by turns in the planes ``first`` and ``second``.
 
-    Returns the steps taken, whether all grids have settled, and the largest |dx/dt|, all as `dense` would.
+    Returns the steps taken, whether all grids have settled, the largest |dx/dt|, and where the end is (1: ``first``,
+    2: ``second``), all as `cnnsim.backends.cpu_dense.dense` would.
     """
     n, rows, cols = x.shape
     down, across = (rows + HEIGHT - 1) // HEIGHT, (cols + WIDTH - 1) // WIDTH
@@ -85,29 +88,41 @@ def sleeping(
     rooms = np.empty((threads, window_cells(HEIGHT, depth, rule.r)), x.dtype)
     seen = np.empty((tiles, 7), np.float64)
     upto = np.zeros(tiles, np.int64)  # the step that a tile's states belong to
-    chosen = np.empty(tiles, np.bool_)
+    chosen, differs = np.empty(tiles, np.bool_), np.empty(tiles, np.bool_)  # differs: not the same in both planes
     choose(chosen, True)
+    choose(differs, True)
+    source, target, where = first, second, 1
+    source[:] = x
     done, now, settled, measure = 0, 0, False, False
     while True:
-        work = overdue(chosen, upto, done + 1)
+        work = np.flatnonzero(chosen) if now == 0 else either(chosen, differs)
         for thread in prange(threads):
             room, at = rooms[thread], shelve(rooms[thread], HEIGHT, depth, rule.r)
             for tile in work[thread::threads]:
-                look_at_nothing(seen[tile])
                 g, area = tile // (down * across), tile_area(tile, down, across, HEIGHT, WIDTH, rows, cols)
-                step_window(x[g], w[g], spare[g], rule, now, area, room, at, LOOK, rest, measure, 0, seen[tile])
-        if now:
-            for thread in prange(threads):
-                for tile in work[thread::threads]:
-                    g, area = tile // (down * across), tile_area(tile, down, across, HEIGHT, WIDTH, rows, cols)
+                if chosen[tile]:
+                    # nobody minds that neighbours read this tile now: its outputs stay what they are
+                    missed = done - upto[tile]
+                    if missed > 0:
+                        step_window(source[g], w[g], source[g], rule, 0, area, room, at, CATCH_UP, rest, False, missed,
+                                    seen[tile])  # fmt: skip
+                    look_at_nothing(seen[tile])
+                    step_window(source[g], w[g], target[g], rule, now, area, room, at, LOOK, rest, measure, 0,
+                                seen[tile])  # fmt: skip
+                    differs[tile] = differs[tile] or now > 0 or missed > 0
+                else:  # fell asleep: from here on it is the same in both planes
                     for i in range(area.r0, area.r1):
-                        move(spare[g, i], area.c0, x[g, i], area.c0, area.c1 - area.c0)
+                        move(source[g, i], area.c0, target[g, i], area.c0, area.c1 - area.c0)
+                    differs[tile] = False
         done += now
-        moving = arrived(work, done, upto, seen)
+        if now:
+            where = 2 if where == 1 else 1
+            source, target = (first, second) if where == 1 else (second, first)
+        moving = arrived(work, chosen, done, upto, seen)
         if measure:  # all tiles have been looked at, none has been stepped
             settled = total(seen, RESTLESS) == 0 or total(seen, MOVING) == 0
             if settled or done == steps:
-                return done, settled, steepest(seen)
+                return done, settled, steepest(seen), where
         frozen, resting = total(seen, RESTLESS) == 0, moving == 0
         if (done % check_every == 0 and (frozen or resting) and not measure) or done == steps:
             measure, now = True, 0
@@ -117,11 +132,3 @@ def sleeping(
             now = min(depth, steps - done, check_every - done % check_every)
             choose(chosen, False)
             wake(seen, now * rule.r, x.shape, rule.boundary == PERIODIC, chosen)
-        late = overdue(chosen, upto, done)
-        if late.size:
-            for thread in prange(threads):
-                room, at = rooms[thread], shelve(rooms[thread], HEIGHT, depth, rule.r)
-                for tile in late[thread::threads]:
-                    g, area = tile // (down * across), tile_area(tile, down, across, HEIGHT, WIDTH, rows, cols)
-                    missed = done - upto[tile]
-                    step_window(x[g], w[g], x[g], rule, 0, area, room, at, CATCH_UP, rest, False, missed, seen[tile])
