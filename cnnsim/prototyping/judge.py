@@ -144,7 +144,8 @@ def _task(entry: LibraryEntry, example: Example) -> Task:
     picture = example.state if example.input is None else example.input
     assert picture is not None
     roles = entry.initial_state if isinstance(entry.initial_state, tuple) else (entry.initial_state,)
+    task = entry.task(picture, example.state if "given" in roles else None) | {"limit": _WAIT}
     return make_task(
-        entry.network, **entry.task(picture, example.state if "given" in roles else None), mask=example.mask,
-        bias=example.bias, limit=_WAIT, without=["shared sums"],  # a disturbed A is no longer isotropic
+        entry.network, **task, mask=example.mask,
+        bias=example.bias, without=["shared sums"],  # a disturbed A is no longer isotropic
     )  # fmt: skip
