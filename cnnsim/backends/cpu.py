@@ -145,7 +145,7 @@ class CpuBackend:
     def logic(self, function: int, p: Bits, q: Bits) -> Bits:
         """See `Backend.logic`."""
         out = cpu_bits.empty(p.shape)
-        cpu_bits.logic.for_work(out.words.size)(function, p.words, q.words, out.words, p.shape[-1])
+        cpu_bits.logic.for_work(out.words.size // 64)(function, p.words, q.words, out.words, p.shape[-1])
         return out
 
     def neighbourhood(self, rule: BitRule, boundary: Boundary, plane: Bits) -> Bits:
@@ -156,12 +156,12 @@ class CpuBackend:
             rows, cols = (virtual_index(n, rule.radius, boundary) for n in plane.shape[-2:])
             self._rules[key] = k, l, negated > 0, rule.every, rows, cols, rule.radius, int(boundary.u > 0)
         out = cpu_bits.empty(plane.shape)
-        kernel = neighbourhood.for_work(out.words.size * len(rule.literals))
+        kernel = neighbourhood.for_work(out.words.size * len(rule.literals) // 64)
         kernel(plane.words, out.words, plane.shape[-1], *self._rules[key])
         return out
 
     def count(self, plane: Bits) -> int | NDArray[np.int64]:
         """See `Backend.count`."""
         totals = np.empty(plane.words.shape[0], np.int64)
-        cpu_bits.count.for_work(plane.words.size)(plane.words, totals)
+        cpu_bits.count.for_work(plane.words.size // 64)(plane.words, totals)
         return totals if len(plane.shape) == 3 else int(totals[0])

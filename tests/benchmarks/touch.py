@@ -5,12 +5,12 @@ import time
 import numpy as np
 from scipy.optimize import least_squares
 
-from cnnsim.cellwise import find
 from cnnsim.grid import ZERO_FLUX
 from cnnsim.logic import function_number
 from cnnsim.machine import UniversalMachine
 from cnnsim.program import CellwiseStep, LogicStep, Program, TemplateStep, WireStep
 from cnnsim.template import Template
+from tactile.inverse import STRAIN_INVERSE
 from tests.benchmarks.race import Row, race
 
 PARAMETERS = (0.002, 2.5e5, 1e-6, 1.0)
@@ -24,7 +24,7 @@ def five_steps() -> Program:
     grown = Template(1, [[0, 1, 0], [1, 1, 1], [0, 1, 0]], 4.0, "dilation-cross")
     memory = dict.fromkeys((*strains, *loads), "lam") | dict.fromkeys(("on", "near", "fresh"), "llm")
     steps = (
-        CellwiseStep("step 1", find("strain-inverse"), strains, loads, PARAMETERS),
+        CellwiseStep("step 1", STRAIN_INVERSE, strains, loads, PARAMETERS),
         TemplateStep("step 2", contact, ZERO_FLUX, "settled", "force", 0.0, None, None, "on"),
         TemplateStep("step 3", grown, ZERO_FLUX, "settled", "on", 0.0, None, None, "near"),
         LogicStep("step 4", function_number("p-and-not-q"), "near", "on", "fresh"),
@@ -63,7 +63,7 @@ def frames(rounds: int) -> list[Row]:
 
 def inverse(triad: float, rounds: int) -> list[Row]:
     """The load inverse on ten million taxels, beside a least-squares fit of one."""
-    operation = find("strain-inverse")
+    operation = STRAIN_INVERSE
     assert operation.compiled is not None
     kernel, n, rng = operation.compiled(), 10_000_000, np.random.default_rng(0)
     planes = [rng.normal(0, 1e-3, n).astype(np.float32) for _ in range(3)] + [np.empty(n, np.float32) for _ in range(4)]
