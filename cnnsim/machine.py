@@ -125,8 +125,7 @@ class UniversalMachine:
         rule, u, x0 = None, step.input, step.state
         logic = isinstance(u, str) and program.memory[u] == program.memory[step.to] == "llm"
         whole = step.bias is None and step.mask is None and step.duration == "settled" and step.cell == CHUA_YANG
-        able = hasattr(self.backend, "neighbourhood")
-        if able and logic and whole and (x0 == u or not isinstance(x0, str)):
+        if logic and whole and (x0 == u or not isinstance(x0, str)):
             rule = bit_rule(step.template, step.boundary, None if isinstance(x0, str) else x0)
         self._rules[step] = rule
         return rule

@@ -24,8 +24,8 @@ def control_row(
     """Add B*u of row i of one grid; ``rows``, ``cols``: which real cell a position stands for (-1: a constant)."""
     n, tap = total.size, 0
     inside = n > 2 * r
-    for t in range(weight.size):
-        inside &= rows[i + r + k[t]] >= 0
+    for each in range(weight.size):
+        inside &= rows[i + r + k[each]] >= 0
     while tap < weight.size:
         if inside and tap + 4 <= weight.size:
             t = tap + 1, tap + 2, tap + 3
