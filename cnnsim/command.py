@@ -1,11 +1,14 @@
 """What both command lines share: mistakes of the user become one line on stderr and exit code 2."""
 
 import json
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from cnnsim.errors import InputError
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 
 class _Mistake(click.ClickException):
@@ -21,6 +24,14 @@ class CommandGroup(click.Group):
             return super().invoke(ctx)
         except InputError as error:
             raise _Mistake(" ".join(str(error).split())) from error
+
+
+def console(width: int = 150) -> "Console":
+    """The console of tables: as wide as the terminal, or ``width`` where the output is no terminal."""
+    from rich.console import Console  # only for people
+
+    terminal = Console()
+    return terminal if terminal.is_terminal else Console(width=width)
 
 
 def print_json(data: Any) -> None:

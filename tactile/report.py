@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from cnnsim.command import console
 from tactile.events import Event
 from tactile.frame import TaxelArray
 from tactile.inverse import Validity
@@ -17,10 +18,9 @@ TOGETHER = 0.05
 
 def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
     """Print the table of events and a line of figures for each finger."""
-    from rich.console import Console  # only for people
-    from rich.table import Table  # the same
+    from rich.table import Table  # only for people
 
-    console = Console() if Console().is_terminal else Console(width=150)
+    screen = console()
     forces = all(array.quantity == "force" for array in arrays)
     table = Table(title="Events", title_justify="left")
     headings = ["time [s]", "finger", "code", "hand", "meaning", "load: place, Q R F [N]", "latency [µs]"]
@@ -33,12 +33,12 @@ def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
         what = event.meaning if changes == 1 else f"{event.meaning} ({changes} changes)"
         cells = [f"{event.t:.3f}", event.finger, event.code, f"{event.hand:0{digits}x}", what]
         table.add_row(*cells, *([] if forces else [_located(event.load)]), f"{event.latency * 1e6:.0f}")
-    console.print(table)
+    screen.print(table)
     for name, facts in summary(collected, arrays)["fingers"].items():
         texture = f"friction {_figure(facts['friction'])}, roughness {_figure(facts['roughness'])}"
         line = f"{name}: {facts['frames']} frames; {texture}"
         places = ", ".join(f"{count} {kind.replace('_', ' ')}" for kind, count in facts["located"].items())
-        console.print(line + (f"; loads: {places}" if places and not forces else ""), highlight=False)
+        screen.print(line + (f"; loads: {places}" if places and not forces else ""), highlight=False)
 
 
 def grouped(events: Iterable[Event]) -> list[tuple[Event, int]]:

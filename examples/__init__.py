@@ -1,0 +1,1 @@
+"""Short things to try, each silent on import."""

@@ -1,0 +1,26 @@
+"""All figures of the paper in one table: ``python -m examples.paper [-o FOLDER] [--json]``."""
+
+import importlib
+from collections.abc import Callable
+from pathlib import Path
+
+from examples.paper.claims import Claim, arguments, as_json, table
+
+SCRIPTS = sorted(path.stem for path in Path(__file__).parent.glob("fig[0-9][0-9]_*.py"))
+
+
+def main() -> None:
+    """Run every script that is there."""
+    from rich.console import Console
+    from rich.progress import track
+
+    given = arguments(__doc__)
+    claims: list[Claim] = []
+    for name in track(SCRIPTS, "figures", console=Console(stderr=True), transient=True, disable=given.json):
+        compare: Callable[[Path | None], list[Claim]] = importlib.import_module(f"examples.paper.{name}").compare
+        claims += compare(given.output)
+    (as_json if given.json else table)(claims)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,63 @@
+"""What the paper states beside what comes out here: one line a claim, one table, the same for one script or all.
+
+A script ``figNN_name.py`` has ``compare(folder)``, which returns its claims and draws its picture into the folder
+when one is given, and ends with ``alone(compare)``, so that it also runs by itself.
+"""
+
+import argparse
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from cnnsim.command import console, print_json
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A statement of the paper and what was computed: ``why`` says where a difference comes from."""
+
+    figure: str
+    what: str
+    paper: str
+    ours: str
+    agrees: bool
+    why: str = ""
+
+
+def table(claims: Iterable[Claim]) -> None:
+    """Print the claims for people."""
+    from rich import box  # only for people
+    from rich.markup import escape  # the same
+    from rich.table import Table  # the same
+
+    lines = Table(box=box.SIMPLE_HEAD, show_lines=True)
+    for heading, width in (("Fig.", 4), ("what", 32), ("paper", 26), ("ours", 26), ("", 6), ("why", None)):
+        lines.add_column(heading, width=width, overflow="fold")
+    for claim in claims:
+        verdict = "[green]agrees[/]" if claim.agrees else "[red]not so[/]"
+        what, paper, ours, why = (escape(text) for text in (claim.what, claim.paper, claim.ours, claim.why))
+        lines.add_row(claim.figure, what, paper, ours, verdict, why)
+    console().print(lines)
+
+
+def as_json(claims: Iterable[Claim]) -> None:
+    """Print the claims for a machine."""
+    print_json([asdict(claim) for claim in claims])
+
+
+def arguments(what: str | None) -> argparse.Namespace:
+    """Read ``-o FOLDER`` (made if it is not there; None without it) and ``--json``."""
+    parser = argparse.ArgumentParser(description=what)
+    parser.add_argument("-o", "--output", type=Path, help="folder for the pictures")
+    parser.add_argument("--json", action="store_true", help="print JSON for a machine to read")
+    given = parser.parse_args()
+    if given.output is not None:
+        given.output.mkdir(parents=True, exist_ok=True)
+    return given
+
+
+def alone(compare: Callable[[Path | None], list[Claim]]) -> None:
+    """Run one script: its table, and its picture where a folder is given."""
+    given = arguments(compare.__doc__)
+    claims = compare(given.output)
+    (as_json if given.json else table)(claims)
