@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim import InputError, Template
-from tactile.frame import NORMAL, SHEAR_X, SHEAR_Y, Frame, Quantity
+from tactile.frame import NORMAL, Frame, Quantity
 
 _ARROWS = {
     (0, 0): "·", (1, 0): "→", (-1, 0): "←", (0, 1): "↓", (0, -1): "↑", (1, 1): "↘", (1, -1): "↗", (-1, 1): "↙",
@@ -79,12 +79,11 @@ def encode(frame: Frame, quantity: Quantity, shear: Threshold, contact: Threshol
     use = frame.valid[..., None] & np.isfinite(frame.values)
     values = np.where(use, frame.values, 0.0)
     inward = 1.0 if quantity == "force" else -1.0
-    scaled = (
-        values[..., SHEAR_X] / shear.full_scale,
-        values[..., SHEAR_Y] / shear.full_scale,
-        values[..., NORMAL] * (inward / contact.full_scale),
-    )
-    return dict(zip(("shear_x", "shear_y", "pressing"), (np.clip(plane, -1, 1) for plane in scaled), strict=True))
+    scaled = np.empty((3, *frame.valid.shape))
+    scaled[:NORMAL] = values[..., :NORMAL].transpose(2, 0, 1) / shear.full_scale
+    scaled[NORMAL] = values[..., NORMAL] * (inward / contact.full_scale)
+    shear_x, shear_y, pressing = np.minimum(np.maximum(scaled, -1), 1)
+    return {"shear_x": shear_x, "shear_y": shear_y, "pressing": pressing}
 
 
 @dataclass(frozen=True)

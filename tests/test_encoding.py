@@ -1,6 +1,7 @@
 """Codes: comparators as cells against a plain comparator, and the arithmetic of bits, characters and arrows."""
 
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 from cnnsim import InputError, run_transient
 from cnnsim.machine import UniversalMachine
 from cnnsim.program_file import load_program
+from tactile.comparators import Comparators
 from tactile.encoding import SIGN, Code, Threshold, decode, encode, hand_code
 from tactile.frame import Frame
 
@@ -52,6 +54,45 @@ def test_comparator_cells_are_comparators(backend: str, seed: int, dead_band: fl
         assert np.array_equal(code.y, wanted[i, ..., 1])
         assert bool(planes["moved"]) == (not np.array_equal((code.x, code.y), (before.x, before.y)))
         before = code
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 2**32), dead_band=st.floats(1e-4, 5), part=st.floats(0, 2), step=st.floats(0.02, 1))
+def test_cells_that_sleep_would_not_have_switched(seed: int, dead_band: float, part: float, step: float) -> None:
+    """The program run on every frame against comparators that run it only when a cell may switch."""
+    shear, contact = Threshold(dead_band, dead_band * part if part > 0.05 else 0.0), Threshold(dead_band / 2, dead_band)
+    rng, always = np.random.default_rng(seed), UniversalMachine("cpu", "float64")
+    cells = {"plus": shear.comparator(1), "minus": shear.comparator(-1), "press": contact.comparator()}
+    program = load_program("event-code", templates=cells)
+    comparators = Comparators(UniversalMachine("cpu", "float64"), (2, 3), shear, contact)
+    walk = np.cumsum(rng.normal(size=(60, 2, 3, 3)), axis=0) * dead_band * step
+    edges = np.array([0, dead_band, dead_band + shear.hysteresis, dead_band / 2, 1.5 * dead_band])
+    walk[::7] = rng.choice([-1, 1], walk[::7].shape) * rng.choice(
+        edges, walk[::7].shape
+    )  # on the thresholds themselves
+    before = comparators.code
+    for i, values in enumerate(walk):
+        planes = encode(Frame(0, i / 100, i, values, np.ones((2, 3), bool)), "force", shear, contact)
+        out = always.run(program, **planes)
+        assert comparators.update(planes) == out["moved"]
+        wanted = decode(out)
+        for name in ("x", "y", "contact"):
+            assert np.array_equal(getattr(comparators.code, name), getattr(wanted, name))
+            assert np.array_equal(getattr(comparators.before, name), getattr(before, name))
+        before = wanted
+
+
+def test_cells_sleep_while_nothing_comes_near_a_threshold() -> None:
+    machine = UniversalMachine("cpu", "float64")
+    comparators = Comparators(machine, (1, 1), Threshold(1, 0.5), Threshold(1, 0.5))
+    run = Mock(wraps=machine.run)
+    machine.run = run  # type: ignore[method-assign]
+    for n, level in enumerate([0.0, 1.4, -1.4, 1.6, 1.1, 9.0, 0.9, 1.4, 0.0]):
+        values = np.full((1, 1, 3), [level, 0, 0])
+        planes = encode(Frame(0, 0.0, n, values, np.ones((1, 1), bool)), "force", Threshold(1, 0.5), Threshold(1, 0.5))
+        comparators.update(planes)
+    assert run.call_count == 2  # when 1.6 turns it on and 0.9 off
+    assert comparators.code.arrows() == "·"
 
 
 def test_the_bare_sign_holds_at_zero() -> None:
