@@ -1,0 +1,103 @@
+"""Which of the errors of sect. 4.1 brings back which of the paper's findings: one at a time and together, a table.
+
+``python -m examples.paper.ablation [-o FOLDER] [--json]``. The paper found beta_ns = 1.46, a precision of 3-5 um within
+150 um, a speed of 0.45 instead of 0.5 mm/s that a slightly thicker cover mends, and far away a map as if beta_ns were
+underestimated. All sensors here have equal gains: beta_ns = 1 is true.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from cnnsim.command import console, print_json
+from examples.paper.claims import arguments
+from examples.paper.needle import FORCE, NEAR, figure
+from examples.paper.skins import SKINS, Skin, Trial, on_the_bench
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line of the table: lengths in um, speed in mm/s, ``force`` located over true; see ``Trial``."""
+
+    skin: str
+    beta: float
+    speed: float
+    thicker: float
+    error: float
+    mended: float
+    needed: float
+    bend: float
+    force: float
+    brings_back: tuple[str, ...]
+
+
+def line(skin: Skin, trial: Trial) -> Line:
+    """Put a trial into figures, and say in what it is like the paper's."""
+    error, mended = (located.error(trial.made) * 1e6 for located in (trial.located, trial.mended))
+    force = float(trial.located.force[trial.made.within(NEAR)].mean() / FORCE)
+    found = {
+        "beta_ns > 1": trial.beta > 1.05,
+        "slow": trial.speed < 0.49e-3,
+        "bent": trial.needed > 1.05 and trial.bend > 1,
+        "3-5 um": 3 <= mended <= 5,
+    }
+    return Line(
+        skin.name, trial.beta, trial.speed * 1e3, 0.5e-3 / trial.speed, error, mended, trial.needed, trial.bend, force,
+        tuple(name for name, so in found.items() if so),
+    )  # fmt: skip
+
+
+def table(lines: list[Line]) -> None:
+    """Print the lines for people."""
+    from rich import box  # only for people
+    from rich.table import Table  # the same
+
+    shown = Table(box=box.SIMPLE_HEAD)
+    headings = ("skin", "beta_ns", "speed", "thicker", "error", "mended", "needed", "bend", "force", "brings back")
+    for heading in headings:
+        shown.add_column(heading, justify="left" if heading in ("skin", "brings back") else "right")
+    for each in lines:
+        shown.add_row(
+            each.skin, f"{each.beta:.3f}", f"{each.speed:.3f} mm/s", f"{each.thicker:.3f} x", f"{each.error:.1f} um",
+            f"{each.mended:.1f} um", f"{each.needed:.2f} x", f"{each.bend:.2f}", f"{each.force:.2f}",
+            ", ".join(each.brings_back),
+        )  # fmt: skip
+    console().print(shown)
+
+
+def draw(trials: list[tuple[Skin, Trial]], path: Path) -> None:
+    """Write the maps of all skins."""
+    columns = 6
+    drawn, panels = figure(columns, -(-len(trials) // columns), (2.6, 2.7))
+    for axes in panels.flat[len(trials) :]:
+        axes.axis("off")
+    for axes, (skin, trial) in zip(panels.flat, trials, strict=False):
+        for true, found in zip(trial.made.places, trial.located.places, strict=True):
+            axes.plot(*(true.T * 1e6), color="0.85", linewidth=0.8)
+            axes.plot(*(found.T * 1e6), color="tab:red", linewidth=0.7)
+        turn = np.linspace(0, 2 * np.pi, 100)
+        axes.plot(150 * np.cos(turn), 150 * np.sin(turn), color="black", linewidth=0.6)
+        axes.set(aspect="equal", xlim=(-330, 330), ylim=(330, -330), xticks=[], yticks=[])
+        axes.set_title(f"{skin.name}\n{trial.beta:.2f}, {trial.speed * 1e3:.2f} mm/s", fontsize=9)
+    drawn.suptitle(
+        "Lines over one taxel (grey) and where it locates them (red); beta_ns by eq. (18), speed; circle: 150 µm"
+    )
+    drawn.savefig(path, dpi=110)
+
+
+def main() -> None:
+    """Try all skins."""
+    given = arguments(__doc__.splitlines()[0])
+    trials = [(skin, on_the_bench(skin)) for skin in SKINS]
+    lines = [line(skin, trial) for skin, trial in trials]
+    if given.json:
+        print_json([vars(each) for each in lines])
+    else:
+        table(lines)
+    if given.output is not None:
+        draw(trials, given.output / "ablation.png")
+
+
+if __name__ == "__main__":
+    main()
