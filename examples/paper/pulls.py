@@ -1,0 +1,69 @@
+"""The paper's texture bench (sect. 6): four materials pulled over the skin in all directions, 15 ms a frame, T = 128.
+
+Four taxels under a flat cover and their located load stand in for one taxel under a bump: both keep normal force and
+shear apart.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactile.finger import Finger, Settings
+from tactile.frame import TaxelArray
+from tactile.simulator.drawn import Drawn
+from tactile.simulator.effects.read_noise import ReadNoise
+from tactile.simulator.materials import PRESETS
+from tactile.simulator.scene import Scene
+from tactile.texture import Texture
+
+FRAME, WINDOW = 15e-3, 128
+"""[s] a frame, and frames a figure: the paper's."""
+PULLS, POINTS = 6, 125
+"""Pulls a material and figures a pull: 3000 points in all, as in Fig. 15."""
+LONGEST = 600
+"""Frames a pull takes at most: where the rasp leaves the skin friction is not defined, and the T frames begin anew."""
+BEGIN = 20
+"""Frames until the shear has built up and the object slides."""
+ARRAY = TaxelArray("finger", 2, 2, 1.5e-3, 1.5e-3)
+
+
+@dataclass(frozen=True)
+class Pull:
+    """One pull: what was done, the located load (n, 3) of Q, R, F [N], and friction and roughness (m, 2)."""
+
+    material: str
+    speed: float
+    direction: float
+    force: float
+    load: NDArray[np.float64]
+    points: NDArray[np.float64]
+
+
+def pull(material: str, seed: int) -> Pull:
+    """Pull a material once: any direction, 4 to 6 mm/s, a mean force of 0.15 to 0.6 N."""
+    random = np.random.default_rng((sum(map(ord, material)), seed))
+    direction, speed, force = random.uniform(0, 2 * np.pi), random.uniform(4e-3, 6e-3), random.uniform(0.15, 0.6)
+    drawn = Drawn(0, (0.0, 0.0), PRESETS[material], 0.0, LONGEST * FRAME, speed, direction, force, 1e3, seed)
+    noise = ("read_noise", ReadNoise(5e-4))
+    scene = Scene(material, 1 / FRAME, LONGEST * FRAME, 0.87e6, (ARRAY,), (), (drawn,), (noise,), seed=seed)
+    finger, texture, rows, points = Finger(ARRAY, scene.modulus, Settings()), Texture(WINDOW, 0.0), [], []
+    for frame in scene:
+        load = finger.locate(frame)
+        assert load is not None
+        row = np.nan_to_num(np.array([load.Q, load.R, load.F]))
+        rows.append(row)
+        if frame.sequence >= BEGIN:
+            figures = texture.update(row[None, None])
+            if figures.valid[0, 0]:
+                points.append((figures.friction[0, 0], figures.roughness[0, 0]))
+        if len(points) == POINTS:
+            break
+    return Pull(material, speed, direction, force, np.array(rows), np.reshape(points, (-1, 2)))
+
+
+@cache
+def all_pulls() -> tuple[Pull, ...]:
+    """Every material, pulled as often as Fig. 15 needs."""
+    return tuple(pull(material, seed) for material in PRESETS for seed in range(PULLS))
