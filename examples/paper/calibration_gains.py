@@ -1,0 +1,140 @@
+"""What each calibration that the paper suggests and goes without would gain: error before and after, a table.
+
+``python -m examples.paper.calibration_gains [-o FOLDER] [--json]``. A sensor of beta_ns = 1.46 and 0.8 of its nominal
+gain is calibrated in one scan and tried in another, along other lines. Steps, each on top of those before: beta_ns by
+eq. (18) from the centre line; the linear thickness constant from the known speed; the absolute coefficients from the
+known load; the radial correction measured point by point.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from cnnsim.command import console, print_json
+from examples.paper.claims import arguments
+from examples.paper.needle import DEPTH, FORCE, NEAR, NOISE, SPEED, Located, Scan, figure, locate, scan, typical
+from examples.paper.skins import ALL, LINES, POINT, STRESS, Skin
+from tactile.bench import depth_from_speed, gains_from_load
+from tactile.calibration import Gains, beta_from_scan
+from tactile.inverse import Validity
+from tactile.radial import radial_from_scan
+
+SENSOR = Gains(shear=1.46 / 0.8, normal=1 / 0.8)
+FAR, RINGS, TRIED = 250e-6, 10, 230e-6
+"""[m] How far the radial correction is measured, in how many rings, and how far it is tried."""
+STEPS = ("nominal", "beta_ns", "thickness", "load", "radial")
+SKINS = (
+    Skin("ideal", ()),
+    Skin("noise", typical(*NOISE)),
+    Skin("finite tip", typical("finite_tip")),
+    Skin("finite thickness", typical("finite_thickness")),
+    Skin("taxel area", typical("taxel_area")),
+    Skin("strain nonlinearity", typical("strain_nonlinearity")),
+    STRESS,
+    POINT,
+    ALL,
+)
+
+
+@dataclass(frozen=True)
+class Gain:
+    """After one step: rms error of places [um] within 150 and 230 um, of forces [1] within 230 um; ``lost``
+    answers beyond what the radial correction measured."""
+
+    skin: str
+    step: str
+    near: float
+    far: float
+    force: float
+    lost: int
+
+
+def error(step: str, skin: str, made: Scan, found: Located, answered: np.ndarray) -> Gain:
+    """Put a located scan into figures."""
+    off = np.hypot(*np.moveaxis(found.places - made.places, -1, 0)) * 1e6
+    near, far = (made.within(radius) & answered for radius in (NEAR, TRIED))
+    force = found.force[far] / FORCE - 1
+    lost = int((made.within(TRIED) & ~answered).sum())
+    in_near, in_far, of_force = (float(np.sqrt((part**2).mean())) for part in (off[near], off[far], force))
+    return Gain(skin, step, in_near, in_far, of_force, lost)
+
+
+def study(skin: Skin) -> list[Gain]:
+    """Calibrate a skin step by step in one scan, and try every step in another."""
+    centre = scan(effects=skin.effects, feels=skin.feels, gains=SENSOR, half=500e-6).readings[0]
+    known = scan(LINES, skin.effects, feels=skin.feels, gains=SENSOR, seed=1)
+    tried = scan(LINES[:-1] + 27e-6, skin.effects, feels=skin.feels, gains=SENSOR, seed=2)
+    everywhere = np.ones(tried.times.shape, bool)
+    line, near, far = len(LINES) // 2, known.within(NEAR), known.within(FAR)
+
+    gains = Gains(1.0, 1.0)
+    steps = [error("nominal", skin.name, tried, locate(tried, gains), everywhere)]
+    gains = Gains(beta_from_scan(centre[:, 0], centre[:, 2]), 1.0)
+    steps.append(error("beta_ns", skin.name, tried, locate(tried, gains), everywhere))
+    seen = locate(known, gains).places[line, near[line]]
+    depth = depth_from_speed(known.times[line, near[line]], seen, SPEED, DEPTH)
+    steps.append(error("thickness", skin.name, tried, locate(tried, gains, depth), everywhere))
+    gains = gains_from_load(gains, locate(known, gains, depth).force[near], FORCE)
+    steps.append(error("load", skin.name, tried, locate(tried, gains, depth), everywhere))
+    found = locate(known, gains, depth)
+    radial = radial_from_scan(found.places[far], known.places[far], found.force[far], FORCE, RINGS)
+    before = locate(tried, gains, depth)
+    x, y = np.moveaxis(before.places, -1, 0)
+    dx, dy, force, validity = radial(x, y, before.force, np.full(x.shape, float(Validity.INSIDE)))
+    corrected = Located(np.stack([dx, dy], axis=-1), force)
+    steps.append(error("radial", skin.name, tried, corrected, validity != Validity.INVALID))
+    return steps
+
+
+def table(gains: list[Gain]) -> None:
+    """Print the gains for people."""
+    from rich import box  # only for people
+    from rich.table import Table  # the same
+
+    shown = Table(
+        box=box.SIMPLE_HEAD, title="rms errors: places (um) within 150 um | within 230 um | forces within 230 um"
+    )
+    for heading in ("skin", *STEPS):
+        shown.add_column(heading, justify="left" if heading == "skin" else "right")
+    for skin in dict.fromkeys(gain.skin for gain in gains):
+        cells = {
+            gain.step: f"{gain.near:.1f} | {gain.far:.1f} | {gain.force:.1%}"
+            + (f" ({gain.lost} lost)" * (gain.lost > 0))
+            for gain in gains
+            if gain.skin == skin
+        }
+        shown.add_row(skin, *(cells[step] for step in STEPS))
+    console(170).print(shown)
+
+
+def draw(gains: list[Gain], path: Path) -> None:
+    """Write the picture: errors of every skin after every step."""
+    drawn, (panels,) = figure(3, size=(4.6, 4.4))
+    what = (("near", "places within 150 µm [µm]"), ("far", "places within 230 µm [µm]"), ("force", "forces [1]"))
+    for axes, (name, label) in zip(panels, what, strict=True):
+        for skin in dict.fromkeys(gain.skin for gain in gains if gain.skin != "ideal"):
+            values = [getattr(gain, name) for gain in gains if gain.skin == skin]
+            axes.plot(STEPS, values, "o-", label=skin, markersize=4)
+        axes.set(yscale="log", ylabel=f"rms error of {label}")
+    panels[0].axhspan(3, 5, color="0.9", zorder=0)
+    panels[0].set_title("grey: the paper's 3-5 µm", fontsize=10)
+    panels[2].legend(fontsize=8)
+    drawn.suptitle("Every step on top of those before; the ideal skin is exact after beta_ns and load")
+    drawn.savefig(path, dpi=110)
+
+
+def main() -> None:
+    """Study all skins."""
+    given = arguments(__doc__.splitlines()[0])
+    gains = [gain for skin in SKINS for gain in study(skin)]
+    if given.json:
+        print_json([vars(gain) for gain in gains])
+    else:
+        table(gains)
+    if given.output is not None:
+        draw(gains, given.output / "calibration_gains.png")
+
+
+if __name__ == "__main__":
+    main()
