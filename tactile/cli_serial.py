@@ -72,6 +72,7 @@ def emulate(
 
         recorded = open_recording(recording)
         description = recorded.description
+        encoder = description.wire.encoder(description.options)
         stream = ((chunk.t * 1e-9, chunk.data) for chunk in recorded.chunks() if chunk.note != UNPLUGGED)
     else:
         assert scene is not None
@@ -79,10 +80,11 @@ def emulate(
         if protocol is None and array is None:
             raise click.UsageError("--protocol or --array wanted")
         description = chosen_description(protocol, array) if array else emulated_description(str(protocol), source)
-        stream = packets(description, source, loop)
+        encoder = description.wire.encoder(description.options)
+        stream = packets(description, source, loop, encoder)
     if write_array is not None:
         write_text(write_array, description.text)
-    device = Emulator(Faults(**faults), link, description.wire.talk(description.options).poll, seed)
+    device = Emulator(Faults(**faults), link, encoder, seed)
     click.echo(device.port)
     sys.stdout.flush()
     stop = threading.Event()

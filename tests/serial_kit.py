@@ -1,7 +1,7 @@
 """What the tests of ports share: a device on a pseudo-terminal in a thread, and scenes for it."""
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -35,7 +35,7 @@ def sent(protocol: str, seconds: float = 0.5) -> tuple[Description, list[Packet]
 
 
 @contextmanager
-def device(stream: list[Packet], faults: Faults | None = None, **more: Any) -> Iterator[Emulator]:
+def device(stream: Iterable[Packet], faults: Faults | None = None, **more: Any) -> Iterator[Emulator]:
     """A device that is plugged in while the block runs."""
     emulator, stop = Emulator(faults, **more), threading.Event()
     thread = threading.Thread(target=emulator.run, args=(stream, stop))

@@ -24,7 +24,7 @@ from tactile.serial.reader import PortReader
 from tactile.serial.ring import CHUNK_COST, Ring
 from tactile.serial.session import Session
 from tactile.serial.source import UNPLUGGED, Chunk, WireSource
-from tactile.wire.base import Options, Talk
+from tactile.wire.base import Encoder, Options, Talk
 from tactile.wire.registry import NAMES, find_format
 from tests.serial_kit import call, device, grip, sent
 
@@ -47,8 +47,7 @@ def read_all(description: Description, port: str, wanted: int) -> tuple[list[Fra
 def test_every_device_s_frames_come_through_a_terminal(protocol: str) -> None:
     description, stream = sent(protocol, 0.2)
     direct = list(WireSource(description, [Chunk(0, data) for _, data in stream]))
-    talk = description.wire.talk(description.options)
-    with device(stream, poll=talk.poll) as emulator:
+    with device(stream, device=description.wire.encoder(description.options)) as emulator:
         frames, session = read_all(description, emulator.port, len(direct))
     assert len(frames) == len(direct) == 40 * len(description.boards)
     for frame, other in zip(frames, direct, strict=True):
@@ -157,18 +156,20 @@ def test_ports_that_do_not_open_are_told_apart(tmp_path: Path, monkeypatch: pyte
 def test_what_is_said_to_a_device_arrives() -> None:
     """The hello goes out once, the poll again and again."""
     said = bytearray()
-    ports: list[Any] = []
 
-    def hear() -> Iterator[tuple[float, bytes]]:
+    class Ear(Encoder):
+        def encode(self, *_: Any) -> bytes:
+            return b""
+
+        def hear(self, data: bytes) -> bytes:
+            said.extend(data)
+            return b""
+
+    def say() -> Iterator[tuple[float, bytes]]:
         for n in range(60):
-            ports[0]._move()
-            said.extend(ports[0]._asked)
-            ports[0]._asked.clear()
             yield n * 0.01, b"x"
 
-    stream = hear()
-    with device(stream) as emulator:  # type: ignore[arg-type]  # any iterable will do
-        ports.append(emulator)
+    with device(say(), device=Ear()) as emulator:
         ring = Ring()
         reader = PortReader(emulator.port, 115200, Talk(b"hello", b"?", 0.05), ring)
         until = time.monotonic() + LIMIT

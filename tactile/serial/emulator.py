@@ -3,7 +3,6 @@
 What it writes goes through the kernel's terminal as from a real port; the other side opens the port with any program.
 """
 
-import contextlib
 import fcntl
 import os
 import pty
@@ -21,6 +20,7 @@ import numpy as np
 from cnnsim.errors import InputError
 from tactile.serial.faults import Faults
 from tactile.serial.packets import Packet
+from tactile.wire.base import Encoder
 
 BUFFER = 64 * 1024
 """Bytes the device keeps while nobody reads; frames beyond are lost, as in firmware, and counted."""
@@ -37,18 +37,17 @@ LINGER = 0.1
 class Emulator:
     """One device. ``port`` is the name to open, and stays the same over unpluggings if there is a ``link``.
 
-    ``poll``: what the host has to send before each frame, nothing for devices that push. After `run`, ``sent`` is the
-    number of packets that went out or were spoilt on purpose, ``lost`` of those for which there was no room.
+    ``device``: what hears the host and answers it; nobody if None. After `run`, ``sent`` is the number of packets that
+    went out or were spoilt on purpose, ``lost`` of those for which there was no room.
     """
 
     def __init__(
-        self, faults: Faults | None = None, link: Path | None = None, poll: bytes = b"", seed: int = 0
+        self, faults: Faults | None = None, link: Path | None = None, device: Encoder | None = None, seed: int = 0
     ) -> None:
         self.sent = self.lost = self.unplugged = 0
-        self._faults, self._link, self._poll = faults or Faults(), link, poll
+        self._faults, self._link, self._device = faults or Faults(), link, device
         self._rng = np.random.default_rng(seed)
         self._pending = bytearray()
-        self._asked = bytearray()
         self._plug()
 
     def _plug(self) -> None:
@@ -74,12 +73,12 @@ class Emulator:
         os.close(self._master)
         self._master = AWAY
         self._pending.clear()
-        self._asked.clear()
 
     def run(self, packets: Iterable[Packet], stop: threading.Event, opened: Callable[[], None] | None = None) -> None:
         """Send every packet at its time after the port was first opened, until they end or ``stop`` is set."""
         try:
-            self._wait_open(stop)
+            while not stop.is_set() and self._hung_up():
+                stop.wait(0.01)
             if opened is not None:
                 opened()
             stop.wait(BOOT)
@@ -97,15 +96,11 @@ class Emulator:
                     stop.wait(0.005)
                 if stop.is_set():
                     return
-                if not self._poll or self._was_asked(stop):
+                if self._was_asked(stop) and packet:
                     self._send(packet)
             self._flush(stop)
         finally:
             self._pull()
-
-    def _wait_open(self, stop: threading.Event) -> None:
-        while not stop.is_set() and self._hung_up():
-            stop.wait(0.01)
 
     def _hung_up(self) -> bool:
         """Return whether nobody has the port open."""
@@ -116,39 +111,56 @@ class Emulator:
         return any(event & select.POLLHUP for _, event in poll.poll(0))
 
     def _serve(self, seconds: float) -> None:
-        """Wait, while what is pending goes out and what the host says is heard."""
-        wanted = [self._master] if self._pending else []
-        if self._hung_up():
+        """Wait up to so long, while what is pending goes out and what the host says is heard."""
+        if self._master == AWAY:
             time.sleep(min(seconds, 0.01))
             return
-        select.select([self._master], wanted, [], min(seconds, 0.05))
-        self._move()
+        wanted = [self._master] if self._pending else []
+        said, room, _ = select.select([self._master], wanted, [], min(seconds, 0.05))
+        if said and not self._hear():
+            time.sleep(min(seconds, 0.01))  # a port that nobody has open always has something to say: that
+        elif room:
+            self._push()
 
-    def _move(self) -> None:
-        # a port that nobody has open gives EIO; full and empty ones give BlockingIOError
-        with contextlib.suppress(OSError):
-            self._asked += os.read(self._master, 4096)
-        with contextlib.suppress(OSError):
+    def _hear(self) -> bool:
+        """Take what the host says, and answer; return whether there is a host."""
+        try:
+            said = os.read(self._master, 4096)
+        except BlockingIOError:
+            return True
+        except OSError:
+            return False
+        if self._device is not None:
+            self._pending += self._device.hear(said)
+            self._push()
+        return True
+
+    def _push(self) -> None:
+        """Hand over what is pending, as much as the terminal takes; with nobody there a device keeps nothing."""
+        try:
             while self._pending:
                 del self._pending[: os.write(self._master, self._pending)]
+        except BlockingIOError:
+            pass
+        except OSError:
+            self._pending.clear()
 
     def _was_asked(self, stop: threading.Event) -> bool:
-        while not stop.is_set() and self._poll not in self._asked:
+        if self._device is None or not self._device.polled:
+            return True
+        while not stop.is_set() and not self._device.asked:
             self._serve(0.05)
-        self._asked = self._asked.partition(self._poll)[2]
+        self._device.asked -= 1
         return not stop.is_set()
 
     def _send(self, packet: bytes) -> None:
         self.sent += 1
-        if self._hung_up():  # with nobody there a device keeps nothing for later
-            self._pending.clear()
-            return
         for piece in self._faults.spoil(packet, self._rng):
             if len(self._pending) + len(piece) > BUFFER:
                 self.lost += 1
                 break
             self._pending += piece
-            self._move()
+            self._push()
             if self._faults.split:
                 time.sleep(PIECE_PAUSE)
 

@@ -10,6 +10,7 @@ from tactile.frame import Frame
 from tactile.serial.arrange import back
 from tactile.serial.description import Description, parse_description, write_description
 from tactile.sources.base import Source
+from tactile.wire.base import Encoder, Taxels
 from tactile.wire.registry import find_format
 
 FIRM = {"strain": 0.01, "stress": 2e4, "force": 1.0}
@@ -47,10 +48,13 @@ def emulated_description(protocol: str, source: Source) -> Description:
     return parse_description(write_description(top, fingers), f"emulated {protocol}")
 
 
-def packets(description: Description, source: Source, loop: bool = False) -> Iterator[Packet]:
+def packets(
+    description: Description, source: Source, loop: bool = False, device: Encoder | None = None
+) -> Iterator[Packet]:
     """Return what the described device sends while the source's frames happen; ``loop`` begins again at the end.
 
-    All that takes long is done before this returns, so that the first packets are in time.
+    ``device``: the encoder, where somebody else has to know it, too. All that takes long is done before this returns,
+    so that the first packets are in time.
 
     Raises:
         InputError: the source's arrays are not the description's.
@@ -58,18 +62,28 @@ def packets(description: Description, source: Source, loop: bool = False) -> Ite
     if [array.shape for array in source.arrays] != [array.shape for array in description.arrays]:
         raise InputError(f"{source.title!r} and the array description have arrays of different shapes")
     few = source.frames is not None and source.frames <= KEPT
-    return _packets(description, list(source) if few else source, loop)
+    readings = _Readings(description, source)
+    encoder = device or description.wire.encoder(description.options)
+    return _packets(encoder, list(readings) if few else readings, loop)
 
 
-def _packets(description: Description, every: Iterable[Frame], loop: bool) -> Iterator[Packet]:
-    encoder = description.wire.encoder(description.options)
+class _Readings:
+    """What the boards read at every instant of a source, again each time."""
+
+    def __init__(self, description: Description, source: Source) -> None:
+        self._boards, self._source, self._blanks = description.boards, source, description.wire.name == "csv"
+
+    def __iter__(self) -> Iterator[tuple[float, list[Taxels]]]:
+        for t, frames in instants(self._source, len(self._boards)):
+            boards = [back(frame, board) for frame, board in zip(frames, self._boards, strict=True)]
+            yield t, boards if self._blanks else [np.nan_to_num(board) for board in boards]
+
+
+def _packets(encoder: Encoder, every: Iterable[tuple[float, list[Taxels]]], loop: bool) -> Iterator[Packet]:
     count, begin, preamble = 0, 0.0, encoder.preamble()
     while True:
         last = step = 0.0
-        for t, frames in instants(every, len(description.boards)):
-            boards = [back(frame, board) for frame, board in zip(frames, description.boards, strict=True)]
-            if description.wire.name != "csv":
-                boards = [np.nan_to_num(board) for board in boards]
+        for t, boards in every:
             yield begin + t, preamble + encoder.encode(boards, count, begin + t)
             count, preamble, step, last = count + 1, b"", t - last, t
         if not loop:

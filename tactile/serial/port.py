@@ -2,6 +2,8 @@
 
 import contextlib
 import errno
+import os
+import select
 from typing import TYPE_CHECKING
 
 from cnnsim.errors import InputError
@@ -10,8 +12,9 @@ from tactile.wire.extras import need
 if TYPE_CHECKING:
     import serial
 
-WAIT = 0.05
-"""[s] a read waits for a byte."""
+MOST = 65536
+FULL = 4000
+"""Bytes that a terminal gives at once if it has more."""
 CURES = {
     errno.ENOENT: "there is no such port: is the device plugged in? `tactile ports` lists the ports there are",
     errno.ENODEV: "the device behind it is gone: plug it in again",
@@ -36,7 +39,7 @@ def open_port(name: str, baudrate: int) -> "serial.Serial":
     """
     serial = need("serial", "a serial port")
     try:
-        port = serial.Serial(name, baudrate, timeout=WAIT, write_timeout=1.0, exclusive=True)
+        port = serial.Serial(name, baudrate, timeout=0.05, write_timeout=1.0, exclusive=True)
     except (OSError, ValueError) as error:  # SerialException is an OSError
         number = error.errno if isinstance(error, OSError) else None
         what = CURES.get(number, str(error)) if number is not None else _configured(str(error))
@@ -44,6 +47,29 @@ def open_port(name: str, baudrate: int) -> "serial.Serial":
     with contextlib.suppress(OSError, ValueError, NotImplementedError):  # only some drivers have it
         port.set_low_latency_mode(True)  # USB adapters wait 16 ms for more bytes otherwise
     return port
+
+
+def take(port: "serial.Serial", timeout: float) -> bytes:
+    """Return all bytes that have come, waiting up to ``timeout`` [s] for the first.
+
+    In two calls of the system where pyserial's own reading needs five: after each of them this thread has to wait for
+    its turn with the interpreter.
+
+    Raises:
+        OSError: the port is gone.
+    """
+    if not hasattr(port, "fileno"):  # Windows
+        data = port.read(1)
+        return data + port.read(port.in_waiting) if data else data
+    file, data = port.fileno(), b""
+    while select.select([file], [], [], 0 if data else timeout)[0]:
+        piece = os.read(file, MOST)
+        if not piece:
+            raise OSError(errno.EIO, "the device is gone")
+        data += piece
+        if len(piece) < FULL or len(data) > MOST:
+            break
+    return data
 
 
 def _configured(text: str) -> str:

@@ -5,14 +5,15 @@ import time
 from collections.abc import Callable
 
 from cnnsim.errors import InputError
-from tactile.serial.port import WAIT, open_port
+from tactile.serial.port import open_port, take
 from tactile.serial.ring import Ring
 from tactile.serial.source import PLUGGED, TARE, UNPLUGGED, Chunk
 from tactile.wire.base import Talk
 
 FIRST_PAUSE, LONGEST_PAUSE = 0.1, 5.0
 """[s] between tries to open a port that was unplugged: doubled each time."""
-MOST = 65536
+WAIT = 0.05
+"""[s] after which a thread that reads nothing looks whether it is to stop."""
 
 
 class PortReader:
@@ -72,7 +73,7 @@ class PortReader:
 
     def _read(self) -> None:
         port, talk = self._port, self._talk
-        port.timeout = min(WAIT, talk.period) if talk.poll else WAIT
+        wait = min(WAIT, talk.period) if talk.poll else WAIT
         if talk.hello:
             port.write(talk.hello)
         asked = 0
@@ -80,9 +81,8 @@ class PortReader:
             if talk.poll and self._clock() - asked >= talk.period * 1e9:
                 asked = self._clock()
                 port.write(talk.poll)
-            data = port.read(1)
+            data = take(port, wait)
             if data:
-                data += port.read(min(port.in_waiting, MOST))
                 self._ring.put(Chunk(self._clock() - self.origin, data))
 
     def _reopen(self) -> None:

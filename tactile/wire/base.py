@@ -135,7 +135,14 @@ class Decoder(ABC):
 
 
 class Encoder(ABC):
-    """A device's side of the wire: readings in, bytes out. What tests and `tactile emulate` send."""
+    """A device's side of the wire: readings in, bytes out, commands obeyed. What tests and `tactile emulate` send.
+
+    It begins as the last host left it: sending. A device that only answers is ``polled``; ``asked`` counts the requests
+    for readings that it has heard.
+    """
+
+    polled = False
+    asked = 0
 
     def preamble(self) -> bytes:
         """Return what the device sends when it starts."""
@@ -145,8 +152,14 @@ class Encoder(ABC):
     def encode(self, boards: Sequence[Taxels], sequence: int, t_device: float) -> bytes:
         """Return one instant's bytes of all boards; readings out of the format's range are clipped.
 
+        A device that was told to be silent, or to send less often, returns nothing.
+
         Arguments: ``boards`` (taxels, 3) of every board, in the device's unit; ``t_device`` [s].
         """
+
+    def hear(self, data: bytes) -> bytes:
+        """Take what the host says, however cut, obey it, and return what is answered at once. Most devices are deaf."""
+        return b""
 
 
 @dataclass(frozen=True)

@@ -11,17 +11,15 @@ is its force or its displacement (the pillars' forces add up to the sensor's), a
 entry has one byte or two (the block has one length only). Until a load tells, the first triple is taken for the force.
 """
 
-import struct
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from tactile.wire.base import Decoder, Encoder, Found, Options, Reading, Talk, Taxels
-from tactile.wire.papillarray_packet import HUB, PILLAR, WHOLE, Packet, WrongPacketError, read_packet
+from tactile.wire.base import Decoder, Found, Options, Reading, Talk
+from tactile.wire.papillarray_device import PapillarrayEncoder
+from tactile.wire.papillarray_packet import END, START, Packet, WrongPacketError, read_packet
 from tactile.wire.registry import Format
 
-START, END = bytes.fromhex("55667788"), bytes.fromhex("aabbccdd")
 LONGEST = 16384
 """Bytes from start to end marker; two sensors of nine pillars need 817."""
 SHORTEST = 4 + 1 + 2 + 2 + 4
@@ -109,56 +107,11 @@ class PapillarrayDecoder(Decoder):
                 self._order = right
 
 
-class PapillarrayEncoder(Encoder):
-    """Encodes packets; options ``pillar`` ("force first", "displacement first") and ``slip_entry`` (2 or 1 bytes)."""
-
-    def __init__(self, options: Options) -> None:
-        self._displacement_first = options.extra.get("pillar", "force first") == "displacement first"
-        self._entry = b"\x01\x00" if options.extra.get("slip_entry", 2) == 2 else b"\x01"
-
-    def encode(self, boards: Sequence[Taxels], sequence: int, t_device: float) -> bytes:
-        """Return one packet with all sensors; a displacement [mm] is a tenth of its force [N]."""
-        hub = HUB.pack(sequence % 2**32, round(t_device * 1e6))
-        pillars = [self._pillars(values) for values in boards]
-        whole = [self._whole(values) for values in boards]
-        slips = [_nested([b"\x01\x00" + struct.pack("<bf", 2, -1.0)] * len(values)) for values in boards]
-        grips = [self._entry + struct.pack("<bff", 2, 0.5, -1.0)] * len(boards)
-        blocks = {1: hub, 3: _nested(pillars), 4: _nested(whole), 5: _nested(slips), 6: _nested(grips)}
-        at, table = 1 + 4 * len(blocks) + 2, b"\x02"
-        for kind, block in blocks.items():
-            table += struct.pack("<HH", kind, at)
-            at += len(block)
-        payload = table + b"\0\0" + b"".join(blocks.values())
-        return START + payload + struct.pack("<H", sum(payload) & 0xFFFF) + END
-
-    def _pillars(self, values: Taxels) -> bytes:
-        table = np.zeros(len(values), PILLAR)
-        table["kind"] = 2
-        table["triples"][:, int(self._displacement_first)] = values
-        table["triples"][:, int(not self._displacement_first)] = values / 10
-        return _nested([row.tobytes() for row in table])
-
-    @staticmethod
-    def _whole(values: Taxels) -> bytes:
-        entry = np.zeros((), WHOLE)
-        entry["kind"], entry["force"], entry["torque"] = 2, values.sum(0), (1, 2, 3)
-        return entry.tobytes()
-
-
 def _packet(payload: bytes) -> Packet | None:
     try:
         return read_packet(payload)
     except WrongPacketError:
         return None
-
-
-def _nested(entries: list[bytes]) -> bytes:
-    """Return count, offsets from the block's start, entries."""
-    at, offsets = 2 + 2 * len(entries), b""
-    for entry in entries:
-        offsets += struct.pack("<H", at)
-        at += len(entry)
-    return struct.pack("<H", len(entries)) + offsets + b"".join(entries)
 
 
 def _talk(options: Options) -> Talk:

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+START, END = bytes.fromhex("55667788"), bytes.fromhex("aabbccdd")
 PILLAR = np.dtype([("kind", "<u2"), ("triples", "<f4", (2, 3))])
 WHOLE = np.dtype([("kind", "<u2"), ("force", "<f4", 3), ("torque", "<f4", 3)])
 HUB = struct.Struct("<IQ")

@@ -1,97 +1,91 @@
 """Paxini PX-6AX GEN3: the high-speed board, which pushes frames, and the serial converter board, which is asked.
 
-Little endian; LRC is the two's complement of the sum of all bytes before it; a point is int8 Fx, int8 Fy, uint8 Fz in
-0.1 N, Fz positive when pressed.
-
-    push    AA 56 | 00 | u16 FL | u8 error | FL - 1 bytes of data | LRC                                FL + 6 bytes
-    answer  AA 55 | u16 len | dev 01 | 00 | fc FB | u32 address | u16 dlen | u8 status | data | LRC    len + 5 bytes
-
-Pushed data hold for every module a resultant of 6 bytes (three int16) where option ``resultant`` is true, then its
-points; for more than one module this order is not confirmed by a vendor's text. Answers hold the points of one module
-(address 0x40E); status 1 comes with valid ones. Bytes at random pass once in 2^40 (push: two start bytes, 00 and the
-length's two bytes are fixed) or 2^88 tries, each still times 2^8 for the LRC.
-
-Source: paxini-sdk 0.1.0 ``protocol.py``, ``registers.py``, ``boards``.
+Packets are those of `paxini_packet`. Pushed data hold for every module a resultant of 6 bytes (three int16) where
+option ``resultant`` is true, then its points; answers hold the points of one module, and status 1 comes with valid
+ones. Bytes at random pass once in 2^40 (push: two start bytes, 00 and the length's two bytes are fixed) or 2^88 tries,
+each still times 2^8 for the LRC. Replies of the high-speed board to what it was told are no frames and no noise.
 """
 
 import struct
-from collections.abc import Sequence
+from abc import abstractmethod
 
 import numpy as np
 
-from cnnsim.errors import InputError
-from tactile.wire.base import Decoder, Encoder, Found, Options, Reading, Talk, Taxels
+from tactile.wire import paxini_packet as px
+from tactile.wire.base import Decoder, Found, Options, Reading, Talk, Taxels
+from tactile.wire.paxini_device import AnswerEncoder, PushEncoder
 from tactile.wire.registry import Format
 
-NEWTON = 0.1
-POINT = np.dtype([("xy", "i1", 2), ("z", "u1")])
-RESULTANT = 6
-PUSH, ANSWER = bytes.fromhex("aa56"), bytes.fromhex("aa55")
-ANSWER_FIXED = struct.Struct("<BBBIH")
-READ_POINTS = (0x01, 0x00, 0xFB, 0x40E)
-LONGEST = 2048
 
-
-def lrc(data: bytes | bytearray) -> int:
-    """Return the check byte."""
-    return -sum(data) & 0xFF
-
-
-def points(data: bytes, count: int, at: int = 0) -> Taxels:
-    """Return (count, 3) forces [N]."""
-    table = np.frombuffer(data, POINT, count, at)
-    return np.column_stack((table["xy"].astype(np.float64), table["z"])) * NEWTON
-
-
-class _PaxiniDecoder(Decoder):
+class PaxiniDecoder(Decoder):
     """What both boards share: a start, a length, a check byte at the end."""
 
-    start: bytes
-    head: int
+    starts: tuple[bytes, ...]
 
     def _next(self, over: bool) -> Found | None:
         data = self._buffer
-        at = data.find(self.start)
-        if at < 0:
-            at = len(data) - data.endswith(self.start[:1])
+        found = [at for at in map(data.find, self.starts) if at >= 0]
+        at = min(found, default=len(data) - data.endswith(px.REPLY[:1]))
         if at:
             return Found(at)
-        if len(data) < self.head:
-            return Found(len(self.start)) if over else None  # a stump, with nothing to come that would complete it
-        length = self._length(bytes(data[: self.head]))
-        if length is None:
-            return Found(1)
-        if len(data) < length:
-            return Found(1) if over else None
+        length = self._length(bytes(data[:13]))
+        if length is None or (over and len(data) < (length or len(data) + 1)):
+            return Found(1)  # at the end, a stump with nothing to come that would complete it
+        if not length or len(data) < length:
+            return None
         packet = bytes(data[:length])
-        if lrc(packet[:-1]) != packet[-1]:
+        if px.lrc(packet[:-1]) != packet[-1]:
             self.counts.bad_checksum += 1
             return Found(1)
+        if not self._carries(packet):
+            return Found(0, length)
         values = self._values(packet)
         if values is None:
             self.counts.unfit += 1
             return Found(length)
         return Found(0, length, Reading(values, self._begin + length))
 
+    @abstractmethod
     def _length(self, head: bytes) -> int | None:
-        raise NotImplementedError
+        """Return the length of the packet that begins so: None if none does, 0 while that is open."""
 
+    def _carries(self, packet: bytes) -> bool:
+        """Return whether a packet has readings; what has none is a reply."""
+        return True
+
+    @abstractmethod
     def _values(self, packet: bytes) -> Taxels | None:
-        raise NotImplementedError
+        """Return the points of all modules, None if the packet is of another shape."""
 
 
-class PushDecoder(_PaxiniDecoder):
+class PushDecoder(PaxiniDecoder):
     """Decodes frames of the high-speed board."""
 
-    start, head = PUSH, 5
+    starts = px.PUSH, px.REPLY
 
     def __init__(self, options: Options) -> None:
         super().__init__()
-        self._taxels, self._resultant = options.taxels, RESULTANT * resultant(options)
+        self._taxels, self._resultant = options.taxels, px.RESULTANT * px.resultant(options)
 
     def _length(self, head: bytes) -> int | None:
+        if len(head) < 3:
+            return 0
+        if head[2] != 0:
+            return None
+        if head[:2] == px.REPLY:
+            if len(head) < 4 or head[3] & 0x7F not in (px.READ, px.WRITE, px.CALIBRATE):
+                return 0 if len(head) < 4 else None
+            if len(head) < 8:
+                return 0
+            (dlen,) = struct.unpack_from("<H", head, 6)
+            return dlen + 9 if dlen <= 512 else None
+        if len(head) < 5:
+            return 0
         (length,) = struct.unpack_from("<H", head, 3)
-        return length + 6 if head[2] == 0 and 1 <= length <= LONGEST else None
+        return length + 6 if 1 <= length <= px.LONGEST else None
+
+    def _carries(self, packet: bytes) -> bool:
+        return packet[:2] == px.PUSH and len(packet) > 7  # a write to the push register is answered by an empty push
 
     def _values(self, packet: bytes) -> Taxels | None:
         data, at, boards = packet[6:-1], 0, []
@@ -99,97 +93,39 @@ class PushDecoder(_PaxiniDecoder):
             return None
         for count in self._taxels:
             at += self._resultant
-            boards.append(points(data, count, at))
+            boards.append(px.points(data, count, at))
             at += 3 * count
         return np.concatenate(boards)
 
 
-class AnswerDecoder(_PaxiniDecoder):
+class AnswerDecoder(PaxiniDecoder):
     """Decodes answers of the serial converter board to the request for one module's points."""
 
-    start, head = ANSWER, 13
+    starts = (px.REPLY,)
 
     def __init__(self, options: Options) -> None:
         super().__init__()
-        self._taxels = one_module(options)
+        self._taxels = px.one_module(options)
 
     def _length(self, head: bytes) -> int | None:
-        length, *fixed, dlen = struct.unpack("<HBBBIH", head[2:])
-        return length + 5 if tuple(fixed) == READ_POINTS and length == dlen + 10 <= LONGEST else None
+        if len(head) < 13:
+            return 0
+        length, *fixed, dlen = px.SLOW.unpack(head[2:])
+        wanted = (1, 0, px.READ_FORCE, px.POINTS_ADDRESS)
+        return length + 5 if tuple(fixed) == wanted and length == dlen + 10 <= px.LONGEST else None
 
     def _values(self, packet: bytes) -> Taxels | None:
-        return points(packet, self._taxels, 14) if len(packet) == 15 + 3 * self._taxels else None
-
-
-class PushEncoder(Encoder):
-    """Encodes frames of the high-speed board."""
-
-    def __init__(self, options: Options) -> None:
-        self._resultant = resultant(options)
-
-    def encode(self, boards: Sequence[Taxels], sequence: int, t_device: float) -> bytes:
-        """Return one push frame of all modules."""
-        data = b""
-        for values in boards:
-            if self._resultant:
-                data += np.clip(np.rint(values.sum(0) / NEWTON), -(2**15), 2**15 - 1).astype("<i2").tobytes()
-            data += encode_points(values)
-        packet = PUSH + b"\0" + struct.pack("<HB", len(data) + 1, 0) + data
-        return packet + bytes([lrc(packet)])
-
-
-class AnswerEncoder(Encoder):
-    """Encodes answers of the serial converter board."""
-
-    def __init__(self, options: Options) -> None:
-        one_module(options)
-
-    def encode(self, boards: Sequence[Taxels], sequence: int, t_device: float) -> bytes:
-        """Return the answer with the points of the only module."""
-        data = encode_points(boards[0])
-        packet = ANSWER + struct.pack("<HBBBIHB", len(data) + 10, *READ_POINTS, len(data), 1) + data
-        return packet + bytes([lrc(packet)])
-
-
-def encode_points(values: Taxels) -> bytes:
-    """Return the points' bytes, forces out of range clipped."""
-    whole = np.rint(np.nan_to_num(values) / NEWTON)
-    table = np.zeros(len(values), POINT)
-    table["xy"], table["z"] = np.clip(whole[:, :2], -128, 127), np.clip(whole[:, 2], 0, 255)
-    return table.tobytes()
-
-
-def request(function: int, register: int, data: bytes = b"", high_speed: bool = True, count: int = 0) -> bytes:
-    """Return a request to either board: read, write or calibrate."""
-    if high_speed:
-        packet = struct.pack("<HBBHH", 0xAA55, 0, function, register, len(data)) + data
-    else:
-        packet = struct.pack("<HHBBBIH", 0xAA55, 9 + len(data), 1, 0, function, register, count or len(data)) + data
-    return packet + bytes([lrc(packet)])
-
-
-def resultant(options: Options) -> bool:
-    """Return the option: whether pushed data hold resultants."""
-    found = options.extra.get("resultant", True)
-    if not isinstance(found, bool):
-        raise InputError(f"paxini-fast: resultant = {found!r}, true or false wanted")
-    return found
-
-
-def one_module(options: Options) -> int:
-    """Return the taxels of the only module."""
-    if len(options.taxels) != 1:
-        raise InputError(f"paxini-serial: {len(options.taxels)} arrays; this board has 1")
-    return options.taxels[0]
+        return px.points(packet, self._taxels, 14) if len(packet) == 15 + 3 * self._taxels else None
 
 
 def _push_talk(options: Options) -> Talk:
-    types = request(0x10, 0x0016, bytes([2 + resultant(options)]))
-    return Talk(hello=types + request(0x10, 0x0017, b"\1"))
+    types = px.fast_request(px.WRITE, px.DATA_TYPE, bytes([2 + px.resultant(options)]))
+    return Talk(hello=types + px.fast_request(px.WRITE, px.AUTO_PUSH, b"\1"))
 
 
 def _answer_talk(options: Options) -> Talk:
-    return Talk(poll=request(0xFB, 0x40E, high_speed=False, count=3 * one_module(options)), period=1 / 176)
+    count = 3 * px.one_module(options)
+    return Talk(poll=px.slow_request(px.READ_FORCE, px.POINTS_ADDRESS, count=count), period=1 / 176)
 
 
 FORMATS = {
