@@ -7,7 +7,9 @@ from cnnsim.errors import InputError
 from tactile.calibration import Gains
 
 SURE = 5.0
-"""A slope or a mean counts that is at least so many of its standard errors away from zero."""
+"""A slope counts that is at least so many of its standard errors away from zero."""
+STEADY = 0.5
+"""Forces that scatter by more than this share of their mean are no steady load: bare noise seems to press, too."""
 LEAST = 5
 """Fewer answers than that calibrate nothing."""
 
@@ -63,8 +65,8 @@ def gains_from_load(gains: Gains, forces: ArrayLike, load: ArrayLike) -> Gains:
     Arguments: ``forces`` (n,) [N] located with ``gains``; ``load`` [N], one number or (n,).
 
     Raises:
-        InputError: shapes that do not match, fewer than 5 answers, a load that does not press, forces that do not
-            stand out of the noise.
+        InputError: shapes that do not match, fewer than 5 answers, a load that does not press, forces that
+            scatter by more than half of their mean.
 
     Source: Vasarhelyi, Fodor, Roska, sect. 4: "comparing the known load amplitude and the calculated one".
     """
@@ -76,13 +78,14 @@ def gains_from_load(gains: Gains, forces: ArrayLike, load: ArrayLike) -> Gains:
     if not true.min() > 0:
         raise InputError(f"a load of {true.min()} N, one that presses all the time wanted")
     share = found / true
-    error = float(share.std(ddof=1)) / np.sqrt(found.size)
-    if share.mean() <= SURE * error:
+    mean, scatter = float(share.mean()), float(share.std(ddof=1))
+    if not scatter < STEADY * mean:
         raise InputError(
-            f"located forces are {share.mean():.3g} +- {error:.3g} of the load, above {SURE:g} standard errors wanted"
+            f"located forces are {mean:.3g} of the load and scatter by {scatter:.3g}, less than {STEADY:g} of their"
+            " mean wanted"
         )
-    mean = float(found.mean() / true.mean())
-    return Gains(gains.shear / mean, gains.normal / mean)
+    factor = float(true.mean() / found.mean())
+    return Gains(gains.shear * factor, gains.normal * factor)
 
 
 def _enough(first: NDArray[np.float64], second: NDArray[np.float64]) -> None:

@@ -42,7 +42,7 @@ def table(claims: Iterable[Claim]) -> None:
 
 def as_json(claims: Iterable[Claim]) -> None:
     """Print the claims for a machine."""
-    print_json([asdict(claim) for claim in claims])
+    print_json([asdict(claim) | {"agrees": bool(claim.agrees)} for claim in claims])  # NumPy's are not JSON's
 
 
 def arguments(what: str | None) -> argparse.Namespace:
