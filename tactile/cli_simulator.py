@@ -4,7 +4,11 @@ from pathlib import Path
 
 import click
 
-from cnnsim.command import examples, print_json
+from cnnsim.command import console, examples, print_json
+
+
+FULL = 1000
+"""Columns where the output is no terminal: no line of a scene is longer, and nothing is cut."""
 
 
 @click.command(epilog=examples("tactile explain examples/scenes/grip.toml", "tactile explain scene.toml --json"))
@@ -27,7 +31,6 @@ def explain(scene: Path, as_json: bool) -> None:
             }
         )
         return
-    from rich.console import Console  # the same
     from rich.markup import escape  # the same
     from rich.tree import Tree  # the same
 
@@ -44,7 +47,7 @@ def explain(scene: Path, as_json: bool) -> None:
             off.add(f"{text}             [dim]{escape(part.what)}[/]")
     for note in told.notes:
         tree.add(escape(note))
-    Console().print(tree, soft_wrap=True)
+    console(FULL).print(tree)
 
 
 def _time(seconds: float | None) -> str:

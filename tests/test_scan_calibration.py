@@ -30,7 +30,9 @@ def located(readings: Plane, depth: float = DEPTH) -> tuple[Plane, Plane]:
     """(n, 2) places and (n,) forces."""
     x, y, z = readings.T
     dx, dy, force, _ = invert_strain(x, y, z, depth, MODULUS, 0.0, 1)
-    return np.array([dx, dy], np.float64).T, np.asarray(force, np.float64)
+    at, pressed = np.empty((len(x), 2)), np.empty(len(x))
+    at[:, 0], at[:, 1], pressed[:] = dx, dy, force
+    return at, pressed
 
 
 def line(n: int = 61, half: float = 1.5e-4, turn: float = 0.4, y: float = 3e-5) -> tuple[Plane, Plane]:

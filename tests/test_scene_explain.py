@@ -210,3 +210,14 @@ def test_the_command_prints_a_tree_or_json() -> None:
     on = {part["name"] for part in told["parts"] if part["on"]}
     assert on == {"contacts", "field"} | {name for name, _ in read_scene(SCENES / "needle.toml").effects}
     assert explain_file(SCENES / "grip.toml").title.startswith("grip")
+
+
+def test_no_line_is_cut_where_the_output_is_no_terminal() -> None:
+    done = CliRunner().invoke(command, [str(SCENES / "needle.toml")])
+    lines = [line.rstrip() for line in done.output.splitlines()]
+    assert max(map(len, lines)) > 120
+    assert all(line == shown for line, shown in zip(done.output.splitlines(), lines, strict=True))  # and none is padded
+    told = explain_file(SCENES / "needle.toml")
+    for part in (*told.lines, *(part.what for part in told.parts)):
+        assert any(line.endswith(part) for line in lines), part
+    assert len(lines) == 3 + len(told.lines) + len(told.parts) + len(told.notes)
