@@ -6,7 +6,6 @@ import click
 
 from cnnsim.command import console, examples, print_json
 
-
 FULL = 1000
 """Columns where the output is no terminal: no line of a scene is longer, and nothing is cut."""
 

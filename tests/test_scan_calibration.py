@@ -30,14 +30,12 @@ def located(readings: Plane, depth: float = DEPTH) -> tuple[Plane, Plane]:
     """(n, 2) places and (n,) forces."""
     x, y, z = readings.T
     dx, dy, force, _ = invert_strain(x, y, z, depth, MODULUS, 0.0, 1)
-    at, pressed = np.empty((len(x), 2)), np.empty(len(x))
-    at[:, 0], at[:, 1], pressed[:] = dx, dy, force
-    return at, pressed
+    return np.array([dx, dy]).T, np.asarray(force)
 
 
 def line(n: int = 61, half: float = 1.5e-4, turn: float = 0.4, y: float = 3e-5) -> tuple[Plane, Plane]:
     """Times and places of a needle drawn at 1 mm/s along a line that runs beside the taxel."""
-    t = np.arange(n) * (2 * half / (n - 1) / 1e-3)
+    t: Plane = np.arange(n) * (2 * half / (n - 1) / 1e-3)
     along = -half + 1e-3 * t
     return t, np.stack([along * np.cos(turn) - y * np.sin(turn), along * np.sin(turn) + y * np.cos(turn)], axis=-1)
 
