@@ -35,7 +35,7 @@ def located(readings: Plane, depth: float = DEPTH) -> tuple[Plane, Plane]:
 
 def line(n: int = 61, half: float = 1.5e-4, turn: float = 0.4, y: float = 3e-5) -> tuple[Plane, Plane]:
     """Times and places of a needle drawn at 1 mm/s along a line that runs beside the taxel."""
-    t: Plane = np.arange(n) * (2 * half / (n - 1) / 1e-3)
+    t = np.linspace(0, 2 * half / 1e-3, n)
     along = -half + 1e-3 * t
     return t, np.stack([along * np.cos(turn) - y * np.sin(turn), along * np.sin(turn) + y * np.cos(turn)], axis=-1)
 

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from tests.benchmarks import dense, less, limits, peers, report, startup, touch
+from tests.benchmarks import dense, less, limits, peers, report, simulator, startup, touch
 
 
 def main() -> None:
@@ -23,6 +23,8 @@ def main() -> None:
         *less.logic(triad, n),
         *touch.frames(n),
         *touch.inverse(triad, n),
+        *simulator.frames(n),
+        *simulator.roads(n),
         *startup.measure(n),
         *dense.memory(),
     ]

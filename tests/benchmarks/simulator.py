@@ -1,0 +1,95 @@
+"""The simulator: frames of a moving load, what effects cost, and the three roads beside GEMM and Tamaas."""
+
+from collections.abc import Callable
+from importlib import import_module
+from importlib.util import find_spec
+
+import numpy as np
+
+from tactile.elastic.direct import direct_sum
+from tactile.elastic.influence import Influence
+from tactile.elastic.medium import Medium
+from tactile.elastic.spectral import TractionRoad
+from tactile.frame import TaxelArray
+from tactile.simulator.contacts import MovingLoad
+from tactile.simulator.effects.read_noise import ReadNoise
+from tactile.simulator.scene import Scene
+from tests.benchmarks.race import Row, race
+
+ARRAY = TaxelArray("a", 8, 8, 1e-3, 1e-3)
+PATH = np.array([(0.0, -4e-3, 0, 0.01, 0, 0.1), (100.0, 4e-3, 1e-3, 0, 0.02, 0.2)])
+BARE = Scene("moving load", 1000.0, 100.0, 2.4e6, (ARRAY,), (MovingLoad(0, PATH),))
+BODY, PAIRS = Medium(1.0), (100_000, 1024)
+SIDE = 256
+
+
+def everything(scene: Scene) -> Callable[[], object]:
+    """Compute all frames of a scene and keep none."""
+    return lambda: [None for _ in scene.batches(0)]
+
+
+def frames(rounds: int) -> list[Row]:
+    """100 000 frames of 8 x 8 taxels under a moving load: bare, with noise, with an effect off and at strength zero."""
+    scenes = {
+        "bare": BARE,
+        "one noise effect": BARE.with_effects([("read_noise", ReadNoise())]),
+        "an effect that is off": BARE.with_effects(()),
+        "the same at strength zero": BARE.with_effects([("read_noise", ReadNoise(0.0))]),
+    }
+    best = race({name: everything(scene) for name, scene in scenes.items()}, 3 * rounds)
+    targets = {
+        "bare": ">= 200 kHz",
+        "one noise effect": "<= 1.5 x the time",
+        "an effect that is off": "< 1.03 x the time",
+    }
+    rows = []
+    for name, seconds in best.items():
+        ratios = {} if name == "bare" else {"bare": best["bare"] / seconds}
+        note = "" if name == "bare" else f"{seconds / best['bare']:.3f} x the time of bare"
+        rate = 1e-3 * BARE.samples / seconds
+        rows.append(Row(f"8x8, moving load, {name}", "cpu", rate, "kHz", targets.get(name, ""), ratios, note))
+    return rows
+
+
+def roads(rounds: int) -> list[Row]:
+    """The direct sum; the matrix beside GEMM of the same size; transforms beside Tamaas, where it is installed."""
+    random = np.random.default_rng(0)
+    loads, at = random.normal(size=(1, PAIRS[0], 5)), random.normal(size=(PAIRS[1], 2))
+    road, forces = (
+        Influence(ARRAY.positions(), 1e-3, random.normal(size=(64, 2)), BODY),
+        random.normal(size=(8192, 64, 3)),
+    )
+    a, b = random.normal(size=(8192, 192)), random.normal(size=(192, 192))
+    traction = random.normal(size=(SIDE, SIDE, 3))
+    transforms = TractionRoad((SIDE, SIDE), (SIDE, SIDE), 1.0, 1.0, Medium(1.0, 0.499))
+    runners: dict[str, Callable[[], object]] = {
+        "direct": lambda: direct_sum(at, 0.5, loads, BODY),
+        "matrix": lambda: road(forces),
+        "gemm": lambda: a @ b,
+        "transforms": lambda: transforms(traction),
+    }
+    if find_spec("tamaas"):
+        runners["tamaas"] = tamaas(traction)
+    best = race(runners, rounds)
+    theirs = best.get("tamaas", np.inf) / 2  # two layers come out of it
+    against = {"tamaas": theirs / best["transforms"]} if "tamaas" in best else {}
+    pairs = 1e-9 * PAIRS[0] * PAIRS[1] / best["direct"]
+    return [
+        Row("1024 taxels, 1e5 loads, direct sum", "cpu", pairs, "G pairs/s", ">= 0.3"),
+        Row("8x8, 64 loads that stay, matrix", "cpu", 8192e-3 / best["matrix"], "kHz", ">= 0.5 of GEMM",
+            {"gemm": best["gemm"] / best["matrix"]}),
+        Row(f"{SIDE}x{SIDE} loads and taxels, transforms", "cpu", 1 / best["transforms"], "Hz", ">= 0.5 x tamaas",
+            against, "" if against else "tamaas: not installed"),
+    ]  # fmt: skip
+
+
+def tamaas(traction: np.ndarray) -> Callable[[], object]:
+    """The same strains by Tamaas: the gradient of Boussinesq's displacements, in two layers, the fewest it takes."""
+    package = import_module("tamaas")
+    package.set_log_level(package.LogLevel.error)
+    model = package.Model(package.model_type.volume_2d, [1.0, float(SIDE), float(SIDE)], [2, SIDE, SIDE])
+    model.E, model.nu = 1.0, 0.499
+    package.ModelFactory.registerVolumeOperators(model)
+    strain = np.zeros((2, SIDE, SIDE, 6))
+    # the operator lives as long as its model, which therefore must not go out of scope
+    return lambda: model.operators["boussinesq_gradient"](traction, strain)
