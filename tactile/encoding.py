@@ -78,8 +78,15 @@ def encode(frame: Frame, quantity: Quantity, shear: Threshold, contact: Threshol
     """
     use = frame.valid[..., None] & np.isfinite(frame.values)
     values = np.where(use, frame.values, 0.0)
+    return encode_values(values, quantity, shear, contact)
+
+
+def encode_values(
+    values: NDArray[np.float64], quantity: Quantity, shear: Threshold, contact: Threshold
+) -> dict[str, NDArray[np.float64]]:
+    """Return the same planes of values (rows, cols, 3) that are all finite."""
     inward = 1.0 if quantity == "force" else -1.0
-    scaled = np.empty((3, *frame.valid.shape))
+    scaled = np.empty((3, *values.shape[:2]))
     scaled[:NORMAL] = values[..., :NORMAL].transpose(2, 0, 1) / shear.full_scale
     scaled[NORMAL] = values[..., NORMAL] * (inward / contact.full_scale)
     shear_x, shear_y, pressing = np.minimum(np.maximum(scaled, -1), 1)

@@ -1,6 +1,7 @@
 """Finger: what has to be remembered of one array between frames, and what one frame does to it."""
 
 from dataclasses import dataclass, replace
+from math import isfinite
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from cnnsim.program import Program
 from cnnsim.program_file import load_program
 from tactile.calibration import Gains, Tare
 from tactile.comparators import Comparators
-from tactile.encoding import CONTACT, SHEAR, Threshold, encode
+from tactile.encoding import CONTACT, SHEAR, Threshold, encode, encode_values
 from tactile.events import load_meaning, meaning, slip_meaning
 from tactile.frame import Frame, TaxelArray
 from tactile.localise import Load, localise
@@ -76,9 +77,8 @@ class Finger:
         if self.taxels.update(encode(frame, self.array.quantity, self._shear, self._contact)):
             happened.append(meaning(self.taxels.before, self.taxels.code))
         if load is not None:
-            whole = np.nan_to_num(np.array([[[load.Q, load.R, load.F]]]))
-            alone = Frame(frame.finger, frame.t, frame.sequence, whole, np.ones((1, 1), dtype=bool))
-            if self._load.update(encode(alone, "force", SHEAR["force"], CONTACT["force"])):
+            whole = np.array([[[part if isfinite(part) else 0.0 for part in (load.Q, load.R, load.F)]]])
+            if self._load.update(encode_values(whole, "force", SHEAR["force"], CONTACT["force"])):
                 happened += load_meaning(self._load.before, self._load.code, load)
             slip = self._slip.update(frame.t, load, bool(self.taxels.code.contact.any()))
             happened += [slip_meaning(slip)] if slip else []

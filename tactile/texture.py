@@ -59,6 +59,8 @@ class Texture:
         if values.ndim != 3 or values.shape[2] != 3:
             raise InputError(f"texture frame of shape {values.shape}, (rows, cols, 3) wanted")
         shape = values.shape[:2]
+        from tactile.texture_numba import step  # numba is slow to import
+
         if self._streak is None:
             self._streak = np.zeros(shape, np.int64)
             self._block = np.zeros((self.window, *shape))
@@ -68,44 +70,11 @@ class Texture:
         if shape != self._streak.shape:
             raise InputError(f"texture frame of {shape} taxels after frames of {self._streak.shape}")
 
-        with np.errstate(all="ignore"):
-            normal = np.abs(values[..., 2])
-            mu = np.hypot(values[..., 0], values[..., 1]) / normal
-            counts = (normal > self.floor) & np.isfinite(normal) & np.isfinite(mu)
-        self._streak = np.where(counts, self._streak + 1, 0)
-        mu = np.where(counts, mu, 0.0)
-
-        self._block[self._head] = mu
-        _add(self._grown, self._head, mu)
-        self._head += 1
-        mean, squares = _join(self._tails[self._head], self.window - self._head, self._grown, self._head)
-        if self._head == self.window:
-            self._start_block()
-
-        valid = self._streak >= self.window
-        spread = 100 * np.sqrt(squares / (self.window - 1))
-        roughness = np.divide(spread, mean, out=np.zeros(shape), where=mean > 0)
-        return TextureFigures(np.where(valid, mean, np.nan), np.where(valid, roughness, np.nan), valid)
-
-    def _start_block(self) -> None:
-        """Sum up the full block from its end; the head starts anew."""
-        tail = np.zeros_like(self._grown)
-        for k in range(self.window - 1, -1, -1):
-            _add(tail, self.window - 1 - k, self._block[k])
-            self._tails[k] = tail
-        self._grown[...] = 0
-        self._head = 0
-
-
-def _add(moments: Plane, count: int, sample: Plane) -> None:
-    """Add one sample to the (mean, squares) of ``count`` samples, in place (Welford)."""
-    step = sample - moments[0]
-    moments[0] += step / (count + 1)
-    moments[1] += step * (sample - moments[0])
-
-
-def _join(a: Plane, n_a: int, b: Plane, n_b: int) -> tuple[Plane, Plane]:
-    """Return mean and squares of two groups together."""
-    step = b[0] - a[0]
-    total = n_a + n_b
-    return a[0] + step * (n_b / total), a[1] + b[1] + step * step * (n_a * n_b / total)
+        figures = np.empty((2, *shape))
+        step(
+            np.ascontiguousarray(values), self.floor, self._streak, self._block, self._tails, self._grown, self._head,
+            figures,
+        )  # fmt: skip
+        self._head = (self._head + 1) % self.window
+        friction, roughness = figures
+        return TextureFigures(friction, roughness, self._streak >= self.window)

@@ -11,6 +11,7 @@ from tactile.elastic.halfspace import point_load_strain, point_load_stress
 from tactile.frame import TaxelArray
 from tactile.inverse import Validity, invert_strain, invert_stress
 from tactile.localise import Load, localise, three_taxels
+from tests.oracles.localise import localise as plain
 
 DEPTH = 1.5e-3
 PITCH = 1.5e-3
@@ -159,3 +160,31 @@ def test_a_place_that_does_not_stand_out_is_called_ambiguous() -> None:
     random = np.random.default_rng(11)
     codes = [locate(at, random.normal(size=(2, 2, 3)) * 1e-3).validity for _ in range(50)]
     assert codes.count(Validity.AMBIGUOUS) > 15
+
+
+@pytest.mark.parametrize("stress", [False, True])
+@pytest.mark.parametrize("shape", [(1, 1), (1, 4), (2, 2), (3, 3), (8, 8)])
+def test_compiled_loops_agree_with_plain_arrays(shape: tuple[int, int], stress: bool) -> None:
+    """On noise, on one load, on two, with taxels missing: every branch and near ties."""
+    random, at, seen = np.random.default_rng(5), array(*shape), set()
+    for n in range(120):
+        loads = [random_load(random, *shape) for _ in range(n % 3)]
+        if stress:
+            signals = point_load_stress(at, DEPTH, loads) if loads else np.zeros((*shape, 3))
+            floor = 1e-3 * np.abs(signals).max()
+        else:
+            signals = point_load_strain(at, DEPTH, loads, MODULUS) if loads else np.zeros((*shape, 3))
+            floor = 1e-3 * np.abs(signals).max() if n % 2 else 0.0
+        signals = signals + random.normal(size=signals.shape) * np.abs(signals).max() * 0.05 * (n % 4)
+        signals[random.random(shape) < 0.1] = np.nan if n % 5 == 0 else 0.0
+        x, y, z = np.moveaxis(signals, -1, 0)
+        if stress:
+            pressing, pulling = invert_stress(x, y, z, DEPTH, floor), None
+        else:
+            pressing, pulling = (invert_strain(x, y, z, DEPTH, MODULUS, floor, sign) for sign in (1, -1))
+        got, wanted = localise(at, pressing, pulling, DEPTH), plain(at, pressing, pulling, DEPTH)
+        seen.add(got.validity)
+        assert (got.taxels, got.validity) == (wanted.taxels, wanted.validity)
+        assert as_row(got) == pytest.approx(as_row(wanted), rel=1e-7, abs=1e-9, nan_ok=True)
+        assert got.residual == pytest.approx(wanted.residual, rel=1e-6, abs=1e-12, nan_ok=True)
+    assert len(seen) >= (2 if shape == (1, 1) else 3)
