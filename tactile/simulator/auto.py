@@ -28,9 +28,10 @@ class Choice:
 
 
 def candidates(scene: Scene) -> list[Named]:
-    """Every effect there is: as the scene describes it, or at its typical strength."""
+    """Every effect there is: as the scene describes it, or typical; on bumps not those of a flat cover."""
     named = dict(scene.effects)
-    return [(name, named[name] if name in named else effect_class(name)()) for name in ORDER]
+    every = [(name, named[name] if name in named else effect_class(name)()) for name in ORDER]
+    return [(name, effect) for name, effect in every if scene.bumps is None or effect.STAGE != "field"]
 
 
 def size_of(sample: Sample, name: str, effect: Any) -> float:

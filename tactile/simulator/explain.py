@@ -1,8 +1,10 @@
 """What a scene consists of: every part with its size in the signal, its time per frame, and what is left out."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from tactile.simulator.auto import candidates, choose, size_of
 from tactile.simulator.estimate import Sample
@@ -72,8 +74,12 @@ def explain(scene: Scene, tolerance: float | None = None) -> Explanation:
             0.0,
             seconds["contacts"],
         ),
-        Part("field", "elastic half-space, incompressible", True, 1.0, seconds["field"]),
+        Part("field", str(scene.bumps or "elastic half-space, incompressible"), True, 1.0, seconds["field"]),
     ]
+    if scene.bumps is not None:
+        notes.append(
+            f"against the flat cover the bumps change the signal by up to {_departure(scene, sample):.2g} of its peak"
+        )
     for name, effect in candidates(described):
         size = choice.sizes[name] if choice else size_of(sample, name, effect)
         parts.append(Part(name, _describe(effect), name in on, size, seconds.get(name)))
@@ -86,6 +92,17 @@ def explain(scene: Scene, tolerance: float | None = None) -> Explanation:
         tuple(parts),
         tuple(notes),
     )
+
+
+def _departure(scene: Scene, sample: Sample) -> float:
+    """How far the field lies from that of the same loads on a flat, endless cover, relative to the peak."""
+    flat = Sample(replace(scene, bumps=None)).fields
+    gaps = [
+        float(np.abs(one.values - other.values).max())
+        for ours, theirs in zip(sample.fields, flat, strict=True)
+        for one, other in zip(ours, theirs, strict=True)
+    ]
+    return max(gaps) / sample.peak
 
 
 def _describe(effect: Any) -> str:

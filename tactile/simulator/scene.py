@@ -5,7 +5,7 @@ import zlib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Protocol, cast
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,9 @@ from tactile.simulator.contacts import MovingLoad
 from tactile.simulator.field import Field, field_of
 from tactile.simulator.pressed import Pressed, together
 from tactile.simulator.roads import Road, plan
+
+if TYPE_CHECKING:
+    from tactile.simulator.bumps import Bumps
 
 Plane = NDArray[np.float64]
 CHUNK = 512
@@ -43,6 +46,7 @@ class Scene:
     ``contacts``: all else that presses; what acts on one finger adds. ``effects``: (name, effect) in the order in
     which they act, none for the paper's ideal skin. ``full_scale``: the largest strain the electronics are made for.
     ``seed``: every effect of every finger draws from a generator of its own, so that none changes with the others.
+    ``bumps``: the cover has one over every taxel, None for a flat one.
     """
 
     title: str
@@ -55,6 +59,7 @@ class Scene:
     effects: tuple[tuple[str, Any], ...] = ()
     full_scale: float = FULL_SCALE
     seed: int = 0
+    bumps: "Bumps | None" = None
 
     @property
     def frames(self) -> int | None:
@@ -92,6 +97,8 @@ class Scene:
 
     @cached_property
     def _roads(self) -> tuple[Road, ...]:
+        if self.bumps is not None:
+            return (Road("matrix", f"{self.bumps}"),) * len(self.arrays)
         # a few moments show whether loads move; a load that moves only between them is caught on the way
         moments = np.linspace(0, (self.samples - 1) / self.rate, min(self.samples, 5))
         return tuple(
@@ -103,6 +110,9 @@ class Scene:
         array, medium = self.arrays[finger], self.medium(finger)
         for first, piece in times:
             pressed, road = self.pressed(finger, piece), self.road(finger)
+            if self.bumps is not None:
+                yield Field(array, medium, piece, first, pressed, self.bumps.felt(array, medium, pressed))
+                continue
             moves = road.name != "direct" and bool((pressed.loads[..., :2] != pressed.loads[:1, :, :2]).any())
             yield field_of(array, medium, piece, first, pressed, Road("direct", "moves after all") if moves else road)
 

@@ -15,7 +15,7 @@ TOP_KEYS = (
     "title", "rate_hz", "duration_s", "seed", "effects", "tolerance",
     "cover", "finger", "load", "contact", "texture", "map", "effect",
 )  # fmt: skip
-COVER_KEYS = ("youngs_modulus_mpa", "quantity", "full_scale")
+COVER_KEYS = ("youngs_modulus_mpa", "quantity", "full_scale", "kind")
 FINGER_KEYS = ("name", "rows", "cols", "pitch_mm", "depth_mm", "origin_mm")
 LOAD_KEYS = ("finger", "path")
 KEYFRAME = "t_s, x_mm, y_mm, Q_N, R_N, F_N"
@@ -70,7 +70,7 @@ def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tupl
     """
     check_keys(table, TOP_KEYS, where)
     cover = take(table, "cover", dict, where)
-    check_keys(cover, COVER_KEYS, f"{where}: [cover]")
+    bumpy = _is_bumpy(cover, f"{where}: [cover]")
     modulus = positive(cover, "youngs_modulus_mpa", f"{where}: [cover]") * 1e6
     quantity = take(cover, "quantity", str, f"{where}: [cover]", "strain")
     if quantity not in ("strain", "stress"):
@@ -99,7 +99,14 @@ def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tupl
         effects=_effects(table, where),
         full_scale=positive(cover, "full_scale", f"{where}: [cover]", FULL_SCALE),
         seed=take(table, "seed", int, where, 0),
+        bumps=_bumps(cover, arrays, f"{where}: [cover]") if bumpy else None,
     )
+    if scene.bumps is not None:
+        flat = [name for name, effect in scene.effects if effect.STAGE == "field"]
+        if flat:
+            raise InputError(
+                f"{where}: [effect]: {', '.join(flat)} on bumps; effects on the flat cover's field left out wanted"
+            )
     if scene.seed < 0:
         raise InputError(f"{where}: seed = {scene.seed}, a whole number from 0 up wanted")
     if "effects" not in table:
@@ -111,6 +118,25 @@ def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tupl
             f"{where}: effects = {table['effects']!r}, 'auto' wanted; single ones are tables [effect.NAME]"
         )
     return scene, positive(table, "tolerance", where, TOLERANCE)
+
+
+def _is_bumpy(cover: dict[str, Any], where: str) -> bool:
+    kind = take(cover, "kind", str, where, "flat")
+    if kind not in ("flat", "bump"):
+        raise InputError(f"{where}: kind = {kind!r}, 'flat' or 'bump' wanted")
+    if kind == "flat":
+        check_keys(cover, COVER_KEYS, where)
+        return False
+    from tactile.simulator.scene_cover import BUMP_KEYS  # only where called for
+
+    check_keys(cover, (*COVER_KEYS, *BUMP_KEYS), where)
+    return True
+
+
+def _bumps(cover: dict[str, Any], arrays: tuple[TaxelArray, ...], where: str) -> Any:
+    from tactile.simulator.scene_cover import read_bumps  # only where called for
+
+    return read_bumps(cover, arrays, where)
 
 
 def _finger(table: dict[str, Any], quantity: str, where: str) -> TaxelArray:

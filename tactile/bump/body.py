@@ -1,0 +1,114 @@
+"""A body of finite elements: its out-of-balance forces and their derivative, displacement with or without pressure."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.linalg import splu
+from skfem import Basis, ElementTetP1, ElementTetP2, ElementTriP1, ElementTriP2, ElementVector
+from skfem.mesh import Mesh
+
+from tactile.bump.kinematics import Kinematics
+from tactile.bump.law import Law, Mixed, stress, tangent
+
+Plane = NDArray[np.float64]
+Index = NDArray[np.int64]
+ELEMENTS = {(2, 1): ElementTriP1, (2, 2): ElementTriP2, (3, 1): ElementTetP1, (3, 2): ElementTetP2}
+
+
+class Body:
+    """Displacements of degree 2 (or 1), with a ``Mixed`` law pressures of degree 1: Taylor and Hood's element.
+
+    A state is one vector: displacements, then pressures. Errors are of the order h^3 in the displacement and h^2 in
+    strain and pressure where the solution is smooth and curved sides are curved.
+
+    Arguments: ``mesh`` of the section (x or radius, z) or of the solid; ``degree`` of the displacements.
+
+    Source: Taylor and Hood (1973); Brezzi and Fortin, Mixed and Hybrid Finite Element Methods.
+    """
+
+    def __init__(self, mesh: Mesh, kinematics: Kinematics, law: Law, degree: int = 2) -> None:
+        self.mesh, self.kinematics, self.law = mesh, kinematics, law
+        kind = ELEMENTS[mesh.dim(), degree]
+        self.basis = Basis(mesh, ElementVector(kind(), kinematics.components), intorder=4 if mesh.dim() == 2 else 3)
+        self.size = int(self.basis.N)
+        self.place = np.asarray(self.basis.doflocs)
+        self.component = np.empty(self.size, np.int64)
+        for number, index in enumerate(self.basis.split_indices()):
+            self.component[index] = number
+        where = np.asarray(self.basis.global_coordinates())
+        self.weight = self.basis.dx * kinematics.around * (where[0] if kinematics.ring else 1.0)
+        self.slopes = np.stack(
+            [kinematics.gradient(np.asarray(field), field.grad, where[0]) for (field,) in self.basis.basis], axis=-1
+        ).transpose(2, 3, 0, 1, 4)  # (elements, points, 3, 3, functions)
+        self.slopes = self.slopes.reshape(*self.slopes.shape[:2], 9, -1)
+        self.dofs: Index = self.basis.element_dofs.T
+        if law.mixed:
+            line = ELEMENTS[mesh.dim(), 1]
+            self.pressures = Basis(mesh, line(), quadrature=self.basis.quadrature)
+            self.shapes = np.stack([np.asarray(field) for (field,) in self.pressures.basis], axis=-1)
+            self.dofs = np.hstack([self.dofs, self.pressures.element_dofs.T + self.size])
+            self.size += int(self.pressures.N)
+            self.place = np.hstack([self.place, self.pressures.doflocs])
+            self.component = np.concatenate([self.component, np.full(self.pressures.N, -1)])
+
+    def at_points(self, state: Plane) -> tuple[Plane, Plane]:
+        """Deformation gradients (elements, points, 3, 3) and pressures (elements, points) of a state."""
+        local, count = state[self.dofs], self.slopes.shape[-1]
+        gradient = np.einsum("eqcn,en->eqc", self.slopes, local[:, :count], optimize=True)
+        gradient = gradient.reshape(*gradient.shape[:2], 3, 3) + np.eye(3)
+        pressure = np.zeros(self.weight.shape)
+        if self.law.mixed:
+            pressure = np.einsum("eqn,en->eq", self.shapes, local[:, count:])
+        return gradient, pressure
+
+    def forces(self, state: Plane) -> Plane:
+        """Out-of-balance forces [N], per metre of thickness in the plane; in the pressures' rows volumes [m^3]."""
+        return self.both(*self.at_points(state))[0]
+
+    def stiffness(self, gradient: Plane, pressure: Plane) -> sparse.csc_matrix:
+        """Derivative of the forces by the state, at deformation gradients and pressures as ``at_points`` gives them."""
+        return self.both(gradient, pressure)[1]
+
+    def rest(self) -> tuple[Plane, Plane]:
+        """``at_points`` where nothing is deformed."""
+        return np.broadcast_to(np.eye(3), (*self.weight.shape, 3, 3)), np.zeros(self.weight.shape)
+
+    def both(self, gradient: Plane, pressure: Plane) -> tuple[Plane, sparse.csc_matrix]:
+        """Out-of-balance forces and their derivative."""
+        first, inverse, volume, s, m = stress(self.law, gradient, pressure)
+        elements, points, _, count = self.slopes.shape
+        weight = self.weight[..., None]
+        tall = self.slopes.reshape(elements, points * 9, count).transpose(0, 2, 1)
+        local = [np.matmul(tall, (first.reshape(elements, points, 9) * weight).reshape(elements, -1, 1))[..., 0]]
+        cofactor = (np.swapaxes(inverse, -1, -2) * volume[..., None, None]).reshape(elements, points, 9, 1)
+        if isinstance(self.law, Mixed):
+            gap = (volume - 1 - self.law.compliance * pressure) * self.weight
+            local.append(np.einsum("eqn,eq->en", self.shapes, gap))
+        out = np.zeros(self.size)
+        np.add.at(out, self.dofs, np.concatenate(local, axis=1))
+        weighed = np.matmul(tangent(self.law, inverse, s, m) * weight[..., None], self.slopes)
+        block = np.matmul(tall, weighed.reshape(elements, points * 9, count))
+        if isinstance(self.law, Mixed):
+            pushed = (cofactor * self.shapes[:, :, None, :] * weight[..., None]).reshape(elements, points * 9, -1)
+            side = np.matmul(tall, pushed)
+            shapes = self.shapes * weight
+            corner = -self.law.compliance * np.einsum("eqn,eqm->enm", shapes, self.shapes)
+            block = np.block([[block, side], [side.transpose(0, 2, 1), corner]])
+        rows = np.broadcast_to(self.dofs[:, :, None], block.shape)
+        cols = np.broadcast_to(self.dofs[:, None, :], block.shape)
+        matrix = sparse.coo_matrix((block.ravel(), (rows.ravel(), cols.ravel())), (self.size, self.size))
+        return out, matrix.tocsc()
+
+
+def solve(matrix: sparse.csc_matrix, load: Plane, fixed: Index, values: Plane) -> Plane:
+    """The state of a linear body with some unknowns given: direct, the matrix scaled to a diagonal near one."""
+    state = np.zeros(matrix.shape[0])
+    state[fixed] = values
+    free = np.setdiff1d(np.arange(len(state)), fixed)
+    right = (load - matrix @ state)[free]
+    inner = matrix[free][:, free]
+    scale = 1 / np.sqrt(np.maximum(abs(inner).max(axis=1).toarray().ravel(), np.finfo(float).tiny))
+    by = sparse.diags(scale)
+    factors = splu((by @ inner @ by).tocsc(), permc_spec="COLAMD")
+    state[free] = scale * factors.solve(scale * right)
+    return state

@@ -1,0 +1,53 @@
+"""Newton's method: the balance of forces at finite strain under given displacements."""
+
+import numpy as np
+
+from cnnsim.errors import InputError
+from tactile.bump.body import Body, Index, Plane, solve
+from tactile.bump.plate import Held
+
+TOLERANCE = 1e-9
+"""Out-of-balance forces that count as none, relative to all nodal forces."""
+ITERATIONS = 15
+
+
+def balance(body: Body, start: Plane, fixed: Index, values: Plane) -> Plane | None:
+    """The state in balance with the unknowns ``fixed`` at ``values``, None if Newton does not get there from ``start``.
+
+    The first step is the linear answer about the start; steps that turn an element inside out are refused.
+    """
+    state, free = start, np.ones(body.size, bool)
+    free[fixed] = False
+    for _ in range(ITERATIONS):
+        points = body.at_points(state)
+        if not (np.linalg.det(points[0]) > 0).all():
+            return None
+        residual, matrix = body.both(*points)
+        gap = np.abs(residual[free]).sum() / max(np.abs(residual).sum(), np.finfo(float).tiny)
+        if gap < TOLERANCE and np.array_equal(state[fixed], values):
+            return state
+        state = state + solve(matrix, -residual, fixed, values - state[fixed])
+        state[fixed] = values
+    return None
+
+
+def push_to(body: Body, hold: Held, displacement: float) -> Plane:
+    """The state with the plate, stuck where ``hold`` says, moved by ``displacement`` [m], in steps as large as work.
+
+    Raises:
+        InputError: steps of a 64th do not converge: elements at the contact's edge are turned inside out.
+    """
+    state, reached, step = np.zeros(body.size), 0.0, 1.0
+    while reached < 1:
+        step = min(step, 1 - reached)
+        tried = balance(body, state, hold.fixed, hold.state((reached + step) * displacement))
+        if tried is not None:
+            state, reached = tried, reached + step
+            continue
+        step /= 2
+        if step < 1 / 64:
+            raise InputError(
+                f"a plate moved by {displacement * 1e6:.4g} um: no balance of forces beyond "
+                f"{reached * displacement * 1e6:.4g} um; less, or a wider contact wanted"
+            )
+    return state

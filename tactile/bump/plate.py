@@ -1,0 +1,65 @@
+"""The rigid plate that sticks to the top of the bump: what it holds, what it moves, the force that this takes."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactile.bump.body import Body, Index, Plane, solve
+from tactile.bump.kinematics import SOLID
+from tactile.bump.shape import Shape
+
+Push = Literal["press", "shift"]
+"""Along z, into the body, or along x; the plate does not tilt."""
+
+
+@dataclass(frozen=True)
+class Held:
+    """Which unknowns of a body are given: those at ``fixed``, the plate's displacement times ``rigid``."""
+
+    fixed: Index
+    rigid: Plane
+
+    def state(self, displacement: float) -> Plane:
+        """Values at ``fixed`` for a displacement [m] of the plate."""
+        return displacement * self.rigid[self.fixed]
+
+    def force(self, out_of_balance: Plane) -> float:
+        """What the plate carries along its push [N], from the virtual work of a unit displacement."""
+        return float(self.rigid @ out_of_balance)
+
+
+def held(body: Body, shape: Shape, push: Push, contact: float | None = None) -> Held:
+    """The bottom fixed, the sides free, the top stuck to the plate up to ``contact`` [m], the shape's unless given."""
+    reach = shape.contact if contact is None else contact
+    x, z = (body.place[0], body.place[1]) if len(body.place) == 2 else (np.hypot(*body.place[:2]), body.place[2])
+    near = 1e-9 * shape.radius
+    moving = body.component >= 0
+    arc = shape.curved(np.stack([np.abs(x), z], axis=-1))
+    top = moving & arc & (np.abs(x) <= reach + near)
+    fixed = top | (moving & (z >= shape.thickness - near))
+    for component in body.kinematics.axis:
+        fixed |= (body.component == component) & (np.abs(x) <= near)
+    if body.kinematics.axis and push == "shift":
+        fixed |= (body.component == -1) & (np.abs(x) <= near)  # a pressure that goes with cos(theta) is 0 there too
+    if body.kinematics is SOLID:  # a quarter of it: mirror planes, x = 0 an antisymmetric one under a shift
+        fixed |= (body.place[1] <= near) & (body.component == 1)
+        across = (0,) if push == "press" else (1, 2, -1)
+        fixed |= (body.place[0] <= near) & np.isin(body.component, across)
+    unit = body.kinematics.press if push == "press" else body.kinematics.shift
+    assert unit is not None
+    rigid = np.where(top, np.array([*unit, 0.0])[body.component], 0.0)
+    return Held(np.flatnonzero(fixed), rigid)
+
+
+def respond(body: Body, hold: Held, rest: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None) -> Plane:
+    """The state per metre that the plate moves, at small strain, about ``rest`` (nothing deformed unless given)."""
+    matrix = body.stiffness(*(body.rest() if rest is None else rest))
+    return solve(matrix, np.zeros(body.size), hold.fixed, hold.state(1.0))
+
+
+def stiffness(body: Body, hold: Held, state: Plane) -> float:
+    """Force over displacement [N/m] of a small-strain response, four quarters counted where the body is one."""
+    force = hold.force(body.stiffness(*body.rest()) @ state)
+    return 4 * force if body.kinematics is SOLID else force

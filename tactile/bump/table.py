@@ -1,0 +1,78 @@
+"""What was computed of a bump, kept: a table in memory and in the user's cache."""
+
+import contextlib
+import hashlib
+import os
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+Plane = NDArray[np.float64]
+VERSION = 1
+"""Goes up when the same bump gets other numbers: older tables are then computed anew."""
+
+
+@dataclass(frozen=True)
+class Response:
+    """What is felt at one depth around a bump, see ``bump.response``.
+
+    ``radii`` (n,) [m]; ``forces`` (k,) [N] at which the table is made, one newton alone where all is
+    linear; ``indentations`` (k,) [m] there, NaN where linear; ``normal`` (k, n, 2): zz and rz under that force;
+    ``shear`` (k, n, 3): zz, even and odd per newton of shear; ``stiffness`` (2,): force over
+    displacement of the plate [N/m], at first along z, then x.
+    """
+
+    radii: Plane
+    forces: Plane
+    indentations: Plane
+    normal: Plane
+    shear: Plane
+    stiffness: Plane
+
+    @property
+    def linear(self) -> bool:
+        """Whether it holds for every force."""
+        return len(self.forces) == 1
+
+
+def folder() -> Path:
+    """Where tables are kept: the user's cache."""
+    from platformdirs import user_cache_path  # only for bumps
+
+    return user_cache_path("cellular-wave-touch", appauthor=False) / "bumps"
+
+
+def remembered(key: str, make: Callable[[], Response]) -> Response:
+    """The table that ``make`` gives, from the cache where the same ``key`` was asked for before.
+
+    A file that cannot be read, or was made for another key, is made again. A cache that cannot be written is done
+    without.
+    """
+    key = f"{VERSION} {key}"
+    path = folder() / f"{hashlib.sha256(key.encode()).hexdigest()[:24]}.npz"
+    with contextlib.suppress(OSError, ValueError, KeyError, EOFError, BadZipFile), np.load(path) as kept:
+        if str(kept["key"]) == key:
+            return Response(**{part.name: kept[part.name] for part in fields(Response)})
+    print("bump: finite elements, once for these dimensions", file=sys.stderr)
+    table = make()
+    with contextlib.suppress(OSError):
+        _keep(path, key, table)
+    return table
+
+
+def _keep(path: Path, key: str, table: Response) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, suffix=".part")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            np.savez(file, key=key, **vars(table))
+        Path(name).replace(path)  # whoever reads sees a whole file or none
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise

@@ -1,0 +1,103 @@
+"""A flat plate lowered on the bump: what it touches sticks, and the contact grows."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.errors import InputError
+from tactile.bump.body import Body, Index, Plane, solve
+from tactile.bump.finite import balance
+from tactile.bump.plate import held
+from tactile.bump.shape import Shape
+
+
+@dataclass(frozen=True)
+class Touch:
+    """The bump under the plate: ``indentation`` [m], ``contact``: half the width that sticks, on the undeformed bump
+    [m], ``force`` [N] (per metre of thickness in the plane), and the body's ``state``."""
+
+    indentation: float
+    contact: float
+    force: float
+    state: Plane
+
+
+def lower(body: Body, shape: Shape, indentations: Iterable[float], finite: bool) -> Iterator[Touch]:
+    """A rigid flat plate lowered step by step on the top of a body under a ``press``.
+
+    Whatever of the arc comes to lie on or above the plate's plane sticks to it where it arrived (infinite friction),
+    and stays: the contact grows by whole nodes.
+
+    Arguments: ``indentations`` [m], growing; ``finite``: strains of any size, else the small-strain body.
+
+    Raises:
+        InputError: indentations that do not grow, or at which no balance is found.
+
+    Source: Vasarhelyi, Fodor, Roska, sect. 5: "flat and rigid, touching the top of the bump with infinite friction".
+    """
+    nodes = _Nodes(body, shape)
+    stuck, anchor = nodes.on_axis.copy(), np.zeros(nodes.x.size)
+    linear = None if finite else body.stiffness(*body.rest())
+    state, reached = np.zeros(body.size), 0.0
+    for wanted in indentations:
+        if not (np.isfinite(wanted) and wanted >= reached):
+            raise InputError(f"an indentation of {wanted} m after {reached} m, growing ones wanted")
+        lowered = wanted - nodes.gap
+        about = linear if linear is not None else body.stiffness(*body.at_points(state))
+        offset = -body.forces(state) if finite else np.zeros(body.size)
+        certain = False  # whether the state tried is the balance, or its linear estimate
+        while True:
+            fixed, values = nodes.held(stuck, anchor, lowered)
+            if certain:
+                found = balance(body, state, fixed, values)
+                if found is None:
+                    raise InputError(
+                        f"a plate {wanted * 1e6:.4g} um down: no balance of forces beyond {reached * 1e6:.4g} um; "
+                        "a smaller indentation, or smaller steps to it wanted"
+                    )
+                tried = found
+            elif finite:
+                tried = state + solve(about, offset, fixed, values - state[fixed])
+            else:
+                tried = solve(about, offset, fixed, values)
+            over = ~stuck & (tried[nodes.down] < lowered - 1e-9 * shape.radius)
+            if over.any():
+                # where the plate met a node on its way, its side displacement lies between the two states'
+                before, after = state[nodes.down] - (reached - nodes.gap), tried[nodes.down] - lowered
+                share = np.clip(before / np.where(over, before - after, 1), 0, 1)
+                anchor[over] = (state[nodes.side] + share * (tried[nodes.side] - state[nodes.side]))[over]
+                stuck |= over
+            elif certain or not finite:
+                break
+            else:
+                certain = True
+        state, reached = tried, wanted
+        forces = body.forces(state) if linear is None else linear @ state
+        yield Touch(wanted, float(nodes.x[stuck].max()), float(forces[nodes.down[stuck]].sum()), state)
+
+
+class _Nodes:
+    """The nodes of the arc: their unknowns sideways and down, and how far under the plate they start [m]."""
+
+    def __init__(self, body: Body, shape: Shape) -> None:
+        x, z = body.place
+        arc = shape.curved(np.stack([np.abs(x), z], axis=-1))
+        side, down = (np.flatnonzero(arc & (body.component == k)) for k in (0, 1))
+        self.side: Index = side[np.lexsort((z[side], x[side]))]
+        self.down: Index = down[np.lexsort((z[down], x[down]))]
+        assert np.allclose(body.place[:, self.side], body.place[:, self.down])
+        self.x = np.abs(x[self.down])
+        self.gap = z[self.down] + shape.radius
+        self.on_axis = self.x <= 1e-9 * shape.radius
+        on_plate = np.concatenate([self.side, self.down])
+        self._base: Index = np.setdiff1d(held(body, shape, "press", contact=0.0).fixed, on_plate)
+
+    def held(self, stuck: NDArray[np.bool_], anchor: Plane, lowered: Plane) -> tuple[Index, Plane]:
+        """The unknowns given, and their values, where some nodes stick to a plate at ``lowered`` above them."""
+        fixed = np.concatenate(
+            [self._base, self.side[self.on_axis], self.side[stuck & ~self.on_axis], self.down[stuck]]
+        )
+        values = [np.zeros(self._base.size + self.on_axis.sum()), anchor[stuck & ~self.on_axis], lowered[stuck]]
+        return fixed, np.concatenate(values)

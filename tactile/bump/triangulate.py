@@ -1,0 +1,69 @@
+"""Graded triangles in a plane region: points along its boundary, then circumcentres where triangles are too large."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import Delaunay, cKDTree
+
+Plane = NDArray[np.float64]
+LARGEST = 0.75
+"""Circumradius over wanted edge length above which a triangle gets a point; 0.58 is the equilateral triangle's."""
+
+
+def triangulate(
+    outline: list[Plane], inside: Callable[[Plane], NDArray[np.bool_]], size: Callable[[Plane], Plane]
+) -> tuple[Plane, NDArray[np.int64]]:
+    """Points (n, 2) and triangles (m, 3) of the region within a closed outline.
+
+    A new point lies at least its wanted edge length times 0.75 from all others, and so, with boundary points an edge
+    length apart, at least half a length from the boundary: no triangle gets thin. No corner of the region may be
+    sharper than about 60 degrees.
+
+    Arguments: ``outline``: polylines (k, 2) that follow one another around the region, their ends its fixed points;
+    ``inside``: which points lie in the open region; ``size``: wanted edge length at points.
+
+    Source: Ruppert (1995), Delaunay refinement.
+    """
+    points = np.concatenate([_graded(line, size)[:-1] for line in outline])
+    for _ in range(200):
+        triangles = _triangles(points, inside)
+        centre, radius = _circles(points, triangles)
+        excess = radius / size(centre)
+        new = np.flatnonzero((excess > LARGEST) & inside(centre))
+        if not new.size:
+            break
+        new = new[np.argsort(-excess[new])]
+        # of circumcentres nearer to each other than their circles reach, the worst goes first
+        tree, taken = cKDTree(centre[new]), np.zeros(len(new), bool)
+        for n, close in enumerate(tree.query_ball_point(centre[new], LARGEST * size(centre[new]))):
+            taken[n] = not taken[close].any()
+        points = np.concatenate([points, centre[new[taken]]])
+    return points, triangles
+
+
+def _graded(line: Plane, size: Callable[[Plane], Plane]) -> Plane:
+    """Points along a polyline, each a wanted edge length from the next, both ends among them."""
+    step = np.linalg.norm(np.diff(line, axis=0), axis=1)
+    count = np.concatenate([[0.0], np.cumsum(step / size((line[1:] + line[:-1]) / 2))])
+    at = np.linspace(0, count[-1], max(2, int(np.ceil(count[-1])) + 1))
+    graded = np.stack([np.interp(at, count, column) for column in line.T], axis=-1)
+    graded[[0, -1]] = line[[0, -1]]
+    return graded
+
+
+def _triangles(points: Plane, inside: Callable[[Plane], NDArray[np.bool_]]) -> NDArray[np.int64]:
+    triangles = Delaunay(points).simplices.astype(np.int64)
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    longest = np.max([((b - a) ** 2).sum(1), ((c - b) ** 2).sum(1), ((a - c) ** 2).sum(1)], axis=0)
+    area = np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+    return triangles[(area > 1e-6 * longest) & inside((a + b + c) / 3)]  # points on a line make flat triangles
+
+
+def _circles(points: Plane, triangles: NDArray[np.int64]) -> tuple[Plane, Plane]:
+    a = points[triangles[:, 0]]
+    b, c = points[triangles[:, 1]] - a, points[triangles[:, 2]] - a
+    twice = 2 * (b[:, 0] * c[:, 1] - b[:, 1] * c[:, 0])
+    bb, cc = (b**2).sum(1), (c**2).sum(1)
+    offset = np.stack([c[:, 1] * bb - b[:, 1] * cc, b[:, 0] * cc - c[:, 0] * bb], axis=-1) / twice[:, None]
+    return a + offset, np.linalg.norm(offset, axis=1)
