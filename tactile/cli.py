@@ -1,5 +1,6 @@
 """The command line of the tactile layer."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,7 @@ import click
 from cnnsim import backends
 from cnnsim.command import CommandGroup, examples, print_json
 from tactile.calibration import Gains
+from tactile.cli_calibrate import calibrate
 from tactile.cli_serial import convert_command, emulate, live, ports, record, replay
 from tactile.cli_simulator import explain
 from tactile.encoding import SIGN, Threshold
@@ -24,7 +26,7 @@ def main() -> None:
     """Turn frames of three-axial taxel arrays into events, located loads and texture figures."""
 
 
-for command in (explain, ports, emulate, record, replay, convert_command, live):
+for command in (calibrate, explain, ports, emulate, record, replay, convert_command, live):
     main.add_command(command)
 
 
@@ -46,11 +48,13 @@ for command in (explain, ports, emulate, record, replay, convert_command, live):
 @click.option("--floor", type=float, help="Normal signal below which texture figures are not valid.")
 @click.option("--tare", type=int, help=f"Unloaded frames at the start to average away [{TARE} for .npz, else 0].")
 @click.option("--gains", help="SHEAR,NORMAL: factors from readings to strain, stress or force (eq. 15).")
+@click.option("--calibration", type=click.Path(path_type=Path), help="Gains, depth and correction of a skin.")
 @click.option("--backend", type=click.Choice(backends.NAMES), default="cpu", show_default=True)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
 def run(
     source: Path, output: Path | None, dead_band: float | None, hysteresis: float | None, sign_code: bool, window: int,
-    floor: float | None, tare: int | None, gains: str | None, backend: str, as_json: bool,
+    floor: float | None, tare: int | None, gains: str | None, calibration: Path | None, backend: str,
+    as_json: bool,
 ) -> None:  # fmt: skip
     """Run SOURCE, a scene (.toml) or a recording (.npz, .csv), through the pipeline."""
     from rich.progress import track  # not for --help
@@ -69,6 +73,8 @@ def run(
         shear = Threshold(dead_band, dead_band / 2 if hysteresis is None else hysteresis)
     offset = tare if tare is not None else (TARE if source.suffix == ".npz" else 0)
     settings = Settings(shear, window=window, floor=floor, tare=offset, gains=_gains(gains), backend=backend)
+    if calibration is not None:
+        settings = _calibrated(settings, calibration)
     collected = Collected()
     watched = _Watched(frames, track(frames, "touch", total=frames.frames, transient=True, disable=as_json))
     if output is None:
@@ -95,6 +101,15 @@ def _gains(text: str | None) -> Gains | None:
     except ValueError as error:
         raise click.UsageError(f"--gains {text!r}; two numbers SHEAR,NORMAL wanted") from error
     return Gains(shear, normal)
+
+
+def _calibrated(settings: Settings, path: Path) -> Settings:
+    from tactile.calibration_file import read_calibration  # SciPy's splines are slow to import
+
+    if settings.gains is not None:
+        raise click.UsageError("--calibration has gains; leave out --gains")
+    made = read_calibration(path)
+    return replace(settings, gains=made.gains, depth=made.depth, radial=made.radial)
 
 
 class _Watched:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from math import isfinite
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,6 +19,9 @@ from tactile.localise import Load, localise
 from tactile.slip import SlipWatch
 from tactile.texture import Texture, TextureFigures
 
+if TYPE_CHECKING:
+    from tactile.radial import RadialCorrection
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -25,7 +29,8 @@ class Settings:
 
     ``shear`` and ``contact`` thresholds in the unit of the signal; ``window`` T [frames] and ``floor`` (normal signal)
     of the texture figures; ``tare`` frames at the start that are averaged away; ``gains`` from readings to the array's
-    quantity, eq. (15); ``backend`` of the machine.
+    quantity, eq. (15); ``depth`` [m] to locate with and ``radial`` correction of what a taxel locates, as a scan
+    measured them; ``backend`` of the machine.
     """
 
     shear: Threshold | None = None
@@ -34,6 +39,8 @@ class Settings:
     floor: float | None = None
     tare: int = 0
     gains: Gains | None = None
+    depth: float | None = None
+    radial: "RadialCorrection | None" = None
     backend: str = "cpu"
 
 
@@ -44,9 +51,9 @@ class Finger:
         contact = settings.contact or CONTACT[array.quantity]
         shear = settings.shear or SHEAR[array.quantity]
         machine = UniversalMachine(settings.backend, "float64")
-        self.array = array
+        self.array = array = array if settings.depth is None else replace(array, depth=settings.depth)
         self._shear, self._contact = shear, contact
-        self._tare, self._gains = Tare(settings.tare), settings.gains
+        self._tare, self._gains, self._radial = Tare(settings.tare), settings.gains, settings.radial
         self.taxels = Comparators(machine, array.shape, shear, contact)
         self._load = Comparators(machine, (1, 1), SHEAR["force"], CONTACT["force"])
         self._slip = SlipWatch()
@@ -69,6 +76,8 @@ class Finger:
         values = np.where(frame.valid[..., None], frame.values, np.nan)
         signals = {name: values[..., i] for i, name in enumerate(self._inverse.inputs)}
         planes = tuple(self._machine.run(self._inverse, **signals).values())
+        if self._radial is not None:
+            planes = tuple(plane for k in range(0, len(planes), 4) for plane in self._radial(planes[k : k + 4]))
         return localise(self._positions, planes[:4], planes[4:] or None, self.array.depth)
 
     def notice(self, frame: Frame, load: Load | None) -> list[str]:

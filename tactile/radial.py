@@ -56,8 +56,9 @@ class RadialCorrection:
     def _curves(self) -> tuple[PchipInterpolator, PchipInterpolator]:
         return PchipInterpolator(self.found, self.true), PchipInterpolator(self.found, self.force)
 
-    def __call__(self, dx: Plane, dy: Plane, force: Plane, validity: Plane) -> Planes:
+    def __call__(self, planes: Planes) -> Planes:
         """Return the planes corrected."""
+        dx, dy, force, validity = planes
         radius, factor = self._curves
         rho = np.hypot(dx, dy)
         answered = (validity != Validity.NO_LOAD) & (validity != Validity.INVALID)

@@ -133,7 +133,7 @@ def test_a_radial_correction_tends_to_the_closed_form() -> None:
     for rings in (5, 10, 20):
         correction = radial_from_scan(seen, places, forces, FORCE, rings)
         at = np.linspace(0.02, correction.found[-1] / DEPTH * 0.999, 200)
-        dx, dy, force, validity = correction(0.6 * at * DEPTH, -0.8 * at * DEPTH, np.ones(200), np.ones(200))
+        dx, dy, force, validity = correction((0.6 * at * DEPTH, -0.8 * at * DEPTH, np.ones(200), np.ones(200)))
         radius, factor = true_of(at)
         assert (validity == Validity.INSIDE).all()
         assert dx * -0.8 == pytest.approx(dy * 0.6, abs=1e-18)  # along the same ray
@@ -149,7 +149,7 @@ def test_an_exact_map_stays_as_it_is() -> None:
     seen, forces = located(strain(places))
     correction = radial_from_scan(seen, places, forces, FORCE, 8)
     use = np.hypot(*places.T) < 1.8e-4
-    dx, dy, force, _ = correction(seen[use, 0], seen[use, 1], forces[use], np.ones(use.sum()))
+    dx, dy, force, _ = correction((seen[use, 0], seen[use, 1], forces[use], np.ones(use.sum())))
     assert np.stack([dx, dy], axis=-1) == pytest.approx(places[use], rel=1e-12, abs=1e-18)
     assert force == pytest.approx(np.full(use.sum(), FORCE), rel=1e-12)
 
@@ -158,7 +158,7 @@ def test_what_has_no_answer_gets_none_and_what_was_not_measured_is_invalid() -> 
     correction = RadialCorrection((0, 1, 2), (0, 2, 3), (1.0, 1.5, 2.0))
     at = np.array([0.0, 1.0, 2.0, 2.1, 0.0, 0.5])
     given = np.array([Validity.INSIDE, Validity.INSIDE, Validity.OUTSIDE, 1, Validity.NO_LOAD, Validity.INVALID], float)
-    dx, dy, force, validity = correction(at, 0 * at, np.ones(6), given)
+    dx, dy, force, validity = correction((at, 0 * at, np.ones(6), given))
     assert dx.tolist() == pytest.approx([0, 2, 3, 0, 0, 0])
     assert not dy.any()
     assert force.tolist() == pytest.approx([1, 1.5, 2, 0, 0, 0])
@@ -172,7 +172,7 @@ def test_noise_of_the_scan_averages_out() -> None:
     noisy = seen + random.normal(0, 3e-6, seen.shape)
     correction = radial_from_scan(noisy, places, forces * random.normal(1, 0.05, 3000), FORCE, 10)
     use = np.hypot(*places.T) < 2.2e-4
-    dx, dy, force, _ = correction(seen[use, 0], seen[use, 1], forces[use], np.ones(use.sum()))
+    dx, dy, force, _ = correction((seen[use, 0], seen[use, 1], forces[use], np.ones(use.sum())))
     before = np.sqrt(((seen[use] - places[use]) ** 2).sum(-1).mean())
     after = np.sqrt(((np.stack([dx, dy], -1) - places[use]) ** 2).sum(-1).mean())
     assert before > 30e-6

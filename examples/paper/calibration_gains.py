@@ -81,7 +81,7 @@ def study(skin: Skin) -> list[Gain]:
     radial = radial_from_scan(found.places[far], known.places[far], found.force[far], FORCE, RINGS)
     before = locate(tried, gains, depth)
     x, y = np.moveaxis(before.places, -1, 0)
-    dx, dy, force, validity = radial(x, y, before.force, np.full(x.shape, float(Validity.INSIDE)))
+    dx, dy, force, validity = radial((x, y, before.force, np.full(x.shape, float(Validity.INSIDE))))
     corrected = Located(np.stack([dx, dy], axis=-1), force)
     steps.append(error("radial", skin.name, tried, corrected, validity != Validity.INVALID))
     return steps

@@ -1,0 +1,77 @@
+"""What a scan has measured of a skin, and the TOML file that keeps it: written by ``calibrate``, read by ``run``."""
+
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cnnsim.errors import InputError
+from tactile.calibration import Gains
+from tactile.radial import RadialCorrection
+from tactile.sources.tables import check_keys, take, take_numbers
+
+KEYS = ("shear_gain", "normal_gain", "depth_mm", "radial")
+RADIAL_KEYS = ("located_um", "true_um", "force_factor")
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """The gains from readings to strain, the depth [m] to locate with, and the radial correction."""
+
+    gains: Gains
+    depth: float
+    radial: RadialCorrection
+
+
+def read_calibration(path: Path) -> Calibration:
+    """Read a calibration.
+
+    Raises:
+        InputError: no such file, no TOML, an unknown or missing key, a wrong type or value.
+    """
+    where = str(path)
+    try:
+        table: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{where}: cannot be read as a calibration: {error}") from error
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{where}: not TOML: {error}") from error
+    check_keys(table, KEYS, where)
+    radial = take(table, "radial", dict, where)
+    check_keys(radial, RADIAL_KEYS, f"{where}: [radial]")
+    count = len(take(radial, "located_um", list, f"{where}: [radial]"))
+    columns = [take_numbers(radial, key, count, f"{where}: [radial]") for key in RADIAL_KEYS]
+    depth = take(table, "depth_mm", float, where)
+    if depth <= 0:
+        raise InputError(f"{where}: depth_mm = {depth}, a positive number wanted")
+    try:
+        found, true = ([um * 1e-6 for um in column] for column in columns[:2])
+        gains = Gains(take(table, "shear_gain", float, where), take(table, "normal_gain", float, where))
+        return Calibration(gains, depth * 1e-3, RadialCorrection(found, true, columns[2]))
+    except InputError as error:
+        raise error if str(error).startswith(where) else InputError(f"{where}: {error}") from error
+
+
+def write_calibration(path: Path, made: Calibration) -> None:
+    """Write a calibration, to be read by people as well.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    radial = made.radial
+    lines = [
+        "# Readings times the gains are strain; loads are located with this depth, then put right by their distance",
+        "# from the taxel.",
+        f"shear_gain = {made.gains.shear!r}",
+        f"normal_gain = {made.gains.normal!r}",
+        f"depth_mm = {made.depth * 1e3!r}",
+        "",
+        "[radial]",
+        f"located_um = {[radius * 1e6 for radius in radial.found]!r}",
+        f"true_um = {[radius * 1e6 for radius in radial.true]!r}",
+        f"force_factor = {list(radial.force)!r}",
+    ]
+    try:
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"cannot write {path}: {error.strerror}") from error
