@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -93,6 +94,37 @@ def test_a_script_runs_alone(tmp_path: Path) -> None:
     told = json.loads(done.stdout)
     assert [Claim(**claim) for claim in told] == claims("fig03_region_of_interest")
     assert (tmp_path / "new" / "fig03.png").is_file()
+
+
+def test_all_scripts_in_one_table(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(every, "SCRIPTS", ["fig03_region_of_interest", "fig06_normal_to_shear_ratio"])
+    monkeypatch.setattr(sys, "argv", ["paper", "--json", "-o", str(tmp_path)])
+    every.main()
+    told = [Claim(**claim) for claim in json.loads(capsys.readouterr().out)]
+    assert told == claims("fig03_region_of_interest") + claims("fig06_normal_to_shear_ratio")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["fig03.png", "fig06.png"]
+    monkeypatch.setattr(sys, "argv", ["paper"])
+    every.main()
+    shown = capsys.readouterr().out
+    assert shown.count("agrees") == len(told)
+
+
+@pytest.mark.parametrize("study", [ablation, calibration_gains])
+def test_studies_print_and_draw(
+    study: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["study", "-o", str(tmp_path)])
+    monkeypatch.setattr(study, "SKINS", (POINT, STRESS))
+    study.main()
+    shown = capsys.readouterr().out
+    assert POINT.name in shown
+    assert STRESS.name in shown
+    assert len(list(tmp_path.glob("*.png"))) == 1
+    monkeypatch.setattr(sys, "argv", ["study", "--json"])
+    study.main()
+    assert {line["skin"] for line in json.loads(capsys.readouterr().out)} == {POINT.name, STRESS.name}
 
 
 def test_the_table_says_it_all(capsys: pytest.CaptureFixture[str]) -> None:
