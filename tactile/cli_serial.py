@@ -10,7 +10,7 @@ import click
 
 from cnnsim.command import examples, print_json
 from tactile.serial.commands import ARRAY, FILE, PROTOCOL, live, record, replay
-from tactile.serial.console import chosen_description, stopping, write_text
+from tactile.serial.console import be_steady, chosen_description, stopping, write_text
 
 __all__ = ["COMMANDS", "convert_command", "emulate", "live", "ports", "record", "replay"]
 
@@ -88,6 +88,7 @@ def emulate(
     click.echo(device.port)
     sys.stdout.flush()
     stop = threading.Event()
+    be_steady()
     with stopping(stop.set):
         device.run(stream, stop)
     click.echo(f"sent {device.sent} packets, lost {device.lost} for want of room", err=True)

@@ -1,5 +1,8 @@
 """What stands between bytes and frames on the host: device clocks, tares, array descriptions."""
 
+import ctypes
+import platform
+import threading
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +14,7 @@ from tactile.serial.arrange import Arrange, back
 from tactile.serial.clock import ENOUGH, LATE, ClockLine
 from tactile.serial.description import default_description, parse_description
 from tactile.serial.packets import emulated_description, packets
+from tactile.serial.prompt import ATTRIBUTES, SLICE, ask_for_short_slices
 from tactile.serial.tare import LiveTare
 from tactile.wire.base import Reading
 from tests.serial_kit import grip, sent
@@ -162,3 +166,25 @@ def test_devices_that_need_no_description_and_those_that_do() -> None:
     description, _ = sent("native", 0.1)
     with pytest.raises(InputError, match="different shapes"):
         packets(description, replace(grip(0.1), arrays=grip(0.1).arrays[:1]))
+
+
+def test_short_slices_are_asked_for_where_the_kernel_has_them() -> None:
+    """In a thread of its own, since it stays so; what the kernel says afterwards tells."""
+    if platform.system() != "Linux" or platform.machine() != "x86_64":
+        pytest.skip("the number of the call that asks back is that of x86_64 Linux")
+    said: list[tuple[bool, int, int]] = []
+
+    def ask() -> None:
+        agreed, answer = ask_for_short_slices(), ctypes.create_string_buffer(ATTRIBUTES.size)
+        failed = ctypes.CDLL(None).syscall(315, 0, answer, ATTRIBUTES.size, 0)
+        said.append((agreed, failed, ATTRIBUTES.unpack(answer.raw)[5]))
+
+    thread = threading.Thread(target=ask)
+    thread.start()
+    thread.join()
+    ((agreed, failed, slice_),) = said
+    if failed:
+        pytest.skip("this kernel does not know the call")
+    assert agreed
+    if tuple(int(part) for part in platform.release().split(".")[:2]) >= (6, 12):
+        assert slice_ == SLICE

@@ -39,8 +39,8 @@ def record(
 
     description = console.chosen_description(protocol, array)
     recording = Recording(console.mcap(output), description, {"port": port})
-    session = console.opened(lambda: Session(port, description, recording, seconds=seconds, once=once), recording)
     console.be_steady()
+    session = console.opened(lambda: Session(port, description, recording, seconds=seconds, once=once), recording)
     with console.stopping(session.stop), console.closing(session, recording, as_json):
         following = 10**9
         for _ in session.source:
@@ -89,8 +89,8 @@ def live(
     if output is not None:
         recording = Recording(console.mcap(output), description, {"port": port, "choices": choices.text()})
     tares = choices.tares(description.arrays)
-    session = console.opened(lambda: Session(port, description, recording, tares, seconds, once), recording)
     console.be_steady()
+    session = console.opened(lambda: Session(port, description, recording, tares, seconds, once), recording)
     view = sys.stdout.isatty() and not as_json
     say = print_line if as_json else console.nothing if view else console.tell
     watch = Watch(session.source, say, session.now, recording.note if recording else None, lambda: session.counts)

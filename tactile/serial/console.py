@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cnnsim.errors import InputError
+from tactile.serial.prompt import ask_for_short_slices
 
 if TYPE_CHECKING:
     from tactile.serial.description import Description
@@ -177,11 +178,12 @@ def listen(session: "Session") -> None:
 
 
 def be_steady() -> None:
-    """Let the thread that owns the port have its turn within 0.25 ms, where Python's default is 5 ms.
+    """Let threads that are started from now on have their turn soon, also while other programs are busy.
 
-    And let the collector of cyclic garbage leave alone what all libraries have made so far: looking through that takes
-    longer than a frame.
+    The interpreter hands over after 0.25 ms, where its default is 5 ms, and the collector of cyclic garbage leaves
+    alone what all libraries have made so far: looking through that takes longer than a frame.
     """
+    ask_for_short_slices()
     sys.setswitchinterval(0.00025)
     gc.collect()
     gc.freeze()

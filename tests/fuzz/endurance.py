@@ -64,7 +64,10 @@ def emulator(folder: Path, hz: float, seconds: float, *more: str) -> "Iterator[C
     (folder / "scene.toml").write_text(SCENE.format(hz=hz, seconds=float(seconds)), encoding="utf-8")
     arguments = ["emulate", "--protocol", "native", "--scene", str(folder / "scene.toml"), "--link",
                  str(folder / "skin"), "--write-array", str(folder / "array.toml"), *more]  # fmt: skip
-    process = subprocess.Popen([*TACTILE, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    # a session of its own: where the kernel shares the processors out by session, a device takes none of the reader's
+    process = subprocess.Popen(
+        [*TACTILE, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
     assert process.stdout is not None
     process.stdout.readline()
 
