@@ -43,8 +43,8 @@ def compare(folder: Path | None) -> list[Claim]:
         Claim("5", "beta_ns is not one: it depends on the sensor and on the cover's adhesion", "1.46",
               f"strain, equal gains, half-space: 1; layer 2 z thick: {bonded:.3f}; stress: {stress:.3f}",
               abs(stress - 1.5) < 1e-9,
-              "a taxel of equal gains that feels stress instead of strain shows exactly 3/2 in eq. (18): that alone "
-              "would explain the measured value"),
+              "a taxel of equal gains that feels stress instead of strain shows exactly 3/2 in eq. (18), one sigma "
+              "from the measured value"),
     ]  # fmt: skip
 
 
