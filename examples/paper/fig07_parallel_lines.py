@@ -37,8 +37,8 @@ def compare(folder: Path | None) -> list[Claim]:
     return [
         Claim("7", "precision within 150 um, noise alone", "3-5 um", f"{noise.located.error(noise.made) * um:.1f} um",
               fits(noise.located.error(noise.made)),
-              f"or finer; typical noise: 1 um sideways, 0.5 um up and down, 1e-3 of {FULL_SCALE} strain in the electronics, "
-              "for which the paper gives no figures"),
+              f"or finer; typical noise: 1 um sideways, 0.5 um up and down, 1e-3 of {FULL_SCALE} strain in the "
+              "electronics, for which the paper gives no figures"),
         Claim("7", "the same, sect. 4.1 but for the taxel's area: as it comes, then with the linear constant", "3-5 um",
               f"{point.located.error(point.made) * um:.1f} um, then {point.mended.error(point.made) * um:.1f} um",
               fits(point.mended.error(point.made)),
