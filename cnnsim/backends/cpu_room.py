@@ -10,12 +10,14 @@ from cnnsim.backends.cpu_rows import BLOCK, PAD, STRIDE
 Array = NDArray[Any]
 
 FIXED, ZERO_FLUX, PERIODIC = 0, 1, 2
+GROUP = 4 * BLOCK
+"""Rows that a level of a tile steps at a time: what is kept of the last ones is copied once for all of them."""
 SLACK = 32
 """Rows that stream past before the live ones are moved back to the start of their buffer."""
 
 
 class Places(NamedTuple):
-    """Where things begin in a room: live rows of x and w, two blocks of y, the rows of y kept for each level, a drive,
+    """Where things begin in a room: live rows of x and w, two groups of y, the rows of y kept for each level, a drive,
     a row, and the nine entries of a 3 x 3 matrix.
     """
 
@@ -32,18 +34,18 @@ class Places(NamedTuple):
 @helper
 def room_cells(depth: int, r: int) -> int:
     """Return the size of one thread's room for tiles of this depth."""
-    return STRIDE * (2 * (depth * r + BLOCK + SLACK) + 2 * (BLOCK + 2 * r) + 2 * r * depth + BLOCK + 2)
+    return STRIDE * (2 * (depth * r + GROUP + SLACK) + 2 * (GROUP + 2 * r) + 2 * r * depth + GROUP + 2)
 
 
 @helper
 def divide(room: Array, depth: int, r: int) -> Places:
     """Give each thing its place, the first at the start of a cache line."""
     x = ((64 - (room.ctypes.data & 63)) & 63) // room.itemsize
-    live, block = STRIDE * (depth * r + BLOCK + SLACK), STRIDE * (BLOCK + 2 * r)
+    live, block = STRIDE * (depth * r + GROUP + SLACK), STRIDE * (GROUP + 2 * r)
     y = x + 2 * live
     kept = y + 2 * block
     drive = kept + STRIDE * 2 * r * depth
-    row = drive + STRIDE * BLOCK
+    row = drive + STRIDE * GROUP
     return Places(x, x + live, y, y + block, kept, drive, row, row + STRIDE)
 
 
@@ -81,10 +83,10 @@ def load_row(plane: Array, i: int, first: int, n: int, room: Array, at: int, who
 
 
 @helper
-def clip_block(room: Array, at_x: int, at_y: int, n: int) -> None:
-    """Write the outputs of a block."""
+def clip_rows(room: Array, at_x: int, at_y: int, n: int, rows: int) -> None:
+    """Write the outputs of some rows."""
     one = room.dtype.type(1)
-    for q in range(BLOCK):
+    for q in range(rows):
         first, to = at_x + q * STRIDE, at_y + q * STRIDE + PAD
         x, y = room[first : first + n], room[to : to + n]
         for j in range(n):
@@ -97,23 +99,27 @@ def clip_block(room: Array, at_x: int, at_y: int, n: int) -> None:
 def set_virtual(
     room: Array, at: int, i0: int, rows: int, n: int, left: bool, right: bool, r: int, kind: int, c: float
 ) -> None:
-    """Set the virtual cells of a block of y: its rows from 2r on are the grid's rows i0 .. i0 + 3, n columns.
+    """Set the virtual cells of a group of rows of y: its rows from 2r on are the grid's rows from i0 on, n columns.
 
-    ``left`` and ``right``: whether the block reaches the grid's first or last column. Rows above the grid are the r
-    rows before row 0, still in the block when row 0 comes.
+    ``left`` and ``right``: whether the rows reach the grid's first or last column. Rows above the grid are the r
+    rows before row 0, still in the group when row 0 comes.
     """
     used = n + 2 * PAD
-    for q in range(BLOCK):
+    for q in range(GROUP):
         o, i = at + (q + 2 * r) * STRIDE, i0 + q
         if i >= rows and kind == ZERO_FLUX:
             move(room, o - STRIDE, room, o, used)
         elif i >= rows:
             fill(room, o, used, c)
         if left:
-            fill(room, o + PAD - r, r, room[o + PAD] if kind == ZERO_FLUX else c)
+            v = room[o + PAD] if kind == ZERO_FLUX else c
+            for p in range(o + PAD - r, o + PAD):
+                room[p] = v
         if right:
             end = o + PAD + n
-            fill(room, end, r, room[end - 1] if kind == ZERO_FLUX else c)
+            v = room[end - 1] if kind == ZERO_FLUX else c
+            for p in range(end, end + r):
+                room[p] = v
         if i == 0:
             for p in range(1, r + 1):
                 if kind == ZERO_FLUX:

@@ -1,6 +1,6 @@
 """Several Euler steps of one tile of the grid while its rows stay in the cache.
 
-The tile's rows stream through ``depth`` levels, four rows at a time; level t holds the state after t steps and follows
+The tile's rows stream through ``depth`` levels, 16 rows at a time; level t holds the state after t steps and follows
 level t-1 by r rows, which is all that a template of radius r needs to see. x and w exist once: each level replaces the
 rows of x in place, and only the 2r rows of outputs that the next level still needs are kept for each level. The tile
 is loaded with r cells more all round for each step; what comes in from outside spoils r of them a step, and what is
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cnnsim.backends.cpu_compile import helper
 from cnnsim.backends.cpu_look import look_block
-from cnnsim.backends.cpu_room import PERIODIC, SLACK, Places, clip_block, fill, load_row, move, set_virtual
+from cnnsim.backends.cpu_room import GROUP, PERIODIC, SLACK, Places, clip_rows, fill, load_row, move, set_virtual
 from cnnsim.backends.cpu_rows import BLOCK, PAD, STRIDE, any_taps, cross, isotropic, nine_taps
 
 Array = NDArray[Any]
@@ -91,7 +91,7 @@ def stream(
         room[at.square + m] = square[m]
     y, new = at.y, at.new
     line = reach  # where row `base` lies among the live rows of x and w
-    for base in range(top, area.r1 + reach, BLOCK):
+    for base in range(top, area.r1 + reach, GROUP):
         if line > reach + SLACK:
             for p in range(reach):
                 for live in (at.x, at.w):
@@ -103,31 +103,35 @@ def stream(
             if i >= area.r1 + margin or (not torus and i >= rows + r):
                 through = True  # this level has done its rows; the next one finds the last of them kept
                 continue
-            if i + BLOCK <= area.r0 - margin or (not torus and i + BLOCK <= 0):
+            if i + GROUP <= area.r0 - margin or (not torus and i + GROUP <= 0):
                 break  # this level and those after it have not begun
             if through:
                 for p in range(2 * r):
                     move(room, at.kept + ((level - 1) * 2 * r + p) * STRIDE, room, y + p * STRIDE, used)
                 through = False
             o, out = (line - level * r) * STRIDE, new + 2 * r * STRIDE
+            blocks = (min(GROUP, area.r1 + margin - i) + BLOCK - 1) // BLOCK
             if level == 0:
-                for q in range(BLOCK):
+                for q in range(GROUP):
                     if i + q < bottom:
                         load_row(source, i + q, lo, n, room, at.x + o + q * STRIDE, whole)
                         load_row(w, i + q, lo, n, room, at.w + o + q * STRIDE, whole)
-                clip_block(room, at.x + o, out, whole)
+                clip_rows(room, at.x + o, out, whole, GROUP)
             elif look:  # from x = 0 a step of length 1 goes to the drive, in the arithmetic of the steps
-                for q in range(BLOCK):
+                for q in range(GROUP):
                     fill(room, at.drive + q * STRIDE, whole, 0)
                 one = source.dtype.type(1)
-                step_block(kind, k, l, weight, r, room, at.row, at.square, at.drive, at.w + o, y, out, whole, one, 1)
-                x0, drive0 = at.x + o + inner, at.drive + inner
-                look_block(room, x0, drive0, area.r0, area.r1, i, width, area.c0, rest, measure, seen)
+                step_block(
+                    kind, k, l, weight, r, room, at.row, at.square, at.drive, at.w + o, y, out, whole, one, blocks
+                )
+                for q in range(0, blocks * BLOCK, BLOCK):
+                    x0, drive0 = at.x + o + inner + q * STRIDE, at.drive + inner + q * STRIDE
+                    look_block(room, x0, drive0, area.r0, area.r1, i + q, width, area.c0, rest, measure, seen)
             else:
-                step_block(kind, k, l, weight, r, room, at.row, at.square, at.x + o, at.w + o, y, out, whole, h, 1)
+                step_block(kind, k, l, weight, r, room, at.row, at.square, at.x + o, at.w + o, y, out, whole, h, blocks)
             if level == depth:
                 if not look:
-                    for q in range(max(area.r0 - i, 0), min(area.r1 - i, BLOCK)):
+                    for q in range(max(area.r0 - i, 0), min(area.r1 - i, GROUP)):
                         move(room, at.x + o + q * STRIDE + inner, target[i + q], area.c0, width)
                 continue
             for p in range(2 * r):
@@ -135,6 +139,6 @@ def stream(
             if not torus:
                 set_virtual(room, new, i, rows, n, left, right, r, boundary, constant)
             for p in range(2 * r):
-                move(room, new + (BLOCK + p) * STRIDE, room, at.kept + (level * 2 * r + p) * STRIDE, used)
+                move(room, new + (GROUP + p) * STRIDE, room, at.kept + (level * 2 * r + p) * STRIDE, used)
             y, new = new, y
-        line += BLOCK
+        line += GROUP

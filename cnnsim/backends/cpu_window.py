@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cnnsim.backends.cpu_compile import helper
 from cnnsim.backends.cpu_look import look_block
-from cnnsim.backends.cpu_room import PERIODIC, ZERO_FLUX, clip_block, fill, load_row, move
+from cnnsim.backends.cpu_room import PERIODIC, ZERO_FLUX, clip_rows, fill, load_row, move
 from cnnsim.backends.cpu_rows import BLOCK, PAD, STRIDE, catch_up_block
 from cnnsim.backends.cpu_tile import Area, Rule, step_block
 
@@ -98,7 +98,7 @@ def step_window(
         load_row(w, top + p, lo, n, room, at.w + p * STRIDE, whole)
     y, new = at.y, at.new
     for p in range(0, m, BLOCK):
-        clip_block(room, at.x + p * STRIDE, y + (r + p) * STRIDE, whole)
+        clip_rows(room, at.x + p * STRIDE, y + (r + p) * STRIDE, whole, BLOCK)
     set_edges(room, y, m, n, *sides, r, boundary, constant)
     for level in range(1, depth + 1):
         margin = (depth + 1 - level) * r
