@@ -92,6 +92,18 @@ def test_a_reader_comes_back_after_unplugging(tmp_path: Path) -> None:
     assert session.counts.bad_checksum == 0
 
 
+def test_a_second_reader_gets_nothing_from_before_it_opened_the_port() -> None:
+    description, stream = sent("native", 3.0)
+    with device(stream) as emulator:
+        read_all(description, emulator.port, 40)
+        time.sleep(0.3)
+        frames, session = read_all(description, emulator.port, 100)
+    sequences = [frame.sequence for frame in frames if frame.finger == 0]
+    assert sequences[0] > 60
+    assert np.diff(sequences).tolist() == [1] * (len(sequences) - 1)
+    assert session.counts.missing == 0
+
+
 @pytest.mark.parametrize("faults", [
     Faults(drop=0.1), Faults(repeat=0.1), Faults(flip=2e-4), Faults(split=True),
     Faults(drop=0.05, repeat=0.05, flip=1e-4, split=True),

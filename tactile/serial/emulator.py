@@ -3,6 +3,7 @@
 What it writes goes through the kernel's terminal as from a real port; the other side opens the port with any program.
 """
 
+import contextlib
 import fcntl
 import os
 import pty
@@ -56,6 +57,8 @@ class Emulator:
         os.set_blocking(self._master, False)
         self.port = self._terminal = os.ttyname(slave)
         os.close(slave)  # from now on the master hangs up whenever nobody has the port open
+        self._poll = select.poll()
+        self._poll.register(self._master, select.POLLHUP)
         if self._link is not None:
             try:
                 self._link.unlink(missing_ok=True)
@@ -106,9 +109,7 @@ class Emulator:
         """Return whether nobody has the port open."""
         if self._master == AWAY:
             return True
-        poll = select.poll()
-        poll.register(self._master, select.POLLHUP)
-        return any(event & select.POLLHUP for _, event in poll.poll(0))
+        return any(event & select.POLLHUP for _, event in self._poll.poll(0))
 
     def _serve(self, seconds: float) -> None:
         """Wait up to so long, while what is pending goes out and what the host says is heard."""
@@ -137,13 +138,11 @@ class Emulator:
 
     def _push(self) -> None:
         """Hand over what is pending, as much as the terminal takes; with nobody there a device keeps nothing."""
-        try:
+        if self._hung_up():  # the terminal would keep 64 KiB for the next one who opens it
+            self._pending.clear()
+        with contextlib.suppress(OSError):
             while self._pending:
                 del self._pending[: os.write(self._master, self._pending)]
-        except BlockingIOError:
-            pass
-        except OSError:
-            self._pending.clear()
 
     def _was_asked(self, stop: threading.Event) -> bool:
         if self._device is None or not self._device.polled:

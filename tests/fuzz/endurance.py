@@ -2,7 +2,7 @@
 
 python -m tests.fuzz.endurance rate --hz 1000 --seconds 60     through a pseudo-terminal into a recording
 python -m tests.fuzz.endurance unplug --times 50
-python -m tests.fuzz.endurance kill --times 20
+python -m tests.fuzz.endurance kill --times 20 --hz 1000
 python -m tests.fuzz.endurance random --count 1000000          random and mutated bytes, every decoder
 """
 
@@ -165,11 +165,12 @@ def unplug(times: int) -> None:
 
 @main.command()
 @click.option("--times", type=int, default=20)
+@click.option("--hz", type=float, default=1000.0)
 @click.option("--seed", type=int, default=0)
-def kill(times: int, seed: int) -> None:
+def kill(times: int, hz: float, seed: int) -> None:
     """Kill the recorder at random moments: every frame older than 0.5 s must be there."""
-    rng, worst = random.Random(seed), 0.0
-    with tempfile.TemporaryDirectory() as name, emulator(Path(name), 100, 4.0, "--loop"):
+    rng, worst, least = random.Random(seed), 0.0, 10**9
+    with tempfile.TemporaryDirectory() as name, emulator(Path(name), hz, 4.0, "--loop"):
         folder = Path(name)
         for n in range(times):
             process = reader(folder, f"k{n}", command="record")
@@ -182,14 +183,16 @@ def kill(times: int, seed: int) -> None:
             process.communicate()
             recorded = open_recording(path)
             last = int(recorded.made["start_ns"]) + [chunk.t for chunk in recorded.chunks() if chunk.data][-1]
-            frames = list(recorded.source())
+            frames, stored = list(recorded.source()), list(recorded.stored_frames())
             steps = np.diff([frame.sequence for frame in frames])
             missing = (killed - last) * 1e-9
-            worst = max(worst, missing)
+            worst, least = max(worst, missing), min(least, len(frames))
             assert not recorded.complete
             assert (steps == 1).all(), (n, steps[steps != 1])
+            assert [frame.sequence for frame in stored] == [frame.sequence for frame in frames[: len(stored)]]
+            assert frames[-1].t - stored[-1].t < 0.5
             assert missing < 0.5, f"the last {missing:.3f} s are gone"
-    print(f"{times} kills: no frame missing inside, at most the last {worst:.3f} s gone")
+    print(f"{times} kills at {hz:g}/s: of {least} frames or more none missing, at most the last {worst:.3f} s gone")
 
 
 @main.command("random")
