@@ -33,17 +33,20 @@ def convert(source: Path, target: Path) -> int:
     """Write the frames of ``source`` as ``target``, in the form its suffix names, and return how many there were.
 
     Raises:
-        InputError: an unknown suffix, or what reader or writer find wrong.
+        InputError: an unknown suffix, a full disk, or what reader or writer find wrong.
     """
     if target.suffix not in WRITERS:
         raise InputError(f"{target}: suffix {target.suffix!r}, one of {', '.join(WRITERS)} wanted")
     if target.exists() and target.samefile(source):
         raise InputError(f"{target} is the recording itself; another name wanted")
     counted = _Counted(open_any(source))
-    if target.suffix == ".mcap" and source.suffix == ".mcap":
-        need("tactile.recording.index", "an MCAP recording").write_indexed(source, target)
-        return sum(1 for _ in counted)
-    WRITERS[target.suffix](target, counted)
+    try:
+        if target.suffix == ".mcap" and source.suffix == ".mcap":
+            need("tactile.recording.index", "an MCAP recording").write_indexed(source, target)
+            return sum(1 for _ in counted)
+        WRITERS[target.suffix](target, counted)
+    except OSError as error:
+        raise InputError(f"{target}: cannot be written: {error.strerror or error}") from error
     return counted.count
 
 

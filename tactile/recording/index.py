@@ -17,20 +17,18 @@ def write_indexed(source: Path, target: Path) -> None:
     """Copy a recording, whole or broken off, record by record into the indexed form.
 
     Raises:
-        InputError: ``source`` is no recording, or ``target`` cannot be written.
+        InputError: ``source`` is no recording.
+        OSError: ``target`` cannot be written.
     """
     open_recording(source)
-    try:
-        with target.open("wb") as file:
-            writer = Writer(file, compression=CompressionType.ZSTD)
-            writer.start("ros2", "cellular-wave-touch")
-            schemas: dict[int, int] = {0: 0}
-            channels: dict[int, int] = {}
-            for record in records(source):
-                _copy(writer, record, schemas, channels)
-            writer.finish()  # type: ignore[no-untyped-call]  # the library left its types out
-    except OSError as error:
-        raise InputError(f"{target}: cannot be written: {error.strerror}") from error
+    with target.open("wb") as file:
+        writer = Writer(file, compression=CompressionType.ZSTD)
+        writer.start("ros2", "cellular-wave-touch")
+        schemas: dict[int, int] = {0: 0}
+        channels: dict[int, int] = {}
+        for record in records(source):
+            _copy(writer, record, schemas, channels)
+        writer.finish()  # type: ignore[no-untyped-call]  # the library left its types out
 
 
 def _copy(writer: Writer, record: Any, schemas: dict[int, int], channels: dict[int, int]) -> None:
