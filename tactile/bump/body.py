@@ -41,6 +41,12 @@ class Body:
             [kinematics.gradient(np.asarray(field), field.grad, where[0]) for (field,) in self.basis.basis], axis=-1
         ).transpose(2, 3, 0, 1, 4)  # (elements, points, 3, 3, functions)
         self.slopes = self.slopes.reshape(*self.slopes.shape[:2], 9, -1)
+        # G F and -G F^-T cancel where little is deformed, to the last bits of G
+        self.rounding = (
+            np.finfo(float).eps
+            * law.medium.shear_modulus
+            * float((np.abs(self.slopes).sum((2, 3)) * self.weight).sum())
+        )
         self.dofs: Index = self.basis.element_dofs.T
         if law.mixed:
             line = ELEMENTS[mesh.dim(), 1]

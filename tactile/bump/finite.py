@@ -23,8 +23,8 @@ def balance(body: Body, start: Plane, fixed: Index, values: Plane) -> Plane | No
         if not (np.linalg.det(points[0]) > 0).all():
             return None
         residual, matrix = body.both(*points)
-        gap = np.abs(residual[free]).sum() / max(np.abs(residual).sum(), np.finfo(float).tiny)
-        if gap < TOLERANCE and np.array_equal(state[fixed], values):
+        gap = np.abs(residual[free]).sum()
+        if gap <= max(TOLERANCE * np.abs(residual).sum(), body.rounding) and np.array_equal(state[fixed], values):
             return state
         state = state + solve(matrix, -residual, fixed, values - state[fixed])
         state[fixed] = values

@@ -1,0 +1,152 @@
+"""Fig. 12: the response at the sensor, 200 um deep on the axis, against the indentation."""
+
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from examples.paper.bump import CONTACT, CONTACTS, RUBBER, SENSOR, below, loaded
+from examples.paper.claims import Claim, alone
+from tactile.bump.body import Body
+from tactile.bump.finite import push_to
+from tactile.bump.kinematics import HALF, PLANE
+from tactile.bump.law import PlaneStress
+from tactile.bump.mesh import half_section, whole_section
+from tactile.bump.plate import held
+from tactile.bump.probe import Probe
+from tactile.bump.shape import Shape
+from tactile.bump.touch import lower
+
+Plane = NDArray[np.float64]
+STEPS = np.arange(10e-6, 101e-6, 10e-6)
+DEEPEST = 80e-6
+"""[m] Glued to the plate, a top 100 um to each side folds over at its edge beyond 90 um."""
+STRAIGHT = 0.1
+"""Largest departure from the line through the small-strain answer that still counts as close to linear."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Displacements (n, 2) [m], (x, z), at the sensor for plate displacements (n,) [m]."""
+
+    moved: Plane
+    response: Plane
+
+    def bend(self, component: int) -> float:
+        """Largest relative change of the response per displacement from the first point's."""
+        slope = self.response[:, component] / self.moved
+        return float(np.abs(slope / slope[0] - 1).max())
+
+
+@cache
+def curves() -> tuple[Curve, Curve, Curve, Curve]:
+    """At finite strain: glued press, glued shift, growing contact; and the growing contact at small strain."""
+    shape = Shape(contact=CONTACT)
+    glued = Body(whole_section(shape, 0.7), PLANE, PlaneStress(RUBBER))
+    at = Probe(glued, below(SENSOR))
+    made = []
+    for push, steps in (("press", STEPS[STEPS <= DEEPEST * 1.001]), ("shift", STEPS)):
+        hold = held(glued, shape, "press" if push == "press" else "shift")
+        steps = np.concatenate([[1e-8], steps])
+        made.append(Curve(steps, np.concatenate([at.displacement(push_to(glued, hold, step)) for step in steps])))
+    narrow = Shape(contact=0.1 * Shape().radius)
+    body = Body(half_section(narrow, 0.7, touching=True), HALF, PlaneStress(RUBBER))
+    at = Probe(body, below(SENSOR))
+    for finite in (True, False):
+        touches = list(lower(body, narrow, np.arange(2.5e-6, 101e-6, 2.5e-6), finite))
+        read = np.concatenate([at.displacement(touch.state) for touch in touches])
+        made.append(Curve(np.array([touch.indentation for touch in touches]), read))
+    return made[0], made[1], made[2], made[3]
+
+
+def compare(folder: Path | None) -> list[Claim]:
+    """Fig. 12: linear to 100 um, no cross-talk, normal about twice shear."""
+    press, shift, touching, _ = curves()
+    if folder is not None:
+        draw(folder / "fig12.png")
+    across = float(np.abs(press.response[:, 0] / press.response[:, 1]).max())
+    sinks = shift.response[:, 1] / shift.response[:, 0]
+    linear = [loaded(contact).displacement(below(SENSOR)) for contact in CONTACTS]
+    straight = max(max(abs(p[0, 0] / p[0, 1]), abs(s[0, 1] / s[0, 0])) for p, s in linear)
+    ratios, solid, forces, strains = [], [], [], []
+    for contact in CONTACTS:
+        answer, round_one = loaded(contact), loaded(contact, True)
+        (pressed,), (shifted,) = answer.displacement(below(SENSOR))
+        ratios.append(pressed[1] / shifted[0])
+        forces.append(ratios[-1] * answer.stiffness[1] / answer.stiffness[0])
+        (pressed,), (shifted,) = round_one.displacement(below(SENSOR))
+        solid.append(pressed[1] / shifted[0])
+        (pressed,), (shifted,) = answer.strain(below(SENSOR))
+        strains.append(pressed[1] / shifted[0])
+    grows = touching.response[:, 1] / touching.moved
+    early = float(np.interp(20e-6, touching.moved, grows))
+    return [
+        Claim("12", "FxUz = FzUx = 0, small strain", "zero", f"{straight:.0e}", bool(straight < 1e-9), "by symmetry"),
+        Claim("12", "FxUz = FzUx = 0, finite strain", "zero to 100 um",
+              f"FzUx {across:.0e}; FxUz {abs(sinks[-1]):.1%} of FxUx", bool(max(across, abs(sinks[-1])) < 1e-8),
+              "symmetry forbids FzUx, and of FxUz only what is odd in the shear: it grows with its square, "
+              f"{abs(sinks[5]):.1%} at 50 um"),
+        Claim("12", "linear to 100 um, shear load", "close to linear", f"bent by {shift.bend(0):.1%}",
+              shift.bend(0) < STRAIGHT, "neo-Hookean, plane stress, the top glued to the plate"),
+        Claim("12", "linear to 100 um, normal load, contact fixed", "close to linear",
+              f"bent by {press.bend(1):.1%} at {DEEPEST * 1e6:.0f} um", press.bend(1) < STRAIGHT,
+              "the same; beyond 90 um the glued edge folds over"),
+        Claim("12", "linear to 100 um, normal load, plate touches more and more", "close to linear",
+              f"per um at 100 um {grows[-1] / early - 1:+.0%} on that at 20 um", abs(grows[-1] / early - 1) < STRAIGHT,
+              "a flat plate on a sphere is no linear contact; a linear answer needs a contact that does not grow"),
+        Claim("12", "normal over shear, displacement per um", "about 2", span(ratios),
+              all(abs(ratio - 2) < 0.25 for ratio in ratios),
+              f"plane stress, contact 30 to 140 um; per newton {span(forces)}; body of revolution {span(solid)}"),
+        Claim("12", "normal over shear, the strain that the sensor measures", "similar", span(strains),
+              all(abs(ratio - 2) < 0.25 for ratio in np.abs(strains)),
+              "the shear strain passes through zero near this depth: see Fig. 11"),
+    ]  # fmt: skip
+
+
+def span(values: list[float]) -> str:
+    """From where to where."""
+    return f"{min(values):.2f} to {max(values):.2f}" if min(values) > 0 else f"{', '.join(f'{v:.0f}' for v in values)}"
+
+
+def draw(path: Path) -> None:
+    """Write the picture."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot as plt
+
+    press, shift, touching, small = curves()
+    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.6), layout="constrained")
+    for curve, component, colour, name in ((press, 1, "tab:blue", "FzUz"), (shift, 0, "tab:red", "FxUx")):
+        line = np.array([0, 100e-6])
+        slope = curve.response[0, component] / curve.moved[0]
+        left.plot(line * 1e6, line * slope * 1e6, color=colour, linewidth=0.8, label=f"{name}, small strain")
+        left.plot(
+            curve.moved * 1e6, curve.response[:, component] * 1e6, "o", color=colour, label=f"{name}, neo-Hookean"
+        )
+        left.plot(
+            curve.moved * 1e6, curve.response[:, 1 - component] * 1e6, "k.", label="FxUz, FzUx" if component else None
+        )
+    left.set(title="the top glued to the plate, 100 µm to each side", ylabel="displacement at the sensor [µm]")
+    for curve, style, name in ((small, "--", "small strain"), (touching, "-", "neo-Hookean")):
+        right.plot(curve.moved * 1e6, curve.response[:, 1] * 1e6, style, color="tab:blue", label=f"FzUz, {name}")
+    right.plot(
+        [0, 100],
+        [0, touching.response[7, 1] / touching.moved[7] * 100],
+        color="0.6",
+        linewidth=0.8,
+        label="through 20 µm",
+    )
+    right.set(title="a flat plate that touches more and more")
+    for panel in (left, right):
+        panel.set_xlabel("the plate's displacement [µm]")
+        panel.legend(fontsize=8)
+    figure.suptitle("Response 200 µm deep on the axis, plane stress")
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+
+
+if __name__ == "__main__":
+    alone(compare)
