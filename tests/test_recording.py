@@ -24,11 +24,12 @@ from tactile.serial.description import Description
 from tactile.serial.ring import Ring
 from tactile.serial.session import Session
 from tactile.serial.source import UNPLUGGED, Chunk, WireSource
-from tactile.serial.tare import TareNote
 from tactile.sources import open_source
 from tactile.sources.replay_csv import write_csv
 from tests.serial_kit import GRIP, call, device, grip, sent
 from tests.test_sources import pillars
+
+TARED = {"type": "tare", "t_s": 0.25, "finger": "left", "taken": True, "why": "idle", "offset": [1.0, None, 2.0]}
 
 
 def recorded(path: Path, protocol: str = "native", seconds: float = 0.5, close: bool = True) -> Description:
@@ -48,7 +49,7 @@ def recorded(path: Path, protocol: str = "native", seconds: float = 0.5, close: 
     source = WireSource(description, chunks(), see=lambda frame: recording.frame(frame, source.arrival))
     for _ in source:
         recording.push(now=True)
-    recording.tare(TareNote(0, 0.25, "idle", np.array([[[1.0, np.nan, 2.0]]])))
+    recording.note("/tare", 250_000_000, TARED)
     if close:
         recording.close({"counts": source.counts.plain()})
     return description
@@ -82,7 +83,9 @@ def test_what_is_recorded_is_read(tmp_path: Path, protocol: str) -> None:
     assert again.made["protocol"] == protocol
     assert again.made["port"] == "here"
     (note,) = again.notes("/tare")
-    assert note == {"finger": 0, "t_s": 0.25, "why": "idle", "offset": [[[1.0, None, 2.0]]]}
+    assert note == TARED
+    said = [(line["level"], line["name"], line["message"]) for line in again.notes("/log")]
+    assert said == [(3, "port", "unplugged"), (2, "left", "tare taken, idle")]
 
 
 def test_any_mcap_reader_opens_it(tmp_path: Path) -> None:

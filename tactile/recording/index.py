@@ -1,5 +1,6 @@
 """Recordings written after the event: chunked, compressed and indexed, so that viewers can jump in them."""
 
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ def write_indexed(source: Path, target: Path) -> None:
     open_recording(source)
     with target.open("wb") as file:
         writer = Writer(file, compression=CompressionType.ZSTD)
-        writer.start("ros2", "cellular-wave-touch")
+        writer.start("", f"cellular-wave-touch {version('cellular-wave-touch')}")
         schemas: dict[int, int] = {0: 0}
         channels: dict[int, int] = {}
         for record in records(source):

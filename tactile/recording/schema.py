@@ -6,7 +6,9 @@ counted from there; a sequence is its u32 length and its elements.
 Source: OMG Common Data Representation, DDS-XTypes 1.3, section 7.4.1 (version 1, as ROS 2 writes it).
 """
 
+import json
 import struct
+from typing import Any
 
 import numpy as np
 
@@ -29,8 +31,57 @@ float64[] values
 """
 FIXED = struct.Struct("<ddqIII")
 COUNT = struct.Struct("<I")
-ANYTHING = b'{"type": "object"}'
-"""JSON schema of notes, events, counters and tares: objects whose keys speak for themselves."""
+
+
+def _object(**properties: Any) -> bytes:
+    """Return a JSON schema of an object; what is optional may also be null."""
+    return json.dumps({"type": "object", "properties": properties}).encode()
+
+
+TEXT, NUMBER, WHOLE, FLAG = ({"type": kind} for kind in ("string", "number", "integer", "boolean"))
+TIME = {"type": "object", "title": "time", "properties": {"sec": WHOLE, "nsec": WHOLE}}
+NUMBERS = {"type": "array", "items": NUMBER}
+TABLE = {"type": "object", "additionalProperties": NUMBER}
+LOG_NAME = "foxglove.Log"
+"""The schema by whose name viewers know a log."""
+INFO, WARNING = 2, 3
+NOTES: dict[str, tuple[str, bytes]] = {
+    "/port": ("tactile.Port", _object(note=TEXT)),
+    "/tare": ("tactile.Tare", _object(type=TEXT, t_s=NUMBER, finger=TEXT, taken=FLAG, why=TEXT, offset=NUMBERS)),
+    "/events": (
+        "tactile.Event",
+        _object(
+            type=TEXT, t_s=NUMBER, finger=TEXT, sequence=WHOLE, code=TEXT, arrows=TEXT, hand=TEXT, meaning=TEXT,
+            load=TABLE,
+        ),
+    ),
+    "/counts": (
+        "tactile.Status",
+        _object(
+            type=TEXT, t_s=NUMBER, events=WHOLE, counts=TABLE, clock=TABLE, settled={"type": "object"}, frames=WHOLE,
+            rate_hz=NUMBER, latency_median_s=NUMBER, latency_p99_s=NUMBER, latency_max_s=NUMBER,
+        ),
+    ),
+    "/log": (
+        LOG_NAME, _object(timestamp=TIME, level=WHOLE, message=TEXT, name=TEXT, file=TEXT, line=WHOLE),
+    ),
+}  # fmt: skip
+"""Topic of JSON notes -> name and schema of its messages."""
+
+
+def log_line(topic: str, note: dict[str, Any], ns: int) -> dict[str, Any] | None:
+    """Return a note in words, at ``ns`` [ns] since 1970, as viewers' logs have them; None for one that is only data."""
+    if topic == "/port":
+        name, message = "port", note["note"]
+    elif topic == "/events":
+        name, message = note["finger"], note["meaning"]
+    elif topic == "/tare":
+        name, message = note["finger"], f"tare {'taken, ' if note['taken'] else ''}{note['why']}"
+    else:
+        return None
+    level = WARNING if message == "unplugged" or note.get("taken") is False else INFO
+    time = {"sec": ns // 10**9, "nsec": ns % 10**9}
+    return {"timestamp": time, "level": level, "message": message, "name": name, "file": "", "line": 0}
 
 
 def pack_wire(data: bytes) -> bytes:

@@ -1,9 +1,10 @@
 """Writing recordings: MCAP files with the bytes of the wire, the frames made of them, and all that explains them.
 
 Topics: ``/wire`` bytes as they arrived, ``/wire/unparsed`` those for which the reader had no room, ``/port`` notes
-(plugged, unplugged, tare), ``/frames/NAME`` frames of each finger, ``/tare`` offsets, ``/events``, ``/counts``. The
-array description is attached as ``array.toml``; the metadata record ``tactile`` says with what the file was made,
-``counts`` is there if it was closed in good order.
+(plugged, unplugged, tare), ``/frames/NAME`` frames of each finger, ``/tare`` offsets, ``/events``, ``/counts``, and
+``/log`` with ports, tares and events in words, as viewers show logs. The array description is attached as
+``array.toml``; the metadata record ``tactile`` says with what the file was made, ``counts`` is there if it was closed
+in good order.
 
 Messages are written one by one and not in compressed chunks, since an unfinished chunk would be lost with the program.
 `tactile convert a.mcap b.mcap` makes the indexed and compressed form.
@@ -17,14 +18,13 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from mcap.writer import CompressionType, Writer
+from mcap.writer import CompressionType, IndexType, Writer
 
 from tactile.frame import Frame
 from tactile.recording import schema
 from tactile.recording.durable import DurableFile
 from tactile.serial.description import Description
 from tactile.serial.source import Chunk
-from tactile.serial.tare import TareNote
 
 PUSH = 0.1
 """[s] after which what was recorded is handed to the operating system."""
@@ -46,8 +46,9 @@ class Recording:
             chunk_size=2**20,
             compression=CompressionType.ZSTD if indexed else CompressionType.NONE,
             use_chunking=indexed,
+            index_types=IndexType.ALL if indexed else IndexType.ATTACHMENT | IndexType.METADATA,
         )
-        self._writer.start("ros2", f"cellular-wave-touch {version('cellular-wave-touch')}")
+        self._writer.start("", f"cellular-wave-touch {version('cellular-wave-touch')}")
         made = {"start_ns": str(self._start), "title": description.title, "protocol": description.wire.name}
         made |= {"python": platform.python_version(), "machine": platform.machine(), "system": platform.system()}
         made |= {"written": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(self._start // 10**9))}
@@ -62,11 +63,13 @@ class Recording:
         register = self._writer.register_channel
         wire = self._writer.register_schema(schema.WIRE_NAME, "ros2msg", schema.WIRE.encode())
         frame = self._writer.register_schema(schema.FRAME_NAME, "ros2msg", schema.FRAME.encode())
-        thing = self._writer.register_schema("tactile.Note", "jsonschema", schema.ANYTHING)
         self._wire, self._unparsed = register("/wire", "cdr", wire), register("/wire/unparsed", "cdr", wire)
         self._frames = [register(f"/frames/{array.name}", "cdr", frame) for array in description.arrays]
-        names = ("/port", "/tare", "/events", "/counts")
-        self._notes = {name: register(name, "json", thing) for name in names}
+        notes = {
+            topic: self._writer.register_schema(name, "jsonschema", text)
+            for topic, (name, text) in schema.NOTES.items()
+        }
+        self._notes = {topic: register(topic, "json", kind) for topic, kind in notes.items()}
 
     @property
     def failed(self) -> str:
@@ -84,15 +87,14 @@ class Recording:
         """Write a frame that arrived ``arrival`` [ns] after the stream began."""
         self._add(self._frames[frame.finger], arrival, schema.pack_frame(frame), frame.sequence % 2**32)
 
-    def tare(self, note: TareNote) -> None:
-        """Write what became of a tare."""
-        offset = None if note.offset is None else [[_nan_free(v) for v in row] for row in note.offset.tolist()]
-        self.note(
-            "/tare", round(note.t * 1e9), {"finger": note.finger, "t_s": note.t, "why": note.why, "offset": offset}
-        )
-
     def note(self, topic: str, t: int, data: dict[str, Any]) -> None:
-        """Write a JSON object ``t`` [ns] after the stream began."""
+        """Write a JSON object ``t`` [ns] after the stream began, and in words into the log what is worth it."""
+        self._json(topic, t, data)
+        line = schema.log_line(topic, data, self._start + t)
+        if line is not None:
+            self._json("/log", t, line)
+
+    def _json(self, topic: str, t: int, data: dict[str, Any]) -> None:
         self._add(self._notes[topic], t, json.dumps(data, ensure_ascii=False, allow_nan=False).encode())
 
     def _add(self, channel: int, t: int, data: bytes, sequence: int = 0) -> None:
@@ -114,7 +116,3 @@ class Recording:
             self._writer.add_metadata("counts", {name: json.dumps(value) for name, value in counts.items()})
             self._writer.finish()  # type: ignore[no-untyped-call]  # the library left its types out
             self._file.close()
-
-
-def _nan_free(values: list[float]) -> list[float | None]:
-    return [value if value == value else None for value in values]
