@@ -34,13 +34,8 @@ from tests.serial_kit import call, device, grip
 MAGIC = b"\x89MCAP0\r\n"
 FOOTER = 8 + 8 + 4
 TYPES: dict[str, Any] = {
-    "string": str,
-    "number": (int, float),
-    "integer": int,
-    "boolean": bool,
-    "object": dict,
-    "array": list,
-}
+    "string": str, "number": (int, float), "integer": int, "boolean": bool, "object": dict, "array": list,
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
