@@ -139,3 +139,41 @@ def test_a_state_that_overflows_is_found(backend: str) -> None:
     growing = Template(0, terms=[Term([[3.0]], "x_kl")])
     with pytest.raises(InputError, match=r"the state is (inf|nan) in cell"):
         run_transient(growing, state=[[1e300]], duration=60.0, backend=backend_of(backend, "float64"))
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+@pytest.mark.parametrize("kind", ["right", "left", "linear"])
+@pytest.mark.parametrize("places", [0, 1, 2, 3, 4, 5, 6, 9])
+def test_tables_at_and_beside_their_places(backend: str, dtype: Any, kind: Any, places: int) -> None:
+    """Numbers are eighths at distances of a quarter, so that slopes, values and differences are exact everywhere."""
+    rng = np.random.default_rng(places)
+    at = (np.cumsum(rng.choice([0.25, 0.5], places)) - places / 4).tolist()
+    values = (rng.integers(-8, 9, places + 1) / 8).tolist()
+    if kind == "linear":
+        at = [*at, at[-1] + 0.5 if at else 0.0]
+    table = Table("linear", at, values) if kind == "linear" else Table("step", at, values, kind)
+    near = np.array([*at, -8.0, 0.0, 8.0], dtype)
+    v = np.concatenate([near, np.nextafter(near, -np.inf, dtype=dtype), np.nextafter(near, np.inf, dtype=dtype)])
+    u = np.array([v, v[::-1]], np.float64)
+    template = Template(0, terms=[Term([[0.5]], "u_kl", table)])
+    found = run_transient(template, state=np.zeros(u.shape), input=u, backend=backend_of(backend, dtype)).x
+    assert np.abs(found - 0.5 * table(u)).max() <= (0 if kind != "linear" else 4 * np.finfo(dtype).eps)
+    # The same in the time loop: from x = 0 a step of Euler goes an eighth of the way to the drive.
+    moving = Template(0, terms=[Term([[0.5]], "u_kl - x_ij", table)])
+    end = run_transient(
+        moving, state=np.zeros(u.shape), input=u, duration=0.125, step=0.125, backend=backend_of(backend, dtype)
+    )
+    assert np.array_equal(end.x, found / 8)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_the_sigmoid_of_single_precision(backend: str) -> None:
+    u = np.linspace(-1, 1, 4001).reshape(1, -1)
+    found = run_transient(
+        Template(0, [[16.0]]), state=np.zeros(u.shape), input=u, duration=1.0,
+        cell=Cell("discrete-time", Characteristic("tanh")), backend=backend_of(backend, "float32"),
+    ).y  # fmt: skip
+    exact = np.tanh((16 * u.astype(np.float32)).astype(np.float64))
+    assert np.abs(found - exact).max() <= 2e-7
+    assert np.abs(found).max() <= 1

@@ -7,11 +7,13 @@ span of time in which the input stands still.
 import math
 from typing import Any
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.backends import cpu_general_kernels as kernels
 from cnnsim.backends.base import Outcome, check_finite
+from cnnsim.backends.cpu_compile import THREADS_PAY_FROM
 from cnnsim.backends.wiring import Wiring, characteristic, longest_delay, wire, wire_terms
 from cnnsim.errors import InputError
 from cnnsim.frames import Frames, at_step, spans
@@ -20,6 +22,9 @@ from cnnsim.grid import virtual_index
 from cnnsim.plan import SETTLED_SLOPE, Plan
 
 Array = NDArray[Any]
+
+NOBODY = np.empty((1, 1, 1, 0), bool)
+"""The mask that holds no cell."""
 
 
 def with_control_terms(plan: Plan, u: Array | None, bias: Array | None) -> Array | None:
@@ -33,8 +38,13 @@ def with_control_terms(plan: Plan, u: Array | None, bias: Array | None) -> Array
     field = _Field(plan, wiring, total.size // (rows * cols), u.dtype)
     field.fill(0, u.reshape(-1, rows, cols), plan.boundary.u)
     shape = (-1, 1, rows, cols)
-    kernels.static_drive.for_work(total.size * 9)(total.reshape(shape), field.around, *wiring.terms, wiring.radius)
+    field.add_to(total.reshape(shape))
     return total
+
+
+def threads_for(work: int) -> int:
+    """Return among how many threads the rows are shared: as many as run the version of a loop for this much work."""
+    return numba.get_num_threads() if work >= THREADS_PAY_FROM else 1
 
 
 def transient(plan: Plan, x: Array, u: Any, bias: Any, held: Array | None) -> Outcome:
@@ -60,6 +70,15 @@ class _Field:
         self.rows, self.cols = virtual_index(rows, r, plan.boundary), virtual_index(cols, r, plan.boundary)
         self.around = np.zeros((max(1, len(wiring.channels)), grids, rows + 2 * r, cols + 2 * r), dtype)
 
+    def add_to(self, w: Array) -> None:
+        """Add the terms of channels that stand still to w."""
+        work, nobody, flat = w.size * max(1, len(self.wiring.terms.taps)), np.empty(0, np.int64), w.reshape(-1)
+        kernels.advance.for_work(work)(
+            kernels.DRIVE, w, flat, w, 0, 1, nobody, flat, NOBODY, False, threads_for(work), w, w[None], self.around,
+            nobody, nobody, nobody > 0, np.zeros(4, np.int64), flat, self.rows, self.cols, w.dtype.type(0), self.r,
+            *self.wiring.terms,
+        )  # fmt: skip
+
     def fill(self, channel: int, source: Array, constant: float) -> None:
         """Bring a plane (n, rows, cols) into a channel."""
         kernels.fill_channel.for_work(source.size)(
@@ -76,7 +95,7 @@ class _Run:
         self.shape = (x.size // (len(layers) * plan.shape[0] * plan.shape[1]), len(layers), *plan.shape)
         self.x = x.reshape(self.shape)
         self.u, self.bias = self._planes(u), self._planes(bias)
-        self.held = np.empty((1, 1, 1, 0), bool) if held is None else held.reshape(self.shape)
+        self.held = NOBODY if held is None else held.reshape(self.shape)
         self.z = np.array([layer.z for layer in layers], x.dtype).reshape(-1, 1, 1)
         self.fixed, self.moving = (
             _Field(plan, wire(plan, x.dtype, static=static), self.shape[0], x.dtype) for static in (True, False)
@@ -88,11 +107,21 @@ class _Run:
         self.ago = np.array([c.ago for _, c in follow], np.int64)
         self.outputs = np.array([c.quantity == "y" and plan.cell != "discrete-time" for _, c in follow], bool)
         self.characteristic = characteristic(plan, x.dtype)
+        self.constant = x.dtype.type(plan.boundary.y)
+        self.largest = np.empty(self.x.size // plan.shape[1], x.dtype)
+        self.rates = 1 / np.array(plan.network.time_constants)
+        self.gains = np.array(
+            [plan.scheme.gain(plan.step * rate) if plan.scheme else 1.0 for rate in self.rates], x.dtype
+        )
         self.past = np.empty((longest_delay(plan, plan.network) + 1, *self.shape), x.dtype)
         self.past[:] = self.x  # before t = 0 the state was x(0)
         self.w = np.empty_like(self.x)
         self.work = self.x.size * max(1, len(self.moving.wiring.terms.taps))
         self.wall = plan.cell == "full-range"
+        self.hearing = (
+            self.moving.around, self.numbers, self.layers, self.outputs, *self.characteristic, self.moving.rows,
+            self.moving.cols, self.constant, self.moving.r, *self.moving.wiring.terms,
+        )  # fmt: skip
 
     def _planes(self, value: Any) -> Any:
         if value is None:
@@ -115,70 +144,72 @@ class _Run:
                 if channel.quantity == "u":
                     heard = at_step(self.u, number - channel.ago, plan.step)[:, channel.layer]
                     field.fill(k, heard, plan.boundary.u)
-        terms = self.fixed.wiring.terms
-        work = self.w.size * max(1, len(terms.taps))
-        kernels.static_drive.for_work(work)(self.w, self.fixed.around, *terms, self.fixed.r)
+        self.fixed.add_to(self.w)
 
-    def drive(self, out: Array, stage: Array, number: int, ahead: int = 0) -> None:
-        """Write the drives in state ``stage``, ``ahead`` (0 or 1) steps from the start of step ``number``."""
-        slots = np.where(self.ago > 0, (number + ahead - self.ago) % len(self.past), -1)
-        field = self.moving
-        kernels.drives.for_work(self.work)(
-            out, stage, self.w, self.past, slots, field.around, self.numbers, self.layers, self.outputs,
-            *self.characteristic, *field.wiring.terms, field.rows, field.cols, field.r,
-            self.dtype.type(self.plan.boundary.y),
+    def advance(self, task: int, out: Array, x: Array, number: int, count: int = 1) -> float:
+        """Do a task of `kernels.advance` with the drives in state x; return the largest change, of discrete steps."""
+        kernels.advance.for_work(self.work)(
+            task, out, self.largest, x, number, count, self.ago, self.gains, self.held, self.wall,
+            threads_for(self.work), self.w, self.past, *self.hearing,
         )  # fmt: skip
+        return float(self.largest.max()) if task == kernels.DISCRETE else math.nan
 
 
 def _stepped(plan: Plan, run: _Run) -> tuple[Array, float, bool, float]:
-    assert plan.scheme is not None and plan.network is not None
-    scheme, settling = plan.scheme, plan.duration == "settled"
-    rates = np.array([1 / time for time in plan.network.time_constants])
-    gains = np.array([scheme.gain(plan.step * rate) for rate in rates]).astype(run.dtype)
-    rates = rates.astype(run.dtype)
-    a = [np.array(row, run.dtype) for row in scheme.a]
-    b, ahead = np.array(scheme.b, run.dtype), [round(sum(row)) for row in scheme.a]
-    nobody = run.held[..., :0]
-    slopes, x = np.empty((len(b), *run.shape), run.dtype), run.x.copy()
-    stage = np.empty_like(x)
-    combine = kernels.combine.for_work(x.size)
+    assert plan.scheme is not None
+    settling, x = plan.duration == "settled", run.x.copy()
+    slopes = np.empty((len(plan.scheme.b), *run.shape), run.dtype)
+    step = _euler if len(plan.scheme.b) == 1 else _several_stages
 
     def look(number: int) -> tuple[bool, float]:
-        run.drive(slopes[0], x, number)
-        steepest = kernels.steepest_of.for_work(x.size)(slopes[0], x, rates, run.held, run.wall)
+        run.advance(kernels.DRIVE, slopes[0], x, number)
+        steepest = kernels.steepest_of.for_work(x.size)(slopes[0], x, run.rates.astype(run.dtype), run.held, run.wall)
         return steepest <= SETTLED_SLOPE, steepest
 
     for first, count in run.spans():
         run.stand_still(first)
-        for number in range(first, first + count):
+        number, end = first, first + count
+        while number < end:
             if settling and number % plan.check_every == 0:
                 settled, steepest = look(number)
                 if settled:
                     return x, number * plan.step, True, steepest
-            run.past[number % len(run.past)] = x
-            for s, row in enumerate(a):
-                combine(stage, x, slopes, gains, row, nobody, run.wall)
-                run.drive(slopes[s], stage, number, ahead[s])
-                slopes[s] -= stage
-            combine(x, x, slopes, gains, b, run.held, run.wall)
+            until = min(end, (number // plan.check_every + 1) * plan.check_every) if settling else end
+            step(plan, run, x, slopes, number, until - number)
+            number = until
     if not settling:
         return x, float(plan.duration), False, math.nan
     return x, plan.steps * plan.step, *look(plan.steps)
 
 
+def _euler(_plan: Plan, run: _Run, x: Array, slopes: Array, first: int, count: int) -> None:
+    run.advance(kernels.EULER, slopes[0], x, first, count)
+
+
+def _several_stages(plan: Plan, run: _Run, x: Array, slopes: Array, first: int, count: int) -> None:
+    assert plan.scheme is not None
+    a, b = [np.array(row, run.dtype) for row in plan.scheme.a], np.array(plan.scheme.b, run.dtype)
+    stage, combine = np.empty_like(x), kernels.combine.for_work(x.size)
+    for number in range(first, first + count):
+        run.past[number % len(run.past)] = x
+        for s, row in enumerate(a):
+            combine(stage, x, slopes, run.gains, row, NOBODY, run.wall)
+            run.advance(kernels.SLOPE, slopes[s], stage, number + round(float(row.sum())))
+        combine(x, x, slopes, run.gains, b, run.held, run.wall)
+
+
 def _discrete(plan: Plan, run: _Run) -> tuple[Array, float, bool, float]:
     """y(k + 1) = f(drive); at rest when nothing changes. A cycle of two steps never ends, so it is left at once."""
-    settling, step = plan.duration == "settled", kernels.discrete_step.for_work(run.x.size)
-    y, after, before, drive = np.empty_like(run.x), np.empty_like(run.x), run.x, np.empty_like(run.x)
-    kernels.discrete_step.serial(y, run.x, run.x, *run.characteristic, run.held)
+    settling = plan.duration == "settled"
+    y = plan.characteristic(run.x)
+    y = np.where(run.held, run.x, y) if run.held.size else y
+    before, after, change = run.x, np.empty_like(y), math.nan
     run.past[:] = y
-    change = math.nan
     for first, count in run.spans():
         run.stand_still(first)
         for number in range(first, first + count):
             run.past[number % len(run.past)] = y
-            run.drive(drive, y, number)
-            change = step(after, drive, y, *run.characteristic, run.held)
+            change = run.advance(kernels.DISCRETE, after, y, number)
             if settling and (change <= SETTLED_SLOPE or (number and np.array_equal(after, before))):
                 return y, float(number), change <= SETTLED_SLOPE, change
             before, y, after = y, after, np.empty_like(y)

@@ -1,9 +1,8 @@
 """Compiled loops of the CPU backend's general road. Planes are (n, layers, rows, cols), see `cnnsim.backends.wiring`.
 
-``around`` is (channels, n, rows + 2 r, cols + 2 r): every channel with its virtual cells.
+``around`` is (channels, n, rows + 2 r, cols + 2 r): every channel with its virtual cells. ``threads`` share the rows.
 """
 
-import math
 from typing import Any
 
 import numpy as np
@@ -11,70 +10,70 @@ from numba import prange
 from numpy.typing import NDArray
 
 from cnnsim.backends.cpu_compile import helper, twins
+from cnnsim.backends.cpu_general_rows import (
+    add_one_step,
+    add_product,
+    add_weighted,
+    copy_row,
+    difference,
+    function_row,
+    times_difference,
+    times_row,
+)
 from cnnsim.backends.cpu_kernels import fill_virtual
-from cnnsim.backends.wiring import CLIP, IDENTITY, SIGN, STEP_LEFT, STEP_RIGHT, TANH
+from cnnsim.backends.wiring import IDENTITY, SIGN, STEP
 
 Array = NDArray[Any]
 
-
-@helper
-def function_of(v: Any, kind: int, places: int, at: int, values: int, numbers: Array) -> Any:
-    """Return a function at v, in v's precision; see `wiring.Function`."""
-    if kind == IDENTITY:
-        return v
-    one = numbers.dtype.type(1)
-    if kind == CLIP:
-        scaled = v * numbers[at]
-        return one if scaled > one else -one if scaled < -one else scaled
-    if kind == SIGN:
-        return one if v > 0 else -one if v < 0 else v
-    if kind == TANH:
-        return numbers.dtype.type(math.tanh(v * numbers[at]))
-    i = 0
-    if kind == STEP_LEFT:
-        while i < places and v >= numbers[at + i]:
-            i += 1
-        return numbers[values + i]
-    while i < places and v > numbers[at + i]:
-        i += 1
-    if kind == STEP_RIGHT:
-        return numbers[values + i]
-    if i == 0:
-        return numbers[values]
-    if i == places:
-        return numbers[values + places - 1]
-    rise = (numbers[values + i] - numbers[values + i - 1]) / (numbers[at + i] - numbers[at + i - 1])
-    return numbers[values + i - 1] + rise * (v - numbers[at + i - 1])
+DRIVE, SLOPE, DISCRETE, EULER = range(4)
+"""What `advance` does."""
 
 
 @helper
 def add_terms(
-    total: Array, around: Array, links: Array, taps: Array, weights: Array, planes: Array, numbers: Array, layer: int,
-    i: int, r: int,
+    room: Array, n: int, around: Array, shape: Any, g: int, layer: int, i: int, r: int, links: Array, taps: Array,
+    weights: Array, planes: Array, numbers: Array,
 ) -> None:  # fmt: skip
-    """Add all terms of a layer to row i of its drive; ``around`` is (channels, rows + 2 r, cols + 2 r)."""
-    cols = total.size
+    """Add all terms of a layer to row i of its drive in grid g: the first n cells of ``room``, which has three rows.
+
+    ``around`` and ``planes`` are flat; ``shape`` is what ``around`` was.
+    """
+    _, grids, height, width = shape
+    v, f, row_of_plane = n, 2 * n, (height - 2 * r) * n
     for t in range(links.shape[0]):
         target, neighbour, centre, times_neighbour, times_centre, first, after, kind, places, at, values = links[t]
         if target != layer:
             continue
-        here = around[centre, i + r, r : r + cols]
-        factor_here = around[times_centre, i + r, r : r + cols]
+        own = (i + r) * width + r
+        here = (centre * grids + g) * height * width + own
+        factor_here = (times_centre * grids + g) * height * width + own
         for tap in range(first, after):
-            row, col, plane = i + r + taps[tap, 0], r + taps[tap, 1], taps[tap, 2]
-            there = around[neighbour, row, col : col + cols]
-            weight = weights[tap]
-            if centre < 0 and times_neighbour < 0 and kind == IDENTITY and plane < 0:
-                for j in range(cols):
-                    total[j] += weight * there[j]
+            away = own + taps[tap, 0] * width + taps[tap, 1]
+            there = (neighbour * grids + g) * height * width + away
+            weight, plane = weights[tap], taps[tap, 2]
+            if times_neighbour < 0 <= centre and plane < 0 and kind == STEP and places == 1:
+                add_one_step(room, 0, weight, around, there, around, here, n, numbers[at], numbers[values],
+                             numbers[values + 1])  # fmt: skip
                 continue
-            factor = around[times_neighbour, row, col : col + cols]
-            for j in range(cols):
-                v = there[j] - here[j] if centre >= 0 else there[j]
-                f = function_of(v, kind, places, at, values, numbers)
-                if times_neighbour >= 0:
-                    f *= factor[j] - factor_here[j] if times_centre >= 0 else factor[j]
-                total[j] += (planes[plane, i, j] if plane >= 0 else weight) * f
+            argument, at_argument = around, there
+            if centre >= 0:
+                difference(room, v, around, there, around, here, n)
+                argument, at_argument = room, v
+            result, at_result = argument, at_argument
+            if kind != IDENTITY:
+                function_row(room, f, argument, at_argument, n, kind, places, at, values, numbers)
+                result, at_result = room, f
+            if times_neighbour >= 0:
+                factor = (times_neighbour * grids + g) * height * width + away
+                if times_centre >= 0:
+                    times_difference(room, f, result, at_result, around, factor, around, factor_here, n)
+                else:
+                    times_row(room, f, result, at_result, around, factor, n)
+                result, at_result = room, f
+            if plane >= 0:
+                add_product(room, 0, planes, plane * row_of_plane + i * n, result, at_result, n)
+            else:
+                add_weighted(room, 0, weight, result, at_result, n)
 
 
 @twins
@@ -82,51 +81,104 @@ def fill_channel(around: Array, source: Array, rows: Array, cols: Array, r: int,
     """Bring a plane (n, rows, cols) into a channel (n, rows + 2 r, cols + 2 r)."""
     n, height, width = source.shape
     for g in prange(n):
-        around[g, r : r + height, r : r + width] = source[g]
+        for i in range(height):
+            for j in range(width):
+                around[g, r + i, r + j] = source[g, i, j]
         fill_virtual(around[g], rows, cols, r, constant)
 
 
-@twins
-def static_drive(
-    w: Array, around: Array, links: Array, taps: Array, weights: Array, planes: Array, numbers: Array, r: int
+@helper
+def listen(
+    stage: Array, past: Array, slots: Array, around: Array, moving: Array, layer_of: Array, outputs: Array,
+    shape: Array, shape_numbers: Array, threads: int, thread: int, r: int,
 ) -> None:  # fmt: skip
-    """Add the terms of the input alone to w."""
-    n, layers, height, _ = w.shape
-    for line in prange(n * layers * height):
-        g, layer, i = line // (layers * height), line // height % layers, line % height
-        add_terms(w[g, layer, i], around[:, g], links, taps, weights, planes, numbers, layer, i, r)
+    """Bring a thread's share of the rows of ``stage``, and of the past, into the channels that follow the state.
 
-
-@twins
-def drives(
-    drive: Array, stage: Array, w: Array, past: Array, slots: Array, around: Array, moving: Array, layer_of: Array,
-    outputs: Array, shape: Array, shape_numbers: Array, links: Array, taps: Array, weights: Array,
-    planes: Array, numbers: Array, rows: Array, cols: Array, r: int, constant: float,
-) -> None:  # fmt: skip
-    """Write the drive of all layers in the state ``stage``.
-
-    Of the channels, those numbered in ``moving`` follow the state: layer ``layer_of``, ``slots`` of the past (-1: the
-    stage itself), through the characteristic ``shape`` where ``outputs`` says so.
+    Those are numbered in ``moving``: layer ``layer_of``, ``slots`` of the past (-1: the stage itself), through the
+    characteristic ``shape`` where ``outputs`` says so.
     """
     n, layers, height, width = stage.shape
     kind, places, at, values = shape
-    for line in prange(moving.size * n * height):
+    now, before, to = stage.reshape(-1), past.reshape(-1), around.reshape(-1)
+    lines, (_, _, tall, wide) = moving.size * n * height, around.shape
+    for line in range(thread * lines // threads, (thread + 1) * lines // threads):
         m, g, i = line // (n * height), line // height % n, line % height
-        source = stage[g, layer_of[m], i] if slots[m] < 0 else past[slots[m], g, layer_of[m], i]
-        to = around[moving[m], g, i + r]
+        source = ((g * layers + layer_of[m]) * height + i) * width
+        out = ((moving[m] * n + g) * tall + i + r) * wide + r
+        whole = now
+        if slots[m] >= 0:
+            whole, source = before, slots[m] * stage.size + source
         if outputs[m]:
-            for j in range(width):
-                to[r + j] = function_of(source[j], kind, places, at, values, shape_numbers)
+            function_row(to, out, whole, source, width, kind, places, at, values, shape_numbers)
         else:
-            for j in range(width):
-                to[r + j] = source[j]
-    for line in prange(moving.size * n):
-        fill_virtual(around[moving[line // n], line % n], rows, cols, r, constant)
-    for line in prange(n * layers * height):
-        g, layer, i = line // (layers * height), line // height % layers, line % height
-        row = drive[g, layer, i]
-        row[:] = w[g, layer, i]
-        add_terms(row, around[:, g], links, taps, weights, planes, numbers, layer, i, r)
+            copy_row(to, out, whole, source, width)
+
+
+@twins
+def advance(
+    task: int, out: Array, largest: Array, x: Array, first: int, count: int, ago: Array, gains: Array, held: Array,
+    wall: bool, threads: int, w: Array, past: Array, around: Array, moving: Array, layer_of: Array, outputs: Array,
+    shape: Array, shape_numbers: Array, rows: Array, cols: Array, constant: float, r: int, links: Array, taps: Array,
+    weights: Array, planes: Array, numbers: Array,
+) -> None:  # fmt: skip
+    """Do a task with the drives of all layers in the state x, ``count`` times, from step ``first`` on.
+
+    DRIVE writes them to ``out``, SLOPE the drives less the state. DISCRETE writes the outputs that they make, the old
+    one where a cell is held or the drive of a sign is 0, and the largest change of each row to ``largest``. EULER takes
+    steps of a one-stage scheme in place: once all channels are filled nobody reads x but the cell itself, so a row may
+    be replaced when it is done. One loop for all four, because it is long to compile.
+    """
+    n, layers, height, width = x.shape
+    lines = n * layers * height
+    heard, weights_of_cells, constant_drive = around.reshape(-1), planes.reshape(-1), w.reshape(-1)
+    states, before = x.reshape(-1), past.reshape(-1)
+    kind, places, at, values = shape
+    one = x.dtype.type(1)
+    rooms = np.empty((threads, 3 * width), x.dtype)
+    for number in range(first, first + count):
+        if task == EULER and past.shape[0] > 1:
+            for line in prange(lines):
+                copy_row(before, (number % past.shape[0] * lines + line) * width, states, line * width, width)
+        slots = np.where(ago > 0, (number - ago) % past.shape[0], -1)
+        for thread in prange(threads):
+            listen(x, past, slots, around, moving, layer_of, outputs, shape, shape_numbers, threads, thread, r)
+        for line in prange(moving.size * n):
+            fill_virtual(around[moving[line // n], line % n], rows, cols, r, constant)
+        for thread in prange(threads):
+            room = rooms[thread]
+            for line in range(thread * lines // threads, (thread + 1) * lines // threads):
+                g, layer, i = line // (layers * height), line // height % layers, line % height
+                copy_row(room, 0, constant_drive, line * width, width)
+                add_terms(
+                    room, width, heard, around.shape, g, layer, i, r, links, taps, weights, weights_of_cells, numbers
+                )
+                drive, new, old, gain = room[:width], out[g, layer, i], x[g, layer, i], gains[layer]
+                still = held[g, layer, i] if held.size else held[0, 0, 0]
+                if task == DRIVE:
+                    for j in range(width):
+                        new[j] = drive[j]
+                elif task == SLOPE:
+                    for j in range(width):
+                        new[j] = drive[j] - old[j]
+                elif task == DISCRETE:
+                    function_row(room, width, room, 0, width, kind, places, at, values, shape_numbers)
+                    most = x.dtype.type(0)
+                    for j in range(width):
+                        keeps = (kind == SIGN and drive[j] == 0) or (still.size and still[j])
+                        new[j] = old[j] if keeps else room[width + j]
+                        most = max(most, abs(new[j] - old[j]))
+                    largest[line] = most
+                else:
+                    for j in range(width):
+                        drive[j] = old[j] + gain * (drive[j] - old[j])
+                    if wall:
+                        for j in range(width):
+                            v = one if drive[j] > one else drive[j]
+                            drive[j] = -one if v < -one else v
+                    for j in range(still.size):
+                        drive[j] = old[j] if still[j] else drive[j]
+                    for j in range(width):
+                        old[j] = drive[j]
 
 
 @twins
@@ -165,23 +217,4 @@ def steepest_of(
             against = wall and ((x[g, layer, i, j] >= 1 and slope > 0) or (x[g, layer, i, j] <= -1 and slope < 0))
             if not against and not (held.size and held[g, layer, i, j]):
                 largest[line] = max(largest[line], abs(slope))
-    return float(largest.max())
-
-
-@twins
-def discrete_step(
-    out: Array, drive: Array, y: Array, shape: Array, shape_numbers: Array, held: Array
-) -> float:  # fmt: skip
-    """Write y(k + 1) = f(drive) and return the largest change; at a drive of 0 a sign keeps its old value."""
-    n, layers, height, width = y.shape
-    largest = np.zeros(n * layers * height, y.dtype)
-    kind, places, at, values = shape
-    for line in prange(n * layers * height):
-        g, layer, i = line // (layers * height), line // height % layers, line % height
-        for j in range(width):
-            old, v = y[g, layer, i, j], drive[g, layer, i, j]
-            keeps = (kind == SIGN and v == 0) or (held.size and held[g, layer, i, j])
-            new = old if keeps else function_of(v, kind, places, at, values, shape_numbers)
-            out[g, layer, i, j] = new
-            largest[line] = max(largest[line], abs(new - old))
     return float(largest.max())

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pyopencl as cl
 
-from cnnsim.backends.opencl_build import Workshop, boundary_defines
+from cnnsim.backends.opencl_build import Workshop, boundary_defines, source
+from cnnsim.backends.opencl_terms import term_defines
 from cnnsim.backends.wiring import Wiring, characteristic, longest_delay, wire, wire_terms
 from cnnsim.frames import at_step, spans
 from cnnsim.general import delays_of
@@ -18,44 +19,57 @@ from cnnsim.plan import SETTLED_SLOPE, Plan
 
 Buffer = cl.Buffer
 Ended = tuple[Buffer, float, bool, float]
-_IDENTITY = np.array([0, 0, 0, 0], np.int32)
+_DRIVE, _SLOPE, _STEP, _DISCRETE = range(4)
 
 
 def control_terms(shop: Workshop, plan: Plan, grids: int, u: Buffer, bias: Buffer | None) -> Buffer:
     """Return the bias map plus all terms of the input alone: the linear roads need no more."""
     wiring = wire_terms(plan, [(0, term) for term in plan.template.control_terms], shop.dtype)
-    field = _Field(shop, plan, wiring, grids, 1)
+    field = _Field(shop, plan, [wiring], 0, grids, 1)
     field.follow(0, u, 0)
     out = shop.buffer(field.count * shop.dtype.itemsize)
     field.base(np.zeros(1), bias, out)
-    return field.drives(out, None, out)
+    return field.advance(_DRIVE, out, None, out)
 
 
 class _Field:
-    """The channels of a wiring on the device, and the kernels that fill and hear them."""
+    """The channels of a wiring on the device with their virtual cells, and the kernels that fill and hear them.
 
-    def __init__(self, shop: Workshop, plan: Plan, wiring: Wiring, grids: int, layers: int) -> None:
-        self.shop, self.plan, self.wiring, self.layers = shop, plan, wiring, layers
-        self.size = plan.shape[0] * plan.shape[1]
-        self.cells, self.count = grids * self.size, grids * layers * self.size
-        self.channels = shop.buffer(max(1, len(wiring.channels)) * self.cells * shop.dtype.itemsize)
-        terms = wiring.terms
-        self.terms = len(terms.links)
-        tables = (terms.links.astype(np.int32), terms.taps.astype(np.int32), terms.weight, terms.planes, terms.numbers)
-        inputs = [plan.boundary.u if c.quantity == "u" else plan.boundary.y for c in wiring.channels]
-        self.tables = [self._table(table) for table in (*tables, np.array(inputs, shop.dtype))]
-        self.shape_of_grid = np.int32(plan.shape[0]), np.int32(plan.shape[1])
+    Of all ``wirings`` of a run, which share one program, it is number ``part``.
+    """
+
+    def __init__(
+        self, shop: Workshop, plan: Plan, wirings: Sequence[Wiring], part: int, grids: int, layers: int,
+        gains: np.ndarray[Any, Any] | None = None, held: Buffer | None = None,
+    ) -> None:  # fmt: skip
+        self.shop, self.plan, self.wiring, self.layers = shop, plan, wirings[part], layers
+        (rows, cols), r = plan.shape, self.wiring.radius
+        self.size, self.lines, self.count = rows * cols, grids * layers * rows, grids * layers * rows * cols
+        self.tall, self.wide = grids * (rows + 2 * r), cols + 2 * r
+        stride = -(-(self.wide + shop.lanes) // shop.lanes) * shop.lanes
+        channel = self.tall * stride
+        self.channels = shop.buffer(max(1, len(self.wiring.channels)) * channel * shop.dtype.itemsize)
+        self.planes = self._table(np.append(self.wiring.terms.planes.ravel(), np.zeros(shop.lanes, shop.dtype)))
+        self.gains = self._table(np.ones(layers, shop.dtype) if gains is None else gains)
+        self.grid = (*map(np.int32, (r, stride, rows, cols)), np.int64(channel))
+        self.part, self.none = np.int32(part), np.int32(len(wirings))
+        self.wall, self.held = np.int32(plan.cell == "full-range"), held
+        shape = characteristic(plan, shop.dtype) if plan.method == "general" else None
+        self.defines = {
+            **term_defines([wiring.terms for wiring in wirings], layers, shape, shop.dtype),
+            **boundary_defines(plan.boundary),
+        }
 
     def _table(self, numbers: np.ndarray[Any, Any]) -> Buffer:
-        return self.shop.table(np.ascontiguousarray(numbers) if numbers.size else np.zeros(1, numbers.dtype))
+        return self.shop.table(np.ascontiguousarray(numbers))
 
     def kernel(self, name: str) -> cl.Kernel:
-        """Return a kernel of the general road."""
-        return self.shop.kernel(name, "general", boundary_defines(self.plan.boundary))
+        """Return a kernel that knows the terms."""
+        return self.shop.kernel(name, "general", self.defines, source("terms"))
 
     def run(self, name: str, work: int, *arguments: Any) -> int:
-        """Run a kernel over ``work`` cells; their number is its last argument."""
-        return self.shop.run(self.kernel(name), work, *arguments, np.int64(work))
+        """Run a kernel that knows no terms over ``work`` cells; their number is its last argument."""
+        return self.shop.run(self.shop.kernel(name, "general", {}), work, *arguments, np.int64(work))
 
     def base(self, z: np.ndarray[Any, Any], bias: Buffer | None, out: Buffer) -> None:
         """Write z plus the bias map."""
@@ -64,21 +78,28 @@ class _Field:
             "base", self.count, table, bias, out, np.int32(bias is not None), np.int32(self.layers), np.int64(self.size)
         )
 
-    def follow(self, channel: int, state: Buffer, layer: int, through: Any = None) -> None:
-        """Bring one layer of a plane into a channel, through a function."""
-        links, numbers = (_IDENTITY, np.zeros(1, self.shop.dtype)) if through is None else through
-        self.run(
-            "follow", self.cells, state, self.channels, self.shop.table(numbers), *map(np.int32, links),
-            np.int32(channel), np.int32(layer), np.int32(self.layers), np.int64(self.size),
+    def follow(self, channel: int, state: Buffer, layer: int, *, through: bool = False) -> None:
+        """Bring one layer of a plane into a channel, perhaps through the output characteristic."""
+        quantity = self.wiring.channels[channel].quantity
+        outside = self.plan.boundary.u if quantity == "u" else self.plan.boundary.y
+        self._over_rows(
+            "follow", self.tall, self.wide, state, self.channels,
+            *map(np.int32, (channel, layer, self.layers, through)), self.shop.dtype.type(outside),
         )  # fmt: skip
 
-    def drives(self, w: Buffer, stage: Buffer | None, out: Buffer) -> Buffer:
-        """Write w plus all terms, less the stage if there is one."""
-        self.run(
-            "drives", self.count, w, stage, out, self.channels, *self.tables, np.int32(self.terms),
-            np.int32(stage is not None), np.int32(self.layers), *self.shape_of_grid,
+    def advance(self, task: int, w: Buffer, x: Buffer | None, out: Buffer, *, terms: bool = True) -> Buffer:
+        """Write w plus all terms; or less x, the slope; or where a step from x leads; or its output (discrete time)."""
+        self._over_rows(
+            "advance", self.lines, self.plan.shape[1], w if x is None else x, w, self.held, out, self.channels,
+            self.planes, self.gains, np.int32(task), self.part if terms else self.none,
+            np.int32(self.held is not None), self.wall, np.int32(self.layers),
         )  # fmt: skip
         return out
+
+    def _over_rows(self, name: str, rows: int, cols: int, *arguments: Any) -> None:
+        """Run a kernel whose work-items take rows on a CPU and cells on a GPU."""
+        work = rows if self.shop.family == "cpu" else rows * cols
+        self.shop.run(self.kernel(name), rows * cols, *arguments, *self.grid, np.int64(work))
 
 
 class _Run:
@@ -88,12 +109,15 @@ class _Run:
         assert plan.network is not None
         self.shop, self.plan, self.u, self.bias, self.held = shop, plan, u, bias, held
         layers = len(plan.network.layers)
-        wirings = (wire(plan, shop.dtype, static=static) for static in (True, False))
-        self.fixed, self.moving = (_Field(shop, plan, wiring, grids // layers, layers) for wiring in wirings)
+        wirings = [wire(plan, shop.dtype, static=static) for static in (True, False)]
+        self.rates = 1 / np.array(plan.network.time_constants)
+        gains = [plan.scheme.gain(plan.step * rate) if plan.scheme else 1.0 for rate in self.rates]
+        self.gains = np.array(gains, shop.dtype)
+        self.fixed, self.moving = (
+            _Field(shop, plan, wirings, part, grids // layers, layers, self.gains, held) for part in (0, 1)
+        )
         self.count, self.x = self.moving.count, x
         self.z = np.array([layer.z for layer in plan.network.layers])
-        self.rates = 1 / np.array(plan.network.time_constants)
-        self.shape = characteristic(plan, shop.dtype)
         self.past = [x] * (longest_delay(plan, plan.network) + 1)  # before t = 0 the state was x(0)
         self.w = self.new()
         self.common = np.int32(layers), np.int64(self.moving.size), np.int32(plan.shape[1])
@@ -117,17 +141,16 @@ class _Run:
                 if channel.quantity == "u":
                     field.follow(k, at_step(self.u, number - channel.ago, step), channel.layer)
         self.fixed.base(self.z, at_step(self.bias, number, step), self.w)
-        self.fixed.drives(self.w, None, self.w)
+        self.fixed.advance(_DRIVE, self.w, None, self.w)
 
-    def drive(self, out: Buffer, stage: Buffer, number: int, ahead: int = 0, *, less: bool = True) -> None:
-        """Write the drives (``less``: the slopes) in ``stage``, ``ahead`` steps from the start of step ``number``."""
+    def advance(self, task: int, out: Buffer, stage: Buffer, number: int) -> None:
+        """Do a task of `_Field.advance` with the drives in ``stage`` at the start of step ``number``."""
         discrete = self.plan.cell == "discrete-time"
         for k, channel in enumerate(self.moving.wiring.channels):
             if channel.quantity != "u":
-                state = self.past[(number + ahead - channel.ago) % len(self.past)] if channel.ago else stage
-                through = self.shape if channel.quantity == "y" and not discrete else None
-                self.moving.follow(k, state, channel.layer, through)
-        self.moving.drives(self.w, stage if less else None, out)
+                state = self.past[(number - channel.ago) % len(self.past)] if channel.ago else stage
+                self.moving.follow(k, state, channel.layer, through=channel.quantity == "y" and not discrete)
+        self.moving.advance(task, self.w, stage, out)
 
     def combine(
         self, out: Buffer, x: Buffer, slopes: Sequence[Buffer], gains: Buffer, row: Sequence[float], held: Any
@@ -148,13 +171,9 @@ class _Run:
         )  # fmt: skip
         return float(self.shop.parts(parts, self.shop.dtype).max())
 
-    def discrete_step(self, out: Buffer, drive: Buffer, y: Buffer) -> float:
-        """Write y(k + 1) and return the largest change."""
-        links, numbers = self.shape
-        parts = self.moving.run(
-            "discrete", self.count, drive, y, out, self.shop.table(numbers), self.held, self.shop.partial,
-            *map(np.int32, links), self.mask, np.int32(self.plan.shape[1]),
-        )  # fmt: skip
+    def change(self, a: Buffer, b: Buffer) -> float:
+        """Return the largest difference of two planes."""
+        parts = self.moving.run("change", self.count, a, b, self.shop.partial)
         return float(self.shop.parts(parts, self.shop.dtype).max())
 
 
@@ -167,11 +186,13 @@ def general(shop: Workshop, plan: Plan, grids: int, x: Buffer, u: Any, bias: Any
 def _stepped(plan: Plan, run: _Run) -> Ended:
     assert plan.scheme is not None
     scheme, settling = plan.scheme, plan.duration == "settled"
-    gains = run.shop.table(np.array([scheme.gain(plan.step * rate) for rate in run.rates]).astype(run.shop.dtype))
-    slopes, stage, x = [run.new() for _ in scheme.b], run.new(), run.x
+    several = len(scheme.b) > 1
+    gains = run.shop.table(run.gains)
+    slopes, x = [run.new() for _ in scheme.b], run.x
+    stage = run.new() if several else x
 
     def look(number: int) -> tuple[bool, float]:
-        run.drive(slopes[0], x, number)
+        run.advance(_SLOPE, slopes[0], x, number)
         steepest = run.steepest(slopes[0], x, run.rates, wall=bool(run.wall))
         return steepest <= SETTLED_SLOPE, steepest
 
@@ -184,11 +205,14 @@ def _stepped(plan: Plan, run: _Run) -> Ended:
                 if settled:
                     return x, number * plan.step, True, steepest
             run.past[number % len(run.past)] = x
-            for s, row in enumerate(scheme.a):
-                run.combine(stage, x, slopes, gains, row, None)
-                run.drive(slopes[s], stage, number, round(sum(row)))
             after = spare[number % len(spare)]  # the one that fell out of the past
-            run.combine(after, x, slopes, gains, scheme.b, run.held)
+            if several:
+                for s, row in enumerate(scheme.a):
+                    run.combine(stage, x, slopes, gains, row, None)
+                    run.advance(_SLOPE, slopes[s], stage, number + round(sum(row)))
+                run.combine(after, x, slopes, gains, scheme.b, run.held)
+            else:
+                run.advance(_STEP, after, x, number)
             x = after
     if not settling:
         return x, float(plan.duration), False, math.nan
@@ -197,26 +221,19 @@ def _stepped(plan: Plan, run: _Run) -> Ended:
 
 def _discrete(plan: Plan, run: _Run) -> Ended:
     """y(k + 1) = f(drive); at rest when nothing changes. A cycle of two steps never ends, so it is left at once."""
-    settling, one = plan.duration == "settled", np.ones(len(run.rates))
-    y, drive, change = run.new(), run.new(), math.nan
-    run.discrete_step(y, run.x, run.x)
+    settling, change = plan.duration == "settled", math.nan
+    spare = [run.new() for _ in range(len(run.past) + 2)]
+    before, y = run.x, run.moving.advance(_DISCRETE, run.x, run.x, run.new(), terms=False)
     run.past = [y] * len(run.past)
-    before = y
     for first, count in run.spans():
         run.stand_still(first)
         for number in range(first, first + count):
             run.past[number % len(run.past)] = y
-            run.drive(drive, y, number, less=False)
-            after = run.new()
-            change = run.discrete_step(after, drive, y)
-            if settling and (change <= SETTLED_SLOPE or (number and _same(run, after, before, one))):
-                return y, float(number), change <= SETTLED_SLOPE, change
+            after = spare[number % len(spare)]  # the one that fell out of the past
+            run.advance(_DISCRETE, after, y, number)
+            if settling:
+                change = run.change(after, y)
+                if change <= SETTLED_SLOPE or (number and run.change(after, before) == 0):
+                    return y, float(number), change <= SETTLED_SLOPE, change
             before, y = y, after
     return (y, float(plan.steps), False, change) if settling else (y, float(plan.duration), False, math.nan)
-
-
-def _same(run: _Run, a: Buffer, b: Buffer, one: np.ndarray[Any, Any]) -> bool:
-    """Return whether two states are the same."""
-    difference = run.new()
-    run.combine(difference, a, [b], run.shop.table(one.astype(run.shop.dtype)), [-1.0], None)
-    return run.steepest(difference, a, one, wall=False) == 0

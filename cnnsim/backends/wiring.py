@@ -19,8 +19,8 @@ from cnnsim.weights import reach
 Array = NDArray[Any]
 
 NOTHING = -1
-IDENTITY, LINEAR, STEP_RIGHT, STEP_LEFT, CLIP, SIGN, TANH = range(7)
-"""Functions of one variable, as numbers."""
+IDENTITY, LINEAR, STEP, CLIP, SIGN, TANH = range(6)
+"""Functions of one variable, as numbers. A step belongs to what is beyond its place, never to the place itself."""
 
 
 class Channel(NamedTuple):
@@ -65,7 +65,13 @@ def kind_of(table: Table | None) -> int:
     """Return the number of a table's kind."""
     if table is None:
         return IDENTITY
-    return LINEAR if table.kind == "linear" else STEP_RIGHT if table.closed == "right" else STEP_LEFT
+    return LINEAR if table.kind == "linear" else STEP
+
+
+def places_of(table: Table, dtype: np.dtype[Any]) -> list[float]:
+    """Return a table's places in a precision: of one closed on the left the numbers just below, beyond which it is."""
+    at = np.array(table.at, dtype)
+    return np.nextafter(at, dtype.type(-np.inf)).tolist() if table.closed == "left" else at.tolist()
 
 
 def characteristic(plan: Plan, dtype: np.dtype[Any]) -> Function:
@@ -74,7 +80,7 @@ def characteristic(plan: Plan, dtype: np.dtype[Any]) -> Function:
     kind = {"clip": CLIP, "sign": SIGN, "tanh": TANH}.get(shape.kind, kind_of(shape.table))
     if shape.table is None:
         return Function(np.array([kind, 1, 0, 0], np.int64), np.array([shape.slope], dtype))
-    numbers = np.array([*shape.table.at, *shape.table.values], dtype)
+    numbers = np.array([*places_of(shape.table, dtype), *shape.table.values], dtype)
     return Function(np.array([kind, len(shape.table.at), 0, len(shape.table.at)], np.int64), numbers)
 
 
@@ -117,7 +123,7 @@ def wire_terms(plan: Plan, found: Sequence[tuple[int, Term]], dtype: np.dtype[An
             taps.append((k, l, len(planes) if varies else NOTHING))
             weights.append(0.0 if varies else weight)
             planes += [weight] if varies else []
-        at, values = (term.table.at, term.table.values) if term.table else ((), ())
+        at, values = (places_of(term.table, dtype), term.table.values) if term.table else ([], ())
         function = [kind_of(term.table), len(at), len(numbers), len(numbers) + len(at)]
         numbers += [*at, *values]
         channels_of_term = [*pair(term.of, number, term), *pair(term.times, number, term)]
