@@ -198,7 +198,7 @@ def stepped_savings(
         depth = steps_a_pass(steps, radius_of(template.feedback_taps))
         found.append(("blocking", f"one-stage scheme: {depth} steps a pass while the rows of a tile are in the cache"))
         if settles and h <= 1 and cell == "chua-yang" and not template.uncoupled:
-            found.append(("sleep", "tiles of 32 x 64 cells in which no output can change are left out"))
+            found.append(("sleep", "tiles in which no output can change are left out"))
     return found
 
 

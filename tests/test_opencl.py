@@ -126,6 +126,24 @@ def test_settled_pictures_and_their_step_counts(name: str, family: Any) -> None:
 
 
 @pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("boundary", [fixed(-1.0), ZERO_FLUX, PERIODIC], ids=str)
+@pytest.mark.parametrize("name", ["hole-filler", "connected-components-horizontal"])
+def test_sleeping_tiles_wake_up_where_a_wave_comes(name: str, boundary: Any, family: Any) -> None:
+    """Two grids at once, three tiles beside each other, the last of them narrow; one grid settles much earlier."""
+    picture = np.where(np.random.default_rng(8).random((2, 150, 265)) > 0.93, 1.0, -1.0)
+    picture[0, 40:110, [60, 160]] = picture[0, [40, 110], 60:160] = 1
+    picture[1, :, 20:] = -1
+    entry, backend = library.load(name), OpenCLBackend("float32", family=family)
+    planes = {name: np.broadcast_to(plane, picture.shape) for name, plane in entry.planes(picture).items()}
+    ends = []
+    for without in ([], ["sleep"]):
+        end = make_task(entry.template, **planes, boundary=boundary, limit=300.0, without=without).start(backend)
+        ends.append((backend.read(end.x), end.t, end.settled, end.slope))
+    np.testing.assert_array_equal(ends[0][0], ends[1][0])
+    np.testing.assert_equal(ends[0][1:], ends[1][1:])
+
+
+@pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 @pytest.mark.parametrize("scheme", [None, "euler", "rk4"])
 @pytest.mark.parametrize("duration", [0.5, "settled"])

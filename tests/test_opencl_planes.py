@@ -45,7 +45,7 @@ def test_logic_counting_and_conversion(shape: tuple[int, ...], family: Any) -> N
 def test_neighbours_on_bits(boundary: Any, family: Any) -> None:
     rng = np.random.default_rng(10)
     ours, law = OpenCLBackend(family=family), ReferenceBackend()
-    for shape in ((1, 1), (2, 3), (7, 64), (2, 9, 131), (4, 67)):
+    for shape in ((1, 1), (2, 3), (7, 64), (2, 9, 131), (4, 67), (2, 13, 704), (12, 771), (13, 1276)):
         for size, every in ((0, True), (1, False), (4, True), (9, False)):
             places = {(int(k), int(l)) for k, l in rng.integers(-5, 6, (size, 2))}
             rule = BitRule(tuple(Literal(k, l, bool(rng.random() < 0.5)) for k, l in places), every)

@@ -171,7 +171,7 @@ class OpenCLBackend:
         self._shop.run(
             self._shop.kernel("neighbourhood", "neighbourhood", boundary_defines(boundary)), plane.words, plane.buffer,
             out.buffer, literals, np.int32(len(rule.literals)), np.int32(rule.every), np.int32(boundary.u > 0),
-            np.int64(plane.lines), np.int32(plane.shape[-2]), np.int32(plane.shape[-1]),
+            np.int32(rule.radius), np.int64(plane.lines), np.int32(plane.shape[-2]), np.int32(plane.shape[-1]),
         )  # fmt: skip
         return out
 

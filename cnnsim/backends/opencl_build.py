@@ -77,7 +77,7 @@ class Workshop:
         return self._tables[key]
 
     def kernel(self, name: str, stem: str, defines: Defines, extra: str = "", twin: int = 0) -> cl.Kernel:
-        """Return a kernel of opencl_<stem>.cl (or of the text ``extra``) built with these definitions.
+        """Return a kernel of opencl_<stem>.cl (of several, one after the other, and ``extra``) with these definitions.
 
         A kernel keeps its arguments, so those who need it with two sets of arguments ask for its ``twin`` as well.
         """
@@ -85,7 +85,7 @@ class Workshop:
         key = (stem, lines, extra, f"{name} {twin}")
         if key not in self._kernels:
             if key[:-1] not in self._programs:
-                text = lines + source("common") + (source(stem) if stem else "") + extra
+                text = lines + "".join(map(source, ["common", *stem.split()])) + extra
                 self._programs[key[:-1]] = self._build(text, stem or name)
             self._kernels[key] = cl.Kernel(self._programs[key[:-1]], name)
         return self._kernels[key]

@@ -34,31 +34,49 @@ static inline real cell_at(real x, real s, real a, real t)
     return side * (target + (size - target) * exp(-t));
 }
 
-// The state a cell comes to: no exponentials, only comparisons.
-static inline real cell_at_rest(real x, real s, real a)
-{
-    if (!WALLED && fabs(x) > 1) {
-        const real side = x < 0 ? -1 : 1;
-        if (a + s * side >= 1) return a * side + s;
-        x = side;
+// The state a cell comes to: no exponentials, only comparisons, and no branches, so that vectors of cells can do it.
+#define AT_REST(type)                                                                                   \
+    static inline type type##_at_rest(type x, type s, real a)                                           \
+    {                                                                                                   \
+        const type one = (type)1, side = x < (type)0 ? -one : one;                                      \
+        const type start = FAR(x, one) ? side : x, rate = (a - 1) * start + s;                          \
+        const type ahead = rate < (type)0 ? -one : one;                                                 \
+        const type moved = (a - 1) + s * ahead > (type)0 ? (WALLED ? ahead : a * ahead + s) : s / (1 - a); \
+        const type there = rate == (type)0 ? start : moved;                                             \
+        return FAR(x, one) & (a + s * side >= one) ? a * side + s : there;                              \
     }
-    const real rate = (a - 1) * x + s;
-    if (rate == 0) return x;
-    const real ahead = rate < 0 ? -1 : 1;
-    if (a - 1 + s * ahead > 0) return WALLED ? ahead : a * ahead + s;
-    return s / (1 - a);
-}
+#if WALLED
+#define FAR(x, one) ((x) != (x)) // no cell is
+#else
+#define FAR(x, one) (((x) > (one)) | ((x) < -(one)))
+#endif
+AT_REST(real)
+#if V > 1
+AT_REST(vec)
+#endif
 
 KERNEL void closed_form(__global const real *restrict x, __global const real *restrict w,
                           __global const ulong *restrict held, __global real *restrict out, real a, real t, int rest,
                           int has_held, long lines, int cols)
 {
+#if V > 1
+    if (rest && !has_held) {
+        const long count = lines * cols, stop = SHARE(count, get_global_id(0) + 1, get_global_size(0));
+        long cell = SHARE(count, get_global_id(0), get_global_size(0));
+        for (; cell + V <= stop; cell += V) {
+            const vec from = *(__global const vec *)(x + cell), drive = *(__global const vec *)(w + cell);
+            *(__global vec *)(out + cell) = vec_at_rest(from, drive, a) + (from - from); // NaN for NaN, as below
+        }
+        for (; cell < stop; cell++) out[cell] = real_at_rest(x[cell], w[cell], a) + (x[cell] - x[cell]);
+        return;
+    }
+#endif
     EACH(cell, lines * cols) {
         const real from = x[cell];
         const real flaw = from - from; // NaN if x is NaN or infinite: no comparison below may hide that
         if (has_held && black(held, cell / cols, (int)(cell % cols), cols))
             out[cell] = from;
         else
-            out[cell] = flaw + (rest ? cell_at_rest(from, w[cell], a) : cell_at(from, w[cell], a, t));
+            out[cell] = flaw + (rest ? real_at_rest(from, w[cell], a) : cell_at(from, w[cell], a, t));
     }
 }

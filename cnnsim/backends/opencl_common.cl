@@ -21,6 +21,14 @@ typedef int sure_vec;
 #endif
 typedef int sure_real;
 
+// A number's bits, or those of a vector's numbers.
+#ifdef DOUBLE
+#define BITS_real(x) as_long(x)
+#else
+#define BITS_real(x) as_int(x)
+#endif
+#define BITS_vec(x) __builtin_astype(x, sure_vec)
+
 // The output characteristic; NaN stays NaN. (OpenCL's clamp need not keep it, and is slow in some PoCL builds.)
 #define CLIP(type, x) ((x) > (type)1 ? (type)1 : (x) < (type)-1 ? (type)-1 : (x))
 

@@ -143,9 +143,22 @@ static void bring(__global const real *x, __global const real *w, __global const
 #endif
 }
 
+// Whether any bit differs in columns start .. stop - 1 of two rows.
+static int differ(const __local real *a, __global const real *b, int start, int stop)
+{
+    sure_vec some = (sure_vec)0;
+    long other = 0;
+    int j = start;
+    for (; j + V <= stop; j += V) some |= BITS_vec(VEC(const __local, a + j)) ^ BITS_vec(VEC(const __global, b + j));
+    for (; j < stop; j++) other |= BITS_real(a[j]) ^ BITS_real(b[j]);
+    for (int v = 0; v < V; v++) other |= some[v];
+    return other != 0;
+}
+
 __attribute__((reqd_work_group_size(1, 1, 1)))
 __kernel void steps(__global const real *x, __global const real *w, __global const ulong *held, __global real *out,
-                    __local real *scratch, int rows, int cols, int width, int band, int across, int down, int steps)
+                    __local real *scratch, int rows, int cols, int width, int band, int across, int down, int steps
+                    SLEEP_ARGUMENTS)
 {
     const int tile = get_group_id(0), first_col = tile % across * width, first_row = tile / across % down * band;
     const int stop_row = min(first_row + band, rows), own_cols = min(width, cols - first_col);
@@ -155,6 +168,13 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
     __local real *const states = scratch + (3 * T + 1) * BLOCK, *const drives = states + (T + 1) * BLOCK;
     __local real *const gains = drives + (T + 1) * BLOCK;
 
+#ifdef SLEEP
+    moves[tile] = 0;
+    if (!fresh && asleep(moved, tile, across, down)) return;
+    int changed = 0;
+    const int reach = steps * RADIUS, west = min(own_cols, (reach + V - 1) / V * V);
+    const int east = max(west, (own_cols - reach) / V * V);
+#endif
     const int b_last = (stop_row + R - 1) / R - 1 + steps;
     int slot = 0; // of block b in the rings of T + 1 blocks
     for (int b = floor_div(first_row - steps * RADIUS, R); b <= b_last; b++) {
@@ -188,9 +208,19 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
             __global real *to = out + (top + c * R + q) * cols + first_col;
             const __local real *from = states + at * BLOCK + q * STRIDE + SHIFT;
             int j = 0;
+#ifdef SLEEP
+            __global const real *was = x + (to - out);
+            const int row = place_of(c * R + q - first_row, west, stop_row - first_row, own_cols, reach) & ~(WEST | EAST);
+            changed |= differ(from, was, 0, west) ? row | WEST : 0;
+            changed |= differ(from, was, west, east) ? row : 0;
+            changed |= differ(from, was, east, own_cols) ? row | EAST : 0;
+#endif
             for (; j + V <= own_cols; j += V) VEC(__global, to + j) = VEC(const __local, from + j);
             for (; j < own_cols; j++) to[j] = from[j];
         }
         slot = slot == T ? 0 : slot + 1;
     }
+#ifdef SLEEP
+    moves[tile] = changed;
+#endif
 }

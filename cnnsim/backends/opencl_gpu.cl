@@ -27,7 +27,7 @@ static inline void stand_in(__local real *y, int i, int j, int gi, int gj, int r
 
 __attribute__((reqd_work_group_size(WIDE, HIGH / R, 1)))
 __kernel void steps(__global const real *x, __global const real *w, __global const ulong *held, __global real *out,
-                    int rows, int cols, int across, int down, int steps)
+                    int rows, int cols, int across, int down, int steps SLEEP_ARGUMENTS)
 {
     __local real y[2 * SIZE];
     const int tile = get_group_id(0), j = get_local_id(0), i0 = get_local_id(1) * R;
@@ -37,18 +37,25 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
     const int real_col = BOUNDARY == PERIODIC || (gj >= 0 && gj < cols);
     const int col = BOUNDARY == PERIODIC ? wrap(gj, cols) : clamp_to(gj, cols);
     real s[R], drive[R], gain[R];
-
-#pragma unroll
-    for (int q = 0; q < R; q++) {
-        const int gi = gi0 + q, row = BOUNDARY == PERIODIC ? wrap(gi, rows) : clamp_to(gi, rows);
-        const long cell = (top + row) * cols + col;
-        s[q] = x[cell];
-        drive[q] = w[cell];
-#ifdef HELD
-        gain[q] = black(held, top + row, col, cols) ? 0 : (real)(GAIN);
-#else
-        gain[q] = GAIN;
+#ifdef SLEEP
+    __local int changed;
+    changed = 0; // seen by all after the barriers below
+    if (!fresh && asleep(moved, tile, across, down)) steps = -1; // no early return: some compilers lose barriers by it
 #endif
+
+    if (steps >= 0) {
+#pragma unroll
+        for (int q = 0; q < R; q++) {
+            const int gi = gi0 + q, row = BOUNDARY == PERIODIC ? wrap(gi, rows) : clamp_to(gi, rows);
+            const long cell = (top + row) * cols + col;
+            s[q] = x[cell];
+            drive[q] = w[cell];
+#ifdef HELD
+            gain[q] = black(held, top + row, col, cols) ? 0 : (real)(GAIN);
+#else
+            gain[q] = GAIN;
+#endif
+        }
     }
     // what lies around the tile is heard only by cells that nobody will use, but let it be numbers
     for (int at = get_local_id(1) * WIDE + j; at < 2 * SIZE; at += WIDE * (HIGH / R)) y[at] = 0;
@@ -88,10 +95,21 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
 #endif
         }
     }
-    if (j < HALO || j >= WIDE - HALO || gj >= cols) return;
+    const int mine = steps >= 0 && j >= HALO && j < WIDE - HALO && gj < cols;
 #pragma unroll
     for (int q = 0; q < R; q++) {
         const int i = i0 + q, gi = gi0 + q;
-        if (i >= HALO && i < HIGH - HALO && gi < rows) out[(top + gi) * cols + gj] = s[q];
+        if (!mine || i < HALO || i >= HIGH - HALO || gi >= rows) continue;
+        const long cell = (top + gi) * cols + gj;
+#ifdef SLEEP
+        if (BITS_real(s[q]) != BITS_real(x[cell]))
+            atomic_or(&changed, place_of(i - HALO, j - HALO, min(HIGH - 2 * HALO, rows - gi + i - HALO),
+                                         min(WIDE - 2 * HALO, cols - gj + j - HALO), HALO));
+#endif
+        out[cell] = s[q];
     }
+#ifdef SLEEP
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (get_local_id(0) == 0 && get_local_id(1) == 0) moves[tile] = changed;
+#endif
 }

@@ -36,27 +36,81 @@ static inline ulong shifted(__global const ulong *row, int c, int l, int words, 
     return seen;
 }
 
+// What a rule makes of word c of row i.
+static inline ulong word_at(__global const ulong *grid, __global const int *literals, int count, int every, int outside,
+                            int i, int c, int rows, int words, int cols)
+{
+    ulong result = every ? ~(ulong)0 : 0;
+    for (int n = 0; n < count; n++) {
+        int p = i + literals[3 * n];
+        ulong seen;
+        if (BOUNDARY == FIXED && (p < 0 || p >= rows)) {
+            seen = outside ? ~(ulong)0 : 0;
+        } else {
+            p = BOUNDARY == PERIODIC ? wrap(p, rows) : clamp_to(p, rows);
+            seen = shifted(grid + (long)p * words, c, literals[3 * n + 1], words, cols, outside);
+        }
+        if (literals[3 * n + 2]) seen = ~seen;
+        result = every ? result & seen : result | seen;
+    }
+    return result;
+}
+
+#ifdef CPU
+#define MANY 8
+typedef ulong ulongs __attribute__((ext_vector_type(MANY), aligned(8)));
+#define WORDS(at) (*(__global const ulongs *)(at))
+
+// The same for MANY words at `here` that hear no virtual cell.
+static inline ulongs words_at(__global const ulong *here, __global const int *literals, int count, int every, int words)
+{
+    ulongs result = every ? ~(ulongs)0 : (ulongs)0;
+    for (int n = 0; n < count; n++) {
+        __global const ulong *at = here + (long)literals[3 * n] * words;
+        const int l = literals[3 * n + 1];
+        ulongs seen = WORDS(at);
+        if (l > 0) seen = seen >> (ulong)l | WORDS(at + 1) << (ulong)(64 - l);
+        if (l < 0) seen = seen << (ulong)-l | WORDS(at - 1) >> (ulong)(64 + l);
+        if (literals[3 * n + 2]) seen = ~seen;
+        result = every ? result & seen : result | seen;
+    }
+    return result;
+}
+#endif
+
 KERNEL void neighbourhood(__global const ulong *restrict plane, __global ulong *restrict out,
-                          __global const int *literals, int count, int every, int outside, long lines, int rows, int cols)
+                          __global const int *literals, int count, int every, int outside, int radius, long lines,
+                          int rows, int cols)
 {
     const int words = (cols + 63) / 64, rest = cols % 64;
     const ulong end = rest ? ((ulong)1 << rest) - 1 : ~(ulong)0;
+#define ONE_WORD(c)                                                                                     \
+    {                                                                                                   \
+        const ulong word = word_at(grid, literals, count, every, outside, i, c, rows, words, cols);     \
+        to[c] = (c) == words - 1 ? word & end : word;                                                   \
+    }
+#ifdef CPU
+    EACH(line, lines) {
+        const int i = (int)(line % rows);
+        __global const ulong *grid = plane + (line - i) * words;
+        __global ulong *to = out + line * words;
+        int c = 0;
+        if (i >= radius && i < rows - radius && words >= MANY + 3) {
+            ONE_WORD(0)
+            for (c = 1; c < words - 2; c += MANY) { // the last ones once more, where the words are no multiple
+                const int first = min(c, words - 2 - MANY);
+                *(__global ulongs *)(to + first) = words_at(grid + (long)i * words + first, literals, count, every, words);
+            }
+            c = words - 2;
+        }
+        for (; c < words; c++) ONE_WORD(c)
+    }
+#else
     EACH(at, lines * words) {
         const int c = (int)(at % words), i = (int)(at / words % rows);
         __global const ulong *grid = plane + at - c - (long)i * words;
-        ulong result = every ? ~(ulong)0 : 0;
-        for (int n = 0; n < count; n++) {
-            int p = i + literals[3 * n];
-            ulong seen;
-            if (BOUNDARY == FIXED && (p < 0 || p >= rows)) {
-                seen = outside ? ~(ulong)0 : 0;
-            } else {
-                p = BOUNDARY == PERIODIC ? wrap(p, rows) : clamp_to(p, rows);
-                seen = shifted(grid + (long)p * words, c, literals[3 * n + 1], words, cols, outside);
-            }
-            if (literals[3 * n + 2]) seen = ~seen;
-            result = every ? result & seen : result | seen;
-        }
-        out[at] = c == words - 1 ? result & end : result;
+        __global ulong *to = out + at - c;
+        ONE_WORD(c)
     }
+#endif
 }

@@ -50,20 +50,11 @@ KERNEL void logic(__global const ulong *restrict p, __global const ulong *restri
     }
 }
 
-// The bits of a word that are 1, counted in place: pairs, nibbles, bytes, all.
-static inline ulong bits_of(ulong v)
-{
-    v -= v >> 1 & 0x5555555555555555UL;
-    v = (v & 0x3333333333333333UL) + (v >> 2 & 0x3333333333333333UL);
-    v = (v + (v >> 4)) & 0x0f0f0f0f0f0f0f0fUL;
-    return v * 0x0101010101010101UL >> 56;
-}
-
 // The black cells of all grids, counted in parts.
 KERNEL void count_black(__global const ulong *restrict p, __global ulong *restrict partial, long words)
 {
     ulong total = 0;
-    EACH(i, words) total += bits_of(p[i]);
+    EACH(i, words) total += popcount(p[i]);
     HAND_IN(ulong, partial, total)
 }
 
@@ -72,7 +63,7 @@ KERNEL void count_each(__global const ulong *restrict p, __global ulong *restric
 {
     EACH(grid, grids) {
         ulong total = 0;
-        for (int i = 0; i < words; i++) total += bits_of(p[grid * words + i]);
+        for (int i = 0; i < words; i++) total += popcount(p[grid * words + i]);
         totals[grid] = total;
     }
 }

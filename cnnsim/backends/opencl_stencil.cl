@@ -35,6 +35,12 @@ static inline real heard_at(__global const real *grid, int i, int j, int rows, i
     __global const int2 *places, __global const real *weights, int taps, int radius, real outside,     \
     long lines, int rows, int cols
 
+#ifdef LOOK
+#define FIRST first
+#else
+#define FIRST 0
+#endif
+
 #define LOAD(type, plane) (*(__global const type *)((plane) + cell))
 #define STORE(type, plane) (*(__global type *)((plane) + cell))
 
@@ -57,7 +63,8 @@ static inline real heard_at(__global const real *grid, int i, int j, int rows, i
 #define INNER (i >= radius && i < rows - radius)
 #endif
 #define EACH_CELL(DO)                                                                                   \
-    EACH(line, lines) {                                                                                 \
+    EACH(each, lines) {                                                                                 \
+        const long line = FIRST + each;                                                                 \
         const int i = (int)(line % rows), inner = INNER;                                                \
         int j = 0;                                                                                      \
         for (; j < (inner ? min(radius, cols) : cols); j++) { const long cell = line * cols + j; DO(real) } \
@@ -66,7 +73,8 @@ static inline real heard_at(__global const real *grid, int i, int j, int rows, i
     }
 #else
 #define EACH_CELL(DO)                                                                                   \
-    EACH(cell, lines * cols) {                                                                          \
+    EACH(each, lines * cols) {                                                                          \
+        const long cell = FIRST * cols + each;                                                          \
         const long line = cell / cols;                                                                  \
         const int i = (int)(line % rows), j = (int)(cell % cols);                                       \
         DO(real)                                                                                        \
@@ -99,9 +107,9 @@ KERNEL void slope(__global const real *x, __global const real *w, __global real 
 
 #else // LOOK
 // Two numbers a work-item (or, on a GPU, a work-group): the largest |dx/dt| of the free cells it looked at, and 1
-// if one of them is not saturated for good.
+// if one of them is not saturated for good. They look at so many lines from line `first` on.
 KERNEL void look(__global const real *x, __global const real *w, __global const ulong *held,
-                   __global real *partial, ARGUMENTS)
+                   __global real *partial, long first, ARGUMENTS)
 {
     real most_real = 0;
     sure_real loose_real = 0;

@@ -10,10 +10,12 @@ from cnnsim.backends.opencl_device import family_of
 
 TILE_BYTES = 2048
 """Length of a tile's row on a CPU. Measured: with 1 KiB and with 4 KiB the transient is some per cent slower."""
+SLEEPER = 64, 512
+"""Rows, and bytes of a row, of a tile that may sleep on a CPU: small, so that many can."""
 LOCAL_BYTES = 48 * 1024
 """Local memory of a work-group on a GPU: what every one has without asking for more."""
 
-_STEPS = {"cpu": (16, 16, 8, 4, 2), "gpu": (4, 4, 2, 1, 1)}
+_STEPS = {"cpu": (24, 24, 8, 4, 2), "gpu": (4, 4, 2, 1, 1)}
 """The most steps a launch for radius 0, 1, 2, 3 and more."""
 
 
@@ -23,25 +25,31 @@ class Tiles(NamedTuple):
     most_steps: int
     defines: Defines
     arguments: tuple[Any, ...]
+    groups: int
     global_size: tuple[int, int]
     local_size: tuple[int, int]
 
 
-def cut(shop: Workshop, shape: tuple[int, int, int], radius: int, periodic: bool, steps: int) -> Tiles:
-    """Cut grids of a shape (n, rows, cols); ``steps`` that come at a stretch go in launches of about equal length."""
+def cut(shop: Workshop, shape: tuple[int, int, int], radius: int, periodic: bool, steps: int, sleep: bool) -> Tiles:
+    """Cut grids of a shape (n, rows, cols); ``steps`` that come at a stretch go in launches of about equal length.
+
+    ``sleep``: tiles in which nothing moves are to be left out, so they should be small.
+    """
     most = _STEPS[shop.family][min(radius, 4)]
     launches = -(-steps // most)
     if 0 < launches <= 4:  # later on a short last launch does not matter
         most = -(-steps // launches)
     if shop.family == "cpu":
-        return _bands(shop, *shape, radius, periodic, most)
+        return _bands(shop, *shape, radius, periodic, most, sleep)
     return _squares(shop, *shape, radius, most)
 
 
-def _bands(shop: Workshop, grids: int, rows: int, cols: int, radius: int, periodic: bool, most: int) -> Tiles:
+def _bands(
+    shop: Workshop, grids: int, rows: int, cols: int, radius: int, periodic: bool, most: int, sleep: bool
+) -> Tiles:
     lanes, size = shop.lanes, shop.dtype.itemsize
     height = max(3, radius)  # rows of a block
-    widest = TILE_BYTES // size
+    widest = (SLEEPER[1] if sleep else TILE_BYTES) // size
     across = -(-cols // widest)
     if across == 1:  # the tile has all columns: nothing but virtual cells beside it
         halo, shift, room = 0, lanes, lanes
@@ -55,7 +63,10 @@ def _bands(shop: Workshop, grids: int, rows: int, cols: int, radius: int, period
     width = cols if across == 1 else _whole(cols, across, lanes)
     across = -(-cols // width)
     down = -(-8 * shop.cores // (grids * across))  # so many tiles that no core waits long for the last one
-    down = max(1, min(down, rows // (16 * most * max(1, radius)), rows * width // 16384))
+    down = min(down, rows // (8 * most * max(1, radius)), rows * width // 16384)
+    if sleep:  # a band has at least the rows that one launch hears of the next
+        down = max(down, rows // max(SLEEPER[0], most * radius))
+    down = max(1, down)
     band = _whole(rows, down, height)
     down = -(-rows // band)
     defines: dict[str, str | int] = {"R": height, "T": most, "HALO": halo, "SHIFT": shift, "STRIDE": stride}
@@ -63,7 +74,9 @@ def _bands(shop: Workshop, grids: int, rows: int, cols: int, radius: int, period
         defines["COPIES"] = ""
     scratch = ((3 * most + 1) + 3 * (most + 1)) * height * stride * size
     numbers = np.array([rows, cols, width, band, across, down], np.int32)
-    return Tiles(most, defines, (cl.LocalMemory(scratch), *numbers), (grids * across * down, 1), (1, 1))
+    return Tiles(
+        most, defines, (cl.LocalMemory(scratch), *numbers), grids * across * down, (grids * across * down, 1), (1, 1)
+    )
 
 
 def _whole(length: int, parts: int, unit: int) -> int:
@@ -88,4 +101,5 @@ def _squares(shop: Workshop, grids: int, rows: int, cols: int, radius: int, most
     defines: dict[str, str | int] = {"R": column, "T": most, "HALO": halo, "WIDE": wide, "HIGH": high}
     numbers = np.array([rows, cols, across, down], np.int32)
     local = wide, high // column
-    return Tiles(most, defines, tuple(numbers), (grids * across * down * wide, local[1]), local)
+    count = grids * across * down
+    return Tiles(most, defines, tuple(numbers), count, (count * wide, local[1]), local)

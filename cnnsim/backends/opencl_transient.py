@@ -8,11 +8,8 @@ import pyopencl as cl
 
 from cnnsim.backends.opencl_build import Workshop, boundary_defines, literal, radius_of, tap_defines
 from cnnsim.backends.opencl_tiles import cut
-from cnnsim.plan import SETTLED_SLOPE, Plan
-from cnnsim.template import Tap
-
-Buffer = cl.Buffer
-Shape = tuple[int, int, int]
+from cnnsim.backends.opencl_watch import Buffer, Shape, Watch, stencil_arguments, walls
+from cnnsim.plan import Plan
 
 
 def drive(shop: Workshop, plan: Plan, shape: Shape, u: Buffer | None, bias: Buffer | None) -> Buffer:
@@ -35,7 +32,7 @@ def closed_form(shop: Workshop, plan: Plan, shape: Shape, x: Buffer, w: Buffer, 
     t = 0.0 if plan.duration == "settled" else plan.duration
     out = shop.buffer(x.size)
     shop.run(
-        shop.kernel("closed_form", "closed", _walls(plan)), grids * rows * cols, x, w, held, out,
+        shop.kernel("closed_form", "closed", walls(plan)), grids * rows * cols, x, w, held, out,
         number(plan.template.self_feedback), number(t),
         np.int32(rest), np.int32(held is not None), np.int64(grids * rows), np.int32(cols),
     )  # fmt: skip
@@ -43,7 +40,11 @@ def closed_form(shop: Workshop, plan: Plan, shape: Shape, x: Buffer, w: Buffer, 
 
 
 class Steps:
-    """Steps of a one-stage scheme from the state ``x``, which is left as it is: several a launch, ping and pong."""
+    """Steps of a one-stage scheme from the state ``x``, which is left as it is: several a launch, ping and pong.
+
+    With the saving "sleep", tiles are left out in which the launch before, of as many steps, changed no bit (see
+    opencl_sleep.cl); the first two launches step all of them, since each plane has to be filled once.
+    """
 
     def __init__(self, shop: Workshop, plan: Plan, shape: Shape, x: Buffer, w: Buffer, held: Buffer | None) -> None:
         assert plan.scheme is not None
@@ -51,15 +52,18 @@ class Steps:
         stretch = min(plan.steps, plan.check_every) if plan.duration == "settled" else plan.steps
         stretch = stretch if "blocking" in plan.savings else 1
         taps = tap_defines(plan.feedback_taps, plan.boundary, plan.boundary.y, shop.dtype)
-        self._tiles = cut(shop, shape, radius_of(plan.feedback_taps), plan.boundary.kind == "periodic", stretch)
+        sleep, torus = "sleep" in plan.savings, plan.boundary.kind == "periodic"
+        self._tiles = cut(shop, shape, radius_of(plan.feedback_taps), torus, stretch, sleep)
         defines = {
-            **taps, **_walls(plan), **_shared_sums(shop, plan), **({} if held is None else {"HELD": ""}),
+            **taps, **walls(plan), **_shared_sums(shop, plan), **({} if held is None else {"HELD": ""}),
+            **({"SLEEP": ""} if sleep else {}),
             "GAIN": literal(plan.scheme.gain(plan.step) * plan.scheme.b[0], shop.dtype), **self._tiles.defines,
         }  # fmt: skip
-        self._kernels = [shop.kernel("steps", shop.family, defines, twin=twin) for twin in (0, 1)]
+        self._kernels = [shop.kernel("steps", f"sleep {shop.family}", defines, twin=twin) for twin in (0, 1)]
         self._planes: list[Buffer] = []
-        self._bound: list[tuple[Buffer, int] | None] = [None, None]
-        self._turn = 0
+        self._moved = [shop.buffer(self._tiles.groups) for _ in (0, 1)] if sleep else []
+        self._bound: list[tuple[Buffer, int, bool] | None] = [None, None]
+        self._turn, self._launches, self._last = 0, 0, 0
 
     def advance(self, steps: int) -> None:
         """Go so many steps on."""
@@ -68,15 +72,18 @@ class Steps:
             turn = self._turn
             if len(self._planes) == turn:
                 self._planes.append(self._shop.buffer(self.x.size))
-            if self._bound[turn] != (self.x, now):
+            fresh = self._launches < 2 or now != self._last
+            if self._bound[turn] != (self.x, now, fresh):
+                sleep: tuple[Any, ...] = (*self._moved[:: 2 * turn - 1], np.int32(fresh)) if self._moved else ()
                 self._kernels[turn].set_args(
-                    self.x, self._w, self._held, self._planes[turn], *self._tiles.arguments, np.int32(now)
+                    self.x, self._w, self._held, self._planes[turn], *self._tiles.arguments, np.int32(now), *sleep
                 )
-                self._bound[turn] = self.x, now
+                self._bound[turn] = self.x, now, fresh
             cl.enqueue_nd_range_kernel(
                 self._shop.queue, self._kernels[turn], self._tiles.global_size, self._tiles.local_size
             )
             self.x, self._turn = self._planes[turn], 1 - turn
+            self._launches, self._last = self._launches + 1, now
             steps -= now
 
     def finish(self) -> Buffer:
@@ -97,7 +104,7 @@ class Stages:
         self._lines = np.int64(grids * rows), np.int32(cols)
         self._stencil = stencil_arguments(shop, plan.feedback_taps, plan.boundary.y, shape)
         self._slope = shop.kernel("slope", "stencil", {**boundary_defines(plan.boundary), "SLOPE": ""})
-        self._update = shop.kernel("update", "update", _walls(plan))
+        self._update = shop.kernel("update", "update", walls(plan))
         self._slopes = [shop.buffer(x.size) for _ in plan.scheme.b]
         self._stage = shop.buffer(x.size)
         self._mine = False  # whether x may be written over
@@ -135,39 +142,14 @@ def stepped(
     if plan.duration != "settled":
         road.advance(plan.steps)
         return road.finish(), plan.steps, False, math.nan
-    done = 0
+    done, watch = 0, Watch(shop, plan, shape, w, held)
     while True:
-        settled, steepest = look(shop, plan, shape, road.x, w, held)
+        settled, steepest = watch.look(road.x, whole=done == plan.steps)
         if settled or done == plan.steps:
             return road.finish(), done, settled, steepest
         now = min(plan.check_every, plan.steps - done)
         road.advance(now)
         done += now
-
-
-def look(shop: Workshop, plan: Plan, shape: Shape, x: Buffer, w: Buffer, held: Buffer | None) -> tuple[bool, float]:
-    """Return whether the network has settled (see `Plan`) and the largest |dx/dt|."""
-    grids, rows, cols = shape
-    mask = {} if held is None else {"HELD": ""}
-    kernel = shop.kernel("look", "stencil", {**boundary_defines(plan.boundary), **_walls(plan), **mask, "LOOK": ""})
-    taps = stencil_arguments(shop, plan.feedback_taps, plan.boundary.y, shape)
-    parts = shop.run(kernel, grids * rows * cols, x, w, held, shop.partial, *taps)
-    steepest, loose = shop.parts(2 * parts, shop.dtype).reshape(parts, 2).max(axis=0).tolist()
-    final = plan.cell == "chua-yang" and plan.step <= 1 and not loose
-    return final or steepest <= SETTLED_SLOPE, steepest
-
-
-def stencil_arguments(shop: Workshop, taps: tuple[Tap, ...], constant: float, shape: Shape) -> tuple[Any, ...]:
-    """Return the arguments that all kernels of opencl_stencil.cl end with."""
-    grids, rows, cols = shape
-    return (
-        *shop.tap_buffers(taps), np.int32(len(taps)), np.int32(radius_of(taps)), shop.dtype.type(constant),
-        np.int64(grids * rows), np.int32(rows), np.int32(cols),
-    )  # fmt: skip
-
-
-def _walls(plan: Plan) -> dict[str, str | int]:
-    return {"WALLS": ""} if plan.cell == "full-range" else {}
 
 
 def _shared_sums(shop: Workshop, plan: Plan) -> dict[str, str | int]:
