@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from tests.benchmarks import dense, less, limits, peers, report, simulator, startup, touch
+from tests.benchmarks import dense, kinds, less, limits, peers, report, simulator, startup, touch
 
 
 def main() -> None:
@@ -15,9 +15,10 @@ def main() -> None:
     n = given.rounds
     fma, triad = limits.measure(n)
     rows = [
-        *dense.against_peers(2048, 50, fma, ">= 3 x jax, >= 2 x numba_loop", n),
-        *dense.against_peers(512, 400, fma, ">= 1 x jax", n),
+        *dense.against_peers(2048, 50, fma, {"cpu": ">= 3 x jax, >= 2 x numba_loop", "opencl": ">= 3.5 x jax"}, n),
+        *dense.against_peers(512, 400, fma, {"cpu": ">= 1 x jax", "opencl": ">= 1 x jax"}, n),
         *dense.templates_and_sizes(n),
+        *kinds.against_linear(n),
         *less.uncoupled(n),
         *less.sleep(n),
         *less.logic(triad, n),

@@ -1,7 +1,7 @@
 """Dense Euler transients: sizes, templates and backends, beside the peers."""
 
 import tracemalloc
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -46,8 +46,8 @@ def transient(backend: Backend, a: Any, n: int, steps: int) -> Callable[[], obje
     return run
 
 
-def against_peers(n: int, steps: int, fma: float, target: str, rounds: int) -> list[Row]:
-    """Nine different taps on n x n cells, us and the peers by turns."""
+def against_peers(n: int, steps: int, fma: float, targets: Mapping[str, str], rounds: int) -> list[Row]:
+    """Nine different taps on n x n cells, us and the peers by turns; ``targets`` of each backend."""
     rng = np.random.default_rng(0)
     x, w = (rng.uniform(-s, s, (n, n)).astype(np.float32) for s in (1.0, 0.1))
     runners = {name: transient(backend, NINE, n, steps) for name, backend in backends().items()}
@@ -59,7 +59,15 @@ def against_peers(n: int, steps: int, fma: float, target: str, rounds: int) -> l
         rate = 1e-9 * n * n * steps / seconds[who]
         others = {name: ratio for name, ratio in versus(seconds, who).items() if name not in ours}
         rows.append(
-            Row(f"dense {n}^2, nine taps", who, rate, "Gcs", target, others, f"{FLOP * rate / fma:.0%} of FMA peak")
+            Row(
+                f"dense {n}^2, nine taps",
+                who,
+                rate,
+                "Gcs",
+                targets[who],
+                others,
+                f"{FLOP * rate / fma:.0%} of FMA peak",
+            )
         )
     return rows
 
@@ -73,10 +81,10 @@ def templates_and_sizes(rounds: int) -> list[Row]:
             "cross": transient(backend, CROSS, 2048, 50),
             "isotropic": transient(backend, ISOTROPIC, 2048, 50),
             "nine taps 512^2": transient(backend, NINE, 512, 400),
-            "nine taps 8192^2": transient(backend, NINE, 8192, 20),
+            "nine taps 8192^2": transient(backend, NINE, 8192, 100),
         }
         seconds = race(runners, rounds)
-        cells = {"nine taps 512^2": 512**2 * 400, "nine taps 8192^2": 8192**2 * 20}
+        cells = {"nine taps 512^2": 512**2 * 400, "nine taps 8192^2": 8192**2 * 100}
         rate = {name: 1e-9 * cells.get(name, 2048**2 * 50) / s for name, s in seconds.items()}
         for name in ("cross", "isotropic"):
             ratio = {"nine taps": rate[name] / rate["nine taps"]}
