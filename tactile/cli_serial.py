@@ -87,6 +87,9 @@ def emulate(
     device = Emulator(Faults(**faults), link, encoder, seed)
     click.echo(device.port)
     sys.stdout.flush()
+    if sys.stderr.isatty():
+        form = array or write_array or "FILE, which --write-array FILE writes"
+        click.echo(f"waiting for a reader: tactile live -p {device.port} -a {form}", err=True)
     stop = threading.Event()
     be_steady()
     with stopping(stop.set):

@@ -18,6 +18,7 @@ def test_the_view_shows_arrows_events_and_losses() -> None:
     source = WireSource(description, [Chunk(round(t * 1e9), data) for t, data in stream])
     watch = Watch(source, lambda line: None)
     watch.run(Choices(tare="off"))
+    watch.tared["left"] = {"t_s": 0.5, "why": "refused: loaded"}
     console = Console(file=io.StringIO(), width=110, force_terminal=True, color_system=None)
     console.print(LiveView(watch, "grip", lambda: "/dev/skin: open"))
     shown = console.file.getvalue()  # type: ignore[attr-defined]  # it is the StringIO above
@@ -28,6 +29,7 @@ def test_the_view_shows_arrows_events_and_losses() -> None:
     assert "480 good, 0 bad checksum, 0 resynchronised, 0 missing" in shown
     assert "/dev/skin: open" in shown
     assert "frames/s" in shown
+    assert "tare of left at 0.500 s: refused: loaded" in shown
 
 
 def test_meter_percentiles_are_within_five_percent() -> None:

@@ -133,7 +133,9 @@ def closing(session: "Session", recording: Any, as_json: bool, watch: Any = None
 
             print_line({"type": "end", **summary})
         else:
-            click.echo(f"{'' if recording is None else 'recorded: '}{counts}; unplugged {unplugged} times")
+            click.echo(
+                f"{'' if recording is None else 'recorded: '}{counts}; unplugged {unplugged} time{'s' * (unplugged != 1)}"
+            )
             if watch is not None and watch.meter.frames:
                 usual, most, longest = (1e3 * value for value in summary["latency"].values())
                 click.echo(
@@ -190,9 +192,11 @@ def be_steady() -> None:
 
 
 def tell(line: dict[str, Any]) -> None:
-    """Print an event, or what a program of the user's says, for people."""
+    """Print an event, a tare, or what a program of the user's says, for people."""
     if line["type"] == "program":
         click.echo(f"{line['t_s']:10.3f}  {line['finger']}  {line['program']}: {line['outputs']}")
+    if line["type"] == "tare":
+        click.echo(f"{line['t_s']:10.3f}  {line['finger']}  tare {line['why']}")
     if line["type"] == "event":
         click.echo(f"{line['t_s']:10.3f}  {line['finger']}  {line['meaning']}")
 

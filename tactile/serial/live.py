@@ -83,6 +83,7 @@ class Watch:
         self.meter = Meter()
         self.events: deque[Event] = deque(maxlen=EVENTS_KEPT)
         self.newest: dict[str, Report] = {}
+        self.tared: dict[str, dict[str, Any]] = {}
         self.happened = 0
         self._source, self._say, self._now, self._note = source, say, now, note
         self._counts = counts or (lambda: source.counts)
@@ -101,6 +102,7 @@ class Watch:
                 self._note("/events", arrival, line)
         for tared in self._source.notes():
             line = tare_line(tared, self._source.arrays[tared.finger].name)
+            self.tared[line["finger"]] = line
             self._say(line)
             if self._note is not None:
                 offset = None if tared.offset is None else [_finite(v) for v in tared.offset.ravel().tolist()]

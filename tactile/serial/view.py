@@ -13,6 +13,7 @@ from tactile.frame import NORMAL
 from tactile.pipeline import Report
 from tactile.serial.live import Watch
 
+KEYS = "t and Return: tare; q and Return, or Ctrl-C: end"
 SHADES = ("dim", "white", "yellow", "red")
 """A taxel's pressing: below the dead band, up to 4, 16 times it, beyond."""
 
@@ -31,7 +32,9 @@ class LiveView:
         events = Table("time [s]", "finger", "what", box=None, title="events", title_justify="left")
         for event in tuple(self._watch.events):
             events.add_row(f"{event.t:.3f}", event.finger, event.meaning)
-        return Panel(Group(hand, events, Text(self._figures()), Text(self._state())), title=self._title)
+        return Panel(
+            Group(hand, events, Text(self._figures()), Text(self._state()), Text(KEYS, style="dim")), title=self._title
+        )
 
     def _figures(self) -> str:
         status = self._watch.status()
@@ -41,7 +44,10 @@ class LiveView:
         line = (
             "" if clock is None else f"; device clock {status['clock']['drift_ppm']:+.0f} ppm, off {clock * 1e3:.2f} ms"
         )
-        return f"{status['rate_hz']:.0f} frames/s; latency {median:.2f} ms, 99 % {most:.2f} ms{line}\n{lost}"
+        tares = "".join(
+            f"\ntare of {finger} at {last['t_s']:.3f} s: {last['why']}" for finger, last in self._watch.tared.items()
+        )
+        return f"{status['rate_hz']:.0f} frames/s; latency {median:.2f} ms, 99 % {most:.2f} ms{line}\n{lost}{tares}"
 
 
 def _arrows(report: Report) -> Text:
