@@ -58,7 +58,7 @@ class Loaded:
 
 
 @cache
-def loaded(contact: float = CONTACT, solid: bool = False, fineness: float = 1.5) -> Loaded:
+def loaded(contact: float = CONTACT, solid: bool = False, fineness: float = 1.2) -> Loaded:
     """The section in plane stress, or the body of revolution where ``solid``."""
     shape = Shape(contact=contact)
     if solid:

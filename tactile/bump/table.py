@@ -56,7 +56,8 @@ def remembered(key: str, make: Callable[[], Response]) -> Response:
     """
     key = f"{VERSION} {key}"
     path = folder() / f"{hashlib.sha256(key.encode()).hexdigest()[:24]}.npz"
-    with contextlib.suppress(OSError, ValueError, KeyError, EOFError, BadZipFile), np.load(path) as kept:
+    with contextlib.suppress(OSError, ValueError, KeyError, EOFError, BadZipFile), path.open("rb") as file:
+        kept = np.load(file)
         if str(kept["key"]) == key:
             return Response(**{part.name: kept[part.name] for part in fields(Response)})
     print("bump: finite elements, once for these dimensions", file=sys.stderr)

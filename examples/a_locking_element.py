@@ -1,0 +1,61 @@
+"""Why the bump's elements have pressures: rubber that cannot be squeezed locks elements of displacement alone.
+
+Stiffness of the bump under the plate against the finest mixed answer, for linear and quadratic displacements and for
+quadratic displacements with linear pressures (Taylor and Hood), at three Poisson's ratios.
+"""
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+
+from tactile.bump.body import Body
+from tactile.bump.kinematics import PRESSED
+from tactile.bump.law import Displacement, Law, Mixed
+from tactile.bump.mesh import half_section, plane_mesh
+from tactile.bump.plate import held, respond, stiffness
+from tactile.bump.shape import Shape
+from tactile.elastic.medium import Medium
+
+KINDS: tuple[tuple[str, str, int, Callable[[Medium], Law]], ...] = (
+    ("linear", "^-", 1, Displacement),
+    ("quadratic", "s-", 2, Displacement),
+    ("quadratic, linear pressure", "o-", 2, Mixed),
+)
+FINENESSES = (0.35, 0.5, 0.7, 1.0, 1.4)
+
+
+def loaded(nu: float, fineness: float, degree: int, law: Callable[[Medium], Law]) -> tuple[int, float]:
+    """(unknowns, stiffness over E [m]) of the bump on one mesh."""
+    shape = Shape()
+    mesh = plane_mesh(shape, fineness) if degree == 1 else half_section(shape, fineness)
+    body = Body(mesh, PRESSED, law(Medium(1.0, nu)), degree)
+    hold = held(body, shape, "press")
+    return body.size, stiffness(body, hold, respond(body, hold))
+
+
+def main(output: Path) -> None:
+    """Write the picture to ``output``."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot as plt
+
+    figure, panels = plt.subplots(1, 3, figsize=(12, 4.2), sharey=True, layout="constrained")
+    for panel, nu in zip(panels, (0.3, 0.499, 0.4999), strict=True):
+        _, true = loaded(nu, 2.5, 2, Mixed)
+        for name, style, degree, law in KINDS:
+            found = [loaded(nu, fineness, degree, law) for fineness in FINENESSES]
+            panel.loglog([size for size, _ in found], [abs(stiff / true - 1) for _, stiff in found], style, label=name)
+        panel.set_title(f"ν = {nu:g}")
+        panel.set_xlabel("unknowns")
+        panel.grid(alpha=0.3, which="both")
+    panels[0].set_ylabel("relative error of the stiffness")
+    panels[0].legend()
+    figure.savefig(output, dpi=110)
+    plt.close(figure)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--output", type=Path, default=Path("locking.png"), help="picture to write")
+    main(parser.parse_args().output)
