@@ -133,9 +133,8 @@ def closing(session: "Session", recording: Any, as_json: bool, watch: Any = None
 
             print_line({"type": "end", **summary})
         else:
-            click.echo(
-                f"{'' if recording is None else 'recorded: '}{counts}; unplugged {unplugged} time{'s' * (unplugged != 1)}"
-            )
+            times = "once" if unplugged == 1 else f"{unplugged} times"
+            click.echo(f"{'' if recording is None else 'recorded: '}{counts}; unplugged {times}")
             if watch is not None and watch.meter.frames:
                 usual, most, longest = (1e3 * value for value in summary["latency"].values())
                 click.echo(
