@@ -214,6 +214,8 @@ def test_a_scene_of_bumps_is_explained() -> None:
     assert any("against the flat cover" in note for note in told.notes)
     assert "finite_thickness" not in {part.name for part in told.parts}
     assert "road: matrix (bumps" in told.lines[0]
+    chosen = made(effects="auto", tolerance=0.02)  # from the effects that know of bumps
+    assert {"viscoelastic", "strain_nonlinearity"} <= dict(chosen.effects).keys()
 
 
 def test_flat_scenes_know_nothing_of_bumps() -> None:

@@ -66,11 +66,11 @@ def choose(scene: Scene, tolerance: float) -> Choice:
     while joint > tolerance / sample.stretch:
         # which one mends most is measured, for small alone is not small beside others: what Poisson's ratio does
         # at the bottom of a layer is large
-        off = [name for name in ORDER if name not in on]
+        off = [name for name in sizes if name not in on]
         worth = [name for name in off if sizes[name] > tolerance / (4 * len(off))] or off
         joint, name = min((error({*on, name}), name) for name in worth)
         on.add(name)
         together.append(name)
     chosen = scene.with_effects((name, effect) for name, effect in every if name in on)
-    left_out = {name: sizes[name] for name in ORDER if name not in on}
+    left_out = {name: sizes[name] for name in sizes if name not in on}
     return Choice(chosen, tolerance, sizes, left_out, tuple(together), joint)

@@ -92,7 +92,7 @@ class Bumps:
         table, matrix = self.memory[key]
         forces = shared(np.concatenate([pressed.loads, *(disc.loads for disc in pressed.discs)], axis=1), array)
         scale = 1.0 if medium.quantity == "stress" else 1 / medium.modulus
-        features = forces * scale if table.linear else _features(forces / medium.modulus, table)
+        features = forces * scale if table.linear else _features(forces, medium.modulus, table)
         out: Plane = features.reshape(len(features), -1) @ matrix
         return out.reshape(len(out), *array.shape, 3)
 
@@ -130,16 +130,17 @@ def _matrix(table: Response, array: TaxelArray) -> Plane:
     return matrix
 
 
-def _features(forces: Plane, table: Response) -> Plane:
-    """(frames, bumps, 3, k): shear forces and 1, times the weights of the table's forces, at E = 1 Pa."""
-    normal = forces[..., 2]
+def _features(forces: Plane, modulus: float, table: Response) -> Plane:
+    """(frames, bumps, 3, k): shear forces over E and 1, times the weights of the table's forces, at E = 1 Pa."""
+    normal = forces[..., 2] / modulus
     deepest = table.forces[-1]
     if (normal > deepest).any() or (normal < 0).any():
+        asked = f"{normal.min() * modulus:.4g} to {normal.max() * modulus:.4g} N"
         raise InputError(
-            f"a bump under {float(normal.min()):.4g} to {float(normal.max()):.4g} times E in normal force, "
-            f"0 to {deepest:.4g} wanted: the table of finite strain ends at {table.indentations[-1] * 1e6:.4g} um"
+            f"bumps under {asked}, 0 to {deepest * modulus:.4g} N wanted: the table of finite strain ends at "
+            f"{table.indentations[-1] * 1e6:.4g} um"
         )
     weights = CubicSpline(table.forces, np.eye(len(table.forces)))(normal)
     weights[normal == 0] = np.eye(len(table.forces))[0]
-    factors = np.stack([forces[..., 0], forces[..., 1], np.ones_like(normal)], axis=-1)
+    factors = np.stack([forces[..., 0] / modulus, forces[..., 1] / modulus, np.ones_like(normal)], axis=-1)
     return factors[..., None] * weights[..., None, :]
