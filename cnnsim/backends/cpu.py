@@ -18,6 +18,7 @@ from cnnsim.backends.cpu_dense import dense
 from cnnsim.backends.cpu_morphology import neighbourhood
 from cnnsim.backends.cpu_prepared import Prepared
 from cnnsim.backends.cpu_sleep import sleeping
+from cnnsim.backends.cpu_spare import Spare
 from cnnsim.bitwise import BitRule
 from cnnsim.cellwise import Cellwise
 from cnnsim.errors import InputError
@@ -46,6 +47,7 @@ class CpuBackend:
         self._prepared: WeakKeyDictionary[Plan, Prepared] = WeakKeyDictionary()
         self._rules: dict[tuple[BitRule, Boundary, tuple[int, ...]], tuple[Any, ...]] = {}
         self._kernels: dict[str, Kernel] = {}
+        self._spare = Spare()
         self._nothing = np.empty((1, 1, 0), self.dtype)
         self._one, self._minus_one = self.dtype.type(1), self.dtype.type(-1)
 
@@ -101,9 +103,10 @@ class CpuBackend:
             cpu_closed.closed_form.for_work(work)(_grids(x), _grids(end), mask, ready.a, ready.t, ready.walls, *drive)
             outcome = Outcome(end, ready.t, ready.settles, 0.0 if ready.settles else math.nan)
         elif plan.method == "stepped":
-            w = np.empty_like(x)
+            w = self._spare.plane(x)
             control.for_work(work)(_grids(w), *drive)
             outcome = self._stepped(plan, ready, x, w, mask)
+            self._spare.keep(w)
         else:
             raise InputError(
                 "the adaptive scheme runs on the reference backend; choose --backend reference or a fixed-step scheme"
@@ -116,13 +119,14 @@ class CpuBackend:
         work = x.size * len(plan.feedback_taps)
         if len(ready.hb) == 1 and not mask.size and not ready.walls:
             threads = numba.get_num_threads() if work >= THREADS_PAY_FROM else 1
-            planes = x, np.empty_like(x), np.empty_like(x)
+            planes = x, self._spare.plane(x), self._spare.plane(x)
             given = (*map(_grids, planes), _grids(w), ready.rule, plan.depth)
             if "sleep" in plan.savings:
                 done, settled, slope, where = sleeping.for_work(work)(*given, threads, *ready.steps[:3])
             else:
                 done, settled, slope, where = dense.for_work(work)(*given, *ready.tile, threads, *ready.steps)
             end = x.copy() if where == 0 else planes[where]
+            self._spare.keep(*(plane for plane in planes[1:] if plane is not end))
         else:
             end = x.copy()
             done, settled, slope = cpu_kernels.stepped.for_work(work)(
