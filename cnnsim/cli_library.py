@@ -4,7 +4,7 @@ import click
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim import library
+from cnnsim import library, library_path
 from cnnsim.cli_run import json_option, without_option
 from cnnsim.command import examples, print_json
 from cnnsim.errors import InputError
@@ -15,11 +15,20 @@ from cnnsim.table import Table
 from cnnsim.template import Template
 
 
-@click.command("list", epilog=examples("cnnsim list", "cnnsim list --tag morphology", "cnnsim list --json"))
+@click.command(
+    "list",
+    epilog=examples("cnnsim list", "cnnsim list --tag morphology", "cnnsim list --programs", "cnnsim list --json"),
+)
 @click.option("--tag", help="Only templates of one family.")
+@click.option("--programs", is_flag=True, help="The programs instead of the templates, with what they take and give.")
 @json_option
-def list_(tag: str | None, as_json: bool) -> None:
-    """List the templates of the library."""
+def list_(tag: str | None, programs: bool, as_json: bool) -> None:
+    """List the templates of the library, or its programs."""
+    if programs:
+        if tag is not None:
+            raise InputError("programs have no tags; --tag goes with templates")
+        _list_programs(as_json)
+        return
     entries = [library.load(name) for name in library.names(tag)]
     if not entries:
         tags = sorted({tag for name in library.names() for tag in library.load(name).tags})
@@ -33,6 +42,23 @@ def list_(tag: str | None, as_json: bool) -> None:
         own = "" if entry.shipped else f"  [{entry.file}{'' if entry.examples else ', no worked example'}]"
         margin = f"  (small margin: {entry.margin:g})" if entry.margin is not None and entry.margin < 0.5 else ""
         click.echo(f"{entry.name:<{width}}  {entry.summary}{margin}{own}")
+
+
+def _list_programs(as_json: bool) -> None:
+    from cnnsim.program_file import load_program
+
+    found = {name: load_program(path) for name, path in library_path.programs().items()}
+    if as_json:
+        keys = ("summary", "inputs", "outputs")
+        print_json(
+            [{"name": n} | {key: getattr(p, key) for key in keys} | {"file": str(p.path)} for n, p in found.items()]
+        )
+        return
+    width = max(map(len, found))
+    for name, program in found.items():
+        own = "" if program.path and program.path.is_relative_to(library.folder()) else f"  [{program.path}]"
+        click.echo(f"{name:<{width}}  {program.summary}{own}")
+        click.echo(f"{'':<{width}}    {', '.join(program.inputs)} -> {', '.join(program.outputs)}")
 
 
 @click.command(epilog=examples("cnnsim show edge", "cnnsim show hole-filler --json"))

@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from cnnsim import backends, library
+from cnnsim.cli_run import read_frames
 from cnnsim.command import examples, print_json
 from cnnsim.errors import InputError
 from cnnsim.grid import parse_boundary
@@ -23,11 +24,12 @@ _FILE = click.Path(path_type=Path)
     epilog=examples(
         "cnnsim trace edge square.png -o trace.png",
         "cnnsim trace hole-filler scan.png --binary --cell 3,4 --cell 5,5 -o trace.png --film film.gif",
+        "cnnsim trace moving-parts frame1.png frame2.png frame3.png -o trace.png",
         "cnnsim trace recall mask.png --state marker.png --time 12 --scheme rk4 -o trace.png",
     )
 )
 @click.argument("name")
-@click.argument("picture", type=_FILE)
+@click.argument("pictures", type=_FILE, nargs=-1, required=True, metavar="PICTURE...")
 @click.option("-o", "--output", type=_FILE, help="Where the plot goes (PNG, SVG, PDF).")
 @click.option("--cell", "cells", multiple=True, metavar="ROW,COL", help="A cell to follow; some telling ones if none.")
 @click.option("--film", type=_FILE, help="Also write the output over time as a GIF.")
@@ -41,11 +43,14 @@ _FILE = click.Path(path_type=Path)
 @_backend
 @_json
 def trace(
-    name: str, picture: Path, output: Path | None, cells: tuple[str, ...], film: Path | None, frames: int,
+    name: str, pictures: tuple[Path, ...], output: Path | None, cells: tuple[str, ...], film: Path | None, frames: int,
     layer: int, state: Path | None, binary: bool, boundary: str | None, duration: float | None, scheme: str | None,
     backend: str, as_json: bool,
 ) -> None:  # fmt: skip
-    """Record the transient of template NAME on PICTURE: states and outputs over time, and the pictures."""
+    """Record the transient of template NAME on PICTURE: states and outputs over time, and the pictures.
+
+    Templates for moving pictures take several, one a frame.
+    """
     from cnnsim.prototyping.trace import parse_cell, record, telling_cells, watching_time
     from cnnsim.transient import make_task
 
@@ -53,9 +58,7 @@ def trace(
         raise InputError("nothing to do: give -o for a plot, --film for a film, or --json")
     entry = library.load(name)
     second = None if state is None else read_picture(state, binary=binary)
-    if entry.frame_time:
-        raise InputError(f"template {name!r} works on sequences of pictures; a trace is made from one picture")
-    given = entry.task(read_picture(picture, binary=binary), second)
+    given = entry.task(read_frames(entry, pictures, binary=binary), second)
     if boundary is not None:
         given["boundary"] = parse_boundary(boundary)
     chosen = [parse_cell(cell, given["state"].shape[-2:]) for cell in cells]

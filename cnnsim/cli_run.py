@@ -66,12 +66,7 @@ def run(
     if "boundary" in given:
         given["boundary"] = parse_boundary(given["boundary"])
     second = None if state is None else read_picture(state, binary=binary)
-    frames = [read_picture(picture, binary=binary) for picture in pictures]
-    if len(frames) > 1 and entry.frame_time is None:
-        raise InputError(f"template {name!r} takes one picture, {len(frames)} were given")
-    if len({frame.shape for frame in frames}) > 1:
-        raise InputError(f"frames of different sizes: {', '.join(str(frame.shape) for frame in frames)}")
-    task = {**entry.task(np.stack(frames) if entry.frame_time is not None else frames[0], second), **given}
+    task = {**entry.task(read_frames(entry, pictures, binary=binary), second), **given}
     where = backends.get(backend, dtype, device)
     try:
         result = run_transient(entry.network, **task, backend=where)
@@ -94,6 +89,20 @@ def run(
             "at rest" if not np.isfinite(result.t) else f"t = {result.t:g}" + (", settled" if result.settled else "")
         )
         click.echo(f"{name}: {size} cells, {ended}, {black} black" + _arrow(output))
+
+
+def read_frames(entry: library.LibraryEntry, pictures: tuple[Path, ...], *, binary: bool) -> NDArray[np.float64]:
+    """Return the picture (rows, cols) for a template, or the sequence (frames, rows, cols) if it takes one.
+
+    Raises:
+        InputError: several pictures for a template that takes one, or frames of different sizes.
+    """
+    frames = [read_picture(picture, binary=binary) for picture in pictures]
+    if len(frames) > 1 and entry.frame_time is None:
+        raise InputError(f"template {entry.name!r} takes one picture, {len(frames)} were given")
+    if len({frame.shape for frame in frames}) > 1:
+        raise InputError(f"frames of different sizes: {', '.join(str(frame.shape) for frame in frames)}")
+    return np.stack(frames) if entry.frame_time is not None else frames[0]
 
 
 @click.command(

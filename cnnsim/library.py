@@ -22,8 +22,8 @@ from cnnsim.library_path import add as add  # ours to offer: `library.add(DIR)`,
 from cnnsim.library_path import files
 from cnnsim.library_path import folder as folder
 from cnnsim.library_path import using as using
-from cnnsim.plan import DEFAULT_STEP, Duration, usual_limit
-from cnnsim.running_time import time_of_entry
+from cnnsim.plan import Duration, usual_limit
+from cnnsim.running_time import limit_of_entry
 from cnnsim.template import Template
 from cnnsim.transient import Result, run_transient
 
@@ -97,9 +97,9 @@ class LibraryEntry:
         task = {**self.planes(picture, state), "boundary": self.boundary, "duration": self.duration, "cell": self.cell}
         if self.duration == "settled":
             grid = task["state"].shape[-2:]
-            known = time_of_entry(self, grid, step=self.step or DEFAULT_STEP).time
-            if known is not None:  # enough by theory, and one more, as rest is looked for once a time constant
-                task["limit"] = max(usual_limit(grid), known + 1.0)
+            task["limit"] = limit_of_entry(self, grid, usual_limit(grid))
+        elif self.frame_time:  # a longer sequence than that of the file is seen to its end
+            task["duration"] = max(self.duration, self.frame_time * len(np.asarray(picture)))
         return task if self.step is None else {**task, "step": self.step}
 
     def planes(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from difflib import get_close_matches
 from pathlib import Path
 
 from cnnsim.errors import InputError
@@ -26,10 +27,24 @@ def files() -> dict[str, Path]:
     return dict(sorted(found.items()))
 
 
+def programs() -> dict[str, Path]:
+    """Return the file of every program name, in alphabetical order, from the ``programs`` folders of all folders."""
+    found = {path.stem: path for place in folders() for path in (place / "programs").glob("*.toml")}
+    return dict(sorted(found.items()))
+
+
 def program_file(name: str) -> Path:
-    """Return the file of a program of the library, from the last folder that has it under ``programs``."""
-    places = [place / "programs" / f"{name}.toml" for place in reversed(folders())]
-    return next((path for path in places if path.is_file()), places[-1])
+    """Return the file of a program of the library, from the last folder that has it under ``programs``.
+
+    Raises:
+        InputError: there is none; the message has the nearest names.
+    """
+    found = programs()
+    if name in found:
+        return found[name]
+    near = get_close_matches(name.lower(), found, n=3, cutoff=0.4)
+    hint = f"; did you mean {' or '.join(near)}?" if near else ""
+    raise InputError(f"no program {name!r} in the library{hint} `cnnsim list --programs` shows all {len(found)}")
 
 
 def add(*paths: str | Path) -> None:

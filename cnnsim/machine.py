@@ -1,19 +1,20 @@
 """UniversalMachine: runs analogic programs. `_execute` reads like the program it runs."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cnnsim import backends
+from cnnsim import backends, library
 from cnnsim.backends.base import Backend, Plane
 from cnnsim.bitwise import BitRule, bit_rule
 from cnnsim.characteristic import CHUA_YANG
 from cnnsim.errors import InputError
 from cnnsim.globalwire import read_wire
 from cnnsim.logic import function_number
-from cnnsim.plan import Plan, make_plan
+from cnnsim.plan import Plan, make_plan, usual_limit
 from cnnsim.program import (
     ARITHMETIC,
     BranchStep,
@@ -29,6 +30,7 @@ from cnnsim.program import (
     UntilUnchangedStep,
     WireStep,
 )
+from cnnsim.running_time import limit_of_entry
 
 _XOR = function_number("xor")
 
@@ -135,8 +137,9 @@ class UniversalMachine:
         plan = self._plans.get((step, shape))
         if plan is None:
             plan = self._plans[step, shape] = make_plan(
-                step.template, shape, step.boundary, duration=step.duration, cell=step.cell, step=step.step
-            )
+                step.template, shape, step.boundary, duration=step.duration, cell=step.cell, step=step.step,
+                limit=_limit(step, shape[-2:]),
+            )  # fmt: skip
 
         def plane(name: str | float | None) -> Plane:
             if isinstance(name, str):
@@ -181,3 +184,11 @@ def _check(program: Program, inputs: dict[str, ArrayLike]) -> dict[str, NDArray[
     if len(set(shapes.values())) > 1 or any(array.ndim not in (2, 3) or not array.size for array in arrays.values()):
         raise InputError(f"program {program.name!r} got planes of shapes {shapes}; one shape (rows, cols) wanted")
     return arrays
+
+
+def _limit(step: TemplateStep, grid: tuple[int, int]) -> float | None:
+    """Return how long a step waits for rest: a template of the library for its guaranteed time, if that is longer."""
+    if not step.name or step.duration != "settled":
+        return None
+    entry = replace(library.load(step.name), boundary=step.boundary)
+    return limit_of_entry(entry, grid, usual_limit(grid), walls=step.mask is not None)

@@ -33,7 +33,10 @@ Memory = Literal["lam", "llm", "wire"]
 
 @dataclass(frozen=True, eq=False)
 class TemplateStep:
-    """Run ``template`` from ``state`` (a plane, or a constant) with ``input`` and put y into ``to``."""
+    """Run ``template`` from ``state`` (a plane, or a constant) with ``input`` and put y into ``to``.
+
+    ``name`` is that of the library's template, whose guaranteed running time is waited for; a program's own has none.
+    """
 
     where: str
     template: Template
@@ -46,6 +49,7 @@ class TemplateStep:
     to: str
     cell: Cell = CHUA_YANG
     step: float | None = None
+    name: str = ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -89,6 +89,7 @@ def _template(table: dict[str, Any], where: str, _number: str, scope: Scope) -> 
         names.write(table["to"], where, "lam", "llm"),
         cell,
         step,
+        "" if table["template"] in scope.templates else table["template"],
     )
 
 

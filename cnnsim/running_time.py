@@ -61,6 +61,15 @@ def time_of_entry(
     )  # fmt: skip
 
 
+def limit_of_entry(entry: "LibraryEntry", shape: tuple[int, int], usual: float, *, walls: bool = False) -> float:
+    """Return how long to wait for rest: as usual, or the guaranteed time if that is longer.
+
+    ``walls`` says that a mask may hold cells. One time constant is added, as rest is looked for once in each.
+    """
+    known = time_of_entry(entry, shape, step=entry.step or 0.1, walls=walls).time
+    return usual if known is None else max(usual, known + 1.0)
+
+
 def guaranteed_time(
     template: Template, shape: tuple[int, int], boundary: Boundary, *, input: str | float = "picture",  # noqa: A002 - the field's word for u
     initial_state: str | float = "any", step: float = 0.1, walls: bool = False,

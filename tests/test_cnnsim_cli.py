@@ -128,6 +128,9 @@ def test_explain_says_what_was_decided() -> None:
     (("explain", "edge", "--size", "big"), "ROWSxCOLS"),
     (("list", "--tag", "nonsense"), "tags are"),
     (("program", "none.toml"), "no program file"),
+    (("program", "skelton"), "did you mean skeleton"),
+    (("list", "--programs", "--tag", "morphology"), "programs have no tags"),
+    (("trace", "edge", "BLOBS", "BLOBS", "--json"), "takes one picture, 2 were given"),
     (("program", "opening", "--input", "picture"), "NAME=VALUE wanted"),
     (("program", "gray-opening", "--set", "radius=two"), "a number wanted"),
     (("program", "gray-opening", "--set", "raduis=2"), "raduis"),
@@ -149,3 +152,32 @@ def test_a_network_that_does_not_settle_keeps_its_picture(blobs: Path, tmp_path:
     assert result.exit_code == 2
     assert "has not settled" in result.stderr
     assert out.exists()
+
+
+def test_programs_are_listed_and_found_in_own_libraries(tmp_path: Path) -> None:
+    text = (library.folder() / "programs" / "opening.toml").read_text()
+    (tmp_path / "programs").mkdir()
+    (tmp_path / "programs" / "mine.toml").write_text(text.replace('"opening"', '"mine"'))
+    picture = tmp_path / "in.png"
+    write_picture(np.ones((5, 6)), picture)
+    listed = _call("--library", str(tmp_path), "list", "--programs")
+    assert "picture -> opened" in listed.output
+    assert f"[{(tmp_path / 'programs' / 'mine.toml').resolve()}]" in listed.output
+    found = _call("--library", str(tmp_path), "list", "--programs", "--json")
+    assert {"mine", "skeleton", "life"} <= {entry["name"] for entry in json.loads(found.output)}
+    ran = _call("--library", str(tmp_path), "program", "mine", "--input", f"picture={picture}")
+    assert "opened: 30 black cells" in ran.output
+
+
+def test_a_sequence_is_traced_and_seen_to_its_end(tmp_path: Path) -> None:
+    """A bar moves by one column a frame: at the end of the third frame its leading edge is that of the third."""
+    files = []
+    for frame in range(3):
+        drawn = np.full((7, 10), -1.0)
+        drawn[1:6, 2 + frame : 4 + frame] = 1.0
+        files.append(str(tmp_path / f"{frame}.png"))
+        write_picture(drawn, files[-1])
+    answer = _call("trace", "moving-parts", *files, "--cell", "3,5", "--cell", "3,4", "--json")
+    data = json.loads(answer.output)
+    assert data["t"][-1] == 30
+    assert [cell["x"][-1] > 0 for cell in data["cells"]] == [True, False]

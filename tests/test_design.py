@@ -364,7 +364,7 @@ def test_the_command_writes_a_program(tmp_path: Path) -> None:
     data = json.loads(result.output)
     assert not data["single"]
     assert data["certificate"]["black"][0]["share"] == "1/2"
-    program = load_program(tmp_path / "differs-program.toml")
+    program = load_program(tmp_path / "programs" / "differs.toml")
     picture, state = plane(np.array([[0, 0, 1, 1]]) > 0), plane(np.array([[0, 1, 0, 1]]) > 0)
     out = UniversalMachine().run(program, picture=picture, state=state)["result"]
     assert (out > 0).tolist() == [[False, True, True, False]]

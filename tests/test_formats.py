@@ -318,11 +318,11 @@ def test_numbers_of_real_files_are_those_of_our_templates(stem: str, tmp_path: P
 
 
 @needs_real
-def test_real_files_are_read_and_the_broken_one_is_named(tmp_path: Path) -> None:
+def test_real_files_are_read_and_the_odd_ones_are_named(tmp_path: Path) -> None:
     results = {path.stem: import_file(path, tmp_path) for path in sorted(REAL.glob("*.tem"))}
-    failed = {stem: [item.line for item in r.report.of("error")] for stem, r in results.items() if r.report.failed}
-    assert failed == {"ADCONT": [56]}
-    assert [stem for stem, result in results.items() if not result.written] == ["ADCONT", "RETINA_1"]
+    assert [stem for stem, result in results.items() if result.report.failed] == []
+    assert next(item.line for item in results["ADCONT"].report.of("warning")) == 56
+    assert [stem for stem, result in results.items() if not result.written] == ["RETINA_1"]
     assert any("FEEDBACK FROM 3 again" in item.message for item in results["RETINA_1"].report.of("warning"))
 
 

@@ -99,6 +99,26 @@ def test_a_matrix_larger_than_its_neighbourhood_counts_and_is_reported() -> None
     assert remarks(report, "warning") == [(2, "CONTROL is 5 x 5 under NEIGHBORHOOD 1; the matrix counts")]
 
 
+@pytest.mark.parametrize(
+    ("row", "wanted"),
+    [
+        ("0.0 0 0 0.5", [0.0, 0.0, 0.5]),
+        ("0 0 0.0 0.5", [0.0, 0.0, 0.5]),
+        ("0 0  0 0.5", None),  # without any point nobody knows
+        ("0.0 1 0 0.5", None),  # 1.0, or two entries
+        ("0.0 0\t0 0.5", None),
+        ("0.0 0 0", [0.0, 0.0, 0.0]),  # of the right length as it is
+    ],
+)
+def test_a_lost_point_is_a_warning_only_where_it_can_be_nothing_else(row: str, wanted: list[float] | None) -> None:
+    report = Report("x.tem")
+    tem = read_tem(f"NEIGHBORHOOD: 1\nCONTROL:\n1 2 3\n{row}\n1 2 3\nCURRENT: 0\n".encode(), report)
+    assert report.failed == (wanted is None)
+    if wanted:
+        assert list(tem.sections[0].layers[0].blocks[0].rows[1]) == wanted
+    assert [item.line for item in report.of("warning")] == ([4] if wanted and len(row.split()) == 4 else [])
+
+
 def test_nonlinear_blocks_and_their_functions() -> None:
     text = "NEIGHBORHOOD: 1\nNONLIN_CONTROL:\na- a- a-\na- -2 b0\na- a- a-\n\na 0 2  -0.5 1\n 0.5 2\nb 1 1 0 3\n"
     tem, report = parse(text + "CURRENT: 0")
@@ -197,7 +217,6 @@ def test_a_script_is_a_list_of_templates_and_a_loop() -> None:
 @pytest.mark.parametrize(
     ("text", "line", "words"),
     [
-        ("CONTROL:\n0 0 0 0 0\n0.0  0 0  0.15 0.0  0.0\n" + "0 0 0 0 0\n" * 3, 3, "'0.0' with its point"),
         ("CONTROL:\n1 2\n3 4\n", 2, "odd square"),
         ("CONTROL:\n1 2 3\n3 4 5\n", 2, "2 rows of 3"),
         ("CONTROL:\n1 2 3\n3 4\n1 2 3\n", 3, "a row of 2"),

@@ -1,5 +1,6 @@
 """Guaranteed running times: enough on random pictures and in mazes, and not wildly too much."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,8 +9,11 @@ from numpy.typing import NDArray
 
 from cnnsim import PERIODIC, ZERO_FLUX, Template, fixed, library
 from cnnsim.cell import output, uncoupled_state
+from cnnsim.machine import UniversalMachine
+from cnnsim.plan import usual_limit
+from cnnsim.program_file import load_program
 from cnnsim.running_time import TOLERANCE, cell_time, guaranteed_time, time_of_entry, time_of_picture
-from cnnsim.transient import run_transient
+from cnnsim.transient import NotSettledError, run_transient
 from tests.oracles.binary import plane
 
 EXACT: dict[str, Any] = {"scheme": "rk4", "step": 0.05, "backend": "reference"}
@@ -179,6 +183,31 @@ def test_hole_filler_through_a_serpentine(scheme: dict[str, Any]) -> None:
     assert np.array_equal(run_transient(entry.template, **task, **scheme, duration=own).y > 0, drawn)
     short = run_transient(entry.template, **task, **scheme, duration=own / 1.8).y
     assert not np.array_equal(short > 0, drawn)
+
+
+def test_a_program_waits_for_the_guaranteed_time(tmp_path: Path) -> None:
+    """A maze of 39 x 40 cells takes the wave longer than a plan waits for rest where theory knows no time."""
+    entry, corridor = library.load("trigger-wave"), serpentine(39, 40)
+    start = np.zeros_like(corridor)
+    start[0, 0] = True
+    file = tmp_path / "wave.toml"
+    file.write_text("""
+name = "wave"
+inputs = ["start", "walls"]
+outputs = ["found"]
+llm = ["start", "walls", "found"]
+[[step]]
+template = "trigger-wave"
+state = "start"
+mask = "walls"
+duration = "settled"
+to = "found"
+""")
+    found = UniversalMachine().run(load_program(file), start=start, walls=~corridor)["found"]
+    assert np.array_equal(found > 0, corridor)
+    task: dict[str, Any] = {"state": plane(start), "mask": plane(~corridor), "boundary": entry.boundary}
+    with pytest.raises(NotSettledError):
+        run_transient(entry.template, **task, limit=usual_limit((39, 40)))
 
 
 def test_a_mask_makes_walls() -> None:

@@ -1,7 +1,7 @@
 """Matrices and function lines of ``.tem`` files."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from cnnsim.errors import InputError
@@ -102,6 +102,7 @@ def read_matrix(cursor: Cursor, heading: Line, first: str) -> tuple[tuple[Entry,
     if not rows:
         cursor.report.error(heading.number, f"{title}: no matrix")
         return ()
+    rows = [_with_point(line, _side(rows), title, cursor.report) for line in rows]
     entries = [_row(line, title, cursor.report) for line in rows]
     return () if None in entries or not _square(rows, title, cursor.report) else tuple(row for row in entries if row)
 
@@ -127,22 +128,31 @@ def _wanted(title: str) -> str:
     return "; a function is named as a- or a0" if title.startswith("NONLIN") else "; only NONLIN blocks take functions"
 
 
-def _square(rows: list[Line], title: str, report: Report) -> bool:
+def _side(rows: list[Line]) -> int:
+    """Return the number of columns that most rows have."""
     widths = [len(line.words) for line in rows]
-    side = max(set(widths), key=widths.count)
+    return max(set(widths), key=widths.count)
+
+
+def _square(rows: list[Line], title: str, report: Report) -> bool:
+    widths, side = [len(line.words) for line in rows], _side(rows)
     for line, width in zip(rows, widths, strict=True):
         if width != side:
-            report.error(
-                line.number, f"{title}: a row of {width} in a matrix of {side} columns{_lost_point(line, side)}"
-            )
+            report.error(line.number, f"{title}: a row of {width} in a matrix of {side} columns")
     if set(widths) == {side} and (len(rows) != side or side % 2 == 0):
         report.error(rows[0].number, f"{title}: {len(rows)} rows of {side}; an odd square (3 x 3, 5 x 5, ...) wanted")
     return set(widths) == {side} and len(rows) == side and side % 2 == 1
 
 
-def _lost_point(line: Line, side: int) -> str:
-    """Return a guess, as a remark only: ``0 0`` with a single blank may be ``0.0``."""
-    pairs = re.findall(r"(?<![\d.])(\d+) (\d+)(?![\d.])", line.text)
-    if len(line.words) == side + 1 and len(pairs) == 1:
-        return f"; '{pairs[0][0]} {pairs[0][1]}' may be '{pairs[0][0]}.{pairs[0][1]}' with its point lost"
-    return ""
+def _with_point(line: Line, side: int, title: str, report: Report) -> Line:
+    """Read ``0 0`` as the ``0.0`` it must have been, where a row of such numbers is too long by that one entry.
+
+    ADCONT, ADCONTC and EDGEA have ``0.0  0 0  0.15 0.0  0.0``; read so, their matrices are symmetric. Nothing but
+    zeros is mended: any other pair could be two entries.
+    """
+    pairs = re.findall(r"(?<!\S)0 0(?!\S)", line.text)
+    if len(line.words) != side + 1 or len(pairs) != 1 or "0.0" not in line.words:
+        return line
+    text = f"{title}: a row of {side + 1} in a matrix of {side} columns; its '0 0' is read as '0.0' with the point lost"
+    report.warning(line.number, f"{text}: check it")
+    return replace(line, text=re.sub(r"(?<!\S)0 0(?!\S)", "0.0", line.text))

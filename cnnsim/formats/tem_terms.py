@@ -94,4 +94,7 @@ def _refuse_doubles(layer: Layer) -> None:
     kinds = [(block.operation, block.source, block.delay) for block in layer.blocks]
     if double := next((kind for kind in kinds if kinds.count(kind) > 1), None):
         source = "" if double[1] is None else f" FROM {double[1]}"
-        raise InputError(f"{double[0].upper()}{source} twice in layer {layer.number}: replaced or added is not known")
+        raise InputError(
+            f"{double[0].upper()}{source} twice in layer {layer.number}: replaced or added is not known; delete one of "
+            "them, or write their sum"
+        )

@@ -48,7 +48,7 @@ def part_names(design: Design, name: str) -> list[str]:
 def write_design(
     design: Design, name: str, boundary: Boundary, folder: Path, pictures: Sequence[Plane] = ()
 ) -> list[Path]:
-    """Write the template files and, of more than a single template, the program; return their paths.
+    """Write the template files and, of more than a single template, the program under ``programs``; return their paths.
 
     ``pictures`` are worked examples; without any, random ones are taken whose windows the rule all knows.
 
@@ -62,10 +62,11 @@ def write_design(
         for number, part_name in enumerate(names)
     }
     if not design.single:
-        texts[f"{name}-program.toml"] = program_text(design, name, boundary)
+        texts[f"programs/{name}.toml"] = program_text(design, name, boundary)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for file, text in texts.items():
+            (folder / file).parent.mkdir(exist_ok=True)
             (folder / file).write_text(text, encoding="utf-8")
     except OSError as error:
         raise InputError(f"cannot write {folder}: {error}") from error
@@ -78,7 +79,7 @@ def program_text(design: Design, name: str, boundary: Boundary) -> str:
     planes = [f"part_{number}" for number in range(1, len(names) + 1)]
     inputs = ["picture", "state"] if design.rule.with_state else ["picture"]
     lines = [
-        f"name = {toml_value(f'{name}-program')}",
+        f"name = {toml_value(name)}",
         f"summary = {toml_value(f'{design.rule.text}: {len(names)} templates, joined by {design.join}.')}",
         f"llm = {toml_value([*inputs, *planes, 'turned', 'result'])}",
         f"inputs = {toml_value(inputs)}",
