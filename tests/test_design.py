@@ -25,7 +25,9 @@ from cnnsim.prototyping.rule import NAMES, Rule, windows
 from cnnsim.prototyping.rule_files import read_table, rule_of_pairs
 from cnnsim.prototyping.verify import run_program, wrong_windows
 from cnnsim.transient import run_transient
-from tests.oracles.binary import RULES, Window, fill_holes, plane
+from tests.oracles.pictures import plane
+from tests.oracles.wholes import fill_holes
+from tests.oracles.windows import RULES, Window
 
 LIBRARY = [name for name in RULES if (library.load(name).margin or 0) > 0]
 """Uncoupled templates of one picture, r <= 1; those with margin 0 have nothing to be compared with."""

@@ -10,7 +10,7 @@ from cnnsim import PERIODIC, InputError, Template, fixed, library, run, run_tran
 from cnnsim.layers import LayeredTemplate
 from cnnsim.term import Term
 from tests.oracles import kinds
-from tests.oracles.binary import black, plane
+from tests.oracles.pictures import black, plane
 
 both = pytest.mark.parametrize("backend", ["reference", "cpu"])
 

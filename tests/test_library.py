@@ -11,8 +11,9 @@ from cnnsim import Template, library
 from cnnsim.backends import NAMES as NAMES_OF_BACKENDS
 from cnnsim.grid import fixed
 from cnnsim.library import Example, run, run_example
-from tests.oracles import binary, gray, kinds
-from tests.oracles.binary import CROSS, SQUARE, Case, Picture, Plane, black, plane
+from tests.oracles import binary, gray, kinds, wholes
+from tests.oracles.pictures import CROSS, SQUARE, Case, Picture, Plane, black, plane
+from tests.oracles.windows import Rule
 
 BACKENDS = NAMES_OF_BACKENDS
 NAMES = library.names()
@@ -193,13 +194,13 @@ def test_the_scans_and_floods_agree_with_plain_loops() -> None:
     for shape in SHAPES:
         picture = rng.random(shape) < 0.4
         rows = ["".join("#" if cell else "." for cell in row) for row in picture]
-        assert [binary.runs(row) for row in picture] == [len(re.findall("#+", row)) for row in rows]
-        assert [row.sum() for row in binary.count_right(picture)] == [len(re.findall("#+", r)) for r in rows]
+        assert [wholes.runs(row) for row in picture] == [len(re.findall("#+", row)) for row in rows]
+        assert [row.sum() for row in wholes.count_right(picture)] == [len(re.findall("#+", r)) for r in rows]
         for i, j in itertools.product(range(shape[0]), range(shape[1])):
-            assert binary.shadow(picture, "left")[i, j] == picture[i, j:].any()
-            assert binary.shadow(picture, "right")[i, j] == picture[i, : j + 1].any()
-            assert binary.shadow(picture, "up")[i, j] == picture[i:, j].any()
-            assert binary.shadow(picture, "down")[i, j] == picture[: i + 1, j].any()
+            assert wholes.shadow(picture, "left")[i, j] == picture[i, j:].any()
+            assert wholes.shadow(picture, "right")[i, j] == picture[i, : j + 1].any()
+            assert wholes.shadow(picture, "up")[i, j] == picture[i:, j].any()
+            assert wholes.shadow(picture, "down")[i, j] == picture[: i + 1, j].any()
 
 
 @pytest.mark.parametrize(
@@ -218,7 +219,7 @@ def test_the_scans_and_floods_agree_with_plain_loops() -> None:
     ],
 )
 @pytest.mark.parametrize("shape", SHAPES)
-def test_morphology_is_that_of_scipy(name: str, answer: binary.Rule, shape: tuple[int, int]) -> None:
+def test_morphology_is_that_of_scipy(name: str, answer: Rule, shape: tuple[int, int]) -> None:
     for picture in pictures(name, shape):
         assert np.array_equal(black(run(name, plane(picture)).y), answer(picture))  # type: ignore[arg-type]
 

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from cnnsim.library import run
-from tests.oracles.binary import CROSS, SQUARE, Case, Plane, black, plane
+from tests.oracles.pictures import CROSS, SQUARE, Case, Plane, black, plane
 from tests.test_library import ANSWERS, SHAPES, pictures
 
 

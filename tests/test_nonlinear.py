@@ -16,7 +16,7 @@ from cnnsim.program_file import load_program
 from cnnsim.table import Table, from_pairs, lines, parse_table, steps
 from cnnsim.term import Term, from_candy, from_matcnn
 from tests.oracles import kinds
-from tests.oracles.binary import Case, black, plane
+from tests.oracles.pictures import Case, black, plane
 
 both = pytest.mark.parametrize("backend", ["reference", "cpu"])
 RING = np.array([[1.0, 1, 1], [1, 0, 1], [1, 1, 1]])

@@ -14,7 +14,7 @@ from cnnsim.plan import usual_limit
 from cnnsim.program_file import load_program
 from cnnsim.running_time import TOLERANCE, cell_time, guaranteed_time, time_of_entry, time_of_picture
 from cnnsim.transient import NotSettledError, run_transient
-from tests.oracles.binary import plane
+from tests.oracles.pictures import plane
 
 EXACT: dict[str, Any] = {"scheme": "rk4", "step": 0.05, "backend": "reference"}
 EULER: dict[str, Any] = {"scheme": "euler", "step": 0.1, "backend": "reference"}

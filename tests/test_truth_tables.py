@@ -11,7 +11,8 @@ from cnnsim import library
 from cnnsim.backends import NAMES as NAMES_OF_BACKENDS
 from cnnsim.library import run
 from cnnsim.transient import run_transient
-from tests.oracles.binary import LOGIC, RULES, Window, black, plane
+from tests.oracles.pictures import black, plane
+from tests.oracles.windows import LOGIC, RULES, Window
 
 BACKENDS = NAMES_OF_BACKENDS
 

@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy import linalg, ndimage
 
-from tests.oracles.binary import Case, Plane, black, flood, plane
+from tests.oracles.pictures import Case, Plane, black, plane
+from tests.oracles.wholes import flood
 
 Matrix = npt.NDArray[np.float64]
 

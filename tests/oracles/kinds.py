@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import ndimage
 
-from tests.oracles.binary import SQUARE, Case, Picture, Plane, black, plane
+from tests.oracles.pictures import SQUARE, Case, Picture, Plane, black, plane
 
 AROUND = [(k, l) for k, l in product((-1, 0, 1), repeat=2) if (k, l) != (0, 0)]
 
