@@ -134,7 +134,9 @@ def test_sleeping_tiles_wake_up_where_a_wave_comes(name: str, boundary: Any, fam
     picture[0, 40:110, [60, 160]] = picture[0, [40, 110], 60:160] = 1
     picture[1, :, 20:] = -1
     entry, backend = library.load(name), OpenCLBackend("float32", family=family)
-    planes = {name: np.broadcast_to(plane, picture.shape) for name, plane in entry.planes(picture).items()}
+    planes: dict[str, Any] = {
+        name: np.broadcast_to(plane, picture.shape) for name, plane in entry.planes(picture).items()
+    }
     ends = []
     for without in ([], ["sleep"]):
         end = make_task(entry.template, **planes, boundary=boundary, limit=300.0, without=without).start(backend)
