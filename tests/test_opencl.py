@@ -1,6 +1,7 @@
 """Transients and programs of the OpenCL backend, both families of kernels, against the reference."""
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ cl = pytest.importorskip("pyopencl", reason="the opencl backend needs pyopencl")
 
 from cnnsim.backends import opencl_device  # noqa: E402 - only where pyopencl is there
 from cnnsim.backends.opencl import OpenCLBackend  # noqa: E402
+from cnnsim.backends.opencl_tiles import cut  # noqa: E402
 
 if not opencl_device.devices():
     pytest.skip("there is no OpenCL device", allow_module_level=True)
@@ -123,6 +125,18 @@ def test_settled_pictures_and_their_step_counts(name: str, family: Any) -> None:
         ours = task.start(backend := OpenCLBackend(dtype, family=family))
         assert ours[1:3] == law[1:3]
         assert np.array_equal(backend.read(ours.x) > 0, law.x > 0)
+
+
+@pytest.mark.parametrize("limit", [32 * 1024, 512 * 1024, 1024 * 1024])
+def test_tiles_fit_into_the_local_memory_there_is(limit: int) -> None:
+    """A device that is given more than it has writes over whatever lies behind."""
+    shop: Any = SimpleNamespace(
+        family="cpu", lanes=16, dtype=np.dtype("float64"), cores=2, device=SimpleNamespace(local_mem_size=limit)
+    )
+    for radius, shape in ((1, (1, 2048, 2048)), (1, (3, 40, 300)), (5, (1, 512, 512))):
+        tiles = cut(shop, shape, radius, False, 1000, False)
+        assert tiles.arguments[0].size <= limit
+        assert 1 <= tiles.most_steps <= 24
 
 
 @pytest.mark.parametrize("family", FAMILIES)

@@ -10,6 +10,9 @@ _UNKNOWN = b"generic"
 _HASWELL = frozenset(
     ("avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe", "rdrand", "fsgsbase", "invpcid", "xsaveopt")
 )
+_SKYLAKE_SERVER = _HASWELL | {"avx512f", "avx512cd", "avx512bw", "avx512dq", "avx512vl", "adx", "clflushopt"}
+_NAMES = ((b"skx", _SKYLAKE_SERVER), (b"haswell", _HASWELL), (b"x86-64", frozenset[str]()))
+"""Names that fit where "generic" stood, the most able first, each with what /proc/cpuinfo has to say for it."""
 _FIELDS = 4096  # bytes of a device's record that are looked through
 
 
@@ -24,7 +27,8 @@ def name_processor(device: cl.Device) -> None:
     """
     if not (needs_name(device) and platform.machine() in ("x86_64", "AMD64") and Path("/proc/self/maps").exists()):
         return
-    name = b"haswell" if _processor_flags() >= _HASWELL else b"x86-64"
+    flags = _processor_flags()
+    name = next(name for name, wanted in _NAMES if flags >= wanted)
     ours = _writable_memory()
     for field in range(device.int_ptr, device.int_ptr + _FIELDS, 8):
         if not _within(ours, field, 8):
@@ -40,7 +44,14 @@ def needs_name(device: cl.Device) -> bool:
     return device.platform.name == "Portable Computing Language" and device.version.endswith("-generic")
 
 
+def has_wide_vectors(device: cl.Device) -> bool:
+    """Return whether a device is this machine's processor, and that has registers of 16 float32 (AVX-512)."""
+    return device.type & cl.device_type.CPU != 0 and _processor_flags() >= _SKYLAKE_SERVER
+
+
 def _processor_flags() -> set[str]:
+    if not Path("/proc/cpuinfo").exists():
+        return set()
     for line in Path("/proc/cpuinfo").read_text().splitlines():
         if line.startswith("flags"):
             return set(line.split(":", 1)[1].split())

@@ -40,16 +40,16 @@ def cut(shop: Workshop, shape: tuple[int, int, int], radius: int, periodic: bool
     if 0 < launches <= 4:  # later on a short last launch does not matter
         most = -(-steps // launches)
     if shop.family == "cpu":
-        return _bands(shop, *shape, radius, periodic, most, sleep)
+        widest = (SLEEPER[1] if sleep else TILE_BYTES) // shop.dtype.itemsize
+        return _bands(shop, *shape, radius, periodic, most, sleep, widest)
     return _squares(shop, *shape, radius, most)
 
 
 def _bands(
-    shop: Workshop, grids: int, rows: int, cols: int, radius: int, periodic: bool, most: int, sleep: bool
+    shop: Workshop, grids: int, rows: int, cols: int, radius: int, periodic: bool, most: int, sleep: bool, widest: int
 ) -> Tiles:
     lanes, size = shop.lanes, shop.dtype.itemsize
     height = max(3, radius)  # rows of a block
-    widest = (SLEEPER[1] if sleep else TILE_BYTES) // size
     across = -(-cols // widest)
     if across == 1:  # the tile has all columns: nothing but virtual cells beside it
         halo, shift, room = 0, lanes, lanes
@@ -73,6 +73,10 @@ def _bands(
     if periodic and across > 1:
         defines["COPIES"] = ""
     scratch = ((3 * most + 1) + 3 * (most + 1)) * height * stride * size
+    if scratch > shop.device.local_mem_size:  # fewer steps a launch, but rather narrower tiles than fewer than four
+        narrower = most <= 4 and widest > 2 * lanes
+        most, widest = (most, widest // 2) if narrower else (most - 1, widest)
+        return _bands(shop, grids, rows, cols, radius, periodic, most, sleep, widest)
     numbers = np.array([rows, cols, width, band, across, down], np.int32)
     return Tiles(
         most, defines, (cl.LocalMemory(scratch), *numbers), grids * across * down, (grids * across * down, 1), (1, 1)
