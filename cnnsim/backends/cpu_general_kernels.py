@@ -64,12 +64,16 @@ def add_terms(
                 function_row(room, f, argument, at_argument, n, kind, places, at, values, numbers)
                 result, at_result = room, f
             if times_neighbour >= 0:
+                if kind == IDENTITY:
+                    copy_row(room, f, argument, at_argument, n)
+                    result, at_result = room, f
                 factor = (times_neighbour * grids + g) * height * width + away
-                if times_centre >= 0:
-                    times_difference(room, f, result, at_result, around, factor, around, factor_here, n)
+                if times_neighbour == neighbour and times_centre == centre:
+                    times_row(room, f, argument, at_argument, n)
+                elif times_centre >= 0:
+                    times_difference(room, f, around, factor, around, factor_here, n)
                 else:
-                    times_row(room, f, result, at_result, around, factor, n)
-                result, at_result = room, f
+                    times_row(room, f, around, factor, n)
             if plane >= 0:
                 add_product(room, 0, planes, plane * row_of_plane + i * n, result, at_result, n)
             else:

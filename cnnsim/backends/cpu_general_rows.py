@@ -34,21 +34,19 @@ def difference(out: Array, at_out: int, v: Array, at_v: int, less: Array, at_les
 
 
 @helper
-def times_row(out: Array, at_out: int, f: Array, at_f: int, v: Array, at_v: int, n: int) -> None:
-    """Write f v."""
-    out, f, v = out[at_out : at_out + n], f[at_f : at_f + n], v[at_v : at_v + n]
+def times_row(out: Array, at_out: int, v: Array, at_v: int, n: int) -> None:
+    """Multiply what is there by v."""
+    out, v = out[at_out : at_out + n], v[at_v : at_v + n]
     for j in range(n):
-        out[j] = f[j] * v[j]
+        out[j] *= v[j]
 
 
 @helper
-def times_difference(
-    out: Array, at_out: int, f: Array, at_f: int, v: Array, at_v: int, less: Array, at_less: int, n: int
-) -> None:
-    """Write f (v - less)."""
-    out, f, v, less = out[at_out : at_out + n], f[at_f : at_f + n], v[at_v : at_v + n], less[at_less : at_less + n]
+def times_difference(out: Array, at_out: int, v: Array, at_v: int, less: Array, at_less: int, n: int) -> None:
+    """Multiply what is there by v - less."""
+    out, v, less = out[at_out : at_out + n], v[at_v : at_v + n], less[at_less : at_less + n]
     for j in range(n):
-        out[j] = f[j] * (v[j] - less[j])
+        out[j] *= v[j] - less[j]
 
 
 @helper
@@ -80,21 +78,14 @@ def add_one_step(
 
 
 @helper
-def _constant(out: Array, at_out: int, n: int, value: float) -> None:
-    out = out[at_out : at_out + n]
-    for j in range(n):
-        out[j] = value
-
-
-@helper
 def _four_steps(
-    out: Array, at_out: int, v: Array, at_v: int, n: int, e0: float, e1: float, e2: float, e3: float,
-    f0: float, f1: float, f2: float, f3: float,
+    out: Array, at_out: int, v: Array, at_v: int, n: int, fresh: bool, start: float, e0: float, e1: float, e2: float,
+    e3: float, f0: float, f1: float, f2: float, f3: float,
 ) -> None:  # fmt: skip
-    """Replace what is there by f0 .. f3 where v is beyond e0 .. e3, which grow."""
+    """Replace what is there (``fresh``: start) by f0 .. f3 where v is beyond e0 .. e3, which grow."""
     out, v = out[at_out : at_out + n], v[at_v : at_v + n]
     for j in range(n):
-        p, f = v[j], out[j]
+        p, f = v[j], start if fresh else out[j]
         f = f0 if p > e0 else f
         f = f1 if p > e1 else f
         f = f2 if p > e2 else f
@@ -102,50 +93,33 @@ def _four_steps(
 
 
 @helper
-def _two_lines(
-    out: Array, at_out: int, v: Array, at_v: int, n: int, e0: float, e1: float, f0: float, f1: float, r0: float,
-    r1: float,
+def _five_lines(
+    out: Array, at_out: int, v: Array, at_v: int, n: int, fresh: bool, start: float, e0: float, e1: float, e2: float,
+    e3: float, e4: float, f0: float, f1: float, f2: float, f3: float, f4: float, r0: float, r1: float, r2: float,
+    r3: float, r4: float,
 ) -> None:  # fmt: skip
-    """Replace what is there by f0 + r0 (v - e0), and by f1 + r1 (v - e1), where v is beyond e0, and e1."""
+    """Replace what is there (``fresh``: start) by f0 + r0 (v - e0) where v is beyond e0, and so on."""
     out, v = out[at_out : at_out + n], v[at_v : at_v + n]
     for j in range(n):
-        p, f = v[j], out[j]
-        f = f0 + r0 * (p - e0) if p > e0 else f
-        out[j] = f1 + r1 * (p - e1) if p > e1 else f
-
-
-@helper
-def _steps_row(
-    out: Array, at_out: int, v: Array, at_v: int, n: int, places: int, at: int, values: int, numbers: Array
-) -> None:  # fmt: skip
-    _constant(out, at_out, n, numbers[values])
-    nowhere, last = numbers.dtype.type(math.nan), values + places
-    for s in range(0, places, 4):
-        e0, f0 = numbers[at + s], numbers[values + s + 1]
-        e1, f1 = numbers[at + s + 1] if s + 1 < places else nowhere, numbers[min(values + s + 2, last)]
-        e2, f2 = numbers[at + s + 2] if s + 2 < places else nowhere, numbers[min(values + s + 3, last)]
-        e3, f3 = numbers[at + s + 3] if s + 3 < places else nowhere, numbers[min(values + s + 4, last)]
-        _four_steps(out, at_out, v, at_v, n, e0, e1, e2, e3, f0, f1, f2, f3)
-
-
-@helper
-def _four_lines(
-    out: Array, at_out: int, v: Array, at_v: int, n: int, e0: float, e1: float, e2: float, e3: float, f0: float,
-    f1: float, f2: float, f3: float, r0: float, r1: float, r2: float, r3: float,
-) -> None:  # fmt: skip
-    """Replace what is there by f0 + r0 (v - e0) where v is beyond e0, and so on."""
-    out, v = out[at_out : at_out + n], v[at_v : at_v + n]
-    for j in range(n):
-        p, f = v[j], out[j]
+        p, f = v[j], start if fresh else out[j]
         f = f0 + r0 * (p - e0) if p > e0 else f
         f = f1 + r1 * (p - e1) if p > e1 else f
         f = f2 + r2 * (p - e2) if p > e2 else f
-        out[j] = f3 + r3 * (p - e3) if p > e3 else f
+        f = f3 + r3 * (p - e3) if p > e3 else f
+        out[j] = f4 + r4 * (p - e4) if p > e4 else f
+
+
+@helper
+def _step(places: int, at: int, values: int, s: int, numbers: Array) -> Any:
+    """Return place s and the value beyond it; NaN, beyond which nothing is, if there is none."""
+    if s >= places:
+        return numbers.dtype.type(math.nan), numbers.dtype.type(0)
+    return numbers[at + s], numbers[values + s + 1]
 
 
 @helper
 def _line(places: int, at: int, values: int, s: int, numbers: Array) -> Any:
-    """Return the place, the value and the slope from place s on; NaN, beyond which nothing is, if there is none."""
+    """Return place s, the value there and the slope from there on; NaN, beyond which nothing is, if there is none."""
     zero = numbers.dtype.type(0)
     if s >= places:
         return numbers.dtype.type(math.nan), zero, zero
@@ -156,19 +130,29 @@ def _line(places: int, at: int, values: int, s: int, numbers: Array) -> Any:
 
 
 @helper
+def _steps_row(
+    out: Array, at_out: int, v: Array, at_v: int, n: int, places: int, at: int, values: int, numbers: Array
+) -> None:
+    for s in range(0, max(places, 1), 4):
+        e0, f0 = _step(places, at, values, s, numbers)
+        e1, f1 = _step(places, at, values, s + 1, numbers)
+        e2, f2 = _step(places, at, values, s + 2, numbers)
+        e3, f3 = _step(places, at, values, s + 3, numbers)
+        _four_steps(out, at_out, v, at_v, n, s == 0, numbers[values], e0, e1, e2, e3, f0, f1, f2, f3)
+
+
+@helper
 def _lines_row(
     out: Array, at_out: int, v: Array, at_v: int, n: int, places: int, at: int, values: int, numbers: Array
 ) -> None:
-    _constant(out, at_out, n, numbers[values])
-    for s in range(0, places, 4):
+    for s in range(0, places, 5):
         e0, f0, r0 = _line(places, at, values, s, numbers)
         e1, f1, r1 = _line(places, at, values, s + 1, numbers)
-        if s + 2 >= places:
-            _two_lines(out, at_out, v, at_v, n, e0, e1, f0, f1, r0, r1)
-            continue
         e2, f2, r2 = _line(places, at, values, s + 2, numbers)
         e3, f3, r3 = _line(places, at, values, s + 3, numbers)
-        _four_lines(out, at_out, v, at_v, n, e0, e1, e2, e3, f0, f1, f2, f3, r0, r1, r2, r3)
+        e4, f4, r4 = _line(places, at, values, s + 4, numbers)
+        _five_lines(out, at_out, v, at_v, n, s == 0, numbers[values], e0, e1, e2, e3, e4, f0, f1, f2, f3, f4, r0, r1,
+                    r2, r3, r4)  # fmt: skip
 
 
 @helper
