@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,7 +25,7 @@ from cnnsim.library_path import using as using
 from cnnsim.plan import Duration, usual_limit
 from cnnsim.running_time import limit_of_entry
 from cnnsim.template import Template
-from cnnsim.transient import Result, run_transient
+from cnnsim.transient import Choices, Dtype, Result, run_transient
 
 Role = Literal["picture", "given", "none", "any"] | float
 
@@ -140,15 +140,15 @@ _EXAMPLE_KEYS = {"input", "state", "output", "mask", "bias", "tolerance"}
 
 def run(
     entry: LibraryEntry | str, picture: ArrayLike, *, state: ArrayLike | None = None, backend: str | Backend = "cpu",
-    **changes: Any,
+    dtype: Dtype | None = None, **changes: Unpack[Choices],
 ) -> Result:  # fmt: skip
     """Run a library template on a picture (rows, cols) of CNN values as its file says.
 
     ``state`` is the second picture of templates that take one. ``changes`` replace what the file says: boundary,
-    duration, cell, scheme, step, limit, bias, mask, dtype, as in `run_transient`.
+    duration, cell, scheme, step, limit, bias, mask, as in `run_transient`; so are ``backend`` and ``dtype``.
     """
     entry = load(entry) if isinstance(entry, str) else entry
-    return run_transient(entry.network, **{**entry.task(picture, state), **changes}, backend=backend)
+    return run_transient(entry.network, **{**entry.task(picture, state), **changes}, backend=backend, dtype=dtype)
 
 
 def run_example(entry: LibraryEntry, example: Example, backend: str | Backend = "cpu", **changes: Any) -> Result:

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -67,6 +67,24 @@ class Task:
         )
 
 
+Dtype = Literal["float32", "float64"]
+
+
+class Choices(TypedDict, total=False):
+    """What `make_task` takes besides a template and a state; its signature has the defaults."""
+
+    input: ArrayLike | Frames[Any] | None
+    bias: ArrayLike | Frames[Any] | None
+    mask: ArrayLike | None
+    boundary: Boundary
+    duration: Duration
+    cell: CellModel | Cell
+    scheme: str | None
+    step: float | None
+    limit: float | None
+    without: Collection[str]
+
+
 def make_task(
     template: AnyTemplate,
     *,
@@ -82,7 +100,17 @@ def make_task(
     limit: float | None = None,
     without: Collection[str] = (),
 ) -> Task:
-    """Check the planes against each other and plan the transient; the arguments are those of `run_transient`."""
+    """Check the planes against each other and plan the transient.
+
+    Arguments: planes (rows, cols) or (n, rows, cols) of one shape, of a network of layers (layers, rows, cols) or
+    (n, layers, rows, cols), where a plane (rows, cols) stands for all grids and layers; ``input`` and ``bias`` may be
+    `Frames`; ``bias`` is added to z cell by cell; ``mask`` > 0 holds a cell's state; ``duration`` in time constants or
+    ``"settled"`` (see `Plan`), then at most ``limit``;
+    ``scheme`` and ``step`` as in `cnnsim.scheme`, or None to let the plan choose; ``without`` as in `make_plan`.
+
+    Raises:
+        InputError: planes that do not fit or are not finite, a step that cannot be stable.
+    """
     x = _plane("state", state, None)
     u, w = _planes("input", input, x.shape), _planes("bias", bias, x.shape)
     if u is None and template.reads_input:
@@ -100,39 +128,24 @@ def run_transient(
     template: AnyTemplate,
     *,
     state: ArrayLike,
-    input: ArrayLike | Frames[Any] | None = None,  # noqa: A002 - the field's word for u
-    bias: ArrayLike | Frames[Any] | None = None,
-    mask: ArrayLike | None = None,
-    boundary: Boundary = ZERO_FLUX,
-    duration: Duration = "settled",
-    cell: CellModel | Cell = "chua-yang",
-    scheme: str | None = None,
-    step: float | None = None,
-    limit: float | None = None,
-    without: Collection[str] = (),
     backend: str | Backend = "cpu",
-    dtype: Literal["float32", "float64"] | None = None,
+    dtype: Dtype | None = None,
+    **choices: Unpack[Choices],
 ) -> Result:
     """Run one template from x(0) = ``state`` with u = ``input`` and return where it ends.
 
-    Arguments: planes (rows, cols) or (n, rows, cols) of one shape, of a network of layers (layers, rows, cols) or
-    (n, layers, rows, cols), where a plane (rows, cols) stands for all grids and layers; ``input`` and ``bias`` may be
-    `Frames`; ``bias`` is added to z cell by cell; ``mask`` > 0 holds a cell's state; ``duration`` in time constants or
-    ``"settled"`` (see `Plan`), then at most ``limit``;
-    ``scheme`` and ``step`` as in `cnnsim.scheme`, or None to let the plan choose; ``without`` as in `make_plan`.
+    Arguments: ``choices`` are input, bias, mask, boundary, duration, cell, scheme, step, limit, without, as in
+    `make_task`; ``backend`` a name or a backend; ``dtype`` the numbers it computes with, None for its own.
 
     Raises:
-        InputError: planes that do not fit or are not finite, a step that cannot be stable.
+        InputError: as `make_task`; no such backend.
         NotSettledError: the network did not settle within ``limit``; the error carries the result.
     """
-    task = make_task(
-        template, state=state, input=input, bias=bias, mask=mask, boundary=boundary, duration=duration, cell=cell,
-        scheme=scheme, step=step, limit=limit, without=without,
-    )  # fmt: skip
+    task = make_task(template, state=state, **choices)
     where = backends.get(backend, dtype) if isinstance(backend, str) else backend
     outcome = task.start(where)
     result = Result(where.read(outcome.x), outcome.t, outcome.settled, outcome.slope, task.plan)
-    if duration == "settled" and not result.settled:
+    if task.plan.duration == "settled" and not result.settled:
         raise NotSettledError(
             f"template {template.name!r} has not settled after {result.t:g} time constants: |dx/dt| is still "
             f"{result.slope:.3g} somewhere; give a duration, or a higher limit",
