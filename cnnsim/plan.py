@@ -24,6 +24,8 @@ Saving = Literal["closed form", "sparse taps", "shared sums", "blocking", "sleep
 """Ways of computing less for the same output; a plan can be made without any of them, for comparison."""
 
 DEFAULT_STEP = 0.1
+MOST_HALO = 25
+"""Cells around a tile that are computed again for the steps of one pass."""
 SETTLED_SLOPE = 1e-4
 """A network is at rest when |dx/dt| <= this in every cell; see `Plan.duration`."""
 
@@ -78,7 +80,7 @@ class Plan:
 
     @property
     def depth(self) -> int:
-        """Steps a pass over the grid: about 16 rows' worth, evenly divided; 1 without blocking."""
+        """Steps a pass over the grid: up to `MOST_HALO` rows' worth, evenly divided; 1 without blocking."""
         if "blocking" not in self.savings:
             return 1
         steps = self.check_every if self.duration == "settled" else self.steps
@@ -177,9 +179,9 @@ def usual_limit(grid: tuple[int, int]) -> float:
 def steps_a_pass(steps: int, radius: int) -> int:
     """Return how many of so many steps are taken while the rows of a tile are in the cache.
 
-    Each step of a tile needs ``radius`` rows and columns more around it; about 16 of them cost less than they save.
+    Each step of a tile needs ``radius`` rows and columns more around it; `MOST_HALO` of them cost less than they save.
     """
-    most = max(1, 16 // max(radius, 1))
+    most = max(1, MOST_HALO // max(radius, 1))
     return math.ceil(steps / max(1, math.ceil(steps / most)))
 
 

@@ -10,15 +10,17 @@ from hypothesis import strategies as st
 from cnnsim import library
 from cnnsim.backends import get
 from cnnsim.backends.cpu import CpuBackend
+from cnnsim.backends.cpu_prepared import TILE_COLS
+from cnnsim.backends.cpu_rows import PAD, STRIDE
 from cnnsim.errors import InputError
 from cnnsim.grid import PERIODIC, ZERO_FLUX, Boundary, fixed
-from cnnsim.plan import make_plan
+from cnnsim.plan import MOST_HALO, make_plan
 from cnnsim.template import Template
 from cnnsim.transient import NotSettledError, Result, run_transient
 
 BACKENDS = {name: get("cpu", name) for name in ("float32", "float64")}
 BOUNDARIES = (fixed(-1), fixed(0.25), ZERO_FLUX, PERIODIC)
-SHAPES = ((1, 1), (1, 7), (9, 1), (2, 3), (5, 40), (37, 66), (70, 131))
+SHAPES = ((1, 1), (1, 7), (9, 1), (2, 3), (5, 40), (37, 66), (70, 131), (30, 2300), (1100, 20))
 
 CROSS = Template([[0, 0.4, 0], [0.3, 1.5, -0.2], [0, 0.25, 0]], 0.5, 0.1, "cross")
 NINE = Template(
@@ -41,6 +43,11 @@ def run(template: Template, x: Any, boundary: Boundary, dtype: str = "float32", 
 
 def states(shape: tuple[int, ...], seed: int = 0) -> Any:
     return np.random.default_rng(seed).uniform(-1.5, 1.5, shape)
+
+
+def test_a_row_of_a_tile_with_its_halo_fits_into_a_row_of_the_buffers() -> None:
+    vectors = -(-(TILE_COLS + 2 * MOST_HALO) // PAD)
+    assert PAD * vectors + 2 * PAD <= STRIDE
 
 
 def same(one: Result, other: Result) -> None:

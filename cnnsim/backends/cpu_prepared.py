@@ -17,7 +17,7 @@ Taps = tuple[Array, Array, Array]
 
 BOUNDARY = {"fixed": FIXED, "zero-flux": ZERO_FLUX, "periodic": PERIODIC}
 TILE_ROWS, TILE_COLS = 512, 1024
-"""The most rows and columns of a tile; with a halo of 16 cells a row still fits into a row of the buffers."""
+"""The most rows and columns of a tile; with its halo (`cnnsim.plan.MOST_HALO`) a row still fits into a row of the buffers."""
 
 
 class Prepared:

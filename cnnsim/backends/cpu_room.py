@@ -12,7 +12,7 @@ Array = NDArray[Any]
 FIXED, ZERO_FLUX, PERIODIC = 0, 1, 2
 GROUP = 4 * BLOCK
 """Rows that a level of a tile steps at a time: what is kept of the last ones is copied once for all of them."""
-SLACK = 32
+SLACK = 16
 """Rows that stream past before the live ones are moved back to the start of their buffer."""
 
 

@@ -22,7 +22,7 @@ Array = NDArray[Any]
 BLOCK = 4
 """Rows done together: each row of y is loaded once for all the rows it is a neighbour of. The loops over a block are
 written out, loads first, because LLVM makes no vectors of a loop that stores between its loads."""
-STRIDE = 1104
+STRIDE = 1136
 """Cells from row to row: no multiple of 1024, so that the rows of a block do not fight for cache sets."""
 PAD = 16
 """One vector of float32: the first real column of y is aligned where x and w are."""
