@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from cnnsim.library import run
+from tests.library_kit import ANSWERS, SHAPES, pictures
 from tests.oracles.pictures import CROSS, SQUARE, Case, Plane, black, plane
-from tests.test_library import ANSWERS, SHAPES, pictures
 
 
 def block(shape: tuple[int, int], rows: slice, cols: slice) -> Plane:

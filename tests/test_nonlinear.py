@@ -1,29 +1,20 @@
-"""Tables, terms, cells: their definitions, their sign conventions, the library's templates against ranks and rules."""
+"""Tables, terms and cells: their definitions and their sign conventions."""
 
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from cnnsim import InputError, Template, fixed, library, run, run_transient
+from cnnsim import InputError, Template, fixed, run_transient
 from cnnsim.characteristic import SIGN, TANH, Cell, Characteristic, parse_cell
-from cnnsim.machine import UniversalMachine
 from cnnsim.plan import make_plan
-from cnnsim.program_file import load_program
-from cnnsim.table import Table, from_pairs, lines, parse_table, steps
+from cnnsim.table import from_pairs, lines, parse_table, steps
 from cnnsim.term import Term, from_candy, from_matcnn
-from tests.oracles import kinds
-from tests.oracles.pictures import Case, black, plane
 
 both = pytest.mark.parametrize("backend", ["reference", "cpu"])
+
 RING = np.array([[1.0, 1, 1], [1, 0, 1], [1, 1, 1]])
-SHAPES = [(1, 1), (1, 9), (2, 2), (7, 8)]
-
-
-# --- tables ---------------------------------------------------------------------------------------------------
 
 
 def by_hand(pairs: list[tuple[float, float]], interpolation: int, v: float) -> float:
@@ -73,9 +64,6 @@ def test_slopes_and_jumps() -> None:
 def test_a_wrong_table_says_what_is_wanted(value: dict[str, Any]) -> None:
     with pytest.raises(InputError, match="wanted"):
         parse_table(value)
-
-
-# --- terms: one sign convention, and those of the sources ------------------------------------------------------
 
 
 @both
@@ -155,9 +143,6 @@ def test_chatter_is_as_large_as_the_plan_says() -> None:
         assert 0 < abs(x[0, 0]) <= 2 * h
 
 
-# --- cells ----------------------------------------------------------------------------------------------------
-
-
 @both
 @pytest.mark.parametrize(
     ("shape", "f"),
@@ -185,192 +170,3 @@ def test_cells_say_what_they_want() -> None:
             parse_cell(wrong)
     with pytest.raises(InputError, match="nearest are the time 3"):
         run_transient(Template([[1.0]]), state=[[1.0]], cell="discrete-time", duration=2.6)
-
-
-# --- discrete time: Harrer and Nossek's theorems ---------------------------------------------------------------
-
-
-@both
-def test_without_feedback_one_step_is_enough(backend: str) -> None:
-    rng = np.random.default_rng(1)
-    t, u = Template(0, rng.normal(size=(3, 3)), 0.3), rng.uniform(-1, 1, (6, 7))
-    result = run_transient(t, state=0 * u, input=u, cell="discrete-time", backend=backend)
-    assert result.settled
-    assert result.t == 1
-    assert np.array_equal(result.y, np.sign(result.y))
-
-
-@both
-@settings(max_examples=30, deadline=None)
-@given(seed=st.integers(0, 2**32))
-def test_symmetric_feedback_ends_in_a_fixed_point_or_a_cycle_of_two(backend: str, seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    a = rng.normal(size=(3, 3))
-    t, x = Template(a + a[::-1, ::-1], z=rng.normal()), rng.choice([-1.0, 1.0], (5, 6))
-    task: dict[str, Any] = {"boundary": fixed(-1), "cell": "discrete-time", "backend": backend}
-    late = run_transient(t, state=x, duration=60.0, **task).y
-    assert np.array_equal(run_transient(t, state=late, duration=2.0, **task).y, late)
-
-
-@both
-def test_a_cycle_of_two_is_not_settled(backend: str) -> None:
-    blink = Template([[-1.0]])
-    with pytest.raises(InputError, match="has not settled"):
-        run_transient(blink, state=[[1.0, -1.0]], cell="discrete-time", backend=backend)
-
-
-@both
-def test_a_drive_of_zero_keeps_the_output(backend: str) -> None:
-    nothing = Template(0)
-    y = run_transient(nothing, state=[[0.3, -0.2, 0.0]], cell="discrete-time", backend=backend).y
-    assert y.tolist() == [[1.0, -1.0, 0.0]]
-
-
-@both
-def test_euler_with_step_one_is_the_discrete_cell(backend: str) -> None:
-    rng = np.random.default_rng(4)
-    a, b, x, u = rng.normal(size=(3, 3)) * 0.1, rng.normal(size=(3, 3)), *rng.uniform(-1, 1, (2, 5, 6))
-    discrete = run_transient(
-        Template(a, b), state=x, input=u, duration=4.0, cell=Cell("discrete-time", Characteristic()), backend=backend
-    )
-    euler = run_transient(Template(a, b), state=x, input=u, duration=4.0, scheme="euler", step=1.0, backend=backend)
-    assert np.allclose(discrete.y, euler.y, atol=1e-6)
-
-
-# --- the library ----------------------------------------------------------------------------------------------
-
-BINARY = [
-    "row-histogram", "life-discrete", "life-discrete-1-layer", "discrete-connected-components", "discrete-hole-filler",
-    "discrete-edge", "concentric-contour", "discrete-increase", "discrete-decrease",
-]  # fmt: skip
-GRAY = {
-    "average-gradient": 1e-3, "mean-difference": 1e-3, "edge-enhancement": 1e-3, "global-maximum": 1e-2,
-    "global-maximum-matcnn": 1e-2, "global-minimum": 1e-2, "gray-dilation": 0.021, "gray-erosion": 0.021,
-}  # fmt: skip
-DECIDED = [
-    "gradient-threshold", "gradient-threshold-bistable", "flat-places", "gray-contour", "local-maxima",
-    "local-maxima-matcnn", "local-minima", "gray-line-30-60",
-]  # fmt: skip
-
-
-@both
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("name", BINARY)
-def test_binary_definitions(name: str, shape: tuple[int, int], backend: str) -> None:
-    rng = np.random.default_rng([*name.encode(), *shape])
-    for share in (0.3, 0.6):
-        picture = plane(rng.random(shape) < share)
-        answer = kinds.ANSWERS[name](Case(picture, picture))
-        assert np.array_equal(np.sign(run(name, picture, backend=backend).y), answer)
-
-
-@both
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("name", [*GRAY, *DECIDED])
-def test_gray_definitions(name: str, shape: tuple[int, int], backend: str) -> None:
-    picture = np.random.default_rng([*name.encode(), *shape]).uniform(-0.9, 0.9, shape)
-    y, answer = run(name, picture, backend=backend).y, kinds.ANSWERS[name](Case(picture, picture))
-    if name in GRAY:
-        assert np.abs(y - answer)[1:-1, 1:-1].max(initial=0) <= GRAY[name]
-        at_most = GRAY[name] * (8 if name in ("gray-dilation", "gray-erosion") else 1)  # the border repeats cells
-        assert np.abs(y - answer).max() <= at_most
-    else:
-        assert (y * answer > 0.9).all()
-
-
-@both
-@pytest.mark.parametrize("z", [0, 2, -2, 3, -3])
-def test_the_median_and_the_ranks_beside_it(z: int, backend: str) -> None:
-    picture = np.random.default_rng(z + 9).uniform(-0.9, 0.9, (9, 10))
-    y = run("median", picture, bias=np.full(picture.shape, z), backend=backend).y
-    ordered = np.sort(kinds.neighbours(picture, None), axis=0)
-    first = {0: 3, 2: 5, -2: 1, 3: 6, -3: 0}[z]
-    low, high = ordered[first], ordered[first + 1]
-    inside = (slice(1, -1), slice(1, -1))  # the border repeats cells, and jumps are larger there
-    assert (y >= low - 0.021)[inside].all()
-    assert (y <= high + 0.021)[inside].all()
-
-
-@pytest.mark.parametrize("name", ["perona-malik", "perona-malik-4"])
-def test_anisotropic_diffusion_smooths_and_keeps_the_edge(name: str) -> None:
-    rng = np.random.default_rng(5)
-    clean = np.where(np.arange(16) < 8, -0.6, 0.6) * np.ones((16, 1))
-    y = run(name, clean + rng.normal(0, 0.05, clean.shape)).y
-    assert (y - clean).std() < 0.3 * 0.05
-    assert (y[:, 8] - y[:, 7]).min() > 1.15
-
-
-@both
-def test_the_wave_arrives_at_the_distance_in_steps(backend: str) -> None:
-    rng = np.random.default_rng(6)
-    walls = rng.random((12, 13)) < 0.45
-    start = np.zeros_like(walls)
-    start[tuple(np.argwhere(~walls)[0])] = True
-    for count in (1, 3, 8, 20):
-        y = run("pathfinder-wave", plane(walls), state=plane(start), duration=count, backend=backend).y
-        assert np.array_equal(black(y), kinds.arrival(walls, start, count))
-
-
-@both
-def test_concentric_contour_needs_discrete_time(backend: str) -> None:
-    square = -np.ones((11, 11))
-    square[1:10, 1:10] = 1
-    rings = run("concentric-contour", square, backend=backend).y
-    assert np.array_equal(rings[5], [-1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1])
-    distance = np.hypot(*np.mgrid[-8:9, -8:9])
-    disc = np.where(distance < 7.3, 1.0, -1.0)
-    rings = run("concentric-contour", disc, backend=backend).y
-    smooth = run("concentric-contour", disc, cell="chua-yang", duration=60.0, backend=backend).y
-    assert (np.sign(smooth) != rings).sum() > 10
-
-
-def test_the_library_says_what_is_wrong_with_a_file(tmp_path: Any) -> None:
-    good = (library.folder() / "average-gradient.toml").read_text()
-    for old, new, message in [
-        ("u_kl - u_ij", "u - u", "argument"),
-        ("{ linear", "{ cubic", "table"),
-        ("of =", "off =", "term 0"),
-        ('input = "picture"', 'input = "none"', "reads u"),
-    ]:
-        (tmp_path / "average-gradient.toml").write_text(good.replace(old, new, 1))
-        with pytest.raises(InputError, match=message):
-            library.load_file(tmp_path / "average-gradient.toml")
-
-
-def test_a_term_checks_itself() -> None:
-    for wrong in ({"weights": np.ones((2, 2))}, {"of": "w_kl"}, {"delay": -1.0}, {"layer": -1}, {"table": [0, 1]}):
-        with pytest.raises(InputError, match="wanted"):
-            Term(**{"weights": [[1.0]], **wrong})  # type: ignore[arg-type]  # on purpose
-    with pytest.raises(InputError, match="wanted"):
-        Table("linear", (1.0, 0.0), (0.0, 0.0))
-
-
-@both
-def test_programs_run_the_new_kinds(backend: str, tmp_path: Any) -> None:
-    """Holes filled in discrete time, then the median of the picture, and a sequence that a step cannot have."""
-    text = """name = "mixed"
-inputs = ["picture"]
-outputs = ["filled", "smooth"]
-lam = ["picture", "smooth"]
-llm = ["filled"]
-[[step]]
-template = "discrete-hole-filler"
-input = "picture"
-to = "filled"
-[[step]]
-template = "median"
-input = "picture"
-to = "smooth"
-"""
-    (tmp_path / "mixed.toml").write_text(text)
-    rng = np.random.default_rng(8)
-    picture = plane(rng.random((9, 9)) < 0.6)
-    found = UniversalMachine(backend, "float64").run(load_program(tmp_path / "mixed.toml"), picture=picture)
-    assert np.array_equal(plane(found["filled"]), kinds.flood_holes(Case(picture)))
-    assert np.allclose(found["smooth"], run("median", picture, backend=backend, dtype="float64").y)
-    (tmp_path / "film.toml").write_text(text.replace("median", "slow-motion"))
-    with pytest.raises(InputError, match="sequence of pictures"):
-        load_program(tmp_path / "film.toml")
-    (tmp_path / "waves.toml").write_text(text.replace("median", "autowave"))
-    with pytest.raises(InputError, match="has 2 layers"):
-        load_program(tmp_path / "waves.toml")

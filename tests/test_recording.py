@@ -27,7 +27,7 @@ from tactile.serial.source import UNPLUGGED, Chunk, WireSource
 from tactile.sources import open_source
 from tactile.sources.replay_csv import write_csv
 from tests.serial_kit import GRIP, call, device, grip, sent
-from tests.test_sources import pillars
+from tests.test_replay import pillars
 
 TARED = {"type": "tare", "t_s": 0.25, "finger": "left", "taken": True, "why": "idle", "offset": [1.0, None, 2.0]}
 

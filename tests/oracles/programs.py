@@ -1,13 +1,11 @@
-"""What the programs of the library have to answer, by other ways: labels, floods, queues, ranks and plain loops.
+"""What the programs of the library have to answer, by other ways: labels, floods, ranks and plain loops.
 
 Pictures are boolean arrays, True where black; gray planes are float arrays. Every oracle gives a program's outputs by
-name. Those of programs that keep planes take the frames of a sequence and give the outputs of each run.
+name.
 """
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Mapping, Sequence
 from itertools import groupby
 from typing import Any
 
@@ -16,16 +14,12 @@ import numpy.typing as npt
 from scipy import ndimage
 from skimage.measure import euler_number
 
-Picture = npt.NDArray[np.bool_]
-Plane = npt.NDArray[np.float64]
+from tests.oracles.pictures import CROSS, SQUARE, Picture, Plane
+
 Answer = dict[str, Any]
-Cell = tuple[int, int]
 
-SQUARE = np.ones((3, 3), dtype=bool)
-CROSS = ndimage.generate_binary_structure(2, 1)
-
-
-# --- objects and holes ------------------------------------------------------------------------------------------------
+SKELETONS = {"skeleton": SQUARE, "skeleton-4-connected": CROSS, "thinning": SQUARE}
+"""Programs that thin, and the neighbourhood in which a skeleton hangs together."""
 
 
 def count(picture: Picture, neighbours: Picture = SQUARE) -> int:
@@ -143,51 +137,6 @@ def isolated(picture: Picture, marker: Picture) -> Answer:
     return {"chosen": chosen, "rest": picture & ~chosen}
 
 
-# --- mazes ------------------------------------------------------------------------------------------------------------
-
-
-def _beside(cell: Cell, lanes: Picture) -> list[Cell]:
-    i, j = cell
-    near = [(i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)]
-    return [(k, l) for k, l in near if 0 <= k < lanes.shape[0] and 0 <= l < lanes.shape[1] and lanes[k, l]]
-
-
-def distances(lanes: Picture, start: Picture) -> npt.NDArray[np.int_]:
-    """Steps from the nearest start by breadth-first search; -1 where there is no way."""
-    steps = np.where(start & lanes, 0, -1)
-    queue = deque((int(i), int(j)) for i, j in np.argwhere(start & lanes))
-    while queue:
-        cell = queue.popleft()
-        for other in _beside(cell, lanes):
-            if steps[other] < 0:
-                steps[other] = steps[cell] + 1
-                queue.append(other)
-    return steps
-
-
-def without_dead_ends(walls: Picture, ends: Picture) -> Answer:
-    """The lanes that are left when dead ends are taken away one cell at a time, in no particular order."""
-    lanes = ~walls | ends
-    waiting = [(int(i), int(j)) for i, j in np.argwhere(lanes)]
-    while waiting:
-        cell = waiting.pop()
-        near = _beside(cell, lanes)
-        if lanes[cell] and not ends[cell] and len(near) <= 1:
-            lanes[cell] = False
-            waiting += near
-    return {"path": lanes}
-
-
-def shortest_paths(walls: Picture, start: Picture, goal: Picture) -> Answer:
-    there, back = distances(~walls, start), distances(~walls, goal)
-    met = (there >= 0) & (back >= 0)
-    length = (there + back)[met].min() if met.any() else -1
-    return {"path": met & (there + back == length), "length": length}
-
-
-# --- life, gray pictures ----------------------------------------------------------------------------------------------
-
-
 def life(picture: Picture, generations: int = 1) -> Answer:
     """Conway's rule, cell by cell."""
     alive = picture
@@ -228,54 +177,3 @@ def edge_density(picture: Plane, averages: int = 3) -> Plane:
     for _ in range(averages):
         density = ndimage.uniform_filter(density, size=3, mode="nearest")
     return density
-
-
-# --- sequences --------------------------------------------------------------------------------------------------------
-
-Frames = Sequence[Mapping[str, Any]]
-
-
-def _with_before(frames: Frames) -> list[tuple[Picture, Picture]]:
-    pictures = [frame["frame"] for frame in frames]
-    return list(zip([np.zeros_like(pictures[0]), *pictures], pictures, strict=False))
-
-
-def motion(frames: Frames) -> list[Answer]:
-    answers = []
-    for before, now in _with_before(frames):
-        moving = touched(now, now & ~before)
-        planes = {"appeared": now & ~before, "vanished": before & ~now, "moving": moving, "resting": now & ~moving}
-        answers.append({**planes, "motion": int((now != before).any())})
-    return answers
-
-
-def speed(frames: Frames, cells: int = 1) -> list[Answer]:
-    """Chessboard distance to the nearest black cell of the frame before, object by object."""
-    answers = []
-    for before, now in _with_before(frames):
-        far = np.full(now.shape, np.inf)
-        if before.any():
-            far = ndimage.distance_transform_cdt(~before, "chessboard")
-        slow = np.zeros_like(now)
-        labels, number = ndimage.label(now, SQUARE)
-        for label in range(1, number + 1):
-            slow |= (labels == label) & (far[labels == label].max() <= cells)
-        answers.append({"slow": slow, "fast": now & ~slow})
-    return answers
-
-
-def direction(frames: Frames) -> list[Answer]:
-    """An object fits a direction if all its cells, one step back, were black before."""
-    back = {"east": (0, -1), "west": (0, 1), "north": (1, 0), "south": (-1, 0), "rest": (0, 0)}
-    answers = []
-    for before, now in _with_before(frames):
-        answer = {name: np.zeros_like(now) for name in back}
-        labels, number = ndimage.label(now, SQUARE)
-        wide = np.pad(before, 1)
-        for label in range(1, number + 1):
-            cells = np.argwhere(labels == label)
-            for name, step in back.items():
-                if all(wide[i + 1 + step[0], j + 1 + step[1]] for i, j in cells):
-                    answer[name] |= labels == label
-        answers.append(answer)
-    return answers

@@ -10,7 +10,9 @@ from collections import deque
 import numpy as np
 from scipy import ndimage
 
-from tests.oracles.programs import SQUARE, Answer, Frames, Picture, Plane
+from tests.oracles.pictures import SQUARE, Picture, Plane
+from tests.oracles.programs import Answer
+from tests.oracles.sequences import Frames
 
 
 def contact_blob(pressing: Plane, level: float = 0.25) -> Answer:
