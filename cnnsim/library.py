@@ -1,9 +1,6 @@
 """The library: templates as data. One TOML file is one template with its source and its own worked pictures."""
 
-import tomllib
-from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from typing import Any, Literal, Unpack
@@ -19,12 +16,13 @@ from cnnsim.grid import Boundary, parse_boundary
 from cnnsim.layers import AnyTemplate, LayeredTemplate
 from cnnsim.library_kinds import TEMPLATE_KEYS, read_pictures, read_template
 from cnnsim.library_path import add as add  # ours to offer: `library.add(DIR)`, `with library.using(DIR)`
-from cnnsim.library_path import files
+from cnnsim.library_path import files, not_found
 from cnnsim.library_path import folder as folder
 from cnnsim.library_path import using as using
 from cnnsim.plan import Duration, usual_limit
 from cnnsim.running_time import limit_of_entry
 from cnnsim.template import Template
+from cnnsim.toml_file import check_keys, read_toml
 from cnnsim.transient import Choices, Dtype, Result, run_transient
 
 Role = Literal["picture", "given", "none", "any"] | float
@@ -131,11 +129,9 @@ class LibraryEntry:
         return planes
 
 
-_KEYS = {
-    "name", "summary", "reference", "tags", "input", "initial_state", "boundary", "duration", "margin", "note",
-    "aliases", "example", "cell", "step", "frame_time", *TEMPLATE_KEYS,
-}  # fmt: skip
-_EXAMPLE_KEYS = {"input", "state", "output", "mask", "bias", "tolerance"}
+_REQUIRED = ("name", "summary", "reference", "input", "initial_state", "boundary", "duration")
+_OPTIONAL = ("tags", "margin", "note", "aliases", "example", "cell", "step", "frame_time", *TEMPLATE_KEYS)
+_PLANES = ("input", "state", "output", "mask", "bias")
 
 
 def run(
@@ -173,9 +169,7 @@ def load(name: str) -> LibraryEntry:
     """
     path = files().get(name)
     if path is None:
-        near = get_close_matches(name.lower(), names(), n=3, cutoff=0.4)
-        hint = f"; did you mean {' or '.join(near)}?" if near else ""
-        raise InputError(f"no template {name!r} in the library{hint} `cnnsim list` shows all {len(names())}")
+        raise not_found("template", name, names(), "cnnsim list")
     return _load_once(path, path.stat().st_mtime_ns)
 
 
@@ -191,12 +185,7 @@ def load_file(path: Path) -> LibraryEntry:
     Raises:
         InputError: what is wrong, with the file's name.
     """
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        raise InputError(f"no template file {path}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path} is no TOML: {error}") from error
+    data = read_toml(path, "template file")
     try:
         entry = replace(_entry(data, path.stem), file=path)
         if entry.shipped and not entry.examples:
@@ -207,11 +196,7 @@ def load_file(path: Path) -> LibraryEntry:
 
 
 def _entry(data: dict[str, Any], stem: str) -> LibraryEntry:
-    check_keys(
-        data,
-        _KEYS,
-        required={"name", "summary", "reference", "input", "initial_state", "boundary", "duration"},
-    )
+    check_keys(data, (*_REQUIRED, *_OPTIONAL), required=_REQUIRED)
     if data["name"] != stem:
         raise InputError(f"the name is {data['name']!r}, the file is {stem}.toml; one name wanted")
     template, roles = read_template(data, data["name"]), data["initial_state"]
@@ -239,22 +224,11 @@ def _role(key: str, value: Any, words: tuple[str, ...]) -> Role:
 
 
 def _example(data: dict[str, Any]) -> Example:
-    check_keys(data, _EXAMPLE_KEYS, required={"output"})
-    planes = {key: read_pictures(data[key]) if key in data else None for key in _EXAMPLE_KEYS - {"tolerance"}}
+    check_keys(data, (*_PLANES, "tolerance"), required=("output",))
+    planes = {key: read_pictures(data[key]) if key in data else None for key in _PLANES}
     if planes["input"] is None and planes["state"] is None:
         raise InputError("an example without input and without state; at least one of them wanted")
     shapes = {key: plane.shape[-2:] for key, plane in planes.items() if plane is not None}
     if len(set(shapes.values())) > 1:
         raise InputError(f"an example's planes have different shapes: {shapes}")
     return Example(**planes, tolerance=data.get("tolerance"))  # type: ignore[arg-type]  # output is required above
-
-
-def check_keys(data: Mapping[str, Any], known: Collection[str], required: Collection[str] = ()) -> None:
-    """Raise InputError for a key that is not known (with the nearest one that is) or one that is missing."""
-    for key in data:
-        if key not in known:
-            near = get_close_matches(key, known, n=1, cutoff=0.0)
-            raise InputError(f"unknown key {key!r}; did you mean {near[0]!r}?")
-    missing = sorted(set(required) - set(data))
-    if missing:
-        raise InputError(f"no {missing[0]!r}")

@@ -24,10 +24,11 @@ from cnnsim.picture import parse_ascii
 from cnnsim.table import parse_table
 from cnnsim.template import Template
 from cnnsim.term import Term
+from cnnsim.toml_file import check_keys, take_tables
 
-TEMPLATE_KEYS = {"A", "B", "z", "term", "layer"}
-_LAYER_KEYS = {"A", "B", "z", "term", "time_constant"}
-_TERM_KEYS = {"weights", "of", "table", "times", "delay", "layer"}
+TEMPLATE_KEYS = ("A", "B", "z", "term", "layer")
+_LAYER_KEYS = ("A", "B", "z", "term", "time_constant")
+_TERM_KEYS = ("weights", "of", "table", "times", "delay", "layer")
 
 
 def read_template(data: dict[str, Any], name: str) -> AnyTemplate:
@@ -42,8 +43,8 @@ def read_template(data: dict[str, Any], name: str) -> AnyTemplate:
     if extra:
         raise InputError(f"layers and {', '.join(sorted(extra))}: with layers, each has its own A, B, z and terms")
     layers = []
-    for number, table in enumerate(data["layer"]):
-        _known(table, _LAYER_KEYS, f"layer {number}")
+    for number, table in enumerate(take_tables(data, "layer", "template")):
+        check_keys(table, _LAYER_KEYS, f"layer {number}")
         try:
             layers.append(_single(table, f"{name}, layer {number}"))
         except InputError as error:
@@ -56,8 +57,8 @@ def _single(data: dict[str, Any], name: str) -> Template:
         if key not in data:
             raise InputError(f"no {key!r}")
     terms = []
-    for number, table in enumerate(data.get("term", [])):
-        _known(table, _TERM_KEYS, f"term {number}")
+    for number, table in enumerate(take_tables(data, "term", "template")):
+        check_keys(table, _TERM_KEYS, f"term {number}")
         try:
             values = {key: value for key, value in table.items() if key != "table"}
             terms.append(Term(values.pop("weights", None), **values, table=_table(table)))
@@ -68,11 +69,6 @@ def _single(data: dict[str, Any], name: str) -> Template:
 
 def _table(table: dict[str, Any]) -> Any:
     return parse_table(table["table"]) if "table" in table else None
-
-
-def _known(table: Any, keys: set[str], what: str) -> None:
-    if not isinstance(table, dict) or table.keys() - keys:
-        raise InputError(f"{what}: {', '.join(sorted(keys))} are the keys it may have, not {table!r}")
 
 
 def read_pictures(value: Any) -> NDArray[np.float64]:

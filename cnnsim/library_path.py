@@ -1,6 +1,6 @@
 """Where template files are looked for: the shipped folder first, then users' own folders; of one name the last wins."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
@@ -42,9 +42,14 @@ def program_file(name: str) -> Path:
     found = programs()
     if name in found:
         return found[name]
+    raise not_found("program", name, found, "cnnsim list --programs")
+
+
+def not_found(what: str, name: str, found: Collection[str], command: str) -> InputError:
+    """Return the error for a name that is not among those found; it has the nearest ones, and the command for all."""
     near = get_close_matches(name.lower(), found, n=3, cutoff=0.4)
     hint = f"; did you mean {' or '.join(near)}?" if near else ""
-    raise InputError(f"no program {name!r} in the library{hint} `cnnsim list --programs` shows all {len(found)}")
+    return InputError(f"no {what} {name!r} in the library{hint} `{command}` shows all {len(found)}")
 
 
 def add(*paths: str | Path) -> None:

@@ -1,20 +1,20 @@
 """Reads program files. The whole file is checked before anything runs, and an error names the step."""
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from cnnsim import library, library_path
+from cnnsim import library_path
 from cnnsim.errors import InputError
 from cnnsim.grid import parse_boundary
 from cnnsim.program import Program
 from cnnsim.program_names import Names
 from cnnsim.program_steps import LocalTemplate, Scope, read_steps
 from cnnsim.template import Template
+from cnnsim.toml_file import check_keys, read_toml
 
-_REQUIRED = {"name", "inputs", "outputs", "step"}
-_OPTIONAL = {"summary", "reference", "lam", "llm", "wire", "keep", "parameters", "templates"}
+_REQUIRED = ("name", "inputs", "outputs", "step")
+_OPTIONAL = ("summary", "reference", "lam", "llm", "wire", "keep", "parameters", "templates")
 
 
 def load_program(
@@ -34,12 +34,7 @@ def load_program(
     file = Path(path)
     if not file.suffix:
         file = library_path.program_file(str(path))
-    try:
-        data = tomllib.loads(file.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        raise InputError(f"no program file {file}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{file} is no TOML: {error}") from error
+    data = read_toml(file, "program file")
     try:
         return _program(data, templates or {}, parameters or {}, file)
     except InputError as error:
@@ -49,7 +44,7 @@ def load_program(
 def _program(
     data: dict[str, Any], templates: Mapping[str, Template], parameters: Mapping[str, float], path: Path
 ) -> Program:
-    library.check_keys(data, _REQUIRED | _OPTIONAL, _REQUIRED)
+    check_keys(data, (*_REQUIRED, *_OPTIONAL), required=_REQUIRED)
     numbers = _replaced("parameter", data.get("parameters", {}), parameters)
     local = {name: _local_template(name, table) for name, table in data.get("templates", {}).items()}
     _replaced("template", local, templates)
@@ -83,7 +78,7 @@ def _replaced(what: str, defined: Mapping[str, Any], given: Mapping[str, Any]) -
 
 def _local_template(name: str, table: dict[str, Any]) -> LocalTemplate:
     try:
-        library.check_keys(table, {"A", "B", "z", "boundary", "duration"}, {"A"})
+        check_keys(table, ("A", "B", "z", "boundary", "duration"), required=("A",))
         template = Template(table["A"], table.get("B", 0.0), table.get("z", 0.0), name)
         return template, parse_boundary(table.get("boundary", "zero-flux")), table.get("duration", "settled")
     except InputError as error:

@@ -27,6 +27,7 @@ from cnnsim.program import (
 )
 from cnnsim.program_names import Names
 from cnnsim.template import Template
+from cnnsim.toml_file import check_keys
 
 LocalTemplate = tuple[Template, Boundary, Duration]
 
@@ -56,10 +57,7 @@ def _step(table: dict[str, Any], number: str, scope: Scope) -> Step:
         raise InputError(f"{number}: has {' and '.join(kinds) or 'none'} of {', '.join(_READERS)}; exactly one wanted")
     required, optional, read = _READERS[kinds[0]]
     where = f"{number} ({kinds[0]} {table[kinds[0]]})"
-    try:
-        library.check_keys(table, {kinds[0], *required, *optional}, required)
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from error
+    check_keys(table, (kinds[0], *required, *optional), where, required)
     return read(table, where, number, scope)
 
 
@@ -228,16 +226,16 @@ def _whole(value: Any, what: str, where: str, scope: Scope) -> int:
 
 _Reader = Callable[[dict[str, Any], str, str, Scope], Step]
 
-_READERS: dict[str, tuple[set[str], set[str], _Reader]] = {
-    "template": ({"to"}, {"input", "state", "bias", "mask", "boundary", "duration"}, _template),
-    "cellwise": ({"of", "to"}, {"parameters"}, _cellwise),
-    "logic": ({"of", "to"}, set(), _logic),
-    "copy": ({"to"}, set(), _copy),
-    "fill": ({"to"}, set(), _fill),
-    "wire": ({"of", "to"}, set(), _wire),
-    "number": ({"of", "to"}, set(), _arithmetic),
-    "repeat": ({"do"}, set(), _repeat),
-    "until_unchanged": ({"do"}, {"limit"}, _until_unchanged),
-    "when": ({"do"}, {"otherwise"}, _when),
+_READERS: dict[str, tuple[tuple[str, ...], tuple[str, ...], _Reader]] = {
+    "template": (("to",), ("input", "state", "bias", "mask", "boundary", "duration"), _template),
+    "cellwise": (("of", "to"), ("parameters",), _cellwise),
+    "logic": (("of", "to"), (), _logic),
+    "copy": (("to",), (), _copy),
+    "fill": (("to",), (), _fill),
+    "wire": (("of", "to"), (), _wire),
+    "number": (("of", "to"), (), _arithmetic),
+    "repeat": (("do",), (), _repeat),
+    "until_unchanged": (("do",), ("limit",), _until_unchanged),
+    "when": (("do",), ("otherwise",), _when),
 }
 """Kind of step: the keys it must have, those it may have, and its reader."""

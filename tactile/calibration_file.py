@@ -1,14 +1,12 @@
 """What a scan has measured of a skin, and the TOML file that keeps it: written by ``calibrate``, read by ``run``."""
 
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from cnnsim.errors import InputError
+from cnnsim.toml_file import check_keys, read_toml, take, take_numbers
 from tactile.calibration import Gains
 from tactile.radial import RadialCorrection
-from tactile.sources.tables import check_keys, take, take_numbers
 
 KEYS = ("shear_gain", "normal_gain", "depth_mm", "radial")
 RADIAL_KEYS = ("located_um", "true_um", "force_factor")
@@ -30,12 +28,7 @@ def read_calibration(path: Path) -> Calibration:
         InputError: no such file, no TOML, an unknown or missing key, a wrong type or value.
     """
     where = str(path)
-    try:
-        table: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{where}: cannot be read as a calibration: {error}") from error
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{where}: not TOML: {error}") from error
+    table = read_toml(path, "calibration")
     check_keys(table, KEYS, where)
     radial = take(table, "radial", dict, where)
     check_keys(radial, RADIAL_KEYS, f"{where}: [radial]")

@@ -85,7 +85,7 @@ def test_a_truth_table_file(tmp_path: Path) -> None:
         ("blak = []", "unknown key 'blak'"),
         ('default = "red"', "default is 'red'"),
         ("black = []", "no window"),
-        ("black = [", "no TOML"),
+        ("black = [", "not TOML"),
     ],
 )
 def test_a_wrong_truth_table(text: str, message: str, tmp_path: Path) -> None:

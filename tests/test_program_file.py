@@ -50,7 +50,7 @@ def test_what_only_one_branch_writes_cannot_be_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("text", "message"), [
-    ("name = 1 =", "is no TOML"),
+    ("name = 1 =", "not TOML"),
     (HEAD, "no 'step'"),
     (HEAD + 'colour = "red"\n[[step]]\ncopy = "p"\nto = "r"\n', "unknown key 'colour'"),
     (HEAD.replace('"b"]', '"p"]') + '[[step]]\ncopy = "p"\nto = "r"\n', "'p' is declared as lam and as llm"),

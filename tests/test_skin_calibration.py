@@ -183,7 +183,7 @@ def test_mistakes_are_told_without_a_traceback(tmp_path: Path) -> None:
             ("calibrate", path, "--speed-mm-s", "0.5", "--load-n", "0.02", "--tare", "500"),
             "no frame with a valid taxel",
         ),
-        (("run", path, "--calibration", tmp_path / "none.toml"), "cannot be read as a calibration"),
+        (("run", path, "--calibration", tmp_path / "none.toml"), "no calibration"),
         (("run", path, "--calibration", path, "--gains", "1,1"), "leave out --gains"),
         (("calibrate", path, "--speed-mm-s", "-1", "--load-n", "0.02"), "speed -0.001"),
     ):

@@ -1,6 +1,5 @@
 """Rules from files: a truth table in TOML, or pairs of pictures from which the windows are read."""
 
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -10,9 +9,9 @@ from numpy.typing import NDArray
 
 from cnnsim.errors import InputError
 from cnnsim.grid import Boundary
-from cnnsim.library import check_keys
 from cnnsim.picture import read_picture
 from cnnsim.prototyping.rule import Rule, window_text, windows
+from cnnsim.toml_file import check_keys, read_toml
 
 Pair = tuple[NDArray[np.float64], NDArray[np.float64]]
 """An input picture and the output it should give, both -1 and +1."""
@@ -29,14 +28,10 @@ def read_table(path: str | Path) -> Rule:
     Raises:
         InputError: no such file, unknown keys, a window of another form, or one that is in both lists.
     """
+    data = read_toml(Path(path), "truth table")
+    check_keys(data, ("black", "white", "default"), str(path))
     try:
-        data = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-        check_keys(data, {"black", "white", "default"})
         return _table(data, str(path))
-    except FileNotFoundError as error:
-        raise InputError(f"no truth table {path}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path} is no TOML: {error}") from error
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
 

@@ -18,7 +18,6 @@ cells = [[-1, 1, -1], [4, 0, 2], [-1, 3, -1]]   # the device's number of the chi
 """
 
 import json
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,9 +26,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.errors import InputError
+from cnnsim.toml_file import check_keys, parse_toml, take, take_numbers, take_tables
 from tactile.calibration import Gains
 from tactile.frame import TaxelArray
-from tactile.sources.tables import check_keys, take, take_array, take_numbers, take_tables
+from tactile.sources.tables import take_array
 from tactile.wire.base import Options
 from tactile.wire.registry import Format, find_format
 
@@ -106,10 +106,7 @@ def parse_description(text: str, where: str) -> Description:
     Raises:
         InputError: as `read_description`.
     """
-    try:
-        table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{where}: not TOML: {error}") from error
+    table = parse_toml(text, where)
     check_keys(table, TOP_KEYS, where)
     wire = find_format(take(table, "protocol", str, where))
     extra = take(table, "options", dict, where, {})

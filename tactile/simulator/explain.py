@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from cnnsim.toml_file import read_toml
 from tactile.simulator.auto import candidates, choose, size_of
 from tactile.simulator.estimate import Sample
 from tactile.simulator.scene import Scene
-from tactile.simulator.scene_file import bare_scene, read_table
+from tactile.simulator.scene_file import bare_scene
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ def explain_file(path: Path) -> Explanation:
     Raises:
         InputError: as ``read_scene``.
     """
-    scene, tolerance = bare_scene(read_table(path), str(path), path.parent)
+    scene, tolerance = bare_scene(read_toml(path, "scene"), str(path), path.parent)
     return explain(scene, tolerance)
 
 

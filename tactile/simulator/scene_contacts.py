@@ -7,6 +7,7 @@ from typing import Any, cast
 import numpy as np
 
 from cnnsim.errors import InputError
+from cnnsim.toml_file import check_keys, take, take_numbers
 from tactile.simulator.contacts import MovingContact
 from tactile.simulator.drawn import Drawn
 from tactile.simulator.indenter import ROUND, Indenter, Shape
@@ -14,7 +15,6 @@ from tactile.simulator.maps import TractionMap
 from tactile.simulator.materials import PRESETS
 from tactile.simulator.scene import Contact
 from tactile.simulator.scene_parts import keyframes, one_finger, positive
-from tactile.sources.tables import check_keys, take, take_numbers
 
 CONTACT_KEYS = ("finger", "shape", "radius_mm", "length_mm", "angle_deg", "friction", "given", "twist", "path")
 TEXTURE_KEYS = (

@@ -4,11 +4,11 @@ from collections.abc import Iterable
 from typing import Any
 
 from cnnsim.errors import InputError
+from cnnsim.toml_file import take
 from tactile.bump.shape import Shape
 from tactile.frame import TaxelArray
 from tactile.simulator.bumps import Bumps
 from tactile.simulator.scene_parts import positive
-from tactile.sources.tables import take
 
 BUMP_KEYS = ("diameter_mm", "thickness_mm", "contact_mm", "fillet_mm", "poissons_ratio", "strain", "indentation_mm")
 

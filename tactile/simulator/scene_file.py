@@ -1,15 +1,15 @@
 """Scenes in TOML files: examples/scenes/ explains every key. Lengths in mm there, SI units here."""
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
 from cnnsim.errors import InputError
+from cnnsim.toml_file import check_keys, read_toml, take, take_numbers, take_tables
 from tactile.frame import TaxelArray
 from tactile.simulator.contacts import MovingLoad
 from tactile.simulator.scene import FULL_SCALE, Contact, Scene
 from tactile.simulator.scene_parts import keyframes, one_finger, positive
-from tactile.sources.tables import check_keys, take, take_array, take_numbers, take_tables
+from tactile.sources.tables import take_array
 
 TOP_KEYS = (
     "title", "rate_hz", "duration_s", "seed", "effects", "tolerance",
@@ -29,21 +29,7 @@ def read_scene(path: Path) -> Scene:
     Raises:
         InputError: no such file, no TOML, an unknown or missing key, a wrong type or value, nothing that presses.
     """
-    return scene_from(read_table(path), str(path), path.parent)
-
-
-def read_table(path: Path) -> dict[str, Any]:
-    """The file's bare table.
-
-    Raises:
-        InputError: no such file, or no TOML.
-    """
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read as a scene: {error}") from error
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: not TOML: {error}") from error
+    return scene_from(read_toml(path, "scene"), str(path), path.parent)
 
 
 def scene_from(table: dict[str, Any], where: str, folder: Path = Path()) -> Scene:

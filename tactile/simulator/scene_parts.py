@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.errors import InputError
-from tactile.sources.tables import REQUIRED, numbers, take
+from cnnsim.toml_file import REQUIRED, numbers, take
 
 
 def positive(table: dict[str, Any], key: str, where: str, default: Any = REQUIRED) -> float:

@@ -24,18 +24,17 @@ empty or NaN cell makes the taxel invalid; ``t_device_s`` is empty where the dev
 
 import csv
 import json
-import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from cnnsim.errors import InputError
+from cnnsim.toml_file import check_keys, parse_toml, take, take_numbers, take_tables
 from tactile.frame import Frame, TaxelArray
 from tactile.sources.base import Source
-from tactile.sources.tables import check_keys, take, take_array, take_numbers, take_tables
+from tactile.sources.tables import take_array
 
 FIXED_COLUMNS = ("t_s", "t_device_s", "finger", "sequence")
 HEADER_KEYS = ("tactile_recording", "title", "youngs_modulus_pa", "finger")
@@ -140,10 +139,7 @@ def _header(source: Source) -> Iterator[str]:
 
 
 def _read_header(text: str, where: str) -> tuple[str, float | None, tuple[TaxelArray, ...]]:
-    try:
-        table: dict[str, Any] = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{where}: the comment lines at the top are not TOML: {error}") from error
+    table = parse_toml(text, f"{where}: the comment lines at the top")
     check_keys(table, HEADER_KEYS, where)
     version = take(table, "tactile_recording", int, where)
     if version != 1:

@@ -18,9 +18,9 @@ from typing import Any, ClassVar, Protocol, cast
 import numpy as np
 
 from cnnsim.errors import InputError
+from cnnsim.toml_file import check_keys, take
 from tactile.simulator.batch import Batch
 from tactile.simulator.field import Field
-from tactile.sources.tables import check_keys, take
 
 ORDER = (
     "needle_vibration",
