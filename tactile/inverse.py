@@ -159,6 +159,12 @@ def _stress_kernel() -> Callable[..., None]:
     return stress_inverse
 
 
+def _opencl(name: str, letter: str) -> str:
+    parts = [(files("tactile") / f"inverse_{part}.cl").read_text(encoding="utf-8") for part in ("scaled", name)]
+    inputs = ", ".join(f"in_{axis} = {letter}_{axis}" for axis in ("xz", "yz", "zz"))
+    return f"const real {inputs};\n" + "".join(parts)
+
+
 STRAIN_INVERSE = Cellwise(
     "strain-inverse",
     "the point load over an elastic half-space that a strain taxel feels",
@@ -167,7 +173,7 @@ STRAIN_INVERSE = Cellwise(
     ("depth", "modulus", "floor", "pressing"),
     invert_strain,
     _strain_kernel,
-    (files("tactile") / "inverse_strain.cl").read_text(encoding="utf-8"),
+    _opencl("strain", "u"),
 )
 STRESS_INVERSE = Cellwise(
     "stress-inverse",
@@ -177,5 +183,5 @@ STRESS_INVERSE = Cellwise(
     ("depth", "floor"),
     invert_stress,
     _stress_kernel,
-    (files("tactile") / "inverse_stress.cl").read_text(encoding="utf-8"),
+    _opencl("stress", "s"),
 )

@@ -26,6 +26,28 @@ def _is_finite(value):  # type: ignore[no-untyped-def]  # numba types it at the 
     return value - value == 0
 
 
+@njit(inline="always")
+def _scaled(x, y, z, tiny, zero, one):  # type: ignore[no-untyped-def]
+    finite = _is_finite(x) & _is_finite(y) & _is_finite(z)
+    x = x if finite else zero
+    y = y if finite else zero
+    z = z if finite else zero
+    largest = abs(x) if abs(x) > abs(y) else abs(y)
+    largest = largest if largest > abs(z) else abs(z)
+    some = largest >= tiny
+    over = one / (largest if some else one)
+    return x * over, y * over, z * over if some else -one, largest if some else zero, finite
+
+
+@njit(inline="always")
+def _answer(results, i, dx, dy, force, region, possible, loaded, zero, invalid):  # type: ignore[no-untyped-def]
+    answered = possible & loaded
+    results[i] = dx if answered else zero
+    results[i + BLOCK] = dy if answered else zero
+    results[i + 2 * BLOCK] = force if answered else zero
+    results[i + 3 * BLOCK] = (region if possible else invalid) if loaded else zero
+
+
 @njit(cache=True, error_model="numpy")
 def _strain_block(u_xz, u_yz, u_zz, results, scale, tiny, depth, floor, pressing):  # type: ignore[no-untyped-def]
     number = u_xz.dtype.type
@@ -36,18 +58,7 @@ def _strain_block(u_xz, u_yz, u_zz, results, scale, tiny, depth, floor, pressing
     known = pressing != 0
     given = -one if pressing < 0 else one
     for i in range(u_xz.size):
-        finite = _is_finite(u_xz[i]) & _is_finite(u_yz[i]) & _is_finite(u_zz[i])
-        x = u_xz[i] if finite else zero
-        y = u_yz[i] if finite else zero
-        z = u_zz[i] if finite else zero
-        largest = abs(x) if abs(x) > abs(y) else abs(y)
-        largest = largest if largest > abs(z) else abs(z)
-        some = largest >= tiny
-        over = one / (largest if some else one)
-        largest = largest if some else zero
-        x *= over
-        y *= over
-        z = z * over if some else -one
+        x, y, z, largest, finite = _scaled(u_xz[i], u_yz[i], u_zz[i], tiny, zero, one)
         a2 = x * x + y * y
         b = abs(z)
         d = four * a2 + nine * b * b + three * b * math.sqrt(nine * b * b + eight * a2)
@@ -63,14 +74,9 @@ def _strain_block(u_xz, u_yz, u_zz, results, scale, tiny, depth, floor, pressing
         length = sign * depth * reach
         possible = finite & (inside | (not straight)) & _is_finite(force)
         loaded = (not finite) | (largest > floor)
-        answered = possible & loaded
         region = in_code if inside else out_code
         region = region if known | straight else unsure
-        validity = region if possible else invalid
-        results[i] = length * x if answered else zero
-        results[i + BLOCK] = length * y if answered else zero
-        results[i + 2 * BLOCK] = force if answered else zero
-        results[i + 3 * BLOCK] = validity if loaded else zero
+        _answer(results, i, length * x, length * y, force, region, possible, loaded, zero, invalid)
 
 
 @njit(cache=True, error_model="numpy")
@@ -79,18 +85,7 @@ def _stress_block(s_xz, s_yz, s_zz, results, scale, tiny, depth, floor):  # type
     zero, one, two, far = number(0), number(1), number(2), number(FAR)
     in_code, out_code, invalid = number(INSIDE), number(OUTSIDE), number(INVALID)
     for i in range(s_xz.size):
-        finite = _is_finite(s_xz[i]) & _is_finite(s_yz[i]) & _is_finite(s_zz[i])
-        x = s_xz[i] if finite else zero
-        y = s_yz[i] if finite else zero
-        z = s_zz[i] if finite else zero
-        largest = abs(x) if abs(x) > abs(y) else abs(y)
-        largest = largest if largest > abs(z) else abs(z)
-        some = largest >= tiny
-        over = one / (largest if some else one)
-        largest = largest if some else zero
-        x *= over
-        y *= over
-        z = z * over if some else -one
+        x, y, z, largest, finite = _scaled(s_xz[i], s_yz[i], s_zz[i], tiny, zero, one)
         reachable = abs(z) > far
         over_z = one / (z if reachable else one)
         across = x * over_z
@@ -100,13 +95,8 @@ def _stress_block(s_xz, s_yz, s_zz, results, scale, tiny, depth, floor):  # type
         force = force * (scale * largest)
         possible = finite & reachable & _is_finite(force)
         loaded = (not finite) | (largest > floor)
-        answered = possible & loaded
         region = in_code if t < two else out_code
-        validity = region if possible else invalid
-        results[i] = -depth * across if answered else zero
-        results[i + BLOCK] = -depth * along if answered else zero
-        results[i + 2 * BLOCK] = force if answered else zero
-        results[i + 3 * BLOCK] = validity if loaded else zero
+        _answer(results, i, -depth * across, -depth * along, force, region, possible, loaded, zero, invalid)
 
 
 @njit(cache=True)

@@ -1,25 +1,6 @@
 // One strain taxel, `tactile.inverse.invert_strain` for one cell: u_xz, u_yz, u_zz; depth, modulus, floor, pressing
 // in; dx, dy, force, validity out. Without branches, so that a compiler makes vectors of it.
 
-#ifdef DOUBLE
-const real tiny = DBL_MIN;
-#else
-const real tiny = FLT_MIN;
-#endif
-const real far = (real)1e-6; // FAR
-
-// the signals over the largest of them; with no load at all a harmless direction
-const int finite = (u_xz - u_xz == 0) & (u_yz - u_yz == 0) & (u_zz - u_zz == 0);
-real x = finite ? u_xz : 0, y = finite ? u_yz : 0, z = finite ? u_zz : 0;
-real largest = fabs(x) > fabs(y) ? fabs(x) : fabs(y);
-largest = largest > fabs(z) ? largest : fabs(z);
-const int some = largest >= tiny;
-const real over = 1 / (some ? largest : 1);
-largest = some ? largest : 0;
-x *= over;
-y *= over;
-z = some ? z * over : -1;
-
 const real a2 = x * x + y * y, b = fabs(z);
 const real d = 4 * a2 + 9 * b * b + 3 * b * sqrt(9 * b * b + 8 * a2);
 const int straight = a2 <= far * far * b * b;

@@ -1,25 +1,6 @@
 // One stress taxel, `tactile.inverse.invert_stress` for one cell: s_xz, s_yz, s_zz; depth, floor in; dx, dy, force,
 // validity out. Without branches, so that a compiler makes vectors of it.
 
-#ifdef DOUBLE
-const real tiny = DBL_MIN;
-#else
-const real tiny = FLT_MIN;
-#endif
-const real far = (real)1e-6; // FAR
-
-// the signals over the largest of them; with no load at all a harmless direction
-const int finite = (s_xz - s_xz == 0) & (s_yz - s_yz == 0) & (s_zz - s_zz == 0);
-real x = finite ? s_xz : 0, y = finite ? s_yz : 0, z = finite ? s_zz : 0;
-real largest = fabs(x) > fabs(y) ? fabs(x) : fabs(y);
-largest = largest > fabs(z) ? largest : fabs(z);
-const int some = largest >= tiny;
-const real over = 1 / (some ? largest : 1);
-largest = some ? largest : 0;
-x *= over;
-y *= over;
-z = some ? z * over : -1;
-
 const int reachable = fabs(z) > far;
 const real over_z = 1 / (reachable ? z : 1), across = x * over_z, along = y * over_z;
 const real t = across * across + along * along;
