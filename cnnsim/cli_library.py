@@ -105,8 +105,7 @@ def show(name: str, as_json: bool) -> None:
 @json_option
 def explain(name: str, size: str, without: tuple[str, ...], as_json: bool) -> None:
     """Print what the plan decides for a template, and why."""
-    from cnnsim.running_time import time_of_entry  # not for list and show
-    from cnnsim.transient import make_task  # the same
+    from cnnsim.transient import make_task  # not for list and show
 
     try:
         rows, cols = (int(part) for part in size.lower().split("x"))
@@ -118,7 +117,7 @@ def explain(name: str, size: str, without: tuple[str, ...], as_json: bool) -> No
     second = white if "given" in roles else None
     task = entry.task(white if entry.frame_time is None else np.stack([white, white]), second)
     plan = make_task(entry.network, **task, without=without).plan
-    known = time_of_entry(entry, (rows, cols))
+    known = entry.running_time((rows, cols))
     if as_json:
         facts = {"template": name, "method": plan.method, "step": plan.step, "decisions": plan.decisions}
         print_json(facts | {"guaranteed_time": known.time, "why": known.why, "assuming": known.assuming})

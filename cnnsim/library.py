@@ -19,8 +19,8 @@ from cnnsim.library_path import add as add  # ours to offer: `library.add(DIR)`,
 from cnnsim.library_path import files, not_found
 from cnnsim.library_path import folder as folder
 from cnnsim.library_path import using as using
-from cnnsim.plan import Duration, usual_limit
-from cnnsim.running_time import limit_of_entry
+from cnnsim.plan import DEFAULT_STEP, Duration, usual_limit
+from cnnsim.running_time import RunningTime, guaranteed_time
 from cnnsim.template import Template
 from cnnsim.toml_file import check_keys, read_toml
 from cnnsim.transient import Choices, Dtype, Result, run_transient
@@ -90,12 +90,33 @@ class LibraryEntry:
             raise InputError(f"template {self.name!r} has {len(self.network.layers)} layers; a single layer wanted")
         return self.network
 
+    def running_time(self, shape: tuple[int, int], *, step: float | None = None, walls: bool = False) -> RunningTime:
+        """Return `guaranteed_time` on a grid (rows, cols), for the file's own step unless another is given.
+
+        ``walls`` says that a mask may hold cells.
+        """
+        if not isinstance(self.network, Template) or isinstance(self.initial_state, tuple):
+            return RunningTime(None, "it has several layers")
+        if self.cell.model == "discrete-time" or self.cell.characteristic is not None:
+            return RunningTime(None, "its cells are not those of Chua and Yang")
+        return guaranteed_time(
+            self.network, shape, self.boundary, input=self.input, initial_state=self.initial_state,
+            step=step or self.step or DEFAULT_STEP, walls=walls,
+        )  # fmt: skip
+
+    def limit(self, shape: tuple[int, int], *, walls: bool = False) -> float:
+        """Return how long to wait for rest on a grid: as usual, or the guaranteed time if that is longer.
+
+        One time constant is added to it, as rest is looked for once in each.
+        """
+        known, usual = self.running_time(shape, walls=walls).time, usual_limit(shape)
+        return usual if known is None else max(usual, known + 1.0)
+
     def task(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, Any]:
         """Return what `run_transient` takes for a picture (and a second one): planes, boundary, time, cell, step."""
         task = {**self.planes(picture, state), "boundary": self.boundary, "duration": self.duration, "cell": self.cell}
         if self.duration == "settled":
-            grid = task["state"].shape[-2:]
-            task["limit"] = limit_of_entry(self, grid, usual_limit(grid))
+            task["limit"] = self.limit(task["state"].shape[-2:])
         elif self.frame_time:  # a longer sequence than that of the file is seen to its end
             task["duration"] = max(self.duration, self.frame_time * len(np.asarray(picture)))
         return task if self.step is None else {**task, "step": self.step}

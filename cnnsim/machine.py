@@ -14,7 +14,7 @@ from cnnsim.characteristic import CHUA_YANG
 from cnnsim.errors import InputError
 from cnnsim.globalwire import read_wire
 from cnnsim.logic import function_number
-from cnnsim.plan import Plan, make_plan, usual_limit
+from cnnsim.plan import Plan, make_plan
 from cnnsim.program import (
     ARITHMETIC,
     BranchStep,
@@ -30,7 +30,6 @@ from cnnsim.program import (
     UntilUnchangedStep,
     WireStep,
 )
-from cnnsim.running_time import limit_of_entry
 
 _XOR = function_number("xor")
 
@@ -191,4 +190,4 @@ def _limit(step: TemplateStep, grid: tuple[int, int]) -> float | None:
     if not step.name or step.duration != "settled":
         return None
     entry = replace(library.load(step.name), boundary=step.boundary)
-    return limit_of_entry(entry, grid, usual_limit(grid), walls=step.mask is not None)
+    return entry.limit(grid, walls=step.mask is not None)

@@ -11,7 +11,7 @@ The times hold for the exact network and for Euler steps of the given length; ot
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +20,6 @@ from cnnsim import wave_time
 from cnnsim.grid import Boundary, pad
 from cnnsim.neighbourhood import Pair, pairs_of, too_many, weighted_sums
 from cnnsim.template import Tap, Template
-
-if TYPE_CHECKING:
-    from cnnsim.library import LibraryEntry  # which needs the plan, which may need this file
 
 Array = NDArray[np.float64]
 
@@ -45,29 +42,6 @@ class RunningTime:
         if self.time is None:
             return f"none: {self.why}"
         return f"{self.time:.4g} time constants: {self.why}" + (f", if {self.assuming}" if self.assuming else "")
-
-
-def time_of_entry(
-    entry: "LibraryEntry", shape: tuple[int, int], *, step: float = 0.1, walls: bool = False
-) -> RunningTime:
-    """Return `guaranteed_time` for a library template used as its file says."""
-    if not isinstance(entry.network, Template) or isinstance(entry.initial_state, tuple):
-        return RunningTime(None, "it has several layers")
-    if entry.cell.model == "discrete-time" or entry.cell.characteristic is not None:
-        return RunningTime(None, "its cells are not those of Chua and Yang")
-    return guaranteed_time(
-        entry.network, shape, entry.boundary, input=entry.input, initial_state=entry.initial_state, step=step,
-        walls=walls,
-    )  # fmt: skip
-
-
-def limit_of_entry(entry: "LibraryEntry", shape: tuple[int, int], usual: float, *, walls: bool = False) -> float:
-    """Return how long to wait for rest: as usual, or the guaranteed time if that is longer.
-
-    ``walls`` says that a mask may hold cells. One time constant is added, as rest is looked for once in each.
-    """
-    known = time_of_entry(entry, shape, step=entry.step or 0.1, walls=walls).time
-    return usual if known is None else max(usual, known + 1.0)
 
 
 def guaranteed_time(

@@ -9,9 +9,9 @@ import numpy as np
 from cnnsim import fixed, write_picture
 from cnnsim.machine import UniversalMachine
 from cnnsim.program_file import load_program
-from cnnsim.prototyping.design import design
 from cnnsim.prototyping.expression import parse_rule
 from cnnsim.prototyping.files import write_design
+from cnnsim.prototyping.synthesis import design
 
 
 def main(output: Path) -> None:

@@ -8,11 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cnnsim import fixed, library
-from cnnsim.prototyping.design import Design, single
+from cnnsim.prototyping.design import Design
 from cnnsim.prototyping.expression import parse_rule
 from cnnsim.prototyping.fit import fit
 from cnnsim.prototyping.linear import Certificate, Norm, Separator, separate
 from cnnsim.prototyping.rule import Rule, windows
+from cnnsim.prototyping.single import single
 from cnnsim.prototyping.verify import wrong_windows
 from cnnsim.transient import run_transient
 from tests.design_kit import rule_of
@@ -94,7 +95,7 @@ def test_what_the_rule_leaves_open_makes_the_margin_larger() -> None:
     assert (found.answer()[few != 0] == few[few != 0]).all()
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(data=st.data())
 def test_a_random_table_has_a_threshold_or_a_certificate(data: st.DataObject) -> None:
     size = data.draw(st.integers(1, 4))

@@ -7,10 +7,10 @@ import pytest
 
 from cnnsim import fixed, library
 from cnnsim.program_file import load_program
-from cnnsim.prototyping.design import design
 from cnnsim.prototyping.expression import parse_rule
 from cnnsim.prototyping.files import write_design
 from cnnsim.prototyping.rule import Rule, windows
+from cnnsim.prototyping.synthesis import design
 from cnnsim.prototyping.verify import run_program, wrong_windows
 from tests.oracles.pictures import plane
 

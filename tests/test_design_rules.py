@@ -7,10 +7,10 @@ import pytest
 
 from cnnsim import fixed, library
 from cnnsim.errors import InputError
-from cnnsim.prototyping.design import single
 from cnnsim.prototyping.expression import parse_rule
 from cnnsim.prototyping.rule import NAMES
 from cnnsim.prototyping.rule_files import read_table, rule_of_pairs
+from cnnsim.prototyping.single import single
 from tests.design_kit import rule_of
 from tests.oracles.pictures import plane
 

@@ -7,7 +7,7 @@ import pytest
 
 from cnnsim import ZERO_FLUX, Template, fixed, library
 from cnnsim.cell import output, uncoupled_state
-from cnnsim.running_time import TOLERANCE, cell_time, guaranteed_time, time_of_entry, time_of_picture
+from cnnsim.running_time import TOLERANCE, cell_time, guaranteed_time, time_of_picture
 from cnnsim.transient import run_transient
 from tests.time_kit import final, guaranteed, pictures
 
@@ -87,7 +87,7 @@ def test_one_picture_has_the_time_of_its_slowest_cell() -> None:
 )
 def test_where_theory_gives_no_time_the_reason_is_told(name: str, reason: str) -> None:
     entry = library.load(name)
-    found = time_of_entry(entry, (9, 9))
+    found = entry.running_time((9, 9))
     assert found.time is None
     assert reason in str(found)
 

@@ -6,14 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim import library
-from cnnsim.running_time import time_of_entry
 from cnnsim.transient import run_transient
 from tests.oracles.pictures import plane
 
 
 def guaranteed(name: str, shape: tuple[int, int], **more: Any) -> float:
     entry = library.load(name)
-    found = time_of_entry(entry, shape, **more)
+    found = entry.running_time(shape, **more)
     assert found.time is not None, found
     return found.time
 

@@ -17,7 +17,7 @@ Taps = tuple[Array, Array, Array]
 
 BOUNDARY = {"fixed": FIXED, "zero-flux": ZERO_FLUX, "periodic": PERIODIC}
 TILE_ROWS, TILE_COLS = 512, 1024
-"""The most rows and columns of a tile; with its halo (`cnnsim.plan.MOST_HALO`) a row still fits into a row of the buffers."""
+"""The most rows and columns of a tile; with `cnnsim.plan.MOST_HALO` on both sides a row fits a row of a buffer."""
 
 
 class Prepared:

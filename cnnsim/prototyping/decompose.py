@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.prototyping.chain import chain
-from cnnsim.prototyping.design import Design, Part, separate_rule
+from cnnsim.prototyping.design import Design, Part
 from cnnsim.prototyping.linear import Bits, Certificate, Norm, Separator
 from cnnsim.prototyping.rule import Rule
+from cnnsim.prototyping.single import separate_rule
 from cnnsim.prototyping.soft import soft_separator
 
 _TRIES = 12

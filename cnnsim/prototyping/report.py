@@ -9,13 +9,13 @@ from cnnsim.errors import InputError
 from cnnsim.grid import Boundary
 from cnnsim.library import Example
 from cnnsim.prototyping.design import Design
-from cnnsim.prototyping.design import design as design_rule
 from cnnsim.prototyping.expression import parse_rule
 from cnnsim.prototyping.files import part_names, template_text, write_design
 from cnnsim.prototyping.fit import fit
 from cnnsim.prototyping.linear import Certificate, Norm
 from cnnsim.prototyping.rule import Rule, window_text
 from cnnsim.prototyping.rule_files import read_pairs, read_table, rule_of_pairs
+from cnnsim.prototyping.synthesis import design as design_rule
 from cnnsim.prototyping.verify import wrong_windows
 
 Told = tuple[dict[str, Any], list[str]]
