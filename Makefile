@@ -11,7 +11,7 @@ run: $(VENV)/.run            ## the main job: two fingers grip, lift, let slip a
 	$(BIN)/tactile run $(SCENE) -o out/$(basename $(notdir $(SCENE)))
 
 test: $(VENV)/.test check    ## lint, types, tests
-	$(BIN)/python -m pytest
+	OMP_WAIT_POLICY=passive $(BIN)/python -m pytest -n auto --dist worksteal
 
 check: $(VENV)/.test
 	$(BIN)/ruff format --check .

@@ -3,8 +3,13 @@
 from collections.abc import Iterator
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from tactile.bump import table
+
+# How long an example takes says more about the machine, and what it has to compile first, than about the code.
+settings.register_profile("any machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("any machine")
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -13,3 +18,8 @@ def bumps_are_kept_for_the_session_alone(tmp_path_factory: pytest.TempPathFactor
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(table, "folder", lambda: kept)
         yield
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """OpenCL first: of two workers one then builds its programs, the other meanwhile compiles the numba kernels."""
+    items.sort(key=lambda item: "opencl" not in item.nodeid)

@@ -29,7 +29,7 @@ def planes(shape: tuple[int, ...], seed: int) -> list[np.ndarray]:
     return [rng.random(shape) > 0.4, rng.random(shape) > 0.6]
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(SHAPES, st.integers(0, 99))
 def test_packing_logic_and_counting(shape: tuple[int, ...], seed: int) -> None:
     p, q = planes(shape, seed)
@@ -43,7 +43,7 @@ def test_packing_logic_and_counting(shape: tuple[int, ...], seed: int) -> None:
         np.testing.assert_array_equal(CPU.count(got), REFERENCE.count(want))  # no stray bits beyond the last column
 
 
-@settings(deadline=None, max_examples=100)
+@settings(max_examples=100)
 @given(
     SHAPES,
     st.sampled_from(BOUNDARIES),

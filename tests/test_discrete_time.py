@@ -24,7 +24,7 @@ def test_without_feedback_one_step_is_enough(backend: str) -> None:
 
 
 @both
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(seed=st.integers(0, 2**32))
 def test_symmetric_feedback_ends_in_a_fixed_point_or_a_cycle_of_two(backend: str, seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -32,7 +32,7 @@ def _schmitt(signal: np.ndarray, threshold: Threshold) -> np.ndarray:
 
 
 @pytest.mark.parametrize("backend", ["reference", "cpu"])
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(seed=st.integers(0, 2**32), dead_band=st.floats(1e-4, 5), part=st.floats(0, 2))
 def test_comparator_cells_are_comparators(backend: str, seed: int, dead_band: float, part: float) -> None:
     threshold = Threshold(dead_band, dead_band * part if part > 0.05 else 0.0)
@@ -56,7 +56,7 @@ def test_comparator_cells_are_comparators(backend: str, seed: int, dead_band: fl
         before = code
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seed=st.integers(0, 2**32), dead_band=st.floats(1e-4, 5), part=st.floats(0, 2), step=st.floats(0.02, 1))
 def test_cells_that_sleep_would_not_have_switched(seed: int, dead_band: float, part: float, step: float) -> None:
     """The program run on every frame against comparators that run it only when a cell may switch."""

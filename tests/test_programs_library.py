@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cnnsim import library
@@ -28,7 +28,7 @@ from tests.program_cases import (
     planes,
 )
 
-hundred = settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+hundred = settings(max_examples=100)
 
 CASES: dict[str, tuple[dict[str, Draw], Callable[..., Any]]] = {
     "opening": ({"picture": picture}, oracle.opening),
@@ -107,7 +107,7 @@ def test_program_on_the_smallest_grids(backend: str, name: str) -> None:
     ("gray-closing", {"radius": 3}),
     *(("rank-order", {"rank": rank}) for rank in (1, 2, 3, 4, 6, 7, 8, 9)),
 ])  # fmt: skip
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(data=st.data())
 def test_program_with_other_parameters(name: str, parameters: dict[str, float], data: st.DataObject) -> None:
     kinds, answer = CASES[name]

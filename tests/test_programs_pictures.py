@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
@@ -24,7 +24,7 @@ from tests.program_cases import (
     program,
 )
 
-hundred = settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+hundred = settings(max_examples=100)
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -88,7 +88,7 @@ def _is_wall(walls: Any, i: int, j: int) -> bool:
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(maze=mazes())
 def test_dead_ends_and_waves_find_the_same_path(backend: str, maze: Planes) -> None:
     by_wave = machine(backend).run(program("maze-shortest-path"), **maze)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.oracles import sequences
@@ -36,7 +36,7 @@ def films(draw: st.DrawFn, shape: tuple[int, int] | None = None) -> list[Planes]
 
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("name", SEQUENCES)
-@settings(max_examples=35, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=35)
 @given(data=st.data())
 def test_sequence(backend: str, name: str, data: st.DataObject) -> None:
     """35 films of four frames."""
@@ -45,14 +45,14 @@ def test_sequence(backend: str, name: str, data: st.DataObject) -> None:
 
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("shape", TINY)
-@settings(max_examples=4, deadline=None)
+@settings(max_examples=4)
 @given(data=st.data())
 def test_sequence_on_the_smallest_grids(backend: str, shape: tuple[int, int], data: st.DataObject) -> None:
     for name, answer in SEQUENCES.items():
         check_frames(backend, name, data.draw(films(shape)), answer)
 
 
-@settings(max_examples=35, deadline=None)
+@settings(max_examples=35)
 @given(frames=films())
 def test_speed_up_to_two_cells_a_frame(frames: list[Planes]) -> None:
     check_frames("cpu", "motion-speed", frames, sequences.speed, cells=2)

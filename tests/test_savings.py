@@ -105,7 +105,7 @@ def test_sleeping_tiles_wake_up_where_a_wave_comes(boundary: Boundary) -> None:
         same(results[0], results[2])
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(
     st.lists(st.sampled_from([0.0, 0.0, 1.0, -0.5, 0.3]), min_size=9, max_size=9),
     st.sampled_from(BOUNDARIES),

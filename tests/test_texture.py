@@ -46,7 +46,7 @@ def check(stream: NDArray[np.float64], window: int, bound: float) -> None:
         assert figures.roughness[0, 0] == pytest.approx(roughness, rel=bound, abs=1e-12)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.integers(2, 9), st.lists(st.floats(0, 10).map(lambda v: round(v, 6)), min_size=1, max_size=40))
 def test_random_series_agree_with_rational_arithmetic(window: int, series: list[float]) -> None:
     check(frames(np.array(series)), window, 1e-9)

@@ -22,7 +22,7 @@ def _random(seed: int, scale: float = 1.0) -> tuple[np.random.Generator, Templat
 
 
 @both
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(seed=seeds, h=st.floats(0.02, 1.0))
 def test_the_state_never_leaves_the_chua_yang_bound(backend: str, seed: int, h: float) -> None:
     rng, t, x, u = _random(seed)
@@ -33,7 +33,7 @@ def test_the_state_never_leaves_the_chua_yang_bound(backend: str, seed: int, h: 
         assert np.abs(end.x).max() <= max(1.0, t.state_bound()) * (1 + 1e-6)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(seed=seeds)
 def test_a_symmetric_template_settles_and_its_energy_falls(seed: int) -> None:
     """V = -1/2 sum A y y + 1/2 sum y^2 - sum (B u + z) y never grows (Chua and Yang 1988)."""
@@ -59,7 +59,7 @@ def test_a_symmetric_template_settles_and_its_energy_falls(seed: int) -> None:
 
 
 @both
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(seed=seeds, shift=st.tuples(st.integers(-9, 9), st.integers(-9, 9)))
 def test_a_shift_on_a_torus_shifts_the_result_bit_for_bit(backend: str, seed: int, shift: tuple[int, int]) -> None:
     _, t, x, u = _random(seed)
@@ -70,7 +70,7 @@ def test_a_shift_on_a_torus_shifts_the_result_bit_for_bit(backend: str, seed: in
 
 
 @both
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(seed=seeds)
 def test_odd_symmetry_bit_for_bit(backend: str, seed: int) -> None:
     _, t, x, u = _random(seed)
@@ -96,7 +96,7 @@ def test_orientation_is_correlation(backend: str) -> None:
 
 
 @both
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(seed=seeds)
 def test_a_run_in_two_parts_is_the_run_bit_for_bit(backend: str, seed: int) -> None:
     _, t, x, u = _random(seed)
@@ -108,7 +108,7 @@ def test_a_run_in_two_parts_is_the_run_bit_for_bit(backend: str, seed: int) -> N
                           run_transient(t, state=x, duration=2.5, **task).x)  # fmt: skip
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(seed=seeds)
 def test_comparison_principle(seed: int) -> None:
     """With A >= 0 off its centre and B >= 0, more in gives more out, everywhere and always."""

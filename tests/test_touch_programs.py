@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
@@ -25,7 +25,7 @@ from tests.program_cases import (
     program,
 )
 
-hundred = settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+hundred = settings(max_examples=100)
 
 SHEAR: dict[str, Draw] = {"shear_x": gray, "shear_y": gray}
 FRAME: dict[str, Draw] = {**SHEAR, "pressing": gray}
@@ -57,7 +57,7 @@ def test_program_on_the_smallest_arrays(backend: str, name: str) -> None:
 
 
 @pytest.mark.parametrize("votes", range(1, 10))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(frame=planes(FRAME, longest=8))
 def test_votes(votes: int, frame: Planes) -> None:
     check("cpu", "coherent-shear", frame, oracle.coherent_shear, votes=votes, dead_band=0.125, level=-0.5)
