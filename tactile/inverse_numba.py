@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numba import get_num_threads, njit, prange
 
-from tactile.inverse import FAR, Validity
+from tactile.validity import FAR, Validity
 
 BLOCK = 1024
 """Cells in a block: its four results stay in the first-level cache."""

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.cellwise import Planes
 from cnnsim.errors import InputError
-from tactile.inverse import Validity
+from tactile.validity import Validity
 
 SEEDS = 3
 """The candidates of that many of the strongest taxels are tried as the place."""

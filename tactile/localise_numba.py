@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numba import njit
 
-from tactile.inverse import Validity
+from tactile.validity import Validity
 
 INSIDE, OUTSIDE = float(Validity.INSIDE), float(Validity.OUTSIDE)
 

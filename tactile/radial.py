@@ -14,7 +14,7 @@ from scipy.interpolate import PchipInterpolator
 
 from cnnsim.cellwise import Planes
 from cnnsim.errors import InputError
-from tactile.inverse import Validity
+from tactile.validity import Validity
 
 Plane = NDArray[np.float64]
 LEAST = 3

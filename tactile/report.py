@@ -8,9 +8,9 @@ import numpy as np
 from cnnsim.command import console
 from tactile.events import Event
 from tactile.frame import TaxelArray
-from tactile.inverse import Validity
 from tactile.localise import Load
 from tactile.sinks import Collected
+from tactile.validity import Validity
 
 TOGETHER = 0.05
 """[s] Code changes of one finger that follow each other faster than this are one line of the table."""

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from math import hypot
 
-from tactile.inverse import Validity
 from tactile.localise import Load
+from tactile.validity import Validity
 
 START = 50e-6
 """[m] of travel that begins a slip: ten times the precision of localisation (3-5 um, paper, section 4)."""

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from cnnsim import cellwise
 from cnnsim.cellwise import Cellwise, Planes
 from tactile.elastic.halfspace import point_load_strain, point_load_stress
-from tactile.inverse import STRAIN_INVERSE, STRESS_INVERSE, Validity
+from tactile.inverse import STRAIN_INVERSE, STRESS_INVERSE
+from tactile.validity import Validity
 from tests.oracles.one_taxel import solve
 
 DEPTH = 2e-4

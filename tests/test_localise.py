@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from cnnsim.errors import InputError
 from tactile.elastic.halfspace import point_load_strain, point_load_stress
 from tactile.frame import TaxelArray
-from tactile.inverse import Validity, invert_strain, invert_stress
+from tactile.inverse import invert_strain, invert_stress
 from tactile.localise import Load, localise, three_taxels
+from tactile.validity import Validity
 from tests.oracles.localise import localise as plain
 
 DEPTH = 1.5e-3

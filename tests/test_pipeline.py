@@ -17,11 +17,11 @@ from tactile.cli import main
 from tactile.encoding import SIGN
 from tactile.finger import Settings
 from tactile.frame import Frame
-from tactile.inverse import Validity
 from tactile.pipeline import Report, run
 from tactile.sinks import Collected
 from tactile.sources import open_source
 from tactile.sources.replay_csv import write_csv
+from tactile.validity import Validity
 
 ROOT = Path(__file__).parents[1]
 GRIP = ROOT / "examples" / "scenes" / "grip.toml"

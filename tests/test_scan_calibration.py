@@ -8,8 +8,9 @@ from cnnsim.errors import InputError
 from tactile.bench import depth_from_speed, gains_from_load
 from tactile.calibration import Gains
 from tactile.elastic.halfspace import point_load_strain, point_load_stress
-from tactile.inverse import Validity, invert_strain
+from tactile.inverse import invert_strain
 from tactile.radial import RadialCorrection, radial_from_scan
+from tactile.validity import Validity
 
 Plane = NDArray[np.float64]
 DEPTH, MODULUS, FORCE = 2e-4, 2.4e6, 0.02

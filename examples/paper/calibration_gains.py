@@ -17,8 +17,8 @@ from examples.paper.needle import DEPTH, FORCE, NEAR, NOISE, SPEED, Located, Sca
 from examples.paper.skins import ALL, LINES, POINT, STRESS, Skin
 from tactile.bench import depth_from_speed, gains_from_load
 from tactile.calibration import Gains, beta_from_scan
-from tactile.inverse import Validity
 from tactile.radial import radial_from_scan
+from tactile.validity import Validity
 
 SENSOR = Gains(shear=1.46 / 0.8, normal=1 / 0.8)
 FAR, RINGS, TRIED = 250e-6, 10, 230e-6

@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.cellwise import Planes
-from tactile.inverse import Validity
 from tactile.localise import RIVAL, SEEDS, Load
+from tactile.validity import Validity
 
 Plane = NDArray[np.float64]
 

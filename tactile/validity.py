@@ -1,0 +1,21 @@
+"""What the answer of one taxel is worth."""
+
+from enum import IntEnum
+
+FAR = 1e-6
+"""A smaller to larger signal ratio below this one puts the load a million depths away: no finite answer."""
+
+
+class Validity(IntEnum):
+    """What one taxel's answer is worth; a plane carries it as a float."""
+
+    NO_LOAD = 0
+    """The largest signal is at or below the floor."""
+    INSIDE = 1
+    """The load is nearer than sqrt(2) depths, where u_zz has its own sign: the reliable region."""
+    OUTSIDE = 2
+    """The load is at sqrt(2) depths or farther."""
+    AMBIGUOUS = 3
+    """Two loads fit; the one with s > 0 is given."""
+    INVALID = 4
+    """A signal is NaN or infinite, or no load at a finite distance fits."""
