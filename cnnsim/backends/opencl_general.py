@@ -10,96 +10,25 @@ from typing import Any
 import numpy as np
 import pyopencl as cl
 
-from cnnsim.backends.opencl_build import Workshop, boundary_defines, source
-from cnnsim.backends.opencl_terms import term_defines
-from cnnsim.backends.wiring import Wiring, characteristic, longest_delay, wire, wire_terms
+from cnnsim.backends.opencl_build import Workshop
+from cnnsim.backends.opencl_field import DISCRETE, DRIVE, SLOPE, STEP, Field
+from cnnsim.backends.wiring import longest_delay, wire, wire_terms
 from cnnsim.frames import at_step, spans
 from cnnsim.general import delays_of
 from cnnsim.plan import SETTLED_SLOPE, Plan
 
 Buffer = cl.Buffer
 Ended = tuple[Buffer, float, bool, float]
-_DRIVE, _SLOPE, _STEP, _DISCRETE = range(4)
 
 
 def control_terms(shop: Workshop, plan: Plan, grids: int, u: Buffer, bias: Buffer | None) -> Buffer:
     """Return the bias map plus all terms of the input alone: the linear roads need no more."""
     wiring = wire_terms(plan, [(0, term) for term in plan.template.control_terms], shop.dtype)
-    field = _Field(shop, plan, [wiring], 0, grids, 1)
+    field = Field(shop, plan, [wiring], 0, grids, 1)
     field.follow(0, u, 0)
     out = shop.buffer(field.count * shop.dtype.itemsize)
     field.base(np.zeros(1), bias, out)
-    return field.advance(_DRIVE, out, None, out)
-
-
-class _Field:
-    """The channels of a wiring on the device with their virtual cells, and the kernels that fill and hear them.
-
-    Of all ``wirings`` of a run, which share one program, it is number ``part``.
-    """
-
-    def __init__(
-        self, shop: Workshop, plan: Plan, wirings: Sequence[Wiring], part: int, grids: int, layers: int,
-        gains: np.ndarray[Any, Any] | None = None, held: Buffer | None = None,
-    ) -> None:  # fmt: skip
-        self.shop, self.plan, self.wiring, self.layers = shop, plan, wirings[part], layers
-        (rows, cols), r = plan.shape, self.wiring.radius
-        self.size, self.lines, self.count = rows * cols, grids * layers * rows, grids * layers * rows * cols
-        self.tall, self.wide = grids * (rows + 2 * r), cols + 2 * r
-        stride = -(-(self.wide + shop.lanes) // shop.lanes) * shop.lanes
-        channel = self.tall * stride
-        self.channels = shop.buffer(max(1, len(self.wiring.channels)) * channel * shop.dtype.itemsize)
-        self.planes = self._table(np.append(self.wiring.terms.planes.ravel(), np.zeros(shop.lanes, shop.dtype)))
-        self.gains = self._table(np.ones(layers, shop.dtype) if gains is None else gains)
-        self.grid = (*map(np.int32, (r, stride, rows, cols)), np.int64(channel))
-        self.part, self.none = np.int32(part), np.int32(len(wirings))
-        self.wall, self.held = np.int32(plan.cell == "full-range"), held
-        shape = characteristic(plan, shop.dtype) if plan.method == "general" else None
-        self.defines = {
-            **term_defines([wiring.terms for wiring in wirings], layers, shape, shop.dtype),
-            **boundary_defines(plan.boundary),
-        }
-
-    def _table(self, numbers: np.ndarray[Any, Any]) -> Buffer:
-        return self.shop.table(np.ascontiguousarray(numbers))
-
-    def kernel(self, name: str) -> cl.Kernel:
-        """Return a kernel that knows the terms."""
-        return self.shop.kernel(name, "general", self.defines, source("terms"))
-
-    def run(self, name: str, work: int, *arguments: Any) -> int:
-        """Run a kernel that knows no terms over ``work`` cells; their number is its last argument."""
-        return self.shop.run(self.shop.kernel(name, "general", {}), work, *arguments, np.int64(work))
-
-    def base(self, z: np.ndarray[Any, Any], bias: Buffer | None, out: Buffer) -> None:
-        """Write z plus the bias map."""
-        table = self.shop.table(z.astype(self.shop.dtype))
-        self.run(
-            "base", self.count, table, bias, out, np.int32(bias is not None), np.int32(self.layers), np.int64(self.size)
-        )
-
-    def follow(self, channel: int, state: Buffer, layer: int, *, through: bool = False) -> None:
-        """Bring one layer of a plane into a channel, perhaps through the output characteristic."""
-        quantity = self.wiring.channels[channel].quantity
-        outside = self.plan.boundary.u if quantity == "u" else self.plan.boundary.y
-        self._over_rows(
-            "follow", self.tall, self.wide, state, self.channels,
-            *map(np.int32, (channel, layer, self.layers, through)), self.shop.dtype.type(outside),
-        )  # fmt: skip
-
-    def advance(self, task: int, w: Buffer, x: Buffer | None, out: Buffer, *, terms: bool = True) -> Buffer:
-        """Write w plus all terms; or less x, the slope; or where a step from x leads; or its output (discrete time)."""
-        self._over_rows(
-            "advance", self.lines, self.plan.shape[1], w if x is None else x, w, self.held, out, self.channels,
-            self.planes, self.gains, np.int32(task), self.part if terms else self.none,
-            np.int32(self.held is not None), self.wall, np.int32(self.layers),
-        )  # fmt: skip
-        return out
-
-    def _over_rows(self, name: str, rows: int, cols: int, *arguments: Any) -> None:
-        """Run a kernel whose work-items take rows on a CPU and cells on a GPU."""
-        work = rows if self.shop.family == "cpu" else rows * cols
-        self.shop.run(self.kernel(name), rows * cols, *arguments, *self.grid, np.int64(work))
+    return field.advance(DRIVE, out, None, out)
 
 
 class _Run:
@@ -114,7 +43,7 @@ class _Run:
         gains = [plan.scheme.gain(plan.step * rate) if plan.scheme else 1.0 for rate in self.rates]
         self.gains = np.array(gains, shop.dtype)
         self.fixed, self.moving = (
-            _Field(shop, plan, wirings, part, grids // layers, layers, self.gains, held) for part in (0, 1)
+            Field(shop, plan, wirings, part, grids // layers, layers, self.gains, held) for part in (0, 1)
         )
         self.count, self.x = self.moving.count, x
         self.z = np.array([layer.z for layer in plan.network.layers])
@@ -141,10 +70,10 @@ class _Run:
                 if channel.quantity == "u":
                     field.follow(k, at_step(self.u, number - channel.ago, step), channel.layer)
         self.fixed.base(self.z, at_step(self.bias, number, step), self.w)
-        self.fixed.advance(_DRIVE, self.w, None, self.w)
+        self.fixed.advance(DRIVE, self.w, None, self.w)
 
     def advance(self, task: int, out: Buffer, stage: Buffer, number: int) -> None:
-        """Do a task of `_Field.advance` with the drives in ``stage`` at the start of step ``number``."""
+        """Do a task of `Field.advance` with the drives in ``stage`` at the start of step ``number``."""
         discrete = self.plan.cell == "discrete-time"
         for k, channel in enumerate(self.moving.wiring.channels):
             if channel.quantity != "u":
@@ -192,7 +121,7 @@ def _stepped(plan: Plan, run: _Run) -> Ended:
     stage = run.new() if several else x
 
     def look(number: int) -> tuple[bool, float]:
-        run.advance(_SLOPE, slopes[0], x, number)
+        run.advance(SLOPE, slopes[0], x, number)
         steepest = run.steepest(slopes[0], x, run.rates, wall=bool(run.wall))
         return steepest <= SETTLED_SLOPE, steepest
 
@@ -209,10 +138,10 @@ def _stepped(plan: Plan, run: _Run) -> Ended:
             if several:
                 for s, row in enumerate(scheme.a):
                     run.combine(stage, x, slopes, gains, row, None)
-                    run.advance(_SLOPE, slopes[s], stage, number + round(sum(row)))
+                    run.advance(SLOPE, slopes[s], stage, number + round(sum(row)))
                 run.combine(after, x, slopes, gains, scheme.b, run.held)
             else:
-                run.advance(_STEP, after, x, number)
+                run.advance(STEP, after, x, number)
             x = after
     if not settling:
         return x, float(plan.duration), False, math.nan
@@ -223,14 +152,14 @@ def _discrete(plan: Plan, run: _Run) -> Ended:
     """y(k + 1) = f(drive); at rest when nothing changes. A cycle of two steps never ends, so it is left at once."""
     settling, change = plan.duration == "settled", math.nan
     spare = [run.new() for _ in range(len(run.past) + 2)]
-    before, y = run.x, run.moving.advance(_DISCRETE, run.x, run.x, run.new(), terms=False)
+    before, y = run.x, run.moving.advance(DISCRETE, run.x, run.x, run.new(), terms=False)
     run.past = [y] * len(run.past)
     for first, count in run.spans():
         run.stand_still(first)
         for number in range(first, first + count):
             run.past[number % len(run.past)] = y
             after = spare[number % len(spare)]  # the one that fell out of the past
-            run.advance(_DISCRETE, after, y, number)
+            run.advance(DISCRETE, after, y, number)
             if settling:
                 change = run.change(after, y)
                 if change <= SETTLED_SLOPE or (number and run.change(after, before) == 0):
