@@ -1,9 +1,10 @@
 """The OpenCL backend: planes live on a device, transients run there, only numbers and results come back."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, cast
+from functools import wraps
+from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
 import numpy as np
 import pyopencl as cl
@@ -23,6 +24,8 @@ from cnnsim.grid import Boundary
 from cnnsim.plan import Plan
 
 Array = NDArray[Any]
+P = ParamSpec("P")
+T = TypeVar("T")
 _WORD = 64  # cells of an LLM plane in a word
 
 
@@ -53,6 +56,17 @@ class DevicePlane:
     def cells(self) -> int:
         """Cells of all grids."""
         return math.prod(self.shape)
+
+
+def _alone(verb: Callable[Concatenate["OpenCLBackend", P], T]) -> Callable[Concatenate["OpenCLBackend", P], T]:
+    """Let one thread at a time launch kernels; see `Workshop`."""
+
+    @wraps(verb)
+    def locked(self: "OpenCLBackend", /, *args: P.args, **kwargs: P.kwargs) -> T:
+        with self._shop.lock:
+            return verb(self, *args, **kwargs)
+
+    return locked
 
 
 class OpenCLBackend:
@@ -99,6 +113,7 @@ class OpenCLBackend:
         cl.enqueue_copy(self._shop.queue, words, plane.buffer)
         return np.unpackbits(words, axis=-1, count=plane.shape[-1], bitorder="little").astype(bool)
 
+    @_alone
     def convert(self, plane: DevicePlane, memory: Memory) -> DevicePlane:
         """See `Backend.convert`."""
         if plane.memory == memory:
@@ -107,12 +122,14 @@ class OpenCLBackend:
         self._run(f"to_{memory}", plane.words * _WORD, plane.buffer, out.buffer, *self._lines(plane))
         return out
 
+    @_alone
     def output(self, x: DevicePlane) -> DevicePlane:
         """See `Backend.output`."""
         y = self._new(x.shape, "lam")
         self._run("clipped", x.cells, x.buffer, y.buffer, np.int64(x.cells))
         return y
 
+    @_alone
     def transient(
         self,
         plan: Plan,
@@ -147,6 +164,7 @@ class OpenCLBackend:
         self._check_finite(state, t)
         return Outcome(state, t, settled, slope)
 
+    @_alone
     def cellwise(
         self, operation: Cellwise, planes: Sequence[DevicePlane], parameters: Sequence[float]
     ) -> tuple[DevicePlane, ...]:
@@ -158,12 +176,14 @@ class OpenCLBackend:
         self._shop.run(kernel, cells, *buffers, *parameter_values(parameters, self.dtype), np.int64(cells))
         return outputs
 
+    @_alone
     def logic(self, function: int, p: DevicePlane, q: DevicePlane) -> DevicePlane:
         """See `Backend.logic`."""
         out = self._new(p.shape, "llm")
         self._run("logic", p.words, p.buffer, q.buffer, out.buffer, np.int32(function), *self._lines(p))
         return out
 
+    @_alone
     def neighbourhood(self, rule: BitRule, boundary: Boundary, plane: DevicePlane) -> DevicePlane:
         """See `Backend.neighbourhood`."""
         out = self._new(plane.shape, "llm")
@@ -175,6 +195,7 @@ class OpenCLBackend:
         )  # fmt: skip
         return out
 
+    @_alone
     def count(self, plane: DevicePlane) -> int | NDArray[np.int64]:
         """See `Backend.count`."""
         if len(plane.shape) == 3:

@@ -4,6 +4,7 @@ import warnings
 from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib.resources import files
+from threading import RLock
 from typing import Any
 
 import numpy as np
@@ -35,10 +36,15 @@ class BuildError(InputError):
 
 
 class Workshop:
-    """One device with its context, its queue and its built programs, for one dtype and one family of kernels."""
+    """One device with its context, its queue and its built programs, for one dtype and one family of kernels.
+
+    Its kernels keep the arguments they were given last, so whoever launches holds the ``lock`` from the first argument
+    to the last launch: setting arguments is the one OpenCL call that threads may not make at once (OpenCL 1.2, app. A).
+    """
 
     def __init__(self, device: cl.Device, family: Family, dtype: np.dtype[Any]) -> None:
         self.device, self.family, self.dtype = device, family, dtype
+        self.lock = RLock()
         self.context, self.queue = _context_and_queue(device)
         wide = dtype == np.float32 and has_wide_vectors(device)
         self.lanes = (WIDE_LANES if wide else LANES) if family == "cpu" else 1
