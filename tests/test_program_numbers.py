@@ -1,17 +1,16 @@
 """Numbers on wires, in programs."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from cnnsim import InputError
-from cnnsim.program_file import load_program
 from tests.program_cases import (
     BACKENDS,
     machine,
 )
+from tests.program_kit import load
 
 COUNTING = """
 name = "counting"
@@ -33,21 +32,15 @@ step = [
 """
 
 
-def _load(tmp_path: Path, text: str, **parameters: float) -> Any:
-    file = tmp_path / "p.toml"
-    file.write_text(text, encoding="utf-8")
-    return load_program(file, parameters=parameters)
-
-
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_numbers_of_wires(backend: str, tmp_path: Path) -> None:
     """Arithmetic on registers, a plane filled from one, rounds from a parameter; a state plane called picture."""
     plane = np.array([[1, 1, 0, 1]], dtype=bool)
-    out = machine(backend).run(_load(tmp_path, COUNTING, times=7), picture=plane)
+    out = machine(backend).run(load(tmp_path, COUNTING, parameters={"times": 7}), picture=plane)
     assert (out["black"], out["twice"], out["rounds"], out["few"]) == (3, 6, 7, 1)
     assert out["level"].tolist() == [[6, 6, 6, 6]]
     assert out["state"].tolist() == [[False, True, False, True]]
-    assert machine(backend).run(_load(tmp_path, COUNTING, many=3), picture=plane)["few"] == 0
+    assert machine(backend).run(load(tmp_path, COUNTING, parameters={"many": 3}), picture=plane)["few"] == 0
 
 
 @pytest.mark.parametrize(("old", "new", "message"), [
@@ -65,4 +58,4 @@ def test_numbers_of_wires(backend: str, tmp_path: Path) -> None:
 def test_wrong_numbers_are_refused(old: str, new: str, message: str, tmp_path: Path) -> None:
     assert old in COUNTING
     with pytest.raises(InputError, match=message):
-        _load(tmp_path, COUNTING.replace(old, new))
+        load(tmp_path, COUNTING.replace(old, new))

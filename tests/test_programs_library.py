@@ -28,8 +28,6 @@ from tests.program_cases import (
     planes,
 )
 
-hundred = settings(max_examples=100)
-
 CASES: dict[str, tuple[dict[str, Draw], Callable[..., Any]]] = {
     "opening": ({"picture": picture}, oracle.opening),
     "closing": ({"picture": picture}, oracle.closing),
@@ -82,7 +80,6 @@ def test_a_file_says_what_a_user_needs(path: Path) -> None:
 
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("name", CASES)
-@hundred
 @given(data=st.data())
 def test_program(backend: str, name: str, data: st.DataObject) -> None:
     kinds, answer = CASES[name]

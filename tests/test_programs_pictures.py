@@ -24,12 +24,9 @@ from tests.program_cases import (
     program,
 )
 
-hundred = settings(max_examples=100)
-
 
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("name", SKELETONS)
-@hundred
 @given(inputs=planes({"picture": picture}))
 def test_skeleton(backend: str, name: str, inputs: Planes) -> None:
     """A part of the picture with as many objects and holes; peeled again it stays as it is."""
@@ -125,7 +122,6 @@ def test_halftone_and_back(backend: str) -> None:
 
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("averages", [1, 3])
-@hundred
 @given(inputs=planes({"picture": gray}))
 def test_texture_segmentation(backend: str, averages: int, inputs: Planes) -> None:
     """Edge density to rounding; rough where it is above the level, wherever rounding cannot decide."""

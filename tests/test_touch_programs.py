@@ -25,8 +25,6 @@ from tests.program_cases import (
     program,
 )
 
-hundred = settings(max_examples=100)
-
 SHEAR: dict[str, Draw] = {"shear_x": gray, "shear_y": gray}
 FRAME: dict[str, Draw] = {**SHEAR, "pressing": gray}
 CASES: dict[str, tuple[dict[str, Draw], Callable[..., Any]]] = {
@@ -39,7 +37,6 @@ CASES: dict[str, tuple[dict[str, Draw], Callable[..., Any]]] = {
 
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("name", CASES)
-@hundred
 @given(data=st.data())
 def test_program(backend: str, name: str, data: st.DataObject) -> None:
     kinds, answer = CASES[name]
