@@ -68,7 +68,8 @@ def localise(positions: Plane, pressing: Planes, pulling: Planes | None, depth: 
 
     at, strain = np.ascontiguousarray(positions, np.float64).reshape(-1, 2), pulling is not None
     planes = planes.reshape(len(families), 4, -1)
-    signal, order = compiled.strongest(planes, depth, strain)
+    signal, peak, usable = compiled.strongest(planes, depth, strain)
+    order = usable[np.argsort(-peak[usable], kind="stable")]
     if not order.size:
         marked = (planes[:, 3] == Validity.INVALID).any()
         return Load(validity=Validity.INVALID if marked else Validity.NO_LOAD)

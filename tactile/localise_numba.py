@@ -29,7 +29,10 @@ def shape(x, y, strain):  # type: ignore[no-untyped-def]  # numba types it at th
 
 @njit(cache=True, error_model="numpy")
 def strongest(planes, depth, strain):  # type: ignore[no-untyped-def]
-    """Return the signals (families, taxels), 0 where there is none, and the taxels that have one, strongest first."""
+    """Return the signals (families, taxels), 0 where there is none, each taxel's largest, and the taxels that have one.
+
+    They are not sorted here: numba needs a second to compile a sort.
+    """
     families, _, taxels = planes.shape
     signal, peak, count = np.zeros((families, taxels)), np.zeros(taxels), 0
     use = np.empty(taxels, np.int64)
@@ -44,8 +47,7 @@ def strongest(planes, depth, strain):  # type: ignore[no-untyped-def]
         if usable:
             use[count] = n
             count += 1
-    use = use[:count]
-    return signal, use[np.argsort(-peak[use], kind="mergesort")]
+    return signal, peak, use[:count]
 
 
 @njit(cache=True, error_model="numpy")
@@ -89,7 +91,8 @@ def consensus(at, planes, signal, order, depth, strain, seeds):  # type: ignore[
             for i in range(taxels):
                 f = chosen[k, i]
                 scatter += weight[f, i] * ((place[f, i, 0] - x) ** 2 + (place[f, i, 1] - y) ** 2)
-            tried[k] = x, y, scatter, total
+            # one by one: to assign a tuple to a row takes numba two seconds to compile
+            tried[k, 0], tried[k, 1], tried[k, 2], tried[k, 3] = x, y, scatter, total
             if best < 0 or scatter < tried[best, 2]:
                 best = k
     x, y, scatter, total = tried[best]
@@ -110,7 +113,8 @@ def components(at, planes, order, families, place, depth, strain):  # type: igno
         y = (at[n, 1] - at[order[0], 1]) / depth - place[1]
         _, a, b, c, lean = shape(x, y, strain)
         _, own_a, own_b, own_c, gain = shape(-planes[f, 0, n] / depth, -planes[f, 1, n] / depth, strain)
-        table[i] = x * lean, y * lean, lean, planes[f, 2, n] * gain * (own_a * a + own_b * b + own_c * c)
+        table[i, 0], table[i, 1], table[i, 2] = x * lean, y * lean, lean
+        table[i, 3] = planes[f, 2, n] * gain * (own_a * a + own_b * b + own_c * c)
     return least_squares(table)
 
 

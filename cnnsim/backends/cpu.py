@@ -13,7 +13,7 @@ from cnnsim.backends import cpu_bits, cpu_closed, cpu_general, cpu_kernels
 from cnnsim.backends.base import Memory, Outcome, check_finite
 from cnnsim.backends.cpu_bits import Bits
 from cnnsim.backends.cpu_compile import THREADS_PAY_FROM, Kernel
-from cnnsim.backends.cpu_control import control
+from cnnsim.backends.cpu_control import control, controlling
 from cnnsim.backends.cpu_dense import dense
 from cnnsim.backends.cpu_morphology import neighbourhood
 from cnnsim.backends.cpu_prepared import Prepared
@@ -104,7 +104,7 @@ class CpuBackend:
             outcome = Outcome(end, ready.t, ready.settles, 0.0 if ready.settles else math.nan)
         elif plan.method == "stepped":
             w = self._spare.plane(x)
-            control.for_work(work)(_grids(w), *drive)
+            control.for_work(work)(controlling(self.dtype).address, _grids(w), *drive)
             outcome = self._stepped(plan, ready, x, w, mask)
             self._spare.keep(w)
         else:
@@ -122,9 +122,11 @@ class CpuBackend:
             planes = x, self._spare.plane(x), self._spare.plane(x)
             given = (*map(_grids, planes), _grids(w), ready.rule, plan.depth)
             if "sleep" in plan.savings:
-                done, settled, slope, where = sleeping.for_work(work)(*given, threads, *ready.steps[:3])
+                done, settled, slope, where = sleeping.for_work(work)(*given, ready.tile_at, threads, *ready.steps[:3])
             else:
-                done, settled, slope, where = dense.for_work(work)(*given, *ready.tile, threads, *ready.steps)
+                done, settled, slope, where = dense.for_work(work)(
+                    *given, ready.tile_at, *ready.tile, threads, *ready.steps
+                )
             end = x.copy() if where == 0 else planes[where]
             self._spare.keep(*(plane for plane in planes[1:] if plane is not end))
         else:

@@ -33,9 +33,13 @@ class Twins(NamedTuple):
 _DIGEST = sha256(b"".join(path.read_bytes() for path in sorted(Path(__file__).parent.glob("cpu*.py")))).hexdigest()[:8]
 
 
+_INNER = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+"""Python never calls these: without the code for it they compile in less time."""
+
+
 def helper(function: Kernel) -> Kernel:
     """Compile a function that is only called from other compiled ones."""
-    return _compiled(function, "")
+    return _compiled(function, "", **_INNER)
 
 
 def fused(function: Kernel) -> Kernel:
@@ -43,7 +47,7 @@ def fused(function: Kernel) -> Kernel:
 
     Nothing else of "fast" arithmetic is allowed: sums keep their order, and NaN stays NaN.
     """
-    return _compiled(function, "_fused", fastmath={"contract"})
+    return _compiled(function, "_fused", fastmath={"contract"}, **_INNER)
 
 
 def twins(function: Kernel) -> Twins:
@@ -52,10 +56,15 @@ def twins(function: Kernel) -> Twins:
 
 
 def _compiled(function: Kernel, kind: str, **options: Any) -> Kernel:
+    jitted: Kernel = numba.njit(cache=True, error_model="numpy", **options)(named(function, kind))
+    return jitted
+
+
+def named(function: Kernel, kind: str) -> FunctionType:
+    """Return a copy under a name that says how it is compiled, and from which files."""
     assert isinstance(function, FunctionType)
     suffix = f"{kind}_{_DIGEST}"
     copy = FunctionType(function.__code__, function.__globals__, function.__name__ + suffix)
     copy.__qualname__ = function.__qualname__ + suffix
     copy.__module__ = function.__module__
-    jitted: Kernel = numba.njit(cache=True, error_model="numpy", **options)(copy)
-    return jitted
+    return copy

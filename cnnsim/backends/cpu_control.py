@@ -1,13 +1,20 @@
 """w = B*u + z (+ bias map), computed once: row by row, the sums in the reference's order."""
 
+from functools import cache
 from typing import Any
 
-from numba import prange
+import numba
+import numpy as np
+from numba import prange, types
 from numpy.typing import NDArray
 
+from cnnsim.backends.cpu_address import call, compiled_at
 from cnnsim.backends.cpu_compile import helper, twins
 
 Array = NDArray[Any]
+
+FEW = 16
+"""Rows that a thread does at a time."""
 
 
 @helper
@@ -64,14 +71,13 @@ def control_row(
         tap += 1
 
 
-@twins
-def control(
+def control_rows(
     w: Array, z: float, bias: Array, u: Array, k: Array, l: Array, weight: Array, rows: Array, cols: Array, r: int,
-    constant: float,
+    constant: float, first: int, after: int,
 ) -> None:  # fmt: skip
-    """Write z + bias + B*u into w; a bias that is not given has no cells."""
-    n, height, width = w.shape
-    for line in prange(n * height):
+    """Write z + bias + B*u into some rows of w, counted through all grids; a bias that is not given has no cells."""
+    height, width = w.shape[1:]
+    for line in range(first, after):
         g, i = line // height, line % height
         total = w[g, i]
         for j in range(width):
@@ -80,3 +86,25 @@ def control(
             for j in range(width):
                 total[j] += bias[g, i, j]
         control_row(total, u[g], i, k, l, weight, rows, cols, r, constant)
+
+
+@cache
+def controlling(dtype: np.dtype[Any]) -> Any:
+    """Return `control_rows` compiled for a dtype."""
+    cells, integer, whole = numba.from_dtype(dtype), types.int64, types.int64[::1]
+    planes, row = types.Array(cells, 3, "C"), types.Array(cells, 1, "C")
+    return compiled_at(
+        control_rows,
+        types.void(planes, cells, planes, planes, whole, whole, row, whole, whole, integer, cells, integer, integer),
+    )
+
+
+@twins
+def control(
+    rows_at: int, w: Array, z: float, bias: Array, u: Array, k: Array, l: Array, weight: Array, rows: Array,
+    cols: Array, r: int, constant: float,
+) -> None:  # fmt: skip
+    """Write z + bias + B*u into w; ``rows_at`` is the address of `control_rows`."""
+    lines = w.shape[0] * w.shape[1]
+    for few in prange((lines + FEW - 1) // FEW):
+        call(rows_at, (w, z, bias, u, k, l, weight, rows, cols, r, constant, few * FEW, min(lines, (few + 1) * FEW)))

@@ -6,24 +6,26 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
+from cnnsim.backends.cpu_address import call
 from cnnsim.backends.cpu_compile import twins
 from cnnsim.backends.cpu_look import MOVING, RESTLESS, look_at_nothing, steepest, total
 from cnnsim.backends.cpu_room import divide, room_cells
-from cnnsim.backends.cpu_tile import Rule, stream, tile_area
+from cnnsim.backends.cpu_tile import Rule, tile_area
 
 Array = NDArray[Any]
 
 
 @twins
 def dense(
-    x: Array, first: Array, second: Array, w: Array, rule: Rule, depth: int, height: int, width: int, threads: int,
-    steps: int, check_every: int, rest: float, freezes: bool,
+    x: Array, first: Array, second: Array, w: Array, rule: Rule, depth: int, stream: int, height: int, width: int,
+    threads: int, steps: int, check_every: int, rest: float, freezes: bool,
 ) -> tuple[int, bool, float, int]:  # fmt: skip
     """Run the transient of n grids (n, rows, cols) from ``x``, by turns into the planes ``first`` and ``second``.
 
-    Tiles are ``height`` x ``width`` cells, ``depth`` steps a pass. Every ``check_every`` steps (0: never) is a look.
-    Returns the steps taken, whether all grids have settled, the largest |dx/dt| (NaN if nobody looked), and where the
-    end is: 0 in x itself (no step was taken), 1 in ``first``, 2 in ``second``.
+    ``stream`` is the address of `cnnsim.backends.cpu_tile.stream`. Tiles are ``height`` x ``width`` cells, ``depth``
+    steps a pass. Every ``check_every`` steps (0: never) is a look. Returns the steps taken, whether all grids have
+    settled, the largest |dx/dt| (NaN if nobody looked), and where the end is: 0 in x itself (no step was taken), 1 in
+    ``first``, 2 in ``second``.
     """
     n, rows, cols = x.shape
     down, across = (rows + height - 1) // height, (cols + width - 1) // width
@@ -42,7 +44,9 @@ def dense(
                 look_at_nothing(seen[thread])
                 for tile in range(thread * tiles // threads, (thread + 1) * tiles // threads):
                     g, area = tile // (down * across), tile_area(tile, down, across, height, width, rows, cols)
-                    stream(source[g], w[g], target[g], rule, 1, area, room, at, True, rest, measure, seen[thread])
+                    call(
+                        stream, (source[g], w[g], target[g], rule, 1, area, room, at, True, rest, measure, seen[thread])
+                    )
             settled = total(seen, MOVING) == 0 or (freezes and total(seen, RESTLESS) == 0)
             if measure:
                 largest = steepest(seen)
@@ -57,7 +61,7 @@ def dense(
             room, at = rooms[thread], divide(rooms[thread], now, rule.r)
             for tile in range(thread * tiles // threads, (thread + 1) * tiles // threads):
                 g, area = tile // (down * across), tile_area(tile, down, across, height, width, rows, cols)
-                stream(source[g], w[g], target[g], rule, now, area, room, at, False, rest, False, seen[thread])
+                call(stream, (source[g], w[g], target[g], rule, now, area, room, at, False, rest, False, seen[thread]))
         done += now
         where = 2 if where == 1 else 1
         source, target = target, (second if where == 1 else first)

@@ -47,6 +47,11 @@ def threads_for(work: int) -> int:
     return numba.get_num_threads() if work >= THREADS_PAY_FROM else 1
 
 
+def addresses(dtype: np.dtype[Any]) -> list[int]:
+    """Return where the functions are that `kernels.advance` calls."""
+    return [function.address for function in kernels.shared(dtype)]
+
+
 def transient(plan: Plan, x: Array, u: Any, bias: Any, held: Array | None) -> Outcome:
     """Run a plan whose method is "general"; see `Backend.transient`. ``u`` and ``bias`` may be `Frames`."""
     if plan.cell != "discrete-time" and plan.scheme is None:
@@ -74,6 +79,7 @@ class _Field:
         """Add the terms of channels that stand still to w."""
         work, nobody, flat = w.size * max(1, len(self.wiring.terms.taps)), np.empty(0, np.int64), w.reshape(-1)
         kernels.advance.for_work(work)(
+            *addresses(w.dtype),
             kernels.DRIVE, w, flat, w, 0, 1, nobody, flat, NOBODY, False, threads_for(work), w, w[None], self.around,
             nobody, nobody, nobody > 0, np.zeros(4, np.int64), flat, self.rows, self.cols, w.dtype.type(0), self.r,
             *self.wiring.terms,
@@ -118,6 +124,7 @@ class _Run:
         self.w = np.empty_like(self.x)
         self.work = self.x.size * max(1, len(self.moving.wiring.terms.taps))
         self.wall = plan.cell == "full-range"
+        self.addresses = addresses(x.dtype)
         self.hearing = (
             self.moving.around, self.numbers, self.layers, self.outputs, *self.characteristic, self.moving.rows,
             self.moving.cols, self.constant, self.moving.r, *self.moving.wiring.terms,
@@ -149,7 +156,7 @@ class _Run:
     def advance(self, task: int, out: Array, x: Array, number: int, count: int = 1) -> float:
         """Do a task of `kernels.advance` with the drives in state x; return the largest change, of discrete steps."""
         kernels.advance.for_work(self.work)(
-            task, out, self.largest, x, number, count, self.ago, self.gains, self.held, self.wall,
+            *self.addresses, task, out, self.largest, x, number, count, self.ago, self.gains, self.held, self.wall,
             threads_for(self.work), self.w, self.past, *self.hearing,
         )  # fmt: skip
         return float(self.largest.max()) if task == kernels.DISCRETE else math.nan

@@ -6,11 +6,14 @@ what is worked on lies in ``room``, three rows that stay in the first-level cach
 """
 
 import math
+from functools import cache
 from typing import Any
 
 import numpy as np
+from numba import carray, types
 from numpy.typing import NDArray
 
+from cnnsim.backends.cpu_address import call, compiled_at, numbers_of, place
 from cnnsim.backends.cpu_compile import helper
 from cnnsim.backends.wiring import CLIP, IDENTITY, LINEAR, SIGN, TANH
 
@@ -200,7 +203,7 @@ def _tanh_row_single(out: Array, at_out: int, v: Array, at_v: int, n: int, slope
 
 
 @helper
-def function_row(
+def _function_row(
     out: Array, at_out: int, v: Array, at_v: int, n: int, kind: int, places: int, at: int, values: int, numbers: Array
 ) -> None:
     """Write a function of a row, which must be another one; see `wiring.Function`."""
@@ -219,3 +222,26 @@ def function_row(
         _lines_row(out, at_out, v, at_v, n, places, at, values, numbers)
     else:
         _steps_row(out, at_out, v, at_v, n, places, at, values, numbers)
+
+
+def _function_row_at(
+    out: Any, at_out: int, v: Any, at_v: int, n: int, kind: int, places: int, at: int, values: int, numbers: Any
+) -> None:
+    _function_row(carray(out, (at_out + n,)), at_out, carray(v, (at_v + n,)), at_v, n, kind, places, at, values,
+                  carray(numbers, (values + places + 1,)))  # fmt: skip
+
+
+@cache
+def functions(dtype: np.dtype[Any]) -> Any:
+    """Return what `function_row` calls, compiled for a dtype."""
+    cells, integer = numbers_of(dtype), types.int64
+    return compiled_at(_function_row_at, types.void(cells, integer, cells, integer, *5 * [integer], cells))
+
+
+@helper
+def function_row(
+    function: int, out: Array, at_out: int, v: Array, at_v: int, n: int, kind: int, places: int, at: int, values: int,
+    numbers: Array,
+) -> None:  # fmt: skip
+    """Write a function of a row by what lies at an address, `functions`: all kinds are long to compile."""
+    call(function, (place(out), at_out, place(v), at_v, n, kind, places, at, values, place(numbers)))

@@ -40,6 +40,35 @@ def add_taps(total: Array, around: Array, k: Array, l: Array, weight: Array, i: 
             total[j] += c * line[j]
 
 
+# Plain loops for what NumPy does in a word: each of its words takes numba up to two seconds to compile.
+
+
+@helper
+def copy_row(row: Array, out: Array) -> None:
+    """Copy a row."""
+    for j in range(row.size):
+        out[j] = row[j]
+
+
+@helper
+def most(values: Array) -> float:
+    """Return the largest value; NaN if there is one."""
+    largest = values[0]
+    for value in values:
+        if not value <= largest:
+            largest = value
+    return largest
+
+
+@helper
+def every(values: Array) -> bool:
+    """Return whether all are true."""
+    count = 0
+    for value in values:
+        count += value
+    return count == values.size
+
+
 @helper
 def clip_row(row: Array, out: Array) -> None:
     """Write clip(row, -1, 1); NaN stays NaN."""
@@ -77,7 +106,7 @@ def stepped(
             for line in prange(n * height):
                 g, p = line // height, line % height
                 row = stage[g, p]
-                row[:] = x[g, p]
+                copy_row(x[g, p], row)
                 for earlier in range(i):
                     c = ha[i, earlier]
                     for j in range(width):
@@ -90,15 +119,15 @@ def stepped(
             for line in prange(n * height):
                 g, p = line // height, line % height
                 row = slopes[i, g, p]
-                row[:] = w[g, p]
+                copy_row(w[g, p], row)
                 add_taps(row, around[g], k, l, weight, p, r)
                 if looking and i == 0:
                     steepest[line], stuck[line] = look(row, x[g, p], held[g, p] if held.size else held[0, 0], walls)
                 for j in range(width):
                     row[j] -= stage[g, p, j]
             if looking and i == 0:
-                largest = steepest.max()
-                settled = largest <= rest or (step_freezes and stuck.all())
+                largest = most(steepest)
+                settled = largest <= rest or (step_freezes and every(stuck))
                 if settled or done == steps:
                     return done, settled, largest
         for line in prange(n * height):
@@ -152,7 +181,7 @@ def all_finite(x: Array) -> bool:
         for j in range(row.size):
             total += row[j] * zero
         fine[line] = total == zero
-    return bool(fine.all())
+    return every(fine)
 
 
 @twins

@@ -1,13 +1,18 @@
 """What a plan looks like in arrays: made at its first transient, kept as long as the plan."""
 
 import math
+from functools import cached_property
 from typing import Any
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from cnnsim.backends.cpu_compile import Kernel
+from cnnsim.backends.cpu_loops import ANY, CROSS, ISOTROPIC, NINE, loop
 from cnnsim.backends.cpu_room import FIXED, PERIODIC, ZERO_FLUX
-from cnnsim.backends.cpu_tile import ANY, CROSS, ISOTROPIC, NINE, Rule
+from cnnsim.backends.cpu_tile import Rule, streaming
+from cnnsim.backends.cpu_window import window
 from cnnsim.grid import Boundary, virtual_index
 from cnnsim.plan import SETTLED_SLOPE, Plan
 from cnnsim.template import Tap
@@ -41,12 +46,26 @@ class Prepared:
         self.hb = (h * np.array(plan.scheme.b)).astype(dtype)
         self.freezes = plan.step <= 1 and not self.walls
         r = max(self.around_y[2], 1)  # the loops over rows look at one neighbour at least
-        self.rule = Rule(
-            loop_kind(plan, r, dtype), r, *self.feedback, square(plan, dtype), dtype.type(h),
-            BOUNDARY[plan.boundary.kind], dtype.type(plan.boundary.y),
+        self._loop, self._sleeps, self._dtype = loop_kind(plan, r, dtype), "sleep" in plan.savings, dtype
+        self._numbers = (
+            r, *self.feedback, square(plan, dtype), dtype.type(h), BOUNDARY[plan.boundary.kind],
+            dtype.type(plan.boundary.y),
         )  # fmt: skip
         self.steps = plan.steps, plan.check_every if self.settles else 0, SETTLED_SLOPE, self.freezes
         self.tile = tile_shape(plan, threads)
+
+    # Not before somebody asks, because what lies at these addresses is compiled then.
+
+    @cached_property
+    def rule(self) -> Rule:
+        """Return the numbers of the feedback with the address of their loop."""
+        return Rule(loop(self._loop, self._dtype).address, *self._numbers)
+
+    @cached_property
+    def tile_at(self) -> int:
+        """Return the address of what does a tile: `stream`, or `step_window` where tiles sleep."""
+        compiled = (window if self._sleeps else streaming)(numba.typeof(self.rule))
+        return int(compiled.address)
 
 
 def tile_shape(plan: Plan, threads: int) -> tuple[int, int]:
@@ -57,7 +76,7 @@ def tile_shape(plan: Plan, threads: int) -> tuple[int, int]:
     return -(-rows // down), -(-cols // across)
 
 
-def loop_kind(plan: Plan, r: int, dtype: np.dtype[Any]) -> int:
+def loop_kind(plan: Plan, r: int, dtype: np.dtype[Any]) -> Kernel:
     """Choose the innermost loop (see `cnnsim.backends.cpu_rows`); float64 keeps the reference's order and rounding."""
     if dtype != np.float32 or r > 1:
         return ANY

@@ -13,11 +13,12 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
+from cnnsim.backends.cpu_address import call
 from cnnsim.backends.cpu_compile import helper, twins
 from cnnsim.backends.cpu_look import C0, C1, MOVING, R0, R1, RESTLESS, look_at_nothing, steepest, total
 from cnnsim.backends.cpu_room import PERIODIC, move
 from cnnsim.backends.cpu_tile import Rule, tile_area
-from cnnsim.backends.cpu_window import CATCH_UP, LOOK, shelve, step_window, window_cells
+from cnnsim.backends.cpu_window import CATCH_UP, LOOK, shelve, window_cells
 
 Array = NDArray[Any]
 
@@ -38,12 +39,14 @@ def wake(seen: Array, reach: int, shape: tuple[int, int, int], torus: bool, awak
         c0, c1 = int(seen[tile, C0]) - reach, int(seen[tile, C1]) + reach
         if not torus:
             r0, r1, c0, c1 = max(r0, 0), min(r1, rows), max(c0, 0), min(c1, cols)
-        for i in range(r0, r1):
-            if i > r0 and i % rows % HEIGHT:
-                continue  # the same row of tiles as before
-            for j in range(c0, c1):
-                if j == c0 or j % cols % WIDTH == 0:
-                    awake[first + i % rows // HEIGHT * across + j % cols // WIDTH] = True
+        i = r0
+        while i < r1:
+            p, j = i % rows, c0
+            while j < c1:
+                q = j % cols
+                awake[first + p // HEIGHT * across + q // WIDTH] = True
+                j += min(cols - q, WIDTH - q % WIDTH)
+            i += min(rows - p, HEIGHT - p % HEIGHT)
 
 
 # What follows stands outside `sleeping` because numba would start the threads for every array operation in there.
@@ -52,20 +55,26 @@ def wake(seen: Array, reach: int, shape: tuple[int, int, int], torus: bool, awak
 @helper
 def choose(chosen: Array, value: bool) -> None:
     """Choose all tiles, or none."""
-    chosen[:] = value
+    for tile in range(chosen.size):
+        chosen[tile] = value
 
 
 @helper
-def either(chosen: Array, differs: Array) -> Array:
-    """Return the tiles that are to be stepped or copied."""
-    return np.flatnonzero(chosen | differs)
+def choose_work(chosen: Array, differs: Array, work: Array) -> int:
+    """List the tiles that are to be stepped or copied; return how many they are."""
+    count = 0
+    for tile in range(chosen.size):
+        if chosen[tile] or differs[tile]:
+            work[count] = tile
+            count += 1
+    return count
 
 
 @helper
-def arrived(work: Array, chosen: Array, step: int, upto: Array, seen: Array) -> float:
+def arrived(chosen: Array, step: int, upto: Array, seen: Array) -> float:
     """Put down that the chosen tiles have come to a step; return how many cells in them still move."""
     moving = 0.0
-    for tile in work:
+    for tile in range(chosen.size):
         if chosen[tile]:
             upto[tile] = step
             moving += seen[tile, MOVING]
@@ -74,41 +83,44 @@ def arrived(work: Array, chosen: Array, step: int, upto: Array, seen: Array) -> 
 
 @twins
 def sleeping(
-    x: Array, first: Array, second: Array, w: Array, rule: Rule, depth: int, threads: int, steps: int,
+    x: Array, first: Array, second: Array, w: Array, rule: Rule, depth: int, window: int, threads: int, steps: int,
     check_every: int, rest: float,
 ) -> tuple[int, bool, float, int]:  # fmt: skip
     """Run the transient of n grids from ``x`` until all have settled, by turns in the planes ``first`` and ``second``.
 
-    Returns the steps taken, whether all grids have settled, the largest |dx/dt|, and where the end is (1: ``first``,
-    2: ``second``), all as `cnnsim.backends.cpu_dense.dense` would.
+    ``window`` is the address of `cnnsim.backends.cpu_window.step_window`. Returns the steps taken, whether all grids
+    have settled, the largest |dx/dt|, and where the end is (1: ``first``, 2: ``second``), all as
+    `cnnsim.backends.cpu_dense.dense` would.
     """
     n, rows, cols = x.shape
     down, across = (rows + HEIGHT - 1) // HEIGHT, (cols + WIDTH - 1) // WIDTH
     tiles = n * down * across
     rooms = np.empty((threads, window_cells(HEIGHT, depth, rule.r)), x.dtype)
     seen = np.empty((tiles, 7), np.float64)
-    upto = np.zeros(tiles, np.int64)  # the step that a tile's states belong to
+    upto, work = np.empty(tiles, np.int64), np.empty(tiles, np.int64)  # upto: the step that a tile's states belong to
     chosen, differs = np.empty(tiles, np.bool_), np.empty(tiles, np.bool_)  # differs: not the same in both planes
     choose(chosen, True)
     choose(differs, True)
     source, target, where = first, second, 1
-    source[:] = x
+    move(x.reshape(-1), 0, source.reshape(-1), 0, x.size)
+    for tile in range(tiles):
+        upto[tile] = 0
     done, now, settled, measure = 0, 0, False, False
     while True:
-        work = np.flatnonzero(chosen) if now == 0 else either(chosen, differs)
+        count = choose_work(chosen, chosen if now == 0 else differs, work)
         for thread in prange(threads):
             room, at = rooms[thread], shelve(rooms[thread], HEIGHT, depth, rule.r)
-            for tile in work[thread::threads]:
+            for k in range(thread, count, threads):
+                tile = work[k]
                 g, area = tile // (down * across), tile_area(tile, down, across, HEIGHT, WIDTH, rows, cols)
                 if chosen[tile]:
                     # nobody minds that neighbours read this tile now: its outputs stay what they are
                     missed = done - upto[tile]
-                    if missed > 0:
-                        step_window(source[g], w[g], source[g], rule, 0, area, room, at, CATCH_UP, rest, False, missed,
-                                    seen[tile])  # fmt: skip
                     look_at_nothing(seen[tile])
-                    step_window(source[g], w[g], target[g], rule, now, area, room, at, LOOK, rest, measure, 0,
-                                seen[tile])  # fmt: skip
+                    for task in range(CATCH_UP if missed > 0 else LOOK, LOOK - 1, -1):
+                        to, ahead = (source[g], 0) if task == CATCH_UP else (target[g], now)
+                        call(window, (source[g], w[g], to, rule, ahead, area, room, at, task, rest, measure, missed,
+                                      seen[tile]))  # fmt: skip
                     differs[tile] = differs[tile] or now > 0 or missed > 0
                 else:  # fell asleep: from here on it is the same in both planes
                     for i in range(area.r0, area.r1):
@@ -118,7 +130,7 @@ def sleeping(
         if now:
             where = 2 if where == 1 else 1
             source, target = (first, second) if where == 1 else (second, first)
-        moving = arrived(work, chosen, done, upto, seen)
+        moving = arrived(chosen, done, upto, seen)
         if measure:  # all tiles have been looked at, none has been stepped
             settled = total(seen, RESTLESS) == 0 or total(seen, MOVING) == 0
             if settled or done == steps:

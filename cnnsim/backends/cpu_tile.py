@@ -7,24 +7,27 @@ is loaded with r cells more all round for each step; what comes in from outside 
 left at the end is exact. At the rim of the grid the virtual cells are set again at every level.
 """
 
+from functools import cache
 from typing import Any, NamedTuple
 
+import numba
+from numba import types
 from numpy.typing import NDArray
 
+from cnnsim.backends.cpu_address import compiled_at
 from cnnsim.backends.cpu_compile import helper
 from cnnsim.backends.cpu_look import look_block
+from cnnsim.backends.cpu_loops import step_block
 from cnnsim.backends.cpu_room import GROUP, PERIODIC, SLACK, Places, clip_rows, fill, load_row, move, set_virtual
-from cnnsim.backends.cpu_rows import BLOCK, PAD, STRIDE, any_taps, cross, isotropic, nine_taps
+from cnnsim.backends.cpu_rows import BLOCK, PAD, STRIDE
 
 Array = NDArray[Any]
 
-NINE, CROSS, ISOTROPIC, ANY = 0, 1, 2, 3
-
 
 class Rule(NamedTuple):
-    """A template's feedback, ready for the loops: taps, radius, which loop, step length, boundary and its constant."""
+    """A template's feedback, ready for the loops: their address, taps, radius, step, boundary and its constant."""
 
-    kind: int
+    loop: int
     r: int
     k: Array
     l: Array
@@ -51,23 +54,6 @@ def tile_area(tile: int, down: int, across: int, height: int, width: int, rows: 
     return Area(r0, min(rows, r0 + height), c0, min(cols, c0 + width))
 
 
-@helper
-def step_block(
-    kind: int, k: Array, l: Array, weight: Array, r: int, room: Array, at_row: int, at_square: int, at_x: int,
-    at_w: int, at_y: int, at_out: int, n: int, h: float, blocks: int,
-) -> None:  # fmt: skip
-    """Step blocks by the loop of this kind. (A rule is not handed on whole, for the sake of reference counts.)"""
-    if kind == NINE:
-        nine_taps(room, at_x, room, at_w, room, at_y, room, at_out, n, room, at_square, h, blocks)
-    elif kind == CROSS:
-        cross(room, at_x, room, at_w, room, at_y, room, at_out, n, room, at_square, h, blocks)
-    elif kind == ISOTROPIC:
-        isotropic(room, at_x, room, at_w, room, at_y, room, at_out, n, room, at_square, h, blocks)
-    else:
-        any_taps(room, at_x, at_w, at_y, at_out, n, k, l, weight, r, at_row, h, blocks)
-
-
-@helper
 def stream(
     source: Array, w: Array, target: Array, rule: Rule, depth: int, area: Area, room: Array, at: Places,
     look: bool, rest: float, measure: bool, seen: Array,
@@ -77,7 +63,7 @@ def stream(
     With ``look`` (depth 1) nothing is written, but the step that would come is looked at (`look_block`).
     """
     rows, cols = source.shape
-    kind, r, k, l, weight, square, h, boundary, constant = rule
+    loop, r, k, l, weight, square, h, boundary, constant = rule
     torus = boundary == PERIODIC
     reach = depth * r
     lo, hi, top, bottom = area.c0 - reach, area.c1 + reach, area.r0 - reach, area.r1 + reach
@@ -122,13 +108,13 @@ def stream(
                     fill(room, at.drive + q * STRIDE, whole, 0)
                 one = source.dtype.type(1)
                 step_block(
-                    kind, k, l, weight, r, room, at.row, at.square, at.drive, at.w + o, y, out, whole, one, blocks
+                    loop, k, l, weight, r, room, at.row, at.square, at.drive, at.w + o, y, out, whole, one, blocks
                 )
                 for q in range(0, blocks * BLOCK, BLOCK):
                     x0, drive0 = at.x + o + inner + q * STRIDE, at.drive + inner + q * STRIDE
                     look_block(room, x0, drive0, area.r0, area.r1, i + q, width, area.c0, rest, measure, seen)
             else:
-                step_block(kind, k, l, weight, r, room, at.row, at.square, at.x + o, at.w + o, y, out, whole, h, blocks)
+                step_block(loop, k, l, weight, r, room, at.row, at.square, at.x + o, at.w + o, y, out, whole, h, blocks)
             if level == depth:
                 if not look:
                     for q in range(max(area.r0 - i, 0), min(area.r1 - i, GROUP)):
@@ -142,3 +128,18 @@ def stream(
                 move(room, new + (GROUP + p) * STRIDE, room, at.kept + (level * 2 * r + p) * STRIDE, used)
             y, new = new, y
         line += GROUP
+
+
+@cache
+def streaming(rule: Any) -> Any:
+    """Return `stream` compiled for rules of this numba type."""
+    cells = rule.types[-1]
+    plane, row = types.Array(cells, 2, "C"), types.Array(cells, 1, "C")
+    area, places = numba.typeof(Area(0, 0, 0, 0)), numba.typeof(Places(0, 0, 0, 0, 0, 0, 0, 0))
+    return compiled_at(
+        stream,
+        types.void(
+            plane, plane, plane, rule, types.int64, area, row, places, types.boolean, types.float64, types.boolean,
+            types.float64[::1],
+        ),
+    )  # fmt: skip

@@ -4,15 +4,20 @@ The same arithmetic as `cnnsim.backends.cpu_tile`, without the streaming: for th
 `cnnsim.backends.cpu_sleep` its bookkeeping would cost more than the cells.
 """
 
+from functools import cache
 from typing import Any, NamedTuple
 
+import numba
+from numba import types
 from numpy.typing import NDArray
 
+from cnnsim.backends.cpu_address import compiled_at
 from cnnsim.backends.cpu_compile import helper
 from cnnsim.backends.cpu_look import look_block
+from cnnsim.backends.cpu_loops import step_block
 from cnnsim.backends.cpu_room import PERIODIC, ZERO_FLUX, clip_rows, fill, load_row, move
 from cnnsim.backends.cpu_rows import BLOCK, PAD, STRIDE, catch_up_block
-from cnnsim.backends.cpu_tile import Area, Rule, step_block
+from cnnsim.backends.cpu_tile import Area, Rule
 
 Array = NDArray[Any]
 
@@ -72,7 +77,6 @@ def set_edges(
                 fill(room, y + row * STRIDE, n + 2 * PAD, c)
 
 
-@helper
 def step_window(
     source: Array, w: Array, target: Array, rule: Rule, depth: int, area: Area, room: Array, at: Shelf, task: int,
     rest: float, measure: bool, behind: int, seen: Array,
@@ -83,7 +87,7 @@ def step_window(
     stayed the same (`catch_up_block`).
     """
     rows, cols = source.shape
-    kind, r, k, l, weight, square, h, boundary, constant = rule
+    loop, r, k, l, weight, square, h, boundary, constant = rule
     torus, reach = boundary == PERIODIC, (depth + 1) * r
     lo, hi, top, bottom = area.c0 - reach, area.c1 + reach, area.r0 - reach, area.r1 + reach
     if not torus:
@@ -104,7 +108,7 @@ def step_window(
         margin = (depth + 1 - level) * r
         first, last = max(area.r0 - margin, top), min(area.r1 + margin, bottom)
         o, blocks = (first - top) * STRIDE, (last - first + BLOCK - 1) // BLOCK
-        step_block(kind, k, l, weight, r, room, at.row, at.square, at.x + o, at.w + o, y + o, new + o + r * STRIDE,
+        step_block(loop, k, l, weight, r, room, at.row, at.square, at.x + o, at.w + o, y + o, new + o + r * STRIDE,
                    whole, h, blocks)  # fmt: skip
         set_edges(room, new, m, n, *sides, r, boundary, constant)
         y, new = new, y
@@ -112,7 +116,7 @@ def step_window(
         o = (i - top) * STRIDE
         for q in range(BLOCK):
             fill(room, at.drive + q * STRIDE, whole, 0)
-        step_block(kind, k, l, weight, r, room, at.row, at.square, at.drive, at.w + o, y + o, new, whole,
+        step_block(loop, k, l, weight, r, room, at.row, at.square, at.drive, at.w + o, y + o, new, whole,
                    source.dtype.type(1), 1)  # fmt: skip
         if task == LOOK:
             look_block(room, at.x + o + inner, at.drive + inner, area.r0, area.r1, i, area.c1 - area.c0, area.c0, rest,
@@ -122,3 +126,18 @@ def step_window(
     if depth > 0 or task != LOOK:
         for i in range(area.r0, area.r1):
             move(room, at.x + (i - top) * STRIDE + inner, target[i], area.c0, area.c1 - area.c0)
+
+
+@cache
+def window(rule: Any) -> Any:
+    """Return `step_window` compiled for rules of this numba type."""
+    cells = rule.types[-1]
+    plane, row = types.Array(cells, 2, "C"), types.Array(cells, 1, "C")
+    area, shelf = numba.typeof(Area(0, 0, 0, 0)), numba.typeof(Shelf(0, 0, 0, 0, 0, 0, 0))
+    return compiled_at(
+        step_window,
+        types.void(
+            plane, plane, plane, rule, types.int64, area, row, shelf, types.int64, types.float64, types.boolean,
+            types.int64, types.float64[::1],
+        ),
+    )  # fmt: skip
