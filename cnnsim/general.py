@@ -81,7 +81,7 @@ def divided(duration: Duration, h: float) -> float:
     """Shorten the step a little where the duration is no multiple of it, so that the last step ends on time."""
     if duration == "settled" or duration == 0:
         return h
-    steps = ceil(duration / h - 1e-9)
+    steps = max(1, ceil(duration / h - 1e-9))
     return h if abs(steps * h - duration) <= 1e-9 * duration else duration / steps
 
 

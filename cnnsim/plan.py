@@ -113,7 +113,8 @@ def make_plan(
     h = 0.1 or half the stability limit, whichever is less. ``without`` names savings (see `Saving`) not to use.
 
     Raises:
-        InputError: a step that cannot be stable (the message has the limit), a negative duration, an unknown name.
+        InputError: a step that cannot be stable (the message has the limit), a negative duration or limit, an unknown
+            name.
     """
     kind = parse_cell(cell)
     if duration != "settled" and not (isinstance(duration, int | float) and 0 <= duration < math.inf):
@@ -121,6 +122,8 @@ def make_plan(
     network = layered(template)
     grid = _grid(shape, len(network.layers))
     limit = usual_limit(grid) if limit is None else limit
+    if not 0 <= limit < math.inf:
+        raise InputError(f"limit {limit!r}; a number of time constants >= 0 wanted")
     for name in without:
         if name not in get_args(Saving):
             raise InputError(f"cannot do without {name!r}; what can be switched off is {', '.join(get_args(Saving))}")

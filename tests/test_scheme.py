@@ -10,6 +10,7 @@ from cnnsim.cell import uncoupled_state
 from cnnsim.plan import make_plan
 from cnnsim.scheme import EULER, RK4, SCHEMES, Scheme
 from cnnsim.stability import step_limit
+from cnnsim.term import Term
 
 
 @pytest.mark.parametrize("scheme", list(SCHEMES.values()), ids=list(SCHEMES))
@@ -147,6 +148,9 @@ def test_adaptive_needs_a_duration_and_the_reference() -> None:
 @pytest.mark.parametrize(("arguments", "message"), [
     ({"duration": -1.0}, "duration -1.0"),
     ({"duration": float("nan")}, "duration nan"),
+    ({"limit": -1.0}, "limit -1.0"),
+    ({"limit": float("nan")}, "limit nan"),
+    ({"limit": float("inf")}, "limit inf"),
     ({"step": 0.0}, "step 0.0"),
     ({"scheme": "leapfrog"}, "known are euler, exponential-euler, heun, rk4, adaptive"),
     ({"cell": "spiking"}, "known are chua-yang, full-range"),
@@ -155,3 +159,10 @@ def test_adaptive_needs_a_duration_and_the_reference() -> None:
 def test_bad_requests_are_told_what_is_wanted(arguments: dict[str, object], message: str) -> None:
     with pytest.raises(InputError, match=message):
         make_plan(Template(np.ones((3, 3))), (4, 4), fixed(0), **arguments)  # type: ignore[arg-type]  # on purpose
+
+
+@pytest.mark.parametrize("duration", [1e-300, 1e-12])
+@pytest.mark.parametrize("terms", [(), (Term(0.5, "x_kl"),)], ids=["stepped", "general"])
+def test_a_time_far_shorter_than_a_step_is_one_step(duration: float, terms: tuple[Term, ...]) -> None:
+    plan = make_plan(Template(np.ones((3, 3)), terms=terms), (2, 3), fixed(0), duration=duration)
+    assert (plan.steps, plan.step) == (1, duration)
