@@ -9,7 +9,7 @@ from cnnsim.cli_run import json_option, without_option
 from cnnsim.command import examples, print_json
 from cnnsim.errors import InputError
 from cnnsim.layers import layered
-from cnnsim.library import Example, LibraryEntry
+from cnnsim.library_entry import Example, LibraryEntry
 from cnnsim.picture import to_ascii
 from cnnsim.table import Table
 from cnnsim.template import Template

@@ -11,6 +11,7 @@ from cnnsim import backends, library
 from cnnsim.command import examples, print_json
 from cnnsim.errors import InputError
 from cnnsim.grid import parse_boundary
+from cnnsim.library_entry import LibraryEntry
 from cnnsim.picture import read_picture, write_film, write_picture
 from cnnsim.plan import Saving
 from cnnsim.scheme import ADAPTIVE, SCHEMES
@@ -91,7 +92,7 @@ def run(
         click.echo(f"{name}: {size} cells, {ended}, {black} black" + _arrow(output))
 
 
-def read_frames(entry: library.LibraryEntry, pictures: tuple[Path, ...], *, binary: bool) -> NDArray[np.float64]:
+def read_frames(entry: LibraryEntry, pictures: tuple[Path, ...], *, binary: bool) -> NDArray[np.float64]:
     """Return the picture (rows, cols) for a template, or the sequence (frames, rows, cols) if it takes one.
 
     Raises:

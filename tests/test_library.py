@@ -7,7 +7,8 @@ import pytest
 
 from cnnsim import Template, library
 from cnnsim.backends import NAMES as BACKENDS
-from cnnsim.library import Example, run_example
+from cnnsim.library import run_example
+from cnnsim.library_entry import Example
 from tests.library_kit import ANSWERS
 from tests.oracles.pictures import Case, black
 

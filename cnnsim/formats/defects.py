@@ -10,7 +10,7 @@ from cnnsim.formats.differences import number_differences
 from cnnsim.formats.draft import Draft
 from cnnsim.formats.known_defects import KNOWN
 from cnnsim.layers import AnyTemplate
-from cnnsim.library import LibraryEntry
+from cnnsim.library_entry import LibraryEntry
 from cnnsim.template import Template
 
 _SMALL_MARGIN = 0.25  # what an analog chip of 7 or 8 bits cannot be trusted with

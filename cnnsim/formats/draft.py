@@ -7,7 +7,7 @@ from cnnsim.errors import InputError
 from cnnsim.formats.report import Report
 from cnnsim.grid import ZERO_FLUX, Boundary
 from cnnsim.layers import AnyTemplate
-from cnnsim.library import Role
+from cnnsim.library_entry import Role
 from cnnsim.plan import Duration
 from cnnsim.template import Template
 

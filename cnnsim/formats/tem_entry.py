@@ -6,7 +6,7 @@ from cnnsim.formats.numbers import written
 from cnnsim.formats.tem import Header, Section, TemFile
 from cnnsim.formats.tem_from_terms import template_section
 from cnnsim.grid import Boundary
-from cnnsim.library import LibraryEntry, Role
+from cnnsim.library_entry import LibraryEntry, Role
 
 
 def entry_to_tem(entry: LibraryEntry) -> TemFile:

@@ -8,7 +8,7 @@ from cnnsim.formats.numbers import is_number, number
 from cnnsim.formats.report import Report
 from cnnsim.formats.tem import TemFile
 from cnnsim.grid import PERIODIC, ZERO_FLUX, Boundary, fixed
-from cnnsim.library import Role
+from cnnsim.library_entry import Role
 from cnnsim.plan import Duration
 
 _PART = re.compile(r"\s*([A-Za-z]\w*)\s*[:=]\s*([^,(]*(?:\([^)]*\))?[^,]*)(?:,|$)")

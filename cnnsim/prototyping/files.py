@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from cnnsim.errors import InputError
 from cnnsim.formats.toml_writer import toml_value
 from cnnsim.grid import Boundary
-from cnnsim.library import Example
+from cnnsim.library_entry import Example
 from cnnsim.picture import to_ascii
 from cnnsim.prototyping.design import Design, Part
 from cnnsim.prototyping.rule import Rule

@@ -10,7 +10,7 @@ from cnnsim import backends
 from cnnsim.errors import InputError
 from cnnsim.frames import Frames
 from cnnsim.layers import AnyTemplate, layered
-from cnnsim.library import Example, LibraryEntry
+from cnnsim.library_entry import Example, LibraryEntry
 from cnnsim.prototyping.margin import margin_of
 from cnnsim.template import Tap, Template
 from cnnsim.transient import Task, make_task
@@ -94,7 +94,11 @@ class _Neighbourhoods:
 
 
 class _Examples:
-    """Whole runs on the template's own examples."""
+    """Whole runs on the template's own examples.
+
+    Black and white is compared with the example, grey with what the undisturbed template makes of it: the tolerance of
+    a grey example says how far theory leaves the answer open, not what an error may do to it.
+    """
 
     def __init__(self, entry: LibraryEntry) -> None:
         if not entry.examples:
@@ -105,17 +109,21 @@ class _Examples:
         cells = sum(example.output.size for example in entry.examples)
         self.what = f"the {cells} cells of its own {len(entry.examples)} worked examples"
         if any(example.tolerance is not None for example in entry.examples):
-            self.what += f" (wrong: off by more than {_GREY:g})"
+            self.what += f" (grey, so wrong is what errors move by more than {_GREY:g})"
+        self.right = [
+            example.output if example.tolerance is None else self._output(task, entry.network)
+            for example, task in zip(self.examples, self.tasks, strict=True)
+        ]
 
     def share_of_wrong(self, template: AnyTemplate, noise: float, rng: np.random.Generator) -> float:
         wrong = sum(
-            self._wrong(example, task, template, noise, rng)
-            for example, task in zip(self.examples, self.tasks, strict=True)
+            self._wrong(example, right, task, template, noise, rng)
+            for example, right, task in zip(self.examples, self.right, self.tasks, strict=True)
         )
         return wrong / sum(example.output.size for example in self.examples)
 
     def _wrong(
-        self, example: Example, task: Task, template: AnyTemplate, noise: float, rng: np.random.Generator
+        self, example: Example, right: Array, task: Task, template: AnyTemplate, noise: float, rng: np.random.Generator
     ) -> int:
         if noise:
 
@@ -125,19 +133,23 @@ class _Examples:
             heard = getattr(task, self.plane)
             shown: Any = heard.map(noisy) if isinstance(heard, Frames) else noisy(heard)
             task = replace(task, state=shown) if self.plane == "state" else replace(task, input=shown)
+        try:
+            y = self._output(task, template)
+        except InputError:
+            return right.size  # it has blown up
+        if example.tolerance is None:
+            return int((y * right <= 0).sum())
+        return int((np.abs(y - right) > _GREY).sum())
+
+    def _output(self, task: Task, template: AnyTemplate) -> Array:
+        """Run a template; a chip is read out whether it has settled or not."""
         network = layered(template)
         # the plan of the undisturbed template: a new one for each draw would cost more than the run
         plan = replace(task.plan, template=network.layers[0])
         if plan.network is not None:
             plan = replace(plan, network=network)
-        try:
-            outcome = task.start(self.backend, plan=plan)
-        except InputError:
-            return example.output.size  # it has blown up
-        y = task.plan.output(self.backend.read(outcome.x))  # a chip is read out whether it has settled or not
-        if example.tolerance is None:
-            return int((y * example.output <= 0).sum())
-        return int((np.abs(y - example.output) > max(example.tolerance, _GREY)).sum())
+        y: Array = task.plan.output(self.backend.read(task.start(self.backend, plan=plan).x))
+        return y
 
 
 def _task(entry: LibraryEntry, example: Example) -> Task:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.library import LibraryEntry
+from cnnsim.library_entry import LibraryEntry
 from cnnsim.neighbourhood import pairs_of, too_many, weighted_sums
 from cnnsim.template import Template
 

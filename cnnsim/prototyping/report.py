@@ -7,7 +7,7 @@ from typing import Any
 from cnnsim import library
 from cnnsim.errors import InputError
 from cnnsim.grid import Boundary
-from cnnsim.library import Example
+from cnnsim.library_entry import Example
 from cnnsim.prototyping.design import Design
 from cnnsim.prototyping.expression import parse_rule
 from cnnsim.prototyping.files import part_names, template_text, write_design

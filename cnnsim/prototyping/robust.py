@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cnnsim.library import LibraryEntry
+from cnnsim.library_entry import LibraryEntry
 from cnnsim.prototyping.disturb import quantised, with_relative_errors
 from cnnsim.prototyping.judge import Judge, judge_of
 from cnnsim.prototyping.margin import Margin, margin_of
