@@ -2,6 +2,7 @@
 
 import itertools
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from cnnsim.prototyping.disturb import quantised, with_relative_errors
 from cnnsim.prototyping.judge import final_colour, judge_of
 from cnnsim.prototyping.margin import margin_of, tolerated_error
 from cnnsim.prototyping.robust import BITS, NOISES, SIGMAS, measure
+from cnnsim.transient import run_transient
 
 WITH_MARGIN = [name for name in library.names("binary") if library.load(name).margin is not None]
 UNCOUPLED = [name for name in WITH_MARGIN if library.load(name).template.uncoupled]
@@ -180,6 +182,26 @@ def test_the_judge_counts_wrong_cells_of_examples() -> None:
     white = sum(int((example.output < 0).sum()) for example in entry.examples)
     cells = sum(example.output.size for example in entry.examples)
     assert judge_of(entry).share_of_wrong(all_black, 0.0, np.random.default_rng(0)) == white / cells
+
+
+def test_a_grey_answer_is_compared_with_that_of_the_undisturbed_template() -> None:
+    entry = library.load("median")  # its example leaves half a unit open: a median of eight is any number in a gap
+    judge = judge_of(entry)
+    assert judge.share_of_wrong(entry.network, 0.0, np.random.default_rng(0)) == 0
+    template = entry.template
+    neighbours, own = template.terms[0].weights, (template.A, template.B)
+
+    def reweighted(weights: np.ndarray) -> Template:
+        return Template(*own, template.z, terms=[replace(template.terms[0], weights=weights)])
+
+    rng = np.random.default_rng(0)
+    assert judge.share_of_wrong(reweighted(1.5 * neighbours), 0.0, rng) == 0  # equal weights: still the median
+    one_decides = np.where(np.arange(9).reshape(3, 3) == 1, 0.4, 0.02) * (neighbours != 0)
+    picture = entry.examples[0].input
+    assert picture is not None
+    above = np.vstack([picture[:1], picture[:-1]])  # 0.4 outweighs seven times 0.02: the cell above is copied
+    wrong = np.abs(above - run_transient(entry.network, **entry.task(picture)).y) > 0.1
+    assert judge.share_of_wrong(reweighted(one_decides), 0.0, rng) == wrong.mean() > 0.5
 
 
 @pytest.mark.parametrize("name", ["edge", "shadow-left", "average", "autowave"])

@@ -19,7 +19,8 @@ Array = NDArray[np.floating[Any]]
 
 MOST_WINDOWS = 4096
 _WAIT = 100.0
-_GREY = 0.05
+_GREY = 0.1
+"""A twentieth of black to white: more than Euler chatters about the edge of a median, three neighbours of it alike."""
 
 
 class Judge(Protocol):
