@@ -59,6 +59,7 @@ def consensus(at, planes, signal, order, depth, strain, seeds):  # type: ignore[
     """
     families, taxels = signal.shape[0], order.size
     place, weight = np.full((families, taxels, 2), np.inf), np.zeros((families, taxels))
+    top = signal[:, order[0]].max()  # squares of very small and very large signals would be 0 and infinite
     for i in range(taxels):
         n = order[i]
         for f in range(families):
@@ -66,7 +67,7 @@ def consensus(at, planes, signal, order, depth, strain, seeds):  # type: ignore[
                 dx, dy = planes[f, 0, n] / depth, planes[f, 1, n] / depth
                 place[f, i, 0] = dx + (at[n, 0] - at[order[0], 0]) / depth
                 place[f, i, 1] = dy + (at[n, 1] - at[order[0], 1]) / depth
-                weight[f, i] = (signal[f, n] / (1 + dx * dx + dy * dy)) ** 2
+                weight[f, i] = (signal[f, n] / top / (1 + dx * dx + dy * dy)) ** 2
     tried = np.full((seeds * families, 4), np.inf)
     chosen = np.zeros((seeds * families, taxels), np.int64)
     best = -1

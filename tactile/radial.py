@@ -33,7 +33,8 @@ class RadialCorrection:
     Arguments: ``found``, ``true`` (n,) growing radii from 0 [m]; ``force`` (n,) true over located force.
 
     Raises:
-        InputError: lengths that differ, fewer than 2 radii, radii that do not start at 0 or do not grow.
+        InputError: lengths that differ, fewer than 2 radii, radii that do not start at 0 or do not grow, factors that
+            are not positive.
 
     Source: Vasarhelyi, Fodor, Roska, sect. 4, below Fig. 7.
     """
@@ -51,6 +52,8 @@ class RadialCorrection:
         for name, radii in (("located", self.found), ("true", self.true)):
             if radii[0] != 0 or not (np.diff(radii) > 0).all() or not np.isfinite(radii).all():
                 raise InputError(f"{name} radii {list(radii)}, growing ones from 0 wanted")
+        if not all(0 < factor < np.inf for factor in self.force):
+            raise InputError(f"factors of the force {list(self.force)}, positive ones wanted")
 
     @cached_property
     def _curves(self) -> tuple[PchipInterpolator, PchipInterpolator]:

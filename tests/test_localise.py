@@ -45,6 +45,12 @@ def random_load(random: np.random.Generator, rows: int, cols: int) -> NDArray[np
     return np.concatenate([place, random.normal(size=3)])
 
 
+@pytest.mark.parametrize("size", [1e-250, 1e-160, 1e-12, 1e6, 1e160, 1e250])
+def test_loads_of_any_size_are_located(size: float) -> None:
+    at, wanted = array(3, 3), np.array([4.2e-3, -1.7e-3, 0.2, -0.3, 1.0])
+    assert_is(locate(at, size * point_load_strain(at, DEPTH, [wanted], MODULUS)), wanted * [1, 1, size, size, size])
+
+
 @pytest.mark.parametrize("shape", [(2, 2), (2, 3), (3, 3), (8, 8)])
 def test_three_component_loads_whose_sign_turns_between_taxels(shape: tuple[int, int]) -> None:
     random = np.random.default_rng(2)

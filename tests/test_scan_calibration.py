@@ -210,3 +210,6 @@ def test_scans_that_cannot_correct_are_refused() -> None:
         RadialCorrection((0, 2, 1), (0, 1, 2), (1, 1, 1))
     with pytest.raises(InputError, match="equally many"):
         RadialCorrection((0, 1), (0, 1), (1,))
+    for factor in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(InputError, match="positive ones wanted"):
+            RadialCorrection((0, 1), (0, 1), (1, factor))

@@ -22,15 +22,17 @@ NOMINAL, MODULUS, LOAD, SPEED = 2e-4, 2.4e6, 0.02, 5e-4
 SENSOR = Gains(1.825, 1.25)
 
 
-def scan(depth: float = NOMINAL, turn: float = 0.0, aside: float = 0.0, half: float = 5e-4) -> tuple[Plane, Plane]:
-    """Times and readings of a needle drawn at 50 frames a second; along ``turn``, ``aside`` [m] of the taxel."""
-    along = np.arange(-half, half + 1e-9, SPEED / 50)
+def scan(
+    depth: float = NOMINAL, turn: float = 0.0, aside: float = 0.0, half: float = 5e-4, rate: float = 50
+) -> tuple[Plane, Plane]:
+    """Times and readings of a needle drawn at ``rate`` frames a second; along ``turn``, ``aside`` [m] of the taxel."""
+    along = np.arange(-half, half + 1e-9, SPEED / rate)
     rows = np.zeros((along.size, 1, 5))
     rows[:, 0, 0] = along * np.cos(turn) - aside * np.sin(turn)
     rows[:, 0, 1] = along * np.sin(turn) + aside * np.cos(turn)
     rows[:, 0, 4] = LOAD
     strain = point_load_strain((0.0, 0.0), depth, rows, MODULUS)
-    return np.arange(along.size) / 50, strain / (SENSOR.shear, SENSOR.shear, SENSOR.normal)
+    return np.arange(along.size) / rate, strain / (SENSOR.shear, SENSOR.shear, SENSOR.normal)
 
 
 @pytest.mark.parametrize("deeper", [0.85, 1.0, 1.2])
@@ -73,6 +75,33 @@ def test_scans_that_cannot_calibrate_are_refused() -> None:
     with pytest.raises(InputError, match=r"\(100,\).*\(101, 3\)"):
         attempt(t[1:], readings)
     attempt(*scan(aside=1.5e-5))  # near enough
+
+
+@pytest.mark.parametrize("share", [0.3, 0.6, 0.9])
+@pytest.mark.parametrize("component", [0, 2])
+def test_scans_that_leave_the_sensors_range_are_refused(component: int, share: float) -> None:
+    t, readings = scan(turn=0.0)
+    most = share * np.abs(readings[:, component]).max()
+    readings[:, component] = readings[:, component].clip(-most, most)
+    with pytest.raises(InputError, match=r"readings on end are .* cut at the end"):
+        calibrate(t, readings, SPEED, LOAD, NOMINAL, MODULUS)
+
+
+@pytest.mark.parametrize("counts", [100, 400, 3000])
+@pytest.mark.parametrize("rate", [30, 50, 200, 1000])
+def test_whole_counts_are_not_taken_for_a_range_that_ends(counts: int, rate: float) -> None:
+    t, readings = scan(turn=0.3, rate=rate)
+    count = np.abs(readings).max() / counts
+    made = calibrate(t, np.round(readings / count) * count, SPEED, LOAD, NOMINAL, MODULUS)
+    assert made.depth == pytest.approx(NOMINAL, rel=2 / counts)
+
+
+@pytest.mark.parametrize("wrong", [0.0, -1.0, np.nan, np.inf])
+@pytest.mark.parametrize("which", ["speed", "load", "depth", "modulus"])
+def test_what_the_bench_says_is_positive(which: str, wrong: float) -> None:
+    bench = {"speed": SPEED, "load": LOAD, "depth": NOMINAL, "modulus": MODULUS, which: wrong}
+    with pytest.raises(InputError, match=f"{which} {wrong}, a positive number wanted"):
+        calibrate(*scan(), **bench)
 
 
 MADE = Calibration(SENSOR, 2.1e-4, RadialCorrection((0.0, 9e-5, 2e-4), (0.0, 1e-4, 2.3e-4), (1.0, 1.1, 1.3)))
