@@ -1,10 +1,12 @@
 """What both command lines share: mistakes of the user become one line on stderr and exit code 2."""
 
 import json
+import sys
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from cnnsim.compiling import Terminal
 from cnnsim.errors import InputError
 
 if TYPE_CHECKING:
@@ -20,6 +22,7 @@ class CommandGroup(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command."""
+        Terminal.wanted = sys.stderr.isatty()
         try:
             return super().invoke(ctx)
         except InputError as error:

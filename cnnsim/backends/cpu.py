@@ -12,7 +12,7 @@ from numpy.typing import DTypeLike, NDArray
 from cnnsim.backends import cpu_bits, cpu_closed, cpu_general, cpu_kernels
 from cnnsim.backends.base import Memory, Outcome, check_finite
 from cnnsim.backends.cpu_bits import Bits
-from cnnsim.backends.cpu_compile import THREADS_PAY_FROM, Kernel
+from cnnsim.backends.cpu_compile import THREADS_PAY_FROM, Kernel, kept_in
 from cnnsim.backends.cpu_control import control, controlling
 from cnnsim.backends.cpu_dense import dense
 from cnnsim.backends.cpu_morphology import neighbourhood
@@ -21,11 +21,14 @@ from cnnsim.backends.cpu_sleep import sleeping
 from cnnsim.backends.cpu_spare import Spare
 from cnnsim.bitwise import BitRule
 from cnnsim.cellwise import Cellwise
+from cnnsim.compiling import announce
 from cnnsim.errors import InputError
 from cnnsim.grid import Boundary, virtual_index
 from cnnsim.plan import Plan
 
 Array = NDArray[Any]
+
+announce(kept_in(cpu_kernels.clip.serial))
 
 _NO_MASK = np.empty((1, 1, 0), dtype=bool)
 

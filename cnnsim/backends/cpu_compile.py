@@ -60,6 +60,11 @@ def _compiled(function: Kernel, kind: str, **options: Any) -> Kernel:
     return jitted
 
 
+def kept_in(jitted: Any) -> str:
+    """Return the folder of the disk cache."""
+    return str(jitted.stats.cache_path)
+
+
 def named(function: Kernel, kind: str) -> FunctionType:
     """Return a copy under a name that says how it is compiled, and from which files."""
     assert isinstance(function, FunctionType)
