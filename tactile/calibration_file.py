@@ -1,11 +1,15 @@
-"""What a scan has measured of a skin, and the TOML file that keeps it: written by ``calibrate``, read by ``run``."""
+"""What a scan has measured of a skin, and its TOML file: written by ``calibrate``, read by ``run`` and ``live``."""
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from cnnsim.errors import InputError
-from cnnsim.toml_file import check_keys, read_toml, take, take_numbers
+from cnnsim.toml_file import check_keys, parse_toml, read_toml, take, take_numbers
 from tactile.calibration import Gains
+from tactile.finger import Settings
+from tactile.frame import TaxelArray
 from tactile.radial import RadialCorrection
 
 KEYS = ("shear_gain", "normal_gain", "depth_mm", "radial")
@@ -20,6 +24,17 @@ class Calibration:
     depth: float
     radial: RadialCorrection
 
+    def applied(self, settings: Settings, arrays: Iterable[TaxelArray]) -> Settings:
+        """Return the settings with this skin's gains, depth and correction.
+
+        Raises:
+            InputError: an array that does not measure strain.
+        """
+        for array in arrays:
+            if array.quantity != "strain":
+                raise InputError(f"a calibration for taxel array {array.name!r} of {array.quantity}; strain wanted")
+        return replace(settings, gains=self.gains, depth=self.depth, radial=self.radial)
+
 
 def read_calibration(path: Path) -> Calibration:
     """Read a calibration.
@@ -27,8 +42,19 @@ def read_calibration(path: Path) -> Calibration:
     Raises:
         InputError: no such file, no TOML, an unknown or missing key, a wrong type or value.
     """
-    where = str(path)
-    table = read_toml(path, "calibration")
+    return _calibration(read_toml(path, "calibration"), str(path))
+
+
+def parse_calibration(text: str, where: str) -> Calibration:
+    """Return the calibration that a file's text is; ``where`` names it in messages.
+
+    Raises:
+        InputError: as ``read_calibration``.
+    """
+    return _calibration(parse_toml(text, where), where)
+
+
+def _calibration(table: dict[str, Any], where: str) -> Calibration:
     check_keys(table, KEYS, where)
     radial = take(table, "radial", dict, where)
     check_keys(radial, RADIAL_KEYS, f"{where}: [radial]")

@@ -1,6 +1,5 @@
 """The command line of the tactile layer."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -74,7 +73,11 @@ def run(
     offset = tare if tare is not None else (TARE if source.suffix == ".npz" else 0)
     settings = Settings(shear, window=window, floor=floor, tare=offset, gains=_gains(gains), backend=backend)
     if calibration is not None:
-        settings = _calibrated(settings, calibration)
+        from tactile.calibration_file import read_calibration  # SciPy's splines are slow to import
+
+        if gains is not None:
+            raise click.UsageError("--calibration has gains; leave out --gains")
+        settings = read_calibration(calibration).applied(settings, frames.arrays)
     collected = Collected()
     watched = _Watched(frames, track(frames, "touch", total=frames.frames, transient=True, disable=as_json))
     if output is None:
@@ -101,15 +104,6 @@ def _gains(text: str | None) -> Gains | None:
     except ValueError as error:
         raise click.UsageError(f"--gains {text!r}; two numbers SHEAR,NORMAL wanted") from error
     return Gains(shear, normal)
-
-
-def _calibrated(settings: Settings, path: Path) -> Settings:
-    from tactile.calibration_file import read_calibration  # SciPy's splines are slow to import
-
-    if settings.gains is not None:
-        raise click.UsageError("--calibration has gains; leave out --gains")
-    made = read_calibration(path)
-    return replace(settings, gains=made.gains, depth=made.depth, radial=made.radial)
 
 
 class _Watched:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from cnnsim.errors import InputError
+from tactile.calibration import Gains
 from tactile.frame import Frame, TaxelArray
 from tactile.serial.arrange import Arrange, back
 from tactile.serial.clock import ENOUGH, LATE, ClockLine
@@ -102,6 +103,17 @@ def test_the_first_tare_waits_for_stillness() -> None:
     last = fed(tare, still)[-1]
     assert last.valid.tolist() == [[True, False]]
     assert np.abs(last.values[0, 0]).max() < 1e-15
+
+
+def test_a_tare_knows_what_its_readings_will_be() -> None:
+    """Readings over the gains are judged like the readings."""
+    rng, gains = np.random.default_rng(4), Gains(2.0**-10, -(2.0**-6))
+    quiet, loud = (size * rng.standard_normal((20, 1, 2, 3)) for size in (1e-4, 1e-2))
+    for values, why in ((quiet, "at the start"), (loud, "refused: not still")):
+        plain, scaled = LiveTare(0, ARRAY, block=20), LiveTare(0, ARRAY, block=20, gains=gains)
+        fed(plain, values)
+        fed(scaled, values / gains(np.ones(3)))
+        assert [note.why for note in plain.notes] == [note.why for note in scaled.notes] == [why]
 
 
 TEXT = """

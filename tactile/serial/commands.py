@@ -61,7 +61,11 @@ def record(
 @PROTOCOL
 @ARRAY
 @click.option("--record", "output", type=FILE, help="Recording to write (.mcap).")
-@click.option("--tare", type=click.Choice(["auto", "manual", "off"]), default="auto", show_default=True)
+@click.option(
+    "--tare", type=click.Choice(["auto", "manual", "off"]), default="auto", show_default=True,
+    help="Renew the offset from still, unloaded frames by itself, only when t is typed, or never.",
+)  # fmt: skip
+@click.option("--calibration", type=FILE, help="Gains, depth and correction of a skin, as `tactile calibrate` writes.")
 @click.option("--dead-band", type=float, help="Shear below this is no direction [unit of the quantity].")
 @click.option("--hysteresis", type=float, help="A direction starts only this much above the dead band.")
 @click.option("--program", help="Also run this analogic program (a name or a .toml file) on every frame.")
@@ -74,16 +78,16 @@ def record(
 @JSON
 def live(
     port: str, protocol: str | None, array: Path | None, output: Path | None, seconds: float | None, once: bool,
-    as_json: bool, **chosen: Any,
+    as_json: bool, calibration: Path | None, **chosen: Any,
 ) -> None:  # fmt: skip
     """Run the pipeline on frames as they arrive. Typing t and Return asks for a tare, q or Ctrl-C ends."""
     from tactile.recording.writer import Recording  # only here
     from tactile.serial.live import Choices, Watch, print_line  # the same
     from tactile.serial.session import Session  # the same
 
-    description, choices = console.chosen_description(protocol, array), Choices(**chosen)
-    description.check_calibrated()
     console.check(chosen)
+    description = console.chosen_description(protocol, array)
+    choices = Choices(calibration=console.kept_calibration(calibration, description), **chosen)
     console.warm_up(description, choices)
     recording = None
     if output is not None:
@@ -123,8 +127,9 @@ def replay(recording: Path, paced: bool, speed: float | None, as_json: bool) -> 
         raise InputError(
             f"{recording}: holds no bytes of a wire; `tactile run` takes its frames after `tactile convert`"
         )
-    recorded.description.check_calibrated()
     choices = Choices(**json.loads(recorded.made.get("choices", "{}")))
+    if choices.calibration is None:
+        recorded.description.check_calibrated()
     chunks = recorded.chunks()
     if paced or speed is not None:
         chunks = at_its_time(chunks, speed or 1.0, time.monotonic, time.sleep)

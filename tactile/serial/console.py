@@ -38,6 +38,21 @@ def chosen_description(protocol: str | None, array: Path | None) -> "Description
     return description
 
 
+def kept_calibration(path: Path | None, description: "Description") -> str | None:
+    """Return the text of a calibration's file, to be kept in a recording; None without one.
+
+    Raises:
+        InputError: the file cannot be read or is wrong; no calibration, and readings whose unit is no quantity.
+    """
+    if path is None:
+        description.check_calibrated()
+        return None
+    from tactile.calibration_file import read_calibration  # SciPy's splines are slow to import
+
+    read_calibration(path)  # so that messages name the file
+    return path.read_text(encoding="utf-8")
+
+
 def mcap(path: Path) -> Path:
     """Return the path of a recording to write.
 
@@ -85,7 +100,7 @@ def warm_up(description: "Description", choices: "Choices") -> None:
                 for n in range(2):
                     yield Frame(finger, 0.0, n, np.full((*array.shape, 3), 0.01), np.ones(array.shape, bool))
 
-    settings = choices.settings()
+    settings = choices.settings(description.arrays)
     own = [] if choices.program is None else [UserProgram(choices.program, settings.shear, choices.backend, nothing)]
     run(Made(), settings, own)
 

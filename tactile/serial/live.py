@@ -6,16 +6,20 @@ import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tactile import pipeline
 from tactile.encoding import SIGN, Threshold
 from tactile.events import Event
 from tactile.finger import Settings
+from tactile.frame import TaxelArray
 from tactile.pipeline import Report
 from tactile.serial.meter import Meter
 from tactile.serial.source import Chunk, WireSource, tares_for
 from tactile.serial.tare import LiveTare, TareNote
+
+if TYPE_CHECKING:
+    from tactile.calibration_file import Calibration
 
 AUTO, MANUAL, OFF = "auto", "manual", "off"
 EVENTS_KEPT = 12
@@ -25,7 +29,10 @@ STATUS = 10**9
 
 @dataclass(frozen=True)
 class Choices:
-    """What a user chose for the pipeline; a recording keeps it, so that a replay runs alike."""
+    """What a user chose for the pipeline; a recording keeps it, so that a replay runs alike.
+
+    ``calibration`` is the text of a calibration's file.
+    """
 
     tare: str = AUTO
     dead_band: float | None = None
@@ -35,17 +42,33 @@ class Choices:
     floor: float | None = None
     backend: str = "cpu"
     program: str | None = None
+    calibration: str | None = None
 
-    def settings(self) -> Settings:
-        """Return the pipeline's settings; tare and gains are dealt with before the pipeline."""
+    def settings(self, arrays: Iterable[TaxelArray]) -> Settings:
+        """Return the pipeline's settings for arrays; the tare and the description's gains come before the pipeline.
+
+        Raises:
+            InputError: a wrong calibration, or one of strain for an array of something else.
+        """
         shear = SIGN if self.sign_code else None
         if self.dead_band is not None:
             shear = Threshold(self.dead_band, self.dead_band / 2 if self.hysteresis is None else self.hysteresis)
-        return Settings(shear, window=self.window, floor=self.floor, backend=self.backend)
+        settings = Settings(shear, window=self.window, floor=self.floor, backend=self.backend)
+        made = self._calibration
+        return settings if made is None else made.applied(settings, arrays)
 
-    def tares(self, arrays: Any) -> tuple[LiveTare, ...]:
-        """Return each finger's tare."""
-        return () if self.tare == OFF else tares_for(arrays, self.tare == AUTO)
+    def tares(self, arrays: tuple[TaxelArray, ...]) -> tuple[LiveTare, ...]:
+        """Return each finger's tare, which sees readings that the calibration's gains are still to come to."""
+        made = self._calibration
+        return () if self.tare == OFF else tares_for(arrays, self.tare == AUTO, made.gains if made else None)
+
+    @property
+    def _calibration(self) -> "Calibration | None":
+        if self.calibration is None:
+            return None
+        from tactile.calibration_file import parse_calibration  # SciPy's splines are slow to import
+
+        return parse_calibration(self.calibration, "calibration")
 
     def text(self) -> str:
         """Return all as JSON."""
@@ -129,7 +152,7 @@ class Watch:
 
     def run(self, choices: Choices) -> None:
         """Take all frames of the source through the pipeline, and through the user's program if there is one."""
-        settings = choices.settings()
+        settings = choices.settings(self._source.arrays)
         sinks: list[Callable[[Report], None]] = [self]
         if choices.program is not None:
             from tactile.serial.programs import UserProgram  # only where it is wanted

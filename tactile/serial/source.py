@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
+from tactile.calibration import Gains
 from tactile.frame import Frame, TaxelArray
 from tactile.serial.arrange import Arrange
 from tactile.serial.clock import ClockLine
@@ -78,6 +79,8 @@ class WireSource:
             yield self._tares[frame.finger](frame) if self._tares else frame
 
 
-def tares_for(arrays: tuple[TaxelArray, ...], automatic: bool = True) -> tuple[LiveTare, ...]:
-    """Return one tare for each finger."""
-    return tuple(LiveTare(finger, array, automatic) for finger, array in enumerate(arrays))
+def tares_for(
+    arrays: tuple[TaxelArray, ...], automatic: bool = True, gains: Gains | None = None
+) -> tuple[LiveTare, ...]:
+    """Return one tare for each finger; ``gains`` take its readings to the array's quantity."""
+    return tuple(LiveTare(finger, array, automatic, gains=gains) for finger, array in enumerate(arrays))

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tactile.calibration import Gains
 from tactile.encoding import CONTACT, SHEAR
 from tactile.frame import NORMAL, Frame, TaxelArray
 
@@ -30,14 +31,19 @@ class LiveTare:
     load by: let nothing touch the array then. A load that grows by less than half a dead band per block, the slowest of
     all, is taken for drift.
 
-    Until there is an offset no taxel is valid. ``automatic`` False renews on request only.
+    Until there is an offset no taxel is valid. ``automatic`` False renews on request only. ``gains``: what takes the
+    readings to the array's quantity, in which the dead bands are; None where they are in it.
     """
 
-    def __init__(self, finger: int, array: TaxelArray, automatic: bool = True, block: int = BLOCK) -> None:
+    def __init__(
+        self, finger: int, array: TaxelArray, automatic: bool = True, block: int = BLOCK, gains: Gains | None = None
+    ) -> None:
         self.notes: list[TareNote] = []
         self._finger, self._automatic, self._block = finger, automatic, block
         self._limit = np.full(3, SHEAR[array.quantity].dead_band)
         self._limit[NORMAL] = CONTACT[array.quantity].dead_band
+        if gains is not None:
+            self._limit /= np.abs(gains(np.ones(3)))
         self._offset: NDArray[np.float64] | None = None
         self._asked = False
         self._begin()
