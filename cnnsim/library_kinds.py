@@ -77,8 +77,13 @@ def read_pictures(value: Any) -> NDArray[np.float64]:
     Raises:
         InputError: no picture, or pictures of different size.
     """
-    if not (isinstance(value, list) and value and isinstance(value[0], list) and isinstance(value[0][0], str | list)):
+    if not isinstance(value, list):
+        raise InputError(f"a picture is {value!r}; a list of rows wanted")
+    first = value[0] if value else None
+    if not (isinstance(first, list) and first and isinstance(first[0], str | list)):
         return parse_ascii(value)
+    if not all(isinstance(plane, list) for plane in value):
+        raise InputError(f"{value!r}: a list of pictures, each a list of rows, wanted")
     planes = [parse_ascii(plane) for plane in value]
     if len({plane.shape for plane in planes}) > 1:
         raise InputError(f"pictures of different size in one list: {[plane.shape for plane in planes]}")

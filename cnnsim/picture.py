@@ -69,7 +69,7 @@ def parse_ascii(rows: Iterable[str | Sequence[float]]) -> NDArray[np.float64]:
     """Read a picture drawn in text: ``#`` is +1, ``.`` is -1; a row of numbers stands for itself.
 
     Raises:
-        InputError: another character, or rows of different length.
+        InputError: another character, something that is no number, or rows of different length.
     """
     values: list[list[float]] = []
     for number, row in enumerate(rows, start=1):
@@ -81,7 +81,10 @@ def parse_ascii(rows: Iterable[str | Sequence[float]]) -> NDArray[np.float64]:
                 )
             values.append([1.0 if character == "#" else -1.0 for character in row])
         else:
-            values.append([float(value) for value in row])
+            try:
+                values.append([float(value) for value in row])
+            except (TypeError, ValueError, OverflowError) as error:
+                raise InputError(f"row {number} of a picture is {row!r}; a text or a list of numbers wanted") from error
         if len(values[-1]) != len(values[0]):
             raise InputError(f"row {number} of a picture has {len(values[-1])} cells, row 1 has {len(values[0])}")
     if not values or not values[0]:

@@ -5,18 +5,21 @@ from typing import Any
 
 from cnnsim.errors import InputError
 from cnnsim.program import Memory
+from cnnsim.toml_file import in_range
 
 
 class Names:
     """Declared names, those written so far, and the numbers that parameters stand for.
 
     Raises:
-        InputError: a name declared in two memories.
+        InputError: something else than names, or one declared in two memories.
     """
 
     def __init__(self, declared: Mapping[Memory, list[str]], parameters: Mapping[str, float]) -> None:
         self.memory: dict[str, Memory] = {}
         for kind, names in declared.items():
+            if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+                raise InputError(f"{kind} is {names!r}; a list of names wanted")
             for name in names:
                 if name in self.memory:
                     raise InputError(f"{name!r} is declared as {self.memory[name]} and as {kind}; one memory wanted")
@@ -52,6 +55,6 @@ class Names:
                 known = ", ".join(self.parameters) or "none"
                 raise InputError(f"{where}: no parameter {value!r}; defined are {known}")
             value = self.parameters[value]
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"{where}: {value!r} is no number")
+        if isinstance(value, bool) or not isinstance(value, int | float) or not in_range(value):
+            raise InputError(f"{where}: {value!r} is no finite number")
         return float(value)

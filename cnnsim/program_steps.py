@@ -57,6 +57,8 @@ def _step(table: dict[str, Any], number: str, scope: Scope) -> Step:
         raise InputError(f"{number}: has {' and '.join(kinds) or 'none'} of {', '.join(_READERS)}; exactly one wanted")
     required, optional, read = _READERS[kinds[0]]
     where = f"{number} ({kinds[0]} {table[kinds[0]]})"
+    if kinds[0] not in ("fill", "repeat") and not isinstance(table[kinds[0]], str):
+        raise InputError(f"{where}: a name wanted")
     check_keys(table, (kinds[0], *required, *optional), where, required)
     return read(table, where, number, scope)
 
@@ -80,8 +82,8 @@ def _template(table: dict[str, Any], where: str, _number: str, scope: Scope) -> 
         template,
         boundary,
         table.get("duration", duration),
-        names.read(u, where, "lam", "llm") if isinstance(u, str) else u,
-        names.read(x0, where, "lam", "llm") if isinstance(x0, str) else float(x0),
+        names.read(u, where, "lam", "llm") if isinstance(u, str) else None if u is None else names.number(u, where),
+        names.read(x0, where, "lam", "llm") if isinstance(x0, str) else names.number(x0, where),
         names.read(table["bias"], where, "lam", "llm") if "bias" in table else None,
         names.read(table["mask"], where, "lam", "llm") if "mask" in table else None,
         names.write(table["to"], where, "lam", "llm"),

@@ -35,7 +35,7 @@ class Table:
         for name in ("at", "values"):
             try:
                 object.__setattr__(self, name, tuple(float(number) for number in getattr(self, name)))
-            except (TypeError, ValueError) as error:
+            except (TypeError, ValueError, OverflowError) as error:
                 raise InputError(f"table: {name} is {getattr(self, name)!r}; a list of numbers wanted") from error
         wanted = len(self.at) + (self.kind == "step")
         if not self.values or len(self.values) != wanted:

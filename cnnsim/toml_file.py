@@ -1,12 +1,11 @@
 """Files in TOML that people write by hand, and taking keys out of their tables: errors name file, table and key."""
 
+import sys
 import tomllib
 from collections.abc import Collection, Mapping
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, TypeVar
-
-import numpy as np
 
 from cnnsim.errors import InputError
 
@@ -37,7 +36,7 @@ def parse_toml(text: str, where: str) -> dict[str, Any]:
     """
     try:
         return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:  # whole numbers of 4300 digits, 1000 brackets in one another
         raise InputError(f"{where}: not TOML: {error}") from error
 
 
@@ -47,9 +46,11 @@ def check_keys(
     """Refuse keys that nobody reads, naming the nearest one that is read, and tables without a required one.
 
     Raises:
-        InputError: an unknown key, or a missing one.
+        InputError: no table, an unknown key, or a missing one.
     """
     lead = f"{where}: " if where else ""
+    if not isinstance(table, Mapping):
+        raise InputError(f"{lead}{table!r}, a table wanted")
     for key in table:
         if key not in known:
             near = get_close_matches(key, known, 1)
@@ -58,6 +59,11 @@ def check_keys(
     missing = [key for key in required if key not in table]
     if missing:
         raise InputError(f"{lead}no {missing[0]!r}")
+
+
+def in_range(number: float) -> bool:
+    """Return whether a number is finite and, if it is a whole one, a float can hold it."""
+    return -sys.float_info.max <= number <= sys.float_info.max
 
 
 def take(table: Mapping[str, Any], key: str, kind: type[Kind], where: str, default: Any = REQUIRED) -> Kind:
@@ -72,11 +78,11 @@ def take(table: Mapping[str, Any], key: str, kind: type[Kind], where: str, defau
         value = default
     else:
         value = table[key]
-    if kind is float and type(value) is int:
+    if kind is float and type(value) is int and in_range(value):
         value = float(value)
     if not isinstance(value, kind) or type(value) is not kind:  # a bool is an int to isinstance
         raise InputError(f"{where}: {key} = {value!r}, {_named(kind)} wanted")
-    if isinstance(value, float) and not np.isfinite(value):
+    if isinstance(value, float) and not in_range(value):
         raise InputError(f"{where}: {key} = {value!r}, {_named(kind)} wanted")
     return value
 
@@ -99,7 +105,7 @@ def numbers(values: Any, count: int, where: str) -> list[float]:
     if (
         not isinstance(values, list)
         or len(values) != count
-        or not all(type(v) in (int, float) and np.isfinite(v) for v in values)
+        or not all(type(v) in (int, float) and in_range(v) for v in values)
     ):
         raise InputError(f"{where} = {values!r}, a list of {count} finite numbers wanted")
     return [float(v) for v in values]

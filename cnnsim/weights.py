@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.errors import InputError
+from cnnsim.toml_file import in_range
 
 MAX_RADIUS = 5
 
@@ -29,7 +30,7 @@ def checked_weights(owner: str, which: str, entries: ArrayLike, *, varying: bool
     """
     try:
         matrix = np.array(entries, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{owner}: {which} is no rectangular matrix of numbers: {entries!r}") from error
     if matrix.ndim == 0:
         matrix = matrix.reshape(1, 1)
@@ -54,9 +55,10 @@ def checked_number(owner: str, which: str, value: object) -> float:
     Raises:
         InputError: anything else.
     """
-    if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not np.isfinite(value):
+    number = value.item() if isinstance(value, np.number) else value
+    if isinstance(number, bool) or not isinstance(number, int | float) or not in_range(number):
         raise InputError(f"{owner}: {which} is {value!r}, a finite number wanted")
-    return float(value)
+    return float(number)
 
 
 def all_taps(matrix: NDArray[np.float64]) -> tuple[Tap, ...]:

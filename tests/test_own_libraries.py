@@ -54,3 +54,20 @@ def test_shipped_templates_have_worked_examples_and_own_ones_may_do_without(tmp_
     assert all(library.load(name).examples for name in library.names())
     own(tmp_path, "bare", "no example")
     assert library.load_file(tmp_path / "bare.toml").examples == ()
+
+
+@pytest.mark.parametrize(("text", "message"), [
+    ("[[example]]\ninput = 5\noutput = ['#']", "a picture is 5; a list of rows wanted"),
+    ("[[example]]\ninput = [5]\noutput = ['#']", "row 1 of a picture is 5; a text or a list of numbers"),
+    ("[[example]]\ninput = [[0.5, {}]]\noutput = ['#']", "row 1 of a picture is .* a list of numbers wanted"),
+    ("[[example]]\ninput = [[]]\noutput = ['#']", "a picture without cells"),
+    ("[[example]]\ninput = [['#'], 5]\noutput = ['#']", "a list of pictures, each a list of rows"),
+    (f"B = 1{'0' * 400}", "B is no rectangular matrix of numbers"),
+    ("example = [5]", "5, a table wanted"),
+])  # fmt: skip
+def test_entries_of_a_wrong_kind_are_named(text: str, message: str, tmp_path: Path) -> None:
+    own(tmp_path, "mine", "not right")
+    file = tmp_path / "mine.toml"
+    file.write_text(f"{file.read_text()}{text}\n")
+    with pytest.raises(InputError, match=rf"mine\.toml: .*{message}"):
+        library.load_file(file)

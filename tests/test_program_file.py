@@ -36,6 +36,11 @@ STEP = "[[step]]\n"
     ),
     ('copy = "p"\nlogic = "and"\nof = ["p"]\nto = "r"', r"step 1: has logic and copy of"),
     ('to = "r"', "step 1: has none of template"),
+    ('template = 3\nto = "r"', r"step 1 \(template 3\): a name wanted"),
+    ('cellwise = []\nof = ["a"]\nto = "b"', r"step 1 \(cellwise \[\]\): a name wanted"),
+    ('template = "edge"\ninput = [1]\nto = "r"', r"step 1 .*: \[1\] is no finite number"),
+    ('template = "recall"\ninput = "p"\nstate = nan\nto = "r"', r"step 1 .*: nan is no finite number"),
+    (f"fill = 1{'0' * 400}\nto = \"r\"", r"step 1 .*: 10*0 is no finite number"),
 ])  # fmt: skip
 def test_a_wrong_step_is_named(body: str, message: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=message):
@@ -54,6 +59,8 @@ def test_what_only_one_branch_writes_cannot_be_read(tmp_path: Path) -> None:
     (HEAD, "no 'step'"),
     (HEAD + 'colour = "red"\n[[step]]\ncopy = "p"\nto = "r"\n', "unknown key 'colour'"),
     (HEAD.replace('"b"]', '"p"]') + '[[step]]\ncopy = "p"\nto = "r"\n', "'p' is declared as lam and as llm"),
+    (HEAD.replace('"b"]', "3]") + '[[step]]\ncopy = "p"\nto = "r"\n', r"lam is \['a', 3\]; a list of names wanted"),
+    (HEAD + 'templates = {t = 5}\n[[step]]\ncopy = "p"\nto = "r"\n', r"templates\.t: 5, a table wanted"),
     (HEAD + '[templates.t]\nA = [[1, 2]]\n[[step]]\ncopy = "p"\nto = "r"\n', r"templates\.t: .*1 x 2, an odd square"),
 ])  # fmt: skip
 def test_a_wrong_file_is_refused(text: str, message: str, tmp_path: Path) -> None:
