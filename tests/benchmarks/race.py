@@ -4,6 +4,8 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+PAUSE = 0.25
+
 
 @dataclass
 class Row:
@@ -19,10 +21,14 @@ class Row:
 
 
 def race(runners: Mapping[str, Callable[[], object]], rounds: int = 5) -> dict[str, float]:
-    """Return the best seconds of each runner; one round before the first is not counted (it compiles)."""
+    """Return the best seconds of each runner; one round before the first is not counted (it compiles).
+
+    Threads of the one before, which may wait in a loop for more work, are given the time to go to sleep.
+    """
     best = dict.fromkeys(runners, float("inf"))
     for counted in range(rounds + 1):
         for name, run in runners.items():
+            time.sleep(PAUSE if len(runners) > 1 else 0.0)
             start = time.perf_counter()
             run()
             if counted:
