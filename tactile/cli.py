@@ -1,7 +1,8 @@
 """The command line of the tactile layer."""
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -13,10 +14,16 @@ from tactile.cli_serial import convert_command, emulate, live, ports, record, re
 from tactile.cli_simulator import explain
 from tactile.encoding import SIGN, Threshold
 from tactile.finger import Settings
+from tactile.frame import TaxelArray
 from tactile.sources import open_source
+
+if TYPE_CHECKING:
+    from tactile.simulator.bumps import Bumps
 
 TARE = 100
 """Frames averaged away at the start of a recording unless the user says otherwise; simulated frames have no offset."""
+EVERYWHERE = 1.0
+"""[m] A radial correction to this distance holds for every answer."""
 
 
 @click.group(cls=CommandGroup, context_settings={"help_option_names": ["-h", "--help"]})
@@ -78,6 +85,10 @@ def run(
         if gains is not None:
             raise click.UsageError("--calibration has gains; leave out --gains")
         settings = read_calibration(calibration).applied(settings, frames.arrays)
+    bumps = getattr(frames, "bumps", None)  # scenes may have them
+    note = ""
+    if bumps is not None and calibration is None:
+        settings, note = _on_bumps(settings, frames.arrays, bumps)
     collected = Collected()
     watched = _Watched(frames, track(frames, "touch", total=frames.frames, transient=True, disable=as_json))
     if output is None:
@@ -89,6 +100,8 @@ def run(
         print_json(summary(collected, frames.arrays))
     else:
         tables(collected, frames.arrays)
+    if note:
+        click.echo(note, err=as_json)
     if output is not None:
         from tactile.portrait import draw  # matplotlib is slow to import
 
@@ -104,6 +117,19 @@ def _gains(text: str | None) -> Gains | None:
     except ValueError as error:
         raise click.UsageError(f"--gains {text!r}; two numbers SHEAR,NORMAL wanted") from error
     return Gains(shear, normal)
+
+
+def _on_bumps(settings: Settings, arrays: tuple[TaxelArray, ...], bumps: "Bumps") -> tuple[Settings, str]:
+    """The settings with which a flat cover's inverse gives a load on a bump its force, and what was done, in words."""
+    from tactile.radial import RadialCorrection  # SciPy's splines are slow to import
+
+    factors = {array.name: bumps.over_flat(array, array.quantity) for array in arrays}
+    factor = max(factors.values())
+    if min(factors.values()) < factor * (1 - 1e-9):
+        each = ", ".join(f"{name} {one:.3g}" for name, one in factors.items())
+        return settings, f"forces are a flat cover's; times so much they are right for a load on one bump: {each}"
+    said = f"forces are {factor:.3g} times a flat cover's: right for a load on one bump, not between bumps"
+    return replace(settings, radial=RadialCorrection((0.0, EVERYWHERE), (0.0, EVERYWHERE), (factor, factor))), said
 
 
 class _Watched:

@@ -21,6 +21,7 @@ from tactile.bump.probe import Probe
 from tactile.bump.response import finite_strain, small_strain
 from tactile.bump.shape import Shape
 from tactile.bump.touch import lower
+from tactile.elastic.halfspace import point_load
 from tactile.elastic.medium import Medium
 from tactile.frame import TaxelArray
 from tactile.simulator.bumps import Bumps, shared
@@ -226,3 +227,13 @@ def test_flat_scenes_know_nothing_of_bumps() -> None:
     )
     done = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=True)
     assert done.stdout.strip() == ""
+
+
+def test_finite_strain_takes_the_middle_of_its_table(finite: table.Response, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tactile.simulator.bumps.remembered", lambda key, make: finite)
+    array = TaxelArray("one", 1, 1, 1e-3, 0.2e-3)
+    factor = Bumps(Shape(thickness=1e-3), 0.49, 6e-5).over_flat(array, "strain")
+    secants = finite.normal[1:, 0, 0] / finite.forces[1:]
+    assert point_load(np.zeros(2), 0.2e-3, [(0, 0, 0, 0, 1.0)], Medium(1.0))[2] / secants == pytest.approx(
+        factor, rel=0.05
+    )

@@ -10,6 +10,7 @@ from scipy.interpolate import CubicSpline
 from cnnsim.errors import InputError
 from tactile.bump.shape import Shape
 from tactile.bump.table import Response, remembered
+from tactile.elastic.halfspace import point_load
 from tactile.elastic.medium import Medium
 from tactile.frame import TaxelArray
 from tactile.simulator.pressed import Pressed
@@ -73,6 +74,21 @@ class Bumps:
 
         return remembered(key, make)
 
+    def over_flat(self, array: TaxelArray, quantity: str) -> float:
+        """What presses on the bump over a taxel, over the force that the inverse of the flat cover finds there.
+
+        The flat, endless cover's normal reading right under 1 N, over the bump's: the inverse is linear in it. At
+        finite strain, where it hardly depends on the force, that of the table's middle.
+
+        Raises:
+            InputError: as ``response``.
+        """
+        table = self.response(array, quantity)
+        middle = len(table.forces) // 2
+        medium = Medium(1.0, quantity="stress" if quantity == "stress" else "strain")
+        flat = point_load(np.zeros(2), array.depth, np.array([[0.0, 0.0, 0.0, 0.0, 1.0]]), medium)[2]
+        return float(flat / (table.normal[middle, 0, 0] / table.forces[middle]))
+
     def felt(self, array: TaxelArray, medium: Medium, pressed: Pressed) -> Plane:
         """What the taxels feel (frames, rows, cols, 3) of all that presses.
 
@@ -106,7 +122,7 @@ def shared(loads: Plane, array: TaxelArray) -> Plane:
         )
         for k, count in ((0, array.cols), (1, array.rows))
     )
-    pulled = (cols[..., None] * loads[..., None, 2:]).reshape(*cols.shape[:2], -1)  # (frames, n, cols * 3)
+    pulled = (cols[..., None] * loads[..., None, 2:]).reshape(*cols.shape[:2], array.cols * 3)  # (frames, n, cols * 3)
     return np.matmul(np.swapaxes(rows, 1, 2), pulled).reshape(len(loads), -1, 3)
 
 

@@ -88,6 +88,12 @@ def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tupl
         bumps=_bumps(cover, arrays, f"{where}: [cover]") if bumpy else None,
     )
     if scene.bumps is not None:
+        by_depth = [n for n, contact in enumerate(contacts, 1) if getattr(contact, "given_depth", False)]
+        if by_depth:
+            raise InputError(
+                f"{where}: contact {by_depth[0]}: given = 'indentation' on bumps; 'force' wanted, for how far a shape "
+                "sinks in is known of the flat cover only"
+            )
         flat = [name for name, effect in scene.effects if effect.STAGE == "field"]
         if flat:
             raise InputError(
