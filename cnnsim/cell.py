@@ -72,5 +72,6 @@ def _through_linear(x: NDArray[Any], s: NDArray[Any], a: float, t: NDArray[Any],
         moved = slope * np.expm1((a - 1) * t) / (a - 1)
         until_one = np.log1p((a - 1) * (1 - x) / slope) / (a - 1)
     reaches = (slope > 0) & (slope_at_one > 0) & (until_one <= t)
-    beyond = np.ones_like(x) if walls else (a + s) + (1 - a - s) * np.exp(-(t - until_one))
+    left = np.where(np.isinf(t), 0.0, np.exp(-(t - until_one)))  # next to a tie, until_one may round to infinity too
+    beyond = np.ones_like(x) if walls else (a + s) + (1 - a - s) * left
     return ahead * np.where(reaches, beyond, np.where(slope > 0, x + moved, x))

@@ -137,6 +137,13 @@ def test_ties_and_walls_give_numbers() -> None:
                 assert np.isfinite(uncoupled_state(x, np.full(5, s), a, t, "chua-yang")).all()
 
 
+@pytest.mark.parametrize(("x", "s", "a"), [(-1.0, 1 + 2e-16, 0.0), (-1.0, 0.5 + 2e-16, 0.5), (0.0, 5e-324, 2.0)])
+@pytest.mark.parametrize("backend", ["reference", "cpu"])
+def test_next_to_a_tie_there_is_an_end(x: float, s: float, a: float, backend: str) -> None:
+    end = run_transient(Template(a, z=s), state=[[x, -x]], bias=[[0.0, -2 * s]], backend=backend, dtype="float64").x
+    assert end == pytest.approx(np.array([[a + s, -a - s]]), rel=1e-15)
+
+
 def test_adaptive_needs_a_duration_and_the_reference() -> None:
     t, x = Template(np.full((3, 3), 0.1)), np.zeros((2, 2))
     with pytest.raises(InputError, match="not until settled"):
