@@ -105,7 +105,7 @@ def test_paxini_fast_obeys_its_registers() -> None:
     bare = len(px.closed(px.PUSH + bytes(4) + bytes(2 * 12)))  # two modules of four points, no resultants
     first, *frames = on.split(px.PUSH)[1:]
     assert first == px.closed(px.PUSH + bytes.fromhex("00010000"))[2:]
-    assert len(frames) > 20
+    assert len(frames) > 8  # of 50 on a machine that does nothing else
     assert {len(frame) for frame in frames[1:-1]} == {bare - 2}
     assert px.closed(px.REPLY + px.FAST.pack(0, 0x90, 0x16, 0)) in reads
 
