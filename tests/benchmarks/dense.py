@@ -99,6 +99,7 @@ def memory() -> list[Row]:
     n, backend = 4096, get("cpu", "float32")
     plan = make_plan(Template(NINE, 0.5), (n, n), fixed(0), duration=5.0, scheme="euler", step=H)
     backend.transient(plan, *(backend.load(np.zeros((n, n)), "lam") for _ in range(2)))
+    backend = get("cpu", "float32")  # one that has no planes of the run before
     tracemalloc.start()
     x, u = (backend.load(np.zeros((n, n), np.float32), "lam") for _ in range(2))
     tracemalloc.reset_peak()
