@@ -11,6 +11,7 @@ from cnnsim.errors import InputError
 from cnnsim.layers import layered
 from cnnsim.library_entry import Example, LibraryEntry
 from cnnsim.picture import to_ascii
+from cnnsim.plan import lines_of
 from cnnsim.table import Table
 from cnnsim.template import Template
 
@@ -122,7 +123,7 @@ def explain(name: str, size: str, without: tuple[str, ...], as_json: bool) -> No
         facts = {"template": name, "method": plan.method, "step": plan.step, "decisions": plan.decisions}
         print_json(facts | {"guaranteed_time": known.time, "why": known.why, "assuming": known.assuming})
     else:
-        click.echo(f"{plan.explain()}\nguaranteed time  {known}")
+        click.echo(lines_of([*plan.decisions, ("guaranteed time", str(known))]))
 
 
 def _facts(entry: LibraryEntry) -> dict[str, object]:

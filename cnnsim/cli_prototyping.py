@@ -1,5 +1,6 @@
 """The commands for prototyping templates: trace, robust, design."""
 
+import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -83,7 +84,7 @@ def trace(
         print_json({"template": name, "t": found.t.tolist(), "cells": series})
         return
     written = " ".join(str(path) for path in (output, film) if path is not None)
-    text = ", ".join(f"{row},{col}" for row, col in chosen)
+    text = " ".join(f"({row}, {col})" for row, col in chosen)
     click.echo(f"{name}: {found.t[-1]:.4g} time constants, cells {text} -> {written}")
 
 
@@ -144,7 +145,7 @@ def _progress(what: str) -> Iterator[Any]:
     from rich.console import Console
     from rich.progress import Progress
 
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
 
         def track(levels: Iterable[Any]) -> Iterator[Any]:
             yield from bar.track(list(levels), description=what)

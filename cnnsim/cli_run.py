@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim import backends, library
-from cnnsim.command import examples, print_json
+from cnnsim.command import examples, print_json, watched
 from cnnsim.errors import InputError
 from cnnsim.grid import parse_boundary
 from cnnsim.library_entry import LibraryEntry
@@ -179,12 +179,10 @@ def _write(y: NDArray[Any], path: Path) -> None:
 
 
 def _write_trajectory(task: Any, backend: Any, end: float, path: Path) -> None:
-    from rich.progress import track
-
     from cnnsim.transient import trajectory
 
     frames = trajectory(task, backend, end, 60)
-    write_film([y for _, y in track(frames, "film", total=61, transient=True)], path)
+    write_film([y for _, y in watched(frames, "film", 61)], path)
 
 
 def _arrow(path: Path | None) -> str:

@@ -2,7 +2,8 @@
 
 import json
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -11,6 +12,8 @@ from cnnsim.errors import InputError
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+Item = TypeVar("Item")
 
 
 class _Mistake(click.ClickException):
@@ -35,6 +38,16 @@ def console(width: int = 150) -> "Console":
 
     terminal = Console()
     return terminal if terminal.is_terminal else Console(width=width)
+
+
+def watched(items: Iterable[Item], what: str, total: float | None = None) -> Iterable[Item]:
+    """Hand items on, with a bar on stderr that shows how far it is; only on a terminal."""
+    if not sys.stderr.isatty():
+        return items
+    from rich.console import Console  # only for people
+    from rich.progress import track  # the same
+
+    return track(items, what, total=total, console=Console(stderr=True), transient=True)
 
 
 def print_json(data: Any) -> None:

@@ -51,18 +51,24 @@ def write_picture(values: NDArray[Any], path: str | Path, scale: int = 1) -> Non
     try:
         to_image(values, scale).save(path)
     except (ValueError, OSError) as error:
-        raise InputError(f"cannot write {path}: {error}") from error
+        raise InputError(f"cannot write {path}: {getattr(error, 'strerror', None) or error}") from error
 
 
 def write_film(frames: Sequence[NDArray[Any]], path: str | Path, seconds: float = 3.0) -> None:
-    """Write CNN values over time as an animated GIF that runs for about ``seconds`` and then stands a second."""
+    """Write CNN values over time as an animated GIF that runs for about ``seconds`` and then stands a second.
+
+    Raises:
+        InputError: another ending than .gif, or the file cannot be written.
+    """
+    if Path(path).suffix.lower() != ".gif":
+        raise InputError(f"cannot write {path}: a film is an animated GIF, .gif wanted")
     scale = max(1, 256 // max(frames[0].shape))
     images = [to_image(frame, scale) for frame in frames]
     lasting = [max(20, round(1000 * seconds / len(images)))] * (len(images) - 1) + [1000]
     try:
         images[0].save(path, format="GIF", save_all=True, append_images=images[1:], duration=lasting, loop=0)
     except OSError as error:
-        raise InputError(f"cannot write {path}: {error}") from error
+        raise InputError(f"cannot write {path}: {error.strerror or error}") from error
 
 
 def parse_ascii(rows: Iterable[str | Sequence[float]]) -> NDArray[np.float64]:

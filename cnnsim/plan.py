@@ -88,8 +88,13 @@ class Plan:
 
     def explain(self) -> str:
         """Return the decisions as lines of text."""
-        width = max(len(what) for what, _ in self.decisions)
-        return "\n".join(f"{what:<{width}}  {why}" for what, why in self.decisions)
+        return lines_of(self.decisions)
+
+
+def lines_of(decisions: Sequence[tuple[str, str]]) -> str:
+    """Return what was decided and why, a line each."""
+    width = max(len(what) for what, _ in decisions)
+    return "\n".join(f"{what:<{width}}  {why}" for what, why in decisions)
 
 
 def make_plan(
@@ -165,7 +170,9 @@ def make_plan(
     ]
     steps = max(1, round(1 / h)) if duration == "settled" else math.ceil(duration / h - 1e-9)
     applicable = stepped_savings(template, table, h, kind.model, steps, settles=duration == "settled")
-    decisions += [(what if what not in without else f"no {what}", why) for what, why in applicable]
+    decisions += [
+        (what, why) if what not in without else (f"no {what}", f"switched off: {why}") for what, why in applicable
+    ]
     return plan("stepped", table, h, {what for what, _ in applicable if what not in without})
 
 

@@ -16,5 +16,5 @@ def main(output: Path) -> None:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--output", type=Path, default=Path("edge.png"))
+    parser.add_argument("-o", "--output", type=Path, default=Path("edge.png"), help="picture to write")
     main(parser.parse_args().output)

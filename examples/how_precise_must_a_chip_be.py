@@ -15,5 +15,5 @@ def main(output: Path) -> None:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--output", type=Path, default=Path("robust.png"))
+    parser.add_argument("-o", "--output", type=Path, default=Path("robust.png"), help="picture to write")
     main(parser.parse_args().output)

@@ -156,5 +156,5 @@ def draw(axes: Any, title: str, plane: NDArray[Any], *, given: bool) -> None:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--output", type=Path, default=Path("programs.png"))
+    parser.add_argument("-o", "--output", type=Path, default=Path("programs.png"), help="picture to write")
     main(parser.parse_args().output)

@@ -128,5 +128,5 @@ def main(output: Path) -> None:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--output", type=Path, default=Path("strain_sensor.png"), help="picture to write")
+    parser.add_argument("-o", "--output", type=Path, default=Path("strain_sensor.png"), help="picture to write")
     main(parser.parse_args().output)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cnnsim import backends
-from cnnsim.command import CommandGroup, examples, print_json
+from cnnsim.command import CommandGroup, examples, print_json, watched
 from tactile.calibration import Gains
 from tactile.cli_calibrate import calibrate
 from tactile.cli_serial import convert_command, emulate, live, ports, record, replay
@@ -62,12 +62,11 @@ def run(
     floor: float | None, tare: int | None, gains: str | None, calibration: Path | None, backend: str,
     as_json: bool,
 ) -> None:  # fmt: skip
-    """Run SOURCE, a scene (.toml) or a recording (.npz, .csv), through the pipeline."""
-    from rich.progress import track  # not for --help
-
+    """Run SOURCE, a scene (.toml) or a recording (.npz, .csv, .mcap), through the pipeline."""
     from tactile import pipeline  # the machine is loaded only when it runs
     from tactile.report import summary, tables  # the same
     from tactile.sinks import Collected, Record  # the same
+    from tactile.warm import warm_up  # the same
 
     frames = open_source(source)
     shear = SIGN if sign_code else None
@@ -89,13 +88,14 @@ def run(
     note = ""
     if bumps is not None and calibration is None:
         settings, note = _on_bumps(settings, frames.arrays, bumps)
+    warm_up(frames.arrays, frames.modulus, settings)  # else the first latencies are the compiler's
     collected = Collected()
-    watched = _Watched(frames, track(frames, "touch", total=frames.frames, transient=True, disable=as_json))
+    passed = _Watched(frames, watched(frames, "touch", frames.frames))
     if output is None:
-        pipeline.run(watched, settings, [collected])
+        pipeline.run(passed, settings, [collected])
     else:
         with Record(output, {"source": source.name, "title": frames.title, "tare": offset}) as record:
-            pipeline.run(watched, settings, [collected, record])
+            pipeline.run(passed, settings, [collected, record])
     if as_json:
         print_json(summary(collected, frames.arrays))
     else:

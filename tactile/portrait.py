@@ -28,7 +28,7 @@ def draw(collected: Collected, arrays: tuple[TaxelArray, ...], title: str, path:
     figure = Figure(figsize=(13, 1 + 4.6 * len(arrays)), layout="constrained")
     figure.suptitle(title, fontsize=14)
     for part, array in zip(figure.subfigures(len(arrays), 1, squeeze=False)[:, 0], arrays, strict=True):
-        grid = part.add_gridspec(3, 2, width_ratios=[3.2, 1], height_ratios=[1.1, 1, 1])
+        grid = part.add_gridspec(3, 3, width_ratios=[3.0, 0.2, 1], height_ratios=[1.1, 1, 1])  # room for labels
         rows = collected.table(array.name)
         events = [event for event in collected.events if event.finger == array.name]
         normal = part.add_subplot(grid[1, 0])
@@ -37,7 +37,7 @@ def draw(collected: Collected, arrays: tuple[TaxelArray, ...], title: str, path:
         _signals(normal, shear, rows, array)
         _events(labels, (normal, shear), events, rows[:, 0])
         labels.set_title(f"{array.name}: {len(events)} events", loc="left")
-        _plane(part.add_subplot(grid[:, 1]), rows, array, collected.strongest.get(array.name))
+        _plane(part.add_subplot(grid[:, 2]), rows, array, collected.strongest.get(array.name))
     try:
         figure.savefig(path, dpi=100)
     except OSError as error:
@@ -55,10 +55,15 @@ def _signals(normal: Any, shear: Any, rows: np.ndarray, array: TaxelArray) -> No
         pressing, along_x, along_y, what = inward * rows[:, 3], scale * rows[:, 1], scale * rows[:, 2], "sum of taxels"
     normal.plot(t, pressing, color="black")
     normal.set_ylabel(f"normal [{unit}]\n{what}")
-    shear.plot(t, along_x, color="tab:blue", label="x")
-    shear.plot(t, along_y, color="tab:orange", label="y")
+    if np.isfinite(along_x).any():
+        shear.plot(t, along_x, color="tab:blue", label="x")
+        shear.plot(t, along_y, color="tab:orange", label="y")
+        shear.legend(loc="upper right", ncols=2, fontsize=8)
+    else:
+        shear.set_yticks([])
+        words = "one taxel alone cannot tell shear from place"
+        shear.text(0.5, 0.5, words, transform=shear.transAxes, ha="center", va="center", backgroundcolor="white")
     shear.set_ylabel(f"shear [{unit}]\n{what}")
-    shear.legend(loc="upper right", ncols=2, fontsize=8)
     shear.set_xlabel("time [s]")
     normal.tick_params(labelbottom=False)
     if t.size:
@@ -80,7 +85,7 @@ def _events(labels: Any, signals: tuple[Any, ...], events: list[Event], t: np.nd
         text = event.meaning if changes == 1 else f"{event.meaning} ({changes}x)"
         colour = COLOURS.get(event.meaning.split()[0], "0.4")
         place = {"xycoords": ("data", "axes fraction"), "rotation": 35, "va": "bottom", "annotation_clip": False}
-        labels.annotate(text, (event.t, 0.0), fontsize=8, color=colour, **place)
+        labels.annotate(text, (event.t, 0.0), fontsize=8, color=colour, **place).set_in_layout(False)
     labels.set_ylim(0, 1)
     labels.axis("off")
 

@@ -12,27 +12,34 @@ from tactile.localise import Load
 from tactile.sinks import Collected
 from tactile.validity import Validity
 
+TIME, CODE, HAND, LOAD, LATENCY = "time [s]", "code", "hand", "load: (x, y) [mm], Q R F [N]", "latency [µs]"
+LEGIBLE = 16
+"""Most taxels of an array whose code is in the table, and most hexadecimal digits of the hand's code."""
 TOGETHER = 0.05
 """[s] Code changes of one finger that follow each other faster than this are one line of the table."""
 
 
 def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
-    """Print the table of events and a line of figures for each finger."""
-    from rich.table import Table  # only for people
+    """Print the table of events and a line of figures for each finger; codes of many taxels are left to the record."""
+    from rich.markup import escape  # only for people
+    from rich.table import Table  # the same
 
     screen = console()
     forces = all(array.quantity == "force" for array in arrays)
     table = Table(title="Events", title_justify="left")
-    headings = ["time [s]", "finger", "code", "hand", "meaning", "load: place, Q R F [N]", "latency [µs]"]
-    if forces:
-        headings.remove("load: place, Q R F [N]")
+    taxels = [array.rows * array.cols for array in arrays]
+    digits = -(-sum(2 * count for count in taxels) // 4)
+    wanted = {CODE: max(taxels) <= LEGIBLE, HAND: digits <= LEGIBLE, LOAD: not forces}
+    headings = [name for name in (TIME, "finger", CODE, HAND, "meaning", LOAD, LATENCY) if wanted.get(name, True)]
     for heading in headings:
-        table.add_column(heading, justify="right" if heading in ("time [s]", "latency [µs]") else "left")
-    digits = -(-sum(2 * array.rows * array.cols for array in arrays) // 4)
+        table.add_column(escape(heading), justify="right" if heading in (TIME, LATENCY) else "left")
     for event, changes in grouped(collected.events):
         what = event.meaning if changes == 1 else f"{event.meaning} ({changes} changes)"
-        cells = [f"{event.t:.3f}", event.finger, event.code, f"{event.hand:0{digits}x}", what]
-        table.add_row(*cells, *([] if forces else [_located(event.load)]), f"{event.latency * 1e6:.0f}")
+        cells = {
+            TIME: f"{event.t:.3f}", "finger": event.finger, CODE: event.code, HAND: f"{event.hand:0{digits}x}",
+            "meaning": what, LOAD: _located(event.load), LATENCY: f"{event.latency * 1e6:.0f}",
+        }  # fmt: skip
+        table.add_row(*(cells[heading] for heading in headings))
     screen.print(table)
     for name, facts in summary(collected, arrays)["fingers"].items():
         texture = f"friction {_figure(facts['friction'])}, roughness {_figure(facts['roughness'])}"
@@ -88,9 +95,14 @@ def _located(load: Load | None) -> str:
     """Say where a load is and how sure that is."""
     if load is None or not np.isfinite(load.F):
         return "" if load is None else load.validity.name.lower().replace("_", " ")
-    place = f"({load.x * 1e3:+.2f}, {load.y * 1e3:+.2f}) mm"
-    shear = f" {load.Q + 0.0:+.2f} {load.R + 0.0:+.2f}" if np.isfinite(load.Q) else ""
-    return f"{place}{shear} {load.F:+.2f}, {load.validity.name.lower()}, {load.taxels} taxels"
+    place = f"({_signed(load.x * 1e3, 2)}, {_signed(load.y * 1e3, 2)})"
+    forces = " ".join(_signed(part, 3) for part in (load.Q, load.R, load.F) if np.isfinite(part))
+    taxels = "1 taxel" if load.taxels == 1 else f"{load.taxels} taxels"
+    return f"{place} {forces}, {load.validity.name.lower()}, {taxels}"
+
+
+def _signed(value: float, digits: int) -> str:
+    return f"{round(value, digits) + 0.0:+.{digits}f}"  # no -0
 
 
 def _figure(value: float | None) -> str:

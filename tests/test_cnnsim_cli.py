@@ -112,6 +112,9 @@ def test_explain_says_what_was_decided() -> None:
     assert "5 of the 9 entries" in text
     assert "euler, h = 0.1" in text
     assert json.loads(_call("explain", "laplace-solver", "--json").output)["step"] == pytest.approx(0.1)
+    off = _call("explain", "hole-filler", "--without", "sleep").output.splitlines()
+    assert "no sleep           switched off: tiles in which" in "\n".join(off)
+    assert off[-1].startswith("guaranteed time    4915 time constants")  # one column
     assert "half the stability limit" in _call("explain", "surface-interpolation").output
 
 
@@ -120,6 +123,8 @@ def test_explain_says_what_was_decided() -> None:
     (("run", "edge", "none.png"), "no picture none.png"),
     (("run", "edge", __file__), "is no picture"),
     (("run", "edge", "BLOBS", "-o", "out.xyz"), "cannot write out.xyz"),
+    (("run", "edge", "BLOBS", "-o", "none/out.png"), "cannot write none/out.png: No such file"),
+    (("run", "edge", "BLOBS", "--trajectory", "wave.mp4"), "wave.mp4: a film is an animated GIF"),
     (("run", "edge", "BLOBS", "--boundary", "torus"), "boundary 'torus'"),
     (("run", "edge", "BLOBS", "--time", "-1"), "duration -1.0"),
     (("run", "laplace-solver", "BLOBS", "--step", "0.3", "--time", "1"), "step 0.3 cannot be stable"),
@@ -144,6 +149,17 @@ def test_a_mistake_is_one_line_and_exit_code_two(arguments: tuple[str, ...], mes
     assert message in result.stderr
     assert "Traceback" not in result.output
     assert not result.stdout
+
+
+def test_bars_are_for_terminals(blobs: Path, tmp_path: Path) -> None:
+    for words in (
+        ("robust", "edge", "--draws", "1", "--json"),
+        ("run", "edge", str(blobs), "--trajectory", str(tmp_path / "w.gif")),
+    ):
+        result = _call(*words)
+        assert result.exit_code == 0
+        assert result.stdout.strip() == result.stdout.rstrip("\n")  # no empty line before
+        assert not result.stderr
 
 
 def test_a_network_that_does_not_settle_keeps_its_picture(blobs: Path, tmp_path: Path) -> None:

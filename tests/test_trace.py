@@ -113,7 +113,7 @@ def test_the_command(tmp_path: Path) -> None:
     options = ["--cell", "3,3", "--cell", "0,0", "--frames", "20", "-o", str(plot), "--film", str(film)]
     result = CliRunner().invoke(trace, ["hole-filler", str(picture), *options])
     assert result.exit_code == 0, result.output
-    assert "3,3, 0,0" in result.output
+    assert "(3, 3) (0, 0)" in result.output
     with Image.open(plot) as image:
         assert image.width > 800
         assert len(np.unique(np.asarray(image.convert("RGB")).reshape(-1, 3), axis=0)) > 20

@@ -4,6 +4,7 @@ import importlib
 from collections.abc import Callable
 from pathlib import Path
 
+from cnnsim.command import watched
 from examples.paper.claims import Claim, arguments, as_json, table
 
 SCRIPTS = sorted(path.stem for path in Path(__file__).parent.glob("fig[0-9][0-9]_*.py"))
@@ -11,12 +12,9 @@ SCRIPTS = sorted(path.stem for path in Path(__file__).parent.glob("fig[0-9][0-9]
 
 def main() -> None:
     """Run every script that is there."""
-    from rich.console import Console
-    from rich.progress import track
-
     given = arguments(__doc__)
     claims: list[Claim] = []
-    for name in track(SCRIPTS, "figures", console=Console(stderr=True), transient=True, disable=given.json):
+    for name in watched(SCRIPTS, "figures"):
         compare: Callable[[Path | None], list[Claim]] = importlib.import_module(f"examples.paper.{name}").compare
         claims += compare(given.output)
     (as_json if given.json else table)(claims)

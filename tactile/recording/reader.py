@@ -3,6 +3,7 @@
 import json
 import struct
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 from mcap.exceptions import McapError
 from mcap.records import Attachment, Channel, Footer, Message, Metadata
 from mcap.stream_reader import CRCValidationError, StreamReader
+from zstandard import ZstdError
 
 from cnnsim.errors import InputError
 from tactile.frame import Frame, TaxelArray
@@ -38,22 +40,30 @@ class Recorded:
         """Yield what came over the wire, as the reader that recorded it gave it on."""
         start = int(self.made["start_ns"])
         for topic, message in self._messages():
-            if topic == "/wire":
-                yield Chunk(message.log_time - start, schema.unpack_wire(message.data))
-            elif topic == "/port":
-                yield Chunk(message.log_time - start, note=json.loads(message.data)["note"])
+            with readable(self.path):
+                if topic == "/wire":
+                    chunk = Chunk(message.log_time - start, schema.unpack_wire(message.data))
+                elif topic == "/port":
+                    chunk = Chunk(message.log_time - start, note=json.loads(message.data)["note"])
+                else:
+                    continue
+            yield chunk
 
     def stored_frames(self) -> Iterator[Frame]:
         """Yield the frames as they were written, before their tare."""
         for topic, message in self._messages():
             if topic.startswith("/frames/"):
-                yield schema.unpack_frame(message.data)
+                with readable(self.path):
+                    frame = schema.unpack_frame(message.data)
+                yield frame
 
     def notes(self, topic: str) -> Iterator[dict[str, Any]]:
         """Yield the JSON objects of a topic."""
         for name, message in self._messages():
             if name == topic:
-                yield json.loads(message.data)
+                with readable(self.path):
+                    note = json.loads(message.data)
+                yield note
 
     def source(self, tares: tuple[LiveTare, ...] = ()) -> "WireSource | StoredSource":
         """Return the frames as a ``Source``: decoded anew from the bytes where there are any."""
@@ -84,15 +94,30 @@ class StoredSource:
             yield self._tares[frame.finger](frame) if self._tares else frame
 
 
+@contextmanager
+def readable(path: Path) -> Iterator[None]:
+    """Say of what stands in a record and cannot be read that the recording is damaged."""
+    try:
+        yield
+    except (ValueError, LookupError, TypeError, OverflowError, struct.error) as error:
+        raise InputError(f"{path}: damaged: {error}") from error
+
+
 def records(path: Path) -> Iterator[Any]:
     """Yield the records of an MCAP file up to its end or the place where it breaks off."""
+    channels = set()
     try:
         with path.open("rb") as file:
-            yield from StreamReader(file, record_size_limit=2**28).records
+            for record in StreamReader(file, record_size_limit=2**28).records:
+                if isinstance(record, Channel):
+                    channels.add(record.id)
+                elif isinstance(record, Message) and record.channel_id not in channels:
+                    return  # damaged here
+                yield record
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from error
-    except (McapError, CRCValidationError, struct.error, ValueError):
-        return  # the writer was stopped here
+    except (McapError, CRCValidationError, ZstdError, struct.error, ValueError, OverflowError, MemoryError):
+        return  # the writer was stopped here, or a length is damaged
 
 
 def open_recording(path: Path) -> Recorded:
@@ -114,9 +139,11 @@ def open_recording(path: Path) -> Recorded:
         elif isinstance(record, Metadata) and record.name == "tactile":
             made = record.metadata
         elif isinstance(record, Metadata) and record.name == "counts":
-            counts = {name: json.loads(value) for name, value in record.metadata.items()}
+            with readable(path):
+                counts = {name: json.loads(value) for name, value in record.metadata.items()}
         elif isinstance(record, Attachment) and record.name == "array.toml":
-            text = record.data.decode()
+            with readable(path):
+                text = record.data.decode()
         complete = complete or isinstance(record, Footer)
     if text is None or "start_ns" not in made:
         raise InputError(f"{path}: not a recording of this program: an MCAP file with array.toml attached wanted")

@@ -85,24 +85,13 @@ def check(chosen: dict[str, Any]) -> None:
 
 
 def warm_up(description: "Description", choices: "Choices") -> None:
-    """Run the pipeline on a made-up frame, so that nothing is compiled or refused once real ones arrive."""
-    import numpy as np  # only here
-
-    from tactile.frame import Frame  # the same
-    from tactile.pipeline import run  # the same
-    from tactile.serial.programs import UserProgram  # the same
-
-    class Made:
-        title, arrays, modulus, frames = "made up", description.arrays, description.modulus, None
-
-        def __iter__(self) -> Iterator[Frame]:
-            for finger, array in enumerate(self.arrays):
-                for n in range(2):
-                    yield Frame(finger, 0.0, n, np.full((*array.shape, 3), 0.01), np.ones(array.shape, bool))
+    """Compile and refuse whatever there is to it before the port is opened."""
+    from tactile.serial.programs import UserProgram  # only here
+    from tactile.warm import warm_up as warm  # the same
 
     settings = choices.settings(description.arrays)
     own = [] if choices.program is None else [UserProgram(choices.program, settings.shear, choices.backend, nothing)]
-    run(Made(), settings, own)
+    warm(description.arrays, description.modulus, settings, own)
 
 
 def opened(make: "Callable[[], Session]", recording: Any) -> "Session":

@@ -95,6 +95,8 @@ def read_description(path: Path) -> Description:
     """
     try:
         text = path.read_text(encoding="utf-8")
+    except FileNotFoundError as error:
+        raise InputError(f"no array description {path}") from error
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: cannot be read as an array description: {error}") from error
     return parse_description(text, str(path))
