@@ -39,11 +39,11 @@ def explain(scene: Path, as_json: bool) -> None:
     on = tree.add("on: size in the signal relative to the peak, time per frame")
     off = tree.add("off: what leaving it out costs, relative to the peak (at the strength given, or a typical one)")
     for part in told.parts:
-        text = f"{part.name:<20} {part.size:9.2g}"
+        text = f"{part.name:<20} {'' if part.name == 'contacts' else f'{part.size:.2g}':>9}"
         if part.on:
             on.add(f"[green]{text}[/]  {_time(part.seconds):>9}  [dim]{escape(part.what)}[/]")
         else:
-            off.add(f"{text}             [dim]{escape(part.what)}[/]")
+            off.add(f"{text}             [dim]{escape(part.what)}[/]" if part.what else text)
     for note in told.notes:
         tree.add(escape(note))
     console(FULL).print(tree)

@@ -1,6 +1,8 @@
 """What a scene consists of: every part with its size in the signal, its time per frame, and what is left out."""
 
-from dataclasses import dataclass, fields, replace
+import json
+from collections import Counter
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +13,9 @@ from tactile.simulator.auto import candidates, choose, size_of
 from tactile.simulator.estimate import Sample
 from tactile.simulator.scene import Scene
 from tactile.simulator.scene_file import bare_scene
+
+WORDS = {"MovingLoad": "load", "MovingContact": "contact", "Drawn": "texture", "TractionMap": "map"}
+"""What the kinds of contact are called in a scene."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +75,7 @@ def explain(scene: Scene, tolerance: float | None = None) -> Explanation:
     parts = [
         Part(
             "contacts",
-            f"{len(scene.loads) + len(scene.contacts)} on {len(scene.arrays)} fingers",
+            f"{len(scene.loads) + len(scene.contacts)} on {len(scene.arrays)} finger{'s' * (len(scene.arrays) > 1)}",
             True,
             0.0,
             seconds["contacts"],
@@ -107,8 +112,13 @@ def _departure(scene: Scene, sample: Sample) -> float:
 
 
 def _describe(effect: Any) -> str:
-    values = ((part.name, getattr(effect, part.name)) for part in fields(effect))
-    return ", ".join(f"{name} {value:g}" if isinstance(value, float) else f"{name} {value}" for name, value in values)
+    """The effect as its table in a scene; what follows from other things (None) is not there."""
+    values = {key: (getattr(effect, attribute), factor) for key, (attribute, factor) in effect.KEYS.items()}
+    return ", ".join(
+        f"{key} = {value / factor:g}" if isinstance(value, float) else f"{key} = {json.dumps(value)}"
+        for key, (value, factor) in values.items()
+        if value is not None
+    )
 
 
 def _lines(scene: Scene) -> list[str]:
@@ -116,9 +126,10 @@ def _lines(scene: Scene) -> list[str]:
     for finger, array in enumerate(scene.arrays):
         road = scene.road(finger)
         mine = [contact for contact in (*scene.loads, *scene.contacts) if contact.finger == finger]
-        kinds = ", ".join(sorted({type(contact).__name__ for contact in mine})) or "nothing"
+        kinds = Counter(WORDS.get(type(contact).__name__, type(contact).__name__) for contact in mine)
+        presses = ", ".join(f"{count} {kind}" for kind, count in kinds.items()) or "nothing presses"
         lines.append(
             f"{array.name}: {array.rows} x {array.cols} taxels of {array.quantity}, {array.depth * 1e3:g} mm deep; "
-            f"{len(mine)} x {kinds}; road: {road.name} ({road.why})"
+            f"{presses}; road: {road.name} ({road.why})"
         )
     return lines
