@@ -7,11 +7,11 @@ write_picture(result.y, "edge.png")
 """
 
 from cnnsim import library
-from cnnsim.errors import InputError
-from cnnsim.grid import PERIODIC, ZERO_FLUX, Boundary, fixed
-from cnnsim.library import run
-from cnnsim.picture import read_picture, write_picture
-from cnnsim.template import Template
+from cnnsim.library.catalogue import run
+from cnnsim.network.boundary import PERIODIC, ZERO_FLUX, Boundary, fixed
+from cnnsim.network.template import Template
+from cnnsim.support.errors import InputError
+from cnnsim.support.picture import read_picture, write_picture
 from cnnsim.transient import NotSettledError, Result, run_transient
 
 __all__ = [

@@ -9,13 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from cnnsim import backends
 from cnnsim.backends.base import Backend, Outcome
-from cnnsim.cell import CellModel
-from cnnsim.characteristic import Cell
-from cnnsim.errors import InputError
-from cnnsim.frames import Frames
-from cnnsim.grid import ZERO_FLUX, Boundary
-from cnnsim.layers import AnyTemplate
-from cnnsim.plan import Duration, Plan, make_plan
+from cnnsim.network.boundary import ZERO_FLUX, Boundary
+from cnnsim.network.cell import CellModel
+from cnnsim.network.characteristic import Cell
+from cnnsim.network.frames import Frames
+from cnnsim.network.layers import AnyTemplate
+from cnnsim.planning.plan import Duration, Plan, make_plan
+from cnnsim.support.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ def make_task(
     (n, layers, rows, cols), where a plane (rows, cols) stands for all grids and layers; ``input`` and ``bias`` may be
     `Frames`; ``bias`` is added to z cell by cell; ``mask`` > 0 holds a cell's state; ``duration`` in time constants or
     ``"settled"`` (see `Plan`), then at most ``limit``;
-    ``scheme`` and ``step`` as in `cnnsim.scheme`, or None to let the plan choose; ``without`` as in `make_plan`.
+    ``scheme`` and ``step`` as in `planning.scheme`, or None to let the plan choose; ``without`` as in `make_plan`.
 
     Raises:
         InputError: planes that do not fit or are not finite, a step that cannot be stable.

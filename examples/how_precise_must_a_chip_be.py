@@ -4,8 +4,8 @@ import argparse
 from pathlib import Path
 
 from cnnsim import library
-from cnnsim.prototyping.robust import measure
-from cnnsim.prototyping.robust_plot import draw_robustness
+from cnnsim.prototyping.robust.plot import draw_robustness
+from cnnsim.prototyping.robust.robust import measure
 
 
 def main(output: Path) -> None:

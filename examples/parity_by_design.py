@@ -7,11 +7,11 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from cnnsim import fixed, write_picture
-from cnnsim.machine import UniversalMachine
-from cnnsim.program_file import load_program
-from cnnsim.prototyping.expression import parse_rule
-from cnnsim.prototyping.files import write_design
-from cnnsim.prototyping.synthesis import design
+from cnnsim.program.file import load_program
+from cnnsim.program.machine import UniversalMachine
+from cnnsim.prototyping.design.expression import parse_rule
+from cnnsim.prototyping.design.files import write_design
+from cnnsim.prototyping.design.synthesis import design
 
 
 def main(output: Path) -> None:

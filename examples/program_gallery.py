@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from cnnsim.machine import UniversalMachine
-from cnnsim.program_file import load_program
+from cnnsim.program.file import load_program
+from cnnsim.program.machine import UniversalMachine
 
 Planes = dict[str, NDArray[Any]]
 SIGNED = {"divergence", "curl", "arrival", "shear_x", "shear_y"}  # drawn red (above 0) and blue

@@ -7,20 +7,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cnnsim import InputError
-from cnnsim.machine import UniversalMachine
-from cnnsim.program import Program
-from cnnsim.program_file import load_program
-from tactile.calibration import Gains, Tare
-from tactile.comparators import Comparators
-from tactile.encoding import CONTACT, SHEAR, Threshold, encode, encode_values
-from tactile.events import load_meaning, meaning, slip_meaning
-from tactile.frame import Frame, TaxelArray
-from tactile.localise import Load, localise
-from tactile.slip import SlipWatch
-from tactile.texture import Texture, TextureFigures
+from cnnsim.program.file import load_program
+from cnnsim.program.machine import UniversalMachine
+from cnnsim.program.program import Program
+from tactile.calibration.gains import Gains, Tare
+from tactile.core.frame import Frame, TaxelArray
+from tactile.events.code import CONTACT, SHEAR, Threshold, encode, encode_values
+from tactile.events.comparators import Comparators
+from tactile.events.events import load_meaning, meaning, slip_meaning
+from tactile.events.slip import SlipWatch
+from tactile.inverse.localise import Load, localise
+from tactile.texture.figures import Texture, TextureFigures
 
 if TYPE_CHECKING:
-    from tactile.radial import RadialCorrection
+    from tactile.calibration.radial import RadialCorrection
 
 
 @dataclass(frozen=True)

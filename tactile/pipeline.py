@@ -4,13 +4,13 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from time import perf_counter
 
-from tactile.encoding import Code, hand_code
-from tactile.events import Event
+from tactile.core.frame import Frame, TaxelArray
+from tactile.core.source import Source
+from tactile.events.code import Code, hand_code
+from tactile.events.events import Event
 from tactile.finger import Finger, Settings
-from tactile.frame import Frame, TaxelArray
-from tactile.localise import Load
-from tactile.sources.base import Source
-from tactile.texture import TextureFigures
+from tactile.inverse.localise import Load
+from tactile.texture.figures import TextureFigures
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from numpy.typing import DTypeLike
 
 from cnnsim.backends.base import Backend
-from cnnsim.errors import InputError
+from cnnsim.support.errors import InputError
 
 NAMES = ("reference", "cpu", "opencl")
 OPENCL_CURE = 'pip install "cellular-wave-touch[opencl]"'
@@ -20,16 +20,16 @@ def get(name: str = "cpu", dtype: DTypeLike | None = None, device: str | None = 
     if device is not None and name != "opencl":
         raise InputError(f"device {device!r} for the {name} backend; only the opencl backend has a choice of devices")
     if name == "reference":
-        from cnnsim.backends.reference import ReferenceBackend
+        from cnnsim.backends.reference.backend import ReferenceBackend
 
         return ReferenceBackend(dtype)
     if name == "cpu":
-        from cnnsim.backends.cpu import CpuBackend
+        from cnnsim.backends.cpu.backend import CpuBackend
 
         return CpuBackend(dtype)
     if name == "opencl":
         try:
-            from cnnsim.backends.opencl import OpenCLBackend
+            from cnnsim.backends.opencl.backend import OpenCLBackend
         except ModuleNotFoundError as error:
             if error.name != "pyopencl":
                 raise

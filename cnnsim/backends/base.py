@@ -6,11 +6,11 @@ from typing import Any, Literal, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.bitwise import BitRule
-from cnnsim.cellwise import Cellwise
-from cnnsim.errors import InputError
-from cnnsim.grid import Boundary
-from cnnsim.plan import Plan
+from cnnsim.network.boundary import Boundary
+from cnnsim.operations.bitwise import BitRule
+from cnnsim.operations.cellwise import Cellwise
+from cnnsim.planning.plan import Plan
+from cnnsim.support.errors import InputError
 
 Plane = Any
 """Opaque to everybody but its backend. A LAM plane holds real numbers, an LLM plane black and white. Grids are
@@ -58,10 +58,10 @@ class Backend(Protocol):
         """Apply a per-cell operation to LAM planes."""
 
     def logic(self, function: int, p: Plane, q: Plane) -> Plane:
-        """Apply one of the 16 two-input functions (see `cnnsim.logic`) to LLM planes."""
+        """Apply one of the 16 two-input functions (see `cnnsim.operations.logic`) to LLM planes."""
 
     def neighbourhood(self, rule: BitRule, boundary: Boundary, plane: Plane) -> Plane:
-        """Apply an AND or OR of neighbours (see `cnnsim.bitwise`) to an LLM plane; fixed virtual cells hold u > 0."""
+        """Apply an AND or OR of neighbours (a `BitRule`) to an LLM plane; fixed virtual cells hold u > 0."""
 
     def count(self, plane: Plane) -> int | NDArray[np.int64]:
         """Count the black cells of an LLM plane, the global wire: a number, or (n,) numbers for n grids."""

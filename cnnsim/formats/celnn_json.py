@@ -8,11 +8,11 @@ Source: celnn 1.0.0, Template.to_dict.
 import json
 from typing import Any
 
-from cnnsim.errors import InputError
-from cnnsim.formats.draft import Draft, assume_setting, library_name, plain
-from cnnsim.formats.report import Report
-from cnnsim.layers import AnyTemplate
-from cnnsim.template import Template
+from cnnsim.library.imported import Draft, assume_setting, library_name, plain
+from cnnsim.network.layers import AnyTemplate
+from cnnsim.network.template import Template
+from cnnsim.support.errors import InputError
+from cnnsim.support.findings import Report
 
 _KNOWN = {"name", "feedback", "control", "bias", "initial_state", "description", "tags", "metadata"}
 _TURNED = "The sign of z is turned: black is -1 in celnn and +1 here."

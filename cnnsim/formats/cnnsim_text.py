@@ -5,13 +5,13 @@ Grammar: ``A`` nine numbers, ``B`` nine numbers, ``Z`` one number, ``C`` (or ``B
 Source: the template files of github.com/H2CO3/CNNSim.
 """
 
-from cnnsim.errors import InputError
-from cnnsim.formats.draft import Draft, assume_setting, library_name
-from cnnsim.formats.numbers import number
-from cnnsim.formats.report import Report
-from cnnsim.formats.tem_header import read_boundary
-from cnnsim.formats.tem_lines import decode
-from cnnsim.template import Template
+from cnnsim.formats.candy.header import read_boundary
+from cnnsim.formats.candy.lines import decode
+from cnnsim.library.imported import Draft, assume_setting, library_name
+from cnnsim.network.template import Template
+from cnnsim.support.errors import InputError
+from cnnsim.support.findings import Report
+from cnnsim.support.numbers import number
 
 _HEADS = ("A", "B", "Z", "C", "BOUNDARY")
 

@@ -7,11 +7,11 @@ import numpy as np
 
 from cnnsim import library
 from cnnsim.formats.differences import number_differences
-from cnnsim.formats.draft import Draft
 from cnnsim.formats.known_defects import KNOWN
-from cnnsim.layers import AnyTemplate
-from cnnsim.library_entry import LibraryEntry
-from cnnsim.template import Template
+from cnnsim.library.entry import LibraryEntry
+from cnnsim.library.imported import Draft
+from cnnsim.network.layers import AnyTemplate
+from cnnsim.network.template import Template
 
 _SMALL_MARGIN = 0.25  # what an analog chip of 7 or 8 bits cannot be trusted with
 

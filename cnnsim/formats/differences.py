@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.layers import AnyTemplate, layered
-from cnnsim.table import Table
-from cnnsim.template import Tap, Template
+from cnnsim.network.layers import AnyTemplate, layered
+from cnnsim.network.table import Table
+from cnnsim.network.template import Tap, Template
 
 
 def number_differences(ours: AnyTemplate, theirs: AnyTemplate) -> Iterator[str]:

@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 
+from cnnsim.formats.candy.entry import entry_to_tem
+from cnnsim.formats.candy.write import write_tem
 from cnnsim.formats.celnn_json import celnn
 from cnnsim.formats.gene import gene
-from cnnsim.formats.tem_entry import entry_to_tem
-from cnnsim.formats.tem_write import write_tem
-from cnnsim.library_entry import LibraryEntry
+from cnnsim.library.entry import LibraryEntry
 
 WRITERS: dict[str, Callable[[LibraryEntry], str]] = {
     "tem": lambda entry: write_tem(entry_to_tem(entry)),

@@ -4,19 +4,19 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from cnnsim.errors import InputError
+from cnnsim.formats.candy.imported import tem_drafts
+from cnnsim.formats.candy.parse import read_tem
 from cnnsim.formats.celnn_json import read_celnn
 from cnnsim.formats.cnnsim_text import read_cnnsim
 from cnnsim.formats.defects import defects
-from cnnsim.formats.draft import Draft
 from cnnsim.formats.gene import read_gene
 from cnnsim.formats.matcnn import matcnn_drafts, read_matcnn
-from cnnsim.formats.report import Report
-from cnnsim.formats.tem_draft import tem_drafts
-from cnnsim.formats.tem_parse import read_tem
-from cnnsim.formats.toml_writer import template_file
-from cnnsim.library import folder as shipped_folder
-from cnnsim.library import load_file
+from cnnsim.library.catalogue import folder as shipped_folder
+from cnnsim.library.catalogue import load_file
+from cnnsim.library.imported import Draft
+from cnnsim.library.write import template_file
+from cnnsim.support.errors import InputError
+from cnnsim.support.findings import Report
 
 
 def _tem(data: bytes, stem: str, report: Report) -> list[Draft]:

@@ -9,13 +9,13 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.errors import InputError
-from cnnsim.formats.draft import Draft, assume_setting, library_name, plain
-from cnnsim.formats.numbers import number, written
-from cnnsim.formats.report import Report
-from cnnsim.formats.tem_lines import decode, split
-from cnnsim.layers import AnyTemplate
-from cnnsim.template import Template
+from cnnsim.formats.candy.lines import decode, split
+from cnnsim.library.imported import Draft, assume_setting, library_name, plain
+from cnnsim.network.layers import AnyTemplate
+from cnnsim.network.template import Template
+from cnnsim.support.errors import InputError
+from cnnsim.support.findings import Report
+from cnnsim.support.numbers import number, written
 
 LENGTH = 19
 

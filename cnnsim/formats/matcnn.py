@@ -9,15 +9,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cnnsim.errors import InputError
-from cnnsim.formats.draft import Draft, assume_setting, library_name
+from cnnsim.formats.candy.lines import decode, split
 from cnnsim.formats.matlab_expression import Array, evaluate
 from cnnsim.formats.matlab_tokens import Token, statements
-from cnnsim.formats.report import Report
-from cnnsim.formats.tem_lines import decode, split
-from cnnsim.table import from_pairs
-from cnnsim.template import Template
-from cnnsim.term import Term, from_matcnn
+from cnnsim.library.imported import Draft, assume_setting, library_name
+from cnnsim.network.table import from_pairs
+from cnnsim.network.template import Template
+from cnnsim.network.term import Term, from_matcnn
+from cnnsim.support.errors import InputError
+from cnnsim.support.findings import Report
 
 _CODES = {"a": 33, "b": 11}  # A: of y_kl - y_ij, B: of u_kl - u_ij; D says its own
 _PARTS = ("A", "B", "I", "a", "Aa", "b", "Bb", "d", "Dd")

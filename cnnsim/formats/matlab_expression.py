@@ -10,9 +10,9 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.errors import InputError
 from cnnsim.formats.matlab_tokens import Token
-from cnnsim.formats.numbers import number
+from cnnsim.support.errors import InputError
+from cnnsim.support.numbers import number
 
 Array = NDArray[np.float64]
 _DEEPEST = 40

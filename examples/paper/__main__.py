@@ -4,7 +4,7 @@ import importlib
 from collections.abc import Callable
 from pathlib import Path
 
-from cnnsim.command import watched
+from cnnsim.support.command_line import watched
 from examples.paper.claims import Claim, arguments, as_json, table
 
 SCRIPTS = sorted(path.stem for path in Path(__file__).parent.glob("fig[0-9][0-9]_*.py"))

@@ -11,14 +11,14 @@ from pathlib import Path
 
 import numpy as np
 
-from cnnsim.command import console, print_json
+from cnnsim.support.command_line import console, print_json
 from examples.paper.claims import arguments
 from examples.paper.needle import DEPTH, FORCE, NEAR, NOISE, SPEED, Located, Scan, figure, locate, scan, typical
 from examples.paper.skins import ALL, LINES, POINT, STRESS, Skin
-from tactile.bench import depth_from_speed, gains_from_load
-from tactile.calibration import Gains, beta_from_scan
-from tactile.radial import radial_from_scan
-from tactile.validity import Validity
+from tactile.calibration.from_load import depth_from_speed, gains_from_load
+from tactile.calibration.gains import Gains, beta_from_scan
+from tactile.calibration.radial import radial_from_scan
+from tactile.inverse.validity import Validity
 
 SENSOR = Gains(shear=1.46 / 0.8, normal=1 / 0.8)
 FAR, RINGS, TRIED = 250e-6, 10, 230e-6

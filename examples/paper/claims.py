@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from cnnsim.command import console, print_json
+from cnnsim.support.command_line import console, print_json
 
 
 @dataclass(frozen=True)

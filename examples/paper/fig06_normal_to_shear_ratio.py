@@ -10,7 +10,7 @@ import numpy as np
 
 from examples.paper.claims import Claim, alone
 from examples.paper.needle import DEPTH, FORCE, Located, Scan, figure, locate, scan
-from tactile.calibration import Gains
+from tactile.calibration.gains import Gains
 
 FACTORS = (0.75, 0.9, 1.0, 1.1, 1.25, 1.5)
 GRID = np.linspace(-250e-6, 250e-6, 11)

@@ -7,7 +7,7 @@ import numpy as np
 from examples.paper.claims import Claim, alone
 from examples.paper.needle import DEPTH, FORCE, FULL_SCALE, HALF, NEAR, NOISE, figure, locate, scan, typical
 from examples.paper.skins import ALL, LINES, POINT, Skin, Trial, on_the_bench
-from tactile.calibration import Gains
+from tactile.calibration.gains import Gains
 
 NOISY = Skin("noise alone", typical(*NOISE))
 PRECISION = (3e-6, 5e-6)

@@ -7,7 +7,7 @@ import numpy as np
 from examples.paper.claims import Claim, alone
 from examples.paper.needle import figure
 from examples.paper.pulls import BEGIN, FRAME, Pull, all_pulls
-from tactile.simulator.materials import PRESETS
+from tactile.simulator.contacts.materials import PRESETS
 
 
 def tone(made: Pull) -> float:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from examples.paper.claims import Claim, alone
 from examples.paper.needle import figure
 from examples.paper.pulls import FRAME, PULLS, WINDOW, Pull, all_pulls
-from tactile.simulator.materials import PRESETS
+from tactile.simulator.contacts.materials import PRESETS
 
 
 def told_apart(pulls: tuple[Pull, ...], columns: slice = slice(None)) -> float:

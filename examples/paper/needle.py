@@ -7,12 +7,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from tactile.calibration import Gains
-from tactile.frame import TaxelArray
-from tactile.inverse import invert_strain
-from tactile.simulator.contacts import MovingLoad
+from tactile.calibration.gains import Gains
+from tactile.core.frame import TaxelArray
+from tactile.inverse.taxel import invert_strain
+from tactile.simulator.contacts.contacts import MovingLoad
 from tactile.simulator.effects import effect_class
-from tactile.simulator.scene import Scene
+from tactile.simulator.scene.scene import Scene
 
 Plane = NDArray[np.float64]
 

@@ -10,13 +10,13 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from tactile.core.frame import TaxelArray
 from tactile.finger import Finger, Settings
-from tactile.frame import TaxelArray
-from tactile.simulator.drawn import Drawn
+from tactile.simulator.contacts.materials import PRESETS
+from tactile.simulator.contacts.sliding_texture import Drawn
 from tactile.simulator.effects.read_noise import ReadNoise
-from tactile.simulator.materials import PRESETS
-from tactile.simulator.scene import Scene
-from tactile.texture import Texture
+from tactile.simulator.scene.scene import Scene
+from tactile.texture.figures import Texture
 
 FRAME, WINDOW = 15e-3, 128
 """[s] a frame, and frames a figure: the paper's."""

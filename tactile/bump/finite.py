@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cnnsim.errors import InputError
+from cnnsim.support.errors import InputError
 from tactile.bump.body import Body, Index, Plane, solve
 from tactile.bump.plate import Held
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.errors import InputError
+from cnnsim.support.errors import InputError
 
 Plane = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.errors import InputError
+from cnnsim.support.errors import InputError
 from tactile.bump.body import Body, Index, Plane, solve
 from tactile.bump.finite import balance
 from tactile.bump.plate import held

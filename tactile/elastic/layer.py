@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cnnsim.errors import InputError
+from cnnsim.support.errors import InputError
 from tactile.elastic.medium import Medium
 
 Plane = NDArray[np.float64]

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 from scipy.special import j0, j1
 
-from cnnsim.errors import InputError
+from cnnsim.support.errors import InputError
 from tactile.elastic.gauss import gauss
 from tactile.elastic.halfspace import check_loads, point_load
 from tactile.elastic.layer import transfer

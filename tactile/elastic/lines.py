@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cnnsim.errors import InputError
+from cnnsim.support.errors import InputError
 from tactile.elastic.gauss import gauss
 
 MOST_NODES = 2000

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.errors import InputError
-from tactile.frame import Frame
+from cnnsim.support.errors import InputError
+from tactile.core.frame import Frame
+from tactile.core.source import Source
 from tactile.sources import open_source
-from tactile.sources.base import Source
 from tactile.sources.replay_csv import write_csv
 from tactile.wire.extras import need
 

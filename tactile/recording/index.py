@@ -7,11 +7,11 @@ from typing import Any
 from mcap.records import Attachment, Channel, Message, Metadata, Schema
 from mcap.writer import CompressionType, Writer
 
-from cnnsim.errors import InputError
+from cnnsim.support.errors import InputError
+from tactile.core.source import Source
 from tactile.recording.reader import open_recording, records
 from tactile.recording.writer import Recording
-from tactile.serial.packets import emulated_description
-from tactile.sources.base import Source
+from tactile.wire.packets import emulated_description
 
 
 def write_indexed(source: Path, target: Path) -> None:

@@ -13,12 +13,12 @@ from mcap.records import Attachment, Channel, Footer, Message, Metadata
 from mcap.stream_reader import CRCValidationError, StreamReader
 from zstandard import ZstdError
 
-from cnnsim.errors import InputError
-from tactile.frame import Frame, TaxelArray
+from cnnsim.support.errors import InputError
+from tactile.calibration.live_tare import LiveTare
+from tactile.core.frame import Frame, TaxelArray
 from tactile.recording import schema
-from tactile.serial.description import Description, parse_description
-from tactile.serial.source import Chunk, WireSource
-from tactile.serial.tare import LiveTare
+from tactile.wire.description import Description, parse_description
+from tactile.wire.source import Chunk, WireSource
 
 
 @dataclass

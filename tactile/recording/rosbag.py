@@ -15,8 +15,8 @@ import numpy as np
 from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.typesys import Stores, get_typestore
 
-from cnnsim.errors import InputError
-from tactile.frame import Frame, TaxelArray
+from cnnsim.support.errors import InputError
+from tactile.core.frame import Frame, TaxelArray
 from tactile.sources.replay_npz import PILLAR_PITCH
 
 KIND = "SensorState"

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from tactile.frame import Frame
+from tactile.core.frame import Frame
 
 HEAD = b"\0\1\0\0"
 WIRE_NAME, WIRE = "tactile/msg/Wire", "uint8[] data\n"

@@ -20,11 +20,11 @@ from typing import Any
 
 from mcap.writer import CompressionType, IndexType, Writer
 
-from tactile.frame import Frame
+from tactile.core.frame import Frame
 from tactile.recording import schema
 from tactile.recording.durable import DurableFile
-from tactile.serial.description import Description
-from tactile.serial.source import Chunk
+from tactile.wire.description import Description
+from tactile.wire.source import Chunk
 
 PUSH = 0.1
 """[s] after which what was recorded is handed to the operating system."""

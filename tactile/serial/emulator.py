@@ -18,10 +18,10 @@ from pathlib import Path
 
 import numpy as np
 
-from cnnsim.errors import InputError
+from cnnsim.support.errors import InputError
 from tactile.serial.faults import Faults
-from tactile.serial.packets import Packet
 from tactile.wire.base import Encoder
+from tactile.wire.packets import Packet
 
 BUFFER = 64 * 1024
 """Bytes the device keeps while nobody reads; frames beyond are lost, as in firmware, and counted."""

@@ -4,11 +4,11 @@ import threading
 import time
 from collections.abc import Callable
 
-from cnnsim.errors import InputError
+from cnnsim.support.errors import InputError
 from tactile.serial.port import open_port, take
 from tactile.serial.ring import Ring
-from tactile.serial.source import PLUGGED, TARE, UNPLUGGED, Chunk
 from tactile.wire.base import Talk
+from tactile.wire.source import PLUGGED, TARE, UNPLUGGED, Chunk
 
 FIRST_PAUSE, LONGEST_PAUSE = 0.1, 5.0
 """[s] between tries to open a port that was unplugged: doubled each time."""

@@ -3,7 +3,7 @@
 import threading
 from collections import deque
 
-from tactile.serial.source import Chunk
+from tactile.wire.source import Chunk
 
 ROOM = 16 * 2**20
 """Bytes kept for a reader that is behind: about 20 s of a 1000 Hz array of 64 taxels."""

@@ -4,14 +4,14 @@ import threading
 import time
 from collections.abc import Iterator
 
-from tactile.frame import Frame
+from tactile.calibration.live_tare import LiveTare
+from tactile.core.frame import Frame
 from tactile.recording.writer import Recording
-from tactile.serial.description import Description
 from tactile.serial.reader import PortReader
 from tactile.serial.ring import Ring
-from tactile.serial.source import Chunk, WireSource
-from tactile.serial.tare import LiveTare
 from tactile.wire.base import Counts
+from tactile.wire.description import Description
+from tactile.wire.source import Chunk, WireSource
 
 NAP = 0.1
 """[s] after which waiting threads look whether it is time to stop."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactile.frame import TaxelArray
+from tactile.core.frame import TaxelArray
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tactile.core.frame import TaxelArray
 from tactile.elastic.medium import Medium
-from tactile.frame import TaxelArray
-from tactile.simulator.pressed import Pressed
-from tactile.simulator.roads import Road, felt_by
+from tactile.simulator.contacts.loads import Pressed
+from tactile.simulator.summation import Road, felt_by
 
 Plane = NDArray[np.float64]
 

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from cnnsim.errors import InputError
-from tactile.sources.base import Source
+from cnnsim.support.errors import InputError
+from tactile.core.source import Source
 
 
 def open_source(path: Path) -> Source:

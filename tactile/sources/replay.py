@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from cnnsim.errors import InputError
-from tactile.sources.base import Source
+from cnnsim.support.errors import InputError
+from tactile.core.source import Source
 from tactile.sources.replay_csv import read_csv
 from tactile.sources.replay_npz import read_npz
 

@@ -30,11 +30,11 @@ from pathlib import Path
 
 import numpy as np
 
-from cnnsim.errors import InputError
-from cnnsim.toml_file import check_keys, parse_toml, take, take_numbers, take_tables
-from tactile.frame import Frame, TaxelArray
-from tactile.sources.base import Source
-from tactile.sources.tables import take_array
+from cnnsim.support.errors import InputError
+from cnnsim.support.toml_file import check_keys, parse_toml, take, take_numbers, take_tables
+from tactile.core.array_table import take_array
+from tactile.core.frame import Frame, TaxelArray
+from tactile.core.source import Source
 
 FIXED_COLUMNS = ("t_s", "t_device_s", "finger", "sequence")
 HEADER_KEYS = ("tactile_recording", "title", "youngs_modulus_pa", "finger")

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.errors import InputError
-from tactile.frame import Frame, TaxelArray
+from cnnsim.support.errors import InputError
+from tactile.core.frame import Frame, TaxelArray
 
 PILLAR_PITCH = 7e-3
 """Distance of neighbouring pillars of a PapillArray [m]: nominal, the files do not say it."""

@@ -1,7 +1,7 @@
 """Simulated frames as a source: scenes, whose home is ``tactile.simulator``."""
 
-from tactile.simulator.contacts import MovingLoad
-from tactile.simulator.scene import Scene
-from tactile.simulator.scene_file import read_scene, scene_from
+from tactile.simulator.contacts.contacts import MovingLoad
+from tactile.simulator.scene.file import read_scene, scene_from
+from tactile.simulator.scene.scene import Scene
 
 __all__ = ["MovingLoad", "Scene", "read_scene", "scene_from"]

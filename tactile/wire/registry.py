@@ -3,20 +3,20 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from cnnsim.errors import InputError
+from cnnsim.support.errors import InputError
 from tactile.wire.base import Decoder, Encoder, Options, Talk
 from tactile.wire.extras import need
 
 NAMES = {
     "reskin": "reskin",
-    "papillarray": "papillarray",
-    "paxini-fast": "paxini",
-    "paxini-serial": "paxini",
+    "papillarray": "papillarray.format",
+    "paxini-fast": "paxini.format",
+    "paxini-serial": "paxini.format",
     "lowiek": "lowiek",
     "native": "native",
     "csv": "csv_text",
 }
-"""Protocol name -> the module of this package that has it in ``FORMATS``."""
+"""Protocol name -> the module of `tactile.wire.formats` that has it in ``FORMATS``."""
 
 
 @dataclass(frozen=True)
@@ -49,5 +49,5 @@ def find_format(name: str) -> Format:
     """
     if name not in NAMES:
         raise InputError(f"protocol {name!r}; one of {', '.join(NAMES)} wanted")
-    found: Format = need(f"tactile.wire.{NAMES[name]}", f"protocol {name!r}").FORMATS[name]  # only the one that is used
-    return found
+    found: Format = need(f"tactile.wire.formats.{NAMES[name]}", f"protocol {name!r}").FORMATS[name]
+    return found  # only the one that is used is imported

@@ -9,10 +9,10 @@ import numpy as np
 
 from cnnsim.backends import get
 from cnnsim.backends.base import Backend
-from cnnsim.errors import InputError
-from cnnsim.grid import fixed
-from cnnsim.plan import make_plan
-from cnnsim.template import Template
+from cnnsim.network.boundary import fixed
+from cnnsim.network.template import Template
+from cnnsim.planning.plan import make_plan
+from cnnsim.support.errors import InputError
 from tests.benchmarks.peers import installed
 from tests.benchmarks.race import Row, race, versus
 

@@ -7,10 +7,10 @@ import numpy as np
 
 from cnnsim import library
 from cnnsim.backends.base import Backend, Plane
-from cnnsim.bitwise import BitRule, Literal
-from cnnsim.grid import ZERO_FLUX
-from cnnsim.logic import function_number
-from cnnsim.plan import Plan, Saving, make_plan
+from cnnsim.network.boundary import ZERO_FLUX
+from cnnsim.operations.bitwise import BitRule, Literal
+from cnnsim.operations.logic import function_number
+from cnnsim.planning.plan import Plan, Saving, make_plan
 from tests.benchmarks.dense import backends
 from tests.benchmarks.race import Row, race, versus
 

@@ -6,14 +6,14 @@ from importlib.util import find_spec
 
 import numpy as np
 
+from tactile.core.frame import TaxelArray
 from tactile.elastic.direct import direct_sum
 from tactile.elastic.influence import Influence
 from tactile.elastic.medium import Medium
 from tactile.elastic.spectral import TractionRoad
-from tactile.frame import TaxelArray
-from tactile.simulator.contacts import MovingLoad
+from tactile.simulator.contacts.contacts import MovingLoad
 from tactile.simulator.effects.read_noise import ReadNoise
-from tactile.simulator.scene import Scene
+from tactile.simulator.scene.scene import Scene
 from tests.benchmarks.race import Row, race
 
 ARRAY = TaxelArray("a", 8, 8, 1e-3, 1e-3)

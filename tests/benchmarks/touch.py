@@ -5,12 +5,12 @@ import time
 import numpy as np
 from scipy.optimize import least_squares
 
-from cnnsim.grid import ZERO_FLUX
-from cnnsim.logic import function_number
-from cnnsim.machine import UniversalMachine
-from cnnsim.program import CellwiseStep, LogicStep, Program, TemplateStep, WireStep
-from cnnsim.template import Template
-from tactile.inverse import STRAIN_INVERSE
+from cnnsim.network.boundary import ZERO_FLUX
+from cnnsim.network.template import Template
+from cnnsim.operations.logic import function_number
+from cnnsim.program.machine import UniversalMachine
+from cnnsim.program.program import CellwiseStep, LogicStep, Program, TemplateStep, WireStep
+from tactile.inverse.taxel import STRAIN_INVERSE
 from tests.benchmarks.race import Row, race
 
 PARAMETERS = (0.002, 2.5e5, 1e-6, 1.0)

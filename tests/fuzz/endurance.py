@@ -24,11 +24,11 @@ import numpy as np
 
 from tactile.recording.reader import open_recording
 from tactile.wire.registry import NAMES
-from tests.wire_kit import pair, stream
+from tests.kits.wire import pair, stream
 
 TACTILE = [
     sys.executable, "-c",
-    "from cnnsim.command import CommandGroup; from tactile.cli_serial import COMMANDS;"
+    "from cnnsim.support.command_line import CommandGroup; from tactile.cli.serial import COMMANDS;"
     "CommandGroup(commands={c.name: c for c in COMMANDS})()",
 ]  # fmt: skip
 SCENE = """

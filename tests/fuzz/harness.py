@@ -16,7 +16,7 @@ atheris: Any = importlib.import_module("atheris")  # wanted here only, so no par
 
 with atheris.instrument_imports(include=["tactile.wire"]):
     from tactile.wire.registry import find_format
-    from tests.wire_kit import decoded, pair, stream
+    from tests.kits.wire import decoded, pair, stream
 
     find_format(sys.argv[1])  # imports the module of that format, and so instruments it
 

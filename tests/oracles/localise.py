@@ -3,15 +3,15 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.cellwise import Planes
-from tactile.localise import RIVAL, SEEDS, Load
-from tactile.validity import Validity
+from cnnsim.operations.cellwise import Planes
+from tactile.inverse.localise import RIVAL, SEEDS, Load
+from tactile.inverse.validity import Validity
 
 Plane = NDArray[np.float64]
 
 
 def localise(positions: Plane, pressing: Planes, pulling: Planes | None, depth: float) -> Load:
-    """Return what `tactile.localise.localise` returns."""
+    """Return what `tactile.inverse.localise.localise` returns."""
     families = [pressing] if pulling is None else [pressing, pulling]
     planes = np.array(families, dtype=np.float64)
     at = positions.reshape(-1, 2)

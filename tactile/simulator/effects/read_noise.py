@@ -8,7 +8,7 @@ import numpy as np
 
 from tactile.simulator.batch import Batch
 from tactile.simulator.checks import within
-from tactile.simulator.normal import NormalNoise
+from tactile.simulator.gaussian import NormalNoise
 
 
 @dataclass(frozen=True)

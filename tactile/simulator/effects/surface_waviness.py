@@ -8,7 +8,7 @@ import numpy as np
 
 from tactile.simulator.checks import within
 from tactile.simulator.field import Field, felt
-from tactile.simulator.hold import force_factor
+from tactile.simulator.held_needle import force_factor
 
 WAVES = 32
 

@@ -1,0 +1,76 @@
+"""How loops of the CPU backend are compiled: once, to disk, in a serial and a threaded version of one text.
+
+Numba's disk cache takes a function for unchanged while its own file is, though the functions it calls have changed, and
+does not look at compile options. So every function is compiled under a name that says both: its options, and a digest
+of all the backend's files.
+"""
+
+from collections.abc import Callable
+from hashlib import sha256
+from pathlib import Path
+from types import FunctionType
+from typing import Any, NamedTuple
+
+import numba
+
+Kernel = Callable[..., Any]
+
+THREADS_PAY_FROM = 20_000
+"""Cells (times taps or steps) of work below which starting the threads costs more than they save."""
+
+
+class Twins(NamedTuple):
+    """One function, compiled for one core and for all of them."""
+
+    serial: Kernel
+    threaded: Kernel
+
+    def for_work(self, cells: int) -> Kernel:
+        """Return the version that is faster for this much work."""
+        return self.threaded if cells >= THREADS_PAY_FROM else self.serial
+
+
+_FILES = sorted(Path(__file__).parents[1].rglob("*.py"))
+_DIGEST = sha256(b"".join(path.read_bytes() for path in _FILES)).hexdigest()[:8]
+
+
+_INNER = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+"""Python never calls these: without the code for it they compile in less time."""
+
+
+def helper(function: Kernel) -> Kernel:
+    """Compile a function that is only called from other compiled ones."""
+    return _compiled(function, "", **_INNER)
+
+
+def fused(function: Kernel) -> Kernel:
+    """Compile a helper in which a product and a sum may become one rounding (FMA).
+
+    Nothing else of "fast" arithmetic is allowed: sums keep their order, and NaN stays NaN.
+    """
+    return _compiled(function, "_fused", fastmath={"contract"}, **_INNER)
+
+
+def twins(function: Kernel) -> Twins:
+    """Compile a loop over `numba.prange` in both versions."""
+    return Twins(_compiled(function, ""), _compiled(function, "_threaded", parallel=True))
+
+
+def _compiled(function: Kernel, kind: str, **options: Any) -> Kernel:
+    jitted: Kernel = numba.njit(cache=True, error_model="numpy", **options)(named(function, kind))
+    return jitted
+
+
+def kept_in(jitted: Any) -> str:
+    """Return the folder of the disk cache."""
+    return str(jitted.stats.cache_path)
+
+
+def named(function: Kernel, kind: str) -> FunctionType:
+    """Return a copy under a name that says how it is compiled, and from which files."""
+    assert isinstance(function, FunctionType)
+    suffix = f"{kind}_{_DIGEST}"
+    copy = FunctionType(function.__code__, function.__globals__, function.__name__ + suffix)
+    copy.__qualname__ = function.__qualname__ + suffix
+    copy.__module__ = function.__module__
+    return copy

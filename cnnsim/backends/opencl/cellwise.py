@@ -1,0 +1,35 @@
+"""Per-cell operations as OpenCL kernels: the operation's text inside a loop over the cells."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from cnnsim.operations.cellwise import Cellwise
+from cnnsim.support.errors import InputError
+
+
+def text(operation: Cellwise) -> str:
+    """Return a kernel ``cellwise(inputs..., outputs..., parameters..., count)`` around an operation's text.
+
+    Raises:
+        InputError: the operation has no OpenCL text.
+    """
+    if not operation.opencl:
+        raise InputError(
+            f"cellwise operation {operation.name!r} has no OpenCL text; give it one (`Cellwise.opencl`), "
+            "or run on the cpu backend"
+        )
+    arguments = [f"__global const real *restrict in_{name}" for name in operation.inputs]
+    arguments += [f"__global real *restrict out_{name}" for name in operation.outputs]
+    arguments += [f"const real {name}" for name in operation.parameters] + ["const long count"]
+    lines = [f"const real {name} = in_{name}[cell];" for name in operation.inputs]
+    lines += [f"real {name};" for name in operation.outputs]
+    stores = [f"out_{name}[cell] = {name};" for name in operation.outputs]
+    body = "\n".join((*lines, operation.opencl, *stores))
+    return f"KERNEL void cellwise({', '.join(arguments)})\n{{\nEACH(cell, count) {{\n{body}\n}}\n}}\n"
+
+
+def parameter_values(parameters: Sequence[float], dtype: np.dtype[Any]) -> list[Any]:
+    """Return the parameters as the device takes them."""
+    return [dtype.type(value) for value in parameters]

@@ -1,0 +1,90 @@
+"""Terms as OpenCL text: taps, places and values as literals, a table as a chain of comparisons without a branch."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from cnnsim.backends.opencl.build import Defines, literal
+from cnnsim.backends.term_table import CLIP, IDENTITY, LINEAR, NOTHING, SIGN, STEP, Function, Terms
+
+LONG = 20
+"""Taps times places of their table from which on taps are a loop."""
+
+
+def term_defines(parts: Sequence[Terms], layers: int, shape: Function | None, dtype: np.dtype[Any]) -> Defines:
+    """Return the definitions of opencl_terms.cl: of each part in turn the terms of each layer, and the characteristic.
+
+    CASES(DO) names them all by number, TERMS_n adds those of number n to ``total``; of one more part there are none.
+    SHAPE(T) is the characteristic, SIGN whether it is that; TABLES is what stands outside all functions.
+    """
+    texts, tables = [""] * (layers * (len(parts) + 1)), ""
+    for part, terms in enumerate(parts):
+        for number, link in enumerate(terms.links.tolist()):
+            text, table = _term(terms, link, f"{part}_{number}", dtype)
+            texts[part * layers + link[0]] += text
+            tables += table
+    return {
+        "CASES(DO)": " ".join(f"DO({number})" for number in range(len(texts))),
+        **{f"TERMS_{number}": text for number, text in enumerate(texts)},
+        "TABLES": tables,
+        "SIGN": int(shape is not None and shape.links[0] == SIGN),
+        "SHAPE(T)": "" if shape is None else _function(shape.links.tolist(), shape.numbers, "T", dtype),
+    }
+
+
+def _term(terms: Terms, link: list[int], name: str, dtype: np.dtype[Any]) -> tuple[str, str]:
+    """Return the statements that add a term to ``total``, and the tables they read.
+
+    Taps of short terms are written one by one, those of long ones as a loop: a compiler needs seconds for hundreds.
+    """
+    _, of, centre, times, times_centre, first, after, *function = link
+    text = "" if centre == NOTHING else f"const vec here{name} = HEARD({centre}, 0, 0); "
+    text += "" if times_centre == NOTHING else f"const vec factor{name} = HEARD({times_centre}, 0, 0); "
+    shaped = _function(function, terms.numbers, "vec", dtype)
+
+    def tap(k: Any, l: Any, weight: str) -> str:
+        less = "" if centre == NOTHING else f" - here{name}"
+        body = f"{{ const vec v = HEARD({of}, {k}, {l}){less}; vec f = v; {shaped}"
+        if times != NOTHING:
+            less = "" if times_centre == NOTHING else f" - factor{name}"
+            body += f"f *= HEARD({times}, {k}, {l}){less}; "
+        return body + f"total += {weight} * f; }} "
+
+    taps, weights = terms.taps[first:after].tolist(), [literal(c, dtype) for c in terms.weight[first:after]]
+    if len(taps) * (1 + function[1]) <= LONG:
+        for (k, l, plane), weight in zip(taps, weights, strict=True):
+            text += tap(k, l, f"(vec){weight}" if plane == NOTHING else f"WEIGHT({plane})")
+        return text, ""
+    weight = f"(vec)weight{name}[tap]" if taps[0][2] == NOTHING else f"WEIGHT(tap + {taps[0][2]})"
+    text += f"for (int tap = 0; tap < {len(taps)}; tap++) " + tap(f"place{name}[tap].x", f"place{name}[tap].y", weight)
+    places = ", ".join(f"{{{k}, {l}}}" for k, l, _ in taps)
+    return text, (
+        f"__constant int2 place{name}[] = {{{places}}}; __constant real weight{name}[] = {{{', '.join(weights)}}}; "
+    )
+
+
+def _function(links: Sequence[int], numbers: np.ndarray[Any, Any], type_: str, dtype: np.dtype[Any]) -> str:
+    """Return the statements that set f to a function of v; see `wiring.Function`."""
+    kind, places, at, values = links
+
+    def splat(value: Any) -> str:
+        return f"({type_}){literal(value, dtype)}"
+
+    if kind == IDENTITY:
+        return ""
+    if kind == CLIP:
+        return f"f = v * {splat(numbers[at])}; f = CLIP({type_}, f); "
+    if kind == SIGN:
+        return f"f = v > ({type_})0 ? ({type_})1 : v < ({type_})0 ? ({type_})-1 : v; "
+    if kind not in (LINEAR, STEP):
+        return f"f = v * {splat(numbers[at])}; TANH({type_}, f) "
+    e, f = numbers[at : at + places], numbers[values : values + places + (kind == STEP)]
+    text = f"f = {splat(f[0])}; "
+    for s in range(places):
+        beyond = splat(f[-1] if kind == LINEAR else f[s + 1])
+        if kind == LINEAR and s + 1 < places:
+            rise = (f[s + 1] - f[s]) / (e[s + 1] - e[s])
+            beyond = f"{splat(f[s])} + {splat(rise)} * (v - {splat(e[s])})"
+        text += f"f = v > {splat(e[s])} ? {beyond} : f; "
+    return text

@@ -1,0 +1,98 @@
+"""The commands `import` and `export`: template files of other systems."""
+
+from pathlib import Path
+
+import click
+
+from cnnsim import library
+from cnnsim.formats.export import KEPT, WRITERS
+from cnnsim.formats.files import READERS, Imported, import_file
+from cnnsim.support.command_line import examples, print_json
+from cnnsim.support.errors import InputError
+
+
+@click.command(
+    "import",
+    epilog=examples(
+        "cnnsim import EDGE.tem HOLE.tem -o my-library/",
+        "cnnsim import temlib.m -o my-library/",
+        "cnnsim import best.txt --format gene -o my-library/",
+        "cnnsim --library my-library list",
+    ),
+)
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), required=True, help="Folder.")
+@click.option("--format", "kind", type=click.Choice(list(READERS)), help="Format, where the suffix does not tell.")
+@click.option("--replace", is_flag=True, help="Write over template files that are there already.")
+@click.option("--notes", is_flag=True, help="Also print what is harmless: stray bytes, a missing CURRENT, ...")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
+@click.pass_context
+def import_(
+    context: click.Context, files: tuple[Path, ...], output: Path, kind: str | None, replace: bool, notes: bool,
+    as_json: bool,
+) -> None:  # fmt: skip
+    """Turn template FILES of other systems into template files of a library of your own.
+
+    By suffix: .tem (CANDY), .m (MATCNN's temlib.m), .cnnsim (CNNSim text), .gene (19 numbers), .json (celnn).
+    Every remark names its file and line; a bad file does not stop the others, and makes the exit code 2.
+    """
+    results = [import_file(path, output, kind, replace=replace) for path in files]
+    if as_json:
+        print_json([_facts(result) for result in results])
+    else:
+        for result in results:
+            for line in result.report.lines(notes):
+                click.echo(line, err=True)
+            for target in result.written:
+                click.echo(f"{result.report.file} -> {target}")
+        click.echo(_summary(results))
+    if any(result.report.failed for result in results):
+        context.exit(2)
+
+
+def _facts(result: Imported) -> dict[str, object]:
+    remarks = [{"severity": item.severity, "line": item.line, "message": item.message} for item in result.report.items]
+    return {
+        "file": result.report.file,
+        "written": [str(path) for path in result.written],
+        "not_written": {draft.name: draft.missing for draft in result.not_written},
+        "failed": result.report.failed,
+        "diagnostics": remarks,
+    }
+
+
+def _summary(results: list[Imported]) -> str:
+    written = sum(len(result.written) for result in results)
+    missing = sum(len(result.not_written) for result in results)
+    failed = sum(result.report.failed for result in results)
+    warnings = sum(len(result.report.of("warning")) for result in results)
+    return (
+        f"{len(results)} files: {written} templates written, {missing} parsed but not written, {failed} files failed, "
+        f"{warnings} warnings"
+    )
+
+
+@click.command(
+    "export",
+    epilog=examples("cnnsim export edge hole-filler --format tem -o out/", "cnnsim export edge --format gene -o out/"),
+)
+@click.argument("names", nargs=-1, required=True)
+@click.option("--format", "kind", type=click.Choice(list(WRITERS)), required=True, help="Format to write.")
+@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), required=True, help="Folder.")
+@click.option("--replace", is_flag=True, help="Write over files that are there already.")
+def export(names: tuple[str, ...], kind: str, output: Path, replace: bool) -> None:
+    """Write templates NAMES of the library as CANDY .tem, as 19-number genes, or as JSON for celnn."""
+    texts: dict[Path, str] = {}
+    for name in names:
+        target = output / f"{name}.{kind}"
+        try:
+            texts[target] = WRITERS[kind](library.load(name))
+        except InputError as error:
+            raise InputError(f"{name} as {kind}: {error}") from error
+        if target.exists() and not replace:
+            raise InputError(f"{target} is there already; --replace would write over it")
+    output.mkdir(parents=True, exist_ok=True)
+    for target, text in texts.items():
+        target.write_text(text, encoding="utf-8")
+        click.echo(f"{target.stem} -> {target}")
+    click.echo(f"kept: {KEPT[kind]}")

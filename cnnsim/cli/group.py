@@ -1,0 +1,29 @@
+"""The command line of the machine: the group; each command is beside what it commands."""
+
+from pathlib import Path
+
+import click
+
+from cnnsim import library
+from cnnsim.cli.devices import devices
+from cnnsim.cli.formats import export, import_
+from cnnsim.cli.library import explain, list_, show
+from cnnsim.cli.prototyping import design, robust, trace
+from cnnsim.cli.run import program, run
+from cnnsim.support.command_line import CommandGroup
+
+
+@click.group(cls=CommandGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="cellular-wave-touch")
+@click.option(
+    "--library", "folders", type=click.Path(path_type=Path), multiple=True,
+    help="A folder of your own templates; of several the last comes first.",
+)  # fmt: skip
+@click.pass_context
+def main(context: click.Context, folders: tuple[Path, ...]) -> None:
+    """Run templates and programs of a cellular neural network universal machine."""
+    context.with_resource(library.using(*folders))
+
+
+for command in (list_, show, explain, run, program, trace, robust, design, import_, export, devices):
+    main.add_command(command)

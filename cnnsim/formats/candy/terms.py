@@ -1,0 +1,100 @@
+"""From the blocks of a ``.tem`` file to templates: matrices become A and B, all other blocks become terms.
+
+CANDY's differences are centre minus neighbour, ours neighbour minus centre: `from_candy` turns them.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.formats.candy.content import Block, Call, Layer, Section
+from cnnsim.network.layers import AnyTemplate, LayeredTemplate
+from cnnsim.network.table import Table, from_pairs
+from cnnsim.network.template import Template
+from cnnsim.network.term import Term, from_candy
+from cnnsim.support.errors import InputError
+
+_READS = {"feedback": "y", "control": "u"}
+
+
+def section_template(section: Section, name: str) -> AnyTemplate:
+    """Return the template of a section, one of layers if it has several.
+
+    Raises:
+        InputError: blocks whose meaning is not known, or numbers that make no template.
+    """
+    layers = sorted(section.layers, key=lambda layer: layer.number)
+    if len(layers) == 1:
+        return layer_template(layers[0], name)
+    return LayeredTemplate([layer_template(layer, f"{name}, layer {layer.number}") for layer in layers], None, name)
+
+
+def layer_template(layer: Layer, name: str) -> Template:
+    """Return the template of one layer; what it hears of other layers are terms with ``layer`` set."""
+    _refuse_doubles(layer)
+    matrices = {
+        kind: [np.array(_linear_part(block)) for block in layer.blocks if _plain(block, layer) == kind]
+        for kind in _READS
+    }
+    a, b = (_sum(matrices[kind]) for kind in ("feedback", "control"))
+    terms = [term for block in layer.blocks for term in _terms(block, layer)]
+    return Template(a, b, layer.current or 0.0, name, terms)
+
+
+def _plain(block: Block, layer: Layer) -> str:
+    """Return feedback or control for a block whose numbers belong into A or B, else ""."""
+    own = block.source in (None, layer.number)
+    kind = block.operation.removeprefix("nonlin_")
+    return kind if own and kind in _READS else ""
+
+
+def _linear_part(block: Block) -> list[list[float]]:
+    return [[0.0 if isinstance(entry, Call) else entry for entry in row] for row in block.rows]
+
+
+def _sum(matrices: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Return the sum of a linear and a non-linear block's numbers, which may differ in size."""
+    side = max((matrix.shape[0] for matrix in matrices), default=1)
+    total = np.zeros((side, side))
+    for matrix in matrices:
+        rim = (side - matrix.shape[0]) // 2
+        total += np.pad(matrix, rim)
+    return total
+
+
+def _terms(block: Block, layer: Layer) -> Iterator[Term]:
+    """Yield the terms of a block: its numbers, unless they are in A or B, and one a function."""
+    numbers = np.array(_linear_part(block))
+    reads = _READS.get(block.operation.split("_")[-1], "")
+    source = None if block.source in (None, layer.number) else (block.source or 1) - 1
+    if block.operation == "nonlin_d" and numbers.any():
+        raise InputError("a number other than 0 in NONLIN_D: what it means is not known")
+    if numbers.any() and not _plain(block, layer):
+        yield Term(numbers, f"{reads}_kl", delay=block.delay or 0.0, layer=source)
+    for call in dict.fromkeys(entry for row in block.rows for entry in row if isinstance(entry, Call)):
+        weights = np.array([[float(entry == call) for entry in row] for row in block.rows])
+        argument = {"-": f"{reads}-{reads}", "0": reads, "": block.argument}[call.of]
+        yield _of_layer(from_candy(weights, _table(layer, call.letter), argument, block.factor), source)
+
+
+def _of_layer(term: Term, source: int | None) -> Term:
+    return term if source is None else Term(term.weights, term.of, term.table, term.times, term.delay, source)
+
+
+def _table(layer: Layer, letter: str) -> Table:
+    function = layer.function(letter)
+    try:
+        return from_pairs(int(function.linear), function.points)
+    except InputError as error:
+        raise InputError(f"function {letter!r} of line {function.line}: {error}") from error
+
+
+def _refuse_doubles(layer: Layer) -> None:
+    kinds = [(block.operation, block.source, block.delay) for block in layer.blocks]
+    if double := next((kind for kind in kinds if kinds.count(kind) > 1), None):
+        source = "" if double[1] is None else f" FROM {double[1]}"
+        raise InputError(
+            f"{double[0].upper()}{source} twice in layer {layer.number}: replaced or added is not known; delete one of "
+            "them, or write their sum"
+        )

@@ -1,0 +1,144 @@
+"""One entry of the library: a template with all that is needed to use it as meant, and its worked examples."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cnnsim.library.folders import add as add  # ours to offer: `library.add(DIR)`, `with library.using(DIR)`
+from cnnsim.library.folders import folder as folder
+from cnnsim.library.folders import using as using
+from cnnsim.network.boundary import Boundary
+from cnnsim.network.characteristic import CHUA_YANG, Cell
+from cnnsim.network.frames import Frames
+from cnnsim.network.layers import AnyTemplate, LayeredTemplate
+from cnnsim.network.template import Template
+from cnnsim.planning.plan import DEFAULT_STEP, Duration, usual_limit
+from cnnsim.support.errors import InputError
+from cnnsim.theory.running_time import RunningTime, guaranteed_time
+
+Role = Literal["picture", "given", "none", "any"] | float
+
+
+@dataclass(frozen=True)
+class Example:
+    """Planes in and the output that must come out (to ``tolerance``; None: a binary output, compared by sign)."""
+
+    input: NDArray[np.float64] | None
+    state: NDArray[np.float64] | None
+    output: NDArray[np.float64]
+    mask: NDArray[np.float64] | None
+    bias: NDArray[np.float64] | None
+    tolerance: float | None
+
+    def holds(self, y: NDArray[Any]) -> bool:
+        """Return whether an output is the one that was worked out: right sign and |y| > 0.99, or within tolerance."""
+        if self.tolerance is not None:
+            return bool(np.abs(y - self.output).max() <= self.tolerance)
+        return bool(np.all(y * self.output > 0.99))
+
+
+@dataclass(frozen=True)
+class LibraryEntry:
+    """A template with all that is needed to use it as meant: roles of the pictures, boundary, running time, examples.
+
+    ``input`` (u): "picture", a constant, or "none". ``initial_state`` (x(0)): "picture" (the same one), "given" (a
+    second one), a constant, or "any" (0 is used); for a ``network`` of layers it may be one of these a layer. With
+    ``frame_time`` [time constants] the picture is a sequence (frames, rows, cols), x(0) its first frame. ``cell`` and
+    ``step`` belong to the template where it works with no other.
+    """
+
+    name: str
+    summary: str
+    reference: str
+    tags: tuple[str, ...]
+    network: AnyTemplate
+    input: Role
+    initial_state: Role | tuple[Role, ...]
+    boundary: Boundary
+    duration: Duration
+    margin: float | None
+    note: str
+    aliases: tuple[str, ...]
+    examples: tuple[Example, ...]
+    file: Path | None = None
+    cell: Cell = CHUA_YANG
+    step: float | None = None
+    frame_time: float | None = None
+
+    @property
+    def shipped(self) -> bool:
+        """True if the file is one of ours, not of a user's own library."""
+        return self.file is not None and self.file.parent == folder()
+
+    @property
+    def template(self) -> Template:
+        """The template of a single layer.
+
+        Raises:
+            InputError: this one has several.
+        """
+        if isinstance(self.network, LayeredTemplate):
+            raise InputError(f"template {self.name!r} has {len(self.network.layers)} layers; a single layer wanted")
+        return self.network
+
+    def running_time(self, shape: tuple[int, int], *, step: float | None = None, walls: bool = False) -> RunningTime:
+        """Return `guaranteed_time` on a grid (rows, cols), for the file's own step unless another is given.
+
+        ``walls`` says that a mask may hold cells.
+        """
+        if not isinstance(self.network, Template) or isinstance(self.initial_state, tuple):
+            return RunningTime(None, "it has several layers")
+        if self.cell.model == "discrete-time" or self.cell.characteristic is not None:
+            return RunningTime(None, "its cells are not those of Chua and Yang")
+        return guaranteed_time(
+            self.network, shape, self.boundary, input=self.input, initial_state=self.initial_state,
+            step=step or self.step or DEFAULT_STEP, walls=walls,
+        )  # fmt: skip
+
+    def limit(self, shape: tuple[int, int], *, walls: bool = False) -> float:
+        """Return how long to wait for rest on a grid: as usual, or the guaranteed time if that is longer.
+
+        One time constant is added to it, as rest is looked for once in each.
+        """
+        known, usual = self.running_time(shape, walls=walls).time, usual_limit(shape)
+        return usual if known is None else max(usual, known + 1.0)
+
+    def task(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, Any]:
+        """Return what `run_transient` takes for a picture (and a second one): planes, boundary, time, cell, step."""
+        task = {**self.planes(picture, state), "boundary": self.boundary, "duration": self.duration, "cell": self.cell}
+        if self.duration == "settled":
+            task["limit"] = self.limit(task["state"].shape[-2:])
+        elif self.frame_time:  # a longer sequence than that of the file is seen to its end
+            task["duration"] = max(self.duration, self.frame_time * len(np.asarray(picture)))
+        return task if self.step is None else {**task, "step": self.step}
+
+    def planes(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, Any]:
+        """Return the planes ``input`` and ``state`` that the picture (and the second one) stand for.
+
+        Raises:
+            InputError: a second picture is missing, or there is no use for it.
+        """
+        roles = self.initial_state if isinstance(self.initial_state, tuple) else (self.initial_state,)
+        layers = len(self.network.layers) if isinstance(self.network, LayeredTemplate) else 0
+        shape = (layers, *np.shape(picture)[-2:]) if layers else np.shape(picture)
+        shape = shape[-2:] if self.frame_time else shape
+        if state is None and "given" in roles:
+            raise InputError(f"template {self.name!r} takes a second picture, as initial state, and none was given")
+        if state is not None and "given" not in roles:
+            raise InputError(f"template {self.name!r} takes one picture; a second one, as initial state, was given")
+        first = np.asarray(picture)[0] if self.frame_time else picture
+
+        def start(role: Any) -> NDArray[np.float64]:
+            return np.asarray({"picture": first, "given": state, "any": 0.0}.get(str(role), role), dtype=np.float64)
+
+        if len(roles) == 1:
+            planes: dict[str, Any] = {"state": np.broadcast_to(start(roles[0]), shape)}
+        else:
+            planes = {"state": np.array([np.broadcast_to(start(role), shape[-2:]) for role in roles])}
+        if self.input != "none":
+            heard = Frames(list(np.asarray(picture)), self.frame_time) if self.frame_time else picture
+            planes["input"] = heard if self.input == "picture" else np.full(shape, self.input)
+        return planes

@@ -1,0 +1,80 @@
+"""Where template files are looked for: the shipped folder first, then users' own folders; of one name the last wins."""
+
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from difflib import get_close_matches
+from pathlib import Path
+
+from cnnsim.support.errors import InputError
+
+_own: tuple[Path, ...] = ()
+
+
+def folder() -> Path:
+    """Return where the shipped template files are: inside an installed package, or beside it in a source tree."""
+    inside = Path(__file__).parents[1] / "templates"
+    return inside if inside.is_dir() else Path(__file__).parents[2] / "templates"
+
+
+def folders() -> tuple[Path, ...]:
+    """Return all folders that are searched, the shipped one first."""
+    return (folder(), *_own)
+
+
+def files() -> dict[str, Path]:
+    """Return the file of every template name, in alphabetical order; of one name the last folder's file counts."""
+    found = {path.stem: path for place in folders() for path in place.glob("*.toml")}
+    return dict(sorted(found.items()))
+
+
+def programs() -> dict[str, Path]:
+    """Return the file of every program name, in alphabetical order, from the ``programs`` folders of all folders."""
+    found = {path.stem: path for place in folders() for path in (place / "programs").glob("*.toml")}
+    return dict(sorted(found.items()))
+
+
+def program_file(name: str) -> Path:
+    """Return the file of a program of the library, from the last folder that has it under ``programs``.
+
+    Raises:
+        InputError: there is none; the message has the nearest names.
+    """
+    found = programs()
+    if name in found:
+        return found[name]
+    raise not_found("program", name, found, "cnnsim list --programs")
+
+
+def not_found(what: str, name: str, found: Collection[str], command: str) -> InputError:
+    """Return the error for a name that is not among those found; it has the nearest ones, and the command for all."""
+    near = get_close_matches(name.lower(), found, n=3, cutoff=0.4)
+    hint = f"; did you mean {' or '.join(near)}?" if near else ""
+    return InputError(f"no {what} {name!r} in the library{hint} `{command}` shows all {len(found)}")
+
+
+def add(*paths: str | Path) -> None:
+    """Search users' own folders of template files as well, from now on; later ones come first.
+
+    A file there may have the name of a shipped template and then replaces it, and may do without a worked example.
+
+    Raises:
+        InputError: one of them is no folder.
+    """
+    global _own
+    for path in map(Path, paths):
+        if not path.is_dir():
+            raise InputError(f"library {path}: a folder of template files wanted, and there is none")
+        place = path.resolve()
+        _own = (*(other for other in _own if other != place), place)
+
+
+@contextmanager
+def using(*paths: str | Path) -> Iterator[None]:
+    """Search users' own folders as `add` does, for the time of a ``with`` block."""
+    global _own
+    before = _own
+    try:
+        add(*paths)
+        yield
+    finally:
+        _own = before

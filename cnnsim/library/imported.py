@@ -1,0 +1,61 @@
+"""A template on its way from a foreign format into our library: what a template file will say."""
+
+import re
+from dataclasses import dataclass, replace
+
+from cnnsim.library.entry import Role
+from cnnsim.network.boundary import ZERO_FLUX, Boundary
+from cnnsim.network.layers import AnyTemplate
+from cnnsim.network.template import Template
+from cnnsim.planning.plan import Duration
+from cnnsim.support.errors import InputError
+from cnnsim.support.findings import Report
+
+
+@dataclass(frozen=True)
+class Draft:
+    """The contents of a template file to be; ``missing`` says why it cannot be written, where that is so."""
+
+    name: str
+    template: AnyTemplate
+    summary: str
+    reference: str
+    input: Role = "picture"
+    initial_state: Role = "picture"
+    boundary: Boundary = ZERO_FLUX
+    duration: Duration = "settled"
+    tags: tuple[str, ...] = ()
+    note: str = ""
+    aliases: tuple[str, ...] = ()
+    discrete: bool = False
+    missing: str = ""
+
+    def with_note(self, text: str) -> "Draft":
+        """Return the draft with one more sentence in its note."""
+        return replace(self, note=f"{self.note} {text}".strip())
+
+
+def plain(template: AnyTemplate, place: str) -> Template:
+    """Return a linear template of one layer as what it is.
+
+    Raises:
+        InputError: it is of another kind, and ``place`` holds no such.
+    """
+    if isinstance(template, Template) and template.linear:
+        return template
+    raise InputError(f"template {template.name!r} is not linear or of several layers; {place} holds no such template")
+
+
+def library_name(text: str) -> str:
+    """Return a name as our files have it, lower case and hyphens: ``CCD_HOR`` becomes ``ccd-hor``."""
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or "unnamed"
+
+
+def assume_setting(draft: Draft, report: Report, boundary: Boundary | None = None) -> Draft:
+    """Fill in what a format leaves open, initial state and perhaps boundary, and say so."""
+    role: Role = "picture" if draft.template.reads_input else "none"
+    open_ends = "initial state" if boundary else "boundary and initial state"
+    taken = "the picture was taken" if boundary else "zero-flux and the picture were taken"
+    text = f"The source says nothing of {open_ends}; {taken}."
+    report.warning(None, f"{draft.name}: {text} Check the file that is written")
+    return replace(draft, input=role, boundary=boundary or ZERO_FLUX).with_note(text)

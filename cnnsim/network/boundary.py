@@ -1,0 +1,103 @@
+"""The grid of cells and what lies around it: boundaries and the virtual cells they stand for."""
+
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.support.errors import InputError
+
+Kind = Literal["fixed", "zero-flux", "periodic"]
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """What the virtual cells around the grid hold.
+
+    ``fixed``: output ``y`` and input ``u`` are constants of modulus <= 1 (the bound on the state needs that);
+    ``zero-flux``: the nearest real cell is repeated; ``periodic``: the grid is a torus.
+
+    Raises:
+        InputError: an unknown kind, or a fixed value that is not a number in [-1, 1].
+    """
+
+    kind: Kind
+    y: float = 0.0
+    u: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.kind not in get_args(Kind):
+            raise InputError(f"boundary {self.kind!r}; known are {', '.join(get_args(Kind))}")
+        for name in ("y", "u"):
+            value = getattr(self, name)
+            if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= 1:
+                raise InputError(f"fixed boundary value of {name} is {value!r}; a number from -1 to 1 wanted")
+
+    def __str__(self) -> str:
+        if self.kind != "fixed":
+            return self.kind
+        return f"fixed {self.y:g}" if self.y == self.u else f"fixed x = {self.y:g}, u = {self.u:g}"
+
+
+def fixed(x: float, u: float | None = None) -> Boundary:
+    """Return the boundary whose virtual cells hold ``x`` as state (and so as output) and ``u`` (or ``x``) as input."""
+    return Boundary("fixed", x, x if u is None else u)
+
+
+ZERO_FLUX = Boundary("zero-flux")
+PERIODIC = Boundary("periodic")
+
+
+def parse_boundary(value: Any) -> Boundary:
+    """Read a boundary as files and the command line write it.
+
+    ``"zero-flux"``, ``"periodic"``, ``{"fixed": v}``, ``{"fixed": {"x": v, "u": w}}``, ``"fixed:v"``, ``"fixed:v,w"``.
+
+    Raises:
+        InputError: anything else.
+    """
+    if isinstance(value, Boundary):
+        return value
+    if isinstance(value, str) and value.startswith("fixed:"):
+        try:
+            return fixed(*(float(part) for part in value.removeprefix("fixed:").split(",", 1)))
+        except ValueError as error:
+            raise InputError(
+                f"boundary {value!r}; 'fixed:v' or 'fixed:x,u' with numbers from -1 to 1 wanted"
+            ) from error
+    if value in ("zero-flux", "periodic"):
+        return Boundary(value)
+    if isinstance(value, dict) and set(value) == {"fixed"}:
+        inner = value["fixed"]
+        if not isinstance(inner, dict):
+            return fixed(inner)
+        if set(inner) == {"x", "u"}:
+            return fixed(inner["x"], inner["u"])
+    raise InputError(
+        f"boundary {value!r}; wanted 'zero-flux', 'periodic', 'fixed:v' or, in a file, {{ fixed = v }} "
+        "or { fixed = { x = v, u = w } }"
+    )
+
+
+def virtual_index(cells: int, radius: int, boundary: Boundary) -> NDArray[np.int64]:
+    """Return, for positions -radius .. cells + radius - 1 of one axis, the real cell each stands for (-1: a constant).
+
+    Grids smaller than the radius are right as well: a torus wraps as often as it must.
+    """
+    position = np.arange(-radius, cells + radius)
+    if boundary.kind == "periodic":
+        return position % cells
+    if boundary.kind == "zero-flux":
+        return position.clip(0, cells - 1)
+    return np.where((position >= 0) & (position < cells), position, -1)
+
+
+def pad(plane: NDArray[Any], radius: int, boundary: Boundary, constant: float) -> NDArray[Any]:
+    """Return the plane(s) (..., rows, cols) with ``radius`` virtual cells all round; ``constant`` is for fixed ones."""
+    rows = virtual_index(plane.shape[-2], radius, boundary)
+    cols = virtual_index(plane.shape[-1], radius, boundary)
+    padded = plane[..., rows[:, None], cols]
+    padded[..., rows < 0, :] = constant
+    padded[..., :, cols < 0] = constant
+    return padded

@@ -1,0 +1,123 @@
+"""Characteristic: how a cell's output follows its state, y = f(x); and Cell: that together with the cell model."""
+
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.network.cell import CellModel
+from cnnsim.network.table import Table, parse_table
+from cnnsim.support.errors import InputError
+
+Kind = Literal["clip", "sign", "tanh", "table"]
+
+
+@dataclass(frozen=True)
+class Characteristic:
+    """An output characteristic y = f(x), kept within [-1, 1].
+
+    ``clip``: clip(p x, -1, 1), Chua and Yang's with slope p = 1, high gain with p > 1; ``sign``: -1, 0 or +1;
+    ``tanh``: tanh(p x), the sigmoid; ``table``: a user's own `Table`.
+
+    Raises:
+        InputError: an unknown kind, a slope that is not positive, a table that leaves [-1, 1] or is not there.
+    """
+
+    kind: Kind = "clip"
+    slope: float = 1.0
+    table: Table | None = None
+
+    def __post_init__(self) -> None:
+        if self.kind not in get_args(Kind):
+            raise InputError(f"characteristic {self.kind!r}; known are {', '.join(get_args(Kind))}")
+        if not isinstance(self.slope, int | float) or not 0 < self.slope < np.inf:
+            raise InputError(f"characteristic {self.kind}: slope {self.slope!r}; a positive number wanted")
+        if (self.kind == "table") != (self.table is not None):
+            raise InputError(
+                f"characteristic {self.kind!r} with table {self.table!r}; kind 'table' wants one, no other does"
+            )
+        if self.table is not None and self.table.bound > 1:
+            raise InputError(f"characteristic: its table reaches {self.table.bound:g}; values from -1 to 1 wanted")
+
+    def __call__(self, x: NDArray[Any]) -> NDArray[Any]:
+        """Return y = f(x)."""
+        match self.kind:
+            case "clip":
+                return np.clip(
+                    x if self.slope == 1 else x * x.dtype.type(self.slope), x.dtype.type(-1), x.dtype.type(1)
+                )
+            case "sign":
+                return np.sign(x)
+            case "tanh":
+                return np.tanh(x * x.dtype.type(self.slope))
+        assert self.table is not None
+        return self.table(x).astype(x.dtype)
+
+    @property
+    def steepest(self) -> float:
+        """The largest slope where there is one; jumps (sign, step tables) do not count."""
+        if self.table is not None:
+            return max(map(abs, self.table.slopes))
+        return 0.0 if self.kind == "sign" else self.slope
+
+    @property
+    def jump(self) -> float:
+        """The largest jump."""
+        return self.table.jump if self.table is not None else 2.0 * (self.kind == "sign")
+
+    def __str__(self) -> str:
+        return self.kind if self.slope == 1 else f"{self.kind}, slope {self.slope:g}"
+
+
+CLIP, SIGN, TANH = Characteristic(), Characteristic("sign"), Characteristic("tanh")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A cell model with its output characteristic; without one it is the model's own: sign in discrete time, else clip.
+
+    Raises:
+        InputError: an unknown model, or a full-range cell with another characteristic: there y = x.
+    """
+
+    model: CellModel = "chua-yang"
+    characteristic: Characteristic | None = None
+
+    def __post_init__(self) -> None:
+        if self.model not in get_args(CellModel):
+            raise InputError(f"cell model {self.model!r}; known are {', '.join(get_args(CellModel))}")
+        if self.model == "full-range" and self.characteristic not in (None, CLIP):
+            raise InputError(
+                f"full-range cells have y = x; the characteristic {self.characteristic} needs chua-yang cells"
+            )
+
+    @property
+    def output(self) -> Characteristic:
+        """The characteristic."""
+        return self.characteristic or (SIGN if self.model == "discrete-time" else CLIP)
+
+
+CHUA_YANG = Cell()
+
+
+def parse_cell(value: Any) -> Cell:
+    """Read a cell as files and callers write it.
+
+    ``"discrete-time"``, or ``{ model = "chua-yang", characteristic = "tanh", slope = 2 }``, where the characteristic
+    may be a table as in `parse_table`.
+
+    Raises:
+        InputError: anything else.
+    """
+    if isinstance(value, Cell):
+        return value
+    if not isinstance(value, dict):
+        return Cell(value)
+    unknown = value.keys() - {"model", "characteristic", "slope"}
+    if unknown:
+        raise InputError(f"cell has {', '.join(sorted(unknown))}; model, characteristic, slope wanted")
+    model, shape, slope = value.get("model", "chua-yang"), value.get("characteristic"), value.get("slope", 1.0)
+    if isinstance(shape, dict):
+        return Cell(model, Characteristic("table", slope, parse_table(shape)))
+    return Cell(model, Characteristic(shape, slope) if shape is not None else None)

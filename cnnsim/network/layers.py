@@ -1,0 +1,77 @@
+"""LayeredTemplate: several layers of cells, one over the other, each with its own template and time constant."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cnnsim.network.template import Template
+from cnnsim.support.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class LayeredTemplate:
+    """The template of a network of layers: T_l dx_l/dt = -x_l + A_l*y_l + B_l*u_l + z_l + terms of layer l.
+
+    ``layers`` are ordinary templates, one a layer; what a layer hears of another one is a term with ``layer`` set.
+    ``time_constants`` T_l count in time constants of the network (1 if not given). A plane of such a network is
+    (layers, rows, cols), a batch of them (n, layers, rows, cols).
+
+    Raises:
+        InputError: no layer, time constants that are not positive or of another number, a term that hears a layer
+            that is not there.
+    """
+
+    layers: tuple[Template, ...]
+    time_constants: tuple[float, ...]
+    name: str = "unnamed"
+
+    def __init__(
+        self, layers: Sequence[Template], time_constants: Sequence[float] | None = None, name: str = "unnamed"
+    ) -> None:
+        object.__setattr__(self, "layers", tuple(layers))
+        times = (1.0,) * len(self.layers) if time_constants is None else tuple(map(float, time_constants))
+        object.__setattr__(self, "time_constants", times)
+        object.__setattr__(self, "name", name)
+        if not self.layers or not all(isinstance(layer, Template) for layer in self.layers):
+            raise InputError(f"template {name!r} has layers {self.layers!r}; one Template or more wanted")
+        if len(times) != len(self.layers) or not all(0 < time < np.inf for time in times):
+            raise InputError(f"template {name!r}: time constants {times}; {len(self.layers)} positive numbers wanted")
+        for number, layer in enumerate(self.layers):
+            for term in layer.terms:
+                if term.layer is not None and term.layer >= len(self.layers):
+                    raise InputError(
+                        f"template {name!r}: a term of layer {number} hears layer {term.layer}; 0 to "
+                        f"{len(self.layers) - 1} are there"
+                    )
+
+    @property
+    def reads_input(self) -> bool:
+        """True if some layer reads its input."""
+        return any(layer.reads_input for layer in self.layers)
+
+    @property
+    def uncoupled(self) -> bool:
+        """True if no cell hears another one, of its own or of another layer."""
+        return all(layer.uncoupled for layer in self.layers)
+
+    @property
+    def radius(self) -> int:
+        """How far the farthest-looking layer looks."""
+        return max(layer.radius for layer in self.layers)
+
+    def state_bound(self, bias: float = 0.0) -> float:
+        """Return the largest of the layers' bounds, see `Template.state_bound`."""
+        return max(layer.state_bound(bias) for layer in self.layers)
+
+
+AnyTemplate = Template | LayeredTemplate
+
+
+def layered(template: AnyTemplate) -> LayeredTemplate:
+    """Return the template as one of layers: a plain one is a single layer.
+
+    Raises:
+        InputError: a plain template with a term that hears another layer.
+    """
+    return template if isinstance(template, LayeredTemplate) else LayeredTemplate((template,), None, template.name)

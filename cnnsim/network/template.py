@@ -1,0 +1,111 @@
+"""Template: the numbers A, B, z that say how a cell listens to its neighbours, and terms that are not so simple."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cnnsim.network.term import Term
+from cnnsim.network.weights import MAX_RADIUS, Tap, all_taps, checked_number, checked_weights, reach, taps_of
+from cnnsim.support.errors import InputError
+
+__all__ = ["MAX_RADIUS", "Tap", "Template", "all_taps"]
+
+
+@dataclass(frozen=True, eq=False)
+class Template:
+    """A template: dx/dt = -x + A*y + B*u + z, plus ``terms`` if it has any.
+
+    ``A`` (feedback) and ``B`` (control) are odd square matrices, up to 11 x 11, not necessarily of one size; ``z`` is
+    the bias. ``*`` is a correlation: entry (k, l) weighs the neighbour at offset (k, l), the top row is the northern
+    neighbours. Chua and Yang, "Cellular neural networks: theory", IEEE Trans. CAS 35 (1988) 1257. A template without
+    terms is linear and the same in every cell; what terms can be, `cnnsim.network.term` says.
+
+    Raises:
+        InputError: a matrix that is not square, of even side, too large, or with an entry that is not finite.
+    """
+
+    A: NDArray[np.float64] = field(repr=False)
+    B: NDArray[np.float64] = field(repr=False)
+    z: float = 0.0
+    name: str = "unnamed"
+    terms: tuple[Term, ...] = ()
+
+    def __init__(
+        self, A: ArrayLike, B: ArrayLike = 0.0, z: float = 0.0, name: str = "unnamed", terms: Iterable[Term] = ()
+    ) -> None:
+        owner = f"template {name!r}"
+        object.__setattr__(self, "name", name)
+        object.__setattr__(self, "A", checked_weights(owner, "A", A))
+        object.__setattr__(self, "B", checked_weights(owner, "B", B))
+        object.__setattr__(self, "z", checked_number(owner, "z", z))
+        object.__setattr__(self, "terms", tuple(terms))
+        if not all(isinstance(term, Term) for term in self.terms):
+            raise InputError(f"{owner}: terms are {self.terms!r}; a list of Term wanted")
+
+    @cached_property
+    def feedback_taps(self) -> tuple[Tap, ...]:
+        """The entries of A that are not zero, row by row."""
+        return taps_of(self.A)
+
+    @cached_property
+    def control_taps(self) -> tuple[Tap, ...]:
+        """The entries of B that are not zero, row by row."""
+        return taps_of(self.B)
+
+    @cached_property
+    def control_terms(self) -> tuple[Term, ...]:
+        """The terms of the present input alone: they are part of the constant drive, like B*u."""
+        return tuple(term for term in self.terms if term.control)
+
+    @cached_property
+    def feedback_terms(self) -> tuple[Term, ...]:
+        """All other terms: they need the general time loop."""
+        return tuple(term for term in self.terms if not term.control)
+
+    @property
+    def linear(self) -> bool:
+        """True if A, B and z say all."""
+        return not self.terms
+
+    @property
+    def reads_input(self) -> bool:
+        """True if B or a term reads u."""
+        return bool(self.control_taps) or any("u" in term.quantities for term in self.terms)
+
+    @property
+    def self_feedback(self) -> float:
+        """a, the centre of A."""
+        r = self.A.shape[0] // 2
+        return float(self.A[r, r])
+
+    @property
+    def uncoupled(self) -> bool:
+        """True if nothing feeds a neighbour back: every cell is on its own once what it hears of u is known."""
+        return all(tap.k == tap.l == 0 for tap in self.feedback_taps) and not any(t.couples for t in self.terms)
+
+    @property
+    def symmetric(self) -> bool:
+        """True if A(k, l) = A(-k, -l): then every transient settles (Chua and Yang 1988, theorem 3)."""
+        return bool(np.array_equal(self.A, self.A[::-1, ::-1]))
+
+    @property
+    def isotropic(self) -> bool:
+        """True if A looks the same after a quarter turn and in a mirror."""
+        return np.array_equal(self.A, np.rot90(self.A)) and np.array_equal(self.A, self.A.T)
+
+    @property
+    def radius(self) -> int:
+        """The largest radius of A, B and the terms, zero rims left out."""
+        taps = (*self.feedback_taps, *self.control_taps)
+        return max(reach((tap.k, tap.l) for tap in taps), *(term.radius for term in self.terms), 0)
+
+    def state_bound(self, bias: float = 0.0) -> float:
+        """Return |z| + |bias| + sum|A| + sum|B| + bounds of the terms: |x| stays within it if |x(0)| does, |u| <= 1.
+
+        Chua and Yang 1988, theorem 1. Terms count with their largest value for |x| <= 1.
+        """
+        linear = float(np.abs(self.A).sum() + np.abs(self.B).sum())
+        return abs(self.z) + abs(bias) + linear + sum(term.bound for term in self.terms)

@@ -1,0 +1,191 @@
+"""Term: what a template says beyond A*y + B*u + z: non-linear, delayed, space-variant, or from another layer.
+
+**One sign convention**: a difference is the neighbour minus the centre, kl minus ij. The sources differ:
+
+* MATCNN: neighbour minus centre as here. Argument codes are digits, 1 for u, 2 for x, 3 for y, the neighbour's first:
+  11 is u_kl - u_ij, 12 is u_kl - x_ij. A third digit 1 in front multiplies the difference with f of it: 122 is
+  f(x_kl - x_ij) (x_kl - x_ij). (11, 12 and 122 are documented; the other codes in its files follow the same rule.)
+* CANDY: centre minus neighbour, written ``x-u``: x_ij - u_kl. A function comes over mirrored; where it multiplies the
+  difference (``x-x#x-x``), the weights change sign as well.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import product
+from typing import Any, Literal, NamedTuple, cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cnnsim.network.table import Table
+from cnnsim.network.weights import checked_number, checked_weights, reach
+from cnnsim.support.errors import InputError
+
+Quantity = Literal["x", "y", "u"]
+
+
+class Argument(NamedTuple):
+    """What a function is applied to: a neighbour's value, or that minus a value of the cell itself."""
+
+    neighbour: Quantity
+    centre: Quantity | None = None
+
+    def __str__(self) -> str:
+        return f"{self.neighbour}_kl" + (f" - {self.centre}_ij" if self.centre else "")
+
+    @property
+    def quantities(self) -> set[str]:
+        """What is read: some of x, y, u."""
+        return {self.neighbour, self.centre} - {None}  # type: ignore[return-value]  # None is taken out
+
+
+_ARGUMENTS = {str(Argument(n, c)): Argument(n, c) for n, c in product(("y", "u", "x"), (None, "y", "u", "x"))}  # type: ignore[arg-type]  # the letters are quantities
+
+
+def parse_argument(text: "str | Argument") -> Argument:
+    """Read ``"y_kl"`` or ``"u_kl - x_ij"``: kl is the neighbour, ij the cell itself.
+
+    Raises:
+        InputError: anything else.
+    """
+    if isinstance(text, Argument):
+        return text
+    try:
+        return _ARGUMENTS[" ".join(text.replace("-", " - ").split())]
+    except (KeyError, AttributeError) as error:
+        raise InputError(f"argument {text!r}; one of {', '.join(_ARGUMENTS)} wanted") from error
+
+
+@dataclass(frozen=True, eq=False)
+class Term:
+    """A sum over the neighbourhood that is added to the drive of a cell: sum of w(k, l) f(v) m.
+
+    v is the argument ``of``, f the ``table`` (None: f(v) = v), m the argument ``times`` (None: 1). With ``delay`` all
+    that is read is read so many time constants ago; before t = 0 the state is x(0) and the input is the first one.
+    With ``layer`` the neighbour's value is that of another layer (counted from 0); u and y of the centre, and x, are
+    the cell's own. ``weights`` (side, side) is like A; (side, side, rows, cols) has a plane for each tap.
+
+    Raises:
+        InputError: weights that are no odd square, an unknown argument, a delay that is negative.
+    """
+
+    weights: NDArray[np.float64] = field(repr=False)
+    of: Argument
+    table: Table | None
+    times: Argument | None
+    delay: float
+    layer: int | None
+
+    def __init__(
+        self,
+        weights: ArrayLike,
+        of: str | Argument = "y_kl",
+        table: Table | None = None,
+        times: str | Argument | None = None,
+        delay: float = 0.0,
+        layer: int | None = None,
+    ) -> None:
+        set_ = object.__setattr__
+        set_(self, "weights", checked_weights("term", "weights", weights, varying=True))
+        set_(self, "of", parse_argument(of))
+        if table is not None and not isinstance(table, Table):
+            raise InputError(f"term: table is {table!r}; a Table wanted")
+        set_(self, "table", table)
+        set_(self, "times", None if times is None else parse_argument(times))
+        set_(self, "delay", checked_number("term", "delay", delay))
+        if self.delay < 0:
+            raise InputError(f"term: delay is {delay!r}; a number of time constants >= 0 wanted")
+        if layer is not None and (isinstance(layer, bool) or not isinstance(layer, int) or layer < 0):
+            raise InputError(f"term: layer is {layer!r}; the number of a layer, from 0, wanted")
+        set_(self, "layer", layer)
+
+    def __str__(self) -> str:
+        inner = str(self.of) if self.table is None else f"f({self.of})"
+        text = inner if self.times is None else f"{inner} ({self.times})"
+        where = "" if self.layer is None else f" of layer {self.layer}"
+        return text + where + (f", {self.delay:g} time constants ago" if self.delay else "")
+
+    @cached_property
+    def taps(self) -> tuple[tuple[int, int, Any], ...]:
+        """(k, l, weight) of the entries that are not zero, row by row; the weight is a number or a plane."""
+        r, weights = self.weights.shape[0] // 2, self.weights
+        return tuple(
+            (k - r, l - r, weights[k, l] if weights.ndim == 4 else float(weights[k, l]))
+            for k, l in np.ndindex(weights.shape[:2])
+            if np.any(weights[k, l])
+        )
+
+    @property
+    def radius(self) -> int:
+        """How far the term looks."""
+        return reach((k, l) for k, l, _ in self.taps)
+
+    @property
+    def quantities(self) -> set[str]:
+        """What the term reads: some of x, y, u."""
+        return self.of.quantities | (set() if self.times is None else self.times.quantities)
+
+    @property
+    def control(self) -> bool:
+        """True if the term reads nothing but the input, now, of the cell's own layer: known before the time loop."""
+        return self.quantities == {"u"} and not self.delay and self.layer is None
+
+    @property
+    def couples(self) -> bool:
+        """True if the term brings the state of a neighbour (or of another layer) to a cell."""
+        heard = {self.of.neighbour, *(() if self.times is None else (self.times.neighbour,))}
+        return heard != {"u"} and (self.layer is not None or any((k, l) != (0, 0) for k, l, _ in self.taps))
+
+    @property
+    def bound(self) -> float:
+        """The most that the term adds to a drive, for |u|, |y|, |x| <= 1."""
+        size = (1.0 if self.of.centre is None else 2.0) if self.table is None else self.table.bound
+        factor = 1.0 if self.times is None or self.times.centre is None else 2.0
+        return size * factor * float(np.abs(self.weights).sum(axis=(0, 1)).max())
+
+    @property
+    def jump(self) -> float:
+        """The largest jump of the drive where one neighbour's argument crosses an edge of a step."""
+        factor = 1.0 if self.times is None else 2.0
+        return 0.0 if self.table is None else factor * self.table.jump * float(np.abs(self.weights).max())
+
+
+_MATCNN = {"1": "u", "2": "x", "3": "y"}
+
+
+def from_matcnn(weights: ArrayLike, table: Table, code: int) -> Term:
+    """Return a MATCNN D, A or B type interaction: its weights, its function and its argument code (11, 12, 122, ...).
+
+    Raises:
+        InputError: a code that is not of two digits 1 to 3, or of those after a 1.
+    """
+    digits = str(code)
+    if len(digits) not in (2, 3) or not set(digits) <= set(_MATCNN) or (len(digits) == 3 and digits[0] != "1"):
+        raise InputError(f"MATCNN argument code {code!r}; two digits of 1 (u), 2 (x), 3 (y), perhaps after a 1, wanted")
+    of = Argument(*(cast(Quantity, _MATCNN[digit]) for digit in digits[-2:]))
+    return Term(weights, of, table, of if len(digits) == 3 else None)
+
+
+def from_candy(weights: ArrayLike, table: Table, argument: str, times: str = "") -> Term:
+    """Return a CANDY interaction whose argument is ``x-u`` (centre minus neighbour), times perhaps another such one.
+
+    ``a-`` in NONLIN_CONTROL is ``u-u``, in NONLIN_FEEDBACK ``y-y``; ``a0`` is the neighbour's value, ``u`` or ``y``.
+
+    Raises:
+        InputError: an argument of another form.
+    """
+    of, sign = _from_centre_minus_neighbour(argument)
+    factor, turn = _from_centre_minus_neighbour(times) if times else (None, 1)
+    matrix = np.asarray(weights, dtype=np.float64) * turn
+    return Term(matrix, of, table.mirrored() if sign < 0 else table, factor)
+
+
+def _from_centre_minus_neighbour(text: str) -> tuple[Argument, int]:
+    """Return the argument and -1 if it is the negative of what was asked for, else +1."""
+    centre, minus, neighbour = text.replace(" ", "").partition("-")
+    letters = {"x", "y", "u"}
+    if minus and {centre, neighbour} <= letters:
+        return Argument(cast(Quantity, neighbour), cast(Quantity, centre)), -1
+    if not minus and centre in letters:
+        return Argument(cast(Quantity, centre)), 1
+    raise InputError(f"CANDY argument {text!r}; x, y, u or centre minus neighbour such as x-u wanted")

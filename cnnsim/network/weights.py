@@ -1,0 +1,77 @@
+"""Weights of a neighbourhood: odd square matrices, their entries as taps, and the checks that all templates share."""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cnnsim.support.errors import InputError
+from cnnsim.support.toml_file import in_range
+
+MAX_RADIUS = 5
+
+
+class Tap(NamedTuple):
+    """One entry of a template that is not zero: the neighbour at (row + k, col + l) counts ``weight`` times."""
+
+    k: int
+    l: int
+    weight: float
+
+
+def checked_weights(owner: str, which: str, entries: ArrayLike, *, varying: bool = False) -> NDArray[np.float64]:
+    """Return entries as a read-only odd square matrix (side, side); a number is a 1 x 1 matrix.
+
+    With ``varying`` the matrix may be (side, side, rows, cols): each entry a plane, a weight of its own in every cell.
+
+    Raises:
+        InputError: not square, of even side, larger than 11 x 11, or an entry that is not finite.
+    """
+    try:
+        matrix = np.array(entries, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{owner}: {which} is no rectangular matrix of numbers: {entries!r}") from error
+    if matrix.ndim == 0:
+        matrix = matrix.reshape(1, 1)
+    dimensions = (2, 4) if varying else (2,)
+    if matrix.ndim not in dimensions or matrix.shape[0] != matrix.shape[1] or matrix.shape[0] % 2 == 0:
+        shape = " x ".join(map(str, matrix.shape))
+        raise InputError(f"{owner}: {which} is {shape}, an odd square (3 x 3, 5 x 5, ...) wanted")
+    if matrix.shape[0] > 2 * MAX_RADIUS + 1:
+        raise InputError(f"{owner}: {which} has radius {matrix.shape[0] // 2}, at most {MAX_RADIUS} wanted")
+    if not np.isfinite(matrix).all():
+        row, col, *_ = where = np.argwhere(~np.isfinite(matrix))[0]
+        raise InputError(
+            f"{owner}: {which} holds {matrix[tuple(where)]} in row {row + 1}, column {col + 1}; finite numbers wanted"
+        )
+    matrix.flags.writeable = False
+    return matrix
+
+
+def checked_number(owner: str, which: str, value: object) -> float:
+    """Return a finite number.
+
+    Raises:
+        InputError: anything else.
+    """
+    number = value.item() if isinstance(value, np.number) else value
+    if isinstance(number, bool) or not isinstance(number, int | float) or not in_range(number):
+        raise InputError(f"{owner}: {which} is {value!r}, a finite number wanted")
+    return float(number)
+
+
+def all_taps(matrix: NDArray[np.float64]) -> tuple[Tap, ...]:
+    """Return every entry of a template matrix as a tap, row by row, zeros included."""
+    r = matrix.shape[0] // 2
+    return tuple(Tap(int(k) - r, int(l) - r, float(matrix[k, l])) for k, l in np.ndindex(matrix.shape))
+
+
+def taps_of(matrix: NDArray[np.float64]) -> tuple[Tap, ...]:
+    """Return the entries that are not zero, row by row."""
+    return tuple(tap for tap in all_taps(matrix) if tap.weight)
+
+
+def reach(offsets: Iterable[tuple[int, int]]) -> int:
+    """Return how far the farthest of some offsets (k, l) lies, in rows or columns."""
+    return max((max(abs(k), abs(l)) for k, l in offsets), default=0)

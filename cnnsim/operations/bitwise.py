@@ -1,0 +1,76 @@
+"""Templates that, on black-and-white pictures, are an AND or an OR of neighbours: found by their truth table."""
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from cnnsim.network.boundary import Boundary
+from cnnsim.network.cell import uncoupled_state
+from cnnsim.network.template import Template
+
+MOST_NEIGHBOURS = 12
+"""Templates that listen to more cells than this are not looked at: the truth table has 2^n rows."""
+
+CLEAR = 1e-6
+"""A drive this close to where the answer changes is left to the real numbers: rounding decides there."""
+
+
+class Literal(NamedTuple):
+    """The neighbour at (row + k, col + l), or its negation."""
+
+    k: int
+    l: int
+    negated: bool
+
+
+@dataclass(frozen=True)
+class BitRule:
+    """A cell turns black if all of its literals are true (``every``), or if any of them is."""
+
+    literals: tuple[Literal, ...]
+    every: bool
+
+    @property
+    def radius(self) -> int:
+        """How far the rule looks."""
+        return max((max(abs(k), abs(l)) for k, l, _ in self.literals), default=0)
+
+
+def bit_rule(template: Template, boundary: Boundary, state: float | None) -> BitRule | None:
+    """Return the rule by which a settled uncoupled template turns a black-and-white input into x > 0, or None.
+
+    ``state`` is the number that x(0) is, None if x(0) is the input picture. Erosion, dilation, hit-and-miss, shifts and
+    NOT are such rules; majority is not. Fixed virtual cells must be black or white as well.
+
+        s = z + sum of b (+-1),    out = x_rest(x0, s, a) > 0
+    """
+    if not template.linear or not template.uncoupled or (boundary.kind == "fixed" and abs(boundary.u) != 1):
+        return None
+    weights = {(tap.k, tap.l): tap.weight for tap in template.control_taps}
+    if state is None:
+        weights.setdefault((0, 0), 0.0)
+    if len(weights) > MOST_NEIGHBOURS:
+        return None
+    table = np.array(list(itertools.product((-1.0, 1.0), repeat=len(weights))))
+    drive = template.z + table @ np.array(list(weights.values()))
+    start = np.full_like(drive, state) if state is not None else table[:, list(weights).index((0, 0))]
+    black, surely, possibly = (
+        uncoupled_state(start, drive + e, template.self_feedback, math.inf, "chua-yang") > 0
+        for e in (0.0, -CLEAR, CLEAR)
+    )
+    if not (np.array_equal(surely, black) and np.array_equal(possibly, black)):
+        return None
+    for every in (True, False):
+        rare = black if every else ~black  # an AND is true, an OR false, on one cube of the table
+        if not rare.any():
+            continue
+        fixed = [i for i in range(len(weights)) if np.ptp(table[rare, i]) == 0]
+        if rare.sum() != 2 ** (len(weights) - len(fixed)):
+            continue
+        places = list(weights)
+        wanted = [table[rare][0, i] > 0 for i in fixed]
+        return BitRule(tuple(Literal(*places[i], bool(w) != every) for i, w in zip(fixed, wanted, strict=True)), every)
+    return None

@@ -1,0 +1,95 @@
+"""Per-cell nonlinearities: functions of the planes' values at one cell, with no neighbours in them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import entry_points
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.support.errors import InputError
+
+Planes = tuple[NDArray[Any], ...]
+
+
+@dataclass(frozen=True)
+class Cellwise:
+    """A named per-cell operation: some planes in, some planes out, numbers as parameters.
+
+    ``array(*inputs, *parameters)`` is the law: NumPy on arrays of any shape, giving one array an output.
+    ``compiled()`` gives a kernel ``kernel(*inputs, *outputs, *parameters)`` for the CPU backend; the planes
+    are contiguous 1-D arrays of one dtype, the outputs are written in place. Without it the CPU backend uses
+    ``array``, which is right for anything that is already one NumPy ufunc. ``opencl`` is the operation's text for
+    one cell in OpenCL C, between the values of the inputs and the outputs it sets, all of type ``real`` (float or
+    double) and called by their names, as are the parameters: ``"sum = p + q;"``.
+    """
+
+    name: str
+    summary: str
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    parameters: tuple[str, ...]
+    array: Callable[..., Planes]
+    compiled: Callable[[], Callable[..., None]] | None = None
+    opencl: str = ""
+
+
+BUILT_IN = {
+    op.name: op
+    for op in (
+        Cellwise("add", "p + q", ("p", "q"), ("sum",), (), lambda p, q: (p + q,), opencl="sum = p + q;"),
+        Cellwise(
+            "subtract", "p - q", ("p", "q"), ("difference",), (), lambda p, q: (p - q,), opencl="difference = p - q;"
+        ),
+        Cellwise("multiply", "p * q", ("p", "q"), ("product",), (), lambda p, q: (p * q,), opencl="product = p * q;"),
+        Cellwise(
+            "minimum",
+            "min(p, q)",
+            ("p", "q"),
+            ("least",),
+            (),
+            lambda p, q: (np.minimum(p, q),),
+            opencl="least = (p < q) | (p != p) ? p : q;",  # NaN comes through, as in NumPy
+        ),
+        Cellwise(
+            "maximum",
+            "max(p, q)",
+            ("p", "q"),
+            ("most",),
+            (),
+            lambda p, q: (np.maximum(p, q),),
+            opencl="most = (p > q) | (p != p) ? p : q;",
+        ),
+        Cellwise("absolute", "|p|", ("p",), ("size",), (), lambda p: (np.abs(p),), opencl="size = fabs(p);"),
+        Cellwise(
+            "scale",
+            "factor * p + offset, in the plane's own precision",
+            ("p",),
+            ("scaled",),
+            ("factor", "offset"),
+            lambda p, factor, offset: (p.dtype.type(factor) * p + p.dtype.type(offset),),
+            opencl="scaled = factor * p + offset;",
+        ),
+    )
+}
+
+
+def find(name: str) -> Cellwise:
+    """Return the operation called ``name``: a built-in one, or one that an installed package announces.
+
+    Packages announce theirs under the entry-point group ``cnnsim.operations.cellwise``.
+
+    Raises:
+        InputError: nobody knows the name.
+    """
+    if name in BUILT_IN:
+        return BUILT_IN[name]
+    announced = {point.name: point for point in entry_points(group="cnnsim.cellwise")}
+    if name not in announced:
+        known = ", ".join(sorted({*BUILT_IN, *announced}))
+        raise InputError(f"no cellwise operation is called {name!r}; known are {known}")
+    operation = announced[name].load()
+    if not isinstance(operation, Cellwise):
+        raise InputError(f"cellwise operation {name!r} is announced as a {type(operation).__name__}")
+    return operation

@@ -1,0 +1,33 @@
+"""The global wire: what the whole array says at once about a black-and-white plane."""
+
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.support.errors import InputError
+
+Wire = Literal["any", "all", "count"]
+Register = int | NDArray[np.int64]
+
+
+def read_wire(wire: Wire, black: Register, cells: int) -> Register:
+    """Return the wire's value: 1 or 0 for "any" and "all" black, the number of black cells for "count".
+
+    ``cells`` is the size of one grid; for n grids ``black`` and the value are (n,) numbers.
+    """
+    if wire == "count":
+        return black
+    told = black > 0 if wire == "any" else black == cells
+    return told.astype(np.int64) if isinstance(told, np.ndarray) else int(told)
+
+
+def check_wire(name: str) -> Wire:
+    """Return ``name`` as a wire.
+
+    Raises:
+        InputError: there is no such wire.
+    """
+    if name not in get_args(Wire):
+        raise InputError(f"global wire {name!r}; known are {', '.join(get_args(Wire))}")
+    return name  # type: ignore[return-value]  # just checked

@@ -1,0 +1,252 @@
+"""Plan: looks at a template and a task, and decides how to compute it and what need not be computed at all."""
+
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+from numpy.typing import NDArray
+
+from cnnsim.network.boundary import Boundary
+from cnnsim.network.cell import CellModel
+from cnnsim.network.characteristic import CLIP, Cell, Characteristic, parse_cell
+from cnnsim.network.layers import AnyTemplate, LayeredTemplate, layered
+from cnnsim.network.template import Tap, Template, all_taps
+from cnnsim.planning.general import check_grid, decide_general, divided, why_general
+from cnnsim.planning.scheme import ADAPTIVE, EULER, Scheme, find_scheme
+from cnnsim.planning.stability import step_limit
+from cnnsim.support.errors import InputError
+
+Duration = float | Literal["settled"]
+Method = Literal["closed form", "stepped", "adaptive", "general"]
+
+Saving = Literal["closed form", "sparse taps", "shared sums", "blocking", "sleep"]
+"""Ways of computing less for the same output; a plan can be made without any of them, for comparison."""
+
+DEFAULT_STEP = 0.1
+MOST_HALO = 25
+"""Cells around a tile that are computed again for the steps of one pass."""
+SETTLED_SLOPE = 1e-4
+"""A network is at rest when |dx/dt| <= this in every cell; see `Plan.duration`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A transient, decided: everything a backend needs but the planes.
+
+    ``duration`` is a number of time constants, or ``"settled"``. Settled means that either no output can change any
+    more (every free cell has |x| >= 1 and sign(x) (A*y + w) >= 1, so with frozen neighbours it stays saturated), or
+    the network is at rest (|dx/dt| <= 1e-4 in every free cell). It is looked at once a time constant, and
+    ``limit`` time constants are the most that is waited for.
+
+    ``savings`` are the ways of doing less that apply here; a backend may use them and must give the same output.
+    ``decisions`` are (what, why) lines for people. The method "general" takes all kinds of template as a ``network``
+    of layers, with any ``characteristic``; ``template`` is then its first layer, a missing ``scheme`` means adaptive.
+    """
+
+    template: Template
+    shape: tuple[int, int]
+    boundary: Boundary
+    cell: CellModel
+    method: Method
+    duration: Duration
+    limit: float
+    scheme: Scheme | None
+    step: float
+    savings: frozenset[Saving]
+    decisions: tuple[tuple[str, str], ...]
+    network: LayeredTemplate | None = None
+    characteristic: Characteristic = CLIP
+
+    @property
+    def feedback_taps(self) -> tuple[Tap, ...]:
+        """The taps of A that are summed: those that are not zero, unless sparse taps are switched off."""
+        return self.template.feedback_taps if "sparse taps" in self.savings else all_taps(self.template.A)
+
+    def output(self, x: NDArray[Any]) -> NDArray[Any]:
+        """Return the output of a state (an array): discrete-time cells have it as their state."""
+        return x if self.cell == "discrete-time" else self.characteristic(x)
+
+    @property
+    def steps(self) -> int:
+        """Steps of a fixed duration, or the most steps for ``"settled"``."""
+        time = self.limit if self.duration == "settled" else self.duration
+        return math.ceil(time / self.step - 1e-9)
+
+    @property
+    def check_every(self) -> int:
+        """Steps between two looks at whether the network has settled: one time constant."""
+        return max(1, round(1 / self.step))
+
+    @property
+    def depth(self) -> int:
+        """Steps a pass over the grid: up to `MOST_HALO` rows' worth, evenly divided; 1 without blocking."""
+        if "blocking" not in self.savings:
+            return 1
+        steps = self.check_every if self.duration == "settled" else self.steps
+        return steps_a_pass(steps, radius_of(self.feedback_taps))
+
+    def explain(self) -> str:
+        """Return the decisions as lines of text."""
+        return lines_of(self.decisions)
+
+
+def lines_of(decisions: Sequence[tuple[str, str]]) -> str:
+    """Return what was decided and why, a line each."""
+    width = max(len(what) for what, _ in decisions)
+    return "\n".join(f"{what:<{width}}  {why}" for what, why in decisions)
+
+
+def make_plan(
+    template: AnyTemplate,
+    shape: tuple[int, ...],
+    boundary: Boundary,
+    *,
+    duration: Duration = "settled",
+    cell: CellModel | Cell = "chua-yang",
+    scheme: str | None = None,
+    step: float | None = None,
+    limit: float | None = None,
+    without: Collection[str] = (),
+    every: Sequence[float] = (),
+) -> Plan:
+    """Decide how to run ``template`` on a grid of ``shape`` (..., rows, cols).
+
+    ``every`` are the times for which planes are held that change with time (see `cnnsim.network.frames`).
+
+    Without ``scheme`` and ``step`` the plan chooses: the closed form for uncoupled templates, else forward Euler with
+    h = 0.1 or half the stability limit, whichever is less. ``without`` names savings (see `Saving`) not to use.
+
+    Raises:
+        InputError: a step that cannot be stable (the message has the limit), a negative duration or limit, an unknown
+            name.
+    """
+    kind = parse_cell(cell)
+    if duration != "settled" and not (isinstance(duration, int | float) and 0 <= duration < math.inf):
+        raise InputError(f"duration {duration!r}; 'settled' or a number of time constants >= 0 wanted")
+    network = layered(template)
+    grid = _grid(shape, len(network.layers))
+    limit = usual_limit(grid) if limit is None else limit
+    if not 0 <= limit < math.inf:
+        raise InputError(f"limit {limit!r}; a number of time constants >= 0 wanted")
+    for name in without:
+        if name not in get_args(Saving):
+            raise InputError(f"cannot do without {name!r}; what can be switched off is {', '.join(get_args(Saving))}")
+    first = network.layers[0]
+    decisions = [_control_decision(first)]
+
+    def plan(method: Method, table: Scheme | None, h: float, savings: Collection[Saving] = ()) -> Plan:
+        return Plan(
+            first, grid, boundary, kind.model, method, duration, limit, table, h, frozenset(savings), tuple(decisions),
+            network if method == "general" else None, kind.output,
+        )  # fmt: skip
+
+    check_grid(network, grid)
+    if why := why_general(template, kind, every):
+        table, h, decisions = decide_general(network, kind, why, scheme, step, DEFAULT_STEP, duration, every)
+        decisions.append(_stop_decision(duration, limit))
+        return plan("general", table, h)
+    assert isinstance(template, Template)
+
+    if template.uncoupled and scheme is None and step is None and "closed form" not in without:
+        decisions.append(("closed form", "A has only its centre, so each cell has an exact solution: no time loop"))
+        return plan("closed form", None, 1.0, {"closed form"})
+    if scheme == ADAPTIVE:
+        if duration == "settled":
+            raise InputError("the adaptive scheme runs for a number of time constants, not until settled")
+        decisions.append(("adaptive", "DOP853 of scipy with relative tolerance 1e-10: a reference, not a fast road"))
+        return plan("adaptive", None, 1.0)
+    table = EULER if scheme is None else find_scheme(scheme)
+    longest = step_limit(template, boundary, table)
+    if step is None:
+        h = min(DEFAULT_STEP, longest / 2)
+        why = "the default" if h == DEFAULT_STEP else f"half the stability limit {longest:.4g} of this template"
+    else:
+        h, why = _checked_step(step, longest, table), f"as asked; stable below {longest:.4g}"
+    h = divided(duration, h)
+    decisions += [
+        (f"{table.name}, h = {h:.4g}", f"order {table.order}; the step is {why}"),
+        _stop_decision(duration, limit),
+    ]
+    steps = max(1, round(1 / h)) if duration == "settled" else math.ceil(duration / h - 1e-9)
+    applicable = stepped_savings(template, table, h, kind.model, steps, settles=duration == "settled")
+    decisions += [
+        (what, why) if what not in without else (f"no {what}", f"switched off: {why}") for what, why in applicable
+    ]
+    return plan("stepped", table, h, {what for what, _ in applicable if what not in without})
+
+
+def radius_of(taps: Collection[Tap]) -> int:
+    """Return how far taps reach."""
+    return max((max(abs(tap.k), abs(tap.l)) for tap in taps), default=0)
+
+
+def usual_limit(grid: tuple[int, int]) -> float:
+    """Return how long it is waited for rest where theory knows no time [time constants]."""
+    return 200.0 + 10.0 * sum(grid)
+
+
+def steps_a_pass(steps: int, radius: int) -> int:
+    """Return how many of so many steps are taken while the rows of a tile are in the cache.
+
+    Each step of a tile needs ``radius`` rows and columns more around it; `MOST_HALO` of them cost less than they save.
+    """
+    most = max(1, MOST_HALO // max(radius, 1))
+    return math.ceil(steps / max(1, math.ceil(steps / most)))
+
+
+def stepped_savings(
+    template: Template, scheme: Scheme, h: float, cell: CellModel, steps: int, *, settles: bool
+) -> list[tuple[Saving, str]]:
+    """Return the savings that apply to a stepped transient, each with its reason.
+
+    ``steps``: how many are taken, or lie between two looks at whether the network has settled.
+    """
+    taps, entries = len(template.feedback_taps), template.A.size
+    found: list[tuple[Saving, str]] = [("sparse taps", f"{taps} of the {entries} entries of A are not zero")]
+    if template.isotropic and template.A.shape[0] == 3 and template.A[0, 0]:
+        found.append(("shared sums", "A is the same in all directions: neighbours are added before they are weighed"))
+    if len(scheme.b) == 1:
+        depth = steps_a_pass(steps, radius_of(template.feedback_taps))
+        found.append(("blocking", f"one-stage scheme: {depth} steps a pass while the rows of a tile are in the cache"))
+        if settles and h <= 1 and cell == "chua-yang" and not template.uncoupled:
+            found.append(("sleep", "tiles in which no output can change are left out"))
+    return found
+
+
+def _grid(shape: tuple[int, ...], layers: int) -> tuple[int, int]:
+    if layers > 1 and (len(shape) not in (3, 4) or shape[-3] != layers or 0 in shape):
+        raise InputError(
+            f"planes of shape {shape}; ({layers}, rows, cols), perhaps after an n, wanted: a plane a layer"
+        )
+    if (layers == 1 and len(shape) not in (2, 3)) or 0 in shape:
+        raise InputError(f"planes of shape {shape}; (rows, cols) or (n, rows, cols) with at least one cell wanted")
+    return shape[-2], shape[-1]
+
+
+def _checked_step(step: float, longest: float, scheme: Scheme) -> float:
+    if not 0 < step < math.inf:
+        raise InputError(f"step {step!r}; a positive number of time constants wanted")
+    if step > longest * (1 + 1e-9):
+        raise InputError(
+            f"step {step:g} cannot be stable: {scheme.name} on this template needs a step below {longest:.6g}"
+        )
+    return step
+
+
+def _control_decision(template: Template) -> tuple[str, str]:
+    taps = len(template.control_taps)
+    if template.control_terms:
+        return "B*u + z once", f"the input stands still: {'; '.join(map(str, template.control_terms))}, and {taps} taps"
+    if not taps:
+        return "no B*u", "B is zero: the input is not read"
+    return "B*u + z once", f"the input stands still: {taps} of {template.B.size} taps, computed before the time loop"
+
+
+def _stop_decision(duration: Duration, limit: float) -> tuple[str, str]:
+    if duration == "settled":
+        return (
+            "stop when settled",
+            f"no output can change, or |dx/dt| <= {SETTLED_SLOPE:g}; at most {limit:g} time constants",
+        )
+    return f"stop at t = {duration:g}", "the running time is given"

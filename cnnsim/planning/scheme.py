@@ -1,0 +1,91 @@
+"""Integration schemes as tables that check themselves and say their order."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.support.errors import InputError
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """An explicit Runge-Kutta table: k_i = f(x + h sum_j a_ij k_j), x <- x + h sum_i b_i k_i.
+
+    ``exponential`` replaces h by 1 - exp(-h): with one stage that is exponential Euler (ETD1), exact while the outputs
+    stay, since the leak -x is the whole linear part. The declared ``order`` is checked against the order conditions
+    (Hairer, Norsett, Wanner, "Solving Ordinary Differential Equations I", table II.2.1) when the table is made; the
+    characteristic's kinks bring any fixed-step scheme down to order 2 where a cell saturates.
+    """
+
+    name: str
+    a: tuple[tuple[float, ...], ...]
+    b: tuple[float, ...]
+    order: int
+    exponential: bool = False
+
+    def __post_init__(self) -> None:
+        if len(self.a) != len(self.b) or any(len(row) != i for i, row in enumerate(self.a)):
+            raise ValueError(f"{self.name}: row i of an explicit table has i entries, one row a weight")
+        for order, (value, wanted) in enumerate(zip(self._conditions(), _CONDITIONS, strict=True), start=1):
+            holds = all(abs(v - w) < 1e-12 for v, w in zip(value, wanted, strict=True))
+            if holds != (order <= self.order):
+                raise ValueError(f"{self.name}: declares order {self.order}, but order {order} holds: {holds}")
+            if not holds:
+                break
+
+    def _conditions(self) -> tuple[tuple[float, ...], ...]:
+        a, b = self.matrix, np.array(self.b)
+        c = a.sum(axis=1)
+        return (
+            (float(b.sum()),),
+            (float(b @ c),),
+            (float(b @ c**2), float(b @ a @ c)),
+            (float(b @ c**3), float((b * c) @ a @ c), float(b @ a @ c**2), float(b @ a @ a @ c)),
+        )
+
+    @cached_property
+    def matrix(self) -> NDArray[np.float64]:
+        """The table a as a square matrix."""
+        square = np.zeros((len(self.b), len(self.b)))
+        for i, row in enumerate(self.a):
+            square[i, :i] = row
+        return square
+
+    @cached_property
+    def real_limit(self) -> float:
+        """The largest h |lambda| for which a real decaying mode stays bounded: |R(-h lambda)| <= 1."""
+        size = np.linspace(0, 10, 100_001)[1:]
+        stages = np.zeros((len(self.b), size.size))
+        for i in range(len(self.b)):
+            stages[i] = -size * (1 + self.matrix[i] @ stages)
+        bounded = np.abs(1 + np.array(self.b) @ stages) <= 1 + 1e-9
+        return float(size[np.argmin(bounded) - 1])
+
+    def gain(self, h: float) -> float:
+        """Return the h that enters the table: h itself, or 1 - exp(-h) for an exponential scheme."""
+        return float(-np.expm1(-h)) if self.exponential else h
+
+
+_CONDITIONS = ((1.0,), (1 / 2,), (1 / 3, 1 / 6), (1 / 4, 1 / 8, 1 / 12, 1 / 24))
+
+EULER = Scheme("euler", ((),), (1.0,), order=1)
+EXPONENTIAL_EULER = Scheme("exponential-euler", ((),), (1.0,), order=1, exponential=True)
+HEUN = Scheme("heun", ((), (1.0,)), (1 / 2, 1 / 2), order=2)
+RK4 = Scheme("rk4", ((), (1 / 2,), (0.0, 1 / 2), (0.0, 0.0, 1.0)), (1 / 6, 1 / 3, 1 / 3, 1 / 6), order=4)
+
+SCHEMES = {scheme.name: scheme for scheme in (EULER, EXPONENTIAL_EULER, HEUN, RK4)}
+ADAPTIVE = "adaptive"
+"""Not a table: step control by scipy (DOP853), for reference solutions; the reference backend has it."""
+
+
+def find_scheme(name: str) -> Scheme:
+    """Return the fixed-step scheme called ``name``.
+
+    Raises:
+        InputError: there is none.
+    """
+    if name not in SCHEMES:
+        raise InputError(f"scheme {name!r}; known are {', '.join((*SCHEMES, ADAPTIVE))}")
+    return SCHEMES[name]

@@ -1,0 +1,85 @@
+"""Reads program files. The whole file is checked before anything runs, and an error names the step."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from cnnsim.library import folders as library_path
+from cnnsim.network.boundary import parse_boundary
+from cnnsim.network.template import Template
+from cnnsim.program.names import Names
+from cnnsim.program.program import Program
+from cnnsim.program.steps import LocalTemplate, Scope, read_steps
+from cnnsim.support.errors import InputError
+from cnnsim.support.toml_file import check_keys, read_toml
+
+_REQUIRED = ("name", "inputs", "outputs", "step")
+_OPTIONAL = ("summary", "reference", "lam", "llm", "wire", "keep", "parameters", "templates")
+
+
+def load_program(
+    path: str | Path,
+    *,
+    templates: Mapping[str, Template] | None = None,
+    parameters: Mapping[str, float] | None = None,
+) -> Program:
+    """Read a program file and check it.
+
+    Arguments: ``path`` a file, or the name of a program of the library; ``templates`` and ``parameters`` replace those
+    the file defines under the same names.
+
+    Raises:
+        InputError: the file, the step and what is wrong with it.
+    """
+    file = Path(path)
+    if not file.suffix:
+        file = library_path.program_file(str(path))
+    data = read_toml(file, "program file")
+    try:
+        return _program(data, templates or {}, parameters or {}, file)
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from error
+
+
+def _program(
+    data: dict[str, Any], templates: Mapping[str, Template], parameters: Mapping[str, float], path: Path
+) -> Program:
+    check_keys(data, (*_REQUIRED, *_OPTIONAL), required=_REQUIRED)
+    numbers = _replaced("parameter", data.get("parameters", {}), parameters)
+    local = {name: _local_template(name, table) for name, table in data.get("templates", {}).items()}
+    _replaced("template", local, templates)
+    local.update({name: (template, *local[name][1:]) for name, template in templates.items()})
+    names = Names({kind: data.get(kind, []) for kind in ("lam", "llm", "wire")}, numbers)
+    keep: dict[str, float] = dict(data.get("keep", {}))
+    for name in (*data["inputs"], *keep):
+        names.known(name, "inputs and keep", "lam", "llm")
+    names.written |= {*data["inputs"], *keep}
+    steps = read_steps(data["step"], "step ", Scope(names, local))
+    for name in data["outputs"]:
+        names.read(name, "outputs", "lam", "llm", "wire")
+    return Program(
+        data["name"],
+        data.get("summary", ""),
+        names.memory,
+        tuple(data["inputs"]),
+        tuple(data["outputs"]),
+        keep,
+        steps,
+        path,
+    )
+
+
+def _replaced(what: str, defined: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    for name in given:
+        if name not in defined:
+            raise InputError(f"no {what} {name!r} to replace; the program defines {', '.join(defined) or 'none'}")
+    return {**defined, **given}
+
+
+def _local_template(name: str, table: dict[str, Any]) -> LocalTemplate:
+    try:
+        check_keys(table, ("A", "B", "z", "boundary", "duration"), required=("A",))
+        template = Template(table["A"], table.get("B", 0.0), table.get("z", 0.0), name)
+        return template, parse_boundary(table.get("boundary", "zero-flux")), table.get("duration", "settled")
+    except InputError as error:
+        raise InputError(f"templates.{name}: {error}") from error

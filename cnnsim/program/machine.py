@@ -1,0 +1,193 @@
+"""UniversalMachine: runs analogic programs. `_execute` reads like the program it runs."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cnnsim import backends, library
+from cnnsim.backends.base import Backend, Plane
+from cnnsim.network.characteristic import CHUA_YANG
+from cnnsim.operations.bitwise import BitRule, bit_rule
+from cnnsim.operations.global_wire import read_wire
+from cnnsim.operations.logic import function_number
+from cnnsim.planning.plan import Plan, make_plan
+from cnnsim.program.program import (
+    ARITHMETIC,
+    BranchStep,
+    CellwiseStep,
+    CopyStep,
+    FillStep,
+    LogicStep,
+    NumberStep,
+    Program,
+    RepeatStep,
+    Step,
+    TemplateStep,
+    UntilUnchangedStep,
+    WireStep,
+)
+from cnnsim.support.errors import InputError
+
+_XOR = function_number("xor")
+
+
+class UniversalMachine:
+    """A cellular neural network with memories, a logic unit and a program store, on one backend.
+
+    Planes stay on the backend while a program runs. What a program keeps (see `Program`) lives here from run to run;
+    `reset` forgets it. Roska and Chua, "The CNN universal machine", IEEE Trans. CAS-II 40 (1993) 163.
+    """
+
+    def __init__(self, backend: str | Backend = "cpu", dtype: str | None = None) -> None:
+        self.backend = backends.get(backend, dtype) if isinstance(backend, str) else backend
+        self._kept: dict[Program, dict[str, Plane]] = {}
+        self._plans: dict[tuple[TemplateStep, tuple[int, ...]], Plan] = {}
+        self._rules: dict[TemplateStep, BitRule | None] = {}
+
+    def reset(self) -> None:
+        """Forget all kept planes."""
+        self._kept.clear()
+
+    def run(self, program: Program, **inputs: ArrayLike) -> dict[str, Any]:
+        """Run a program on planes (rows, cols) of one shape and return its outputs: arrays, and numbers from wires.
+
+        Planes (n, rows, cols) are n grids that know nothing of each other; wires then give (n,) numbers, and steps that
+        ask a wire what to do are errors.
+
+        Raises:
+            InputError: an input is missing, unknown or of another shape; a step fails (the message names it).
+        """
+        arrays = _check(program, inputs)
+        shape = next(iter(arrays.values())).shape
+        planes: dict[str, Any] = {
+            name: self.backend.load(array, program.memory[name])  # type: ignore[arg-type]  # inputs are never wires
+            for name, array in arrays.items()
+        }
+        kept = self._kept.get(program)
+        if kept is None or kept[""] != shape:
+            kept = {name: self._constant(program, name, value, shape) for name, value in program.keep.items()}
+        planes.update(kept)
+        planes[""] = shape
+        self._execute(program, program.steps, planes)
+        self._kept[program] = {name: planes[name] for name in ("", *program.keep)}
+        return {
+            name: planes[name] if program.memory[name] == "wire" else self.backend.read(planes[name])
+            for name in program.outputs
+        }
+
+    def _execute(self, program: Program, steps: tuple[Step, ...], planes: dict[str, Any]) -> None:
+        backend, memory = self.backend, program.memory
+        for step in steps:
+            match step:
+                case TemplateStep(to=to, input=u):
+                    rule = self._rule(program, step)
+                    if rule is not None:
+                        planes[to] = backend.neighbourhood(rule, step.boundary, planes[u])  # type: ignore[index]  # then u is a plane
+                        continue
+                    x = self._transient(program, step, planes)
+                    planes[to] = backend.output(x) if memory[to] == "lam" else backend.convert(x, "llm")
+                case CellwiseStep(operation=operation, of=of, to=to, parameters=parameters):
+                    planes.update(
+                        zip(to, backend.cellwise(operation, [planes[p] for p in of], parameters), strict=True)
+                    )
+                case LogicStep(function=function, p=p, q=q, to=to):
+                    planes[to] = backend.logic(function, planes[p], planes[q])
+                case CopyStep(source=source, to=to):
+                    same = memory[source] == memory[to]
+                    planes[to] = planes[source] if same else backend.convert(planes[source], memory[to])  # type: ignore[arg-type]  # wires are not copied
+                case FillStep(value=value, to=to):
+                    number = planes[value] if isinstance(value, str) else value
+                    planes[to] = number if memory[to] == "wire" else self._constant(program, to, number, planes[""])
+                case WireStep(wire=wire, of=of, to=to):
+                    planes[to] = read_wire(wire, backend.count(planes[of]), math.prod(planes[""][-2:]))
+                case NumberStep(function=function, of=of, to=to):
+                    numbers = [planes[n] if isinstance(n, str) else n for n in of]
+                    if any(isinstance(n, np.ndarray) for n in numbers):  # a number for each grid of a batch
+                        planes[to] = np.vectorize(ARITHMETIC[function], otypes=[np.int64])(*numbers)
+                    else:
+                        planes[to] = ARITHMETIC[function](*numbers)
+                case RepeatStep(times=times, do=do):
+                    for _ in range(times):
+                        self._execute(program, do, planes)
+                case UntilUnchangedStep():
+                    self._until_unchanged(program, step, planes)
+                case BranchStep(register=register, do=do, otherwise=otherwise):
+                    if len(planes[""]) == 3:
+                        raise InputError(f"{step.where}: grids of a batch may go different ways; run them one by one")
+                    self._execute(program, do if planes[register] else otherwise, planes)
+
+    def _rule(self, program: Program, step: TemplateStep) -> BitRule | None:
+        """Return the AND or OR that a step from LLM to LLM comes down to, None if it does not."""
+        if step in self._rules:
+            return self._rules[step]
+        rule, u, x0 = None, step.input, step.state
+        logic = isinstance(u, str) and program.memory[u] == program.memory[step.to] == "llm"
+        whole = step.bias is None and step.mask is None and step.duration == "settled" and step.cell == CHUA_YANG
+        if logic and whole and (x0 == u or not isinstance(x0, str)):
+            rule = bit_rule(step.template, step.boundary, None if isinstance(x0, str) else x0)
+        self._rules[step] = rule
+        return rule
+
+    def _transient(self, program: Program, step: TemplateStep, planes: dict[str, Any]) -> Plane:
+        shape = planes[""]
+        plan = self._plans.get((step, shape))
+        if plan is None:
+            plan = self._plans[step, shape] = make_plan(
+                step.template, shape, step.boundary, duration=step.duration, cell=step.cell, step=step.step,
+                limit=_limit(step, shape[-2:]),
+            )  # fmt: skip
+
+        def plane(name: str | float | None) -> Plane:
+            if isinstance(name, str):
+                return planes[name] if program.memory[name] == "lam" else self.backend.convert(planes[name], "lam")
+            return None if name is None else self.backend.load(np.full(shape, name), "lam")
+
+        held = None if step.mask is None else planes[step.mask]
+        if step.mask is not None and program.memory[step.mask] == "lam":
+            held = self.backend.convert(held, "llm")
+        try:
+            outcome = self.backend.transient(plan, plane(step.state), plane(step.input), plane(step.bias), held)
+        except InputError as error:
+            raise InputError(f"{step.where}: {error}") from error
+        if step.duration == "settled" and not outcome.settled:
+            raise InputError(
+                f"{step.where}: has not settled after {outcome.t:g} time constants; |dx/dt| {outcome.slope:.3g}"
+            )
+        return outcome.x
+
+    def _until_unchanged(self, program: Program, step: UntilUnchangedStep, planes: dict[str, Any]) -> None:
+        if len(planes[""]) == 3:
+            raise InputError(f"{step.where}: grids of a batch may take different times; run them one by one")
+        for _ in range(step.limit):
+            before = planes[step.plane]
+            self._execute(program, step.do, planes)
+            if not self.backend.count(self.backend.logic(_XOR, before, planes[step.plane])):
+                return
+        raise InputError(f"{step.where}: still changing after {step.limit} rounds")
+
+    def _constant(self, program: Program, name: str, value: float | NDArray[Any], shape: tuple[int, ...]) -> Plane:
+        each = value[:, None, None] if isinstance(value, np.ndarray) else value
+        return self.backend.load(np.full(shape, each), program.memory[name])  # type: ignore[arg-type]  # planes only
+
+
+def _check(program: Program, inputs: dict[str, ArrayLike]) -> dict[str, NDArray[Any]]:
+    if set(inputs) != set(program.inputs):
+        raise InputError(
+            f"program {program.name!r} got {', '.join(inputs) or 'nothing'}; {', '.join(program.inputs)} wanted"
+        )
+    arrays = {name: np.asarray(inputs[name]) for name in program.inputs}
+    shapes = {name: array.shape for name, array in arrays.items()}
+    if len(set(shapes.values())) > 1 or any(array.ndim not in (2, 3) or not array.size for array in arrays.values()):
+        raise InputError(f"program {program.name!r} got planes of shapes {shapes}; one shape (rows, cols) wanted")
+    return arrays
+
+
+def _limit(step: TemplateStep, grid: tuple[int, int]) -> float | None:
+    """Return how long a step waits for rest: a template of the library for its guaranteed time, if that is longer."""
+    if not step.name or step.duration != "settled":
+        return None
+    entry = replace(library.load(step.name), boundary=step.boundary)
+    return entry.limit(grid, walls=step.mask is not None)

@@ -1,0 +1,60 @@
+"""The names of a program while it is read: which memory each lives in, and whether it has been written yet."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from cnnsim.program.program import Memory
+from cnnsim.support.errors import InputError
+from cnnsim.support.toml_file import in_range
+
+
+class Names:
+    """Declared names, those written so far, and the numbers that parameters stand for.
+
+    Raises:
+        InputError: something else than names, or one declared in two memories.
+    """
+
+    def __init__(self, declared: Mapping[Memory, list[str]], parameters: Mapping[str, float]) -> None:
+        self.memory: dict[str, Memory] = {}
+        for kind, names in declared.items():
+            if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+                raise InputError(f"{kind} is {names!r}; a list of names wanted")
+            for name in names:
+                if name in self.memory:
+                    raise InputError(f"{name!r} is declared as {self.memory[name]} and as {kind}; one memory wanted")
+                self.memory[name] = kind
+        self.parameters = parameters
+        self.written: set[str] = set()
+
+    def known(self, name: Any, where: str, *kinds: Memory) -> str:
+        """Return a declared name of one of the kinds, or raise InputError."""
+        if not isinstance(name, str) or name not in self.memory:
+            raise InputError(f"{where}: {name!r} is not declared; declared are {', '.join(self.memory) or 'none'}")
+        if self.memory[name] not in kinds:
+            raise InputError(f"{where}: {name!r} is in {self.memory[name]}; {' or '.join(kinds)} wanted")
+        return name
+
+    def read(self, name: Any, where: str, *kinds: Memory) -> str:
+        """Return a name that is read here, or raise InputError if nothing has been written to it."""
+        name = self.known(name, where, *kinds)
+        if name not in self.written:
+            raise InputError(f"{where}: {name!r} is read before anything has been written to it")
+        return name
+
+    def write(self, name: Any, where: str, *kinds: Memory) -> str:
+        """Return a name that is written here."""
+        name = self.known(name, where, *kinds)
+        self.written.add(name)
+        return name
+
+    def number(self, value: Any, where: str) -> float:
+        """Return a number, given as such or as a parameter's name."""
+        if isinstance(value, str):
+            if value not in self.parameters:
+                known = ", ".join(self.parameters) or "none"
+                raise InputError(f"{where}: no parameter {value!r}; defined are {known}")
+            value = self.parameters[value]
+        if isinstance(value, bool) or not isinstance(value, int | float) or not in_range(value):
+            raise InputError(f"{where}: {value!r} is no finite number")
+        return float(value)

@@ -1,0 +1,182 @@
+"""Analogic programs: what the steps are, and how a program file is read and checked whole before anything runs.
+
+A program is a TOML file. It declares its memories and lists its steps, each a table with one of the keys
+
+* ``template``: run a template; ``input``, ``state``, ``bias``, ``mask`` name planes, ``to`` the plane for the output;
+* ``cellwise``: apply a per-cell operation; ``of``, ``to`` list planes, ``parameters`` lists numbers or their names;
+* ``logic``: one of the 16 two-input functions; ``of`` lists two planes (or one), ``to`` names the result;
+* ``copy``: a plane ``to`` another, converted where one is analog and one logic;
+* ``fill``: a constant, a parameter or a wire register ``to`` every cell of a plane; a constant ``to`` a register;
+* ``wire``: "any", "all" or "count" of the plane ``of`` into the wire register ``to``;
+* ``number``: "add", "subtract", "multiply" or "less" (1 or 0) ``of`` two wire registers, parameters or whole numbers
+  into the wire register ``to``;
+* ``repeat``: so many times (a number or a parameter) the steps in ``[[step.do]]``;
+* ``until_unchanged``: ``[[step.do]]`` until a logic plane comes out as it went in, at most ``limit`` times;
+* ``when``: ``[[step.do]]`` if a wire register is not 0, else ``[[step.otherwise]]``.
+"""
+
+import operator
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from cnnsim.network.boundary import Boundary
+from cnnsim.network.characteristic import CHUA_YANG, Cell
+from cnnsim.network.template import Template
+from cnnsim.operations.cellwise import Cellwise
+from cnnsim.operations.global_wire import Wire
+from cnnsim.planning.plan import Duration
+
+Memory = Literal["lam", "llm", "wire"]
+
+
+@dataclass(frozen=True, eq=False)
+class TemplateStep:
+    """Run ``template`` from ``state`` (a plane, or a constant) with ``input`` and put y into ``to``.
+
+    ``name`` is that of the library's template, whose guaranteed running time is waited for; a program's own has none.
+    """
+
+    where: str
+    template: Template
+    boundary: Boundary
+    duration: Duration
+    input: str | float | None
+    state: str | float
+    bias: str | None
+    mask: str | None
+    to: str
+    cell: Cell = CHUA_YANG
+    step: float | None = None
+    name: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class CellwiseStep:
+    """Apply a per-cell operation to LAM planes."""
+
+    where: str
+    operation: Cellwise
+    of: tuple[str, ...]
+    to: tuple[str, ...]
+    parameters: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class LogicStep:
+    """Apply a two-input logic function to LLM planes."""
+
+    where: str
+    function: int
+    p: str
+    q: str
+    to: str
+
+
+@dataclass(frozen=True, eq=False)
+class CopyStep:
+    """Copy a plane, converted where the memories differ."""
+
+    where: str
+    source: str
+    to: str
+
+
+@dataclass(frozen=True, eq=False)
+class FillStep:
+    """Set every cell of a plane, or a wire register, to a constant or (a plane only) to what a register holds."""
+
+    where: str
+    value: float | str
+    to: str
+
+
+@dataclass(frozen=True, eq=False)
+class WireStep:
+    """Read the global wire of an LLM plane into a register."""
+
+    where: str
+    wire: Wire
+    of: str
+    to: str
+
+
+ARITHMETIC: Mapping[str, Callable[[int, int], int]] = {
+    "add": operator.add,
+    "subtract": operator.sub,
+    "multiply": operator.mul,
+    "less": lambda p, q: int(p < q),
+}
+"""What the control unit can do with two wire registers."""
+
+
+@dataclass(frozen=True, eq=False)
+class NumberStep:
+    """Put a function of two whole numbers, each a wire register or a constant, into a wire register."""
+
+    where: str
+    function: str
+    of: tuple[int | str, int | str]
+    to: str
+
+
+@dataclass(frozen=True, eq=False)
+class RepeatStep:
+    """Do some steps a fixed number of times."""
+
+    where: str
+    times: int
+    do: "tuple[Step, ...]"
+
+
+@dataclass(frozen=True, eq=False)
+class UntilUnchangedStep:
+    """Do some steps until an LLM plane comes out as it went in; ``limit`` rounds without that are an error."""
+
+    where: str
+    plane: str
+    limit: int
+    do: "tuple[Step, ...]"
+
+
+@dataclass(frozen=True, eq=False)
+class BranchStep:
+    """Do some steps if a wire register is not 0, others if it is."""
+
+    where: str
+    register: str
+    do: "tuple[Step, ...]"
+    otherwise: "tuple[Step, ...]"
+
+
+Step = (
+    TemplateStep
+    | CellwiseStep
+    | LogicStep
+    | CopyStep
+    | FillStep
+    | WireStep
+    | NumberStep
+    | RepeatStep
+    | UntilUnchangedStep
+    | BranchStep
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """A checked program: every name is declared, written before it is read, and of the right kind.
+
+    ``memory`` says where each name lives; ``inputs`` must be given at each run; ``keep`` are planes that survive from
+    run to run, with the constant they start from; ``outputs`` are given back.
+    """
+
+    name: str
+    summary: str
+    memory: Mapping[str, Memory]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    keep: Mapping[str, float]
+    steps: tuple[Step, ...]
+    path: Path | None = field(default=None, repr=False)

@@ -1,0 +1,244 @@
+"""One reader for each kind of step: a table of the file in, a checked step out."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from cnnsim import library
+from cnnsim.network.boundary import Boundary, parse_boundary
+from cnnsim.network.characteristic import CHUA_YANG, Cell
+from cnnsim.network.template import Template
+from cnnsim.operations import cellwise
+from cnnsim.operations.global_wire import check_wire
+from cnnsim.operations.logic import function_number
+from cnnsim.planning.plan import Duration
+from cnnsim.program.names import Names
+from cnnsim.program.program import (
+    ARITHMETIC,
+    BranchStep,
+    CellwiseStep,
+    CopyStep,
+    FillStep,
+    LogicStep,
+    NumberStep,
+    RepeatStep,
+    Step,
+    TemplateStep,
+    UntilUnchangedStep,
+    WireStep,
+)
+from cnnsim.support.errors import InputError
+from cnnsim.support.toml_file import check_keys
+
+LocalTemplate = tuple[Template, Boundary, Duration]
+
+
+@dataclass(frozen=True)
+class Scope:
+    """What a step can refer to."""
+
+    names: Names
+    templates: Mapping[str, LocalTemplate]
+
+
+def read_steps(tables: Any, prefix: str, scope: Scope) -> tuple[Step, ...]:
+    """Turn a list of tables into steps; ``prefix`` leads their numbers in messages.
+
+    Raises:
+        InputError: what is wrong, led by the step's number and kind.
+    """
+    if not isinstance(tables, list) or not tables or not all(isinstance(table, dict) for table in tables):
+        raise InputError(f"{prefix.strip()}: no steps; one table or more wanted")
+    return tuple(_step(table, f"{prefix}{i}", scope) for i, table in enumerate(tables, start=1))
+
+
+def _step(table: dict[str, Any], number: str, scope: Scope) -> Step:
+    kinds = [key for key in _READERS if key in table]
+    if len(kinds) != 1:
+        raise InputError(f"{number}: has {' and '.join(kinds) or 'none'} of {', '.join(_READERS)}; exactly one wanted")
+    required, optional, read = _READERS[kinds[0]]
+    where = f"{number} ({kinds[0]} {table[kinds[0]]})"
+    if kinds[0] not in ("fill", "repeat") and not isinstance(table[kinds[0]], str):
+        raise InputError(f"{where}: a name wanted")
+    check_keys(table, (kinds[0], *required, *optional), where, required)
+    return read(table, where, number, scope)
+
+
+def _template(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
+    names = scope.names
+    template, boundary, duration, u, x0 = _find_template(table["template"], where, scope)
+    cell, step = _cell_and_step(table["template"], scope)
+    u = table.get("input", u)
+    if template.reads_input and u is None:
+        raise InputError(f"{where}: the template has a B, so 'input' must name a plane")
+    x0 = table.get("state", u if x0 == "picture" else None if x0 == "given" else x0)
+    if x0 is None:
+        raise InputError(f"{where}: 'state' must name the plane, or be the number, that x(0) is")
+    try:
+        boundary = parse_boundary(table.get("boundary", boundary))
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from error
+    return TemplateStep(
+        where,
+        template,
+        boundary,
+        table.get("duration", duration),
+        names.read(u, where, "lam", "llm") if isinstance(u, str) else None if u is None else names.number(u, where),
+        names.read(x0, where, "lam", "llm") if isinstance(x0, str) else names.number(x0, where),
+        names.read(table["bias"], where, "lam", "llm") if "bias" in table else None,
+        names.read(table["mask"], where, "lam", "llm") if "mask" in table else None,
+        names.write(table["to"], where, "lam", "llm"),
+        cell,
+        step,
+        "" if table["template"] in scope.templates else table["template"],
+    )
+
+
+def _cell_and_step(name: str, scope: Scope) -> tuple[Cell, float | None]:
+    """Return what a template of the library asks for; a program's own templates are Chua-Yang cells."""
+    if name in scope.templates:
+        return CHUA_YANG, None
+    entry = library.load(name)
+    return entry.cell, entry.step
+
+
+def _find_template(name: str, where: str, scope: Scope) -> tuple[Template, Boundary, Duration, Any, Any]:
+    """Return template, boundary, duration, and what u and x(0) are if the step does not say (None: it must)."""
+    if name in scope.templates:
+        return (*scope.templates[name], None, None)
+    try:
+        entry = library.load(name)
+        template = entry.template
+        if entry.frame_time:
+            raise InputError(f"template {name!r} takes a sequence of pictures, a step has one")
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from error
+    u = entry.input if isinstance(entry.input, int | float) else None
+    x0 = 0.0 if entry.initial_state == "any" else entry.initial_state
+    return template, entry.boundary, entry.duration, u, x0
+
+
+def _cellwise(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
+    try:
+        operation = cellwise.find(table["cellwise"])
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from error
+    of, to, numbers = _list(table["of"]), _list(table["to"]), _list(table.get("parameters", []))
+    for what, given, wanted in (
+        ("inputs", of, operation.inputs),
+        ("outputs", to, operation.outputs),
+        ("parameters", numbers, operation.parameters),
+    ):
+        if len(given) != len(wanted):
+            raise InputError(f"{where}: {len(given)} {what}; {len(wanted)} wanted: {', '.join(wanted) or 'none'}")
+    planes = tuple(scope.names.read(name, where, "lam") for name in of)
+    results = tuple(scope.names.write(name, where, "lam") for name in to)
+    return CellwiseStep(where, operation, planes, results, tuple(scope.names.number(value, where) for value in numbers))
+
+
+def _logic(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
+    of = _list(table["of"])
+    if len(of) not in (1, 2):
+        raise InputError(f"{where}: {len(of)} planes; one or two wanted")
+    p, q = (scope.names.read(name, where, "llm") for name in (of[0], of[-1]))
+    try:
+        function = function_number(table["logic"])
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from error
+    return LogicStep(where, function, p, q, scope.names.write(table["to"], where, "llm"))
+
+
+def _copy(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
+    source = scope.names.read(table["copy"], where, "lam", "llm")
+    return CopyStep(where, source, scope.names.write(table["to"], where, "lam", "llm"))
+
+
+def _fill(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
+    names, value = scope.names, table["fill"]
+    if isinstance(table["to"], str) and names.memory.get(table["to"]) == "wire":
+        return FillStep(where, _integer(value, where, scope), names.write(table["to"], where, "wire"))
+    from_wire = isinstance(value, str) and names.memory.get(value) == "wire"
+    number = names.read(value, where, "wire") if from_wire else names.number(value, where)
+    return FillStep(where, number, names.write(table["to"], where, "lam", "llm"))
+
+
+def _wire(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
+    of = scope.names.read(table["of"], where, "llm")
+    try:
+        wire = check_wire(table["wire"])
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from error
+    return WireStep(where, wire, of, scope.names.write(table["to"], where, "wire"))
+
+
+def _arithmetic(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
+    function, of = table["number"], _list(table["of"])
+    if function not in ARITHMETIC:
+        raise InputError(f"{where}: number function {function!r}; known are {', '.join(ARITHMETIC)}")
+    if len(of) != 2:
+        raise InputError(f"{where}: of {len(of)} numbers; two wanted")
+    p, q = (_register_or_number(value, where, scope) for value in of)
+    return NumberStep(where, function, (p, q), scope.names.write(table["to"], where, "wire"))
+
+
+def _register_or_number(value: Any, where: str, scope: Scope) -> int | str:
+    if isinstance(value, str) and value in scope.names.memory:
+        return scope.names.read(value, where, "wire")
+    return _integer(value, where, scope)
+
+
+def _repeat(table: dict[str, Any], where: str, number: str, scope: Scope) -> Step:
+    times = _whole(table["repeat"], "times", where, scope)
+    return RepeatStep(where, times, read_steps(table["do"], f"{number}.", scope))
+
+
+def _until_unchanged(table: dict[str, Any], where: str, number: str, scope: Scope) -> Step:
+    plane = scope.names.read(table["until_unchanged"], where, "llm")
+    limit = _whole(table.get("limit", 10_000), "limit", where, scope)
+    return UntilUnchangedStep(where, plane, limit, read_steps(table["do"], f"{number}.", scope))
+
+
+def _when(table: dict[str, Any], where: str, number: str, scope: Scope) -> Step:
+    names = scope.names
+    register = names.read(table["when"], where, "wire")
+    before = set(names.written)
+    do = read_steps(table["do"], f"{number}.", scope)
+    after_do, names.written = names.written, before
+    otherwise = read_steps(table["otherwise"], f"{number} otherwise ", scope) if "otherwise" in table else ()
+    names.written &= after_do  # only what both ways write can be read from here on
+    return BranchStep(where, register, do, otherwise)
+
+
+def _list(value: Any) -> list[Any]:
+    return value if isinstance(value, list) else [value]
+
+
+def _integer(value: Any, where: str, scope: Scope) -> int:
+    number = scope.names.number(value, where)
+    if not number.is_integer():
+        raise InputError(f"{where}: {number:g}; a whole number wanted")
+    return int(number)
+
+
+def _whole(value: Any, what: str, where: str, scope: Scope) -> int:
+    value = scope.names.number(value, where) if isinstance(value, str) else value
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 1 <= value < 1e9 or value % 1:
+        raise InputError(f"{where}: {what} {value!r}; a whole number from 1 wanted")
+    return int(value)
+
+
+_Reader = Callable[[dict[str, Any], str, str, Scope], Step]
+
+_READERS: dict[str, tuple[tuple[str, ...], tuple[str, ...], _Reader]] = {
+    "template": (("to",), ("input", "state", "bias", "mask", "boundary", "duration"), _template),
+    "cellwise": (("of", "to"), ("parameters",), _cellwise),
+    "logic": (("of", "to"), (), _logic),
+    "copy": (("to",), (), _copy),
+    "fill": (("to",), (), _fill),
+    "wire": (("of", "to"), (), _wire),
+    "number": (("of", "to"), (), _arithmetic),
+    "repeat": (("do",), (), _repeat),
+    "until_unchanged": (("do",), ("limit",), _until_unchanged),
+    "when": (("do",), ("otherwise",), _when),
+}
+"""Kind of step: the keys it must have, those it may have, and its reader."""

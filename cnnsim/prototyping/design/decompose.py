@@ -1,0 +1,107 @@
+"""Rules that no single template can do: several thresholds, found in four ways; the shortest result is taken.
+
+* chain: the rule depends on one weighted count k alone, and changes its colour t times as k grows. One template with
+  the negative of the one before as initial state adds two changes: (t + 1) / 2 templates for odd t.
+* xor: one template that is right on most windows, and a second that is black on just those where it is wrong.
+* or, and: thresholds that are black (white) on parts of the black (white) windows only, until all are covered
+  (greedy; minimal covers are NP-hard).
+"""
+
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.prototyping.design.count_chain import chain
+from cnnsim.prototyping.design.design import Design, Part
+from cnnsim.prototyping.design.linear import Bits, Certificate, Norm, Separator
+from cnnsim.prototyping.design.rule import Rule
+from cnnsim.prototyping.design.separable import separate_rule
+from cnnsim.prototyping.design.soft_margin import soft_separator
+
+_TRIES = 12
+"""Random weightings of the windows that are tried for each template of a cover, and for a pair joined by xor."""
+
+Flags = NDArray[np.bool_]
+
+
+def decompose(rule: Rule, certificate: Certificate, norm: Norm = "sum") -> Design:
+    """Return a design of several templates for a rule that has the certificate against a single one."""
+    found: list[Design] = []
+    searches: tuple[Callable[[int], Design | None], ...] = (
+        lambda _: chain(rule, norm),
+        lambda _: _xor(rule, norm),
+        lambda most: _cover(rule, "or", norm, most),
+        lambda most: _cover(rule, "and", norm, most),
+    )
+    for search in searches:
+        most = min((len(design.parts) for design in found), default=rule.table.size) - 1
+        design = search(most) if most > 1 else None
+        if design is not None and design.right():
+            found.append(design)
+    shortest = min(found, key=lambda design: (len(design.parts), -design.relative_margin(norm)))
+    return Design(rule, shortest.parts, shortest.join, certificate, shortest.first)
+
+
+def _part(rule: Rule, separator: Separator) -> Part:
+    """A threshold as a part; a tenth weight, of the initial state, is kept if it is not zero."""
+    if len(separator.weights) == 10 and separator.weights[9]:
+        return Part(separator, "state")
+    return Part(Separator(separator.weights[:9], separator.bias))
+
+
+def _xor(rule: Rule, norm: Norm) -> Design | None:
+    rng, best = np.random.default_rng(0), None
+    for trial in range(_TRIES):
+        weights = np.ones(rule.table.size) if trial == 0 else rng.exponential(size=rule.table.size) ** 2
+        first = soft_separator(rule.rows, rule.table, weights)
+        if first is None:
+            continue
+        difference = np.where(rule.table == 0, 0, -first * rule.table).astype(np.int8)
+        if not ((difference > 0).any() and (difference < 0).any()):
+            continue
+        one, two = separate_rule(rule, first, norm), separate_rule(rule, difference, norm)
+        if isinstance(one, Separator) and isinstance(two, Separator):
+            design = Design(rule, (_part(rule, one), _part(rule, two)), "xor")
+            if best is None or design.relative_margin(norm) > best.relative_margin(norm):
+                best = design
+    return best
+
+
+def _cover(rule: Rule, join: Literal["or", "and"], norm: Norm, most: int) -> Design | None:
+    """Cover the black windows by thresholds that are white on all white ones (or the other way round for "and").
+
+    None if more than ``most`` are needed.
+    """
+    colour = 1 if join == "or" else -1
+    table, rng = rule.table * colour, np.random.default_rng(0)
+    left = table == 1
+    parts: list[Part] = []
+    while left.any():
+        if len(parts) == most:
+            return None
+        covered = _largest_part(rule, table, left, rng)
+        wanted = np.where(covered, 1, np.where(table == -1, -1, 0)).astype(np.int8)
+        found = separate_rule(rule, (wanted * colour).astype(np.int8), norm)
+        assert isinstance(found, Separator)
+        left = left & (found.colours(rule.rows) * colour < 0)
+        parts.append(_part(rule, found))
+    return Design(rule, tuple(parts), join)
+
+
+def _largest_part(rule: Rule, table: Bits, left: Flags, rng: np.random.Generator) -> Flags:
+    """Return many of the windows in ``left`` that one threshold can separate from all white ones."""
+    goal = np.where(left, 1, np.where(table == -1, -1, 0)).astype(np.int8)
+    alone = np.zeros_like(left)
+    alone[np.flatnonzero(left)[0]] = True  # a single window can always be separated from all others
+    best = alone
+    for trial in range(_TRIES):
+        weights = np.ones(table.size) if trial == 0 else rng.exponential(size=table.size) ** 2
+        first = soft_separator(rule.rows, goal, weights, hard=-1)
+        if first is None:
+            continue
+        covered = left & (first > 0)
+        if covered.sum() > best.sum():
+            best = covered
+    return best

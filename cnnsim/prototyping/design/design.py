@@ -1,0 +1,87 @@
+"""What a design is: templates run one after the other, and the logic function that joins their outputs."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from cnnsim.network.template import Template
+from cnnsim.prototyping.design.linear import Bits, Certificate, Norm, Separator
+from cnnsim.prototyping.design.rule import Rule
+
+Source = Literal["none", "state", "last"]
+"""What the initial state of a template is: of no weight, the user's own plane, or the output of the template before."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """One template of a design: a threshold on the nine cells, and on one plane more as initial state.
+
+    ``separator`` has nine weights, and a tenth if ``state`` is not "none". A negative tenth weight means that the
+    plane is turned to its negative first, since a cell remembers its initial state only with a > 1.
+    """
+
+    separator: Separator
+    state: Source = "none"
+
+    @property
+    def negated(self) -> bool:
+        """Whether the initial state is the negative of its plane."""
+        return self.state != "none" and self.separator.weights[9] < 0
+
+    def template(self, name: str) -> Template:
+        """Return the template: B and z from the threshold, a = 1, or 1 + |weight| of the initial state."""
+        b = np.array([float(w) for w in self.separator.weights[:9]]).reshape(3, 3)
+        a = 1.0 + (abs(float(self.separator.weights[9])) if self.state != "none" else 0.0)
+        feedback = np.zeros((3, 3))
+        feedback[1, 1] = a
+        return Template(feedback, b, float(self.separator.bias), name)
+
+
+@dataclass(frozen=True)
+class Design:
+    """Templates run one after the other and the logic function that joins their outputs.
+
+    ``join`` is "or", "and" or "xor" of the outputs from number ``first`` on, or "last": the output of the last
+    template, into which those before it have gone. ``certificate`` tells why a single template cannot do it.
+    """
+
+    rule: Rule
+    parts: tuple[Part, ...]
+    join: Literal["last", "or", "and", "xor"]
+    certificate: Certificate | None = None
+    first: int = 0
+
+    @property
+    def single(self) -> bool:
+        """Whether one template is all."""
+        return len(self.parts) == 1 and not self.parts[0].negated
+
+    def outputs(self) -> list[Bits]:
+        """Return each template's output for all rows of the rule."""
+        found: list[Bits] = []
+        for part in self.parts:
+            rows = self.rule.rows
+            if part.state == "last":
+                rows = np.column_stack([rows[:, :9], found[-1]])
+            elif part.state == "none":
+                rows = rows[:, :9]
+            found.append(part.separator.colours(rows))
+        return found
+
+    def answer(self) -> Bits:
+        """Return the design's answer for all rows of the rule."""
+        outputs = np.array(self.outputs()[self.first :])
+        if self.join == "last":
+            return outputs[-1]
+        if self.join == "xor":
+            return np.where((outputs > 0).sum(axis=0) % 2 == 1, 1, -1).astype(np.int8)
+        return outputs.max(axis=0) if self.join == "or" else outputs.min(axis=0)
+
+    def right(self) -> bool:
+        """Return whether the answer is that of the rule wherever the rule says one."""
+        return bool((self.answer() * self.rule.table >= 0).all())
+
+    def relative_margin(self, norm: Norm = "sum") -> float:
+        """Return the smallest of its templates' margins, each compared with the norm of its weights."""
+        return min(part.separator.relative_margin(norm) for part in self.parts)

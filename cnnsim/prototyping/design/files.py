@@ -1,0 +1,166 @@
+"""Writes designs: each template as a file with its own worked examples, several as a program that joins them."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.library.entry import Example
+from cnnsim.library.write import toml_value
+from cnnsim.network.boundary import Boundary
+from cnnsim.network.template import Template
+from cnnsim.prototyping.design.design import Design, Part
+from cnnsim.prototyping.design.rule import Rule
+from cnnsim.support.errors import InputError
+from cnnsim.support.picture import to_ascii
+
+Plane = NDArray[np.float64]
+
+
+def template_text(
+    template: Template, *, summary: str, reference: str, initial_state: Any, boundary: Boundary, duration: Any,
+    examples: Sequence[Example], margin: float | None = None, note: str = "", tags: Sequence[str] = (),
+) -> str:  # fmt: skip
+    """Return the text of a template file; ``input`` is the picture."""
+    data = {
+        "name": template.name, "summary": summary, "reference": reference, "tags": list(tags),
+        "A": template.A.tolist(), "B": template.B.tolist(), "z": template.z, "input": "picture",
+        "initial_state": initial_state, "boundary": _boundary(boundary), "duration": duration, "margin": margin,
+        "note": note or None,
+    }  # fmt: skip
+    lines = [f"{key} = {toml_value(value)}" for key, value in data.items() if value is not None]
+    for example in examples:
+        lines += ["", "[[example]]"]
+        for key in ("input", "state", "output"):
+            plane = getattr(example, key)
+            if plane is not None:
+                lines += [f"{key} = [", *(f"  {toml_value(row)}," for row in to_ascii(plane)), "]"]
+    return "\n".join(lines) + "\n"
+
+
+def part_names(design: Design, name: str) -> list[str]:
+    """Return the names of a design's templates: the design's own, or numbered."""
+    return [name] if len(design.parts) == 1 else [f"{name}-{i}" for i in range(1, len(design.parts) + 1)]
+
+
+def write_design(
+    design: Design, name: str, boundary: Boundary, folder: Path, pictures: Sequence[Plane] = ()
+) -> list[Path]:
+    """Write the template files and, of more than a single template, the program under ``programs``; return their paths.
+
+    ``pictures`` are worked examples; without any, random ones are taken whose windows the rule all knows.
+
+    Raises:
+        InputError: the folder cannot be written.
+    """
+    tables = [design.rule.table] if design.single else design.outputs()
+    names = part_names(design, name)
+    texts = {
+        f"{part_name}.toml": _part_text(design, number, part_name, tables, boundary, pictures)
+        for number, part_name in enumerate(names)
+    }
+    if not design.single:
+        texts[f"programs/{name}.toml"] = program_text(design, name, boundary)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for file, text in texts.items():
+            (folder / file).parent.mkdir(exist_ok=True)
+            (folder / file).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"cannot write {folder}: {error}") from error
+    return [folder / file for file in texts]
+
+
+def program_text(design: Design, name: str, boundary: Boundary) -> str:
+    """Return the program that runs a design's templates and joins their outputs."""
+    names = part_names(design, name)
+    planes = [f"part_{number}" for number in range(1, len(names) + 1)]
+    inputs = ["picture", "state"] if design.rule.with_state else ["picture"]
+    lines = [
+        f"name = {toml_value(name)}",
+        f"summary = {toml_value(f'{design.rule.text}: {len(names)} templates, joined by {design.join}.')}",
+        f"llm = {toml_value([*inputs, *planes, 'turned', 'result'])}",
+        f"inputs = {toml_value(inputs)}",
+        'outputs = ["result"]',
+    ]
+    for part, part_name in zip(design.parts, names, strict=True):
+        template = part.template(part_name)
+        data = {"A": template.A.tolist(), "B": template.B.tolist(), "z": template.z, "boundary": _boundary(boundary)}
+        lines += ["", f"[templates.{part_name}]", *(f"{key} = {toml_value(value)}" for key, value in data.items())]
+    for number, (part, part_name) in enumerate(zip(design.parts, names, strict=True)):
+        states: dict[str, str | float] = {"none": 0, "state": "state", "last": planes[number - 1]}
+        state = states[part.state]
+        if part.negated:
+            lines += _step(logic="not-p", of=[state], to="turned")
+            state = "turned"
+        lines += _step(template=part_name, input="picture", state=state, to=planes[number])
+    lines += _step(copy=planes[-1] if design.join == "last" else planes[design.first], to="result")
+    if design.join != "last":
+        for plane in planes[design.first + 1 :]:
+            lines += _step(logic=design.join, of=["result", plane], to="result")
+    return "\n".join(lines) + "\n"
+
+
+def _step(**entries: Any) -> list[str]:
+    return ["", "[[step]]", *(f"{key} = {toml_value(value)}" for key, value in entries.items())]
+
+
+def _part_text(
+    design: Design, number: int, name: str, tables: list[Any], boundary: Boundary, pictures: Sequence[Plane]
+) -> str:
+    part, rule = design.parts[number], design.rule
+    whole = Rule(tables[number], rule.text)
+    found = []
+    for picture, state in _pictures(whole, boundary, pictures):
+        start = state
+        if part.state == "last":
+            start = Rule(tables[number - 1], rule.text).answer(picture, boundary, state)
+        if start is not None and part.negated:
+            start = -start
+        shown = None if part.state == "none" else start
+        found.append(Example(picture, shown, whole.answer(picture, boundary, state), None, None, None))
+    summary = f"Black where {rule.text}." if design.single else f"Step {number + 1} of {len(tables)} of: {rule.text}."
+    return template_text(
+        part.template(name), summary=summary, reference=_reference(part), boundary=boundary, duration="settled",
+        initial_state="any" if part.state == "none" else "given", examples=found, margin=1,
+        tags=["designed", "uncoupled", "binary"],
+        note="" if part.state == "none" else f"The initial state is {_state_words(part)}.",
+    )  # fmt: skip
+
+
+def _pictures(rule: Rule, boundary: Boundary, given: Sequence[Plane]) -> list[tuple[Plane, Plane | None]]:
+    """Return up to three pictures (and states) all of whose windows the rule knows, the most telling ones first."""
+    rng, found = np.random.default_rng(0), []
+    tries = [*given, *(np.where(rng.random((9, 10)) < share, 1.0, -1.0) for share in [0.2, 0.5, 0.8] * 20)]
+    for number, picture in enumerate(tries):
+        state = np.where(rng.random(picture.shape) < 0.5, 1.0, -1.0) if rule.with_state else None
+        answer = rule.answer(picture, boundary, state)
+        if answer.all() and (number < len(given) or abs(answer.mean()) < 1):
+            found.append((picture, state))
+        if len(found) == max(2, len(given)):
+            break
+    if not found:
+        picture = tries[-1]
+        found.append((picture, np.ones(picture.shape) if rule.with_state else None))
+    return found
+
+
+def _reference(part: Part) -> str:
+    size = sum(abs(float(weight)) for weight in (*part.separator.weights, part.separator.bias))
+    return (
+        "Designed from its rule by linear programming for the largest margin: 1, where |B|, |z| and a - 1 sum to "
+        f"{size:.4g}"
+    )
+
+
+def _state_words(part: Part) -> str:
+    plane = {"state": "the second picture", "last": "the output of the step before", "none": ""}[part.state]
+    return f"the negative of {plane}" if part.negated else plane
+
+
+def _boundary(boundary: Boundary) -> Any:
+    if boundary.kind != "fixed":
+        return boundary.kind
+    return {"fixed": boundary.y if boundary.y == boundary.u else {"x": boundary.y, "u": boundary.u}}

@@ -1,0 +1,92 @@
+"""What a rule is: the answer to every black-and-white 3 x 3 window (and initial state): black, white, or either."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.network.boundary import Boundary, pad
+from cnnsim.support.errors import InputError
+
+NAMES = ("nw", "n", "ne", "w", "c", "e", "sw", "s", "se", "x")
+"""The cells of a window, row by row; ``x`` is the cell's own initial state."""
+
+Bits = NDArray[np.int8]
+
+
+@dataclass(frozen=True, eq=False)
+class Rule:
+    """A truth table: ``table`` (512,), or (1024,) if the initial state counts: +1 black, -1 white, 0 either.
+
+    The index of a window is its nine cells as bits, row by row, the north-western one highest, black as 1; with an
+    initial state that is one more bit, the lowest.
+
+    Raises:
+        InputError: a table of another length or with other values, or one that leaves everything open.
+    """
+
+    table: Bits = field(repr=False)
+    text: str = "a truth table"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "table", np.asarray(self.table, dtype=np.int8))
+        if self.table.shape not in ((512,), (1024,)) or not np.isin(self.table, (-1, 0, 1)).all():
+            raise InputError(f"a truth table of shape {self.table.shape}; 512 or 1024 entries -1, 0, +1 wanted")
+        if not self.table.any():
+            raise InputError(f"{self.text}: no window is said to be black or white")
+
+    @property
+    def with_state(self) -> bool:
+        """Whether the initial state counts."""
+        return self.table.size == 1024
+
+    @cached_property
+    def rows(self) -> Bits:
+        """All windows as -1 and +1: (512, 9) or (1024, 10), in the order of the table."""
+        return windows(10 if self.with_state else 9)
+
+    @cached_property
+    def looks_at(self) -> tuple[int, ...]:
+        """The variables (indices into `NAMES`) that change the answer of some window whose answer is not open."""
+        index, size = np.arange(self.table.size), self.rows.shape[1]
+        found = []
+        for variable in range(size):
+            turned = self.table[index ^ (1 << (size - 1 - variable))]
+            if ((self.table * turned) < 0).any():
+                found.append(variable)
+        return tuple(found)
+
+    def codes(
+        self, picture: NDArray[np.float64], boundary: Boundary, state: NDArray[np.float64] | None
+    ) -> NDArray[np.int64]:
+        """Return the index of every cell's window (rows, cols); above 0 is black, also for the virtual cells."""
+        around = pad(picture, 1, boundary, boundary.u) > 0
+        rows, cols = picture.shape
+        code = np.zeros((rows, cols), dtype=np.int64)
+        for k, l in product(range(3), range(3)):
+            code = 2 * code + around[k : k + rows, l : l + cols]
+        if self.with_state:
+            if state is None:
+                raise InputError(f"{self.text}: the rule looks at an initial state, and none was given")
+            code = 2 * code + (state > 0)
+        return code
+
+    def answer(
+        self, picture: NDArray[np.float64], boundary: Boundary, state: NDArray[np.float64] | None = None
+    ) -> NDArray[np.float64]:
+        """Return what the rule wants of a picture (rows, cols): +1, -1, or 0 where it leaves the answer open."""
+        return self.table[self.codes(picture, boundary, state)].astype(np.float64)
+
+
+def windows(variables: int) -> Bits:
+    """Return all combinations of -1 and +1 (2**variables, variables), the first variable changing slowest."""
+    count = np.arange(1 << variables)
+    return np.stack([2 * (count >> (variables - 1 - i) & 1) - 1 for i in range(variables)], axis=1).astype(np.int8)
+
+
+def window_text(row: Bits) -> str:
+    """Draw one window as text: its three rows and, if there is one, the initial state."""
+    cells = "".join("#" if value > 0 else "." for value in row)
+    return f"{cells[:3]}/{cells[3:6]}/{cells[6:9]}" + (f" x={cells[9]}" if len(cells) == 10 else "")

@@ -1,0 +1,118 @@
+"""Rules from files: a truth table in TOML, or pairs of pictures from which the windows are read."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.network.boundary import Boundary
+from cnnsim.prototyping.design.rule import Rule, window_text, windows
+from cnnsim.support.errors import InputError
+from cnnsim.support.picture import read_picture
+from cnnsim.support.toml_file import check_keys, read_toml
+
+Pair = tuple[NDArray[np.float64], NDArray[np.float64]]
+"""An input picture and the output it should give, both -1 and +1."""
+
+_CODES = {".": (-1,), "#": (1,), "?": (-1, 1)}
+
+
+def read_table(path: str | Path) -> Rule:
+    """Read a truth table: ``black`` and ``white`` list windows as three strings of ``#``, ``.`` and ``?`` (either).
+
+    A fourth string of one character is the initial state. ``default`` is the answer for windows that are in neither
+    list: "black", "white", or "either" (the default).
+
+    Raises:
+        InputError: no such file, unknown keys, a window of another form, or one that is in both lists.
+    """
+    data = read_toml(Path(path), "truth table")
+    check_keys(data, ("black", "white", "default"), str(path))
+    try:
+        return _table(data, str(path))
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def _table(data: dict[str, Any], text: str) -> Rule:
+    lists = {1: data.get("black", []), -1: data.get("white", [])}
+    if not all(isinstance(item, list) and isinstance(window, list) for item in lists.values() for window in item):
+        raise InputError("black and white hold windows: lists of three strings, one for each row")
+    size = 10 if any(len(window) == 4 for item in lists.values() for window in item) else 9
+    rows = windows(size)
+    table = np.zeros(1 << size, dtype=np.int8)
+    for colour, item in lists.items():
+        for window in item:
+            match = _matches(rows, window)
+            if (table[match] == -colour).any():
+                both = rows[match][table[match] == -colour][0]
+                raise InputError(f"window {window_text(both)} is said to be black and to be white")
+            table[match] = colour
+    default = data.get("default", "either")
+    if default not in ("black", "white", "either"):
+        raise InputError(f"default is {default!r}; 'black', 'white' or 'either' wanted")
+    table[table == 0] = {"black": 1, "white": -1, "either": 0}[default]
+    return Rule(table, f"the truth table {Path(text).name}")
+
+
+def _matches(rows: NDArray[np.int8], window: list[Any]) -> NDArray[np.bool_]:
+    shape = [len(row) if isinstance(row, str) else -1 for row in window]
+    if shape not in ([3, 3, 3], [3, 3, 3, 1]):
+        raise InputError(
+            f"window {window!r}; three strings of three characters wanted, and perhaps one of one for x(0)"
+        )
+    characters = "".join(window)
+    strange = set(characters) - set(_CODES)
+    if strange:
+        raise InputError(f"window {window!r} holds {sorted(strange)[0]!r}; '#', '.' and '?' wanted")
+    match = np.ones(len(rows), dtype=bool)
+    for cell, character in enumerate(characters):
+        match &= np.isin(rows[:, cell], _CODES[character])
+    return match
+
+
+def read_pairs(texts: Sequence[str]) -> list[Pair]:
+    """Read pairs of pictures given as "input.png=output.png"; both become black and white.
+
+    Raises:
+        InputError: another form, a picture that cannot be read, or two of different size.
+    """
+    pairs = []
+    for text in texts:
+        first, equals, second = text.partition("=")
+        if not equals:
+            raise InputError(f"pair {text!r}; INPUT=OUTPUT wanted, two pictures")
+        pair = read_picture(first, binary=True), read_picture(second, binary=True)
+        if pair[0].shape != pair[1].shape:
+            raise InputError(
+                f"pair {text!r}: the input is {pair[0].shape}, the output {pair[1].shape}; one size wanted"
+            )
+        pairs.append(pair)
+    return pairs
+
+
+def rule_of_pairs(pairs: Sequence[Pair], boundary: Boundary) -> Rule:
+    """Return what pairs of pictures say: the answer of every window that occurs; all others are left open.
+
+    Raises:
+        InputError: one window is black in one place and white in another; the message names both places.
+    """
+    table = np.zeros(512, dtype=np.int8)
+    seen: dict[int, str] = {}
+    blank = Rule(np.ones(512, dtype=np.int8))
+    for number, (picture, wanted) in enumerate(pairs, start=1):
+        codes = blank.codes(picture, boundary, None)
+        for (row, col), code in np.ndenumerate(codes):
+            here = f"pair {number}, cell {row},{col}"
+            colour = 1 if wanted[row, col] > 0 else -1
+            if table[code] == -colour:
+                names = {1: "black", -1: "white"}
+                raise InputError(
+                    f"window {window_text(blank.rows[code])} becomes {names[-colour]} in {seen[int(code)]} and "
+                    f"{names[colour]} in {here}; no rule of 3 x 3 windows does both"
+                )
+            table[code] = colour
+            seen.setdefault(int(code), here)
+    return Rule(table, f"{len(pairs)} pair{'s' * (len(pairs) != 1)} of pictures")

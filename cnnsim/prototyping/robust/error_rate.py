@@ -1,0 +1,164 @@
+"""Counts the cells that a disturbed template gets wrong: in closed form on neighbourhoods, or by runs on examples."""
+
+from dataclasses import replace
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim import backends
+from cnnsim.library.entry import Example, LibraryEntry
+from cnnsim.network.frames import Frames
+from cnnsim.network.layers import AnyTemplate, layered
+from cnnsim.network.template import Tap, Template
+from cnnsim.prototyping.robust.margin import margin_of
+from cnnsim.support.errors import InputError
+from cnnsim.transient import Task, make_task
+
+Array = NDArray[np.floating[Any]]
+
+MOST_WINDOWS = 4096
+_WAIT = 100.0
+_GREY = 0.1
+"""A twentieth of black to white: more than Euler chatters about the edge of a median, three neighbours of it alike."""
+
+
+class Judge(Protocol):
+    """Says which share of cells is wrong; ``what`` says of which cells."""
+
+    what: str
+
+    def share_of_wrong(self, template: AnyTemplate, noise: float, rng: np.random.Generator) -> float:
+        """Return the share of wrong cells of a disturbed template with Gaussian noise on the picture."""
+
+
+def judge_of(entry: LibraryEntry, seed: int = 0) -> Judge:
+    """Return the judge for a template: neighbourhoods where it decides without coupling, else its own examples."""
+    if margin_of(entry).value is not None and entry.template.uncoupled:
+        return _Neighbourhoods(entry, seed)
+    return _Examples(entry)
+
+
+def final_colour(s: Array, x0: Array, a: float) -> Array:
+    """Return the sign of the final output of cells without neighbours: sgn(s + max(a - 1, 0) x0), |x0| <= 1.
+
+    Chua and Yang 1988; on a tie the output is not the colour of anything: 0.
+    """
+    return np.sign(s + max(a - 1.0, 0.0) * x0)
+
+
+class _Neighbourhoods:
+    """All black-and-white neighbourhoods of the taps, or a sample if there are more than 4096."""
+
+    def __init__(self, entry: LibraryEntry, seed: int) -> None:
+        self.entry, self.taps = entry, entry.template.control_taps
+        self.centre = next((i for i, tap in enumerate(self.taps) if tap.k == tap.l == 0), None)
+        if self.centre is None and entry.initial_state == "picture":  # x(0) is the centre, though B does not weigh it
+            self.centre = len(self.taps)
+            self.taps = (*self.taps, Tap(0, 0, 0.0))
+        free = len(self.taps) + (entry.initial_state == "given")
+        if 1 << free <= MOST_WINDOWS:
+            count = np.arange(1 << free)
+            rows = 2.0 * (count[:, None] >> np.arange(free) & 1) - 1
+            self.what = f"all {len(rows)} black-and-white neighbourhoods"
+        else:
+            rows = np.random.default_rng(seed).choice([-1.0, 1.0], (MOST_WINDOWS, free))
+            self.what = f"{MOST_WINDOWS} random black-and-white neighbourhoods"
+        self.u = rows[:, : len(self.taps)]
+        if isinstance(entry.input, int | float):
+            self.u = np.full_like(self.u, entry.input)
+        if entry.initial_state == "given":
+            self.x0 = rows[:, -1]
+        elif entry.initial_state == "picture":
+            assert self.centre is not None
+            self.x0 = rows[:, self.centre]
+        else:
+            constant = entry.initial_state if isinstance(entry.initial_state, int | float) else 0.0
+            self.x0 = np.full(len(rows), float(constant))
+        self.right = self._colours(entry.template, self.u, self.x0)
+
+    def share_of_wrong(self, template: AnyTemplate, noise: float, rng: np.random.Generator) -> float:
+        assert isinstance(template, Template)
+        u, x0 = self.u, self.x0
+        if self.entry.initial_state == "any":
+            x0 = rng.uniform(-1, 1, x0.shape)
+        if noise and self.entry.input == "none":
+            x0 = np.clip(x0 + noise * rng.standard_normal(x0.shape), -1, 1)
+        elif noise:
+            u = u + noise * rng.standard_normal(u.shape)
+        return float(np.mean(self._colours(template, u, x0) != self.right))
+
+    def _colours(self, template: Template, u: Array, x0: Array) -> Array:
+        r = template.B.shape[0] // 2
+        weights = np.array([template.B[r + tap.k, r + tap.l] if tap.weight else 0.0 for tap in self.taps])
+        return final_colour(u @ weights + template.z, x0, template.self_feedback)
+
+
+class _Examples:
+    """Whole runs on the template's own examples.
+
+    Black and white is compared with the example, grey with what the undisturbed template makes of it: the tolerance of
+    a grey example says how far theory leaves the answer open, not what an error may do to it.
+    """
+
+    def __init__(self, entry: LibraryEntry) -> None:
+        if not entry.examples:
+            raise InputError(f"template {entry.name!r} has no worked example, so there is nothing to measure it on")
+        self.examples, self.backend = entry.examples, backends.get()
+        self.tasks = [_task(entry, example) for example in entry.examples]
+        self.plane = "state" if entry.input == "none" else "input"
+        cells = sum(example.output.size for example in entry.examples)
+        self.what = f"the {cells} cells of its own {len(entry.examples)} worked examples"
+        if any(example.tolerance is not None for example in entry.examples):
+            self.what += f" (grey, so wrong is what errors move by more than {_GREY:g})"
+        self.right = [
+            example.output if example.tolerance is None else self._output(task, entry.network)
+            for example, task in zip(self.examples, self.tasks, strict=True)
+        ]
+
+    def share_of_wrong(self, template: AnyTemplate, noise: float, rng: np.random.Generator) -> float:
+        wrong = sum(
+            self._wrong(example, right, task, template, noise, rng)
+            for example, right, task in zip(self.examples, self.right, self.tasks, strict=True)
+        )
+        return wrong / sum(example.output.size for example in self.examples)
+
+    def _wrong(
+        self, example: Example, right: Array, task: Task, template: AnyTemplate, noise: float, rng: np.random.Generator
+    ) -> int:
+        if noise:
+
+            def noisy(picture: Array) -> Array:
+                return np.clip(picture + noise * rng.standard_normal(picture.shape), -1, 1)
+
+            heard = getattr(task, self.plane)
+            shown: Any = heard.map(noisy) if isinstance(heard, Frames) else noisy(heard)
+            task = replace(task, state=shown) if self.plane == "state" else replace(task, input=shown)
+        try:
+            y = self._output(task, template)
+        except InputError:
+            return right.size  # it has blown up
+        if example.tolerance is None:
+            return int((y * right <= 0).sum())
+        return int((np.abs(y - right) > _GREY).sum())
+
+    def _output(self, task: Task, template: AnyTemplate) -> Array:
+        """Run a template; a chip is read out whether it has settled or not."""
+        network = layered(template)
+        # the plan of the undisturbed template: a new one for each draw would cost more than the run
+        plan = replace(task.plan, template=network.layers[0])
+        if plan.network is not None:
+            plan = replace(plan, network=network)
+        y: Array = task.plan.output(self.backend.read(task.start(self.backend, plan=plan).x))
+        return y
+
+
+def _task(entry: LibraryEntry, example: Example) -> Task:
+    picture = example.state if example.input is None else example.input
+    assert picture is not None
+    roles = entry.initial_state if isinstance(entry.initial_state, tuple) else (entry.initial_state,)
+    task = entry.task(picture, example.state if "given" in roles else None) | {"limit": _WAIT}
+    return make_task(
+        entry.network, **task, mask=example.mask,
+        bias=example.bias, without=["shared sums"],  # a disturbed A is no longer isotropic
+    )  # fmt: skip

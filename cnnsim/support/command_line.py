@@ -1,0 +1,70 @@
+"""What both command lines share: mistakes of the user become one line on stderr and exit code 2."""
+
+import json
+import sys
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from cnnsim.support.compile_notice import Terminal
+from cnnsim.support.errors import InputError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+Item = TypeVar("Item")
+
+
+class _Mistake(click.ClickException):
+    exit_code = 2
+
+
+class CommandGroup(click.Group):
+    """A click group that turns `InputError` into one clear line instead of a traceback."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command."""
+        Terminal.wanted = sys.stderr.isatty()
+        try:
+            return super().invoke(ctx)
+        except InputError as error:
+            raise _Mistake(" ".join(str(error).split())) from error
+
+
+def console(width: int = 150) -> "Console":
+    """The console of tables: as wide as the terminal, or ``width`` where the output is no terminal."""
+    from rich.console import Console  # only for people
+
+    terminal = Console()
+    return terminal if terminal.is_terminal else Console(width=width)
+
+
+def watched(items: Iterable[Item], what: str, total: float | None = None) -> Iterable[Item]:
+    """Hand items on, with a bar on stderr that shows how far it is; only on a terminal."""
+    if not sys.stderr.isatty():
+        return items
+    from rich.console import Console  # only for people
+    from rich.progress import track  # the same
+
+    return track(items, what, total=total, console=Console(stderr=True), transient=True)
+
+
+def print_json(data: Any) -> None:
+    """Print plain data as JSON that any parser reads: NaN and infinities become null."""
+    click.echo(json.dumps(_plain(data), indent=1, allow_nan=False))
+
+
+def _plain(data: Any) -> Any:
+    if isinstance(data, dict):
+        return {str(key): _plain(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_plain(value) for value in data]
+    if isinstance(data, float) and not abs(data) < float("inf"):
+        return None
+    return data
+
+
+def examples(*lines: str) -> str:
+    """Return an epilog that shows example calls as they are typed."""
+    return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in lines)

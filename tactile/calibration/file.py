@@ -1,0 +1,96 @@
+"""What a scan has measured of a skin, and its TOML file: written by ``calibrate``, read by ``run`` and ``live``."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from cnnsim.support.errors import InputError
+from cnnsim.support.toml_file import check_keys, parse_toml, read_toml, take, take_numbers
+from tactile.calibration.gains import Gains
+from tactile.calibration.radial import RadialCorrection
+from tactile.core.frame import TaxelArray
+from tactile.finger import Settings
+
+KEYS = ("shear_gain", "normal_gain", "depth_mm", "radial")
+RADIAL_KEYS = ("located_um", "true_um", "force_factor")
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """The gains from readings to strain, the depth [m] to locate with, and the radial correction."""
+
+    gains: Gains
+    depth: float
+    radial: RadialCorrection
+
+    def applied(self, settings: Settings, arrays: Iterable[TaxelArray]) -> Settings:
+        """Return the settings with this skin's gains, depth and correction.
+
+        Raises:
+            InputError: an array that does not measure strain.
+        """
+        for array in arrays:
+            if array.quantity != "strain":
+                raise InputError(f"a calibration for taxel array {array.name!r} of {array.quantity}; strain wanted")
+        return replace(settings, gains=self.gains, depth=self.depth, radial=self.radial)
+
+
+def read_calibration(path: Path) -> Calibration:
+    """Read a calibration.
+
+    Raises:
+        InputError: no such file, no TOML, an unknown or missing key, a wrong type or value.
+    """
+    return _calibration(read_toml(path, "calibration"), str(path))
+
+
+def parse_calibration(text: str, where: str) -> Calibration:
+    """Return the calibration that a file's text is; ``where`` names it in messages.
+
+    Raises:
+        InputError: as ``read_calibration``.
+    """
+    return _calibration(parse_toml(text, where), where)
+
+
+def _calibration(table: dict[str, Any], where: str) -> Calibration:
+    check_keys(table, KEYS, where)
+    radial = take(table, "radial", dict, where)
+    check_keys(radial, RADIAL_KEYS, f"{where}: [radial]")
+    count = len(take(radial, "located_um", list, f"{where}: [radial]"))
+    columns = [take_numbers(radial, key, count, f"{where}: [radial]") for key in RADIAL_KEYS]
+    depth = take(table, "depth_mm", float, where)
+    if depth <= 0:
+        raise InputError(f"{where}: depth_mm = {depth}, a positive number wanted")
+    try:
+        found, true = ([um * 1e-6 for um in column] for column in columns[:2])
+        gains = Gains(take(table, "shear_gain", float, where), take(table, "normal_gain", float, where))
+        return Calibration(gains, depth * 1e-3, RadialCorrection(found, true, columns[2]))
+    except InputError as error:
+        raise error if str(error).startswith(where) else InputError(f"{where}: {error}") from error
+
+
+def write_calibration(path: Path, made: Calibration) -> None:
+    """Write a calibration, to be read by people as well.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    radial = made.radial
+    lines = [
+        "# Readings times the gains are strain; loads are located with this depth, then put right by their distance",
+        "# from the taxel.",
+        f"shear_gain = {made.gains.shear!r}",
+        f"normal_gain = {made.gains.normal!r}",
+        f"depth_mm = {made.depth * 1e3!r}",
+        "",
+        "[radial]",
+        f"located_um = {[radius * 1e6 for radius in radial.found]!r}",
+        f"true_um = {[radius * 1e6 for radius in radial.true]!r}",
+        f"force_factor = {list(radial.force)!r}",
+    ]
+    try:
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"cannot write {path}: {error.strerror}") from error

@@ -1,0 +1,145 @@
+"""The commands that run on a port or its recording: record, live, replay."""
+
+import sys
+import threading
+from pathlib import Path
+from typing import Any
+
+import click
+
+from cnnsim import backends
+from cnnsim.support.command_line import examples
+from cnnsim.support.errors import InputError
+from tactile.cli import console
+from tactile.wire.registry import NAMES
+
+FILE = click.Path(path_type=Path)
+PORT = click.option("--port", "-p", required=True, help="Port to read; `tactile ports` lists them.")
+PROTOCOL = click.option("--protocol", type=click.Choice(list(NAMES)), help="For devices that need no --array.")
+ARRAY = click.option("--array", "-a", type=FILE, help="Array description (TOML), as CONNECT.md explains.")
+SECONDS = click.option("--seconds", type=click.FloatRange(0, min_open=True), help="Stop after this time [s].")
+ONCE = click.option("--once", is_flag=True, help="Stop when the port is unplugged instead of waiting for it.")
+JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON lines for other programs.")
+
+
+@click.command(epilog=examples("tactile record -p /dev/ttyACM0 -a hand.toml -o hand.mcap"))
+@PORT
+@PROTOCOL
+@ARRAY
+@click.option("-o", "--output", type=FILE, required=True, help="Recording to write (.mcap).")
+@SECONDS
+@ONCE
+@JSON
+def record(
+    port: str, protocol: str | None, array: Path | None, output: Path, seconds: float | None, once: bool, as_json: bool
+) -> None:
+    """Record bytes and frames of a port until Ctrl-C, without interpreting them."""
+    from tactile.recording.writer import Recording  # only here
+    from tactile.serial.session import Session  # the same
+
+    description = console.chosen_description(protocol, array)
+    recording = Recording(console.mcap(output), description, {"port": port})
+    console.be_steady()
+    session = console.opened(lambda: Session(port, description, recording, seconds=seconds, once=once), recording)
+    with console.stopping(session.stop), console.closing(session, recording, as_json):
+        following = 10**9
+        for _ in session.source:
+            if session.source.arrival >= following:
+                following = session.source.arrival + 10**9
+                recording.note("/counts", session.source.arrival, {"counts": session.counts.plain()})
+                if sys.stderr.isatty() and not as_json:
+                    click.echo(f"\r{session.counts} ", nl=False, err=True)
+
+
+@click.command(
+    epilog=examples(
+        "tactile live -p /dev/ttyACM0 -a hand.toml --record hand.mcap",
+        "tactile live -p /dev/ttyACM0 --protocol papillarray --json",
+    )
+)
+@PORT
+@PROTOCOL
+@ARRAY
+@click.option("--record", "output", type=FILE, help="Recording to write (.mcap).")
+@click.option(
+    "--tare", type=click.Choice(["auto", "manual", "off"]), default="auto", show_default=True,
+    help="Renew the offset from still, unloaded frames by itself, only when t is typed, or never.",
+)  # fmt: skip
+@click.option("--calibration", type=FILE, help="Gains, depth and correction of a skin, as `tactile calibrate` writes.")
+@click.option("--dead-band", type=float, help="Shear below this is no direction [unit of the quantity].")
+@click.option("--hysteresis", type=float, help="A direction starts only this much above the dead band.")
+@click.option("--program", help="Also run this analogic program (a name or a .toml file) on every frame.")
+@click.option("--sign-code", is_flag=True, help="The paper's code: the bare signs, no dead band.")
+@click.option("--window", type=int, default=128, show_default=True, help="Frames a texture figure averages.")
+@click.option("--floor", type=float, help="Normal signal below which texture figures are not valid.")
+@click.option("--backend", type=click.Choice(backends.NAMES), default="cpu", show_default=True)
+@SECONDS
+@ONCE
+@JSON
+def live(
+    port: str, protocol: str | None, array: Path | None, output: Path | None, seconds: float | None, once: bool,
+    as_json: bool, calibration: Path | None, **chosen: Any,
+) -> None:  # fmt: skip
+    """Run the pipeline on frames as they arrive. Typing t and Return asks for a tare, q or Ctrl-C ends."""
+    from tactile.cli.live import Choices, Watch, print_line  # the same
+    from tactile.recording.writer import Recording  # only here
+    from tactile.serial.session import Session  # the same
+
+    console.check(chosen)
+    description = console.chosen_description(protocol, array)
+    choices = Choices(calibration=console.kept_calibration(calibration, description), **chosen)
+    console.warm_up(description, choices)
+    recording = None
+    if output is not None:
+        recording = Recording(console.mcap(output), description, {"port": port, "choices": choices.text()})
+    tares = choices.tares(description.arrays)
+    console.be_steady()
+    session = console.opened(lambda: Session(port, description, recording, tares, seconds, once), recording)
+    view = sys.stdout.isatty() and not as_json
+    say = print_line if as_json else console.nothing if view else console.tell
+    watch = Watch(session.source, say, session.now, recording.note if recording else None, lambda: session.counts)
+    threading.Thread(target=console.listen, args=(session,), daemon=True).start()
+    with (
+        console.stopping(session.stop),
+        console.closing(session, recording, as_json, watch),
+        console.viewing(watch, session, port, view),
+    ):
+        watch.run(choices)
+
+
+@click.command(epilog=examples("tactile replay hand.mcap", "tactile replay hand.mcap --paced --json"))
+@click.argument("recording", type=FILE)
+@click.option("--paced", is_flag=True, help="At the recording's own speed instead of as fast as possible.")
+@click.option("--speed", type=click.FloatRange(0, min_open=True), help="As --paced, this many times as fast.")
+@JSON
+def replay(recording: Path, paced: bool, speed: float | None, as_json: bool) -> None:
+    """Run the pipeline on a recording (.mcap): byte for byte through the decoder, with the settings of the live run."""
+    import json  # only here
+    import time
+
+    from tactile.cli.live import Choices, Watch, print_line  # the same
+    from tactile.cli.live import paced as at_its_time
+    from tactile.recording.reader import open_recording  # the same
+    from tactile.wire.source import WireSource  # the same
+
+    recorded = open_recording(recording)
+    if not recorded.has_wire:
+        raise InputError(
+            f"{recording}: holds no bytes of a wire; `tactile run` takes its frames after `tactile convert`"
+        )
+    choices = Choices(**json.loads(recorded.made.get("choices", "{}")))
+    if choices.calibration is None:
+        recorded.description.check_calibrated()
+    chunks = recorded.chunks()
+    if paced or speed is not None:
+        chunks = at_its_time(chunks, speed or 1.0, time.monotonic, time.sleep)
+    source = WireSource(recorded.description, chunks, choices.tares(recorded.description.arrays))
+    say = print_line if as_json else console.tell
+    watch = Watch(source, say)
+    watch.run(choices)
+    if as_json:
+        print_line(watch.status() | {"type": "end", "complete": recorded.complete})
+        return
+    click.echo(f"{watch.meter.frames} frames, {watch.happened} events; {source.counts}")
+    if not recorded.complete:
+        click.echo("the recording was not closed in good order; it ends where its writer was stopped")

@@ -1,0 +1,111 @@
+"""The commands for arrays on a serial port: emulate, ports, convert; record, replay and live are beside their code."""
+
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import click
+
+from cnnsim.support.command_line import examples, print_json
+from tactile.cli.console import be_steady, chosen_description, stopping, write_text
+from tactile.cli.port import ARRAY, FILE, PROTOCOL, live, record, replay
+
+__all__ = ["COMMANDS", "convert_command", "emulate", "live", "ports", "record", "replay"]
+
+
+@click.command(epilog=examples("tactile ports"))
+@click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
+def ports(as_json: bool) -> None:
+    """List serial ports and what may be behind them."""
+    from tactile.serial.ports import list_ports  # pyserial only where it is used
+
+    rows = list_ports()
+    if as_json:
+        print_json(rows)
+    for row in [] if as_json else rows:
+        click.echo(f"{row['port']}  {row['what']}" + (f"  ({row['hint']})" if row["hint"] else ""))
+    if not rows and not as_json:
+        click.echo("no serial ports; `tactile emulate` makes one to try things with")
+
+
+@click.command(
+    epilog=examples(
+        "tactile emulate --protocol reskin --scene examples/scenes/grip.toml --write-array array.toml",
+        "tactile emulate --array hand.toml --scene grasp.npz --flip 1e-5 --unplug 10 --link hand.port",
+        "tactile emulate --recording hand.mcap",
+    )
+)
+@PROTOCOL
+@ARRAY
+@click.option("--scene", type=FILE, help="Scene (.toml) or recording (.npz, .csv) whose frames are sent.")
+@click.option("--recording", type=FILE, help="Recording (.mcap) whose bytes are sent as they came.")
+@click.option("--write-array", type=FILE, help="Write the array description that goes with it here.")
+@click.option("--link", type=FILE, help="Name for the port that stays the same when it is unplugged.")
+@click.option("--loop", is_flag=True, help="Begin again at the end.")
+@click.option("--drop", type=float, default=0.0, help="Probability of a frame to be lost.")
+@click.option("--repeat", type=float, default=0.0, help="Probability of a frame to come twice.")
+@click.option("--flip", type=float, default=0.0, help="Probability of a bit to be changed.")
+@click.option("--split", is_flag=True, help="Send every frame in pieces.")
+@click.option("--stall", type=float, default=0.0, help="Stop sending every so many seconds ...")
+@click.option("--stall-for", type=float, default=0.2, show_default=True, help="... for so many.")
+@click.option("--unplug", type=float, default=0.0, help="Take the port away every so many seconds ...")
+@click.option("--unplug-for", type=float, default=0.5, show_default=True, help="... for so many.")
+@click.option("--seed", type=int, default=0, help="Seed of the faults.")
+def emulate(
+    protocol: str | None, array: Path | None, scene: Path | None, recording: Path | None, write_array: Path | None,
+    link: Path | None, loop: bool, seed: int, **faults: Any,
+) -> None:  # fmt: skip
+    """Be a device: print the port to open, then send frames at their times once somebody opens it."""
+    from tactile.serial.emulator import Emulator  # only here
+    from tactile.serial.faults import Faults  # the same
+    from tactile.sources import open_source  # the same
+    from tactile.wire.packets import emulated_description, packets  # the same
+    from tactile.wire.source import UNPLUGGED  # the same
+
+    if (scene is None) == (recording is None):
+        raise click.UsageError("either --scene or --recording wanted")
+    stream: Iterator[tuple[float, bytes]]
+    if recording is not None:
+        from tactile.recording.reader import open_recording  # the same
+
+        recorded = open_recording(recording)
+        description = recorded.description
+        encoder = description.wire.encoder(description.options)
+        stream = ((chunk.t * 1e-9, chunk.data) for chunk in recorded.chunks() if chunk.note != UNPLUGGED)
+    else:
+        assert scene is not None
+        source = open_source(scene)
+        if protocol is None and array is None:
+            raise click.UsageError("--protocol or --array wanted")
+        description = chosen_description(protocol, array) if array else emulated_description(str(protocol), source)
+        encoder = description.wire.encoder(description.options)
+        stream = packets(description, source, loop, encoder)
+    if write_array is not None:
+        write_text(write_array, description.text)
+    device = Emulator(Faults(**faults), link, encoder, seed)
+    click.echo(device.port)
+    sys.stdout.flush()
+    if sys.stderr.isatty():
+        form = array or write_array or "FILE, which --write-array FILE writes"
+        click.echo(f"waiting for a reader: tactile live -p {device.port} -a {form}", err=True)
+    stop = threading.Event()
+    be_steady()
+    with stopping(stop.set):
+        device.run(stream, stop)
+    click.echo(f"sent {device.sent} packets, lost {device.lost} for want of room", err=True)
+
+
+@click.command("convert", epilog=examples("tactile convert hand.mcap hand.csv", "tactile convert grasp.npz grasp.mcap"))
+@click.argument("source", type=FILE)
+@click.argument("target", type=FILE)
+def convert_command(source: Path, target: Path) -> None:
+    """Write the frames of SOURCE (.mcap, .npz, .csv, .bag, .toml) as TARGET (.csv, .npz, .parquet, .mcap)."""
+    from tactile.recording.convert import convert  # only here
+
+    click.echo(f"wrote {convert(source, target)} frames to {target}")
+
+
+COMMANDS = (emulate, ports, record, replay, convert_command, live)
+"""What the command line of the tactile layer registers."""

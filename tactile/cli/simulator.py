@@ -1,0 +1,53 @@
+"""The simulator on the command line."""
+
+from pathlib import Path
+
+import click
+
+from cnnsim.support.command_line import console, examples, print_json
+
+FULL = 1000
+"""Columns where the output is no terminal: no line of a scene is longer, and nothing is cut."""
+
+
+@click.command(epilog=examples("tactile explain examples/scenes/grip.toml", "tactile explain scene.toml --json"))
+@click.argument("scene", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
+def explain(scene: Path, as_json: bool) -> None:
+    """Show what SCENE computes: each part's size and time per frame, and what leaving the others out costs."""
+    from tactile.simulator.scene.explain import explain_file  # not for --help
+
+    told = explain_file(scene)
+    if as_json:
+        print_json(
+            {
+                "title": told.title,
+                "peak": told.peak,
+                "unit": told.unit,
+                "fingers": told.lines,
+                "parts": [vars(part) for part in told.parts],
+                "notes": told.notes,
+            }
+        )
+        return
+    from rich.markup import escape  # the same
+    from rich.tree import Tree  # the same
+
+    tree = Tree(f"[bold]{escape(told.title)}[/]  peak {told.peak:.3g} {told.unit}")
+    for line in told.lines:
+        tree.add(escape(line))
+    on = tree.add("on: size in the signal relative to the peak, time per frame")
+    off = tree.add("off: what leaving it out costs, relative to the peak (at the strength given, or a typical one)")
+    for part in told.parts:
+        text = f"{part.name:<20} {'' if part.name == 'contacts' else f'{part.size:.2g}':>9}"
+        if part.on:
+            on.add(f"[green]{text}[/]  {_time(part.seconds):>9}  [dim]{escape(part.what)}[/]")
+        else:
+            off.add(f"{text}             [dim]{escape(part.what)}[/]" if part.what else text)
+    for note in told.notes:
+        tree.add(escape(note))
+    console(FULL).print(tree)
+
+
+def _time(seconds: float | None) -> str:
+    return "" if seconds is None else f"{seconds * 1e6:.3g} us"

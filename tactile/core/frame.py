@@ -1,0 +1,82 @@
+"""What a tactile sensor gives: the array's geometry, and one frame of it. Axes and signs: CONVENTIONS.md."""
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.support.errors import InputError
+
+Quantity = Literal["strain", "stress", "force"]
+"""What a taxel measures: strain (u_xz, u_yz, u_zz), stress [Pa] of the same components, or force [N]."""
+
+SHEAR_X, SHEAR_Y, NORMAL = 0, 1, 2
+"""The last axis of a frame."""
+
+
+@dataclass(frozen=True)
+class TaxelArray:
+    """A rectangular array of three-axial taxels under the cover of one finger.
+
+    Arguments: ``rows``, ``cols``; ``pitch`` [m] between neighbours; ``depth`` [m] of the taxels under the cover's
+    surface (unused for force sensors); ``origin`` [m], the (x, y) of the array's centre.
+
+    Raises:
+        InputError: an empty array, a pitch that is not positive, a negative depth, an unknown quantity.
+    """
+
+    name: str
+    rows: int
+    cols: int
+    pitch: float
+    depth: float
+    origin: tuple[float, float] = (0.0, 0.0)
+    quantity: Quantity = "strain"
+
+    def __post_init__(self) -> None:
+        if self.rows < 1 or self.cols < 1:
+            raise InputError(f"taxel array {self.name!r}: {self.rows} x {self.cols} taxels, at least 1 x 1 wanted")
+        if not (np.isfinite(self.pitch) and self.pitch > 0):
+            raise InputError(f"taxel array {self.name!r}: pitch {self.pitch} m, a positive length wanted")
+        if not (np.isfinite(self.depth) and self.depth >= 0) or (self.depth == 0 and self.quantity != "force"):
+            raise InputError(f"taxel array {self.name!r}: depth {self.depth} m, a positive length wanted")
+        if self.quantity not in get_args(Quantity):
+            wanted = ", ".join(get_args(Quantity))
+            raise InputError(f"taxel array {self.name!r}: quantity {self.quantity!r}, one of {wanted} wanted")
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(rows, cols)."""
+        return self.rows, self.cols
+
+    def positions(self) -> NDArray[np.float64]:
+        """(rows, cols, 2) taxel centres (x, y) [m]: x grows with the column, y with the row."""
+        x = self.origin[0] + (np.arange(self.cols) - (self.cols - 1) / 2) * self.pitch
+        y = self.origin[1] + (np.arange(self.rows) - (self.rows - 1) / 2) * self.pitch
+        return np.stack(np.meshgrid(x, y), axis=-1)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One reading of one finger's array.
+
+    ``values`` (rows, cols, 3), last axis (shear_x, shear_y, normal) in the unit of the array's quantity; ``t`` [s]
+    host time since the stream began; ``t_device`` [s] the device's own clock (NaN where it has none); ``valid``
+    (rows, cols), False where a taxel's reading is not to be used.
+    """
+
+    finger: int
+    t: float
+    sequence: int
+    values: NDArray[np.float64]
+    valid: NDArray[np.bool_]
+    t_device: float = float("nan")
+
+    def __post_init__(self) -> None:
+        if self.values.ndim != 3 or self.values.shape[2] != 3:
+            raise InputError(f"frame {self.sequence}: values of shape {self.values.shape}, (rows, cols, 3) wanted")
+        if self.valid.shape != self.values.shape[:2]:
+            raise InputError(
+                f"frame {self.sequence}: validity of shape {self.valid.shape} for values of {self.values.shape}"
+            )

@@ -1,0 +1,25 @@
+"""What every source of frames looks like: live, recorded and simulated ones alike."""
+
+from collections.abc import Iterator
+from typing import Protocol
+
+from tactile.core.frame import Frame, TaxelArray
+
+
+class Source(Protocol):
+    """An iterable of frames, ordered in time over all fingers.
+
+    ``title``: a line for people; ``arrays``: the fingers' arrays, in the order of ``Frame.finger``; ``modulus``:
+    Young's modulus of the cover [Pa], None where the arrays measure force or stress and it is not known;
+    ``frames``: how many frames there are over all fingers, None where nobody knows.
+    """
+
+    @property
+    def title(self) -> str: ...  # noqa: D102 - the class says it
+    @property
+    def arrays(self) -> tuple[TaxelArray, ...]: ...  # noqa: D102
+    @property
+    def modulus(self) -> float | None: ...  # noqa: D102
+    @property
+    def frames(self) -> int | None: ...  # noqa: D102
+    def __iter__(self) -> Iterator[Frame]: ...

@@ -1,0 +1,130 @@
+"""Encoding: traction planes become CNN input, and comparator outputs become event codes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim import InputError, Template
+from tactile.core.frame import NORMAL, Frame, Quantity
+
+_ARROWS = {
+    (0, 0): "·", (1, 0): "→", (-1, 0): "←", (0, 1): "↓", (0, -1): "↑", (1, 1): "↘", (1, -1): "↗", (-1, 1): "↙",
+    (-1, -1): "↖",
+}  # fmt: skip
+"""A taxel's ternary code as an arrow; y points down, as in CONVENTIONS.md."""
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """A dead band with hysteresis [unit of the signal]: on above ``dead_band + hysteresis``, off below ``dead_band``.
+
+    With both 0 it is the bare sign, which at exactly 0 stays what it was.
+
+    Raises:
+        InputError: a negative or infinite number.
+    """
+
+    dead_band: float
+    hysteresis: float
+
+    def __post_init__(self) -> None:
+        for name in ("dead_band", "hysteresis"):
+            value = getattr(self, name)
+            if not 0 <= value < float("inf"):
+                raise InputError(f"{name} is {value!r}; a number from 0 wanted")
+
+    @property
+    def full_scale(self) -> float:
+        """The signal that becomes CNN value 1; larger ones are clipped, which no comparator can see."""
+        return 4 * (self.dead_band + self.hysteresis) or 1.0
+
+    def comparator(self, sign: int = 1) -> Template:
+        """Return the cell that compares ``sign`` times its input with this threshold; its state must be kept.
+
+        A = a = 2 holds y = -1 until B u + z > 1 and y = +1 until B u + z < -1. With on, off in units of full scale
+        B = 2 / (on - off) and z = -(on + off) / (on - off). Without hysteresis a = 1, B = 1, z = -dead band.
+        """
+        off = self.dead_band / self.full_scale
+        if self.hysteresis == 0:
+            return Template([[1]], [[sign]], -off, "comparator")
+        width = self.hysteresis / self.full_scale
+        return Template([[2]], [[sign * 2 / width]], -(2 * off + width) / width, "comparator")
+
+
+SIGN = Threshold(0.0, 0.0)
+"""The paper's code: the bare sign of each shear component (section 6)."""
+
+SHEAR: dict[Quantity, Threshold] = {
+    "force": Threshold(0.1, 0.05),
+    "strain": Threshold(1e-3, 5e-4),
+    "stress": Threshold(2e3, 1e3),
+}
+"""Thresholds for shear [N, 1, Pa] where a user gives none."""
+
+CONTACT: dict[Quantity, Threshold] = {
+    "force": Threshold(0.05, 0.025),
+    "strain": Threshold(1e-3, 5e-4),
+    "stress": Threshold(2e3, 1e3),
+}
+"""Thresholds for the normal component [N, 1, Pa]."""
+
+
+def encode(frame: Frame, quantity: Quantity, shear: Threshold, contact: Threshold) -> dict[str, NDArray[np.float64]]:
+    """Return the planes shear_x, shear_y and pressing (rows, cols) in CNN values of [-1, 1].
+
+    Pressing is +normal for force, -normal for strain and stress (eqs (1), (10): u_zz < 0 under a pressing load).
+    Taxels that are not valid, and readings that are not finite, become 0: no code.
+    """
+    use = frame.valid[..., None] & np.isfinite(frame.values)
+    values = np.where(use, frame.values, 0.0)
+    return encode_values(values, quantity, shear, contact)
+
+
+def encode_values(
+    values: NDArray[np.float64], quantity: Quantity, shear: Threshold, contact: Threshold
+) -> dict[str, NDArray[np.float64]]:
+    """Return the same planes of values (rows, cols, 3) that are all finite."""
+    inward = 1.0 if quantity == "force" else -1.0
+    scaled = np.empty((3, *values.shape[:2]))
+    scaled[:NORMAL] = values[..., :NORMAL].transpose(2, 0, 1) / shear.full_scale
+    scaled[NORMAL] = values[..., NORMAL] * (inward / contact.full_scale)
+    shear_x, shear_y, pressing = np.minimum(np.maximum(scaled, -1), 1)
+    return {"shear_x": shear_x, "shear_y": shear_y, "pressing": pressing}
+
+
+@dataclass(frozen=True)
+class Code:
+    """What the comparators of one finger say: ternary planes ``x``, ``y`` of -1, 0, +1 and ``contact`` (rows, cols)."""
+
+    x: NDArray[np.int8]
+    y: NDArray[np.int8]
+    contact: NDArray[np.bool_]
+
+    def arrows(self) -> str:
+        """One arrow a taxel, row by row; rows are parted by a space."""
+        rows = zip(self.x.tolist(), self.y.tolist(), strict=True)
+        return " ".join("".join(_ARROWS[cell] for cell in zip(*row, strict=True)) for row in rows)
+
+    def ternary(self) -> str:
+        """Two characters of -, 0, + a taxel (x then y), row by row."""
+        return "".join("0+-"[value] for value in np.stack((self.x, self.y), axis=-1).ravel().tolist())
+
+    def signs(self) -> int:
+        """The paper's binary code: two bits a taxel (x then y, 1 is plus), row by row, the first one highest."""
+        bits = np.stack((self.x, self.y), axis=-1).ravel() > 0
+        return int("".join("1" if bit else "0" for bit in bits.tolist()), 2)
+
+
+def decode(planes: dict[str, NDArray[np.bool_]]) -> Code:
+    """Return the code of the comparators' planes x_plus, x_minus, y_plus, y_minus, contact."""
+    x, y = (planes[f"{axis}_plus"].astype(np.int8) - planes[f"{axis}_minus"].astype(np.int8) for axis in "xy")
+    return Code(x, y, planes["contact"])
+
+
+def hand_code(fingers: list[Code]) -> int:
+    """Return the fingers' sign codes as one number, the first finger highest: 16 bits for two 2 x 2 arrays."""
+    number = 0
+    for code in fingers:
+        number = number << 2 * code.x.size | code.signs()
+    return number

@@ -1,0 +1,58 @@
+"""Comparators: the cells that watch traction planes, with the memory that hysteresis needs."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.program.file import load_program
+from cnnsim.program.machine import UniversalMachine
+from tactile.events.code import Code, Threshold, decode
+
+SLACK = 1e-6
+"""CNN value by which an input must miss every threshold for its cells to sleep; far above any rounding."""
+
+
+class Comparators:
+    """The analogic program ``event-code`` with its thresholds, running on one grid of planes.
+
+    While no cell can switch they sleep: with A = a = 2 a white cell turns black only above its upper threshold and a
+    black one white only below its lower (`Threshold.comparator`), so between those the program would give back what it
+    holds. ``code`` is what the cells say now, ``before`` what they said one frame ago.
+    """
+
+    def __init__(self, machine: UniversalMachine, shape: tuple[int, int], shear: Threshold, contact: Threshold) -> None:
+        cells = {"plus": shear.comparator(1), "minus": shear.comparator(-1), "press": contact.comparator(1)}
+        self._machine, self._program = machine, load_program("event-code", templates=cells)
+        self._shear, self._contact = _levels(shear), _levels(contact)
+        nothing = np.zeros(shape, dtype=np.int8)
+        self.code = self.before = Code(nothing, nothing, nothing.astype(bool))
+        self._hold()
+
+    def update(self, planes: dict[str, NDArray[Any]]) -> bool:
+        """Take the planes of `encode` and return whether the code has changed."""
+        inputs = np.array([planes["shear_x"], planes["shear_y"], planes["pressing"]])
+        if ((inputs > self._low) & (inputs < self._high)).all():
+            self.before = self.code
+            return False
+        out = self._machine.run(self._program, **planes)
+        self.before, self.code = self.code, decode(out)
+        if out["moved"]:
+            self._hold()
+        return bool(out["moved"])
+
+    def _hold(self) -> None:
+        """Note between which inputs (3, rows, cols) every cell stays as it is."""
+        signs, contact = np.stack((self.code.x, self.code.y)), self.code.contact
+        (off, on), (gone, touched) = self._shear, self._contact
+        low = np.select([signs > 0, signs == 0], [off, -on], -np.inf), np.where(contact, gone, -np.inf)[None]
+        high = np.select([signs < 0, signs == 0], [-off, on], np.inf), np.where(contact, np.inf, touched)[None]
+        self._low, self._high = np.concatenate(low) + SLACK, np.concatenate(high) - SLACK
+
+
+def _levels(threshold: Threshold) -> tuple[float, float]:
+    """Return below which CNN value a cell turns white and above which black."""
+    return (
+        threshold.dead_band / threshold.full_scale,
+        (threshold.dead_band + threshold.hysteresis) / threshold.full_scale,
+    )

@@ -1,0 +1,198 @@
+"""The inverse of one taxel, compiled: ``tactile.inverse.taxel`` operation for operation, a block of cells at a time.
+
+Written without branches, so that LLVM makes vector code of it. The results of a block go into one small array
+first: with four separate output planes LLVM would have to prove that none overlaps another, and gives up.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import get_num_threads, njit, prange
+
+from tactile.inverse.validity import FAR, Validity
+
+BLOCK = 1024
+"""Cells in a block: its four results stay in the first-level cache."""
+SERIAL_BELOW = 8192
+"""Fewer cells than this are done before the threads have woken up."""
+
+INSIDE, OUTSIDE = float(Validity.INSIDE), float(Validity.OUTSIDE)
+AMBIGUOUS, INVALID = float(Validity.AMBIGUOUS), float(Validity.INVALID)
+
+
+@njit(inline="always")
+def _is_finite(value):  # type: ignore[no-untyped-def]  # numba types it at the call
+    return value - value == 0
+
+
+@njit(inline="always")
+def _scaled(x, y, z, tiny, zero, one):  # type: ignore[no-untyped-def]
+    finite = _is_finite(x) & _is_finite(y) & _is_finite(z)
+    x = x if finite else zero
+    y = y if finite else zero
+    z = z if finite else zero
+    largest = abs(x) if abs(x) > abs(y) else abs(y)
+    largest = largest if largest > abs(z) else abs(z)
+    some = largest >= tiny
+    over = one / (largest if some else one)
+    return x * over, y * over, z * over if some else -one, largest if some else zero, finite
+
+
+@njit(inline="always")
+def _answer(results, i, dx, dy, force, region, possible, loaded, zero, invalid):  # type: ignore[no-untyped-def]
+    answered = possible & loaded
+    results[i] = dx if answered else zero
+    results[i + BLOCK] = dy if answered else zero
+    results[i + 2 * BLOCK] = force if answered else zero
+    results[i + 3 * BLOCK] = (region if possible else invalid) if loaded else zero
+
+
+@njit(cache=True, error_model="numpy")
+def _strain_block(u_xz, u_yz, u_zz, results, scale, tiny, depth, floor, pressing):  # type: ignore[no-untyped-def]
+    number = u_xz.dtype.type
+    zero, one, two, three, four = number(0), number(1), number(2), number(3), number(4)
+    eight, nine, far2 = number(8), number(9), number(FAR * FAR)
+    in_code, out_code = number(INSIDE), number(OUTSIDE)
+    unsure, invalid = number(AMBIGUOUS), number(INVALID)
+    known = pressing != 0
+    given = -one if pressing < 0 else one
+    for i in range(u_xz.size):
+        x, y, z, largest, finite = _scaled(u_xz[i], u_yz[i], u_zz[i], tiny, zero, one)
+        a2 = x * x + y * y
+        b = abs(z)
+        d = four * a2 + nine * b * b + three * b * math.sqrt(nine * b * b + eight * a2)
+        straight = a2 <= far2 * b * b
+        sign = -one if (not known) & straight & (z > zero) else given
+        inside = sign * z < zero
+        a2_safe = one if straight else a2
+        quotient = (eight if inside else d) / (d if inside else two * a2_safe * a2_safe)
+        reach = math.sqrt(quotient)
+        t = a2 * quotient
+        force = (t + one) * math.sqrt(t + one) * (three * reach * a2 + abs(t - two) * b) / (t + four)
+        force = sign * force * (scale * largest)
+        length = sign * depth * reach
+        possible = finite & (inside | (not straight)) & _is_finite(force)
+        loaded = (not finite) | (largest > floor)
+        region = in_code if inside else out_code
+        region = region if known | straight else unsure
+        _answer(results, i, length * x, length * y, force, region, possible, loaded, zero, invalid)
+
+
+@njit(cache=True, error_model="numpy")
+def _stress_block(s_xz, s_yz, s_zz, results, scale, tiny, depth, floor):  # type: ignore[no-untyped-def]
+    number = s_xz.dtype.type
+    zero, one, two, far = number(0), number(1), number(2), number(FAR)
+    in_code, out_code, invalid = number(INSIDE), number(OUTSIDE), number(INVALID)
+    for i in range(s_xz.size):
+        x, y, z, largest, finite = _scaled(s_xz[i], s_yz[i], s_zz[i], tiny, zero, one)
+        reachable = abs(z) > far
+        over_z = one / (z if reachable else one)
+        across = x * over_z
+        along = y * over_z
+        t = across * across + along * along
+        force = (t + one) * (t + one) * math.sqrt(t + one) * -z
+        force = force * (scale * largest)
+        possible = finite & reachable & _is_finite(force)
+        loaded = (not finite) | (largest > floor)
+        region = in_code if t < two else out_code
+        _answer(results, i, -depth * across, -depth * along, force, region, possible, loaded, zero, invalid)
+
+
+@njit(cache=True)
+def _copy(source, target):  # type: ignore[no-untyped-def]
+    for i in range(target.size):
+        target[i] = source[i]
+
+
+@njit(cache=True)
+def _hand_out(results, dx, dy, force, validity):  # type: ignore[no-untyped-def]
+    _copy(results, dx)
+    _copy(results[BLOCK:], dy)
+    _copy(results[2 * BLOCK :], force)
+    _copy(results[3 * BLOCK :], validity)
+
+
+@njit(cache=True, error_model="numpy")
+def _strain_blocks(x, y, z, dx, dy, force, validity, first, last, numbers):  # type: ignore[no-untyped-def]
+    results = np.empty(4 * BLOCK, x.dtype)
+    for start in range(first * BLOCK, min(last * BLOCK, x.size), BLOCK):
+        cut = slice(start, min(start + BLOCK, x.size))
+        _strain_block(x[cut], y[cut], z[cut], results, *numbers)
+        _hand_out(results, dx[cut], dy[cut], force[cut], validity[cut])
+
+
+@njit(cache=True, error_model="numpy")
+def _stress_blocks(x, y, z, dx, dy, force, validity, first, last, numbers):  # type: ignore[no-untyped-def]
+    results = np.empty(4 * BLOCK, x.dtype)
+    for start in range(first * BLOCK, min(last * BLOCK, x.size), BLOCK):
+        cut = slice(start, min(start + BLOCK, x.size))
+        _stress_block(x[cut], y[cut], z[cut], results, *numbers)
+        _hand_out(results, dx[cut], dy[cut], force[cut], validity[cut])
+
+
+@njit(cache=True, parallel=True, error_model="numpy")
+def _strain_parallel(x, y, z, dx, dy, force, validity, blocks, threads, numbers):  # type: ignore[no-untyped-def]
+    for thread in prange(threads):
+        first, last = thread * blocks // threads, (thread + 1) * blocks // threads
+        _strain_blocks(x, y, z, dx, dy, force, validity, first, last, numbers)
+
+
+@njit(cache=True, parallel=True, error_model="numpy")
+def _stress_parallel(x, y, z, dx, dy, force, validity, blocks, threads, numbers):  # type: ignore[no-untyped-def]
+    for thread in prange(threads):
+        first, last = thread * blocks // threads, (thread + 1) * blocks // threads
+        _stress_blocks(x, y, z, dx, dy, force, validity, first, last, numbers)
+
+
+def strain_inverse(
+    u_xz: Any,
+    u_yz: Any,
+    u_zz: Any,
+    dx: Any,
+    dy: Any,
+    force: Any,
+    validity: Any,
+    depth: float,
+    modulus: float,
+    floor: float,
+    pressing: float,
+) -> None:
+    """Write the load of every strain taxel into (dx, dy, force, validity): ``tactile.inverse.taxel.invert_strain``.
+
+    All planes contiguous, of one dimension and one dtype (float32 or float64).
+    """
+    number = u_xz.dtype.type
+    scale, tiny = number(4 * np.pi / 3 * modulus * depth * depth), np.finfo(number).tiny
+    numbers = scale, tiny, number(depth), number(floor), number(pressing)
+    planes = u_xz, u_yz, u_zz, dx, dy, force, validity
+    blocks = -(-u_xz.size // BLOCK)
+    if u_xz.size < SERIAL_BELOW:
+        _strain_blocks(*planes, 0, blocks, numbers)
+    else:
+        _strain_parallel(*planes, blocks, get_num_threads(), numbers)
+
+
+def stress_inverse(
+    s_xz: Any,
+    s_yz: Any,
+    s_zz: Any,
+    dx: Any,
+    dy: Any,
+    force: Any,
+    validity: Any,
+    depth: float,
+    floor: float,
+) -> None:
+    """Write the load of every stress taxel into (dx, dy, force, validity): ``tactile.inverse.taxel.invert_stress``.
+
+    All planes contiguous, of one dimension and one dtype (float32 or float64).
+    """
+    number = s_xz.dtype.type
+    numbers = number(2 * np.pi / 3 * depth * depth), np.finfo(number).tiny, number(depth), number(floor)
+    planes = s_xz, s_yz, s_zz, dx, dy, force, validity
+    blocks = -(-s_xz.size // BLOCK)
+    if s_xz.size < SERIAL_BELOW:
+        _stress_blocks(*planes, 0, blocks, numbers)
+    else:
+        _stress_parallel(*planes, blocks, get_num_threads(), numbers)

@@ -1,0 +1,96 @@
+"""A textured object drawn over the cover: normal force from its profile, shear that sticks and slips."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.support.errors import InputError
+from tactile.elastic.medium import Medium
+from tactile.simulator.contacts.loads import Pressed, point_loads
+from tactile.simulator.contacts.materials import Material
+
+Plane = NDArray[np.float64]
+FINEST = 24
+"""Steps for the shortest of: grain, period, and the way to build up the shear that slips."""
+MOST_STEPS = 5_000_000
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """An object drawn along a straight line over one point of the cover.
+
+    The normal force is F (1 + profile(way)), never below 0. The shear grows with the way at ``stiffness`` until
+    it reaches static * normal, then drops to kinetic * normal and grows again; where kinetic = static it slides
+    smoothly. It never exceeds static * normal.
+
+    Arguments: ``place`` (x, y) [m]; ``material``; ``start``, ``stop`` [s]; ``speed`` [m/s]; ``direction`` [rad] of
+    the object's motion, from x towards y; ``force`` F [N]; ``stiffness`` [N/m] of the cover against shear;
+    ``seed`` of the profile.
+
+    Raises:
+        InputError: a stop before the start, a negative speed or force, a stiffness that is not positive, or so long
+            a way over so fine a profile that it takes over five million steps.
+    """
+
+    finger: int
+    place: tuple[float, float]
+    material: Material
+    start: float
+    stop: float
+    speed: float
+    direction: float
+    force: float
+    stiffness: float
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if not (self.stop > self.start and self.speed >= 0 and self.force >= 0 and self.stiffness > 0):
+            raise InputError(
+                f"object drawn from {self.start} to {self.stop} s at {self.speed} m/s with {self.force} N on "
+                f"{self.stiffness} N/m: stop after start, speed and force from 0 up, a positive stiffness wanted"
+            )
+        if self._steps > MOST_STEPS:
+            raise InputError(f"{self._steps} steps to draw {self.material.name!r}, at most {MOST_STEPS} wanted")
+
+    @property
+    def _steps(self) -> int:
+        jump = (self.material.static - self.material.kinetic) * self.force / self.stiffness
+        finest = min(length for length in (self.material.grain, self.material.period, jump) if length > 0)
+        return 2 + int(np.ceil(self.speed * (self.stop - self.start) / finest * FINEST))
+
+    @cached_property
+    def _series(self) -> tuple[Plane, Plane, Plane]:
+        """(way, shear, normal force) along the whole way."""
+        way = np.linspace(0, self.speed * (self.stop - self.start), self._steps)
+        profile = self.material.profile(way, np.random.default_rng(self.seed))
+        normal = self.force * np.maximum(1 + profile, 0)
+        shear, pull = np.empty_like(way), 0.0
+        grown = self.stiffness * (way[1] - way[0])
+        for k, (most, least) in enumerate(
+            zip((self.material.static * normal).tolist(), (self.material.kinetic * normal).tolist(), strict=True)
+        ):
+            pull += grown
+            if pull > most:
+                pull = least
+            shear[k] = pull
+        return way, shear, normal
+
+    def series(self, times: Plane) -> tuple[Plane, Plane]:
+        """(shear along the motion, normal force) [N] at the times [s]; 0 before the start and after the stop.
+
+        Shear is taken from the step before, not between steps: a slip is a jump.
+        """
+        way, shear, normal = self._series
+        at = self.speed * (np.clip(times, self.start, self.stop) - self.start)
+        here = (times >= self.start) & (times <= self.stop)
+        step = np.clip(np.searchsorted(way, at, side="right") - 1, 0, len(way) - 1)
+        return np.where(here, shear[step], 0.0), np.where(here, normal[step], 0.0)
+
+    def pressed(self, times: Plane, depth: float, medium: Medium) -> Pressed:
+        """What presses on the finger at the times [s]."""
+        shear, normal = self.series(times)
+        x, y = (np.full(len(times), place) for place in self.place)
+        pull = shear * np.cos(self.direction), shear * np.sin(self.direction)
+        return point_loads(np.stack([x, y, *pull, normal], axis=-1))

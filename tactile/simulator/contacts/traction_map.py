@@ -1,0 +1,43 @@
+"""Traction maps on a finger: any distribution of pressure and shear, given on a grid."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.support.errors import InputError
+from tactile.elastic.medium import Medium
+from tactile.simulator.contacts.contacts import along_path
+from tactile.simulator.contacts.loads import Pressed
+
+Plane = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TractionMap:
+    """A map that keeps its shape and place and changes in strength.
+
+    Arguments: ``cells`` (n, 5) rows (x, y, Q, R, F) [m, N] of its cells at strength 1; ``path`` (n, 2) rows
+    (t, strength) [s, 1].
+
+    Raises:
+        InputError: no cells.
+    """
+
+    finger: int
+    cells: Plane
+    path: Plane
+
+    def __post_init__(self) -> None:
+        if self.cells.ndim != 2 or self.cells.shape[1] != 5 or not len(self.cells):
+            raise InputError(f"a traction map of cells {self.cells.shape}, (n, 5) with n of at least 1 wanted")
+
+    def pressed(self, times: Plane, depth: float, medium: Medium) -> Pressed:
+        """What presses on the finger at the times [s]; its total acts in the centre of the pressure."""
+        strength, gone = along_path(self.path, times)
+        loads = np.broadcast_to(self.cells, (len(times), *self.cells.shape)).copy()
+        loads[..., 2:] *= np.where(gone, 0, strength[:, 0])[:, None, None]
+        size = np.abs(self.cells[:, 2:]).sum(axis=1)
+        centre = np.average(self.cells[:, :2], axis=0, weights=size if size.any() else None)
+        total = np.concatenate([np.broadcast_to(centre, (len(times), 2)), loads[..., 2:].sum(axis=1)], axis=-1)
+        return Pressed(total[:, None], loads, np.zeros(len(self.cells), np.int64))

@@ -1,0 +1,56 @@
+"""The keys of a scene's [cover] that make it one of bumps."""
+
+from collections.abc import Iterable
+from typing import Any
+
+from cnnsim.support.errors import InputError
+from cnnsim.support.toml_file import take
+from tactile.bump.shape import Shape
+from tactile.core.frame import TaxelArray
+from tactile.simulator.scene.bumps import Bumps
+from tactile.simulator.scene.parts import positive
+
+BUMP_KEYS = ("diameter_mm", "thickness_mm", "contact_mm", "fillet_mm", "poissons_ratio", "strain", "indentation_mm")
+
+
+def read_bumps(table: dict[str, Any], arrays: Iterable[TaxelArray], where: str) -> Bumps:
+    """Bumps over all taxels; what the table does not say is the paper's.
+
+    Raises:
+        InputError: a wrong type or value, a strain that is neither "small" nor "finite", taxels below the body.
+    """
+    strain = take(table, "strain", str, where, "small")
+    if strain not in ("small", "finite"):
+        raise InputError(f"{where}: strain = {strain!r}, 'small' or 'finite' wanted")
+    if strain == "small" and "indentation_mm" in table:
+        raise InputError(f"{where}: an indentation_mm without strain = 'finite'")
+    if strain == "finite" and "contact_mm" in table:
+        raise InputError(
+            f"{where}: a contact_mm with strain = 'finite', where the contact grows as the plate comes down"
+        )
+    diameter = positive(table, "diameter_mm", where, 0.4) * 1e-3
+    radius = diameter / 2
+    thickness = positive(table, "thickness_mm", where, 2.0) * 1e-3
+    try:
+        bumps = Bumps(
+            Shape(
+                radius,
+                thickness,
+                10 * radius,
+                # a finite table begins with a narrow contact
+                positive(table, "contact_mm", where, diameter * 1e3 / (4 if strain == "small" else 20)) * 1e-3,
+                positive(table, "fillet_mm", where, diameter * 1e3 / 20) * 1e-3,
+            ),
+            take(table, "poissons_ratio", float, where, 0.499),
+            positive(table, "indentation_mm", where, radius / 2 * 1e3) * 1e-3 if strain == "finite" else 0.0,
+        )
+    except InputError as error:
+        raise error if str(error).startswith(where) else InputError(f"{where}: {error}") from error
+    for array in arrays:
+        if array.depth > thickness:
+            raise InputError(f"{where}: taxels {array.depth * 1e3:g} mm deep under bumps on {thickness * 1e3:g} mm")
+        if min(array.rows, array.cols, 2) > 1 and array.pitch < 2 * bumps.shape.foot:
+            raise InputError(
+                f"{where}: bumps {2e3 * bumps.shape.foot:.4g} mm wide at their foot, {array.pitch * 1e3:g} mm apart"
+            )
+    return bumps

@@ -1,0 +1,135 @@
+"""How large an effect is in a scene's signal and what it costs: measured on a sample of the scene's frames."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactile.simulator.batch import Batch
+from tactile.simulator.contacts.loads import Pressed
+from tactile.simulator.field import Field
+from tactile.simulator.scene.scene import Scene
+
+Plane = NDArray[np.float64]
+Named = tuple[str, Any]
+FRAMES = 512
+"""Frames of each finger in a sample."""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Frames spread evenly over a scene, with what presses and what the ideal taxels feel: the base of estimates."""
+
+    scene: Scene
+
+    @cached_property
+    def numbers(self) -> NDArray[np.int64]:
+        """Which frames: all of a short scene, else evenly spread ones, the first and the last among them."""
+        count = min(self.scene.samples, FRAMES)
+        return np.unique(np.linspace(0, self.scene.samples - 1, count).round().astype(np.int64))
+
+    @cached_property
+    def fields(self) -> tuple[list[Field], ...]:
+        """Every finger's fields, in the scene's own pieces, without effects."""
+        return tuple(list(self.scene.fields(finger, self._pieces(finger))) for finger in range(len(self.scene.arrays)))
+
+    def _pieces(self, finger: int) -> Iterator[tuple[int, Plane]]:
+        longest = max(len(times) for _, times in self.scene.pieces(finger))
+        for start in range(0, len(self.numbers), longest):
+            yield start, self.numbers[start : start + longest] / self.scene.rate
+
+    @cached_property
+    def peak(self) -> float:
+        """The largest reading of the ideal skin; a share of the full scale where nothing presses."""
+        largest = max((float(np.abs(field.values).max()) for fields in self.fields for field in fields), default=0.0)
+        return largest if largest > 0 else max(self.scene.full_scale * self.scene.unit(0), np.finfo(float).tiny)
+
+    @cached_property
+    def stretch(self) -> float:
+        """By what a random effect's largest value in the whole scene exceeds that in the sample, in the mean.
+
+        The largest of n normal numbers grows like sqrt(2 ln n).
+        """
+        taxels = sum(3 * array.rows * array.cols for array in self.scene.arrays)
+        return float(np.sqrt(np.log(2 * taxels * self.scene.samples) / np.log(2 * taxels * len(self.numbers))))
+
+    def run(self, effects: Iterable[Named]) -> list[list[Batch]]:
+        """The sample's frames of every finger through a chain of effects, ending with batches."""
+        chosen, frames = list(effects), []
+        for finger in range(len(self.scene.arrays)):
+            stream: Any = iter(self.fields[finger])
+            for name, effect in chosen:
+                if effect.STAGE == "field":
+                    stream = effect(stream, self.scene.random(name, finger))
+            batches: Any = (self._batch(finger, field) for field in stream)
+            for name, effect in chosen:
+                if effect.STAGE == "frames":
+                    batches = effect(batches, self.scene.random(name, finger))
+            frames.append(list(batches))
+        return frames
+
+    def _batch(self, finger: int, field: Field) -> Batch:
+        batch = self.scene.batch(finger, field)
+        return Batch(
+            batch.array, batch.unit, batch.full_scale, batch.t, batch.sequence, batch.values.copy(), batch.valid
+        )
+
+    def gap(self, one: list[list[Batch]], other: list[list[Batch]]) -> float:
+        """Largest difference of two runs relative to the peak, each read at the sample's times.
+
+        Between frames, and where frames are lost or late, a run is read by straight lines, as its user would.
+        """
+        times = self.numbers / self.scene.rate
+        largest = 0.0
+        for a, b in zip(one, other, strict=True):
+            difference = np.abs(_read_at(a, times) - _read_at(b, times))
+            largest = max(largest, float(difference.max(initial=0)))
+        return largest / self.peak
+
+    def seconds(self, effects: list[Named], repeat: int = 3) -> dict[str, float]:
+        """Measured time per frame [s] of "contacts", "field" and every effect in its place in the chain.
+
+        The best of some runs, each part's input made beforehand.
+        """
+        best: dict[str, float] = {}
+        count = len(self.numbers) * len(self.scene.arrays)
+        for _ in range(repeat):
+            spent = dict.fromkeys(("contacts", "field", *(name for name, _ in effects)), 0.0)
+            for finger in range(len(self.scene.arrays)):
+                pieces = list(self._pieces(finger))
+                begin = perf_counter()
+                pressed: list[Pressed] = [self.scene.pressed(finger, times) for _, times in pieces]
+                spent["contacts"] += perf_counter() - begin
+                begin = perf_counter()
+                stream: Any = list(self.scene.fields(finger, pieces))
+                spent["field"] += perf_counter() - begin
+                del pressed
+                stage = "field"
+                for name, effect in effects:
+                    if stage != effect.STAGE:
+                        stream, stage = [self._batch(finger, field) for field in stream], effect.STAGE
+                    begin = perf_counter()
+                    stream = list(effect(iter(stream), self.scene.random(name, finger)))
+                    spent[name] += perf_counter() - begin
+            best = {name: min(best.get(name, np.inf), time / count) for name, time in spent.items()}
+        best["field"] = max(best["field"] - best["contacts"], 0.0)  # fields ask for the contacts themselves
+        return best
+
+
+def _read_at(batches: list[Batch], times: Plane) -> Plane:
+    t = np.concatenate([batch.t for batch in batches])
+    values = np.concatenate([batch.values for batch in batches])
+    if len(t) == len(times) and np.array_equal(t, times):
+        return values
+    t, first = np.unique(t, return_index=True)
+    values = values[first]
+    after = np.clip(np.searchsorted(t, times), 1, max(len(t) - 1, 1))
+    if len(t) == 1:
+        return np.broadcast_to(values, (len(times), *values.shape[1:]))
+    share = np.clip((times - t[after - 1]) / (t[after] - t[after - 1]), 0, 1)[:, None, None, None]
+    read: Plane = values[after - 1] * (1 - share) + values[after] * share
+    return read

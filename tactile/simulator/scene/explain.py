@@ -1,0 +1,135 @@
+"""What a scene consists of: every part with its size in the signal, its time per frame, and what is left out."""
+
+import json
+from collections import Counter
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cnnsim.support.toml_file import read_toml
+from tactile.simulator.scene.auto import candidates, choose, size_of
+from tactile.simulator.scene.estimate import Sample
+from tactile.simulator.scene.file import bare_scene
+from tactile.simulator.scene.scene import Scene
+
+WORDS = {"MovingLoad": "load", "MovingContact": "contact", "Drawn": "texture", "TractionMap": "map"}
+"""What the kinds of contact are called in a scene."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """One part of a scene.
+
+    ``size``: largest change it makes to the signal, relative to the peak; ``seconds``: measured time per frame,
+    None for what is off. For an effect that is off ``size`` is the estimate of what leaving it out costs.
+    """
+
+    name: str
+    what: str
+    on: bool
+    size: float
+    seconds: float | None
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A scene taken apart: ``lines`` about contacts and roads, ``parts`` in the order in which they act."""
+
+    title: str
+    peak: float
+    unit: str
+    lines: tuple[str, ...]
+    parts: tuple[Part, ...]
+    notes: tuple[str, ...]
+
+
+def explain_file(path: Path) -> Explanation:
+    """Explain the scene in a file.
+
+    Raises:
+        InputError: as ``read_scene``.
+    """
+    scene, tolerance = bare_scene(read_toml(path, "scene"), str(path), path.parent)
+    return explain(scene, tolerance)
+
+
+def explain(scene: Scene, tolerance: float | None = None) -> Explanation:
+    """Explain a scene; with a ``tolerance`` its effects are chosen first, as ``effects = "auto"`` does."""
+    described = scene
+    notes: list[str] = []
+    choice = None
+    if tolerance is not None:
+        choice = choose(scene, tolerance)
+        scene = choice.scene
+        notes.append(f"effects chosen for a tolerance of {tolerance:g} of the peak; measured error {choice.joint:.2g}")
+        if choice.together:
+            notes.append(f"on although small, for what is left out adds up: {', '.join(choice.together)}")
+        if choice.left_out:
+            bounds = ", ".join(f"{name} {size:.2g}" for name, size in choice.left_out.items())
+            notes.append(f"left out, with the bound of their size: {bounds}")
+    sample = Sample(scene)
+    on = dict(scene.effects)
+    seconds = sample.seconds(list(scene.effects))
+    parts = [
+        Part(
+            "contacts",
+            f"{len(scene.loads) + len(scene.contacts)} on {len(scene.arrays)} finger{'s' * (len(scene.arrays) > 1)}",
+            True,
+            0.0,
+            seconds["contacts"],
+        ),
+        Part("field", str(scene.bumps or "elastic half-space, incompressible"), True, 1.0, seconds["field"]),
+    ]
+    if scene.bumps is not None:
+        notes.append(
+            f"against the flat cover the bumps change the signal by up to {_departure(scene, sample):.2g} of its peak"
+        )
+    for name, effect in candidates(described):
+        size = choice.sizes[name] if choice else size_of(sample, name, effect)
+        parts.append(Part(name, _describe(effect), name in on, size, seconds.get(name)))
+    quantity = scene.arrays[0].quantity
+    return Explanation(
+        scene.title,
+        sample.peak,
+        "Pa" if quantity == "stress" else "strain",
+        tuple(_lines(scene)),
+        tuple(parts),
+        tuple(notes),
+    )
+
+
+def _departure(scene: Scene, sample: Sample) -> float:
+    """How far the field lies from that of the same loads on a flat, endless cover, relative to the peak."""
+    flat = Sample(replace(scene, bumps=None)).fields
+    gaps = [
+        float(np.abs(one.values - other.values).max())
+        for ours, theirs in zip(sample.fields, flat, strict=True)
+        for one, other in zip(ours, theirs, strict=True)
+    ]
+    return max(gaps) / sample.peak
+
+
+def _describe(effect: Any) -> str:
+    """The effect as its table in a scene; what follows from other things (None) is not there."""
+    values = {key: (getattr(effect, attribute), factor) for key, (attribute, factor) in effect.KEYS.items()}
+    return ", ".join(
+        f"{key} = {value / factor:g}" if isinstance(value, float) else f"{key} = {json.dumps(value)}"
+        for key, (value, factor) in values.items()
+        if value is not None
+    )
+
+
+def _lines(scene: Scene) -> list[str]:
+    lines = []
+    for finger, array in enumerate(scene.arrays):
+        road = scene.road(finger)
+        mine = [contact for contact in (*scene.loads, *scene.contacts) if contact.finger == finger]
+        kinds = Counter(WORDS.get(type(contact).__name__, type(contact).__name__) for contact in mine)
+        presses = ", ".join(f"{count} {kind}" for kind, count in kinds.items()) or "nothing presses"
+        lines.append(
+            f"{array.name}: {array.rows} x {array.cols} taxels of {array.quantity}, {array.depth * 1e3:g} mm deep; "
+            f"{presses}; road: {road.name} ({road.why})"
+        )
+    return lines

@@ -1,0 +1,175 @@
+"""Scenes in TOML files: examples/scenes/ explains every key. Lengths in mm there, SI units here."""
+
+from pathlib import Path
+from typing import Any
+
+from cnnsim.support.errors import InputError
+from cnnsim.support.toml_file import check_keys, read_toml, take, take_numbers, take_tables
+from tactile.core.array_table import take_array
+from tactile.core.frame import TaxelArray
+from tactile.simulator.contacts.contacts import MovingLoad
+from tactile.simulator.scene.parts import keyframes, one_finger, positive
+from tactile.simulator.scene.scene import FULL_SCALE, Contact, Scene
+
+TOP_KEYS = (
+    "title", "rate_hz", "duration_s", "seed", "effects", "tolerance",
+    "cover", "finger", "load", "contact", "texture", "map", "effect",
+)  # fmt: skip
+COVER_KEYS = ("youngs_modulus_mpa", "quantity", "full_scale", "kind")
+FINGER_KEYS = ("name", "rows", "cols", "pitch_mm", "depth_mm", "origin_mm")
+LOAD_KEYS = ("finger", "path")
+KEYFRAME = "t_s, x_mm, y_mm, Q_N, R_N, F_N"
+TOLERANCE = 0.02
+"""What ``effects = "auto"`` may leave out, relative to the peak of the signal, unless the scene says."""
+
+
+def read_scene(path: Path) -> Scene:
+    """Read a scene from a TOML file; ``examples/scenes/`` explains every key.
+
+    Raises:
+        InputError: no such file, no TOML, an unknown or missing key, a wrong type or value, nothing that presses.
+    """
+    return scene_from(read_toml(path, "scene"), str(path), path.parent)
+
+
+def scene_from(table: dict[str, Any], where: str, folder: Path = Path()) -> Scene:
+    """Return the scene that a parsed TOML table describes; ``where`` names it in messages, ``folder`` holds its files.
+
+    With ``effects = "auto"`` the effects whose estimated size exceeds ``tolerance`` are on, see ``auto``.
+
+    Raises:
+        InputError: as ``read_scene``.
+    """
+    scene, tolerance = bare_scene(table, where, folder)
+    if tolerance is None:
+        return scene
+    from tactile.simulator.scene.auto import choose  # only where called for
+
+    return choose(scene, tolerance).scene
+
+
+def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tuple[Scene, float | None]:
+    """The scene with the effects that it names, and the tolerance of ``effects = "auto"``, None without it.
+
+    Raises:
+        InputError: as ``read_scene``.
+    """
+    check_keys(table, TOP_KEYS, where)
+    cover = take(table, "cover", dict, where)
+    bumpy = _is_bumpy(cover, f"{where}: [cover]")
+    modulus = positive(cover, "youngs_modulus_mpa", f"{where}: [cover]") * 1e6
+    quantity = take(cover, "quantity", str, f"{where}: [cover]", "strain")
+    if quantity not in ("strain", "stress"):
+        raise InputError(f"{where}: [cover]: quantity = {quantity!r}, 'strain' or 'stress' wanted")
+    fingers = take_tables(table, "finger", where)
+    arrays = tuple(_finger(finger, quantity, f"{where}: finger {n}") for n, finger in enumerate(fingers, 1))
+    names = [array.name for array in arrays]
+    if not names or len(set(names)) < len(names):
+        raise InputError(f"{where}: fingers {names}, at least one [[finger]] and no name twice wanted")
+    loads = tuple(
+        _load(load, names, f"{where}: load {n}") for n, load in enumerate(take_tables(table, "load", where), 1)
+    )
+    contacts = _contacts(table, names, where, folder)
+    if not loads and not contacts:
+        raise InputError(
+            f"{where}: a scene without loads, at least one [[load]] wanted (or [[contact]], [[texture]], [[map]])"
+        )
+    scene = Scene(
+        title=take(table, "title", str, where),
+        rate=positive(table, "rate_hz", where),
+        duration=positive(table, "duration_s", where),
+        modulus=modulus,
+        arrays=arrays,
+        loads=loads,
+        contacts=contacts,
+        effects=_effects(table, where),
+        full_scale=positive(cover, "full_scale", f"{where}: [cover]", FULL_SCALE),
+        seed=take(table, "seed", int, where, 0),
+        bumps=_bumps(cover, arrays, f"{where}: [cover]") if bumpy else None,
+    )
+    if scene.bumps is not None:
+        by_depth = [n for n, contact in enumerate(contacts, 1) if getattr(contact, "given_depth", False)]
+        if by_depth:
+            raise InputError(
+                f"{where}: contact {by_depth[0]}: given = 'indentation' on bumps; 'force' wanted, for how far a shape "
+                "sinks in is known of the flat cover only"
+            )
+        flat = [name for name, effect in scene.effects if effect.STAGE == "field"]
+        if flat:
+            raise InputError(
+                f"{where}: [effect]: {', '.join(flat)} on bumps; effects on the flat cover's field left out wanted"
+            )
+    if scene.seed < 0:
+        raise InputError(f"{where}: seed = {scene.seed}, a whole number from 0 up wanted")
+    if "effects" not in table:
+        if "tolerance" in table:
+            raise InputError(f"{where}: a tolerance without effects = 'auto'")
+        return scene, None
+    if table["effects"] != "auto":
+        raise InputError(
+            f"{where}: effects = {table['effects']!r}, 'auto' wanted; single ones are tables [effect.NAME]"
+        )
+    return scene, positive(table, "tolerance", where, TOLERANCE)
+
+
+def _is_bumpy(cover: dict[str, Any], where: str) -> bool:
+    kind = take(cover, "kind", str, where, "flat")
+    if kind not in ("flat", "bump"):
+        raise InputError(f"{where}: kind = {kind!r}, 'flat' or 'bump' wanted")
+    if kind == "flat":
+        check_keys(cover, COVER_KEYS, where)
+        return False
+    from tactile.simulator.scene.cover_table import BUMP_KEYS  # only where called for
+
+    check_keys(cover, (*COVER_KEYS, *BUMP_KEYS), where)
+    return True
+
+
+def _bumps(cover: dict[str, Any], arrays: tuple[TaxelArray, ...], where: str) -> Any:
+    from tactile.simulator.scene.cover_table import read_bumps  # only where called for
+
+    return read_bumps(cover, arrays, where)
+
+
+def _finger(table: dict[str, Any], quantity: str, where: str) -> TaxelArray:
+    check_keys(table, FINGER_KEYS, where)
+    return take_array(
+        table,
+        pitch=take(table, "pitch_mm", float, where) * 1e-3,
+        depth=take(table, "depth_mm", float, where) * 1e-3,
+        origin=[x * 1e-3 for x in take_numbers(table, "origin_mm", 2, where, [0.0, 0.0])],
+        quantity=quantity,
+        where=where,
+    )
+
+
+def _load(table: dict[str, Any], names: list[str], where: str) -> MovingLoad:
+    check_keys(table, LOAD_KEYS, where)
+    finger = one_finger(table, names, where)
+    return MovingLoad(finger, keyframes(table, KEYFRAME, where) * (1, 1e-3, 1e-3, 1, 1, 1))
+
+
+def _contacts(table: dict[str, Any], names: list[str], where: str, folder: Path) -> tuple[Contact, ...]:
+    if not any(table.get(kind) for kind in ("contact", "texture", "map")):
+        return ()
+    from tactile.simulator.scene import contact_tables as scene_contacts  # only where called for
+
+    return tuple(
+        read(entry, names, f"{where}: {kind} {n}", folder)
+        for kind, read in scene_contacts.READERS.items()
+        for n, entry in enumerate(take_tables(table, kind, where), 1)
+    )
+
+
+def _effects(table: dict[str, Any], where: str) -> tuple[tuple[str, Any], ...]:
+    named = take(table, "effect", dict, where, {})
+    if not named:
+        return ()
+    from tactile.simulator.effects import ORDER, read_effect  # only where called for
+
+    check_keys(named, ORDER, f"{where}: [effect]")
+    return tuple(
+        (name, read_effect(name, take(named, name, dict, f"{where}: [effect]"), f"{where}: [effect.{name}]"))
+        for name in ORDER
+        if name in named
+    )

@@ -1,0 +1,169 @@
+"""Scenes: what touches the fingers' covers, and the frames the taxels would give."""
+
+import heapq
+import zlib
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Protocol, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactile.core.frame import Frame, TaxelArray
+from tactile.elastic.medium import Felt, Medium
+from tactile.simulator.batch import Batch
+from tactile.simulator.contacts.contacts import MovingLoad
+from tactile.simulator.contacts.loads import Pressed, together
+from tactile.simulator.field import Field, field_of
+from tactile.simulator.summation import Road, plan
+
+if TYPE_CHECKING:
+    from tactile.simulator.scene.bumps import Bumps
+
+Plane = NDArray[np.float64]
+CHUNK = 512
+"""Frames computed at once: those of 8 x 8 taxels stay in the second-level cache from effect to effect."""
+ROOM = 1 << 22
+"""Load components held at once: scenes with very many loads are computed in smaller pieces."""
+FULL_SCALE = 0.1
+"""Largest strain the electronics are made for, unless a scene says otherwise: the paper's needle just reaches it."""
+
+
+class Contact(Protocol):
+    """Anything that presses on a finger. Contacts add."""
+
+    @property
+    def finger(self) -> int: ...  # noqa: D102 - the finger's number
+    def pressed(self, times: Plane, depth: float, medium: Medium) -> Pressed: ...  # noqa: D102 - what presses at the times
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A simulated recording, as a ``Source``: every finger is sampled at the times k / rate, k = 0, 1, ...
+
+    ``rate`` [Hz], ``duration`` [s], ``modulus`` Young's modulus of the cover [Pa]; ``loads``: point loads,
+    ``contacts``: all else that presses; what acts on one finger adds. ``effects``: (name, effect) in the order in
+    which they act, none for the paper's ideal skin. ``full_scale``: the largest strain the electronics are made for.
+    ``seed``: every effect of every finger draws from a generator of its own, so that none changes with the others.
+    ``bumps``: the cover has one over every taxel, None for a flat one.
+    """
+
+    title: str
+    rate: float
+    duration: float
+    modulus: float
+    arrays: tuple[TaxelArray, ...]
+    loads: tuple[MovingLoad, ...]
+    contacts: tuple[Contact, ...] = ()
+    effects: tuple[tuple[str, Any], ...] = ()
+    full_scale: float = FULL_SCALE
+    seed: int = 0
+    bumps: "Bumps | None" = None
+
+    @property
+    def frames(self) -> int | None:
+        """Number of frames over all fingers, None where frames get lost."""
+        if any(getattr(effect, "drops", 0) > 0 for _, effect in self.effects):
+            return None
+        return self.samples * len(self.arrays)
+
+    @property
+    def samples(self) -> int:
+        """Number of frames of each finger."""
+        return max(1, round(self.rate * self.duration))
+
+    def medium(self, finger: int) -> Medium:
+        """The cover of a finger as the paper has it: incompressible, endless."""
+        return Medium(self.modulus, quantity=cast(Felt, self.arrays[finger].quantity))
+
+    def unit(self, finger: int) -> float:
+        """The reading of strain 1: 1, or E [Pa] where stress is read."""
+        return self.modulus if self.arrays[finger].quantity == "stress" else 1.0
+
+    def pressed(self, finger: int, times: Plane) -> Pressed:
+        """All that presses on a finger at the times [s]."""
+        depth, medium = self.arrays[finger].depth, self.medium(finger)
+        mine = [contact for contact in (*self.loads, *self.contacts) if contact.finger == finger]
+        return together((contact.pressed(times, depth, medium) for contact in mine), len(times))
+
+    def loads_at(self, finger: int, times: Plane) -> Plane:
+        """Return the (times, contacts, 5) rows (x, y, Q, R, F) on a finger: what a localiser should find."""
+        return self.pressed(finger, times).totals
+
+    def road(self, finger: int) -> Road:
+        """The way to the field that the plan chose for a finger."""
+        return self._roads[finger]
+
+    @cached_property
+    def _roads(self) -> tuple[Road, ...]:
+        if self.bumps is not None:
+            return (Road("matrix", f"{self.bumps}"),) * len(self.arrays)
+        # a few moments show whether loads move; a load that moves only between them is caught on the way
+        moments = np.linspace(0, (self.samples - 1) / self.rate, min(self.samples, 5))
+        return tuple(
+            plan(array, self.pressed(finger, moments).loads, self.samples) for finger, array in enumerate(self.arrays)
+        )
+
+    def fields(self, finger: int, times: Iterable[tuple[int, Plane]]) -> Iterator[Field]:
+        """The field at the taxels, without effects, for pieces (first frame, times)."""
+        array, medium = self.arrays[finger], self.medium(finger)
+        for first, piece in times:
+            pressed, road = self.pressed(finger, piece), self.road(finger)
+            if self.bumps is not None:
+                yield Field(array, medium, piece, first, pressed, self.bumps.felt(array, medium, pressed))
+                continue
+            moves = road.name != "direct" and bool((pressed.loads[..., :2] != pressed.loads[:1, :, :2]).any())
+            yield field_of(array, medium, piece, first, pressed, Road("direct", "moves after all") if moves else road)
+
+    def pieces(self, finger: int) -> Iterator[tuple[int, Plane]]:
+        """(first frame, times) of the pieces in which a finger's frames are computed."""
+        count = max(1, min(CHUNK, ROOM // max(1, 5 * self._load_count(finger))))
+        for start in range(0, self.samples, count):
+            yield start, np.arange(start, min(start + count, self.samples)) / self.rate
+
+    def _load_count(self, finger: int) -> int:
+        pressed = self.pressed(finger, np.zeros(1))
+        return pressed.loads.shape[1] + sum(disc.radii.shape[1] for disc in pressed.discs)
+
+    def random(self, name: str, finger: int) -> np.random.Generator:
+        """The generator of one effect on one finger."""
+        return np.random.default_rng((self.seed, finger, zlib.crc32(name.encode())))
+
+    def batches(self, finger: int) -> Iterator[Batch]:
+        """The frames of one finger, many at a time: field, effects on it, effects on frames."""
+        fields = self.fields(finger, self.pieces(finger))
+        before = [(name, effect) for name, effect in self.effects if effect.STAGE == "field"]
+        after = [(name, effect) for name, effect in self.effects if effect.STAGE == "frames"]
+        for name, effect in before:
+            fields = effect(fields, self.random(name, finger))
+        batches: Iterator[Batch] = (self.batch(finger, field) for field in fields)
+        for name, effect in after:
+            batches = effect(batches, self.random(name, finger))
+        return batches
+
+    def batch(self, finger: int, field: Field) -> Batch:
+        """The field as frames."""
+        count, unit = len(field.times), self.unit(finger)
+        return Batch(
+            field.array,
+            unit,
+            self.full_scale * unit,
+            field.times,
+            np.arange(field.first, field.first + count),
+            field.values,
+            np.ones(field.values.shape[:3], bool),
+        )
+
+    def __iter__(self) -> Iterator[Frame]:
+        streams = [self._frames_of(finger) for finger in range(len(self.arrays))]
+        return heapq.merge(*streams, key=lambda frame: frame.t) if len(streams) > 1 else streams[0]
+
+    def _frames_of(self, finger: int) -> Iterator[Frame]:
+        for batch in self.batches(finger):
+            for k, (t, sequence) in enumerate(zip(batch.t.tolist(), batch.sequence.tolist(), strict=True)):
+                yield Frame(finger, t, sequence, batch.values[k], batch.valid[k])
+
+    def with_effects(self, effects: Iterable[tuple[str, Any]]) -> "Scene":
+        """The same scene with other effects."""
+        return replace(self, effects=tuple(effects))

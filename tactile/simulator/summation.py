@@ -1,0 +1,108 @@
+"""Three ways from loads to the field, and the plan that chooses: they give the same numbers at different speeds."""
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.support.errors import InputError
+from tactile.core.frame import TaxelArray
+from tactile.elastic.direct import direct_sum
+from tactile.elastic.medium import Medium
+
+Plane = NDArray[np.float64]
+Name = Literal["direct", "matrix", "fft"]
+FEW = 4
+"""With fewer loads a frame the direct sum is as fast as the product with a matrix."""
+LARGEST = 1 << 25
+"""Most numbers in an influence matrix: 256 MiB."""
+GRID = 24
+"""From so many cells and taxels a side on the transforms are ahead of the direct sum."""
+
+
+@dataclass(frozen=True)
+class Road:
+    """A way to the field, and why the plan took it. ``memory``: matrices and transforms already made."""
+
+    name: Name
+    why: str
+    memory: dict[Any, Any] = field(default_factory=dict, compare=False, repr=False)
+
+    def remember(self, key: Any, make: Any) -> Any:
+        """What ``make()`` gave the first time for ``key``."""
+        if key not in self.memory:
+            self.memory[key] = make()
+        return self.memory[key]
+
+
+DIRECT = Road("direct", "loads that move, or few of them: every load on every taxel")
+
+
+def plan(array: TaxelArray, loads: Plane, frames: int) -> Road:
+    """Choose the road for ``frames`` frames of point loads like these (samples, n, 5) on an array.
+
+    The matrix where many loads stay where they are over more frames than there are loads; transforms where the loads
+    lie on the array's own grid and both are large; else the direct sum.
+    """
+    count = loads.shape[1]
+    if count < FEW or not len(loads) or (loads[:, :, :2] != loads[:1, :, :2]).any():
+        return DIRECT
+    if count >= GRID**2 and min(array.shape) >= GRID and _on_grid(array.positions(), loads[0, :, :2]) is not None:
+        return Road("fft", f"{count} loads and {array.rows} x {array.cols} taxels on one grid: transforms")
+    if frames >= 3 * count and 9 * count * array.rows * array.cols <= LARGEST:
+        return Road("matrix", f"{count} loads that stay in place for {frames} frames: one matrix")
+    return DIRECT
+
+
+def felt_by(road: Road | None, positions: Plane, depth: float, loads: Plane, medium: Medium) -> Plane:
+    """What taxels (..., 2) feel of point loads (frames, n, 5) by one road, the direct one where None: (frames, ..., 3).
+
+    Raises:
+        InputError: loads that the road cannot carry: moving ones by the matrix, off the taxels' grid by transforms.
+    """
+    if road is None or road.name == "direct" or not loads.shape[1]:
+        return direct_sum(positions, depth, loads, medium)
+    if (loads[:, :, :2] != loads[:1, :, :2]).any():
+        raise InputError(f"loads that move, by the {road.name} road; loads that stay in place wanted")
+    if road.name == "matrix":
+        from tactile.elastic.influence import Influence  # only the road that is taken is imported
+
+        places = np.ascontiguousarray(loads[0, :, :2])
+        key = positions.tobytes(), depth, places.tobytes(), medium
+        return road.remember(key, lambda: Influence(positions, depth, places, medium))(loads[..., 2:])
+    return _by_transforms(road, positions, depth, loads, medium)
+
+
+def _by_transforms(road: Road, positions: Plane, depth: float, loads: Plane, medium: Medium) -> Plane:
+    from tactile.elastic.spectral import TractionRoad  # only the road that is taken is imported
+
+    grid = _on_grid(positions, loads[0, :, :2])
+    if grid is None:
+        raise InputError("loads and taxels that share no grid, by transforms; loads at whole pitches wanted")
+    first, shape, pitch, index = grid
+    x, y = (positions[0, 0] - first).tolist()
+    taxels = positions.shape[0], positions.shape[1]
+    key = taxels, shape, pitch, depth, medium, x, y
+    transforms = road.remember(key, lambda: TractionRoad(shape, taxels, pitch, depth, medium, (x, y)))
+    values = np.empty((len(loads), *positions.shape[:2], 3))
+    for frame, rows in zip(values, loads, strict=True):
+        traction = np.zeros((shape[0] * shape[1], 3))
+        np.add.at(traction, index, rows[:, 2:] / pitch**2)
+        frame[:] = transforms(traction.reshape(*shape, 3))
+    return values
+
+
+def _on_grid(positions: Plane, places: Plane) -> tuple[Plane, tuple[int, int], float, NDArray[np.int64]] | None:
+    """(first place, (rows, cols), pitch, index of each load) of loads that lie whole taxel pitches apart."""
+    if positions.ndim != 3 or positions.shape[1] < 2:
+        return None
+    pitch = float(positions[0, 1, 0] - positions[0, 0, 0])
+    first = places.min(axis=0)
+    steps = (places - first) / pitch
+    cells = np.rint(steps)
+    if np.abs(steps - cells).max() > 1e-9 or cells.max() > 4096:
+        return None
+    cols, rows = (cells.max(axis=0) + 1).astype(int).tolist()
+    index = (cells[:, 1] * cols + cells[:, 0]).astype(np.int64)
+    return first, (rows, cols), pitch, index

@@ -1,0 +1,50 @@
+"""From readings as the wire carries them to frames as the pipeline wants them, and back for emulators."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from tactile.core.frame import Frame
+from tactile.wire.base import Reading, Taxels
+from tactile.wire.description import Board, Description
+
+
+class Arrange:
+    """Splits readings over the boards, turns axes, applies gains, puts chips into their cells.
+
+    Frames without a sequence number of the device's get a count of their own, from 0 for each finger.
+    """
+
+    def __init__(self, description: Description) -> None:
+        self._boards = description.boards
+        self._counts = [0] * len(self._boards)
+
+    def __call__(self, reading: Reading, t: float) -> Iterator[Frame]:
+        """Yield the frames of a reading that was taken at host time ``t`` [s]."""
+        if reading.device is not None:
+            yield self._frame(reading.device, reading.values, reading, t)
+            return
+        at = 0
+        for finger, board in enumerate(self._boards):
+            yield self._frame(finger, reading.values[at : at + board.chips], reading, t)
+            at += board.chips
+
+    def _frame(self, finger: int, taxels: Taxels, reading: Reading, t: float) -> Frame:
+        board = self._boards[finger]
+        turned = taxels @ board.turn.T
+        if board.gains is not None:
+            turned = board.gains(turned)
+        padded = np.concatenate((turned, np.full((1, 3), np.nan)))  # cell -1 is the row at the end
+        values = padded[board.cells]
+        sequence = self._counts[finger] if reading.sequence is None else reading.sequence
+        self._counts[finger] += 1
+        return Frame(finger, t, sequence, values, np.isfinite(values).all(-1), reading.t_device)
+
+
+def back(frame: Frame, board: Board) -> Taxels:
+    """Return (chips, 3): what a device would have read to give this frame."""
+    values = np.empty((board.chips, 3))
+    values[board.cells[board.cells >= 0]] = frame.values[board.cells >= 0]
+    if board.gains is not None:
+        values = values / [board.gains.shear, board.gains.shear, board.gains.normal]
+    return values @ board.turn

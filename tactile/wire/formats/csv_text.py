@@ -1,0 +1,116 @@
+"""Text lines of numbers, for whatever prints them: one line, one frame.
+
+    [sequence,][time,]x0,y0,z0,x1,y1,z1,...[*HH] LF or CR LF
+
+Numbers are parted by commas, semicolons, tabs or spaces. Option ``before`` names the columns before the taxels:
+"sequence", "t_us", "t_ms", "t_s", or "-" for one that is left alone. ``nan`` marks a taxel without a reading. HH is
+optional: the exclusive or of all bytes before the asterisk, in hexadecimal, as NMEA 0183 has it; a line that has one is
+checked. Lines that begin with ``#``, and other text, are passed over. The first line is never used, since it may have
+lost its beginning.
+
+A line without HH whose digits are changed into digits goes unseen; bytes at random have no line with the right number
+of columns.
+"""
+
+import math
+import re
+from collections.abc import Sequence
+from functools import reduce
+from operator import xor
+
+import numpy as np
+
+from cnnsim.support.errors import InputError
+from tactile.wire.base import Decoder, Encoder, Found, Options, Reading, Taxels
+from tactile.wire.registry import Format
+
+LONGEST = 65536
+SPLIT = re.compile(rb"[ \t]*[,;][ \t]*|[ \t]+")
+NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?|[nN][aA][nN]")
+SECONDS = {"t_us": 1e-6, "t_ms": 1e-3, "t_s": 1.0}
+BEFORE = ("sequence", *SECONDS, "-")
+
+
+class CsvDecoder(Decoder):
+    """Decodes lines with the taxels of all boards."""
+
+    def __init__(self, options: Options) -> None:
+        super().__init__()
+        self._before, self._taxels = columns_before(options), sum(options.taxels)
+        self._first = True
+
+    def _restart(self) -> None:
+        self._first = True
+
+    def _next(self, over: bool) -> Found | None:
+        end = self._buffer.find(b"\n", 0, LONGEST)
+        if end < 0:
+            return Found(LONGEST) if len(self._buffer) >= LONGEST else None
+        line, first = bytes(self._buffer[:end]).strip(), self._first
+        self._first = False
+        if first or not line or line.startswith(b"#"):
+            return Found(end + 1)
+        body, star, check = line.partition(b"*")
+        if star and check.upper() != b"%02X" % reduce(xor, body, 0):
+            self.counts.bad_checksum += 1
+            return Found(end + 1)
+        cells = SPLIT.split(body.strip())
+        if not all(NUMBER.fullmatch(cell) for cell in cells):
+            return Found(end + 1)
+        if len(cells) != len(self._before) + 3 * self._taxels:
+            self.counts.unfit += 1
+            return Found(end + 1)
+        return self._found(end + 1, [float(cell) for cell in cells])
+
+    def _found(self, length: int, cells: list[float]) -> Found:
+        head = dict(zip(self._before, cells, strict=False))
+        seconds = next((head[name] * scale for name, scale in SECONDS.items() if name in head), math.nan)
+        sequence = head.get("sequence")
+        if sequence is not None and not (sequence.is_integer() and 0 <= sequence < 2**32):
+            return Found(length)
+        values = np.array(cells[len(self._before) :]).reshape(-1, 3)
+        count = None if sequence is None else int(sequence)
+        return Found(0, length, Reading(values, self._begin + length, None, count, seconds))
+
+
+class CsvEncoder(Encoder):
+    """Encodes lines; option ``check = true`` adds the check byte."""
+
+    def __init__(self, options: Options) -> None:
+        self._before, self._check = columns_before(options), bool(options.extra.get("check", False))
+
+    def preamble(self) -> bytes:
+        """Return a line of column names up to the first taxel's."""
+        return ",".join(["#", *self._before, "x0", "y0", "z0", "..."]).encode() + b"\r\n"
+
+    def encode(self, boards: Sequence[Taxels], sequence: int, t_device: float) -> bytes:
+        """Return one line."""
+        head = {"sequence": str(sequence % 2**32), "-": "0"}
+        head |= {name: repr(t_device / scale) for name, scale in SECONDS.items()}
+        head["t_us"] = str(round(t_device * 1e6))
+        numbers = [repr(value) for values in boards for value in values.ravel().tolist()]
+        body = ",".join([*(head[name] for name in self._before), *numbers]).encode()
+        return body + (b"*%02X" % reduce(xor, body, 0) if self._check else b"") + b"\r\n"
+
+
+def columns_before(options: Options) -> list[str]:
+    """Return the option ``before``."""
+    before = options.extra.get("before", ["sequence", "t_us"])
+    if not isinstance(before, list) or not all(name in BEFORE for name in before):
+        raise InputError(f"csv: before = {before!r}, a list of {', '.join(BEFORE)} wanted")
+    return before
+
+
+FORMATS = {
+    "csv": Format(
+        "csv",
+        "text lines of numbers",
+        "as the firmware says",
+        115200,
+        False,
+        None,
+        CsvDecoder,
+        CsvEncoder,
+        keys=("before", "check"),
+    )
+}

@@ -1,0 +1,157 @@
+"""The LowiekVDS magnetic fingertip arrays (2 x 2, 4 x 8): one start byte and bare 16-bit words.
+
+One frame, big endian: AA; then for every taxel x, y, z as u16, the bitwise complement of the magnetometer's word. No
+checksum, number or time, and AA may occur anywhere inside. A word stands for 0.150 uT (x, y) or 0.242 uT (z), at gain 7
+and resolution 0. The chips wrap around: of the values 2^16 apart that a word may stand for, it is the one nearest to
+the value before. A leap of over 2^14 moves that value only if it lasts for three frames, so that one changed bit leaves
+no offset. With option ``mode = "force"`` a word is a force instead: x, y from -10 to 10 N, z from -30 to 30 N.
+
+Out of step, the frames' phase is found from five frames: of the offsets where AA stands five times a frame apart, the
+one at which the words change least, since out of phase low bytes become high ones. In step, a frame that changes
+little is given out at once; one that jumps waits for the start byte of the next. So a lost byte costs a frame or two
+and no false wrap. Bytes at random pass once in 2^40 offsets.
+
+Source: High-Resolution-Three-axis-Force-Sensing-for-Robotic-Fingertips, ``sensor-readout/src/main.cpp``,
+``notebooks/tools/sensor_reader.py``; the host there counts words from 0 to 65 535, here they have a sign.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.support.errors import InputError
+from tactile.wire.base import Decoder, Encoder, Found, Options, Reading, Taxels
+from tactile.wire.registry import Format
+
+START = 0xAA
+LSB = np.array([0.150, 0.150, 0.242])
+SPAN = np.array([10.0, 10.0, 30.0])
+PROOF, LAST_PROOF = 5, 3
+"""Start bytes in a row that make a phase, and at the stream's end."""
+LEAP, LASTING = 2**14, 3
+"""A change of a word from one frame to the next that is doubted, and the frames after which it is believed."""
+SMOOTH = 2**11
+"""A word that changes by less from one frame to the next is no sign of a lost byte (307 uT)."""
+
+
+class LowiekDecoder(Decoder):
+    """Decodes frames of all boards' taxels."""
+
+    def __init__(self, options: Options) -> None:
+        super().__init__()
+        self._taxels, self._force = sum(options.taxels), force_mode(options)
+        self._length = 1 + 6 * self._taxels
+        self._restart()
+
+    def _restart(self) -> None:
+        self._in_step = False
+        self._words: NDArray[np.int64] | None = None  # of the last frame
+        self._value: NDArray[np.int64] | None = None  # what the words stood for when last believed
+        self._doubted = np.zeros(3 * self._taxels, np.int64)
+
+    def _next(self, over: bool) -> Found | None:
+        if not self._in_step:
+            return self._search(over)
+        data, length = self._buffer, self._length
+        if data[0] != START:
+            self._in_step = False
+            return Found(0)
+        if len(data) < length:
+            return None
+        words = self._read(0)
+        if self._words is not None and np.abs(_jump(words, self._words)).max() >= SMOOTH:
+            if len(data) == length:
+                return self._found(0, words) if over else None
+            if data[length] != START:
+                self._in_step = False
+                return Found(1)
+        return self._found(0, words)
+
+    def _search(self, over: bool) -> Found | None:
+        """Find the phase and skip what is before it; at the stream's end fewer frames have to do."""
+        data, length = self._buffer, self._length
+        proof = min(PROOF, len(data) // length) if over else PROOF
+        room = len(data) - proof * length + 1  # offsets from which so many frames fit
+        alone = proof < LAST_PROOF and len(data) == proof * length  # a stream of a frame or two and nothing else
+        if (room < length and not over) or (over and proof < LAST_PROOF and not (proof and alone)):
+            return None
+        tries = range(min(length, room))
+        found = [at for at in tries if all(data[at + n * length] == START for n in range(proof))]
+        if not found:
+            return Found(len(tries))
+        self._in_step = True
+        return Found(min(found, key=lambda at: self._roughness(at, proof)))
+
+    def _roughness(self, at: int, proof: int) -> float:
+        words = [self._read(at + n * self._length) for n in range(proof)]
+        if self._words is not None:
+            words.insert(0, self._words)
+        return float(sum(np.abs(_jump(a, b)).sum() for a, b in zip(words[1:], words, strict=False)))
+
+    def _read(self, at: int) -> NDArray[np.int64]:
+        """Return the words as the magnetometers gave them, or as sent where they are forces."""
+        sent = np.frombuffer(bytes(self._buffer[at + 1 : at + self._length]), ">u2")
+        return (sent if self._force else ~sent).astype(np.int64)
+
+    def _found(self, at: int, words: NDArray[np.int64]) -> Found:
+        if self._force:
+            values = (words.reshape(-1, 3) / 65535 * 2 - 1) * SPAN
+        else:
+            values = self._unwrapped(words).reshape(-1, 3) * LSB
+        self._words = words
+        return Found(at, self._length, Reading(values, self._begin + at + self._length))
+
+    def _unwrapped(self, words: NDArray[np.int64]) -> NDArray[np.int64]:
+        if self._value is None:
+            self._value = words.astype(np.int16).astype(np.int64)
+        change = _jump(words, self._value)
+        near = np.abs(change) < LEAP
+        self._doubted = np.where(near, 0, self._doubted + 1)
+        values = self._value + change
+        self._value = np.where(near | (self._doubted >= LASTING), values, self._value)
+        return values
+
+
+class LowiekEncoder(Encoder):
+    """Encodes frames; fields beyond the words' range wrap as the chips do, forces are clipped."""
+
+    def __init__(self, options: Options) -> None:
+        self._force = force_mode(options)
+
+    def encode(self, boards: Sequence[Taxels], sequence: int, t_device: float) -> bytes:
+        """Return one frame with the taxels of all boards."""
+        values = np.nan_to_num(np.concatenate(boards))
+        if self._force:
+            words = np.rint((np.clip(values / SPAN, -1, 1) + 1) / 2 * 65535).astype(np.int64)
+        else:
+            words = ~np.rint(values / LSB).astype(np.int64)
+        return bytes([START]) + (words & 0xFFFF).astype(">u2").tobytes()
+
+
+def force_mode(options: Options) -> bool:
+    """Return the option: whether words are forces."""
+    mode = options.extra.get("mode", "field")
+    if mode not in ("field", "force"):
+        raise InputError(f"lowiek: mode = {mode!r}, 'field' or 'force' wanted")
+    return bool(mode == "force")
+
+
+def _jump(now: NDArray[np.int64], before: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the change of words around the circle of 2^16."""
+    return (now - before + 2**15) % 2**16 - 2**15
+
+
+FORMATS = {
+    "lowiek": Format(
+        "lowiek",
+        "LowiekVDS magnetic fingertip arrays, 2 x 2 and 4 x 8",
+        "uT",
+        400000,
+        False,
+        1000.0,
+        LowiekDecoder,
+        LowiekEncoder,
+        keys=("mode",),
+    )
+}

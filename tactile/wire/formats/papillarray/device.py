@@ -1,0 +1,92 @@
+"""The hub's side of PTSCOM 2.0: packets out, and the commands that the specification has.
+
+    z\\n  bias: zero the readings; nothing may touch the sensors for up to 2 s
+    S\\n  start slip detection      s\\n  stop it
+    f100\\n f250\\n f500\\n f1000\\n  packets per second
+
+Other text is passed over. Source: PTSCOM 2.0 specification (Contactile, September 2022).
+"""
+
+import math
+import struct
+from collections.abc import Sequence
+
+import numpy as np
+
+from tactile.wire.base import Encoder, Options, Taxels
+from tactile.wire.device_tare import Zero
+from tactile.wire.formats.papillarray.packet import END, HUB, PILLAR, START, WHOLE
+
+BIAS = 2.0
+"""[s] that the hub averages."""
+RATES = (100, 250, 500, 1000)
+INELIGIBLE, IN_CONTACT = -2, 2
+"""A pillar's slip state without slip detection and with it."""
+
+
+class PapillarrayEncoder(Encoder):
+    """Encodes packets; options ``pillar`` ("force first", "displacement first") and ``slip_entry`` (2 or 1 bytes)."""
+
+    def __init__(self, options: Options) -> None:
+        self._displacement_first = options.extra.get("pillar", "force first") == "displacement first"
+        self._entry = b"\x01\x00" if options.extra.get("slip_entry", 2) == 2 else b"\x01"
+        self._zero, self._slip = Zero(BIAS), True
+        self._heard = bytearray()
+        self._period, self._due, self._left_out = 0.0, -math.inf, 0
+
+    def hear(self, data: bytes) -> bytes:
+        """Obey the lines that are complete; the hub answers nothing."""
+        self._heard += data
+        *lines, rest = bytes(self._heard).split(b"\n")
+        self._heard[:] = rest[-16:]
+        for line in lines:
+            if line == b"z":
+                self._zero.ask()
+            elif line in (b"S", b"s"):
+                self._slip = line == b"S"
+            elif line[:1] == b"f" and line[1:].isdigit() and int(line[1:]) in RATES:
+                self._period, self._due = 1 / int(line[1:]), -math.inf
+        return b""
+
+    def encode(self, boards: Sequence[Taxels], sequence: int, t_device: float) -> bytes:
+        """Return one packet with all sensors; a displacement [mm] is a tenth of its force [N]."""
+        boards = self._zero(boards, t_device)
+        if self._period and t_device < self._due - 1e-9:
+            self._left_out += 1  # the hub counts what it sends
+            return b""
+        self._due = (self._due if t_device - self._due < self._period else t_device) + self._period
+        state = IN_CONTACT if self._slip else INELIGIBLE
+        hub = HUB.pack((sequence - self._left_out) % 2**32, round(t_device * 1e6))
+        pillars = [self._pillars(values) for values in boards]
+        whole = [self._whole(values) for values in boards]
+        slips = [_nested([b"\x01\x00" + struct.pack("<bf", state, -1.0)] * len(values)) for values in boards]
+        grips = [self._entry + struct.pack("<bff", 2 if self._slip else 0, 0.5, -1.0)] * len(boards)
+        blocks = {1: hub, 3: _nested(pillars), 4: _nested(whole), 5: _nested(slips), 6: _nested(grips)}
+        at, table = 1 + 4 * len(blocks) + 2, b"\x02"
+        for kind, block in blocks.items():
+            table += struct.pack("<HH", kind, at)
+            at += len(block)
+        payload = table + b"\0\0" + b"".join(blocks.values())
+        return START + payload + struct.pack("<H", sum(payload) & 0xFFFF) + END
+
+    def _pillars(self, values: Taxels) -> bytes:
+        table = np.zeros(len(values), PILLAR)
+        table["kind"] = 2
+        table["triples"][:, int(self._displacement_first)] = values
+        table["triples"][:, int(not self._displacement_first)] = values / 10
+        return _nested([row.tobytes() for row in table])
+
+    @staticmethod
+    def _whole(values: Taxels) -> bytes:
+        entry = np.zeros((), WHOLE)
+        entry["kind"], entry["force"], entry["torque"] = 2, values.sum(0), (1, 2, 3)
+        return entry.tobytes()
+
+
+def _nested(entries: list[bytes]) -> bytes:
+    """Return count, offsets from the block's start, entries."""
+    at, offsets = 2 + 2 * len(entries), b""
+    for entry in entries:
+        offsets += struct.pack("<H", at)
+        at += len(entry)
+    return struct.pack("<H", len(entries)) + offsets + b"".join(entries)

@@ -1,0 +1,135 @@
+"""Contactile PapillArray hubs: PTSCOM 2.0 packets with a checksum, a counter and device time.
+
+    55 66 77 88 | payload (`papillarray_packet`) | u16 sum of the payload's bytes | AA BB CC DD
+
+There is no length and no escaping, so both markers may occur inside a float: at every end marker each start marker
+before it is tried, the earliest first, and a packet counts whose checksum and structure are right. Bytes at random pass
+the checksum once in 65 536 times, and then have to have the structure of a packet as well.
+
+Manual and vendor's host differ on two points, which the decoder settles from the data: whether a pillar's first triple
+is its force or its displacement (the pillars' forces add up to the sensor's), and whether the type of a sensor's slip
+entry has one byte or two (the block has one length only). Until a load tells, the first triple is taken for the force.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from tactile.wire.base import Decoder, Found, Options, Reading, Talk
+from tactile.wire.formats.papillarray.device import PapillarrayEncoder
+from tactile.wire.formats.papillarray.packet import END, START, Packet, WrongPacketError, read_packet
+from tactile.wire.registry import Format
+
+LONGEST = 16384
+"""Bytes from start to end marker; two sensors of nine pillars need 817."""
+SHORTEST = 4 + 1 + 2 + 2 + 4
+NEAR, FAR = 0.05, 0.5
+"""[N] The right triple's sum is this near to the sensor's force, the wrong one's this far, where the order shows."""
+ORDERS = ("force first, as the vendor's host reads it", "displacement first, as the manual draws it")
+
+
+class PapillarrayDecoder(Decoder):
+    """Decodes packets into the forces [N] of all sensors' pillars, one sensor after the other."""
+
+    def __init__(self, options: Options) -> None:
+        super().__init__()
+        self._taxels = options.taxels
+        self._looked = 0  # in the buffer: end markers before this place have been tried
+        self._order: int | None = None
+        self._entry: int | None = None
+
+    def settled(self) -> dict[str, Any]:
+        """Return the two points on which manual and host differ, None where nothing has told yet."""
+        order = None if self._order is None else ORDERS[self._order]
+        return {"pillar": order, "slip_entry_type_bytes": self._entry}
+
+    def _restart(self) -> None:
+        self._looked = 0
+
+    def _next(self, over: bool) -> Found | None:
+        data = self._buffer
+        while (mark := data.find(END, self._looked)) >= 0:
+            if (found := self._ending_at(mark)) is not None:
+                return found
+            self._looked = mark + 1
+        self._looked = max(self._looked, len(data) - len(END) + 1)
+        return self._stale()
+
+    def _ending_at(self, mark: int) -> Found | None:
+        """Return the packet whose end marker is at ``mark``, if any of the start markers before begins it."""
+        data, end = self._buffer, mark + len(END)
+        start = data.find(START, max(0, end - LONGEST), mark)
+        if start < 0:
+            return None
+        wanted = int.from_bytes(data[mark - 2 : mark], "little")
+        total = sum(data[start + 4 : mark - 2])
+        while end - start >= SHORTEST:
+            if total & 0xFFFF == wanted and (packet := _packet(bytes(data[start + 4 : mark - 2]))) is not None:
+                return self._found(start, end, packet)
+            later = data.find(START, start + 1, mark)
+            if later < 0:
+                break
+            total -= sum(data[start + 4 : later + 4])  # so that many markers cost no more than few
+            start = later
+        return None
+
+    def _found(self, start: int, end: int, packet: Packet) -> Found:
+        self.counts.bad_checksum += self._buffer.count(START, 0, start)
+        self._looked = 0
+        if packet.triples.shape[:2] != (len(self._taxels), self._taxels[0]) or len(set(self._taxels)) > 1:
+            self.counts.unfit += 1
+            return Found(end)
+        self._settle(packet)
+        values = packet.triples[:, :, self._order or 0].reshape(-1, 3)
+        place = self._begin + end
+        return Found(start, end - start, Reading(values, place, None, packet.counter, packet.micros * 1e-6))
+
+    def _stale(self) -> Found | None:
+        """Drop what can be in no packet any more: all before the first start marker that is not too old."""
+        data = self._buffer
+        oldest = max(0, len(data) - LONGEST + 1)
+        keep = data.find(START, oldest)
+        if keep < 0:
+            tails = (len(data) - n for n in range(min(3, len(data) - oldest), 0, -1) if data.endswith(START[:n]))
+            keep = next(tails, len(data))
+        if keep == 0:
+            return None
+        self.counts.bad_checksum += data.count(START, 0, min(keep + 3, len(data)))
+        self._looked = max(0, self._looked - keep)
+        return Found(keep)
+
+    def _settle(self, packet: Packet) -> None:
+        self._entry = self._entry or packet.entry
+        if self._order is None and packet.force is not None and len(packet.force) == len(packet.triples):
+            off = np.abs(packet.triples.sum(1) - packet.force[:, None]).max((0, 2))  # of either triple
+            right = int(off.argmin())
+            if off[right] < NEAR and off[1 - right] > FAR:
+                self._order = right
+
+
+def _packet(payload: bytes) -> Packet | None:
+    try:
+        return read_packet(payload)
+    except WrongPacketError:
+        return None
+
+
+def _talk(options: Options) -> Talk:
+    rate = options.extra.get("rate_hz")
+    return Talk(b"" if rate is None else f"f{rate}\n".encode())
+
+
+FORMATS = {
+    "papillarray": Format(
+        "papillarray",
+        "Contactile PapillArray hubs, PTSCOM 2.0",
+        "N",
+        9600,
+        True,
+        1.0,
+        PapillarrayDecoder,
+        PapillarrayEncoder,
+        _talk,
+        ("pillar", "slip_entry", "rate_hz"),
+    )
+}

@@ -1,0 +1,101 @@
+"""What an emulated device sends: the frames of a scene or a recording in a wire format, each at its time."""
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+
+from cnnsim.support.errors import InputError
+from tactile.core.frame import Frame
+from tactile.core.source import Source
+from tactile.wire.arrange import back
+from tactile.wire.base import Encoder, Taxels
+from tactile.wire.description import Description, parse_description, write_description
+from tactile.wire.registry import find_format
+
+FIRM = {"strain": 0.01, "stress": 2e4, "force": 1.0}
+"""A firm touch in every quantity [1, Pa, N]."""
+KEPT = 50_000
+"""Frames up to which all are computed before the first is sent, so that none is late for that."""
+
+Packet = tuple[float, bytes]
+"""Seconds since the device started, and what it sends then."""
+
+
+def emulated_description(protocol: str, source: Source) -> Description:
+    """Return a description of a device that could have sensed the source's frames.
+
+    Raises:
+        InputError: the source's arrays do not fit the protocol.
+    """
+    wire = find_format(protocol)
+    if protocol == "paxini-serial" and len(source.arrays) > 1:
+        raise InputError(f"protocol {protocol!r} carries one array, {source.title!r} has {len(source.arrays)}")
+    fingers: list[dict[str, Any]] = []
+    for array in source.arrays:
+        finger: dict[str, Any] = {
+            "name": array.name, "rows": array.rows, "cols": array.cols, "pitch_mm": array.pitch * 1e3,
+            "depth_mm": array.depth * 1e3, "origin_mm": [x * 1e3 for x in array.origin], "quantity": array.quantity,
+        }  # fmt: skip
+        if wire.pushes and array.quantity != "force":
+            finger["axes"] = ["x", "y", "-z"]
+        if wire.strong is not None:
+            finger["gains"] = [FIRM[array.quantity] / wire.strong] * 2
+        fingers.append(finger)
+    top: dict[str, Any] = {"title": source.title, "protocol": protocol}
+    if source.modulus is not None:
+        top["youngs_modulus_mpa"] = source.modulus * 1e-6
+    return parse_description(write_description(top, fingers), f"emulated {protocol}")
+
+
+def packets(
+    description: Description, source: Source, loop: bool = False, device: Encoder | None = None
+) -> Iterator[Packet]:
+    """Return what the described device sends while the source's frames happen; ``loop`` begins again at the end.
+
+    ``device``: the encoder, where somebody else has to know it, too. All that takes long is done before this returns,
+    so that the first packets are in time.
+
+    Raises:
+        InputError: the source's arrays are not the description's.
+    """
+    if [array.shape for array in source.arrays] != [array.shape for array in description.arrays]:
+        raise InputError(f"{source.title!r} and the array description have arrays of different shapes")
+    few = source.frames is not None and source.frames <= KEPT
+    readings = _Readings(description, source)
+    encoder = device or description.wire.encoder(description.options)
+    return _packets(encoder, list(readings) if few else readings, loop)
+
+
+class _Readings:
+    """What the boards read at every instant of a source, again each time."""
+
+    def __init__(self, description: Description, source: Source) -> None:
+        self._boards, self._source, self._blanks = description.boards, source, description.wire.name == "csv"
+
+    def __iter__(self) -> Iterator[tuple[float, list[Taxels]]]:
+        for t, frames in instants(self._source, len(self._boards)):
+            boards = [back(frame, board) for frame, board in zip(frames, self._boards, strict=True)]
+            yield t, boards if self._blanks else [np.nan_to_num(board) for board in boards]
+
+
+def _packets(encoder: Encoder, every: Iterable[tuple[float, list[Taxels]]], loop: bool) -> Iterator[Packet]:
+    count, begin, preamble = 0, 0.0, encoder.preamble()
+    while True:
+        last = step = 0.0
+        for t, boards in every:
+            yield begin + t, preamble + encoder.encode(boards, count, begin + t)
+            count, preamble, step, last = count + 1, b"", t - last, t
+        if not loop:
+            return
+        begin += last + step
+
+
+def instants(frames: Iterable[Frame], fingers: int) -> Iterator[tuple[float, list[Frame]]]:
+    """Yield one frame of every finger at a time, as soon as each has a new one, at the last one's time [s]."""
+    newest: dict[int, Frame] = {}
+    for frame in frames:
+        newest[frame.finger] = frame
+        if len(newest) == fingers:
+            yield frame.t, [newest[finger] for finger in range(fingers)]
+            newest = {}

@@ -1,0 +1,68 @@
+"""The choice of an OpenCL device, and what is said where there is none."""
+
+import sys
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cnnsim import InputError, backends
+from cnnsim.cli.devices import devices
+
+cl = pytest.importorskip("pyopencl", reason="the opencl backend needs pyopencl")
+
+from cnnsim.backends.opencl import backend as opencl  # noqa: E402 - only where pyopencl is there
+from cnnsim.backends.opencl import device as opencl_device  # noqa: E402
+from cnnsim.backends.opencl.backend import DevicePlane, OpenCLBackend  # noqa: E402
+
+if not opencl_device.devices():
+    pytest.skip("there is no OpenCL device", allow_module_level=True)
+
+
+def test_float64_needs_a_device_that_has_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(opencl, "has_float64", lambda device: False)
+    with pytest.raises(InputError, match="has no float64; use float32"):
+        OpenCLBackend("float64")
+    assert isinstance(OpenCLBackend("float32").load(np.zeros((1, 1)), "lam"), DevicePlane)
+    with pytest.raises(InputError, match="float32 or float64, not in float16"):
+        OpenCLBackend("float16")
+
+
+def test_a_device_is_chosen_by_number_name_or_variable(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv(opencl_device.VARIABLE, raising=False)
+    first = opencl_device.devices()[0]
+    assert opencl_device.choose_device(0) == first
+    assert opencl_device.choose_device(first.name[1:5].swapcase()) is not None
+    with pytest.raises(InputError, match=r"no OpenCL device 99; there are 0: "):
+        opencl_device.choose_device(99)
+    with pytest.raises(InputError, match=r"no OpenCL device is called 'zx81'; there are 0: "):
+        opencl_device.choose_device("zx81")
+    monkeypatch.setenv(opencl_device.VARIABLE, "0")
+    assert OpenCLBackend().device == first
+    monkeypatch.setenv(opencl_device.VARIABLE, "zx81")
+    with pytest.raises(InputError, match=r"'zx81' \(CNNSIM_DEVICE\)"):
+        backends.get("opencl")
+
+
+def test_without_a_platform_the_message_has_the_cure(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cl, "get_platforms", list)
+    with pytest.raises(InputError, match=r'no OpenCL device; pip install "pyopencl\[pocl\]"'):
+        opencl_device.choose_device()
+
+
+def test_without_pyopencl_the_message_has_the_cure(monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in [name for name in sys.modules if name.startswith("cnnsim.backends.opencl")]:
+        monkeypatch.delitem(sys.modules, module)
+    monkeypatch.delattr(backends, "opencl", raising=False)
+    monkeypatch.setitem(sys.modules, "pyopencl", None)
+    with pytest.raises(InputError, match=r'pip install "cellular-wave-touch\[opencl\]"'):
+        backends.get("opencl")
+    assert "cellular-wave-touch[opencl]" in str(CliRunner().invoke(devices).exception)
+
+
+def test_devices_are_listed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv(opencl_device.VARIABLE, raising=False)
+    text, data = CliRunner().invoke(devices), CliRunner().invoke(devices, ["--json"])
+    assert text.exit_code == data.exit_code == 0
+    assert f"0  {opencl_device.devices()[0].name}" in text.output
+    assert '"chosen": true' in data.output

@@ -1,0 +1,46 @@
+"""Threads that share the OpenCL backend do not get into each other's kernels."""
+
+import sys
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from cnnsim import Template, run_transient
+
+cl = pytest.importorskip("pyopencl", reason="the opencl backend needs pyopencl")
+
+from cnnsim.backends.opencl import device as opencl_device  # noqa: E402 - only where pyopencl is there
+from cnnsim.backends.opencl.backend import OpenCLBackend  # noqa: E402
+
+if not opencl_device.devices():
+    pytest.skip("there is no OpenCL device", allow_module_level=True)
+
+TEMPLATE = Template([[0, 0.3, 0], [0.2, 1.5, -0.4], [0, 0.1, 0]], 0, 0.1)
+
+
+@pytest.fixture
+def eager_threads() -> Iterator[None]:
+    """Let threads take turns a thousand times as often as they do."""
+    usual = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    yield
+    sys.setswitchinterval(usual)
+
+
+@pytest.mark.usefixtures("eager_threads")
+@pytest.mark.parametrize("family", ["cpu", "gpu"])
+def test_four_threads_get_what_one_gets(family: Any) -> None:
+    backend = OpenCLBackend(family=family)
+
+    def ends(state: NDArray[Any], times: int = 50) -> list[NDArray[Any]]:
+        return [run_transient(TEMPLATE, state=state, duration=1.0, backend=backend).x for _ in range(times)]
+
+    states = [np.full((40, 40), value) for value in (-0.9, -0.3, 0.3, 0.9)]
+    alone = [ends(state, 1) for state in states]
+    with ThreadPoolExecutor(4) as threads:
+        together = list(threads.map(ends, states))
+    np.testing.assert_array_equal(np.array(together), np.repeat(alone, 50, axis=1))

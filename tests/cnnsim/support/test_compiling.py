@@ -1,0 +1,54 @@
+"""A newcomer's first run compiles for seconds: a terminal says so once, a pipe hears nothing."""
+
+import os
+import pty
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from cnnsim import write_picture
+from cnnsim.support.compile_notice import Notice
+
+
+def test_it_is_said_once_when_compiling_adds_up() -> None:
+    said: list[str] = []
+    notice = Notice(lambda: said.append("compiling"), 0.2)
+    for _ in range(3):
+        for event in (notice.on_start, notice.on_start, notice.on_end, notice.on_end):  # compilers call compilers
+            event()
+    time.sleep(0.4)
+    assert not said  # what is over in a moment is not mentioned, nor the time between
+    for _ in range(2):
+        notice.on_start()
+        time.sleep(0.5)
+        notice.on_end()
+    assert said == ["compiling"]
+
+
+def test_a_terminal_is_told_where_the_loops_are_kept(tmp_path: Path) -> None:
+    write_picture(np.eye(200), tmp_path / "in.png")
+    command = [
+        sys.executable,
+        "-c",
+        "from cnnsim.cli.group import main; main()",
+        "run",
+        "edge",
+        str(tmp_path / "in.png"),
+        "--json",
+    ]
+    ours, theirs = pty.openpty()
+    os.set_blocking(ours, False)
+    where = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    ran = subprocess.run(command, env=where, stdout=subprocess.PIPE, stderr=theirs, check=True)
+    said = os.read(ours, 10_000).decode()
+    assert said.count("compiling") == 1
+    assert str(tmp_path / "cache") in said
+    assert b"compiling" not in ran.stdout
+    again = subprocess.run(command, env=where, capture_output=True, check=True)  # now from the cache, into pipes
+    assert again.stderr == b""
+    assert again.stdout == ran.stdout
+    for end in (ours, theirs):
+        os.close(end)

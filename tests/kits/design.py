@@ -1,0 +1,13 @@
+"""Rules of library templates, from their tasks in words."""
+
+import numpy as np
+
+from cnnsim.prototyping.design.rule import Rule, windows
+from tests.oracles.windows import RULES, Window
+
+
+def rule_of(name: str) -> Rule:
+    """The rule of a library template, from its task in words and not from its numbers."""
+    rows = (windows(9) > 0).reshape(512, 3, 3)
+    cells = Window(*(rows[:, i, j] for i in range(3) for j in range(3)))
+    return Rule(np.where(np.asarray(RULES[name](cells), dtype=bool), 1, -1), name)

@@ -1,0 +1,51 @@
+"""What the tests of ports share: a device on a pseudo-terminal in a thread, and scenes for it."""
+
+import threading
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+from click.testing import CliRunner, Result
+
+from cnnsim.support.command_line import CommandGroup
+from tactile.cli.serial import COMMANDS
+from tactile.serial.emulator import Emulator
+from tactile.serial.faults import Faults
+from tactile.sources.simulated import Scene, read_scene
+from tactile.wire.description import Description
+from tactile.wire.packets import Packet, emulated_description, packets
+from tests.kits.paths import SCENES
+
+GRIP = SCENES / "grip.toml"
+MAIN = CommandGroup(commands={command.name or "": command for command in COMMANDS})
+
+
+def grip(seconds: float, fingers: int = 2) -> Scene:
+    """The first seconds of the grip, with its loads at once."""
+    scene = read_scene(GRIP)
+    early = [replace(load, path=load.path - [0.4, 0, 0, 0, 0, 0]) for load in scene.loads]
+    return replace(scene, duration=seconds, arrays=scene.arrays[:fingers], loads=tuple(early[:fingers]))
+
+
+def sent(protocol: str, seconds: float = 0.5) -> tuple[Description, list[Packet]]:
+    scene = grip(seconds, 1 if protocol == "paxini-serial" else 2)
+    description = emulated_description(protocol, scene)
+    return description, list(packets(description, scene))
+
+
+@contextmanager
+def device(stream: Iterable[Packet], faults: Faults | None = None, **more: Any) -> Iterator[Emulator]:
+    """A device that is plugged in while the block runs."""
+    emulator, stop = Emulator(faults, **more), threading.Event()
+    thread = threading.Thread(target=emulator.run, args=(stream, stop))
+    thread.start()
+    try:
+        yield emulator
+    finally:
+        stop.set()
+        thread.join()
+
+
+def call(*arguments: Any, text: str = "") -> Result:
+    return CliRunner().invoke(MAIN, [str(argument) for argument in arguments], input=text)

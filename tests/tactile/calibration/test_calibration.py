@@ -1,0 +1,98 @@
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from cnnsim.support.errors import InputError
+from tactile.calibration.gains import Gains, Tare, beta_from_scan
+from tactile.core.frame import Frame
+from tactile.elastic.halfspace import point_load_strain
+
+DEPTH = 2e-4
+
+
+def scan(places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n, 3) strains of a taxel at the origin, 20 mN standing at (x, 0) for every x [depths]."""
+    loads = np.zeros((places.size, 1, 5))
+    loads[:, 0, 0], loads[:, 0, 4] = places * DEPTH, 0.02
+    return point_load_strain((0.0, 0.0), DEPTH, loads, 2.4e6)
+
+
+@pytest.mark.parametrize("per_depth", [20, 40, 200])
+@pytest.mark.parametrize("beta", [1.0, 1.46, 0.5])
+def test_equation_18_where_samples_hit_the_extrema(per_depth: int, beta: float) -> None:
+    strain = scan(np.arange(-3 * per_depth, 3 * per_depth + 1) / per_depth)
+    # the sensor's readings: T = u / alpha with alpha = (beta, beta, 1)
+    got = beta_from_scan(strain[:, 0] / beta, strain[:, 2])
+    assert abs(got / beta - 1) < 1e-12
+
+
+def test_ratio_of_the_extrema_is_the_papers_constant() -> None:
+    strain = scan(np.array([0.0, 0.5, -0.5]))
+    ratio = abs(strain[0, 2] / strain[1, 0])
+    assert abs(ratio / (25 * np.sqrt(5) / 24) - 1) < 1e-12
+    assert ratio == pytest.approx(2.3292, abs=5e-5)
+    fine = scan(np.linspace(-3, 3, 60_001))  # and they are the extrema
+    assert np.abs(fine[:, 0]).max() <= abs(strain[1, 0]) * (1 + 1e-15)
+    assert np.abs(fine[:, 2]).max() <= abs(strain[0, 2]) * (1 + 1e-15)
+
+
+@pytest.mark.parametrize("spacing", [0.05, 0.1, 0.2])
+def test_cost_of_samples_beside_the_extrema(spacing: float) -> None:
+    for shift in np.linspace(0, 1, 11):
+        strain = scan((np.arange(-40, 41) + shift) * spacing)
+        assert abs(beta_from_scan(strain[:, 0], -strain[:, 2]) - 1) < 70 * spacing**7
+
+
+def test_an_offset_of_the_shear_signal_drops_out() -> None:
+    strain = scan(np.arange(-80, 81) / 20)
+    assert beta_from_scan(strain[:, 0] + 1e-3, strain[:, 2]) == pytest.approx(1, rel=1e-12)
+
+
+def test_scans_that_cannot_tell_are_refused() -> None:
+    strain = scan(np.arange(0, 81) / 20)  # starts above the taxel
+    with pytest.raises(InputError, match="beyond every extremum"):
+        beta_from_scan(strain[:, 0], strain[:, 2])
+    with pytest.raises(InputError, match="no signal"):
+        beta_from_scan(np.zeros(9), np.zeros(9))
+    with pytest.raises(InputError, match=r"\(3,\).*\(4,\)"):
+        beta_from_scan(np.ones(3), np.ones(4))
+    with pytest.raises(InputError, match="NaN"):
+        beta_from_scan([1.0, np.nan, 0.0], np.ones(3))
+
+
+def frame(values: float, valid: bool = True) -> Frame:
+    plane = np.full((1, 2), True)
+    plane[0, 1] = valid
+    data = np.full((1, 2, 3), values)
+    return Frame(0, 0.0, 0, data, plane)
+
+
+def test_tare_is_the_mean_of_the_first_frames() -> None:
+    tare = Tare(3)
+    for value, valid in ((1.0, True), (2.0, False), (6.0, True)):
+        assert not tare.ready
+        assert not tare(frame(value, valid)).valid.any()
+    assert tare.ready
+    after = tare(frame(10.0))
+    assert after.valid.all()
+    assert after.values[0, 0] == pytest.approx([7.0] * 3)  # mean of 1, 2, 6
+    assert after.values[0, 1] == pytest.approx([6.5] * 3)  # mean of 1, 6
+
+
+def test_tare_of_a_taxel_without_readings_and_of_no_frames() -> None:
+    tare = Tare(1)
+    tare(frame(1.0, valid=False))
+    assert tare(frame(5.0)).valid.tolist() == [[True, False]]
+    untouched = Tare(0)(frame(5.0))
+    assert untouched.valid.all()
+    assert (untouched.values == 5.0).all()
+    with pytest.raises(InputError, match="-1 frames"):
+        Tare(-1)
+
+
+def test_gains() -> None:
+    gains = Gains(shear=3.0, normal=2.0)
+    assert gains.beta_ns == 1.5
+    assert gains(np.ones((2, 2, 3))).tolist() == [[[3.0, 3.0, 2.0]] * 2] * 2
+    with pytest.raises(InputError, match="shear gain nan"):
+        Gains(float("nan"), 1.0)

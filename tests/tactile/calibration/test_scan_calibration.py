@@ -1,0 +1,215 @@
+"""Calibration against what a bench knows: closed forms as truth, and scans that cannot tell."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from cnnsim.support.errors import InputError
+from tactile.calibration.from_load import depth_from_speed, gains_from_load
+from tactile.calibration.gains import Gains
+from tactile.calibration.radial import RadialCorrection, radial_from_scan
+from tactile.elastic.halfspace import point_load_strain, point_load_stress
+from tactile.inverse.taxel import invert_strain
+from tactile.inverse.validity import Validity
+
+Plane = NDArray[np.float64]
+DEPTH, MODULUS, FORCE = 2e-4, 2.4e6, 0.02
+
+
+def loads(places: Plane) -> Plane:
+    rows = np.zeros((len(places), 1, 5))
+    rows[:, 0, :2], rows[:, 0, 4] = places, FORCE
+    return rows
+
+
+def strain(places: Plane) -> Plane:
+    """(n, 3) of a taxel at the origin."""
+    return point_load_strain((0.0, 0.0), DEPTH, loads(places), MODULUS)
+
+
+def located(readings: Plane, depth: float = DEPTH) -> tuple[Plane, Plane]:
+    """(n, 2) places and (n,) forces."""
+    x, y, z = readings.T
+    dx, dy, force, _ = invert_strain(x, y, z, depth, MODULUS, 0.0, 1)
+    return np.array([dx, dy]).T, np.asarray(force)
+
+
+def line(n: int = 61, half: float = 1.5e-4, turn: float = 0.4, y: float = 3e-5) -> tuple[Plane, Plane]:
+    """Times and places of a needle drawn at 1 mm/s along a line that runs beside the taxel."""
+    t = np.linspace(0, 2 * half / 1e-3, n)
+    along = -half + 1e-3 * t
+    return t, np.stack([along * np.cos(turn) - y * np.sin(turn), along * np.sin(turn) + y * np.cos(turn)], axis=-1)
+
+
+@pytest.mark.parametrize("wrong", [0.5, 0.9, 1.0, 1.3])
+@pytest.mark.parametrize("turn", [0.0, 0.4, 2.0])
+def test_the_depth_comes_back_from_the_speed(wrong: float, turn: float) -> None:
+    t, places = line(turn=turn)
+    seen, _ = located(strain(places), wrong * DEPTH)
+    assert depth_from_speed(t, seen, 1e-3, wrong * DEPTH) == pytest.approx(DEPTH, rel=1e-12)
+    noisy = seen + np.random.default_rng(0).normal(0, 2e-6, seen.shape)
+    assert depth_from_speed(t, noisy, 1e-3, wrong * DEPTH) == pytest.approx(DEPTH, rel=0.02 / wrong)
+
+
+def test_the_depth_makes_the_slope_right_where_the_map_bends() -> None:
+    # feeling stress, seen as strain with beta_ns = 3/2, puts r to (sqrt(1 + 2 r^2) - 1) / r
+    t, places = line(turn=0.0, y=0.0)
+    r = places[:, 0] / DEPTH
+    bent = np.divide(np.sqrt(1 + 2 * r * r) - 1, r, out=np.zeros_like(r), where=np.abs(r) > 1e-12)
+    stress = point_load_stress((0.0, 0.0), DEPTH, loads(places)) / MODULUS
+    seen, _ = located(Gains(1.5, 1.0)(stress))
+    assert seen[:, 0] / DEPTH == pytest.approx(bent, abs=1e-12)
+    depth = depth_from_speed(t, seen, 1e-3, DEPTH)
+    assert depth / DEPTH == pytest.approx(1e-3 / (np.polyfit(t, bent, 1)[0] * DEPTH), rel=1e-12)
+    assert np.polyfit(t, located(Gains(1.5, 1.0)(stress), depth)[0][:, 0], 1)[0] == pytest.approx(1e-3, rel=1e-12)
+
+
+def test_scans_that_cannot_tell_the_depth_are_refused() -> None:
+    t, places = line()
+    noise = np.random.default_rng(1).normal(0, 1e-3, (61, 3))
+    with pytest.raises(InputError, match=r"move at .* \+- .* standard errors"):
+        depth_from_speed(t, located(noise)[0], 1e-3, DEPTH)
+    with pytest.raises(InputError, match="4 located loads, at least 5"):
+        depth_from_speed(t[:4], places[:4], 1e-3, DEPTH)
+    with pytest.raises(InputError, match=r"\(61,\).*\(60, 2\)"):
+        depth_from_speed(t, places[1:], 1e-3, DEPTH)
+    with pytest.raises(InputError, match="all 61 times"):
+        depth_from_speed(np.ones(61), places, 1e-3, DEPTH)
+    with pytest.raises(InputError, match="speed 0"):
+        depth_from_speed(t, places, 0.0, DEPTH)
+    with pytest.raises(InputError, match="not finite"):
+        depth_from_speed(t, np.where(places > 1e-4, np.nan, places), 1e-3, DEPTH)
+
+
+@pytest.mark.parametrize("sensor", [Gains(1.825, 1.25), Gains(3e-4, 2e-4), Gains(1.0, 1.0)])
+def test_the_absolute_gains_come_back_from_a_known_load(sensor: Gains) -> None:
+    _, places = line()
+    readings = strain(places) / (sensor.shear, sensor.shear, sensor.normal)
+    relative = Gains(sensor.beta_ns, 1.0)
+    found = gains_from_load(relative, located(relative(readings))[1], FORCE)
+    assert (found.shear, found.normal) == pytest.approx((sensor.shear, sensor.normal), rel=1e-12)
+    each = gains_from_load(relative, located(relative(readings))[1], np.full(61, FORCE))
+    assert each.normal == pytest.approx(sensor.normal, rel=1e-12)
+
+
+def test_loads_that_cannot_tell_the_gains_are_refused() -> None:
+    one = Gains(1.0, 1.0)
+    noise = np.random.default_rng(1).normal(0, 1e-3, (200, 3))
+    with pytest.raises(InputError, match="scatter by"):
+        gains_from_load(one, located(noise)[1], FORCE)
+    with pytest.raises(InputError, match="scatter by"):
+        gains_from_load(one, -np.ones(9), FORCE)
+    with pytest.raises(InputError, match="4 located loads"):
+        gains_from_load(one, np.ones(4), FORCE)
+    with pytest.raises(InputError, match=r"load of 0.0 N"):
+        gains_from_load(one, np.ones(9), 0.0)
+    with pytest.raises(InputError, match=r"\(9,\).*\(8,\)"):
+        gains_from_load(one, np.ones(9), np.ones(8))
+    with pytest.raises(InputError, match="not finite"):
+        gains_from_load(one, np.array([1.0] * 8 + [np.inf]), FORCE)
+
+
+def disc(n: int, reach: float) -> Plane:
+    """n places spread evenly over a circle: a sunflower."""
+    k = np.arange(1, n + 1)
+    rho, turn = reach * np.sqrt(k / n), k * np.pi * (3 - np.sqrt(5))
+    return np.stack([rho * np.cos(turn), rho * np.sin(turn)], axis=-1)
+
+
+def bent(places: Plane) -> tuple[Plane, Plane]:
+    """What a strain inverse makes of a taxel that feels stress."""
+    return located(Gains(1.5, 1.0)(point_load_stress((0.0, 0.0), DEPTH, loads(places)) / MODULUS))
+
+
+def true_of(found: Plane) -> tuple[Plane, Plane]:
+    """Closed form: the true radius and force factor of a located radius, feeling stress; lengths in depths."""
+    true = 2 * found / (2 - found**2)
+    return true, (2 - found**2) / 2 * ((1 + true**2) / (1 + found**2)) ** 2.5
+
+
+def test_a_radial_correction_tends_to_the_closed_form() -> None:
+    places = disc(20_000, 2.5e-4)
+    seen, forces = bent(places)
+    errors = []
+    for rings in (5, 10, 20):
+        correction = radial_from_scan(seen, places, forces, FORCE, rings)
+        at = np.linspace(0.02, correction.found[-1] / DEPTH * 0.999, 200)
+        dx, dy, force, validity = correction((0.6 * at * DEPTH, -0.8 * at * DEPTH, np.ones(200), np.ones(200)))
+        radius, factor = true_of(at)
+        assert (validity == Validity.INSIDE).all()
+        assert dx * -0.8 == pytest.approx(dy * 0.6, abs=1e-18)  # along the same ray
+        errors.append((np.abs(np.hypot(dx, dy) / DEPTH - radius).max(), np.abs(force / factor - 1).max()))
+    coarse, middle, fine = np.array(errors)
+    assert (fine < (2e-3, 5e-3)).all()
+    assert (fine < middle / 2).all()
+    assert (middle < coarse / 2).all()
+
+
+def test_an_exact_map_stays_as_it_is() -> None:
+    places = disc(500, 2e-4)
+    seen, forces = located(strain(places))
+    correction = radial_from_scan(seen, places, forces, FORCE, 8)
+    use = np.hypot(*places.T) < 1.8e-4
+    dx, dy, force, _ = correction((seen[use, 0], seen[use, 1], forces[use], np.ones(use.sum())))
+    assert np.stack([dx, dy], axis=-1) == pytest.approx(places[use], rel=1e-12, abs=1e-18)
+    assert force == pytest.approx(np.full(use.sum(), FORCE), rel=1e-12)
+
+
+def test_what_has_no_answer_gets_none_and_what_was_not_measured_is_invalid() -> None:
+    correction = RadialCorrection((0, 1, 2), (0, 2, 3), (1.0, 1.5, 2.0))
+    at = np.array([0.0, 1.0, 2.0, 2.1, 0.0, 0.5])
+    given = np.array([Validity.INSIDE, Validity.INSIDE, Validity.OUTSIDE, 1, Validity.NO_LOAD, Validity.INVALID], float)
+    dx, dy, force, validity = correction((at, 0 * at, np.ones(6), given))
+    assert dx.tolist() == pytest.approx([0, 2, 3, 0, 0, 0])
+    assert not dy.any()
+    assert force.tolist() == pytest.approx([1, 1.5, 2, 0, 0, 0])
+    assert validity.tolist() == [1, 1, 2, Validity.INVALID, Validity.NO_LOAD, Validity.INVALID]
+
+
+def test_noise_of_the_scan_averages_out() -> None:
+    random = np.random.default_rng(3)
+    places = disc(3000, 2.5e-4)
+    seen, forces = bent(places)
+    noisy = seen + random.normal(0, 3e-6, seen.shape)
+    correction = radial_from_scan(noisy, places, forces * random.normal(1, 0.05, 3000), FORCE, 10)
+    use = np.hypot(*places.T) < 2.2e-4
+    dx, dy, force, _ = correction((seen[use, 0], seen[use, 1], forces[use], np.ones(use.sum())))
+    before = np.sqrt(((seen[use] - places[use]) ** 2).sum(-1).mean())
+    after = np.sqrt(((np.stack([dx, dy], -1) - places[use]) ** 2).sum(-1).mean())
+    assert before > 30e-6
+    assert after < 1e-6
+    assert np.abs(force / FORCE - 1).max() < 0.02
+
+
+def test_scans_that_cannot_correct_are_refused() -> None:
+    places = disc(300, 2e-4)
+    seen, forces = located(strain(places))
+    with pytest.raises(InputError, match="at least 3 in every ring"):
+        radial_from_scan(seen[:10], places[:10], forces[:10], FORCE, 8)
+    beside = places + np.array([5e-4, 0])  # a scan that misses the taxel
+    elsewhere, felt = located(strain(beside))
+    with pytest.raises(InputError, match=r"0 answers from 0 to .* um from the taxel"):
+        radial_from_scan(elsewhere, beside, felt, FORCE, 8)
+    noise, pressed = located(np.random.default_rng(2).normal(0, 1e-3, (300, 3)))
+    with pytest.raises(InputError, match="grows beyond its noise"):
+        radial_from_scan(noise, places, pressed, FORCE, 8)
+    folded = places * (1 - (np.hypot(*places.T) / 2.5e-4) ** 2)[:, None]
+    with pytest.raises(InputError, match=r"located .* um from the taxel after .* um, where the needle was"):
+        radial_from_scan(folded, places, forces, FORCE, 8)
+    with pytest.raises(InputError, match="one that presses"):
+        radial_from_scan(seen, places, -forces, FORCE, 8)
+    with pytest.raises(InputError, match="0 rings"):
+        radial_from_scan(seen, places, forces, FORCE, 0)
+    with pytest.raises(InputError, match=r"\(299, 2\)"):
+        radial_from_scan(seen[1:], places, forces, FORCE, 8)
+    with pytest.raises(InputError, match="not finite"):
+        radial_from_scan(np.where(seen > 1e-4, np.inf, seen), places, forces, FORCE, 8)
+    with pytest.raises(InputError, match="answers from 0"):
+        radial_from_scan(np.zeros((9, 2)), np.zeros((9, 2)), np.ones(9), FORCE, 1)
+    with pytest.raises(InputError, match="growing ones from 0"):
+        RadialCorrection((0, 2, 1), (0, 1, 2), (1, 1, 1))
+    with pytest.raises(InputError, match="equally many"):
+        RadialCorrection((0, 1), (0, 1), (1,))
+    for factor in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(InputError, match="positive ones wanted"):
+            RadialCorrection((0, 1), (0, 1), (1, factor))

@@ -1,0 +1,222 @@
+"""One scan calibrates a skin: against a sensor made up in closed form, through the file and the command line."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from numpy.typing import NDArray
+
+from cnnsim.support.errors import InputError
+from tactile.calibration.file import Calibration, read_calibration, write_calibration
+from tactile.calibration.from_scan import calibrate
+from tactile.calibration.gains import Gains
+from tactile.calibration.radial import RadialCorrection
+from tactile.cli.group import main
+from tactile.elastic.halfspace import point_load_strain
+
+Plane = NDArray[np.float64]
+NOMINAL, MODULUS, LOAD, SPEED = 2e-4, 2.4e6, 0.02, 5e-4
+SENSOR = Gains(1.825, 1.25)
+
+
+def scan(
+    depth: float = NOMINAL, turn: float = 0.0, aside: float = 0.0, half: float = 5e-4, rate: float = 50
+) -> tuple[Plane, Plane]:
+    """Times and readings of a needle drawn at ``rate`` frames a second; along ``turn``, ``aside`` [m] of the taxel."""
+    along = np.arange(-half, half + 1e-9, SPEED / rate)
+    rows = np.zeros((along.size, 1, 5))
+    rows[:, 0, 0] = along * np.cos(turn) - aside * np.sin(turn)
+    rows[:, 0, 1] = along * np.sin(turn) + aside * np.cos(turn)
+    rows[:, 0, 4] = LOAD
+    strain = point_load_strain((0.0, 0.0), depth, rows, MODULUS)
+    return np.arange(along.size) / rate, strain / (SENSOR.shear, SENSOR.shear, SENSOR.normal)
+
+
+@pytest.mark.parametrize("deeper", [0.85, 1.0, 1.2])
+@pytest.mark.parametrize("turn", [0.0, 0.7, -2.0])
+def test_a_sensor_of_closed_form_comes_back(deeper: float, turn: float) -> None:
+    made = calibrate(*scan(deeper * NOMINAL, turn), SPEED, LOAD, NOMINAL, MODULUS)
+    assert made.gains.beta_ns == pytest.approx(SENSOR.beta_ns, rel=1e-6)
+    assert made.depth == pytest.approx(deeper * NOMINAL, rel=1e-6)
+    assert made.gains.normal == pytest.approx(SENSOR.normal, rel=1e-6)
+    assert made.radial.true == pytest.approx(made.radial.found, rel=1e-5)  # nothing is left to correct
+    assert made.radial.force == pytest.approx(np.ones(len(made.radial.force)), rel=1e-5)
+    assert made.radial.true[-1] > NOMINAL
+
+
+def test_a_sensor_that_reads_pressure_as_positive_gets_a_negative_gain() -> None:
+    t, readings = scan()
+    made = calibrate(t, readings * (1, 1, -1), SPEED, LOAD, NOMINAL, MODULUS)
+    assert made.gains.normal == pytest.approx(-SENSOR.normal, rel=1e-6)
+    assert made.gains.shear == pytest.approx(SENSOR.shear, rel=1e-6)
+
+
+def test_scans_that_cannot_calibrate_are_refused() -> None:
+    def attempt(t: Plane, readings: Plane) -> Calibration:
+        return calibrate(t, readings, SPEED, LOAD, NOMINAL, MODULUS)
+
+    with pytest.raises(InputError, match="beyond every extremum"):  # too short
+        attempt(*scan(half=1.1e-4))
+    with pytest.raises(InputError, match="beyond every extremum"):  # too few
+        attempt(*(part[::20] for part in scan()))
+    t, readings = scan(aside=5e-5)
+    with pytest.raises(InputError, match=r"passes 49.6 um beside the taxel, at most 20.8 um"):
+        attempt(t, readings)
+    for seed in range(20):  # noise only
+        with pytest.raises(InputError):
+            attempt(t, np.random.default_rng(seed).normal(0, 1e-3, readings.shape))
+    with pytest.raises(InputError, match="no signal"):
+        attempt(t, np.zeros_like(readings))
+    with pytest.raises(InputError, match="not finite"):
+        attempt(t, np.full_like(readings, np.nan))
+    with pytest.raises(InputError, match=r"\(100,\).*\(101, 3\)"):
+        attempt(t[1:], readings)
+    attempt(*scan(aside=1.5e-5))  # near enough
+
+
+@pytest.mark.parametrize("share", [0.3, 0.6, 0.9])
+@pytest.mark.parametrize("component", [0, 2])
+def test_scans_that_leave_the_sensors_range_are_refused(component: int, share: float) -> None:
+    t, readings = scan(turn=0.0)
+    most = share * np.abs(readings[:, component]).max()
+    readings[:, component] = readings[:, component].clip(-most, most)
+    with pytest.raises(InputError, match=r"readings on end are .* cut at the end"):
+        calibrate(t, readings, SPEED, LOAD, NOMINAL, MODULUS)
+
+
+@pytest.mark.parametrize("counts", [100, 400, 3000])
+@pytest.mark.parametrize("rate", [30, 50, 200, 1000])
+def test_whole_counts_are_not_taken_for_a_range_that_ends(counts: int, rate: float) -> None:
+    t, readings = scan(turn=0.3, rate=rate)
+    count = np.abs(readings).max() / counts
+    made = calibrate(t, np.round(readings / count) * count, SPEED, LOAD, NOMINAL, MODULUS)
+    assert made.depth == pytest.approx(NOMINAL, rel=2 / counts)
+
+
+@pytest.mark.parametrize("wrong", [0.0, -1.0, np.nan, np.inf])
+@pytest.mark.parametrize("which", ["speed", "load", "depth", "modulus"])
+def test_what_the_bench_says_is_positive(which: str, wrong: float) -> None:
+    bench = {"speed": SPEED, "load": LOAD, "depth": NOMINAL, "modulus": MODULUS, which: wrong}
+    with pytest.raises(InputError, match=f"{which} {wrong}, a positive number wanted"):
+        calibrate(*scan(), **bench)
+
+
+MADE = Calibration(SENSOR, 2.1e-4, RadialCorrection((0.0, 9e-5, 2e-4), (0.0, 1e-4, 2.3e-4), (1.0, 1.1, 1.3)))
+
+
+def test_a_calibration_file_keeps_all(tmp_path: Path) -> None:
+    write_calibration(tmp_path / "skin.toml", MADE)
+    back = read_calibration(tmp_path / "skin.toml")
+    assert back.gains == SENSOR
+    assert back.depth == pytest.approx(MADE.depth, rel=1e-15)
+    for name in ("found", "true", "force"):
+        assert getattr(back.radial, name) == pytest.approx(list(getattr(MADE.radial, name)), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("depth_mm", "depth_m", "unknown key 'depth_m'; did you mean 'depth_mm'"),
+        ("depth_mm = 0.21", "depth_mm = -1.0 #", "depth_mm = -1.0, a positive"),
+        ("shear_gain = 1.825", "shear_gain = 0", "shear gain 0.0"),
+        ("shear_gain = 1.825\n", "", "'shear_gain' is missing"),
+        ("true_um = [0.0,", "true_um = [0.0, 0.0,", "true_um"),
+        ("true_um = [0.0,", "true_um = [1.0,", "growing ones from 0"),
+        ("[radial]", "[radial", "not TOML"),
+    ],
+)
+def test_wrong_files_are_refused(tmp_path: Path, old: str, new: str, says: str) -> None:
+    path = tmp_path / "skin.toml"
+    write_calibration(path, MADE)
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        read_calibration(path)
+    assert says in str(caught.value)
+    assert str(path) in str(caught.value)
+
+
+SCENE = """
+title = "a needle over taxel (1, 1)"
+rate_hz = 50
+duration_s = 2.02
+seed = 1
+[cover]
+youngs_modulus_mpa = 2.4
+full_scale = 0.15
+[[finger]]
+name = "chip"
+rows = 2
+cols = 2
+pitch_mm = 1.5
+depth_mm = 0.2
+[[load]]
+finger = "chip"
+path = [[0.0, {start}, {y}, 0, 0, 0.02], [2.01, {stop}, {y}, 0, 0, 0.02]]
+[effect.finite_tip]
+[effect.finite_thickness]
+[effect.read_noise]
+rms = 0.0005
+"""
+
+
+def invoke(*words: str | Path) -> Result:
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+def located(folder: Path, *words: str | Path) -> Plane:
+    """(n, 4) x, y, force and time of what ``tactile run`` locates with INSIDE."""
+    done = invoke("run", folder / "grasp.toml", "-o", folder / "out", *words)
+    assert done.exit_code == 0, done.output
+    table: Any = np.genfromtxt(folder / "out" / "frames.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
+    inside = table[table["load_validity"] == "inside"]
+    return np.stack([inside[name] for name in ("load_x_m", "load_y_m", "load_f_n", "t_s")], axis=-1)
+
+
+def test_calibrate_then_run(tmp_path: Path) -> None:
+    (tmp_path / "scan.toml").write_text(SCENE.format(start=0.25, stop=1.255, y=0.75), encoding="utf-8")
+    (tmp_path / "grasp.toml").write_text(SCENE.format(start=0.55, stop=0.95, y=0.85), encoding="utf-8")
+    scan_words = ("calibrate", tmp_path / "scan.toml", "--speed-mm-s", "0.5", "--load-n", "0.02")
+    done = invoke(*scan_words, "-o", tmp_path / "skin.toml", "--json")
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.stdout)
+    assert told["taxel"] == [1, 1]
+    assert 1.1 < told["beta_ns"] < 1.25  # a layer of twice the depth
+    assert told["depth_mm"] == pytest.approx(read_calibration(tmp_path / "skin.toml").depth * 1e3)
+    shown = invoke(*scan_words).output
+    for word in ("taxel (1, 1), 101 frames", "beta_ns 1.1", "of the nominal one", "radial correction to"):
+        assert word in shown
+
+    raw, mended = located(tmp_path), located(tmp_path, "--calibration", tmp_path / "skin.toml")
+    off = []
+    for found in (raw, mended):
+        x = 0.55e-3 + 0.4e-3 * found[:, 3] / 2.01
+        off.append((np.hypot(found[:, 0] - x, found[:, 1] - 0.85e-3).mean(), np.abs(found[:, 2] / 0.02 - 1).mean()))
+    assert len(mended) > 0.9 * len(raw) > 80
+    assert off[0][0] > 15e-6  # a wrong beta_ns, a tip and a bottom
+    assert off[1][0] < 4e-6
+    assert off[1][1] < 0.04 < off[0][1]
+
+
+def test_mistakes_are_told_without_a_traceback(tmp_path: Path) -> None:
+    path = tmp_path / "scan.toml"
+    path.write_text(SCENE.format(start=0.25, stop=1.255, y=0.85), encoding="utf-8")
+    for words, says in (
+        (("calibrate", path, "--speed-mm-s", "0.5", "--load-n", "0.02"), "beside the taxel"),
+        (("calibrate", tmp_path / "no.csv", "--speed-mm-s", "1", "--load-n", "1"), "no scene or recording"),
+        (
+            ("calibrate", path, "--speed-mm-s", "0.5", "--load-n", "0.02", "--tare", "500"),
+            "no frame with a valid taxel",
+        ),
+        (("run", path, "--calibration", tmp_path / "none.toml"), "no calibration"),
+        (("run", path, "--calibration", path, "--gains", "1,1"), "leave out --gains"),
+        (("calibrate", path, "--speed-mm-s", "-1", "--load-n", "0.02"), "speed -0.001"),
+    ):
+        done = invoke(*words)
+        assert done.exit_code == 2
+        assert says in done.output
+        assert "Traceback" not in done.output

@@ -1,0 +1,65 @@
+"""What ``tactile run`` prints: columns that fit, figures that can be read, nothing besides."""
+
+import json
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+from tactile.cli.group import main
+from tactile.core.frame import TaxelArray
+from tactile.events.events import Event
+from tactile.finger import Settings
+from tactile.inverse.localise import Load
+from tactile.inverse.validity import Validity
+from tactile.output.record import Collected
+from tactile.output.tables import tables
+from tactile.pipeline import Report
+from tactile.warm_up import warm_up
+from tests.kits.paths import SCENES
+
+GRIP = SCENES / "grip.toml"
+
+
+def test_a_run_prints_one_table_and_json_alone() -> None:
+    shown = CliRunner().invoke(main, ["run", str(GRIP)])
+    assert shown.exit_code == 0
+    lines = shown.stdout.splitlines()
+    assert lines[0].startswith("Events")
+    assert "time [s]" in lines[2]
+    assert max(map(len, lines)) <= 150
+    assert sum("slip begins toward +y" in line for line in lines) == 2
+    assert all(line.startswith("│") == line.endswith("│") for line in lines)  # no cell is wrapped into the next line
+    assert not any(line.startswith("│          │") for line in lines)
+    assert not shown.stderr
+    plain = CliRunner().invoke(main, ["run", str(GRIP), "--json"])
+    assert json.loads(plain.stdout)["frames"] == 2400
+    assert not plain.stderr
+
+
+@pytest.mark.parametrize("quantity", ["strain", "stress", "force"])
+def test_warming_up_touches_every_array(quantity: Any) -> None:
+    """A tare at the start does not keep it from the inverse and the comparators."""
+    arrays = TaxelArray("a", 2, 2, 1e-3, 1e-3, quantity=quantity), TaxelArray("b", 3, 3, 1e-3, 1e-3, quantity=quantity)
+    reports: list[Report] = []
+    warm_up(arrays, 1e6, Settings(tare=100), [reports.append])
+    assert [report.array.name for report in reports] == ["a", "a", "b", "b"]
+    assert all(report.frame.valid.all() for report in reports)
+    assert all((report.load is None) == (quantity == "force") for report in reports)
+
+
+@pytest.mark.parametrize(
+    ("side", "code", "hand"), [(2, True, True), (4, True, True), (5, False, True), (8, False, False)]
+)
+def test_codes_of_many_taxels_stay_in_the_record(
+    side: int, code: bool, hand: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    array = TaxelArray("pad", side, side, 1e-3, 1e-3)
+    load = Load(1e-3, -2e-3, -1e-17, 2e-4, 4.2e-3, 0.0, 1, Validity.INSIDE)
+    event = Event(1.0, "pad", 3, "·" * side, "0" * side, 0, "contact", 1e-4, load)
+    collected = Collected()
+    collected.events.append(event)
+    tables(collected, (array,))
+    heading, row = capsys.readouterr().out.splitlines()[2:5:2]
+    assert ("code" in heading, "hand" in heading) == (code, hand)
+    assert "(+1.00, -2.00) +0.000 +0.000 +0.004, inside, 1 taxel " in row

@@ -1,0 +1,276 @@
+"""Recordings: what is written is read, also when the writer is cut short, and other forms of them."""
+
+import errno
+import os
+import random
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from cnnsim.support.errors import InputError
+from tactile.core.frame import Frame
+from tactile.recording import schema
+from tactile.recording.convert import convert, open_any
+from tactile.recording.reader import open_recording, records
+from tactile.recording.writer import Recording
+from tactile.serial.ring import Ring
+from tactile.serial.session import Session
+from tactile.sources import open_source
+from tactile.sources.replay_csv import write_csv
+from tactile.wire.description import Description
+from tactile.wire.source import UNPLUGGED, Chunk, WireSource
+from tests.kits.serial import GRIP, call, device, grip, sent
+from tests.tactile.sources.test_replay import pillars
+
+TARED = {"type": "tare", "t_s": 0.25, "finger": "left", "taken": True, "why": "idle", "offset": [1.0, None, 2.0]}
+
+
+def recorded(path: Path, protocol: str = "native", seconds: float = 0.5, close: bool = True) -> Description:
+    """Record a device's packets, a note, a tare and the frames, as a session would."""
+    description, stream = sent(protocol, seconds)
+    recording = Recording(path, description, {"port": "here"})
+
+    def chunks() -> Iterator[Chunk]:
+        for n, (t, data) in enumerate(stream):
+            chunk = Chunk(round(t * 1e9) + 7, data, "")
+            recording.chunk(chunk)
+            yield chunk
+            if n == len(stream) // 2:
+                recording.chunk(Chunk(chunk.t + 1, note=UNPLUGGED))
+                yield Chunk(chunk.t + 1, note=UNPLUGGED)
+
+    source = WireSource(description, chunks(), see=lambda frame: recording.frame(frame, source.arrival))
+    for _ in source:
+        recording.push(now=True)
+    recording.note("/tare", 250_000_000, TARED)
+    if close:
+        recording.close({"counts": source.counts.plain()})
+    return description
+
+
+def same(got: list[Frame], wanted: list[Frame]) -> None:
+    assert len(got) == len(wanted)
+    for a, b in zip(got, wanted, strict=True):
+        assert (a.finger, a.t, a.sequence) == (b.finger, b.t, b.sequence)
+        assert a.t_device == b.t_device or np.isnan([a.t_device, b.t_device]).all()
+        assert np.array_equal(a.values, b.values)
+        assert np.array_equal(a.valid, b.valid)
+
+
+@pytest.mark.parametrize("protocol", ["native", "reskin"])
+def test_what_is_recorded_is_read(tmp_path: Path, protocol: str) -> None:
+    description = recorded(tmp_path / "r.mcap", protocol)
+    again = open_recording(tmp_path / "r.mcap")
+    stream = sent(protocol)[1]
+    data = [chunk for chunk in again.chunks() if not chunk.note]
+    assert [chunk.data for chunk in data] == [packet for _, packet in stream]
+    assert [chunk.t for chunk in data] == [round(t * 1e9) + 7 for t, _ in stream]
+    assert [chunk.note for chunk in again.chunks() if chunk.note] == [UNPLUGGED]
+    frames = list(again.source())
+    same(list(again.stored_frames()), frames)
+    assert len(frames) == 200
+    assert again.complete
+    assert again.counts is not None
+    assert again.counts["counts"]["good"] == (200 if protocol == "native" else 100)
+    assert again.description.text == description.text
+    assert again.made["protocol"] == protocol
+    assert again.made["port"] == "here"
+    (note,) = again.notes("/tare")
+    assert note == TARED
+    said = [(line["level"], line["name"], line["message"]) for line in again.notes("/log")]
+    assert said == [(3, "port", "unplugged"), (2, "left", "tare taken, idle")]
+
+
+def test_any_mcap_reader_opens_it(tmp_path: Path) -> None:
+    """The library's own seeking reader, and the ROS 2 tools' idea of the message definitions."""
+    recorded(tmp_path / "r.mcap")
+    store = get_typestore(Stores.EMPTY)
+    store.register(get_types_from_msg(schema.FRAME, schema.FRAME_NAME))
+    store.register(get_types_from_msg(schema.WIRE, schema.WIRE_NAME))
+    with (tmp_path / "r.mcap").open("rb") as file:
+        messages = list(make_reader(file).iter_messages(topics=["/frames/left", "/wire"]))
+    wanted = [frame for frame in open_recording(tmp_path / "r.mcap").stored_frames() if frame.finger == 0]
+    frames: list[Any] = [
+        store.deserialize_cdr(message.data, schema.FRAME_NAME) for _, channel, message in messages
+        if channel.topic == "/frames/left"
+    ]  # fmt: skip
+    assert len(frames) == len(wanted) == 100
+    for got, frame in zip(frames, wanted, strict=True):
+        assert (got.t, got.sequence, got.finger, got.rows, got.cols) == (frame.t, frame.sequence, 0, 2, 2)
+        assert np.array_equal(got.values.reshape(2, 2, 3), frame.values)
+        assert got.valid.tolist() == [1, 1, 1, 1]
+    sent_on = [message.data for _, channel, message in messages if channel.topic == "/wire"]
+    wire: list[Any] = [store.deserialize_cdr(data, schema.WIRE_NAME) for data in sent_on]
+    assert b"".join(bytes(one.data) for one in wire) == b"".join(data for _, data in sent("native")[1])
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (2, 3), (1, 5), (3, 3)])
+def test_frames_of_every_alignment_survive(shape: tuple[int, int]) -> None:
+    rng = np.random.default_rng(0)
+    frame = Frame(3, 1.5, -7, rng.standard_normal((*shape, 3)), rng.random(shape) < 0.5, float("nan"))
+    same([schema.unpack_frame(schema.pack_frame(frame))], [frame])
+
+
+def test_a_recording_cut_anywhere_is_read_up_to_there(tmp_path: Path) -> None:
+    recorded(tmp_path / "r.mcap", seconds=0.1, close=False)
+    whole = (tmp_path / "r.mcap").read_bytes()
+    frames = list(open_recording(tmp_path / "r.mcap").stored_frames())
+    assert len(frames) == 40
+    rng, lengths, begin = random.Random(4), [], whole.index(b"left")
+    for cut in sorted(rng.sample(range(begin + 3000, len(whole)), 60)):
+        (tmp_path / "cut.mcap").write_bytes(whole[:cut])
+        again = open_recording(tmp_path / "cut.mcap")
+        assert not again.complete
+        assert again.counts is None
+        got = list(again.stored_frames())
+        same(got, frames[: len(got)])
+        lengths.append(len(got))
+    assert lengths == sorted(lengths)
+    assert len(set(lengths)) > 20
+    for bad in (whole[:5], b"text that is no recording", whole[:9]):
+        (tmp_path / "bad.mcap").write_bytes(bad)
+        with pytest.raises(InputError, match="not a recording"):
+            open_recording(tmp_path / "bad.mcap")
+    with pytest.raises(InputError, match="cannot be read"):
+        list(records(tmp_path / "none.mcap"))
+
+
+def test_a_full_disk_ends_the_recording_with_a_message(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The disk takes 20 000 bytes and then, as disks do, a part of the next piece."""
+    write, left = os.write, [20_000]
+
+    def full(file: int, data: bytes) -> int:
+        if left[0] <= 0:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        done = write(file, data[: left[0]])
+        left[0] -= done
+        return done
+
+    monkeypatch.setattr("tactile.recording.durable.os.write", full)
+    recorded(tmp_path / "r.mcap")
+    monkeypatch.undo()
+    again = open_recording(tmp_path / "r.mcap")
+    assert not again.complete
+    frames = list(again.stored_frames())
+    assert 20 < len(frames) < 200
+    assert 15_000 < (tmp_path / "r.mcap").stat().st_size <= 20_000
+
+
+def test_a_full_disk_stops_the_session(tmp_path: Path) -> None:
+    description, stream = sent("native", 0.4)
+    if not Path("/dev/full").exists():
+        pytest.skip("no /dev/full here")
+    with device(stream) as emulator:
+        recording = Recording(Path("/dev/full"), description, {})
+        assert recording.failed.startswith("recording /dev/full ended: No space left on device")
+        session = Session(emulator.port, description, recording, seconds=20)
+        assert sum(1 for _ in session.source) < 200  # it ends by itself, and early
+        recording.close({})
+    result = call("record", "-p", emulator.port, "-a", tmp_path / "none.toml", "-o", tmp_path / "x.mcap")
+    assert result.exit_code == 2
+    with pytest.raises(InputError, match="cannot write the recording"):
+        Recording(tmp_path / "no" / "r.mcap", description, {})
+
+
+def test_bytes_without_room_are_recorded_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    description, stream = sent("native", 0.5)
+    made: list[Ring] = []
+
+    def small() -> Ring:
+        made.append(Ring(16 * 2**20 if not made else 3000))  # the one from which frames are made is small
+        return made[-1]
+
+    monkeypatch.setattr("tactile.serial.session.Ring", small)
+    with device(stream) as emulator:
+        recording = Recording(tmp_path / "r.mcap", description, {})
+        session = Session(emulator.port, description, recording)
+        frames = iter(session.source)
+        live = [next(frames)]
+        until = time.monotonic() + 20
+        while session._unparsed == 0 and time.monotonic() < until:
+            time.sleep(0.01)  # nobody takes frames, so the ring fills
+        session.stop()
+        live += frames
+        recording.close({})
+    again = open_recording(tmp_path / "r.mcap")
+    assert session.counts.overflowed == session._unparsed > 0
+    assert again.messages["/wire/unparsed"] >= 1
+    same(list(again.source()), live)
+
+
+def test_conversions(tmp_path: Path) -> None:
+    recorded(tmp_path / "r.mcap")
+    frames = list(open_recording(tmp_path / "r.mcap").source())
+    for name in ("r.csv", "indexed.mcap", "r.npz", "r.parquet"):
+        result = call("convert", tmp_path / "r.mcap", tmp_path / name)
+        assert (result.exit_code, result.output) == (0, f"wrote 200 frames to {tmp_path / name}\n")
+    same(list(open_source(tmp_path / "r.csv")), frames)
+    same(list(open_any(tmp_path / "indexed.mcap")), frames)
+    with (tmp_path / "indexed.mcap").open("rb") as file:
+        summary = make_reader(file).get_summary()
+    assert summary is not None
+    assert summary.chunk_indexes
+    with np.load(tmp_path / "r.npz") as file:
+        assert file["s0_strain"].shape == (100, 4, 3)
+        assert file["s1_seq"].tolist() == list(range(100))
+        assert file["s0_tus"][:3].tolist() == [0, 5000, 10000]
+    parquet = pytest.importorskip("pyarrow.parquet")
+    table = parquet.read_table(tmp_path / "r.parquet").to_pylist()
+    assert [row["finger"] for row in table[:3]] == ["left", "right", "left"]
+    assert np.array_equal(table[7]["values"], frames[7].values.ravel())
+
+
+def test_recordings_of_other_kinds_become_mcap_and_come_back(tmp_path: Path) -> None:
+    npz = pillars().save(tmp_path / "run.npz")
+    for source in (npz, GRIP):
+        frames = list(open_source(source))
+        assert convert(source, tmp_path / "r.mcap") == len(frames)
+        got = list(open_any(tmp_path / "r.mcap"))
+        same(got, frames)
+    convert(npz, tmp_path / "r.mcap")
+    convert(tmp_path / "r.mcap", tmp_path / "again.npz")
+    same(list(open_any(tmp_path / "again.npz")), [*open_source(npz)])
+    write_csv(tmp_path / "g.csv", grip(0.1))
+    assert convert(tmp_path / "g.csv", tmp_path / "g.mcap") == 40
+    for wrong, message in (("x.bag2", "one of .csv"), ("run.npz", "is the recording itself")):
+        with pytest.raises(InputError, match=message):
+            convert(npz, tmp_path / wrong)
+
+
+PILLAR = "float32 fX\nfloat32 fY\nfloat32 fZ\n"
+STATE = "int64 tus\nsensor_interfaces/PillarState[] pillars\n"
+
+
+def test_ros_bags_of_pillars(tmp_path: Path) -> None:
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    kinds = {"sensor_interfaces/msg/PillarState": PILLAR, "sensor_interfaces/msg/SensorState": STATE}
+    for kind, text in kinds.items():
+        store.register(get_types_from_msg(text, kind))
+    pillar, state = (store.types[kind] for kind in kinds)
+    with Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.SQLITE3) as bag:
+        topics = [
+            bag.add_connection(f"/hub_0/sensor_{n}", "sensor_interfaces/msg/SensorState", typestore=store)
+            for n in (0, 1)
+        ]
+        for n in range(6):
+            values = [pillar(n + 0.5, -n, k) for k in range(9)]
+            data = store.serialize_cdr(state(1000 * n, values), "sensor_interfaces/msg/SensorState")
+            bag.write(topics[n % 2], 5_000_000_000 + 1_000_000 * n, data)
+    source = open_any(tmp_path / "bag")
+    frames = list(source)
+    assert [array.name for array in source.arrays] == ["hub_0/sensor_0", "hub_0/sensor_1"]
+    assert [(frame.finger, frame.sequence) for frame in frames] == [(0, 0), (1, 0), (0, 1), (1, 1), (0, 2), (1, 2)]
+    assert [frame.t for frame in frames] == pytest.approx([0.001 * n for n in range(6)], abs=1e-12)
+    assert frames[3].values[2, 1].tolist() == [3.5, -3.0, 7.0]
+    assert frames[3].t_device == pytest.approx(0.003, abs=1e-12)
+    assert source.frames == 6
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(InputError, match="cannot be read as a ROS bag"):
+        open_any(tmp_path / "empty")

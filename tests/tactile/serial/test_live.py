@@ -1,0 +1,328 @@
+"""The pipeline on a port: events as they come, the same again from the recording, and ending in good order."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tactile.calibration.file import Calibration, write_calibration
+from tactile.calibration.gains import Gains
+from tactile.calibration.radial import RadialCorrection
+from tactile.cli.live import Choices, Watch
+from tactile.recording.reader import open_recording
+from tactile.recording.writer import Recording
+from tactile.serial.session import Session
+from tactile.wire.packets import emulated_description, packets
+from tactile.wire.source import WireSource
+from tests.kits.serial import GRIP, call, device, grip, sent
+
+LIMIT = "20"
+
+
+def lines(text: str, kind: str) -> list[str]:
+    return [line for line in text.splitlines() if json.loads(line)["type"] == kind]
+
+
+def write_array(tmp_path: Path, text: str) -> Path:
+    path = tmp_path / "array.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(("protocol", "tare"), [("native", "off"), ("native", "auto"), ("reskin", "off")])
+def test_a_recording_replayed_gives_the_live_events_byte_for_byte(tmp_path: Path, protocol: str, tare: str) -> None:
+    """The grip from its first touch on; with a tare, half a second of nothing before."""
+    scene = grip(1.6 if tare == "off" else 2.2)
+    if tare == "auto":
+        scene = replace(
+            scene, loads=tuple(replace(load, path=np.add(load.path, [0.7, 0, 0, 0, 0, 0])) for load in scene.loads)
+        )
+    description = emulated_description(protocol, scene)
+    array, mcap = write_array(tmp_path, description.text), tmp_path / "r.mcap"
+    with device(list(packets(description, scene))) as emulator:
+        live = call("live", "-p", emulator.port, "-a", array, "--record", mcap, "--json", "--tare", tare, "--once",
+                    "--seconds", LIMIT)  # fmt: skip
+    assert live.exit_code == 0, live.output
+    events = lines(live.stdout, "event")
+    meanings = [json.loads(event)["meaning"] for event in events]
+    assert meanings.count("contact") == 2
+    assert any(meaning.startswith("tangential load +y") for meaning in meanings)
+    replayed = call("replay", mcap, "--json")
+    assert lines(replayed.stdout, "event") == events
+    assert lines(replayed.stdout, "tare") == lines(live.stdout, "tare")
+    assert len(lines(live.stdout, "tare")) == (0 if tare == "off" else 2)
+    (end,) = (json.loads(line) for line in lines(live.stdout, "end"))
+    assert end["counts"]["good"] == (2 if protocol == "native" else 1) * round(200 * scene.duration)
+    recorded = open_recording(mcap)
+    assert [json.dumps(event, ensure_ascii=False) for event in recorded.notes("/events")] == events
+    assert recorded.counts is not None
+    assert recorded.counts["counts"] == end["counts"]
+    assert json.loads(recorded.made["choices"])["tare"] == tare
+    (last,) = (json.loads(line) for line in lines(replayed.stdout, "end"))
+    assert last["complete"] is True
+    assert last["counts"] == end["counts"]
+
+
+def test_people_get_text(tmp_path: Path) -> None:
+    description, stream = sent("native", 0.6)
+    array, mcap = write_array(tmp_path, description.text), tmp_path / "r.mcap"
+    with device(stream) as emulator:
+        live = call("live", "-p", emulator.port, "-a", array, "--record", mcap, "--tare", "off", "--once")
+    assert live.exit_code == 0, live.output
+    assert "  left  contact" in live.stdout
+    assert "240 good, 0 bad checksum" in live.stdout
+    assert "events; latency" in live.stdout
+    assert "device: +0.0 ppm" in live.stdout
+    replayed = call("replay", mcap)
+    assert "  left  contact" in replayed.stdout
+    assert "240 frames" in replayed.stdout
+
+
+def test_recording_without_the_pipeline(tmp_path: Path) -> None:
+    description, stream = sent("papillarray", 0.3)
+    array, mcap = write_array(tmp_path, description.text), tmp_path / "r.mcap"
+    with device(stream) as emulator:
+        result = call("record", "-p", emulator.port, "-a", array, "-o", mcap, "--once")
+    assert result.exit_code == 0, result.output
+    assert "recorded: 60 good" in result.stdout
+    assert "slip entry type bytes: 2" in result.stdout
+    again = open_recording(mcap)
+    assert again.messages["/wire"] >= 1
+    assert again.messages["/frames/left"] == again.messages["/frames/right"] == 60
+
+
+def test_typing_t_asks_for_a_tare_and_q_ends(tmp_path: Path) -> None:
+    """The request goes into the stream, so that the replay tares at the same frame."""
+    scene = replace(
+        grip(1.5), loads=tuple(replace(load, path=np.add(load.path[:1], [9, 0, 0, 0, 0, 0])) for load in grip(1).loads)
+    )
+    description = emulated_description("native", scene)
+    mcap = tmp_path / "r.mcap"
+    choices = Choices(tare="manual")
+    recording = Recording(mcap, description, {"choices": choices.text()})
+    said: list[dict[str, Any]] = []
+    with device(list(packets(description, scene))) as emulator:
+        session = Session(emulator.port, description, recording, choices.tares(description.arrays), seconds=20)
+        asked = False
+
+        def look(line: dict[str, Any]) -> None:
+            nonlocal asked
+            said.append(line)
+            if line["type"] == "tare" and not asked:
+                session.reader.ask_tare()
+                asked = True
+            elif line["type"] == "tare" and line["why"] == "on request":
+                session.stop()
+
+        watch = Watch(session.source, look, session.now, recording.note)
+        watch.run(choices)
+        recording.close({})
+    tares = [line for line in said if line["type"] == "tare"]
+    assert [line["why"] for line in tares if line["finger"] == "left"] == ["at the start", "on request"]
+    replayed = call("replay", mcap, "--json")
+    assert [json.loads(line) for line in lines(replayed.stdout, "tare")] == tares
+    assert [note["note"] for note in open_recording(mcap).notes("/port")][:2] == ["plugged", "tare"]
+
+
+def test_mistakes_are_one_line(tmp_path: Path) -> None:
+    description, stream = sent("reskin", 0.1)
+    array = write_array(tmp_path, description.text)
+    bare = tmp_path / "bare.toml"
+    bare.write_text("\n".join(line for line in description.text.splitlines() if not line.startswith("gains")))
+    for arguments, message in (
+        (("live", "-p", tmp_path / "none", "-a", array), "there is no such port"),
+        (("live", "-p", "x", "-a", bare), "gains = [shear, normal] per uT wanted"),
+        (("live", "-p", "x"), "--array or --protocol wanted"),
+        (("live", "-p", "x", "-a", array, "--protocol", "csv"), "says reskin"),
+        (("live", "-p", "x", "--protocol", "reskin"), "--array FILE wanted"),
+        (("live", "-p", "x", "-a", array, "--hysteresis", "1"), "--hysteresis needs a --dead-band"),
+        (("live", "-p", "x", "-a", array, "--sign-code", "--dead-band", "1"), "--sign-code has no dead band"),
+        (("record", "-p", "x", "-a", array, "-o", tmp_path / "r.bag"), ".mcap wanted"),
+        (("record", "-p", "x", "-a", tmp_path / "no.toml", "-o", tmp_path / "r.mcap"), "no array description"),
+        (("replay", tmp_path / "none.mcap"), "cannot be read"),
+        (("emulate", "--protocol", "csv"), "either --scene or --recording wanted"),
+        (("emulate", "--scene", GRIP), "--protocol or --array wanted"),
+        (("emulate", "--scene", GRIP, "--protocol", "csv", "--drop", "2"), "drop = 2.0"),
+        (("emulate", "--scene", GRIP, "--protocol", "paxini-serial"), "carries one array"),
+    ):
+        result = call(*arguments)
+        assert result.exit_code == 2, (arguments, result.output)
+        assert message in result.stderr
+        assert "Traceback" not in result.output
+    with device(stream) as emulator:
+        session = Session(emulator.port, description, seconds=20)
+        second = call("record", "-p", emulator.port, "-a", array, "-o", tmp_path / "r.mcap")
+        session.stop()
+        list(session.source)
+    assert second.exit_code == 2
+    assert "another reader has it open" in second.stderr
+    assert open_recording(tmp_path / "r.mcap").complete  # empty, but whole
+
+
+PROGRAM = (
+    "from cnnsim.support.command_line import CommandGroup; from tactile.cli.serial import COMMANDS;"
+    "CommandGroup(commands={c.name: c for c in COMMANDS})()"
+)
+
+
+def start(*arguments: Any) -> "subprocess.Popen[str]":
+    command = [sys.executable, "-c", PROGRAM, *(str(argument) for argument in arguments)]
+    return subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True
+    )
+
+
+def test_two_programs_and_ctrl_c(tmp_path: Path) -> None:
+    """Emulator and reader as a user starts them; Ctrl-C ends the reader with its recording closed."""
+    link, array, mcap = tmp_path / "skin", tmp_path / "array.toml", tmp_path / "r.mcap"
+    emulator = start(
+        "emulate", "--protocol", "lowiek", "--scene", GRIP, "--link", link, "--write-array", array, "--loop"
+    )
+    reader = None
+    try:
+        assert emulator.stdout is not None
+        assert emulator.stdout.readline() == f"{link}\n"
+        reader = start("live", "-p", link, "-a", array, "--record", mcap, "--json", "--tare", "off")
+        assert reader.stdout is not None
+        first = reader.stdout.readline()
+        assert json.loads(first)["type"] in ("event", "status")
+        reader.send_signal(signal.SIGINT)
+        out, errors = reader.communicate(timeout=30)
+        assert (reader.returncode, errors) == (0, "")
+        end = json.loads(out.splitlines()[-1])
+        assert end["type"] == "end"
+        assert end["counts"]["good"] > 10
+        emulator.send_signal(signal.SIGTERM)
+        _, said = emulator.communicate(timeout=30)
+        assert emulator.returncode == 0
+        assert said.startswith("sent ")
+    finally:
+        for process in (emulator, reader):
+            if process is not None and process.poll() is None:
+                process.kill()
+                process.communicate()
+    assert not os.path.lexists(link)
+    recorded = open_recording(mcap)
+    assert recorded.complete
+    assert recorded.counts is not None
+    assert recorded.counts["counts"] == end["counts"]
+
+
+def test_a_killed_recorder_leaves_what_is_older_than_half_a_second(tmp_path: Path) -> None:
+    description, _ = sent("native", 0.1)
+    scene = grip(6.0)
+    array, mcap = write_array(tmp_path, description.text), tmp_path / "r.mcap"
+    with device(list(packets(description, scene))) as emulator:
+        recorder = start("record", "-p", emulator.port, "-a", array, "-o", mcap)
+        until = time.monotonic() + 20
+        while (not mcap.exists() or mcap.stat().st_size < 100_000) and time.monotonic() < until:
+            time.sleep(0.01)
+        recorder.kill()
+        killed = time.time_ns()
+        recorder.communicate()
+    recorded = open_recording(mcap)
+    assert not recorded.complete
+    frames = [frame.sequence for frame in recorded.source() if frame.finger == 0]
+    assert len(frames) > 50
+    assert (np.diff(frames) == 1).all()
+    last = max(chunk.t for chunk in recorded.chunks())
+    assert (killed - int(recorded.made["start_ns"]) - last) * 1e-9 < 0.5
+
+
+def test_a_program_of_one_s_own_runs_beside_the_pipeline(tmp_path: Path) -> None:
+    """contact-blob on the grip: four taxels in contact are a blob of area 4; the replay runs it again."""
+    description, stream = sent("native", 0.4)
+    array, mcap = write_array(tmp_path, description.text), tmp_path / "r.mcap"
+    with device(stream) as emulator:
+        live = call("live", "-p", emulator.port, "-a", array, "--record", mcap, "--json", "--tare", "off", "--once",
+                    "--program", "contact-blob", "--backend", "reference")  # fmt: skip
+    assert live.exit_code == 0, live.output
+    said = [json.loads(line) for line in lines(live.stdout, "program")]
+    assert {line["finger"] for line in said} == {"left", "right"}
+    assert said[0]["outputs"]["area"] == 0
+    assert said[-1]["outputs"]["contact"] == [[1, 1], [1, 1]]
+    assert said[-1]["outputs"]["area"] == 4
+    replayed = call("replay", mcap, "--json")
+    assert [json.loads(line) for line in lines(replayed.stdout, "program")] == said
+    wrong = call("live", "-p", "x", "-a", array, "--program", "median")
+    assert (wrong.exit_code, "wants picture; a frame has shear_x" in wrong.stderr) == (2, True)
+
+
+def test_a_recording_can_be_emulated(tmp_path: Path) -> None:
+    """Bytes of a recording over a terminal again, through the command's own path."""
+    description, stream = sent("csv", 0.3)
+    array, first, second = write_array(tmp_path, description.text), tmp_path / "1.mcap", tmp_path / "2.mcap"
+    with device(stream) as emulator:
+        call("record", "-p", emulator.port, "-a", array, "-o", first, "--once")
+    link, results = tmp_path / "skin", []
+    thread = threading.Thread(target=lambda: results.append(call("emulate", "--recording", first, "--link", link)))
+    thread.start()
+    until = time.monotonic() + 20
+    while not os.path.lexists(link) and time.monotonic() < until:
+        time.sleep(0.01)
+    again = call("record", "-p", link, "-a", array, "-o", second, "--once")
+    thread.join()
+    assert (again.exit_code, results[0].exit_code) == (0, 0), again.output + results[0].output
+    one, two = (b"".join(chunk.data for chunk in open_recording(path).chunks()) for path in (first, second))
+    assert one == two == b"".join(data for _, data in stream)
+
+
+def test_a_calibration_stands_for_the_gains_and_is_kept_for_the_replay(tmp_path: Path) -> None:
+    """Readings in microtesla and the gains in a calibration are the readings with the gains in the description."""
+    scene = grip(2.2)
+    scene = replace(
+        scene, loads=tuple(replace(load, path=np.add(load.path, [0.7, 0, 0, 0, 0, 0])) for load in scene.loads)
+    )
+    description = emulated_description("reskin", scene)
+    bare = "\n".join(line for line in description.text.splitlines() if not line.startswith("gains"))
+    array, mcap, skin = write_array(tmp_path, bare), tmp_path / "r.mcap", tmp_path / "skin.toml"
+    gains = description.boards[0].gains
+    assert gains is not None
+    write_calibration(skin, Calibration(gains, scene.arrays[0].depth, RadialCorrection((0, 1), (0, 1), (2, 2))))
+    with device(list(packets(description, scene))) as emulator:
+        live = call("live", "-p", emulator.port, "-a", array, "--record", mcap, "--json", "--once", "--seconds", LIMIT,
+                    "--calibration", skin)  # fmt: skip
+    assert live.exit_code == 0, live.output
+    skin.unlink()
+    replayed = call("replay", mcap, "--json")
+    assert lines(replayed.stdout, "event") == lines(live.stdout, "event")
+    assert lines(replayed.stdout, "tare") == lines(live.stdout, "tare")
+
+    said: list[dict[str, Any]] = []
+    Watch(WireSource(description, open_recording(mcap).chunks(), Choices().tares(description.arrays)), said.append).run(
+        Choices()
+    )
+    events = [line for line in said if line["type"] == "event" and "tangential" not in line["meaning"]]
+    told = [json.loads(line) for line in lines(live.stdout, "event")]
+    told = [line for line in told if "tangential" not in line["meaning"]]  # their threshold sees twice the force
+    assert len(events) > 10
+    assert [line | {"load": None} for line in told] == [line | {"load": None} for line in events]
+    for one, other in zip(told, events, strict=True):
+        assert (one["load"] is None) == (other["load"] is None)
+        if other["load"] is not None:
+            x, y, force = (other["load"][name] for name in ("x", "y", "F"))
+            assert [one["load"][name] for name in ("x", "y", "F")] == pytest.approx((x, y, 2 * force), rel=1e-6)
+
+
+def test_a_calibration_is_of_strain(tmp_path: Path) -> None:
+    skin = tmp_path / "skin.toml"
+    for text, message in (("", "skin.toml: key 'radial' is missing"), (None, "no calibration")):
+        if text is not None:
+            skin.write_text(text, encoding="utf-8")
+        result = call("live", "-p", "x", "--protocol", "papillarray", "--calibration", skin)
+        assert result.exit_code == 2
+        assert message in result.stderr
+        skin.unlink(missing_ok=True)
+    write_calibration(skin, Calibration(Gains(1, 1), 1e-3, RadialCorrection((0, 1), (0, 1), (1, 1))))
+    result = call("live", "-p", "x", "--protocol", "papillarray", "--calibration", skin)
+    assert result.exit_code == 2
+    assert "array 'sensor 0' of force; strain wanted" in result.stderr

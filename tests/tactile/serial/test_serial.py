@@ -1,0 +1,258 @@
+"""Ports: two ends of a real terminal, what goes wrong between them, clocks, tares, descriptions."""
+
+import errno
+import importlib
+import itertools
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+from unittest.mock import Mock
+
+import numpy as np
+import pytest
+import serial
+
+from cnnsim.support.errors import InputError
+from tactile.core.frame import Frame
+from tactile.serial.faults import Faults
+from tactile.serial.port import CURES, open_port
+from tactile.serial.reader import PortReader
+from tactile.serial.ring import CHUNK_COST, Ring
+from tactile.serial.session import Session
+from tactile.wire.base import Encoder, Options, Talk
+from tactile.wire.description import Description
+from tactile.wire.packets import emulated_description, packets
+from tactile.wire.registry import NAMES, find_format
+from tactile.wire.source import UNPLUGGED, Chunk, WireSource
+from tests.kits.serial import call, device, grip, sent
+
+LIMIT = 20.0
+"""[s] after which a test that waits for something has failed."""
+
+
+def read_all(description: Description, port: str, wanted: int) -> tuple[list[Frame], Session]:
+    """Read a port until so many frames have come."""
+    session = Session(port, description, seconds=LIMIT)
+    frames = []
+    for frame in session.source:
+        frames.append(frame)
+        if len(frames) == wanted:
+            session.stop()
+    return frames, session
+
+
+@pytest.mark.parametrize("protocol", NAMES)
+def test_every_device_s_frames_come_through_a_terminal(protocol: str) -> None:
+    description, stream = sent(protocol, 0.2)
+    direct = list(WireSource(description, [Chunk(0, data) for _, data in stream]))
+    with device(stream, device=description.wire.encoder(description.options)) as emulator:
+        frames, session = read_all(description, emulator.port, len(direct))
+    assert len(frames) == len(direct) == 40 * len(description.boards)
+    for frame, other in zip(frames, direct, strict=True):
+        assert (frame.finger, frame.sequence) == (other.finger, other.sequence)
+        assert np.array_equal(frame.values, other.values)
+    counts = session.counts.plain()
+    quiet = {"good": counts["good"], "resynchronised": 30 if protocol == "csv" else 0, "late": counts["late"]}
+    assert counts == dict.fromkeys(counts, 0) | quiet
+    assert all(a.t <= b.t for a, b in itertools.pairwise(frames))
+    # a reading's step as strain: 0.1 N of 5 N for 0.01, 0.242 uT of 1000 uT for 0.01, or single precision
+    step = {"paxini-fast": 2e-4, "paxini-serial": 2e-4, "lowiek": 2.42e-6}.get(protocol, 1e-8)
+    for frame, true in zip(frames, grip(0.2, len(description.boards)), strict=True):
+        assert np.abs(frame.values - true.values).max() <= 0.501 * step
+
+
+def test_a_device_keeps_its_rate() -> None:
+    description, stream = sent("native", 0.5)
+    with device(stream) as emulator:
+        begun = time.monotonic()
+        frames, _ = read_all(description, emulator.port, 200)
+        took = time.monotonic() - begun
+    assert frames[-1].t_device - frames[0].t_device == pytest.approx(99 / 200, abs=1e-9)
+    assert 0.495 <= took < LIMIT
+
+
+def test_a_reader_comes_back_after_unplugging(tmp_path: Path) -> None:
+    description, stream = sent("native", 2.4)
+    faults = Faults(unplug=0.3, unplug_for=0.2)
+    with device(stream, faults, link=tmp_path / "skin") as emulator:
+        session = Session(emulator.port, description, seconds=LIMIT)
+        sequences = []
+        for frame in session.source:
+            sequences.append(frame.sequence)
+            if session.reader.unplugged >= 3 and frame.sequence > 400:
+                session.stop()
+    assert emulator.unplugged >= 3
+    assert sequences == sorted(sequences)
+    # of both fingers, all that is not there is counted as missing, up to a frame that the plug cut in two
+    span = 2 * (sequences[-1] - sequences[0] + 1)
+    assert session.counts.missing + session.counts.good == pytest.approx(span, abs=1)
+    assert session.counts.missing > 0
+    assert session.counts.bad_checksum == 0
+
+
+def test_a_second_reader_gets_nothing_from_before_it_opened_the_port() -> None:
+    description, stream = sent("native", 3.0)
+    with device(stream) as emulator:
+        read_all(description, emulator.port, 40)
+        time.sleep(0.3)
+        frames, session = read_all(description, emulator.port, 100)
+    sequences = [frame.sequence for frame in frames if frame.finger == 0]
+    assert sequences[0] > 60
+    assert np.diff(sequences).tolist() == [1] * (len(sequences) - 1)
+    assert session.counts.missing == 0
+
+
+@pytest.mark.parametrize("faults", [
+    Faults(drop=0.1), Faults(repeat=0.1), Faults(flip=2e-4), Faults(split=True),
+    Faults(drop=0.05, repeat=0.05, flip=1e-4, split=True),
+])  # fmt: skip
+def test_every_fault_is_counted(faults: Faults) -> None:
+    description, stream = sent("native", 2.0)
+    rng = np.random.default_rng(5)
+    clean = list(WireSource(description, [Chunk(0, data) for _, data in stream]))
+    pieces = [(piece, data) for _, data in stream for piece in faults.spoil(data, rng)]
+    source = WireSource(description, [Chunk(0, piece) for piece, _ in pieces])
+    frames = list(source)
+    counts = source.counts
+    truth = {(f.finger, f.sequence): f.values.tobytes() for f in clean}
+    assert all(truth[f.finger, f.sequence] == f.values.tobytes() for f in frames)
+    last = max(f.sequence for f in frames) - min(f.sequence for f in frames) + 1
+    assert counts.good == len(frames)
+    assert counts.good + counts.missing == pytest.approx(2 * last, abs=2)
+    assert (counts.missing > 0) == (faults.drop > 0 or faults.flip > 0)
+    assert (counts.repeated > 0) == (faults.repeat > 0)
+    assert (counts.bad_checksum > 0) == (faults.flip > 0)
+
+
+def test_stalls_come_late() -> None:
+    description, stream = sent("native", 1.2)
+    with device(stream, Faults(stall=0.6, stall_for=0.15)) as emulator:
+        _, session = read_all(description, emulator.port, 480)
+    assert session.counts.good == 480
+    assert session.counts.late >= 5
+
+
+@pytest.mark.parametrize(("change", "message"), [
+    ({"drop": 1.5}, "drop = 1.5, a number from 0 to 1"), ({"unplug": -1}, "unplug = -1.0"),
+    ({"flip": float("nan")}, "flip"),
+])  # fmt: skip
+def test_impossible_faults_are_refused(change: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        Faults(**change)
+
+
+def test_ports_that_do_not_open_are_told_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(InputError, match="there is no such port"):
+        open_port(str(tmp_path / "none"), 115200)
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(InputError, match="not a serial port"):
+        open_port(str(tmp_path / "file"), 115200)
+    _, stream = sent("native", 0.1)
+    with (
+        device(stream) as emulator,
+        open_port(emulator.port, 115200),
+        pytest.raises(InputError, match="another reader"),
+    ):
+        open_port(emulator.port, 115200)
+
+    for number, cure in ((errno.EACCES, "dialout"), (errno.EBUSY, "close that first"), (errno.ENOENT, "plugged in")):
+        error = serial.SerialException(number, "could not open port")
+        monkeypatch.setattr(serial, "Serial", Mock(side_effect=error))
+        with pytest.raises(InputError, match=cure):
+            open_port("any", 115200)
+    assert len(set(CURES.values())) >= 6
+
+
+def test_what_is_said_to_a_device_arrives() -> None:
+    """The hello goes out once, the poll again and again."""
+    said = bytearray()
+
+    class Ear(Encoder):
+        def encode(self, *_: Any) -> bytes:
+            return b""
+
+        def hear(self, data: bytes) -> bytes:
+            said.extend(data)
+            return b""
+
+    def say() -> Iterator[tuple[float, bytes]]:
+        for n in range(60):
+            yield n * 0.01, b"x"
+
+    with device(say(), device=Ear()) as emulator:
+        ring = Ring()
+        reader = PortReader(emulator.port, 115200, Talk(b"hello", b"?", 0.05), ring)
+        until = time.monotonic() + LIMIT
+        while said.count(b"?") < 3 and time.monotonic() < until:
+            time.sleep(0.01)
+        reader.close()
+    assert said.startswith(b"hello?")
+    assert said.count(b"hello") == 1
+    assert ring.closed
+    assert b"".join(chunk.data for chunk in ring.get(0)).startswith(b"x")
+
+
+def test_a_full_ring_counts_and_never_waits() -> None:
+    ring = Ring(10 * (100 + CHUNK_COST))
+    took = [ring.put(Chunk(n, bytes(100))) for n in range(25)]
+    assert took == [True] * 10 + [False] * 15
+    assert ring.overflowed == 1500
+    assert ring.put(Chunk(99, note=UNPLUGGED))  # what happened is never lost
+    assert [chunk.t for chunk in ring.get(0)] == [*range(10), 99]
+    assert ring.get(0) == []
+    assert ring.put(Chunk(0, bytes(100)))
+
+
+def test_loops_go_on_counting() -> None:
+    scene = grip(0.1)
+    description = emulated_description("native", scene)
+    looped = list(itertools.islice(packets(description, scene, loop=True), 50))
+    times = np.array([t for t, _ in looped])
+    assert np.diff(times) == pytest.approx(np.full(49, 0.005), abs=1e-9)
+    frames = list(WireSource(description, [Chunk(0, data) for _, data in looped]))
+    assert [frame.sequence for frame in frames[::2]] == list(range(50))
+
+
+def test_ports_are_listed_with_what_they_may_be(monkeypatch: pytest.MonkeyPatch) -> None:
+    import serial.tools.list_ports as listing
+
+    found = [
+        SimpleNamespace(device="/dev/ttyS0", description="n/a", vid=None, pid=None),
+        SimpleNamespace(device="/dev/ttyACM0", description="board", vid=0x16C0, pid=0x0483),
+    ]
+    monkeypatch.setattr(listing, "comports", lambda: found)
+    result = call("ports")
+    assert result.output.splitlines() == ["/dev/ttyACM0  board 16c0:0483  (Teensy)", "/dev/ttyS0  n/a"]
+    monkeypatch.setattr(listing, "comports", list)
+    assert "no serial ports" in call("ports").output
+
+
+def test_a_missing_library_is_told_with_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing(name: str) -> Any:
+        raise ModuleNotFoundError(f"No module named {name!r}", name="cobs")
+
+    monkeypatch.setattr(importlib, "import_module", missing)
+    with pytest.raises(InputError, match=r"needs cobs.*pip install 'cellular-wave-touch\[serial\]'"):
+        find_format("native")
+
+
+def test_a_reader_that_falls_behind_loses_bytes_not_frames_made_up() -> None:
+    """What the ring could not take leaves a hole: the decoder counts it and goes on."""
+    description, stream = sent("native", 1.0)
+    ring = Ring(20_000)
+    for n, (_, data) in enumerate(stream):
+        ring.put(Chunk(n, data))
+    first = len(ring._chunks)
+    chunks = [*ring.get(0), *(Chunk(200, data) for _, data in stream[-10:])]
+    assert first < len(stream) - 10
+    source = WireSource(description, chunks)
+    frames = list(source)
+    assert len(frames) == 2 * (first + 10)
+    assert source.counts.missing == 2 * (len(stream) - 10 - first)
+    assert ring.overflowed == sum(len(data) for _, data in stream[first:])
+
+
+def test_options_say_how_many_taxels() -> None:
+    assert Options(((2, 3), (1, 4))).taxels == (6, 4)

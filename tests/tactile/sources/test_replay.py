@@ -1,0 +1,199 @@
+"""Recordings in CSV and NPZ: exact round trips, broken files named with their line."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cnnsim.support.errors import InputError
+from tactile.core.frame import Frame, TaxelArray
+from tactile.core.source import Source
+from tactile.sources.replay import read_recording
+from tactile.sources.replay_csv import CsvReplay, read_csv, write_csv
+from tactile.sources.replay_npz import read_npz
+from tactile.sources.simulated import read_scene, scene_from
+from tests.kits.paths import DATA
+from tests.kits.source import GRIP, parsed
+
+RECORDINGS = sorted((DATA / "papillarray").glob("*.npz"))
+
+
+def same(a: Frame, b: Frame) -> bool:
+    return (
+        (a.finger, a.t, a.sequence) == (b.finger, b.t, b.sequence)
+        and np.array_equal(a.t_device, b.t_device, equal_nan=True)
+        and np.array_equal(a.values, b.values, equal_nan=True)
+        and np.array_equal(a.valid, b.valid)
+    )
+
+
+def mixed() -> CsvReplay:
+    """Fingers of different sizes and quantities, a device clock, hard numbers and an invalid taxel."""
+    random = np.random.default_rng(0)
+    arrays = (
+        TaxelArray('le"ft, ü', 1, 2, 1.5e-3, 0.1 + 0.2, (1 / 3, -2e-3)),
+        TaxelArray("right", 2, 2, 7e-3, 0.0, quantity="force"),
+    )
+    frames = []
+    for k in range(6):
+        values = random.normal(size=(*arrays[k % 2].shape, 3)) * 10.0 ** random.uniform(-300, 300)
+        values[0, 0, 1] = np.nan if k == 3 else -0.0
+        frames.append(Frame(k % 2, k / 7, 100 + k, values, np.isfinite(values).all(-1), k / 3 if k else np.nan))
+    return CsvReplay('a "title" # with\nlines', arrays, 2.4e6 / 7, tuple(frames))
+
+
+@pytest.mark.parametrize("make", [mixed, lambda: read_scene(GRIP)], ids=["mixed", "grip"])
+def test_csv_round_trip_is_exact(tmp_path: Path, make: Callable[[], Source]) -> None:
+    source, path = make(), tmp_path / "r.csv"
+    write_csv(path, source)
+    back = read_recording(path)
+    assert (back.title, back.arrays, back.modulus, back.frames) == (
+        source.title,
+        source.arrays,
+        source.modulus,
+        source.frames,
+    )
+    for a, b in zip(source, back, strict=True):
+        usable = np.where(a.valid[..., None], a.values, np.nan)
+        assert same(Frame(a.finger, a.t, a.sequence, usable, a.valid, a.t_device), b)
+
+
+def broken(tmp_path: Path, number: int, change: Callable[[str], str]) -> Path:
+    """A recording with one line changed: 1 to 11 are the header, 12 the column names, 13 the first frame."""
+    path = tmp_path / "r.csv"
+    write_csv(path, scene_from(parsed(), "here"))
+    lines = path.read_text().splitlines()
+    lines[number - 1] = change(lines[number - 1])
+    path.write_text("\n".join(lines))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("number", "change", "message"),
+    [
+        (15, lambda line: line[: len(line) // 2], r"line 15: \d+ columns, 22 wanted for finger 'left'"),
+        (15, lambda line: line + ",1", "line 15: 23 columns, 22 wanted"),
+        (14, lambda line: line.replace("left", "top"), "line 14: finger 'top', one of left"),
+        (14, lambda line: "x" + line, "line 14: t_s = 'x0.01', a number"),
+        (14, lambda line: "," + line.split(",", 1)[1], "line 14: t_s = '', a finite time"),
+        (16, lambda line: "0.001," + line.split(",", 1)[1], "line 16: t_s = 0.001 after 0.02"),
+        (17, lambda line: line[:-1] + "z", "line 17: n5 = .*z', a number or nothing"),
+        (12, lambda _: "a,b", "line 12: 'a,b', the column names 't_s,t_device_s,finger"),
+        (1, lambda _: "# tactile_recording = 2", "tactile_recording = 2, 1 wanted"),
+        (6, lambda _: "# rows = 2.5", "finger 1: rows = 2.5, a whole number"),
+        (6, lambda _: "# row = 2", "unknown key 'row'; did you mean 'rows'"),
+        (6, lambda _: "# rows 2", "not TOML"),
+        (11, lambda _: '# quantity = "volts"', "quantity 'volts', one of strain"),
+    ],
+)
+def test_broken_csv_names_file_and_line(
+    tmp_path: Path, number: int, change: Callable[[str], str], message: str
+) -> None:
+    with pytest.raises(InputError, match=message) as caught:
+        read_csv(broken(tmp_path, number, change))
+    assert "r.csv" in str(caught.value)
+
+
+def test_empty_and_nan_cells_are_invalid_taxels(tmp_path: Path) -> None:
+    path = broken(tmp_path, 14, lambda line: ",".join([*line.split(",")[:4], "", *line.split(",")[5:-1], "NaN"]))
+    frame = read_csv(path).recorded[1]
+    assert frame.valid.tolist() == [[False, True, True], [True, True, False]]
+
+
+def test_csv_without_frames_or_file(tmp_path: Path) -> None:
+    path = tmp_path / "r.csv"
+    write_csv(path, scene_from(parsed(), "here"))
+    path.write_text("\n".join(path.read_text().splitlines()[:12]))
+    with pytest.raises(InputError, match="no frames"):
+        read_csv(path)
+    with pytest.raises(InputError, match=r"nothing\.csv"):
+        read_recording(tmp_path / "nothing.csv")
+    with pytest.raises(InputError, match=r"'.bag', a recording in .csv or .npz"):
+        read_recording(tmp_path / "r.bag")
+
+
+@dataclass
+class Pillars:
+    """Arrays of a recording, to be spoiled."""
+
+    arrays: dict[str, Any]
+
+    def save(self, path: Path) -> Path:
+        np.savez(path, **self.arrays)
+        return path
+
+
+def pillars(sensors: tuple[int, ...] = (0, 1), length: int = 5) -> Pillars:
+    arrays: dict[str, Any] = {}
+    for s in sensors:
+        force = np.arange(length * 27, dtype=np.float32).reshape(length, 9, 3) + 1000 * s
+        arrays |= {f"s{s}_force": force, f"s{s}_t_ns": 10**18 + 2_000_000 * np.arange(length) + 500_000 * (1 - s)}
+        arrays |= {f"s{s}_seq": 7 + np.arange(length), f"s{s}_tus": 1000 * np.arange(length)}
+    return Pillars(arrays)
+
+
+def test_npz_merges_sensors_in_time(tmp_path: Path) -> None:
+    source = read_npz(pillars().save(tmp_path / "run.npz"))
+    frames = list(source)
+    assert (source.title, source.frames, source.modulus) == ("run", 10, None)
+    assert [frame.finger for frame in frames] == [1, 0] * 5
+    assert [frame.t for frame in frames[:3]] == pytest.approx([0, 0.5e-3, 2e-3], abs=1e-15)
+    assert frames[2].t_device == 1e-3
+    assert frames[2].sequence == 8
+    assert frames[2].values.tolist() == (np.arange(27, 54) + 1000.0).reshape(3, 3, 3).tolist()
+    assert {(a.shape, a.quantity, a.pitch) for a in source.arrays} == {((3, 3), "force", 7e-3)}
+    one = read_npz(pillars((0,)).save(tmp_path / "one.npz"))
+    assert [array.name for array in one.arrays] == ["sensor 0"]
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("s1_t_ns", None, "s1_t_ns is missing"),
+        ("s1_force", np.zeros((5, 8, 3)), "8 pillars, a square number"),
+        ("s1_force", np.zeros((5, 27)), r"shape \(5, 27\)"),
+        ("s0_seq", np.arange(4), r"s0_seq of shape \(4,\)"),
+        ("s0_tus", np.zeros(5), "type float64"),
+    ],
+)
+def test_wrong_npz_is_refused(tmp_path: Path, name: str, value: Any, message: str) -> None:
+    spoiled = pillars()
+    spoiled.arrays[name] = value
+    if value is None:
+        del spoiled.arrays[name]
+    with pytest.raises(InputError, match=message):
+        read_npz(spoiled.save(tmp_path / "r.npz"))
+
+
+def test_npz_of_something_else_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="holds a; s0_force"):
+        read_npz(Pillars({"a": 1}).save(tmp_path / "r.npz"))
+    (tmp_path / "text.npz").write_text("no archive")
+    with pytest.raises(InputError, match=r"text\.npz"):
+        read_npz(tmp_path / "text.npz")
+    (tmp_path / "cut.npz").write_bytes((tmp_path / "r.npz").read_bytes()[:100])
+    with pytest.raises(InputError, match=r"cut\.npz"):
+        read_npz(tmp_path / "cut.npz")
+
+
+@pytest.mark.skipif(not RECORDINGS, reason="the recordings of shared/data/papillarray are not here")
+def test_real_recordings() -> None:
+    for path in RECORDINGS[:2] + RECORDINGS[-2:]:
+        source = read_recording(path)
+        frames = list(source)
+        assert len(frames) == source.frames
+        assert len(source.arrays) == (1 if path.name.startswith("rigid") else 2)
+        times = np.array([frame.t for frame in frames])
+        assert times[0] == 0
+        assert (np.diff(times) >= 0).all()
+        assert 3 < times[-1] < 60
+        assert all(frame.valid.all() for frame in frames)
+        with np.load(path) as file:  # pillar forces sum to the global force: pressed is positive
+            first = [frame for frame in frames if frame.finger == 0]
+            total = np.array([frame.values.sum((0, 1)) for frame in first])
+            near = np.abs(total - file["s0_global"][:, :3]).max(1) < 0.05
+        assert near.mean() > 0.99
+        assert total[:, 2].max() > 1

@@ -1,0 +1,246 @@
+"""The whole flow on scenes with known truth, on recordings, and on bad input."""
+
+import csv
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from PIL import Image
+
+from tactile.calibration.gains import Gains
+from tactile.cli.group import main
+from tactile.core.frame import Frame
+from tactile.events.code import SIGN
+from tactile.finger import Settings
+from tactile.inverse.validity import Validity
+from tactile.output.record import Collected
+from tactile.pipeline import Report, run
+from tactile.sources import open_source
+from tactile.sources.replay_csv import write_csv
+from tests.kits.paths import ROOT
+
+GRIP = ROOT / "examples" / "scenes" / "grip.toml"
+DATA = ROOT.parent / "shared" / "data" / "papillarray"
+recordings = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings lie beside the project, and are not here")
+
+SCENE = """
+title = "one finger"
+rate_hz = 100
+duration_s = 2.0
+[cover]
+youngs_modulus_mpa = 2.4
+quantity = "{quantity}"
+[[finger]]
+name = "tip"
+rows = 3
+cols = 3
+pitch_mm = 1.0
+depth_mm = 1.0
+origin_mm = [0.0, 0.0]
+[[load]]
+finger = "tip"
+path = [[0.5, -0.3, 0.2, 0.0, 0.0, 0.5], [1.0, -0.3, 0.2, 0.1, -0.3, 0.5], [1.5, 0.4, 0.2, 0.1, -0.3, 0.5]]
+"""
+
+
+def _call(*arguments: Any) -> Result:
+    return CliRunner().invoke(main, ["run", *(str(argument) for argument in arguments)])
+
+
+def _scene(tmp_path: Path, quantity: str = "strain") -> Path:
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE.format(quantity=quantity), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("backend", ["reference", "cpu"])
+@pytest.mark.parametrize("quantity", ["strain", "stress"])
+def test_every_located_load_is_the_scene_s(tmp_path: Path, backend: str, quantity: str) -> None:
+    reports: list[Report] = []
+    run(open_source(_scene(tmp_path, quantity)), Settings(backend=backend), [reports.append])
+    assert len(reports) == 200
+    for report in reports:
+        t, load = report.frame.t, report.load
+        assert load is not None
+        if not 0.5 <= t <= 1.5:
+            assert load.validity == Validity.NO_LOAD
+            continue
+        ramp, way = np.clip((t - 0.5) / 0.5, 0, 1), np.clip((t - 1.0) / 0.5, 0, 1)
+        truth = (-0.3e-3 + 0.7e-3 * way, 0.2e-3, 0.1 * ramp, -0.3 * ramp, 0.5)
+        assert (load.x, load.y, load.Q, load.R, load.F) == pytest.approx(truth, rel=1e-9, abs=1e-12)
+        assert load.taxels >= 3
+
+
+def test_the_grip_scene_tells_its_story() -> None:
+    collected = Collected()
+    run(open_source(GRIP), Settings(), [collected])
+    for finger in ("left", "right"):
+        story = [event.meaning for event in collected.events if event.finger == finger]
+        chapters = [text.split(":")[0] for text in story if not text.startswith("shear")]
+        assert chapters == [
+            "contact", "tangential load +y", "slip begins toward +y", "slip ends", "tangential load gone", "release",
+        ]  # fmt: skip
+        times = {event.meaning: event.t for event in collected.events if event.finger == finger}
+        assert times["contact"] == pytest.approx(0.55, abs=0.05)
+        assert times["slip begins toward +y"] == pytest.approx(3.02, abs=0.02)
+        assert times["release"] == pytest.approx(5.48, abs=0.05)
+    (slip,) = [event.meaning for event in collected.events if event.finger == "left" and "slip ends" in event.meaning]
+    assert slip == "slip ends: 0.50 mm toward +y"
+    assert all(event.latency > 0 for event in collected.events)
+
+
+def test_the_sign_code_of_two_fingers_has_sixteen_bits() -> None:
+    """Under a pressing point load every taxel's shear strain points to the load: eq. (1)."""
+    codes: list[int] = []
+    run(open_source(GRIP), Settings(shear=SIGN), [lambda report: codes.extend(event.hand for event in report.events)])
+    held = max(codes)
+    assert held == 0b11011000_11011000  # towards the middle from four corners, on both fingers
+    assert all(code < 1 << 16 for code in codes)
+
+
+class _Spoilt:
+    """A source with NaN in one taxel, a frame of Inf and a dead taxel."""
+
+    def __init__(self, source: Any) -> None:
+        self._source = source
+        self.arrays, self.modulus, self.frames, self.title = source.arrays, source.modulus, source.frames, source.title
+
+    def __iter__(self) -> Iterator[Frame]:
+        for i, frame in enumerate(self._source):
+            values, valid = frame.values.copy(), frame.valid.copy()
+            if i % 7 == 3:
+                values[0, 1, 2] = np.nan
+            if i == 120:
+                values[:] = np.inf
+            valid[2, 2] = False
+            yield replace(frame, values=values, valid=valid)
+
+
+def test_bad_readings_spoil_nothing_else(tmp_path: Path) -> None:
+    clean: list[Report] = []
+    spoilt: list[Report] = []
+    run(open_source(_scene(tmp_path)), Settings(), [clean.append])
+    run(_Spoilt(open_source(_scene(tmp_path))), Settings(), [spoilt.append])
+    for i, (good, bad) in enumerate(zip(clean, spoilt, strict=True)):
+        assert good.load is not None
+        assert bad.load is not None
+        if i == 120:
+            assert bad.load.validity == Validity.INVALID
+        elif good.load.validity == Validity.INSIDE:
+            assert (bad.load.x, bad.load.F) == pytest.approx((good.load.x, good.load.F), rel=1e-9, abs=1e-12)
+        assert bad.code.x[2, 2] == 0
+        if i != 120 and i % 7 != 3:
+            assert np.array_equal(bad.code.x[:2], good.code.x[:2])
+
+
+def test_the_record_and_the_picture(tmp_path: Path) -> None:
+    result = _call(GRIP, "-o", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert "slip ends: 0.50 mm toward +y" in result.output
+    with (tmp_path / "out" / "frames.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 2400
+    held = next(row for row in rows if row["finger"] == "left" and float(row["t_s"]) >= 2.5)
+    assert float(held["load_f_n"]) == pytest.approx(0.6, rel=1e-6)
+    assert held["load_validity"] == "inside"
+    record = json.loads((tmp_path / "out" / "events.json").read_text(encoding="utf-8"))
+    assert record["complete"] is True
+    assert [event["meaning"] for event in record["events"]].count("contact") == 2
+    with Image.open(tmp_path / "out" / "touch.png") as picture:
+        assert picture.size[0] > 1000
+
+
+def test_json_is_for_machines(tmp_path: Path) -> None:
+    data = json.loads(_call(_scene(tmp_path), "--json").output)
+    assert data["frames"] == 200
+    assert data["fingers"]["tip"]["located"] == {"no_load": 99, "inside": 101}
+    assert data["events"][0]["meaning"] == "contact"
+
+
+def test_a_scene_written_and_replayed_gives_the_same_events(tmp_path: Path) -> None:
+    write_csv(tmp_path / "grip.csv", open_source(GRIP))
+    live, replayed = Collected(), Collected()
+    run(open_source(GRIP), Settings(), [live])
+    run(open_source(tmp_path / "grip.csv"), Settings(), [replayed])
+    assert [replace(event, latency=0.0, load=None) for event in live.events] == [
+        replace(event, latency=0.0, load=None) for event in replayed.events
+    ]
+    assert np.array_equal(live.table("left"), replayed.table("left"), equal_nan=True)
+
+
+def test_tare_and_gains_bring_readings_back_to_strain(tmp_path: Path) -> None:
+    """A sensor with alpha_s = 3e-4, alpha_n = 2e-4 and an offset, as eq. (15) has it, locates like a perfect one."""
+
+    class Raw(_Spoilt):
+        def __iter__(self) -> Iterator[Frame]:
+            offset = np.array([5.0, -3.0, 7.0])
+            for frame in self._source:
+                yield replace(frame, values=frame.values / [3e-4, 3e-4, 2e-4] + offset)
+
+    reports: list[Report] = []
+    run(Raw(open_source(_scene(tmp_path))), Settings(tare=40, gains=Gains(3e-4, 2e-4)), [reports.append])
+    assert not any(report.frame.valid.any() for report in reports[:40])
+    load = reports[90].load
+    assert load is not None
+    assert (load.x, load.F) == pytest.approx((-0.3e-3, 0.5), rel=1e-6)
+
+
+@recordings
+def test_real_grasps_run(tmp_path: Path) -> None:
+    for path in (sorted(DATA.glob("grasp*.npz"))[0], DATA / "rigid_obj_slide_23-08-23.npz"):
+        data = json.loads(_call(path, "--json", "-o", tmp_path).output.split("wrote")[0])
+        meanings = [event["meaning"] for event in data["events"]]
+        assert "contact" in meanings
+        assert len({event["code"] for event in data["events"]}) < 60
+        assert all(facts["located"] == {} for facts in data["fingers"].values())
+
+
+@pytest.mark.parametrize(("change", "message"), [
+    (("[cover]", "[covers]"), "did you mean"),
+    (("rows = 3", "rows = 0"), "at least 1 x 1 wanted"),
+    (("pitch_mm = 1.0", "pitch_mm = -1.0"), "pitch"),
+    (("[[load]]", "[[lod]]"), "lod"),
+    (('finger = "tip"', 'finger = "toe"'), "toe"),
+    (("[[0.5, -0.3", "[[0.5"), "keyframe"),
+    (("title =", "title"), "TOML"),
+])  # fmt: skip
+def test_a_wrong_scene_is_one_line_and_exit_code_two(change: tuple[str, str], message: str, tmp_path: Path) -> None:
+    path = _scene(tmp_path)
+    path.write_text(path.read_text(encoding="utf-8").replace(*change), encoding="utf-8")
+    result = _call(path)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert message in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+
+
+def test_other_mistakes_are_told(tmp_path: Path) -> None:
+    for arguments, message in (
+        ((tmp_path / "none.toml",), "no scene or recording"),
+        ((GRIP, "--sign-code", "--dead-band", "1"), "--sign-code has no dead band"),
+        ((GRIP, "--hysteresis", "1"), "--hysteresis needs a --dead-band"),
+        ((GRIP, "--dead-band", "-1"), "dead_band is -1.0"),
+        ((GRIP, "--window", "0"), "window"),
+        ((GRIP, "--gains", "2"), "two numbers SHEAR,NORMAL wanted"),
+        ((GRIP, "--gains", "0,1"), "shear gain 0.0"),
+        ((GRIP, "--tare", "-1"), "tare over -1 frames"),
+        ((GRIP, "-o", GRIP), "cannot write the record"),
+    ):
+        result = _call(*arguments)
+        assert result.exit_code == 2, arguments
+        assert message in result.stderr
+        assert "Traceback" not in result.output
+
+
+def test_a_truncated_recording_names_its_line(tmp_path: Path) -> None:
+    path = tmp_path / "cut.csv"
+    write_csv(path, open_source(_scene(tmp_path)))
+    path.write_text(path.read_text(encoding="utf-8")[:-40], encoding="utf-8")
+    result = _call(path)
+    assert result.exit_code == 2
+    assert "cut.csv" in result.stderr
+    assert "line" in result.stderr
