@@ -23,13 +23,13 @@ class Result:
     """The end of a transient: state ``x`` and output ``y`` (rows, cols), time ``t`` [time constants; inf: at rest].
 
     ``settled`` says whether nothing changes any more (see `Plan`); after a fixed duration nobody looked and it is
-    False. ``slope`` is the largest |dx/dt| at the end, NaN if nobody looked.
+    False. ``rate`` is the largest |dx/dt| at the end, NaN if nobody looked.
     """
 
     x: NDArray[Any]
     t: float
     settled: bool
-    slope: float
+    rate: float
     plan: Plan
 
     @property
@@ -117,7 +117,7 @@ def make_task(
         raise InputError(f"template {template.name!r} has a B, or a term of u, so it needs an input plane")
     plan = make_plan(
         template, x.shape, boundary, duration=duration, cell=cell, scheme=scheme, step=step, limit=limit,
-        without=without, every=[value.every for value in (u, w) if isinstance(value, Frames)],
+        without=without, periods=[value.period for value in (u, w) if isinstance(value, Frames)],
     )  # fmt: skip
     if plan.cell == "full-range" and np.abs(x).max() > 1:
         raise InputError(f"state reaches {np.abs(x).max():g}; the full-range model keeps it from -1 to 1")
@@ -144,11 +144,11 @@ def run_transient(
     task = make_task(template, state=state, **choices)
     where = backends.get(backend, dtype) if isinstance(backend, str) else backend
     outcome = task.start(where)
-    result = Result(where.read(outcome.x), outcome.t, outcome.settled, outcome.slope, task.plan)
+    result = Result(where.read(outcome.x), outcome.t, outcome.settled, outcome.rate, task.plan)
     if task.plan.duration == "settled" and not result.settled:
         raise NotSettledError(
             f"template {template.name!r} has not settled after {result.t:g} time constants: |dx/dt| is still "
-            f"{result.slope:.3g} somewhere; give a duration, or a higher limit",
+            f"{result.rate:.3g} somewhere; give a duration, or a higher limit",
             result,
         )
     return result

@@ -10,8 +10,8 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cnnsim.support.types import Floats
 from tactile.bump.body import Body
 from tactile.bump.kinematics import PRESSED, SHEARED
 from tactile.bump.law import Mixed
@@ -21,7 +21,6 @@ from tactile.bump.probe import Probe
 from tactile.bump.shape import Shape
 from tactile.elastic.medium import Medium
 
-Plane = NDArray[np.float64]
 RUBBER = Medium(0.87e6, 0.499)
 CONTACTS = np.array([30e-6, 50e-6, 70e-6, 100e-6, 120e-6, 140e-6])
 DEPTHS = np.concatenate([np.linspace(-80e-6, 0, 5), np.linspace(20e-6, 500e-6, 25)])
@@ -31,7 +30,7 @@ ASIDE = np.linspace(10e-6, 400e-6, 40)
 
 
 @cache
-def strains(contact: float) -> tuple[Plane, Plane, Plane, Plane]:
+def strains(contact: float) -> tuple[Floats, Floats, Floats, Floats]:
     """Per newton: zz and xz on the axis at the depths; zz under press and under shift, aside at the sensors' depth."""
     shape = Shape(contact=contact)
     mesh = half_section(shape, 1.5)
@@ -51,7 +50,7 @@ def strains(contact: float) -> tuple[Plane, Plane, Plane, Plane]:
     return read[0][:count, 2, 2], read[1][:count, 0, 2], read[0][count:, 2, 2], read[1][count:, 2, 2]
 
 
-def spread(values: Plane) -> Plane:
+def spread(values: Floats) -> Floats:
     """Largest over smallest along the contacts (the first axis), infinite where the sign changes."""
     low, high = np.abs(values).min(axis=0), np.abs(values).max(axis=0)
     same = (np.sign(values) == np.sign(values[0])).all(axis=0)

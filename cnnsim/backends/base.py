@@ -22,13 +22,13 @@ Memory = Literal["lam", "llm"]
 class Outcome(NamedTuple):
     """The end of a transient: the state plane, the time [time constants], whether it settled, the largest |dx/dt|.
 
-    ``slope`` is NaN where it was not asked for (a fixed duration, a closed form at a finite time).
+    ``rate`` is NaN where it was not asked for (a fixed duration, a closed form at a finite time).
     """
 
     x: Plane
     t: float
     settled: bool
-    slope: float
+    rate: float
 
 
 class Backend(Protocol):
@@ -47,9 +47,9 @@ class Backend(Protocol):
         """Give the plane for the other memory: black is +1, white -1; a value above 0 is black."""
 
     def transient(
-        self, plan: Plan, x: Plane, u: Plane | None, bias: Plane | None = None, held: Plane | None = None
+        self, plan: Plan, x: Plane, u: Plane | None, bias: Plane | None = None, mask: Plane | None = None
     ) -> Outcome:
-        """Run a transient from the state ``x``; LAM planes, but ``held`` (LLM): black cells keep their state."""
+        """Run a transient from the state ``x``; LAM planes, but ``mask`` (LLM): black cells keep their state."""
 
     def output(self, x: Plane) -> Plane:
         """Give y = clip(x, -1, 1)."""

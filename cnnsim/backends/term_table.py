@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.network.layers import LayeredTemplate
 from cnnsim.network.table import Table
@@ -15,8 +14,7 @@ from cnnsim.network.term import Argument, Term
 from cnnsim.network.weights import reach
 from cnnsim.planning.general import delays_of
 from cnnsim.planning.plan import Plan
-
-Array = NDArray[Any]
+from cnnsim.support.types import Array
 
 NOTHING = -1
 IDENTITY, LINEAR, STEP, CLIP, SIGN, TANH = range(6)

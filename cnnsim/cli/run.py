@@ -83,7 +83,7 @@ def run(
     black = int((result.y > 0).sum())
     size = " x ".join(str(n) for n in result.y.shape)
     if as_json:
-        facts = {"template": name, "t": result.t, "settled": result.settled, "slope": result.slope}
+        facts = {"template": name, "t": result.t, "settled": result.settled, "rate": result.rate}
         print_json({**facts, "black": black, "cells": result.y.size, "shape": result.y.shape})
     else:
         ended = (

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cnnsim.formats.candy.lines import decode, split
-from cnnsim.formats.matlab_expression import Array, evaluate
+from cnnsim.formats.matlab_expression import evaluate
 from cnnsim.formats.matlab_tokens import Token, statements
 from cnnsim.library.imported import Draft, assume_setting, library_name
 from cnnsim.network.table import from_pairs
@@ -18,6 +18,7 @@ from cnnsim.network.template import Template
 from cnnsim.network.term import Term, from_matcnn
 from cnnsim.support.errors import InputError
 from cnnsim.support.findings import Report
+from cnnsim.support.types import Floats
 
 _CODES = {"a": 33, "b": 11}  # A: of y_kl - y_ij, B: of u_kl - u_ij; D says its own
 _PARTS = ("A", "B", "I", "a", "Aa", "b", "Bb", "d", "Dd")
@@ -29,13 +30,13 @@ class Entry:
 
     name: str
     line: int
-    parts: dict[str, Array] = field(default_factory=dict)
+    parts: dict[str, Floats] = field(default_factory=dict)
     broken: bool = False
 
 
 def read_matcnn(data: bytes, report: Report) -> dict[str, Entry]:
     """Return the entries of a file by name; what is no such assignment is a warning, a wrong one an error."""
-    values: dict[str, Array] = {}
+    values: dict[str, Floats] = {}
     entries: dict[str, Entry] = {}
     text = "\n".join(row for _, row in split(decode(data, report), report))
     for tokens in statements(text):

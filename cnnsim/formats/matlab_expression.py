@@ -8,17 +8,16 @@ it starts a new entry (``[1 -1]`` has two, ``[1 - 1]`` has one), as in MATLAB.
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.formats.matlab_tokens import Token
 from cnnsim.support.errors import InputError
 from cnnsim.support.numbers import number
+from cnnsim.support.types import Floats
 
-Array = NDArray[np.float64]
 _DEEPEST = 40
 
 
-def evaluate(tokens: list[Token], names: Mapping[str, Array]) -> Array:
+def evaluate(tokens: list[Token], names: Mapping[str, Floats]) -> Floats:
     """Return the value of an expression, a scalar as an array of no axes.
 
     Raises:
@@ -34,7 +33,7 @@ def evaluate(tokens: list[Token], names: Mapping[str, Array]) -> Array:
 
 
 class _Parser:
-    def __init__(self, tokens: list[Token], names: Mapping[str, Array]) -> None:
+    def __init__(self, tokens: list[Token], names: Mapping[str, Floats]) -> None:
         self.tokens = [*tokens, Token("end", "the end", tokens[-1].line if tokens else 0)]
         self.names = names
         self.at = 0
@@ -51,7 +50,7 @@ class _Parser:
             return self.tokens[self.at - 1].text
         return None
 
-    def sum(self, in_brackets: bool) -> Array:
+    def sum(self, in_brackets: bool) -> Floats:
         value = self.product(in_brackets)
         while not (in_brackets and self.starts_entry()) and (sign := self.take("+", "-")):
             other = self.product(in_brackets)
@@ -61,13 +60,13 @@ class _Parser:
     def starts_entry(self) -> bool:
         return self.token.blank_before and not self.token.blank_after
 
-    def product(self, in_brackets: bool) -> Array:
+    def product(self, in_brackets: bool) -> Floats:
         value = self.factor()
         while sign := self.take("*", "/", ".*", "./"):
             value = _combine(value, sign, self.factor())
         return value
 
-    def factor(self) -> Array:
+    def factor(self) -> Floats:
         sign = 1.0
         while word := self.take("+", "-"):
             sign = -sign if word == "-" else sign
@@ -95,7 +94,7 @@ class _Parser:
         self.depth -= 1
         return np.asarray(sign * value)
 
-    def rows(self) -> Array:
+    def rows(self) -> Floats:
         rows: list[list[float]] = [[]]
         while not self.take("]"):
             if self.take(";") or self.token.kind == "newline":
@@ -112,7 +111,7 @@ class _Parser:
         return np.array(rows)
 
 
-def _combine(a: Array, sign: str, b: Array) -> Array:
+def _combine(a: Floats, sign: str, b: Floats) -> Floats:
     if a.ndim and b.ndim and (sign in ("*", "/") or a.shape != b.shape):
         raise InputError(f"'{sign}' between a matrix {a.shape} and a matrix {b.shape}")
     if sign in ("/", "./") and not b.all():

@@ -84,10 +84,10 @@ class LibraryEntry:
             raise InputError(f"template {self.name!r} has {len(self.network.layers)} layers; a single layer wanted")
         return self.network
 
-    def running_time(self, shape: tuple[int, int], *, step: float | None = None, walls: bool = False) -> RunningTime:
+    def running_time(self, shape: tuple[int, int], *, step: float | None = None, has_mask: bool = False) -> RunningTime:
         """Return `guaranteed_time` on a grid (rows, cols), for the file's own step unless another is given.
 
-        ``walls`` says that a mask may hold cells.
+        ``has_mask`` says that a mask may hold cells.
         """
         if not isinstance(self.network, Template) or isinstance(self.initial_state, tuple):
             return RunningTime(None, "it has several layers")
@@ -95,15 +95,15 @@ class LibraryEntry:
             return RunningTime(None, "its cells are not those of Chua and Yang")
         return guaranteed_time(
             self.network, shape, self.boundary, input=self.input, initial_state=self.initial_state,
-            step=step or self.step or DEFAULT_STEP, walls=walls,
+            step=step or self.step or DEFAULT_STEP, has_mask=has_mask,
         )  # fmt: skip
 
-    def limit(self, shape: tuple[int, int], *, walls: bool = False) -> float:
+    def limit(self, shape: tuple[int, int], *, has_mask: bool = False) -> float:
         """Return how long to wait for rest on a grid: as usual, or the guaranteed time if that is longer.
 
         One time constant is added to it, as rest is looked for once in each.
         """
-        known, usual = self.running_time(shape, walls=walls).time, usual_limit(shape)
+        known, usual = self.running_time(shape, has_mask=has_mask).time, usual_limit(shape)
         return usual if known is None else max(usual, known + 1.0)
 
     def task(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, Any]:

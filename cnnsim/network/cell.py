@@ -28,13 +28,13 @@ def output(x: NDArray[Any]) -> NDArray[Any]:
     return np.clip(x, x.dtype.type(-1), x.dtype.type(1))
 
 
-def slope(drive: NDArray[Any], x: NDArray[Any], model: CellModel) -> NDArray[Any]:
-    """Return dx/dt for the drive A*y + w; in the full-range model a wall stops what pushes against it."""
-    rate = drive - x
+def rate(drive: NDArray[Any], x: NDArray[Any], model: CellModel) -> NDArray[Any]:
+    """Return dx/dt for the drive A*y + w; in the full-range model the limiter stops what pushes against it."""
+    change = drive - x
     if model == "full-range":
-        stopped = ((x >= 1) & (rate > 0)) | ((x <= -1) & (rate < 0))
-        rate = np.where(stopped, rate.dtype.type(0), rate)
-    return rate
+        stopped = ((x >= 1) & (change > 0)) | ((x <= -1) & (change < 0))
+        change = np.where(stopped, change.dtype.type(0), change)
+    return change
 
 
 def uncoupled_state(x0: NDArray[Any], s: NDArray[Any], a: float, t: float, model: CellModel) -> NDArray[Any]:
@@ -47,7 +47,7 @@ def uncoupled_state(x0: NDArray[Any], s: NDArray[Any], a: float, t: float, model
     """
     with np.errstate(all="ignore"):  # both sides of each np.where are computed; the wrong one may overflow
         if model == "full-range":
-            return _through_linear(x0, s, a, np.full_like(x0, t), walls=True)
+            return _through_linear(x0, s, a, np.full_like(x0, t), limited=True)
         side = np.where(x0 < 0, -1.0, 1.0)
         size, push = np.abs(x0), s * side
         target = a + push
@@ -55,23 +55,23 @@ def uncoupled_state(x0: NDArray[Any], s: NDArray[Any], a: float, t: float, model
         until_one = np.where(target < 1, np.log((size - target) / (1 - target)), np.inf)
         leaves = (size > 1) & (until_one < t)
         rest_of_time = np.where(leaves, t - until_one, t)
-        inside = _through_linear(np.where(leaves, 1.0, size), push, a, rest_of_time, walls=False)
+        inside = _through_linear(np.where(leaves, 1.0, size), push, a, rest_of_time, limited=False)
         return side * np.where((size > 1) & ~leaves, decayed, inside)
 
 
-def _through_linear(x: NDArray[Any], s: NDArray[Any], a: float, t: NDArray[Any], *, walls: bool) -> NDArray[Any]:
-    """Go from |x| <= 1 for the times t, into the saturation ahead (or up to the wall) if it is reached."""
-    slope = (a - 1) * x + s
-    ahead = np.where(slope < 0, -1.0, 1.0)
-    x, s, slope = x * ahead, s * ahead, np.abs(slope)
-    slope_at_one = (a - 1) + s
+def _through_linear(x: NDArray[Any], s: NDArray[Any], a: float, t: NDArray[Any], *, limited: bool) -> NDArray[Any]:
+    """Go from |x| <= 1 for the times t, into the saturation ahead (or up to the limit) if it is reached."""
+    rate = (a - 1) * x + s
+    ahead = np.where(rate < 0, -1.0, 1.0)
+    x, s, rate = x * ahead, s * ahead, np.abs(rate)
+    rate_at_one = (a - 1) + s
     if a == 1:
-        moved = slope * t
-        until_one = (1 - x) / slope
+        moved = rate * t
+        until_one = (1 - x) / rate
     else:
-        moved = slope * np.expm1((a - 1) * t) / (a - 1)
-        until_one = np.log1p((a - 1) * (1 - x) / slope) / (a - 1)
-    reaches = (slope > 0) & (slope_at_one > 0) & (until_one <= t)
+        moved = rate * np.expm1((a - 1) * t) / (a - 1)
+        until_one = np.log1p((a - 1) * (1 - x) / rate) / (a - 1)
+    reaches = (rate > 0) & (rate_at_one > 0) & (until_one <= t)
     left = np.where(np.isinf(t), 0.0, np.exp(-(t - until_one)))  # next to a tie, until_one may round to infinity too
-    beyond = np.ones_like(x) if walls else (a + s) + (1 - a - s) * left
-    return ahead * np.where(reaches, beyond, np.where(slope > 0, x + moved, x))
+    beyond = np.ones_like(x) if limited else (a + s) + (1 - a - s) * left
+    return ahead * np.where(reaches, beyond, np.where(rate > 0, x + moved, x))

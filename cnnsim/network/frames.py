@@ -14,35 +14,35 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Frames(Generic[T]):
-    """Planes that follow one another: number k holds for k every <= t < (k + 1) every, the last one for ever.
+    """Planes that follow one another: number k holds for k period <= t < (k + 1) period, the last one for ever.
 
-    Before t = 0 it is the first one. ``every`` is in time constants.
+    Before t = 0 it is the first one. ``period`` is in time constants.
 
     Raises:
         InputError: no plane, or a time that is not positive.
     """
 
     planes: tuple[T, ...]
-    every: float
+    period: float
 
-    def __init__(self, planes: Sequence[T], every: float) -> None:
+    def __init__(self, planes: Sequence[T], period: float) -> None:
         object.__setattr__(self, "planes", tuple(planes))
-        object.__setattr__(self, "every", every)
+        object.__setattr__(self, "period", period)
         if not self.planes:
             raise InputError("a sequence of planes without a plane; one or more wanted")
-        if isinstance(every, bool) or not isinstance(every, int | float) or not 0 < every < np.inf:
-            raise InputError(f"a plane every {every!r}; a positive number of time constants wanted")
+        if isinstance(period, bool) or not isinstance(period, int | float) or not 0 < period < np.inf:
+            raise InputError(f"a plane every {period!r}; a positive number of time constants wanted")
 
     def map(self, function: Callable[[T], Any]) -> "Frames[Any]":
         """Return the same sequence of other planes."""
-        return Frames([function(plane) for plane in self.planes], self.every)
+        return Frames([function(plane) for plane in self.planes], self.period)
 
 
 def at_step(value: Any, number: int, step: float) -> Any:
     """Return the plane that holds during step ``number`` of length ``step``; what is no sequence holds always."""
     if not isinstance(value, Frames):
         return value
-    return value.planes[min(max(0, number) // round(value.every / step), len(value.planes) - 1)]
+    return value.planes[min(max(0, number) // round(value.period / step), len(value.planes) - 1)]
 
 
 def spans(steps: int, step: float, delays: Sequence[float], *inputs: Any) -> Iterator[tuple[int, int]]:
@@ -50,9 +50,9 @@ def spans(steps: int, step: float, delays: Sequence[float], *inputs: Any) -> Ite
     edges = {0, steps}
     for value in inputs:
         if isinstance(value, Frames):
-            every = round(value.every / step)
+            period = round(value.period / step)
             for delay in {0, *(round(delay / step) for delay in delays)}:
-                edges |= {k * every + delay for k in range(1, len(value.planes))}
+                edges |= {k * period + delay for k in range(1, len(value.planes))}
     inside = sorted(edge for edge in edges if edge <= steps)
     for first, after in pairwise(inside):
         yield first, after - first

@@ -28,10 +28,10 @@ class Literal(NamedTuple):
 
 @dataclass(frozen=True)
 class BitRule:
-    """A cell turns black if all of its literals are true (``every``), or if any of them is."""
+    """A cell turns black if all of its literals are true (``conjunction``), or if any of them is."""
 
     literals: tuple[Literal, ...]
-    every: bool
+    conjunction: bool
 
     @property
     def radius(self) -> int:
@@ -63,8 +63,8 @@ def bit_rule(template: Template, boundary: Boundary, state: float | None) -> Bit
     )
     if not (np.array_equal(surely, black) and np.array_equal(possibly, black)):
         return None
-    for every in (True, False):
-        rare = black if every else ~black  # an AND is true, an OR false, on one cube of the table
+    for conjunction in (True, False):
+        rare = black if conjunction else ~black  # an AND is true, an OR false, on one cube of the table
         if not rare.any():
             continue
         fixed = [i for i in range(len(weights)) if np.ptp(table[rare, i]) == 0]
@@ -72,5 +72,7 @@ def bit_rule(template: Template, boundary: Boundary, state: float | None) -> Bit
             continue
         places = list(weights)
         wanted = [table[rare][0, i] > 0 for i in fixed]
-        return BitRule(tuple(Literal(*places[i], bool(w) != every) for i, w in zip(fixed, wanted, strict=True)), every)
+        return BitRule(
+            tuple(Literal(*places[i], bool(w) != conjunction) for i, w in zip(fixed, wanted, strict=True)), conjunction
+        )
     return None

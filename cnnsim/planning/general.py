@@ -19,7 +19,7 @@ Duration = float | Literal["settled"]
 Range = tuple[float, float]
 
 
-def why_general(template: AnyTemplate, cell: Cell, every: Sequence[float]) -> str:
+def why_general(template: AnyTemplate, cell: Cell, periods: Sequence[float]) -> str:
     """Return why the roads for linear templates will not do, or nothing if they will."""
     if isinstance(template, LayeredTemplate):
         return f"{len(template.layers)} layers"
@@ -27,7 +27,7 @@ def why_general(template: AnyTemplate, cell: Cell, every: Sequence[float]) -> st
         return "a discrete-time cell"
     if cell.output != CLIP:
         return f"output characteristic {cell.output}"
-    if every:
+    if periods:
         return "planes that change with time"
     return "; ".join(map(str, template.feedback_terms))
 
@@ -46,7 +46,7 @@ def check_grid(network: LayeredTemplate, grid: tuple[int, int]) -> None:
 
 def decide_general(
     network: LayeredTemplate, cell: Cell, why: str, scheme: str | None, step: float | None, default: float,
-    duration: Duration, every: Sequence[float],
+    duration: Duration, periods: Sequence[float],
 ) -> tuple[Scheme | None, float, list[tuple[str, str]]]:  # fmt: skip
     """Return the scheme (None: discrete time, or adaptive), the step and the decisions of the general road.
 
@@ -54,20 +54,20 @@ def decide_general(
         InputError: what does not go together.
     """
     decisions, delays = [("general road", why)], delays_of(network)
-    timed = bool(every or delays)
+    timed = bool(periods or delays)
     if timed and duration == "settled":
         raise InputError("a delay, or planes that change with time: give a duration, there is no rest to wait for")
     if cell.model == "discrete-time":
         if scheme is not None or step not in (None, 1.0) or set(network.time_constants) != {1.0}:
             raise InputError("discrete-time cells take whole steps: no scheme, no other step, no other time constant")
-        check_whole_steps([*delays, *every, *([] if duration == "settled" else [duration])], 1.0)
+        check_whole_steps([*delays, *periods, *([] if duration == "settled" else [duration])], 1.0)
         return None, 1.0, [*decisions, ("steps", f"all cells at once, y = {cell.output}")]
     if scheme == ADAPTIVE:
         if duration == "settled" or timed:
             raise InputError("the adaptive scheme runs for a number of time constants, without delays and sequences")
         return None, 1.0, [*decisions, ("adaptive", "DOP853 of scipy with relative tolerance 1e-10: a reference")]
     table = EULER if scheme is None else find_scheme(scheme)
-    h, reason = general_step(network, cell, table, step, default, duration, every)
+    h, reason = general_step(network, cell, table, step, default, duration, periods)
     h = h if timed else divided(duration, h)
     decisions.append((f"{table.name}, h = {h:.4g}", f"order {table.order}; the step is {reason}"))
     if jump := largest_jump(network, cell.output):
@@ -92,7 +92,7 @@ def general_step(
     step: float | None,
     default: float,
     duration: Duration,
-    every: Sequence[float],
+    periods: Sequence[float],
 ) -> tuple[float, str]:
     """Return the step and why it is that one.
 
@@ -107,7 +107,7 @@ def general_step(
         raise InputError(
             f"{scheme.name} looks between the steps, where delayed values are not known; use euler or heun"
         )
-    times = [*delays, *every]
+    times = [*delays, *periods]
     if times and duration != "settled" and duration:
         times.append(duration)
     if step is None:

@@ -26,7 +26,7 @@ Saving = Literal["closed form", "sparse taps", "shared sums", "blocking", "sleep
 DEFAULT_STEP = 0.1
 MOST_HALO = 25
 """Cells around a tile that are computed again for the steps of one pass."""
-SETTLED_SLOPE = 1e-4
+SETTLED_RATE = 1e-4
 """A network is at rest when |dx/dt| <= this in every cell; see `Plan.duration`."""
 
 
@@ -108,11 +108,11 @@ def make_plan(
     step: float | None = None,
     limit: float | None = None,
     without: Collection[str] = (),
-    every: Sequence[float] = (),
+    periods: Sequence[float] = (),
 ) -> Plan:
     """Decide how to run ``template`` on a grid of ``shape`` (..., rows, cols).
 
-    ``every`` are the times for which planes are held that change with time (see `cnnsim.network.frames`).
+    ``periods`` are the times for which planes are held that change with time (see `cnnsim.network.frames`).
 
     Without ``scheme`` and ``step`` the plan chooses: the closed form for uncoupled templates, else forward Euler with
     h = 0.1 or half the stability limit, whichever is less. ``without`` names savings (see `Saving`) not to use.
@@ -142,8 +142,8 @@ def make_plan(
         )  # fmt: skip
 
     check_grid(network, grid)
-    if why := why_general(template, kind, every):
-        table, h, decisions = decide_general(network, kind, why, scheme, step, DEFAULT_STEP, duration, every)
+    if why := why_general(template, kind, periods):
+        table, h, decisions = decide_general(network, kind, why, scheme, step, DEFAULT_STEP, duration, periods)
         decisions.append(_stop_decision(duration, limit))
         return plan("general", table, h)
     assert isinstance(template, Template)
@@ -247,6 +247,6 @@ def _stop_decision(duration: Duration, limit: float) -> tuple[str, str]:
     if duration == "settled":
         return (
             "stop when settled",
-            f"no output can change, or |dx/dt| <= {SETTLED_SLOPE:g}; at most {limit:g} time constants",
+            f"no output can change, or |dx/dt| <= {SETTLED_RATE:g}; at most {limit:g} time constants",
         )
     return f"stop at t = {duration:g}", "the running time is given"

@@ -145,16 +145,16 @@ class UniversalMachine:
                 return planes[name] if program.memory[name] == "lam" else self.backend.convert(planes[name], "lam")
             return None if name is None else self.backend.load(np.full(shape, name), "lam")
 
-        held = None if step.mask is None else planes[step.mask]
+        mask = None if step.mask is None else planes[step.mask]
         if step.mask is not None and program.memory[step.mask] == "lam":
-            held = self.backend.convert(held, "llm")
+            mask = self.backend.convert(mask, "llm")
         try:
-            outcome = self.backend.transient(plan, plane(step.state), plane(step.input), plane(step.bias), held)
+            outcome = self.backend.transient(plan, plane(step.state), plane(step.input), plane(step.bias), mask)
         except InputError as error:
             raise InputError(f"{step.where}: {error}") from error
         if step.duration == "settled" and not outcome.settled:
             raise InputError(
-                f"{step.where}: has not settled after {outcome.t:g} time constants; |dx/dt| {outcome.slope:.3g}"
+                f"{step.where}: has not settled after {outcome.t:g} time constants; |dx/dt| {outcome.rate:.3g}"
             )
         return outcome.x
 
@@ -190,4 +190,4 @@ def _limit(step: TemplateStep, grid: tuple[int, int]) -> float | None:
     if not step.name or step.duration != "settled":
         return None
     entry = replace(library.load(step.name), boundary=step.boundary)
-    return entry.limit(grid, walls=step.mask is not None)
+    return entry.limit(grid, has_mask=step.mask is not None)

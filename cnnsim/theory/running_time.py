@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 
 from cnnsim.network.boundary import Boundary, pad
 from cnnsim.network.template import Tap, Template
+from cnnsim.support.types import Floats
 from cnnsim.theory import wave_time
 from cnnsim.theory.neighbourhood import Pair, pairs_of, too_many, weighted_sums
-
-Array = NDArray[np.float64]
 
 TOLERANCE = 0.01
 """An output that only comes nearer and nearer to its final value counts as final from this distance on."""
@@ -46,12 +45,12 @@ class RunningTime:
 
 def guaranteed_time(
     template: Template, shape: tuple[int, int], boundary: Boundary, *, input: str | float = "picture",  # noqa: A002 - the field's word for u
-    initial_state: str | float = "any", step: float = 0.1, walls: bool = False,
+    initial_state: str | float = "any", step: float = 0.1, has_mask: bool = False,
 ) -> RunningTime:  # fmt: skip
     """Return the time after which every output is final, whatever black-and-white pictures (rows, cols) are given.
 
     Arguments: ``input`` and ``initial_state`` say what u and x(0) are, in the words of a template file; ``step`` is
-    the longest Euler step it has to hold for; ``walls`` says that a mask may hold cells.
+    the longest Euler step it has to hold for; ``has_mask`` says that a mask may hold cells.
     """
     if not template.linear:
         return RunningTime(None, _TERMS)
@@ -64,7 +63,7 @@ def guaranteed_time(
         return _uncoupled(template, boundary, found, initial_state == "any", step)
     first = None
     for pairs, assuming in _fewer_and_fewer(found):
-        wave = wave_time.worst_wave(template, shape, boundary, pairs, step, walls)
+        wave = wave_time.worst_wave(template, shape, boundary, pairs, step, has_mask)
         if wave.time is not None:
             return RunningTime(wave.time, wave.why, assuming)
         first = first or wave
@@ -73,8 +72,8 @@ def guaranteed_time(
 
 
 def time_of_picture(
-    template: Template, *, state: Array, input: Array | None = None, boundary: Boundary,  # noqa: A002 - u
-    bias: Array | None = None, mask: NDArray[Any] | None = None, step: float = 0.1,
+    template: Template, *, state: Floats, input: Floats | None = None, boundary: Boundary,  # noqa: A002 - u
+    bias: Floats | None = None, mask: NDArray[Any] | None = None, step: float = 0.1,
 ) -> RunningTime:  # fmt: skip
     """Return the time after which every output is final, for these planes (rows, cols).
 
@@ -87,20 +86,20 @@ def time_of_picture(
     drive = np.full(state.shape, template.z) + (0.0 if bias is None else bias)
     if input is not None:
         drive = neighbour_sum(input, template.control_taps, boundary, boundary.u, drive)
-    held = np.zeros(state.shape, dtype=bool) if mask is None else mask > 0
-    if np.abs(state[~held]).max(initial=0.0) > 1:
+    masked = np.zeros(state.shape, dtype=bool) if mask is None else mask > 0
+    if np.abs(state[~masked]).max(initial=0.0) > 1:
         return RunningTime(None, "a state lies outside [-1, 1]")
     if not template.uncoupled:
-        wave = wave_time.wave_of_picture(template, state, drive, held, boundary, step)
+        wave = wave_time.wave_of_picture(template, state, drive, masked, boundary, step)
         return RunningTime(wave.time, wave.why)
-    times = cell_time(drive[~held], state[~held], template.self_feedback, step)
+    times = cell_time(drive[~masked], state[~masked], template.self_feedback, step)
     longest = float(times.max(initial=0.0))
     if not np.isfinite(longest):
         return RunningTime(None, "a cell stands exactly on a tie")
     return RunningTime(longest, "no neighbours: the closed form of the slowest cell")
 
 
-def cell_time(s: Array, x0: Array, a: float, step: float) -> Array:
+def cell_time(s: Floats, x0: Floats, a: float, step: float) -> Floats:
     """Return when the outputs of cells without neighbours are final, for dx/dt = -x + a f(x) + s, |x0| <= 1.
 
     For a > 1 and q = (a - 1) x0 + s the output reaches sgn(q) after ln[((a-1) + |s'|) / |q|] / (a - 1), s' = s sgn(q);
@@ -125,7 +124,7 @@ def cell_time(s: Array, x0: Array, a: float, step: float) -> Array:
         return np.maximum(distance / exact, np.ceil(distance / by_step - _TIE) * step)
 
 
-def neighbour_sum(plane: Array, taps: tuple[Tap, ...], boundary: Boundary, constant: float, start: Array) -> Array:
+def neighbour_sum(plane: Floats, taps: tuple[Tap, ...], boundary: Boundary, constant: float, start: Floats) -> Floats:
     """Return start + sum of weight * plane(row + k, col + l); ``constant`` is what a fixed boundary holds."""
     r = max((max(abs(tap.k), abs(tap.l)) for tap in taps), default=0)
     around: NDArray[Any] = pad(plane, r, boundary, constant)

@@ -10,7 +10,7 @@ _RING = {(k, l) for k in (-1, 0, 1) for l in (-1, 0, 1)} - {(0, 0)}
 
 
 def longest_path(
-    template: Template, shape: tuple[int, int], waiting: NDArray[np.float64], walls: bool
+    template: Template, shape: tuple[int, int], waiting: NDArray[np.float64], has_mask: bool
 ) -> tuple[int, str]:
     """Return the most cells a wave can visit one after the other, and in words why.
 
@@ -27,7 +27,7 @@ def longest_path(
     wall = waiting.sum(axis=1) < 0
     if (waiting[~wall, 0] + min(reach.values()) < 0).any():
         return rows * cols, "several neighbours at once, so perhaps one cell after the other"
-    maze = walls or bool(wall.any())
+    maze = has_mask or bool(wall.any())
     line = _line(set(reach), shape)
     if line is not None:
         return line, "along a line"

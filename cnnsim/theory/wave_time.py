@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 
 from cnnsim.network.boundary import Boundary, pad
 from cnnsim.network.template import Template
+from cnnsim.support.types import Floats
 from cnnsim.theory.neighbourhood import Pair, too_many, weighted_sums
 from cnnsim.theory.wave_path import longest_path
-
-Array = NDArray[np.float64]
 
 _TIE = 1e-9
 
@@ -33,7 +32,7 @@ class Wave(NamedTuple):
     why: str
 
 
-def switching_time(s: Array, rest: Array, a: float, step: float) -> Array:
+def switching_time(s: Floats, rest: Floats, a: float, step: float) -> Floats:
     """Return the longest time a cell takes from ``rest`` <= -1 to +1 under the drive ``s`` > a - 1.
 
     It is the larger of T_sw (see above) and the time of Euler steps of length ``step``, counted exactly.
@@ -48,7 +47,7 @@ def switching_time(s: Array, rest: Array, a: float, step: float) -> Array:
 
 
 def wave_of_picture(
-    template: Template, state: Array, drive: Array, held: NDArray[np.bool_], boundary: Boundary, step: float
+    template: Template, state: Floats, drive: Floats, masked: NDArray[np.bool_], boundary: Boundary, step: float
 ) -> Wave:
     """Return the time of the wave from a black-and-white ``state`` with B*u + z + bias = ``drive``: (rows, cols).
 
@@ -59,21 +58,21 @@ def wave_of_picture(
         refusal = "the initial state is not black and white"
     if refusal is not None:
         return Wave(None, refusal)
-    black = _follow(template, state, drive, held, boundary.y, boundary, step)
-    return black if black.time is not None else _follow(template, -state, -drive, held, -boundary.y, boundary, step)
+    black = _follow(template, state, drive, masked, boundary.y, boundary, step)
+    return black if black.time is not None else _follow(template, -state, -drive, masked, -boundary.y, boundary, step)
 
 
 def _follow(
-    template: Template, state: Array, drive: Array, held: NDArray[np.bool_], outside: float, boundary: Boundary,
+    template: Template, state: Floats, drive: Floats, masked: NDArray[np.bool_], outside: float, boundary: Boundary,
     step: float,
 ) -> Wave:  # fmt: skip
     a, y = template.self_feedback, state.copy()
     s = _neighbours(template, y, boundary, outside) + drive
-    if ((y > 0) & ~held & (s <= 1 - a + _TIE)).any():
+    if ((y > 0) & ~masked & (s <= 1 - a + _TIE)).any():
         return Wave(None, "cells of both colours may change")
     rest, time, generations = np.minimum(-1.0, s - a), 0.0, 0
     while True:
-        white = (y < 0) & ~held
+        white = (y < 0) & ~masked
         if (white & (np.abs(s - a + 1) < _TIE)).any():
             return Wave(None, "a tie: a cell is driven exactly to the edge of switching")
         new = white & (s > a - 1)
@@ -86,7 +85,7 @@ def _follow(
 
 
 def worst_wave(
-    template: Template, shape: tuple[int, int], boundary: Boundary, pairs: list[Pair], step: float, walls: bool
+    template: Template, shape: tuple[int, int], boundary: Boundary, pairs: list[Pair], step: float, has_mask: bool
 ) -> Wave:
     """Return the time of the slowest wave on any black-and-white picture whose cells have these pairs (x(0), u)."""
     refusal = _refusal(template, step)
@@ -94,16 +93,16 @@ def worst_wave(
         refusal = "the initial state is not black and white"
     if refusal is not None:
         return Wave(None, refusal)
-    black = _worst(template, shape, boundary, 1.0, pairs, step, walls)
+    black = _worst(template, shape, boundary, 1.0, pairs, step, has_mask)
     if black.time is not None:
         return black
-    white = _worst(template, shape, boundary, -1.0, pairs, step, walls)
+    white = _worst(template, shape, boundary, -1.0, pairs, step, has_mask)
     return white if white.time is not None or "both" in black.why else black
 
 
 def _worst(
     template: Template, shape: tuple[int, int], boundary: Boundary, sign: float, pairs: list[Pair], step: float,
-    walls: bool,
+    has_mask: bool,
 ) -> Wave:  # fmt: skip
     """`worst_wave` for one colour of the wave: ``sign`` turns the network so that black spreads."""
     a = template.self_feedback
@@ -135,7 +134,7 @@ def _worst(
         on = s > a - 1
         slowest = max(slowest, float(switching_time(s[on], rest[on], a, step).max(initial=0.0)))
         waiting.append(alone + np.array([own - (a - 1), 0.0]))
-    cells, path = longest_path(template, shape, np.concatenate(waiting), walls)
+    cells, path = longest_path(template, shape, np.concatenate(waiting), has_mask)
     colour = "black" if sign > 0 else "white"
     return Wave(cells * slowest, f"a {colour} wave: {cells} cells ({path}) of at most {slowest:.4g} each")
 
@@ -148,7 +147,7 @@ def _refusal(template: Template, step: float) -> str | None:
     return None if step <= 1 else "an Euler step above 1 does not keep the order of states"
 
 
-def _neighbours(template: Template, y: Array, boundary: Boundary, outside: float) -> Array:
+def _neighbours(template: Template, y: Floats, boundary: Boundary, outside: float) -> Floats:
     """A*y without the cell itself."""
     r = template.A.shape[0] // 2
     around = pad(y, r, boundary, outside)

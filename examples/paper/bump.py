@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cnnsim.support.types import Floats
 from tactile.bump.body import Body
 from tactile.bump.kinematics import PLANE, PRESSED, SHEARED
 from tactile.bump.law import Mixed, PlaneStress
@@ -14,8 +15,6 @@ from tactile.bump.plate import held, respond, stiffness
 from tactile.bump.probe import Probe
 from tactile.bump.shape import Shape
 from tactile.elastic.medium import Medium
-
-Plane = NDArray[np.float64]
 
 RUBBER = Medium(0.87e6, 0.499)
 """Young's modulus [Pa] and Poisson's ratio of sect. 5."""
@@ -38,10 +37,10 @@ class Loaded:
     """
 
     bodies: tuple[Body, Body]
-    states: tuple[Plane, Plane]
+    states: tuple[Floats, Floats]
     stiffness: tuple[float, float]
 
-    def displacement(self, points: Plane) -> tuple[Plane, Plane]:
+    def displacement(self, points: Floats) -> tuple[Floats, Floats]:
         """(n, 2) each: (x, z) displacement under the press and under the shift, along theta = 0."""
         pressed, shifted = (
             Probe(body, points).displacement(state) for body, state in zip(self.bodies, self.states, strict=True)
@@ -50,7 +49,7 @@ class Loaded:
             shifted = np.stack([(shifted[:, 0] + shifted[:, 1]) / 2, shifted[:, 2]], axis=-1)
         return pressed, shifted
 
-    def strain(self, points: Plane) -> tuple[Plane, Plane]:
+    def strain(self, points: Floats) -> tuple[Floats, Floats]:
         """(n, 2) each: (xz, zz) strain under the press and under the shift, along theta = 0."""
         both = (Probe(body, points).strain(state) for body, state in zip(self.bodies, self.states, strict=True))
         pressed, shifted = (strain[:, [0, 2], [2, 2]] for strain in both)
@@ -72,7 +71,7 @@ def loaded(contact: float = CONTACT, solid: bool = False, fineness: float = 1.2)
     return Loaded(bodies, states, stiff)
 
 
-def below(depths: ArrayLike, x: float = 0.0) -> Plane:
+def below(depths: ArrayLike, x: float = 0.0) -> Floats:
     """Points (n, 2) at depths [m] under the body's surface."""
     z = np.atleast_1d(np.asarray(depths, dtype=np.float64))
     return np.stack([np.full(z.shape, x), z], axis=-1)

@@ -3,12 +3,11 @@
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cnnsim.support.types import Floats
 from examples.paper.bump import CONTACT, CONTACTS, INDENTATION, SENSOR, below, loaded
 from examples.paper.claims import Claim, alone
 
-Plane = NDArray[np.float64]
 DEPTHS = np.linspace(10e-6, 1.9e-3, 190)
 
 
@@ -51,7 +50,7 @@ def span(depths: list[float]) -> str:
     return f"{min(known):.0f} to {max(known):.0f} um deep{never}" if known else "never"
 
 
-def falling(values: Plane) -> bool:
+def falling(values: Floats) -> bool:
     """Whether they get smaller from one to the next."""
     return bool((np.diff(values) < 0).all())
 

@@ -5,8 +5,8 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cnnsim.support.types import Floats
 from examples.paper.bump import CONTACT, CONTACTS, RUBBER, SENSOR, below, loaded
 from examples.paper.claims import Claim, alone
 from tactile.bump.body import Body
@@ -19,7 +19,6 @@ from tactile.bump.probe import Probe
 from tactile.bump.shape import Shape
 from tactile.bump.touch import lower
 
-Plane = NDArray[np.float64]
 STEPS = np.arange(10e-6, 101e-6, 10e-6)
 DEEPEST = 80e-6
 """[m] Glued to the plate, a top 100 um to each side folds over at its edge beyond 90 um."""
@@ -31,8 +30,8 @@ STRAIGHT = 0.1
 class Curve:
     """Displacements (n, 2) [m], (x, z), at the sensor for plate displacements (n,) [m]."""
 
-    moved: Plane
-    response: Plane
+    moved: Floats
+    response: Floats
 
     def bend(self, component: int) -> float:
         """Largest relative change of the response per displacement from the first point's."""

@@ -7,14 +7,13 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from cnnsim.support.types import Floats
 from tactile.calibration.gains import Gains
 from tactile.core.frame import TaxelArray
 from tactile.inverse.taxel import invert_strain
 from tactile.simulator.contacts.contacts import MovingLoad
 from tactile.simulator.effects import effect_class
 from tactile.simulator.scene.scene import Scene
-
-Plane = NDArray[np.float64]
 
 DEPTH, MODULUS, FORCE, SPEED, RATE = 200e-6, 2.4e6, 0.02, 0.5e-3, 50.0
 """Cover thickness [m], Young's modulus [Pa], load [N], speed [m/s] and frame rate [Hz] of sect. 4."""
@@ -38,9 +37,9 @@ Effects = Sequence[tuple[str, Any]]
 class Scan:
     """Readings (lines, n, 3), and what was so: places (lines, n, 2) [m] seen from the taxel, times (lines, n) [s]."""
 
-    times: Plane
-    places: Plane
-    readings: Plane
+    times: Floats
+    places: Floats
+    readings: Floats
 
     def within(self, radius: float) -> NDArray[np.bool_]:
         """Which frames had the needle within a radius [m] of the taxel."""
@@ -51,8 +50,8 @@ class Scan:
 class Located:
     """What one taxel makes of a scan: places (lines, n, 2) [m] and forces (lines, n) [N]."""
 
-    places: Plane
-    force: Plane
+    places: Floats
+    force: Floats
 
     def speed(self, scan: Scan, radius: float = NEAR) -> float:
         """Slope [m/s] of the places along the middle line within a radius, as in Fig. 8."""
@@ -72,7 +71,7 @@ def typical(*names: str) -> Effects:
 
 
 def scan(
-    lines: Sequence[float] | Plane = (0.0,),
+    lines: Sequence[float] | Floats = (0.0,),
     effects: Effects = (),
     *,
     feels: Literal["strain", "stress"] = "strain",

@@ -7,10 +7,10 @@ from scipy.sparse.linalg import splu
 from skfem import Basis, ElementTetP1, ElementTetP2, ElementTriP1, ElementTriP2, ElementVector
 from skfem.mesh import Mesh
 
+from cnnsim.support.types import Floats
 from tactile.bump.kinematics import Kinematics
 from tactile.bump.law import Law, Mixed, stress, tangent
 
-Plane = NDArray[np.float64]
 Index = NDArray[np.int64]
 ELEMENTS = {(2, 1): ElementTriP1, (2, 2): ElementTriP2, (3, 1): ElementTetP1, (3, 2): ElementTetP2}
 
@@ -57,7 +57,7 @@ class Body:
             self.place = np.hstack([self.place, self.pressures.doflocs])
             self.component = np.concatenate([self.component, np.full(self.pressures.N, -1)])
 
-    def at_points(self, state: Plane) -> tuple[Plane, Plane]:
+    def at_points(self, state: Floats) -> tuple[Floats, Floats]:
         """Deformation gradients (elements, points, 3, 3) and pressures (elements, points) of a state."""
         local, count = state[self.dofs], self.slopes.shape[-1]
         gradient = np.einsum("eqcn,en->eqc", self.slopes, local[:, :count], optimize=True)
@@ -67,19 +67,19 @@ class Body:
             pressure = np.einsum("eqn,en->eq", self.shapes, local[:, count:])
         return gradient, pressure
 
-    def forces(self, state: Plane) -> Plane:
+    def forces(self, state: Floats) -> Floats:
         """Out-of-balance forces [N], per metre of thickness in the plane; in the pressures' rows volumes [m^3]."""
         return self.both(*self.at_points(state))[0]
 
-    def stiffness(self, gradient: Plane, pressure: Plane) -> sparse.csc_matrix:
+    def stiffness(self, gradient: Floats, pressure: Floats) -> sparse.csc_matrix:
         """Derivative of the forces by the state, at deformation gradients and pressures as ``at_points`` gives them."""
         return self.both(gradient, pressure)[1]
 
-    def rest(self) -> tuple[Plane, Plane]:
+    def rest(self) -> tuple[Floats, Floats]:
         """``at_points`` where nothing is deformed."""
         return np.broadcast_to(np.eye(3), (*self.weight.shape, 3, 3)), np.zeros(self.weight.shape)
 
-    def both(self, gradient: Plane, pressure: Plane) -> tuple[Plane, sparse.csc_matrix]:
+    def both(self, gradient: Floats, pressure: Floats) -> tuple[Floats, sparse.csc_matrix]:
         """Out-of-balance forces and their derivative."""
         first, inverse, volume, s, m = stress(self.law, gradient, pressure)
         elements, points, _, count = self.slopes.shape
@@ -106,7 +106,7 @@ class Body:
         return out, matrix.tocsc()
 
 
-def solve(matrix: sparse.csc_matrix, load: Plane, fixed: Index, values: Plane) -> Plane:
+def solve(matrix: sparse.csc_matrix, load: Floats, fixed: Index, values: Floats) -> Floats:
     """The state of a linear body with some unknowns given: direct, the matrix scaled to a diagonal near one."""
     state = np.zeros(matrix.shape[0])
     state[fixed] = values

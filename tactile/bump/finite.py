@@ -3,7 +3,8 @@
 import numpy as np
 
 from cnnsim.support.errors import InputError
-from tactile.bump.body import Body, Index, Plane, solve
+from cnnsim.support.types import Floats
+from tactile.bump.body import Body, Index, solve
 from tactile.bump.plate import Held
 
 TOLERANCE = 1e-9
@@ -11,7 +12,7 @@ TOLERANCE = 1e-9
 ITERATIONS = 15
 
 
-def balance(body: Body, start: Plane, fixed: Index, values: Plane) -> Plane | None:
+def balance(body: Body, start: Floats, fixed: Index, values: Floats) -> Floats | None:
     """The state in balance with the unknowns ``fixed`` at ``values``, None if Newton does not get there from ``start``.
 
     The first step is the linear answer about the start; steps that turn an element inside out are refused.
@@ -31,7 +32,7 @@ def balance(body: Body, start: Plane, fixed: Index, values: Plane) -> Plane | No
     return None
 
 
-def push_to(body: Body, hold: Held, displacement: float) -> Plane:
+def push_to(body: Body, hold: Held, displacement: float) -> Floats:
     """The state with the plate, stuck where ``hold`` says, moved by ``displacement`` [m], in steps as large as work.
 
     Raises:

@@ -15,9 +15,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-Plane = NDArray[np.float64]
+from cnnsim.support.types import Floats
 
 
 @dataclass(frozen=True)
@@ -31,7 +30,7 @@ class Kinematics:
     """
 
     components: int
-    gradient: Callable[[Plane, Plane, Plane], Plane]
+    gradient: Callable[[Floats, Floats, Floats], Floats]
     around: float = 1.0
     ring: bool = False
     axis: tuple[int, ...] = ()
@@ -39,19 +38,19 @@ class Kinematics:
     shift: tuple[float, ...] | None = None
 
 
-def _plane(value: Plane, slope: Plane, r: Plane) -> Plane:
+def _plane(value: Floats, slope: Floats, r: Floats) -> Floats:
     out = np.zeros((3, 3, *value.shape[1:]))
     out[0, 0], out[0, 2], out[2, 0], out[2, 2] = slope[0, 0], slope[0, 1], slope[1, 0], slope[1, 1]
     return out
 
 
-def _pressed(value: Plane, slope: Plane, r: Plane) -> Plane:
+def _pressed(value: Floats, slope: Floats, r: Floats) -> Floats:
     out = _plane(value, slope, r)
     out[1, 1] = value[0] / r
     return out
 
 
-def _sheared(value: Plane, slope: Plane, r: Plane) -> Plane:
+def _sheared(value: Floats, slope: Floats, r: Floats) -> Floats:
     both, along, around = value[0] / r, (slope[0] + slope[1]) / 2, (slope[0] - slope[1]) / 2
     rows = (along[0], -both, along[1]), (around[0], both, around[1]), (slope[2, 0], -value[2] / r, slope[2, 1])
     return np.stack([np.stack(row) for row in rows])

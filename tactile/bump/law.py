@@ -11,11 +11,9 @@ from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cnnsim.support.types import Floats
 from tactile.elastic.medium import Medium
-
-Plane = NDArray[np.float64]
 
 
 class Law(Protocol):
@@ -25,7 +23,7 @@ class Law(Protocol):
 
     @property
     def medium(self) -> Medium: ...  # noqa: D102 - its constants
-    def terms(self, volume: Plane, pressure: Plane) -> tuple[Plane, Plane]: ...  # noqa: D102 - s and m
+    def terms(self, volume: Floats, pressure: Floats) -> tuple[Floats, Floats]: ...  # noqa: D102 - s and m
 
 
 def lame(medium: Medium) -> float:
@@ -40,7 +38,7 @@ class Mixed:
     medium: Medium
     mixed: ClassVar[bool] = True
 
-    def terms(self, volume: Plane, pressure: Plane) -> tuple[Plane, Plane]:
+    def terms(self, volume: Floats, pressure: Floats) -> tuple[Floats, Floats]:
         """s = p J - G and m = p J."""
         return pressure * volume - self.medium.shear_modulus, pressure * volume
 
@@ -58,7 +56,7 @@ class Displacement:
     medium: Medium
     mixed: ClassVar[bool] = False
 
-    def terms(self, volume: Plane, pressure: Plane) -> tuple[Plane, Plane]:
+    def terms(self, volume: Floats, pressure: Floats) -> tuple[Floats, Floats]:
         """s = lambda J (J - 1) - G and m = lambda J (2 J - 1)."""
         lam = lame(self.medium)
         return lam * volume * (volume - 1) - self.medium.shear_modulus, lam * volume * (2 * volume - 1)
@@ -76,7 +74,7 @@ class PlaneStress:
     medium: Medium
     mixed: ClassVar[bool] = False
 
-    def terms(self, volume: Plane, pressure: Plane) -> tuple[Plane, Plane]:
+    def terms(self, volume: Floats, pressure: Floats) -> tuple[Floats, Floats]:
         """s = -G f^2 and m = -2 G f J2 df/dJ2, where ``volume`` is J2: F_yy counts as 1 outside."""
         g, f = self.medium.shear_modulus, self.thickening(volume)
         lam = lame(self.medium)
@@ -85,17 +83,17 @@ class PlaneStress:
         slope = -(2 * volume * f**2 - f) * lam / (2 * f * (g + lam * volume**2) - lam * volume)
         return -g * f**2, -2 * g * f * volume * slope
 
-    def thickening(self, area: Plane) -> Plane:
+    def thickening(self, area: Floats) -> Floats:
         """f = F_yy [1] for a change of area J2 in the plane."""
         g, lam = self.medium.shear_modulus, lame(self.medium)
         if np.isinf(lam):
             return 1 / area
         root = np.sqrt((lam * area) ** 2 + 4 * g * (g + lam * area**2))
-        thick: Plane = (lam * area + root) / (2 * (g + lam * area**2))
+        thick: Floats = (lam * area + root) / (2 * (g + lam * area**2))
         return thick
 
 
-def stress(law: Law, gradient: Plane, pressure: Plane) -> tuple[Plane, Plane, Plane, Plane, Plane]:
+def stress(law: Law, gradient: Floats, pressure: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats]:
     """(P, F^-1, J, s, m) for deformation gradients (..., 3, 3) and pressures (...)."""
     inverse = np.asarray(np.linalg.inv(gradient), np.float64)
     volume = np.asarray(np.linalg.det(gradient), np.float64)
@@ -103,7 +101,7 @@ def stress(law: Law, gradient: Plane, pressure: Plane) -> tuple[Plane, Plane, Pl
     return law.medium.shear_modulus * gradient + s[..., None, None] * _flip(inverse), inverse, volume, s, m
 
 
-def tangent(law: Law, inverse: Plane, s: Plane, m: Plane) -> Plane:
+def tangent(law: Law, inverse: Floats, s: Floats, m: Floats) -> Floats:
     """A (..., 9, 9), rows and columns the components (i, J) and (k, L) row by row."""
     flipped = _flip(inverse)
     # F^-1_Li F^-1_Jk = flipped_iL flipped_kJ
@@ -114,5 +112,5 @@ def tangent(law: Law, inverse: Plane, s: Plane, m: Plane) -> Plane:
     return out
 
 
-def _flip(of: Plane) -> Plane:
+def _flip(of: Floats) -> Floats:
     return np.swapaxes(of, -1, -2)

@@ -6,7 +6,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from tactile.bump.body import Body, Index, Plane, solve
+from cnnsim.support.types import Floats
+from tactile.bump.body import Body, Index, solve
 from tactile.bump.kinematics import SOLID
 from tactile.bump.shape import Shape
 
@@ -19,13 +20,13 @@ class Held:
     """Which unknowns of a body are given: those at ``fixed``, the plate's displacement times ``rigid``."""
 
     fixed: Index
-    rigid: Plane
+    rigid: Floats
 
-    def state(self, displacement: float) -> Plane:
+    def state(self, displacement: float) -> Floats:
         """Values at ``fixed`` for a displacement [m] of the plate."""
         return displacement * self.rigid[self.fixed]
 
-    def force(self, out_of_balance: Plane) -> float:
+    def force(self, out_of_balance: Floats) -> float:
         """What the plate carries along its push [N], from the virtual work of a unit displacement."""
         return float(self.rigid @ out_of_balance)
 
@@ -53,13 +54,13 @@ def held(body: Body, shape: Shape, push: Push, contact: float | None = None) -> 
     return Held(np.flatnonzero(fixed), rigid)
 
 
-def respond(body: Body, hold: Held, rest: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None) -> Plane:
+def respond(body: Body, hold: Held, rest: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None) -> Floats:
     """The state per metre that the plate moves, at small strain, about ``rest`` (nothing deformed unless given)."""
     matrix = body.stiffness(*(body.rest() if rest is None else rest))
     return solve(matrix, np.zeros(body.size), hold.fixed, hold.state(1.0))
 
 
-def stiffness(body: Body, hold: Held, state: Plane) -> float:
+def stiffness(body: Body, hold: Held, state: Floats) -> float:
     """Force over displacement [N/m] of a small-strain response, four quarters counted where the body is one."""
     force = hold.force(body.stiffness(*body.rest()) @ state)
     return 4 * force if body.kinematics is SOLID else force

@@ -7,7 +7,8 @@ from scipy.sparse.linalg import splu
 from skfem import Basis, MeshTet, MeshTri
 from skfem.models.poisson import mass
 
-from tactile.bump.body import ELEMENTS, Body, Plane
+from cnnsim.support.types import Floats
+from tactile.bump.body import ELEMENTS, Body
 
 
 class Probe:
@@ -17,7 +18,7 @@ class Probe:
     mean square, which is nearer the truth than either side of a jump.
     """
 
-    def __init__(self, body: Body, points: Plane) -> None:
+    def __init__(self, body: Body, points: Floats) -> None:
         self.body = body
         at = np.ascontiguousarray(np.asarray(points, dtype=np.float64).T)
         mesh, mapping = body.mesh, body.basis.mapping
@@ -29,7 +30,7 @@ class Probe:
         self._local = mapping.invF(at[:, :, None], tind=self._cells)
         self._scalar = Basis(mesh, ELEMENTS[len(at), 2](), quadrature=body.basis.quadrature)
 
-    def _shapes(self, basis: Basis) -> tuple[Plane, Plane]:
+    def _shapes(self, basis: Basis) -> tuple[Floats, Floats]:
         """Values (functions, ..., n) and unknowns (functions, n) of a basis at the points."""
         fields = [
             np.asarray(basis.elem.gbasis(basis.mapping, self._local, number, tind=self._cells)[0])[..., 0]
@@ -37,7 +38,7 @@ class Probe:
         ]
         return np.stack(fields), basis.element_dofs[:, self._cells]
 
-    def displacement(self, state: Plane) -> Plane:
+    def displacement(self, state: Floats) -> Floats:
         """(n, components) [m]."""
         shapes, dofs = self._shapes(self.body.basis)
         return np.einsum("fcn,fn->nc", shapes, state[dofs])
@@ -46,7 +47,7 @@ class Probe:
     def _nearest(self) -> splu:
         return splu(mass.assemble(self._scalar).tocsc())
 
-    def read(self, field: Plane) -> Plane:
+    def read(self, field: Floats) -> Floats:
         """A field (elements, quadrature points, ...) at the points: (n, ...)."""
         basis = self._scalar
         weight = np.stack([np.asarray(shape) for (shape,) in basis.basis]) * basis.dx
@@ -57,12 +58,12 @@ class Probe:
         shapes, dofs = self._shapes(basis)
         return np.einsum("fn,fnk->nk", shapes, nodal[dofs]).reshape(-1, *field.shape[2:])
 
-    def strain(self, state: Plane) -> Plane:
+    def strain(self, state: Floats) -> Floats:
         """Small strain (n, 3, 3), the symmetric part of the displacement's gradient."""
         gradient, _ = self.body.at_points(state)
         return self.read((gradient + np.swapaxes(gradient, -1, -2)) / 2 - np.eye(3))
 
-    def stress(self, state: Plane) -> Plane:
+    def stress(self, state: Floats) -> Floats:
         """Stress at small strain (n, 3, 3) [Pa], 2 G e + p, of a mixed body."""
         gradient, pressure = self.body.at_points(state)
         strain = (gradient + np.swapaxes(gradient, -1, -2)) / 2 - np.eye(3)

@@ -11,7 +11,8 @@ At small strain N is F times its value per newton; at finite strain N and S are 
 import numpy as np
 
 from cnnsim.support.errors import InputError
-from tactile.bump.body import Body, Plane
+from cnnsim.support.types import Floats
+from tactile.bump.body import Body
 from tactile.bump.kinematics import PRESSED, SHEARED
 from tactile.bump.law import Mixed
 from tactile.bump.mesh import half_section
@@ -28,7 +29,7 @@ STEPS = 40
 """Steps in which the plate is lowered for it."""
 
 
-def small_strain(shape: Shape, medium: Medium, depth: float, radii: Plane, fineness: float = 2.0) -> Response:
+def small_strain(shape: Shape, medium: Medium, depth: float, radii: Floats, fineness: float = 2.0) -> Response:
     """The linear response of a plate stuck to the bump up to ``shape.contact``, in the medium's quantity.
 
     Arguments: ``depth`` [m] under the body's surface, at most its thickness; ``radii`` (n,) [m], the first 0.
@@ -52,7 +53,7 @@ def small_strain(shape: Shape, medium: Medium, depth: float, radii: Plane, finen
 
 
 def finite_strain(
-    shape: Shape, medium: Medium, depth: float, radii: Plane, indentation: float, fineness: float = 1.0
+    shape: Shape, medium: Medium, depth: float, radii: Floats, indentation: float, fineness: float = 1.0
 ) -> Response:
     """The response of neo-Hookean rubber under a flat plate that touches more and more of the bump.
 
@@ -94,7 +95,7 @@ def finite_strain(
     return Response(radii, np.array(forces), np.array(depths), *_five(np.array(normal), np.array(shear)), stiffnesses)
 
 
-def _points(shape: Shape, depth: float, radii: Plane) -> Plane:
+def _points(shape: Shape, depth: float, radii: Floats) -> Floats:
     if not 0 < depth <= shape.thickness:
         raise InputError(f"taxels {depth} m deep in a body of {shape.thickness} m, a depth up to it wanted")
     if radii.max() >= shape.reach:
@@ -103,7 +104,7 @@ def _points(shape: Shape, depth: float, radii: Plane) -> Plane:
     return np.stack([radii, np.full(len(radii), within)], axis=-1)
 
 
-def _five(pressed: Plane, sheared: Plane) -> tuple[Plane, Plane]:
+def _five(pressed: Floats, sheared: Floats) -> tuple[Floats, Floats]:
     """(N_zz, N_rz) and (S_zz, S_even, S_odd), with a first axis of forces, from tensors (..., n, 3, 3)."""
     along, around = sheared[..., 0, 2], sheared[..., 1, 2]
     normal = np.stack([pressed[..., 2, 2], pressed[..., 0, 2]], axis=-1)

@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.support.errors import InputError
-
-Plane = NDArray[np.float64]
+from cnnsim.support.types import Floats
 
 
 @dataclass(frozen=True)
@@ -56,11 +55,11 @@ class Shape:
         """Half-width where the fillet meets the body's surface."""
         return self.waist + self.fillet
 
-    def outline(self) -> list[Plane]:
+    def outline(self) -> list[Floats]:
         """The boundary of the half x >= 0 as polylines (n, 2) that join at its corners, the axis last."""
         edge, waist = np.arcsin(self.contact / self.radius), np.arccos(self.fillet / self.radius)
 
-        def arc(start: float, stop: float) -> Plane:
+        def arc(start: float, stop: float) -> Floats:
             angle = np.linspace(start, stop, 400)
             return self.radius * np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
 
@@ -72,7 +71,7 @@ class Shape:
             *(np.linspace(start, stop, 400) for start, stop in (*lines, (corners[-1], (0.0, -self.radius)))),
         ]
 
-    def inside(self, points: Plane) -> NDArray[np.bool_]:
+    def inside(self, points: Floats) -> NDArray[np.bool_]:
         """Which points (n, 2) lie in the half x >= 0, the boundary left out."""
         x, z = points.T
         body = (x > 0) & (x < self.reach) & (z >= 0) & (z < self.thickness)
@@ -80,7 +79,7 @@ class Shape:
         corner = (z < 0) & (z > -self.fillet) & (x > 0) & (x < self.foot + z)
         return np.asarray(body | cap | corner)
 
-    def size(self, points: Plane, fineness: float = 1.0, touching: bool = False) -> Plane:
+    def size(self, points: Floats, fineness: float = 1.0, touching: bool = False) -> Floats:
         """Wanted edge length [m]: fine where stress peaks, at the contact's edge and in the corner of the bump.
 
         With ``touching`` fine all along the arc that a plate may come to touch.
@@ -95,7 +94,7 @@ class Shape:
         wanted = np.minimum(finest + 0.2 * near[0], 0.05 * self.radius + 0.2 * near[1])
         return np.asarray(np.minimum(wanted, self.thickness / 4) / fineness)
 
-    def curved(self, points: Plane) -> NDArray[np.bool_]:
+    def curved(self, points: Floats) -> NDArray[np.bool_]:
         """Which points (n, 2) lie on the hemisphere's arc."""
         on = np.abs(np.hypot(*points.T) - self.radius) < 1e-9 * self.radius
         return np.asarray(on & (points[:, 1] < -self.fillet * (1 - 1e-9)))

@@ -11,9 +11,9 @@ from pathlib import Path
 from zipfile import BadZipFile
 
 import numpy as np
-from numpy.typing import NDArray
 
-Plane = NDArray[np.float64]
+from cnnsim.support.types import Floats
+
 VERSION = 1
 """Goes up when the same bump gets other numbers: older tables are then computed anew."""
 
@@ -28,12 +28,12 @@ class Response:
     displacement of the plate [N/m], at first along z, then x.
     """
 
-    radii: Plane
-    forces: Plane
-    indentations: Plane
-    normal: Plane
-    shear: Plane
-    stiffness: Plane
+    radii: Floats
+    forces: Floats
+    indentations: Floats
+    normal: Floats
+    shear: Floats
+    stiffness: Floats
 
     @property
     def linear(self) -> bool:

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.support.errors import InputError
-from tactile.bump.body import Body, Index, Plane, solve
+from cnnsim.support.types import Floats
+from tactile.bump.body import Body, Index, solve
 from tactile.bump.finite import balance
 from tactile.bump.plate import held
 from tactile.bump.shape import Shape
@@ -21,7 +22,7 @@ class Touch:
     indentation: float
     contact: float
     force: float
-    state: Plane
+    state: Floats
 
 
 def lower(body: Body, shape: Shape, indentations: Iterable[float], finite: bool) -> Iterator[Touch]:
@@ -94,7 +95,7 @@ class _Nodes:
         on_plate = np.concatenate([self.side, self.down])
         self._base: Index = np.setdiff1d(held(body, shape, "press", contact=0.0).fixed, on_plate)
 
-    def held(self, stuck: NDArray[np.bool_], anchor: Plane, lowered: Plane) -> tuple[Index, Plane]:
+    def held(self, stuck: NDArray[np.bool_], anchor: Floats, lowered: Floats) -> tuple[Index, Floats]:
         """The unknowns given, and their values, where some nodes stick to a plate at ``lowered`` above them."""
         fixed = np.concatenate(
             [self._base, self.side[self.on_axis], self.side[stuck & ~self.on_axis], self.down[stuck]]

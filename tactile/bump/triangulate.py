@@ -6,14 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import Delaunay, cKDTree
 
-Plane = NDArray[np.float64]
+from cnnsim.support.types import Floats
+
 LARGEST = 0.75
 """Circumradius over wanted edge length above which a triangle gets a point; 0.58 is the equilateral triangle's."""
 
 
 def triangulate(
-    outline: list[Plane], inside: Callable[[Plane], NDArray[np.bool_]], size: Callable[[Plane], Plane]
-) -> tuple[Plane, NDArray[np.int64]]:
+    outline: list[Floats], inside: Callable[[Floats], NDArray[np.bool_]], size: Callable[[Floats], Floats]
+) -> tuple[Floats, NDArray[np.int64]]:
     """Points (n, 2) and triangles (m, 3) of the region within a closed outline.
 
     A new point lies at least its wanted edge length times 0.75 from all others, and so, with boundary points an edge
@@ -42,7 +43,7 @@ def triangulate(
     return points, triangles
 
 
-def _graded(line: Plane, size: Callable[[Plane], Plane]) -> Plane:
+def _graded(line: Floats, size: Callable[[Floats], Floats]) -> Floats:
     """Points along a polyline, each a wanted edge length from the next, both ends among them."""
     step = np.linalg.norm(np.diff(line, axis=0), axis=1)
     count = np.concatenate([[0.0], np.cumsum(step / size((line[1:] + line[:-1]) / 2))])
@@ -52,7 +53,7 @@ def _graded(line: Plane, size: Callable[[Plane], Plane]) -> Plane:
     return graded
 
 
-def _triangles(points: Plane, inside: Callable[[Plane], NDArray[np.bool_]]) -> NDArray[np.int64]:
+def _triangles(points: Floats, inside: Callable[[Floats], NDArray[np.bool_]]) -> NDArray[np.int64]:
     triangles = Delaunay(points).simplices.astype(np.int64)
     a, b, c = (points[triangles[:, k]] for k in range(3))
     longest = np.max([((b - a) ** 2).sum(1), ((c - b) ** 2).sum(1), ((a - c) ** 2).sum(1)], axis=0)
@@ -60,7 +61,7 @@ def _triangles(points: Plane, inside: Callable[[Plane], NDArray[np.bool_]]) -> N
     return triangles[(area > 1e-6 * longest) & inside((a + b + c) / 3)]  # points on a line make flat triangles
 
 
-def _circles(points: Plane, triangles: NDArray[np.int64]) -> tuple[Plane, Plane]:
+def _circles(points: Floats, triangles: NDArray[np.int64]) -> tuple[Floats, Floats]:
     a = points[triangles[:, 0]]
     b, c = points[triangles[:, 1]] - a, points[triangles[:, 2]] - a
     twice = 2 * (b[:, 0] * c[:, 1] - b[:, 1] * c[:, 0])

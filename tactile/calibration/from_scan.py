@@ -1,16 +1,16 @@
 """All that one straight scan over one taxel tells: beta_ns, thickness constant, gains, radial correction."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Floats
 from tactile.calibration.file import Calibration
 from tactile.calibration.from_load import depth_from_speed, gains_from_load
 from tactile.calibration.gains import Gains, beta_from_scan
 from tactile.calibration.radial import radial_from_scan
 from tactile.inverse.taxel import invert_strain
 
-Plane = NDArray[np.float64]
 RELIABLE, REACH = 0.75, 1.25
 """Depths from the taxel within which speed and load are compared (150 um of the paper's 200), radii measured."""
 ASIDE = 0.1
@@ -76,7 +76,7 @@ def calibrate(
     return Calibration(gains, deeper, radial_from_scan(places, true[reach], forces, load, rings))
 
 
-def _in_range(name: str, readings: Plane) -> None:
+def _in_range(name: str, readings: Floats) -> None:
     """Refuse readings that stay at an extremum and then fall as no smooth signal does: the range ends there."""
     count = np.diff(np.unique(readings)).min(initial=np.inf)
     for end in (readings.min(), readings.max()):
@@ -91,7 +91,7 @@ def _in_range(name: str, readings: Plane) -> None:
             )
 
 
-def _located(readings: Plane, gains: Gains, depth: float, modulus: float) -> tuple[Plane, Plane]:
+def _located(readings: Floats, gains: Gains, depth: float, modulus: float) -> tuple[Floats, Floats]:
     """Places (n, 2) [m] and forces (n,) [N] of a pressing load."""
     x, y, z = gains(readings).T
     dx, dy, force, _ = invert_strain(x, y, z, depth, modulus, 0.0, 1)

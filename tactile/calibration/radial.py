@@ -9,14 +9,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 
 from cnnsim.operations.cellwise import Planes
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Floats
 from tactile.inverse.validity import Validity
 
-Plane = NDArray[np.float64]
 LEAST = 3
 """A ring with fewer answers says nothing."""
 SURE = 2.0
@@ -121,7 +121,7 @@ def radial_from_scan(found: ArrayLike, true: ArrayLike, forces: ArrayLike, load:
     return RadialCorrection((0.0, *mean.tolist()), (0.0, *true_mean.tolist()), (float(factor[0]), *factor.tolist()))
 
 
-def _growing(found: Plane, true: Plane, margin: Plane) -> None:
+def _growing(found: Floats, true: Floats, margin: Floats) -> None:
     before, slack = np.concatenate([[0.0], found[:-1]]), np.concatenate([[0.0], margin[:-1]])
     back = found - before <= np.hypot(margin, slack)
     if back.any():

@@ -1,15 +1,14 @@
 """One cell of a traction map: what a taxel feels of unit tractions on it, as a point or as a rectangle."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cnnsim.support.types import Floats
 from tactile.elastic.halfspace import point_load, point_scale
 from tactile.elastic.medium import Medium
 
-Plane = NDArray[np.float64]
 
-
-def point_cell(x: ArrayLike, y: ArrayLike, depth: float, pitch: float, medium: Medium) -> Plane:
+def point_cell(x: ArrayLike, y: ArrayLike, depth: float, pitch: float, medium: Medium) -> Floats:
     """Response (..., 3 components, 3 tractions) at (x, y) [m] from a cell whose traction sits in its middle.
 
     Unit: reading per Pa. Good where the taxels lie deeper than about two cells.
@@ -20,7 +19,7 @@ def point_cell(x: ArrayLike, y: ArrayLike, depth: float, pitch: float, medium: M
     return np.stack([point_load(at, depth, load, medium) for load in unit], axis=-1)
 
 
-def uniform_cell(x: ArrayLike, y: ArrayLike, depth: float, pitch: float, medium: Medium) -> Plane:
+def uniform_cell(x: ArrayLike, y: ArrayLike, depth: float, pitch: float, medium: Medium) -> Floats:
     """The same for a traction spread evenly over the square cell: right at any depth.
 
     Sums over the corners (X, Y) of the antiderivatives of the potential V of the square, as in ``discs``.
@@ -28,7 +27,7 @@ def uniform_cell(x: ArrayLike, y: ArrayLike, depth: float, pitch: float, medium:
     Source: Love (1929); Johnson, Contact Mechanics, sect. 3.3.
     """
     scale, trace = point_scale(depth, medium)
-    out: Plane = np.zeros(())
+    out: Floats = np.zeros(())
     for sign_x in (1, -1):
         for sign_y in (1, -1):
             a = (np.asarray(x, float) + sign_x * pitch / 2) / depth
@@ -38,7 +37,7 @@ def uniform_cell(x: ArrayLike, y: ArrayLike, depth: float, pitch: float, medium:
     return np.asarray(scale * depth**2 * out)
 
 
-def _corner(x: Plane, y: Plane, trace: float) -> Plane:
+def _corner(x: Floats, y: Floats, trace: float) -> Floats:
     """T_i and the trace's share at depth 1 for tractions along j, without terms that cancel over the corners."""
     across_x, across_y = 1 + x * x, 1 + y * y
     r = np.sqrt(across_x + y * y)

@@ -1,15 +1,15 @@
 """Tractions spread over a circle on the half-space: what taxels below feel, for any axisymmetric profile."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Floats
 from tactile.elastic.gauss import gauss
 from tactile.elastic.halfspace import check_loads, point_scale
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import HERTZ, Profile
 
-Plane = NDArray[np.float64]
 WIDEST = 100.0
 """Largest radius over depth that the quadrature is asked for."""
 BUDGET = 1 << 21
@@ -24,7 +24,7 @@ def disc_load(
     profile: Profile,
     medium: Medium,
     lam: ArrayLike = 0.0,
-) -> Plane:
+) -> Floats:
     """Strain or stress, as the medium says, under loads spread over circles.
 
     With V the potential of the profile's unit density, P = (Q, R, F) and (c, n) the medium's reading, a load adds
@@ -56,7 +56,7 @@ def disc_load(
     return scale * np.stack([t_x.sum(-1), t_y.sum(-1), t_z.sum(-1)], axis=-1)
 
 
-def twist_load(positions: ArrayLike, depth: float, twists: ArrayLike, radii: ArrayLike, medium: Medium) -> Plane:
+def twist_load(positions: ArrayLike, depth: float, twists: ArrayLike, radii: ArrayLike, medium: Medium) -> Floats:
     """Strain or stress under a circle that sticks and is twisted about its axis.
 
     The traction q = 3 M r / (4 pi a^3 sqrt(a^2 - r^2)) is -M/2 times the slope of Hertz' pressure of unit force, so
@@ -83,8 +83,8 @@ def twist_load(positions: ArrayLike, depth: float, twists: ArrayLike, radii: Arr
 
 
 def _potential(
-    rho: Plane, radius: Plane, profile: Profile, lam: Plane, wanted: ArrayLike
-) -> tuple[Plane, Plane, Plane, Plane]:
+    rho: Floats, radius: Floats, profile: Profile, lam: Floats, wanted: ArrayLike
+) -> tuple[Floats, Floats, Floats, Floats]:
     """(V_rho / rho, V_z, V_rho_z / rho, (V_rho_rho - V_rho / rho) / rho^2) at depth 1, 0 where not wanted."""
     shape = np.broadcast_shapes(rho.shape, radius.shape, lam.shape)
     if not (np.isfinite(radius).all() and (radius >= 0).all()):
@@ -113,7 +113,7 @@ def _nodes(widest: float) -> int:
     return 20 if widest < 0.6 else 40 if widest < 3 else int(50 + 12 * np.log(widest))
 
 
-def _line(rho: Plane, radius: Plane, profile: Profile, lam: Plane, count: int) -> Plane:
+def _line(rho: Floats, radius: Floats, profile: Profile, lam: Floats, count: int) -> Floats:
     """Gauss quadrature along the line of sources, its nodes drawn by a sinh to where the sources come nearest.
 
     Source: Johnston and Elliott (2005), for nearly singular integrals.

@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Floats
 from tactile.elastic.medium import Medium
-
-Plane = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -19,11 +18,11 @@ class Transfer:
     t-z reading = ``across`` q_t. The traction (q_s, q_t, p) acts on the body, p presses.
     """
 
-    normal: Plane
-    normal_shear: Plane
-    shear_normal: Plane
-    shear: Plane
-    across: Plane
+    normal: Floats
+    normal_shear: Floats
+    shear_normal: Floats
+    shear: Floats
+    across: Floats
 
 
 def transfer(wavenumber: ArrayLike, depth: float, thickness: float, medium: Medium) -> Transfer:
@@ -64,7 +63,7 @@ def transfer(wavenumber: ArrayLike, depth: float, thickness: float, medium: Medi
     down, up = np.exp(-kz), np.exp(-np.maximum(ky, 0)) * base
     double = 1.0 if medium.quantity == "stress" else 1 / (2 * medium.shear_modulus)
 
-    def felt(a1: Plane, a2: Plane) -> tuple[Plane, Plane]:
+    def felt(a1: Floats, a2: Floats) -> tuple[Floats, Floats]:
         """(z-z, s-z / i) readings from the amplitudes times 2 G k."""
         a3, a4 = back[0, 0] * a1 + back[1, 0] * a2, back[0, 1] * a1 + back[1, 1] * a2
         # W' where strain is read; sigma_zz / 2G = W' + nu / (1 - 2 nu) div, with div ~ 1 - 2 nu, where stress is

@@ -8,12 +8,12 @@ from scipy.interpolate import CubicSpline
 from scipy.special import j0, j1
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Floats
 from tactile.elastic.gauss import gauss
 from tactile.elastic.halfspace import check_loads, point_load
 from tactile.elastic.layer import transfer
 from tactile.elastic.medium import Felt, Medium
 
-Plane = NDArray[np.float64]
 REACH = 30.0
 """Thicknesses from a load beyond which a bonded layer feels nothing: its field dies out exponentially."""
 POINTS = 320
@@ -95,8 +95,8 @@ def _table(depth: float, nu: float, quantity: Felt) -> CubicSpline:
     zeroth, first = j0(phase), j1(phase)
     second = np.where(phase > 1e-3, 2 * first / np.maximum(phase, 1e-3) - zeroth, phase**2 / 8)
 
-    def gap(name: str) -> Plane:
-        difference: Plane = getattr(layer, name) - getattr(half, name)
+    def gap(name: str) -> Floats:
+        difference: Floats = getattr(layer, name) - getattr(half, name)
         return difference * step
 
     even, odd = (gap("shear") + gap("across")) / 2, (gap("shear") - gap("across")) / 2

@@ -12,11 +12,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cnnsim.support.errors import InputError
-
-Plane = NDArray[np.float64]
+from cnnsim.support.types import Floats
 
 
 @dataclass(frozen=True)
@@ -27,10 +26,10 @@ class Profile:
     """
 
     name: str
-    weight: Callable[[Plane, Plane], Plane]
+    weight: Callable[[Floats, Floats], Floats]
 
 
-def _sphere_weight(theta: Plane, lam: Plane) -> Plane:
+def _sphere_weight(theta: Floats, lam: Floats) -> Floats:
     # w(t) ~ a atanh(lam) - t atanh(lam t / a): Sneddon's rigid sphere; the paraboloid's a^2 - t^2 where lam is small
     deep = np.clip(lam, 1e-3, 1 - 1e-12)
     t = np.abs(np.sin(theta))
@@ -49,34 +48,34 @@ ROUND_TIP = Profile("round tip", _sphere_weight)
 """A rigid hemisphere pressed in to any depth, its contact radius nearing its own; Hertz where it is shallow."""
 
 
-def hertz_radius(force: ArrayLike, tip_radius: float, contact_modulus: float) -> Plane:
+def hertz_radius(force: ArrayLike, tip_radius: float, contact_modulus: float) -> Floats:
     """a = cbrt(3 P R / (4 E*)) [m], 0 where nothing presses. Source: Johnson, eq. (4.22)."""
     pressing = np.maximum(np.asarray(force, dtype=np.float64), 0)
     # roots first: the product of a very small force and a very small radius is no number any more
-    radius: Plane = np.cbrt(pressing) * np.cbrt(0.75 * tip_radius / contact_modulus)
+    radius: Floats = np.cbrt(pressing) * np.cbrt(0.75 * tip_radius / contact_modulus)
     return radius
 
 
-def hertz_force(indentation: ArrayLike, tip_radius: float, contact_modulus: float) -> Plane:
+def hertz_force(indentation: ArrayLike, tip_radius: float, contact_modulus: float) -> Floats:
     """P = 4/3 E* sqrt(R) delta^1.5 [N], 0 where there is no contact. Source: Johnson, eq. (4.23)."""
     depth = np.maximum(np.asarray(indentation, dtype=np.float64), 0)
-    force: Plane = 4 / 3 * contact_modulus * np.sqrt(tip_radius) * depth**1.5
+    force: Floats = 4 / 3 * contact_modulus * np.sqrt(tip_radius) * depth**1.5
     return force
 
 
-def hertz_indentation(force: ArrayLike, tip_radius: float, contact_modulus: float) -> Plane:
+def hertz_indentation(force: ArrayLike, tip_radius: float, contact_modulus: float) -> Floats:
     """delta = a^2 / R [m] under a force [N]: the inverse of ``hertz_force``."""
-    depth: Plane = hertz_radius(force, tip_radius, contact_modulus) ** 2 / tip_radius
+    depth: Floats = hertz_radius(force, tip_radius, contact_modulus) ** 2 / tip_radius
     return depth
 
 
-def punch_force(indentation: ArrayLike, radius: float, contact_modulus: float) -> Plane:
+def punch_force(indentation: ArrayLike, radius: float, contact_modulus: float) -> Floats:
     """P = 2 a E* delta [N] under a rigid flat end. Source: Johnson, eq. (3.36)."""
-    force: Plane = 2 * radius * contact_modulus * np.maximum(np.asarray(indentation, dtype=np.float64), 0)
+    force: Floats = 2 * radius * contact_modulus * np.maximum(np.asarray(indentation, dtype=np.float64), 0)
     return force
 
 
-def round_tip_radius(force: ArrayLike, tip_radius: float, contact_modulus: float) -> Plane:
+def round_tip_radius(force: ArrayLike, tip_radius: float, contact_modulus: float) -> Floats:
     """Contact radius a [m] of a rigid hemisphere of radius R: P = E* ((a^2 + R^2) atanh(a / R) - a R).
 
     Solved by bisection in atanh(a / R), which a soft body and a thin needle make large: 20 mN on rubber press a
@@ -99,5 +98,5 @@ def round_tip_radius(force: ArrayLike, tip_radius: float, contact_modulus: float
         less = (lam**2 + 1) * middle - lam < wanted
         low, high = np.where(less, middle, low), np.where(less, high, middle)
     lam = np.where(shallow < 1e-3, shallow, np.tanh((low + high) / 2))
-    radius: Plane = tip_radius * np.minimum(lam, 1.0)
+    radius: Floats = tip_radius * np.minimum(lam, 1.0)
     return radius

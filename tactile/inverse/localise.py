@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.operations.cellwise import Planes
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Floats
 from tactile.inverse.validity import Validity
 
 SEEDS = 3
@@ -19,8 +20,6 @@ SEEDS = 3
 RIVAL = 3.0
 """A second place that fits less than so many times worse than the best leaves the answer ambiguous."""
 NAN = float("nan")
-
-Plane = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -43,7 +42,7 @@ class Load:
     validity: Validity = Validity.NO_LOAD
 
 
-def localise(positions: Plane, pressing: Planes, pulling: Planes | None, depth: float) -> Load:
+def localise(positions: Floats, pressing: Planes, pulling: Planes | None, depth: float) -> Load:
     """Find the one load that all taxels of an array feel.
 
     Location: the weighted mean of the candidates nearest to each other, one a taxel, where a candidate at
@@ -111,14 +110,14 @@ def three_taxels(x: ArrayLike, y: ArrayLike, m: ArrayLike, depth: float) -> tupl
     return q, r, f
 
 
-def _on_one_line(seen: Plane) -> bool:
+def _on_one_line(seen: Floats) -> bool:
     """Whether the places, one of which is (0, 0), spread in one direction only."""
     x, y = seen.T
     xx, yy, xy = float(x @ x), float(y @ y), float(x @ y)
     return xx * yy - xy * xy <= 1e-12 * (xx + yy) ** 2
 
 
-def _one_taxel(at: Plane, planes: Plane, order: NDArray[np.intp]) -> Load:
+def _one_taxel(at: Floats, planes: Floats, order: NDArray[np.intp]) -> Load:
     """Return the strongest taxel's own answer for a load that presses without shear."""
     for taxel in order.tolist():
         dx, dy, force, validity = planes[0, :, taxel].tolist()

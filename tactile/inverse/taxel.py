@@ -16,19 +16,16 @@ sign of sigma_zz is that of -s, and there is one candidate only.
 
 from collections.abc import Callable
 from importlib.resources import files
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.operations.cellwise import Cellwise, Planes
+from cnnsim.support.types import Array
 from tactile.inverse.validity import FAR, Validity
-
-Plane = NDArray[Any]
 
 
 def invert_strain(
-    u_xz: Plane, u_yz: Plane, u_zz: Plane, depth: float, modulus: float, floor: float, pressing: float
+    u_xz: Array, u_yz: Array, u_zz: Array, depth: float, modulus: float, floor: float, pressing: float
 ) -> Planes:
     """Return the planes (dx, dy, force, validity) of the load that each strain taxel feels.
 
@@ -68,7 +65,7 @@ def invert_strain(
     return _answer(length * x, length * y, force, region, possible, ~finite | (largest > number(floor)))
 
 
-def invert_stress(s_xz: Plane, s_yz: Plane, s_zz: Plane, depth: float, floor: float) -> Planes:
+def invert_stress(s_xz: Array, s_yz: Array, s_zz: Array, depth: float, floor: float) -> Planes:
     """Return the planes (dx, dy, force, validity) of the load that each stress taxel feels.
 
     With the taxel's (x, y) = z (sigma_xz, sigma_yz) / sigma_zz seen from the load,
@@ -95,7 +92,7 @@ def invert_stress(s_xz: Plane, s_yz: Plane, s_zz: Plane, depth: float, floor: fl
     return _answer(length * across, length * along, force, region, possible, ~finite | (largest > number(floor)))
 
 
-def _scaled(x: Plane, y: Plane, z: Plane) -> tuple[Plane, Plane, Plane, Plane, Plane]:
+def _scaled(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array, Array, Array]:
     """Return the signals over the largest of the three, that largest, and where all three are finite.
 
     Squares of small strains leave the range of float32; ratios to the largest do not. Signals below the smallest
@@ -115,8 +112,8 @@ def _scaled(x: Plane, y: Plane, z: Plane) -> tuple[Plane, Plane, Plane, Plane, P
 
 
 def _answer(
-    dx: Plane, dy: Plane, force: Plane, region: Plane, possible: Plane, loaded: Plane
-) -> tuple[Plane, Plane, Plane, Plane]:
+    dx: Array, dy: Array, force: Array, region: Array, possible: Array, loaded: Array
+) -> tuple[Array, Array, Array, Array]:
     """Mark the taxels without an answer and put 0 there."""
     zero = dx.dtype.type(0)
     answered = possible & loaded

@@ -2,15 +2,11 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from cnnsim.support.types import Floats
 from tactile.core.frame import TaxelArray
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.loads import Pressed
 from tactile.simulator.summation import Road, felt_by
-
-Plane = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -22,13 +18,13 @@ class Field:
 
     array: TaxelArray
     medium: Medium
-    times: Plane
+    times: Floats
     first: int
     pressed: Pressed
-    values: Plane
+    values: Floats
 
 
-def felt(positions: Plane, depth: float, pressed: Pressed, medium: Medium, road: Road | None = None) -> Plane:
+def felt(positions: Floats, depth: float, pressed: Pressed, medium: Medium, road: Road | None = None) -> Floats:
     """What taxels at ``positions`` (..., 2) feel of all that presses: (frames, ..., 3).
 
     Points go by the road, circles and twists by their own quadrature; what is not there is not imported.
@@ -57,7 +53,7 @@ def felt(positions: Plane, depth: float, pressed: Pressed, medium: Medium, road:
     return values
 
 
-def field_of(array: TaxelArray, medium: Medium, times: Plane, first: int, pressed: Pressed, road: Road) -> Field:
+def field_of(array: TaxelArray, medium: Medium, times: Floats, first: int, pressed: Pressed, road: Road) -> Field:
     """The field of what presses on a finger, without effects."""
     values = felt(array.positions(), array.depth, pressed, medium, road)
     return Field(array, medium, times, first, pressed, values)

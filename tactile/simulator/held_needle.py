@@ -1,15 +1,13 @@
 """A needle that a rig holds at a height: what its force becomes when needle or surface move."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cnnsim.support.types import Floats
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import hertz_indentation
 
-Plane = NDArray[np.float64]
 
-
-def force_factor(forces: Plane, rise: Plane, tip_radius: float, medium: Medium) -> Plane:
+def force_factor(forces: Floats, rise: Floats, tip_radius: float, medium: Medium) -> Floats:
     """By what the force of a held spherical tip grows when the surface rises by ``rise`` [m] against it.
 
     Force goes with indentation^1.5, so the factor is max(1 + rise / delta, 0)^1.5 with delta the indentation under the
@@ -20,5 +18,5 @@ def force_factor(forces: Plane, rise: Plane, tip_radius: float, medium: Medium) 
     depth = hertz_indentation(forces, tip_radius, medium.contact_modulus)
     pressing = depth > 0
     ratio = rise / np.where(pressing, depth, 1.0)
-    factor: Plane = np.where(pressing, np.maximum(1 + ratio, 0) ** 1.5, 1.0)
+    factor: Floats = np.where(pressing, np.maximum(1 + ratio, 0) ** 1.5, 1.0)
     return factor

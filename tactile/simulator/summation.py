@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Floats
 from tactile.core.frame import TaxelArray
 from tactile.elastic.direct import direct_sum
 from tactile.elastic.medium import Medium
 
-Plane = NDArray[np.float64]
 Name = Literal["direct", "matrix", "fft"]
 FEW = 4
 """With fewer loads a frame the direct sum is as fast as the product with a matrix."""
@@ -39,7 +39,7 @@ class Road:
 DIRECT = Road("direct", "loads that move, or few of them: every load on every taxel")
 
 
-def plan(array: TaxelArray, loads: Plane, frames: int) -> Road:
+def plan(array: TaxelArray, loads: Floats, frames: int) -> Road:
     """Choose the road for ``frames`` frames of point loads like these (samples, n, 5) on an array.
 
     The matrix where many loads stay where they are over more frames than there are loads; transforms where the loads
@@ -55,7 +55,7 @@ def plan(array: TaxelArray, loads: Plane, frames: int) -> Road:
     return DIRECT
 
 
-def felt_by(road: Road | None, positions: Plane, depth: float, loads: Plane, medium: Medium) -> Plane:
+def felt_by(road: Road | None, positions: Floats, depth: float, loads: Floats, medium: Medium) -> Floats:
     """What taxels (..., 2) feel of point loads (frames, n, 5) by one road, the direct one where None: (frames, ..., 3).
 
     Raises:
@@ -74,7 +74,7 @@ def felt_by(road: Road | None, positions: Plane, depth: float, loads: Plane, med
     return _by_transforms(road, positions, depth, loads, medium)
 
 
-def _by_transforms(road: Road, positions: Plane, depth: float, loads: Plane, medium: Medium) -> Plane:
+def _by_transforms(road: Road, positions: Floats, depth: float, loads: Floats, medium: Medium) -> Floats:
     from tactile.elastic.spectral import TractionRoad  # only the road that is taken is imported
 
     grid = _on_grid(positions, loads[0, :, :2])
@@ -93,7 +93,7 @@ def _by_transforms(road: Road, positions: Plane, depth: float, loads: Plane, med
     return values
 
 
-def _on_grid(positions: Plane, places: Plane) -> tuple[Plane, tuple[int, int], float, NDArray[np.int64]] | None:
+def _on_grid(positions: Floats, places: Floats) -> tuple[Floats, tuple[int, int], float, NDArray[np.int64]] | None:
     """(first place, (rows, cols), pitch, index of each load) of loads that lie whole taxel pitches apart."""
     if positions.ndim != 3 or positions.shape[1] < 2:
         return None

@@ -6,16 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.support.errors import InputError
-
-Plane = NDArray[np.float64]
+from cnnsim.support.types import Floats
 
 
 @dataclass(frozen=True)
 class TextureFigures:
     """Figures (rows, cols) at one time: ``friction`` [1] and ``roughness`` [1], both NaN where not ``valid``."""
 
-    friction: Plane
-    roughness: Plane
+    friction: Floats
+    roughness: Floats
     valid: NDArray[np.bool_]
 
 
@@ -50,7 +49,7 @@ class Texture:
         self._head = 0  # frames in the growing block
         self._streak: NDArray[np.int64] | None = None
 
-    def update(self, values: Plane) -> TextureFigures:
+    def update(self, values: Floats) -> TextureFigures:
         """Take the next frame's values (rows, cols, 3) and return the figures of the window that ends with it.
 
         Raises:

@@ -66,7 +66,7 @@ def _assert_like_the_reference(task: Task, family: Any, dtypes: Any = ("float64"
         assert np.abs(x - law.x).max() <= tolerance * bound
         if dtype == "float64":
             assert ours[1:3] == law[1:3]
-            assert ours.slope == pytest.approx(law.slope, rel=1e-9, abs=1e-11, nan_ok=True)
+            assert ours.rate == pytest.approx(law.rate, rel=1e-9, abs=1e-11, nan_ok=True)
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -154,7 +154,7 @@ def test_sleeping_tiles_wake_up_where_a_wave_comes(name: str, boundary: Any, fam
     ends = []
     for without in ([], ["sleep"]):
         end = make_task(entry.template, **planes, boundary=boundary, limit=300.0, without=without).start(backend)
-        ends.append((backend.read(end.x), end.t, end.settled, end.slope))
+        ends.append((backend.read(end.x), end.t, end.settled, end.rate))
     np.testing.assert_array_equal(ends[0][0], ends[1][0])
     np.testing.assert_equal(ends[0][1:], ends[1][1:])
 

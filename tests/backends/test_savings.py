@@ -53,7 +53,7 @@ def test_a_row_of_a_tile_with_its_halo_fits_into_a_row_of_the_buffers() -> None:
 def same(one: Result, other: Result) -> None:
     np.testing.assert_array_equal(one.x, other.x)
     assert (one.t, one.settled) == (other.t, other.settled)
-    np.testing.assert_equal(one.slope, other.slope)
+    np.testing.assert_equal(one.rate, other.rate)
 
 
 @pytest.mark.parametrize("boundary", BOUNDARIES, ids=str)

@@ -4,13 +4,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.operations.cellwise import Planes
+from cnnsim.support.types import Floats
 from tactile.inverse.localise import RIVAL, SEEDS, Load
 from tactile.inverse.validity import Validity
 
-Plane = NDArray[np.float64]
 
-
-def localise(positions: Plane, pressing: Planes, pulling: Planes | None, depth: float) -> Load:
+def localise(positions: Floats, pressing: Planes, pulling: Planes | None, depth: float) -> Load:
     """Return what `tactile.inverse.localise.localise` returns."""
     families = [pressing] if pulling is None else [pressing, pulling]
     planes = np.array(families, dtype=np.float64)
@@ -63,7 +62,7 @@ def localise(positions: Plane, pressing: Planes, pulling: Planes | None, depth: 
     return Load(place_x, place_y, q, r, f, residual, int(order.size), code)
 
 
-def _strain_shape(x: Plane, y: Plane) -> tuple[Plane, tuple[Plane, Plane, Plane], Plane]:
+def _strain_shape(x: Floats, y: Floats) -> tuple[Floats, tuple[Floats, Floats, Floats], Floats]:
     """Return t, the unit direction of (u_xz, u_yz, u_zz) and their size for s / z = 1, up to a constant: eq. (1).
 
     ``x``, ``y``: the taxel seen from the load, in depths.
@@ -73,25 +72,25 @@ def _strain_shape(x: Plane, y: Plane) -> tuple[Plane, tuple[Plane, Plane, Plane]
     return t, (-3 * x / size, -3 * y / size, (t - 2) / size), size / ((t + 1) ** 2 * np.sqrt(t + 1))
 
 
-def _stress_shape(x: Plane, y: Plane) -> tuple[Plane, tuple[Plane, Plane, Plane], Plane]:
+def _stress_shape(x: Floats, y: Floats) -> tuple[Floats, tuple[Floats, Floats, Floats], Floats]:
     """The same for (sigma_xz, sigma_yz, sigma_zz): eq. (10)."""
     t = x * x + y * y
     size = np.sqrt(t + 1)
     return t, (-x / size, -y / size, -1 / size), 1 / (t + 1) ** 2
 
 
-def _least_squares(design: Plane, felt: Plane) -> Plane:
+def _least_squares(design: Floats, felt: Floats) -> Floats:
     return np.asarray(np.linalg.lstsq(design, felt, rcond=None)[0], np.float64)
 
 
-def _on_one_line(seen: Plane) -> bool:
+def _on_one_line(seen: Floats) -> bool:
     """Whether the places, one of which is (0, 0), spread in one direction only."""
     x, y = seen.T
     xx, yy, xy = float(x @ x), float(y @ y), float(x @ y)
     return xx * yy - xy * xy <= 1e-12 * (xx + yy) ** 2
 
 
-def _one_taxel(at: Plane, planes: Plane, usable: NDArray[np.bool_], order: NDArray[np.intp]) -> Load:
+def _one_taxel(at: Floats, planes: Floats, usable: NDArray[np.bool_], order: NDArray[np.intp]) -> Load:
     """Return the strongest taxel's own answer for a load that presses without shear."""
     for taxel in order.tolist():
         if usable[taxel, 0]:

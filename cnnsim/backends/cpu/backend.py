@@ -28,8 +28,7 @@ from cnnsim.operations.cellwise import Cellwise
 from cnnsim.planning.plan import Plan
 from cnnsim.support.compile_notice import announce
 from cnnsim.support.errors import InputError
-
-Array = NDArray[Any]
+from cnnsim.support.types import Array
 
 announce(kept_in(cpu_kernels.clip.serial))
 
@@ -89,16 +88,16 @@ class CpuBackend:
         return y
 
     def transient(
-        self, plan: Plan, x: Array, u: Array | None, bias: Array | None = None, held: Bits | None = None
+        self, plan: Plan, x: Array, u: Array | None, bias: Array | None = None, mask: Bits | None = None
     ) -> Outcome:
         """See `Backend.transient`."""
         if plan.method == "general":
-            return cpu_general.transient(plan, x, u, bias, None if held is None else self._unpack(held, np.dtype(bool)))
+            return cpu_general.transient(plan, x, u, bias, None if mask is None else self._unpack(mask, np.dtype(bool)))
         bias = cpu_general.with_control_terms(plan, u, bias)
         ready = self._prepared.get(plan)
         if ready is None:
             ready = self._prepared[plan] = Prepared(plan, self.dtype, numba.get_num_threads())
-        mask = _NO_MASK if held is None else _grids(self._unpack(held, np.dtype(bool)))
+        free = _NO_MASK if mask is None else _grids(self._unpack(mask, np.dtype(bool)))
         drive = (
             ready.z, self._nothing if bias is None else _grids(bias), _grids(x if u is None else u),
             *ready.control, *ready.around_u,
@@ -106,12 +105,12 @@ class CpuBackend:
         work = x.size * max(1, ready.control[0].size)
         if plan.method == "closed form":
             end = np.empty_like(x)
-            cpu_closed.closed_form.for_work(work)(_grids(x), _grids(end), mask, ready.a, ready.t, ready.walls, *drive)
+            cpu_closed.closed_form.for_work(work)(_grids(x), _grids(end), free, ready.a, ready.t, ready.walls, *drive)
             outcome = Outcome(end, ready.t, ready.settles, 0.0 if ready.settles else math.nan)
         elif plan.method == "stepped":
             w = self._spare.plane(x)
             control.for_work(work)(controlling(self.dtype).address, _grids(w), *drive)
-            outcome = self._stepped(plan, ready, x, w, mask)
+            outcome = self._stepped(plan, ready, x, w, free)
             self._spare.keep(w)
         else:
             raise InputError(
@@ -166,7 +165,7 @@ class CpuBackend:
         if key not in self._rules:
             k, l, negated = (np.array([literal[i] for literal in rule.literals], np.int64) for i in range(3))
             rows, cols = (virtual_index(n, rule.radius, boundary) for n in plane.shape[-2:])
-            self._rules[key] = k, l, negated > 0, rule.every, rows, cols, rule.radius, int(boundary.u > 0)
+            self._rules[key] = k, l, negated > 0, rule.conjunction, rows, cols, rule.radius, int(boundary.u > 0)
         out = cpu_bits.empty(plane.shape)
         kernel = neighbourhood.for_work(out.words.size * len(rule.literals) // 64)
         kernel(plane.words, out.words, plane.shape[-1], *self._rules[key])

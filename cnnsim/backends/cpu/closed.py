@@ -1,15 +1,12 @@
 """The closed form of uncoupled cells, compiled: `cnnsim.network.cell.uncoupled_state`, one cell at a time."""
 
 import math
-from typing import Any
 
 from numba import prange
-from numpy.typing import NDArray
 
 from cnnsim.backends.cpu.drive import control_row
 from cnnsim.backends.cpu.jit.compile import helper, twins
-
-Array = NDArray[Any]
+from cnnsim.support.types import Array
 
 
 @helper

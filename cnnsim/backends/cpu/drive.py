@@ -6,12 +6,10 @@ from typing import Any
 import numba
 import numpy as np
 from numba import prange, types
-from numpy.typing import NDArray
 
 from cnnsim.backends.cpu.jit.address import call, compiled_at
 from cnnsim.backends.cpu.jit.compile import helper, twins
-
-Array = NDArray[Any]
+from cnnsim.support.types import Array
 
 FEW = 16
 """Rows that a thread does at a time."""

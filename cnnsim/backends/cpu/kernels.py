@@ -7,11 +7,9 @@ from typing import Any
 
 import numpy as np
 from numba import prange
-from numpy.typing import NDArray
 
 from cnnsim.backends.cpu.jit.compile import helper, twins
-
-Array = NDArray[Any]
+from cnnsim.support.types import Array
 
 
 @helper

@@ -1,11 +1,8 @@
 """Planes that a transient has done with, kept for the next one."""
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[Any]
+from cnnsim.support.types import Array
 
 MOST = 2
 """Planes kept: the drive of a transient, and one of the two planes between which its steps go."""

@@ -6,7 +6,6 @@ from typing import Any
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.backends.cpu.euler.scratch import FIXED, PERIODIC, ZERO_FLUX
 from cnnsim.backends.cpu.euler.tile import Rule, streaming
@@ -15,9 +14,9 @@ from cnnsim.backends.cpu.jit.compile import Kernel
 from cnnsim.backends.cpu.jit.loops import ANY, CROSS, ISOTROPIC, NINE, loop
 from cnnsim.network.boundary import Boundary, virtual_index
 from cnnsim.network.template import Tap
-from cnnsim.planning.plan import SETTLED_SLOPE, Plan
+from cnnsim.planning.plan import SETTLED_RATE, Plan
+from cnnsim.support.types import Array
 
-Array = NDArray[Any]
 Taps = tuple[Array, Array, Array]
 
 BOUNDARY = {"fixed": FIXED, "zero-flux": ZERO_FLUX, "periodic": PERIODIC}
@@ -51,7 +50,7 @@ class Prepared:
             r, *self.feedback, square(plan, dtype), dtype.type(h), BOUNDARY[plan.boundary.kind],
             dtype.type(plan.boundary.y),
         )  # fmt: skip
-        self.steps = plan.steps, plan.check_every if self.settles else 0, SETTLED_SLOPE, self.freezes
+        self.steps = plan.steps, plan.check_every if self.settles else 0, SETTLED_RATE, self.freezes
         self.tile = tile_shape(plan, threads)
 
     # Not before somebody asks, because what lies at these addresses is compiled then.

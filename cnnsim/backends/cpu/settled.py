@@ -5,15 +5,11 @@ stay, so does d, and a step x + h (d - x) with h <= 1 cannot bring it back insid
 and rounding keeps the order of numbers and 1 is one of them. So its output stays, to the bit.
 """
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.backends.cpu.euler.rows import BLOCK, STRIDE
 from cnnsim.backends.cpu.jit.compile import helper
-
-Array = NDArray[Any]
+from cnnsim.support.types import Array
 
 STEEPEST, MOVING, RESTLESS, R0, R1, C0, C1 = range(7)
 """What a look puts down: the largest |dx/dt| (if it is measured), how many cells have |dx/dt| above the rest slope, how

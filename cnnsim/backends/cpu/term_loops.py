@@ -9,7 +9,6 @@ from typing import Any
 import numba
 import numpy as np
 from numba import prange, types
-from numpy.typing import NDArray
 
 from cnnsim.backends.cpu.jit.address import call, compiled_at
 from cnnsim.backends.cpu.jit.compile import helper, twins
@@ -26,8 +25,7 @@ from cnnsim.backends.cpu.term_rows import (
     times_row,
 )
 from cnnsim.backends.term_table import IDENTITY, SIGN, STEP
-
-Array = NDArray[Any]
+from cnnsim.support.types import Array
 
 DRIVE, SLOPE, DISCRETE, EULER = range(4)
 """What `advance` does."""

@@ -11,13 +11,11 @@ from typing import Any
 
 import numpy as np
 from numba import carray, types
-from numpy.typing import NDArray
 
 from cnnsim.backends.cpu.jit.address import call, compiled_at, numbers_of, place
 from cnnsim.backends.cpu.jit.compile import helper
 from cnnsim.backends.term_table import CLIP, IDENTITY, LINEAR, SIGN, TANH
-
-Array = NDArray[Any]
+from cnnsim.support.types import Array
 
 
 @helper

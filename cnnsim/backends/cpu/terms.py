@@ -9,7 +9,6 @@ from typing import Any
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.backends.base import Outcome, check_finite
 from cnnsim.backends.cpu import term_loops as kernels
@@ -18,10 +17,9 @@ from cnnsim.backends.term_table import Wiring, characteristic, longest_delay, wi
 from cnnsim.network.boundary import virtual_index
 from cnnsim.network.frames import Frames, at_step, spans
 from cnnsim.planning.general import delays_of
-from cnnsim.planning.plan import SETTLED_SLOPE, Plan
+from cnnsim.planning.plan import SETTLED_RATE, Plan
 from cnnsim.support.errors import InputError
-
-Array = NDArray[Any]
+from cnnsim.support.types import Array
 
 NOBODY = np.empty((1, 1, 1, 0), bool)
 """The mask that holds no cell."""
@@ -171,7 +169,7 @@ def _stepped(plan: Plan, run: _Run) -> tuple[Array, float, bool, float]:
     def look(number: int) -> tuple[bool, float]:
         run.advance(kernels.DRIVE, slopes[0], x, number)
         steepest = kernels.steepest_of.for_work(x.size)(slopes[0], x, run.rates.astype(run.dtype), run.held, run.wall)
-        return steepest <= SETTLED_SLOPE, steepest
+        return steepest <= SETTLED_RATE, steepest
 
     for first, count in run.spans():
         run.stand_still(first)
@@ -217,7 +215,7 @@ def _discrete(plan: Plan, run: _Run) -> tuple[Array, float, bool, float]:
         for number in range(first, first + count):
             run.past[number % len(run.past)] = y
             change = run.advance(kernels.DISCRETE, after, y, number)
-            if settling and (change <= SETTLED_SLOPE or (number and np.array_equal(after, before))):
-                return y, float(number), change <= SETTLED_SLOPE, change
+            if settling and (change <= SETTLED_RATE or (number and np.array_equal(after, before))):
+                return y, float(number), change <= SETTLED_RATE, change
             before, y, after = y, after, np.empty_like(y)
     return (y, float(plan.steps), False, change) if settling else (y, float(plan.duration), False, math.nan)

@@ -22,8 +22,8 @@ from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.planning.plan import Plan
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Array
 
-Array = NDArray[Any]
 P = ParamSpec("P")
 T = TypeVar("T")
 _WORD = 64  # cells of an LLM plane in a word
@@ -136,14 +136,14 @@ class OpenCLBackend:
         x: DevicePlane,
         u: DevicePlane | None,
         bias: DevicePlane | None = None,
-        held: DevicePlane | None = None,
+        mask: DevicePlane | None = None,
     ) -> Outcome:
         """See `Backend.transient`."""
         _check_plan(plan)
         shop, shape = self._shop, x.grids
-        mask = None if held is None else held.buffer
+        held = None if mask is None else mask.buffer
         if plan.method == "general":
-            buffers = (_buffers(u), _buffers(bias), mask)
+            buffers = (_buffers(u), _buffers(bias), held)
             end, t, settled, slope = general(shop, plan, shape[0], x.buffer, *buffers)
             state = DevicePlane(end, x.shape, "lam")
             self._check_finite(state, t)
@@ -154,10 +154,10 @@ class OpenCLBackend:
         w = drive(shop, plan, shape, None if u is None else u.buffer, None if bias is None else bias.buffer)
         settle = plan.duration == "settled"
         if plan.method == "closed form":
-            end = closed_form(shop, plan, shape, x.buffer, w, mask)
+            end = closed_form(shop, plan, shape, x.buffer, w, held)
             t, settled, slope = (math.inf, True, 0.0) if settle else (float(plan.duration), False, math.nan)
         else:
-            end, done, settled, slope = stepped(shop, plan, shape, x.buffer, w, mask)
+            end, done, settled, slope = stepped(shop, plan, shape, x.buffer, w, held)
             t = done * plan.step if settle else float(plan.duration)
         shop.recycle(w)
         state = DevicePlane(end, x.shape, "lam")
@@ -190,7 +190,7 @@ class OpenCLBackend:
         literals = self._shop.table(np.array(rule.literals or [(0, 0, 0)], np.int32))
         self._shop.run(
             self._shop.kernel("neighbourhood", "neighbourhood", boundary_defines(boundary)), plane.words, plane.buffer,
-            out.buffer, literals, np.int32(len(rule.literals)), np.int32(rule.every), np.int32(boundary.u > 0),
+            out.buffer, literals, np.int32(len(rule.literals)), np.int32(rule.conjunction), np.int32(boundary.u > 0),
             np.int32(rule.radius), np.int64(plane.lines), np.int32(plane.shape[-2]), np.int32(plane.shape[-1]),
         )  # fmt: skip
         return out

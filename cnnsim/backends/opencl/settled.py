@@ -7,7 +7,7 @@ import pyopencl as cl
 
 from cnnsim.backends.opencl.build import Workshop, boundary_defines, radius_of
 from cnnsim.network.template import Tap
-from cnnsim.planning.plan import SETTLED_SLOPE, Plan
+from cnnsim.planning.plan import SETTLED_RATE, Plan
 
 Buffer = cl.Buffer
 Shape = tuple[int, int, int]
@@ -42,10 +42,10 @@ class Watch:
             slope, restless = self._stripe(x)
             steepest = float(np.maximum(slope, steepest))  # NaN comes through
             loose |= restless
-            if not whole and not steepest <= SETTLED_SLOPE and (loose or not self._freezes):
+            if not whole and not steepest <= SETTLED_RATE and (loose or not self._freezes):
                 return False, steepest
             self._at = (self._at + 1) % (len(self._ends) - 1)
-        return steepest <= SETTLED_SLOPE or (self._freezes and not loose), steepest
+        return steepest <= SETTLED_RATE or (self._freezes and not loose), steepest
 
     def _stripe(self, x: Buffer) -> tuple[float, bool]:
         first, end = self._ends[self._at : self._at + 2]

@@ -15,7 +15,7 @@ from cnnsim.backends.opencl.term_field import DISCRETE, DRIVE, SLOPE, STEP, Fiel
 from cnnsim.backends.term_table import longest_delay, wire, wire_terms
 from cnnsim.network.frames import at_step, spans
 from cnnsim.planning.general import delays_of
-from cnnsim.planning.plan import SETTLED_SLOPE, Plan
+from cnnsim.planning.plan import SETTLED_RATE, Plan
 
 Buffer = cl.Buffer
 Ended = tuple[Buffer, float, bool, float]
@@ -123,7 +123,7 @@ def _stepped(plan: Plan, run: _Run) -> Ended:
     def look(number: int) -> tuple[bool, float]:
         run.advance(SLOPE, slopes[0], x, number)
         steepest = run.steepest(slopes[0], x, run.rates, wall=bool(run.wall))
-        return steepest <= SETTLED_SLOPE, steepest
+        return steepest <= SETTLED_RATE, steepest
 
     spare = [run.new() for _ in range(len(run.past) + 1)]
     for first, count in run.spans():
@@ -162,7 +162,7 @@ def _discrete(plan: Plan, run: _Run) -> Ended:
             run.advance(DISCRETE, after, y, number)
             if settling:
                 change = run.change(after, y)
-                if change <= SETTLED_SLOPE or (number and run.change(after, before) == 0):
-                    return y, float(number), change <= SETTLED_SLOPE, change
+                if change <= SETTLED_RATE or (number and run.change(after, before) == 0):
+                    return y, float(number), change <= SETTLED_RATE, change
             before, y = y, after
     return (y, float(plan.steps), False, change) if settling else (y, float(plan.duration), False, math.nan)

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
@@ -10,15 +9,14 @@ from numpy.typing import DTypeLike, NDArray
 from cnnsim.backends.base import Memory, Outcome, check_finite
 from cnnsim.backends.reference import terms as reference_general
 from cnnsim.network.boundary import Boundary, pad
-from cnnsim.network.cell import output, slope, uncoupled_state
+from cnnsim.network.cell import output, rate, uncoupled_state
 from cnnsim.network.template import Tap
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.operations.logic import truth_table
-from cnnsim.planning.plan import SETTLED_SLOPE, Plan
+from cnnsim.planning.plan import SETTLED_RATE, Plan
 from cnnsim.support.errors import InputError
-
-Array = NDArray[Any]
+from cnnsim.support.types import Array
 
 
 def correlate(plane: Array, taps: Sequence[Tap], boundary: Boundary, constant: float, start: Array) -> Array:
@@ -59,18 +57,18 @@ class ReferenceBackend:
         return output(x)
 
     def transient(
-        self, plan: Plan, x: Array, u: Array | None, bias: Array | None = None, held: Array | None = None
+        self, plan: Plan, x: Array, u: Array | None, bias: Array | None = None, mask: Array | None = None
     ) -> Outcome:
         """See `Backend.transient`."""
         if plan.method == "general":
-            return reference_general.transient(plan, x, u, bias, held)
+            return reference_general.transient(plan, x, u, bias, mask)
         bias = reference_general.with_control_terms(plan.template, plan.boundary, u, bias)
         w = np.full_like(x, plan.template.z)
         if bias is not None:
             w += bias
         if u is not None:
             w = correlate(u, plan.template.control_taps, plan.boundary, plan.boundary.u, w)
-        free = np.ones(x.shape, dtype=bool) if held is None else ~held
+        free = np.ones(x.shape, dtype=bool) if mask is None else ~mask
         with np.errstate(over="ignore", invalid="ignore"):  # what overflows is found and reported below
             outcome = _ROADS[plan.method](plan, x, w, free)
         check_finite(outcome.x, outcome.t)
@@ -89,8 +87,8 @@ class ReferenceBackend:
         r, (rows, cols) = rule.radius, plane.shape[-2:]
         around = pad(plane, r, boundary, boundary.u > 0)
         seen = [around[..., r + k : r + k + rows, r + l : r + l + cols] != negated for k, l, negated in rule.literals]
-        combine = np.logical_and if rule.every else np.logical_or
-        return combine.reduce(seen) if seen else np.full(plane.shape, rule.every)
+        combine = np.logical_and if rule.conjunction else np.logical_or
+        return combine.reduce(seen) if seen else np.full(plane.shape, rule.conjunction)
 
     def count(self, plane: Array) -> int | NDArray[np.int64]:
         """See `Backend.count`."""
@@ -113,14 +111,14 @@ def _closed_form(plan: Plan, x: Array, w: Array, free: Array) -> Outcome:
 def _stepped(plan: Plan, x: Array, w: Array, free: Array) -> Outcome:
     for step in range(plan.steps):
         if plan.duration == "settled" and step % plan.check_every == 0:
-            settled, steepest = _look(plan, x, w, free)
+            settled, largest = _look(plan, x, w, free)
             if settled:
-                return Outcome(x, step * plan.step, True, steepest)
+                return Outcome(x, step * plan.step, True, largest)
         x = np.where(free, _step(plan, x, w), x)
     if plan.duration != "settled":
         return Outcome(x, float(plan.duration), False, math.nan)
-    settled, steepest = _look(plan, x, w, free)
-    return Outcome(x, plan.steps * plan.step, settled, steepest)
+    settled, largest = _look(plan, x, w, free)
+    return Outcome(x, plan.steps * plan.step, settled, largest)
 
 
 def _step(plan: Plan, x: Array, w: Array) -> Array:
@@ -143,10 +141,10 @@ def _step(plan: Plan, x: Array, w: Array) -> Array:
 def _look(plan: Plan, x: Array, w: Array, free: Array) -> tuple[bool, float]:
     """Return whether the network has settled (see `Plan`) and the largest |dx/dt|."""
     drive = _drive(plan, x, w)
-    steepest = float(np.abs(slope(drive, x, plan.cell)[free]).max(initial=0.0))
+    largest = float(np.abs(rate(drive, x, plan.cell)[free]).max(initial=0.0))
     stuck = (np.abs(x) >= 1) & (np.sign(x) * drive >= 1)
     final = plan.cell == "chua-yang" and plan.step <= 1 and bool(stuck[free].all())
-    return final or steepest <= SETTLED_SLOPE, steepest
+    return final or largest <= SETTLED_RATE, largest
 
 
 def _adaptive(plan: Plan, x: Array, w: Array, free: Array) -> Outcome:
@@ -154,12 +152,12 @@ def _adaptive(plan: Plan, x: Array, w: Array, free: Array) -> Outcome:
 
     assert plan.duration != "settled"
 
-    def rate(_t: float, flat: Array) -> Array:
+    def derivative(_t: float, flat: Array) -> Array:
         now = flat.reshape(x.shape)
         now = output(now) if plan.cell == "full-range" else now
-        return np.where(free, slope(_drive(plan, now, w), now, plan.cell), 0.0).ravel()
+        return np.where(free, rate(_drive(plan, now, w), now, plan.cell), 0.0).ravel()
 
-    solution = solve_ivp(rate, (0.0, plan.duration), x.ravel(), method="DOP853", rtol=1e-10, atol=1e-12)
+    solution = solve_ivp(derivative, (0.0, plan.duration), x.ravel(), method="DOP853", rtol=1e-10, atol=1e-12)
     if not solution.success:
         raise InputError(f"the adaptive scheme gave up at t = {solution.t[-1]:g}: {solution.message}")
     end = solution.y[:, -1].reshape(x.shape)

@@ -9,7 +9,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.backends.base import Outcome, check_finite
 from cnnsim.network.boundary import Boundary, pad
@@ -17,10 +16,10 @@ from cnnsim.network.frames import Frames, at_step
 from cnnsim.network.template import Template
 from cnnsim.network.term import Argument, Quantity, Term
 from cnnsim.planning.general import delays_of
-from cnnsim.planning.plan import SETTLED_SLOPE, Plan
+from cnnsim.planning.plan import SETTLED_RATE, Plan
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Array
 
-Array = NDArray[Any]
 Look = Callable[[Quantity, int], Array]
 """What a term sees: (quantity, layer) -> (n, rows, cols), at the time the term looks at."""
 
@@ -151,7 +150,7 @@ def _look(plan: Plan, run: _Run, x: Array, number: int) -> tuple[bool, float]:
     if run.wall:
         slope = np.where(((x >= 1) & (slope > 0)) | ((x <= -1) & (slope < 0)), 0.0, slope)
     steepest = run.steepness(slope)
-    return steepest <= SETTLED_SLOPE, steepest
+    return steepest <= SETTLED_RATE, steepest
 
 
 def _discrete(plan: Plan, run: _Run) -> tuple[Array, float, bool, float]:
@@ -166,8 +165,8 @@ def _discrete(plan: Plan, run: _Run) -> tuple[Array, float, bool, float]:
         if sign:
             after = np.where(drive == 0, y, after)
         change = run.steepness(after - y)
-        if settling and (change <= SETTLED_SLOPE or (number and np.array_equal(after, before))):
-            return y, float(number), change <= SETTLED_SLOPE, change
+        if settling and (change <= SETTLED_RATE or (number and np.array_equal(after, before))):
+            return y, float(number), change <= SETTLED_RATE, change
         before, y = y, after
         run.past.append(y)
     return (y, float(plan.steps), False, change) if settling else (y, float(plan.duration), False, math.nan)

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.library.entry import Example
 from cnnsim.library.write import toml_value
@@ -15,8 +14,7 @@ from cnnsim.prototyping.design.design import Design, Part
 from cnnsim.prototyping.design.rule import Rule
 from cnnsim.support.errors import InputError
 from cnnsim.support.picture import to_ascii
-
-Plane = NDArray[np.float64]
+from cnnsim.support.types import Floats
 
 
 def template_text(
@@ -46,7 +44,7 @@ def part_names(design: Design, name: str) -> list[str]:
 
 
 def write_design(
-    design: Design, name: str, boundary: Boundary, folder: Path, pictures: Sequence[Plane] = ()
+    design: Design, name: str, boundary: Boundary, folder: Path, pictures: Sequence[Floats] = ()
 ) -> list[Path]:
     """Write the template files and, of more than a single template, the program under ``programs``; return their paths.
 
@@ -108,7 +106,7 @@ def _step(**entries: Any) -> list[str]:
 
 
 def _part_text(
-    design: Design, number: int, name: str, tables: list[Any], boundary: Boundary, pictures: Sequence[Plane]
+    design: Design, number: int, name: str, tables: list[Any], boundary: Boundary, pictures: Sequence[Floats]
 ) -> str:
     part, rule = design.parts[number], design.rule
     whole = Rule(tables[number], rule.text)
@@ -130,7 +128,7 @@ def _part_text(
     )  # fmt: skip
 
 
-def _pictures(rule: Rule, boundary: Boundary, given: Sequence[Plane]) -> list[tuple[Plane, Plane | None]]:
+def _pictures(rule: Rule, boundary: Boundary, given: Sequence[Floats]) -> list[tuple[Floats, Floats | None]]:
     """Return up to three pictures (and states) all of whose windows the rule knows, the most telling ones first."""
     rng, found = np.random.default_rng(0), []
     tries = [*given, *(np.where(rng.random((9, 10)) < share, 1.0, -1.0) for share in [0.2, 0.5, 0.8] * 20)]

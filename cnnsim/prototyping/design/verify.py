@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.backends.base import Backend
 from cnnsim.network.boundary import fixed
@@ -12,12 +11,11 @@ from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import Program
 from cnnsim.prototyping.design.design import Design
 from cnnsim.prototyping.design.rule import Rule
+from cnnsim.support.types import Floats
 from cnnsim.transient import run_transient
 
-Plane = NDArray[np.float64]
 
-
-def all_windows(rule: Rule) -> tuple[Plane, Plane | None]:
+def all_windows(rule: Rule) -> tuple[Floats, Floats | None]:
     """Return planes (n, 3, 3) with every window of a rule, and the initial states if they count."""
     rows = rule.rows.astype(np.float64)
     state = np.repeat(rows[:, 9], 9).reshape(-1, 3, 3) if rule.with_state else None
@@ -38,7 +36,7 @@ def wrong_windows(design: Design, program: Path | None = None, backend: str | Ba
     return [int(i) for i in np.flatnonzero(colour * rule.table < 0)]
 
 
-def run_program(program: Program, picture: Plane, state: Plane | None, backend: str | Backend = "cpu") -> Plane:
+def run_program(program: Program, picture: Floats, state: Floats | None, backend: str | Backend = "cpu") -> Floats:
     """Run a designed program and return its result, black +1 and white -1."""
     planes = {"picture": picture} if state is None else {"picture": picture, "state": state}
     return np.where(UniversalMachine(backend).run(program, **planes)["result"], 1.0, -1.0)

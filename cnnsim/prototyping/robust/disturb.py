@@ -5,12 +5,10 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.network.layers import AnyTemplate, LayeredTemplate
 from cnnsim.network.template import Template
-
-Array = NDArray[np.float64]
+from cnnsim.support.types import Floats
 
 
 def with_relative_errors(template: AnyTemplate, sigma: float, rng: np.random.Generator) -> AnyTemplate:
@@ -29,7 +27,7 @@ def quantised(template: AnyTemplate, bits: int) -> AnyTemplate:
     """
     sizes: list[float] = []
 
-    def look(entries: Array) -> Array:
+    def look(entries: Floats) -> Floats:
         sizes.append(float(np.abs(entries).max()))
         return entries
 
@@ -38,7 +36,7 @@ def quantised(template: AnyTemplate, bits: int) -> AnyTemplate:
     return template if step == 0 else _changed(template, lambda entries: np.rint(entries / step) * step)
 
 
-def _changed(template: AnyTemplate, change: Callable[[Array], Any]) -> AnyTemplate:
+def _changed(template: AnyTemplate, change: Callable[[Floats], Any]) -> AnyTemplate:
     """Apply a change to all entries of a template, of all its layers."""
     if isinstance(template, LayeredTemplate):
         layers = [_changed_layer(layer, change) for layer in template.layers]
@@ -46,7 +44,7 @@ def _changed(template: AnyTemplate, change: Callable[[Array], Any]) -> AnyTempla
     return _changed_layer(template, change)
 
 
-def _changed_layer(template: Template, change: Callable[[Array], Any]) -> Template:
+def _changed_layer(template: Template, change: Callable[[Floats], Any]) -> Template:
     a, b, z = change(template.A), change(template.B), float(change(np.asarray(template.z)))
     terms = [replace(term, weights=change(term.weights)) for term in template.terms]
     return Template(a, b, z, template.name, terms)

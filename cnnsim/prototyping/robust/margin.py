@@ -3,13 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.network.template import Template
+from cnnsim.support.types import Floats
 from cnnsim.theory.neighbourhood import pairs_of, too_many, weighted_sums
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -48,7 +46,7 @@ def margin_of(entry: LibraryEntry) -> Margin:
     return _uncoupled(entry) if template.uncoupled else _coupled(entry)
 
 
-def tolerated_error(m: Array, x0: Array | None, a: float, size: float) -> Array:
+def tolerated_error(m: Floats, x0: Floats | None, a: float, size: float) -> Floats:
     """Return the relative error of a, B and z up to which cells without neighbours keep their colour.
 
     With errors of at most epsilon the drive towards the right colour is at worst m - epsilon * size, and the feedback
@@ -67,7 +65,7 @@ def tolerated_error(m: Array, x0: Array | None, a: float, size: float) -> Array:
     harmed = np.where(alone <= max(1 / a - 1, 0.0), alone, harmed)
     helped = (m + weight * (a - 1)) / np.maximum(size + weight * a, 1e-300)
     helped = np.where(helped <= 1 - 1 / a, helped, np.maximum(alone, max(1 - 1 / a, 0.0)))
-    error: Array = np.where(pull < 0, harmed, np.where(pull > 0, helped, alone))
+    error: Floats = np.where(pull < 0, harmed, np.where(pull > 0, helped, alone))
     return np.maximum(error, 0.0)
 
 

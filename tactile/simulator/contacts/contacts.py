@@ -6,15 +6,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from cnnsim.support.types import Floats
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.friction import Slip, load_to, untouched
 from tactile.simulator.contacts.indenter import ROUND, Indenter
 from tactile.simulator.contacts.loads import Disc, Pressed, Twist, point_loads
 
-Plane = NDArray[np.float64]
 
-
-def along_path(path: Plane, times: Plane) -> tuple[Plane, NDArray[np.bool_]]:
+def along_path(path: Floats, times: Floats) -> tuple[Floats, NDArray[np.bool_]]:
     """The path's columns (n, columns - 1) at the times [s], and where it is not there.
 
     Between its rows a path changes linearly; before the first and after the last it is not there. With one row it
@@ -32,15 +31,15 @@ class MovingLoad:
     """A point load on one finger: ``path`` (n, 6), rows (t, x, y, Q, R, F) [s, m, m, N, N, N], t growing."""
 
     finger: int
-    path: Plane
+    path: Floats
 
-    def at(self, times: Plane) -> Plane:
+    def at(self, times: Floats) -> Floats:
         """Return rows (x, y, Q, R, F) [m, N] at the times [s], without force where the load is absent."""
         rows, gone = along_path(self.path, times)
         rows[gone, 2:] = 0
         return rows
 
-    def pressed(self, times: Plane, depth: float, medium: Medium) -> Pressed:
+    def pressed(self, times: Floats, depth: float, medium: Medium) -> Pressed:
         """What presses on the finger at the times [s]."""
         return point_loads(self.at(times))
 
@@ -56,11 +55,11 @@ class MovingContact:
 
     finger: int
     indenter: Indenter
-    path: Plane
+    path: Floats
     friction: float | None = None
     given_depth: bool = False
 
-    def pressed(self, times: Plane, depth: float, medium: Medium) -> Pressed:
+    def pressed(self, times: Floats, depth: float, medium: Medium) -> Pressed:
         """What presses on the finger at the times [s], for taxels at ``depth`` [m].
 
         Raises:
@@ -76,7 +75,7 @@ class MovingContact:
             rows[:, 2:4] = [slip.force if slip.ends.size else (0, 0) for slip in slips]
         return self._round(rows, slips, medium)
 
-    def slip_at(self, times: Plane, medium: Medium) -> list[Slip]:
+    def slip_at(self, times: Floats, medium: Medium) -> list[Slip]:
         """The state of friction at the times [s]: what sticks, what the contact carries.
 
         Raises:
@@ -86,13 +85,13 @@ class MovingContact:
         rows[gone, 2:] = 0
         return self._slips(times, self._forces(rows, medium), medium)
 
-    def _forces(self, rows: Plane, medium: Medium) -> Plane:
+    def _forces(self, rows: Floats, medium: Medium) -> Floats:
         rows = rows.copy()
         if self.given_depth:
             rows[:, 4] = self.indenter.force_at(rows[:, 4], medium)
         return rows
 
-    def _slips(self, times: Plane, rows: Plane, medium: Medium) -> list[Slip]:
+    def _slips(self, times: Floats, rows: Floats, medium: Medium) -> list[Slip]:
         at_keys = self._histories(medium)
         # the state at the last keyframe before, then one step: a straight way of loading needs no more
         last = np.searchsorted(self.path[:, 0], times, side="right")
@@ -111,7 +110,7 @@ class MovingContact:
     def _history(self) -> dict[Medium, list[Slip]]:
         return {}
 
-    def _line(self, rows: Plane, depth: float, medium: Medium) -> Pressed:
+    def _line(self, rows: Floats, depth: float, medium: Medium) -> Pressed:
         if self.friction is not None:  # all of an edge slips at once
             tangential = np.hypot(rows[:, 2], rows[:, 3])
             most = self.friction * np.maximum(rows[:, 4], 0)
@@ -128,7 +127,7 @@ class MovingContact:
             loads = cylinder_loads(total, shape.length, width, shape.angle, depth)
         return Pressed(total[:, None], loads, np.zeros(loads.shape[1], np.int64))
 
-    def _round(self, rows: Plane, slips: list[Slip] | None, medium: Medium) -> Pressed:
+    def _round(self, rows: Floats, slips: list[Slip] | None, medium: Medium) -> Pressed:
         spread = [rows[:, :5]]
         normal_at = [rows[:, 4]]
         if slips is not None:

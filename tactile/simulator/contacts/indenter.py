@@ -6,13 +6,13 @@ from typing import Literal, get_args
 import numpy as np
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Floats
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import (
     FLAT_PUNCH,
     HERTZ,
     ROUND_TIP,
     UNIFORM,
-    Plane,
     Profile,
     hertz_force,
     hertz_radius,
@@ -49,7 +49,7 @@ class Indenter:
         if self.shape in ("edge", "cylinder") and not self.length > 0:
             raise InputError(f"a {self.shape} of length {self.length} m, a positive length wanted")
 
-    def contact_radius(self, force: Plane, medium: Medium) -> Plane:
+    def contact_radius(self, force: Floats, medium: Medium) -> Floats:
         """Radius a [m] of a round contact under normal forces [N]."""
         if self.shape == "sphere":
             return hertz_radius(force, self.radius, medium.contact_modulus)
@@ -57,7 +57,7 @@ class Indenter:
             return round_tip_radius(force, self.radius, medium.contact_modulus)
         return np.full(np.shape(force), self.radius)
 
-    def force_at(self, indentation: Plane, medium: Medium) -> Plane:
+    def force_at(self, indentation: Floats, medium: Medium) -> Floats:
         """Normal force [N] at an indentation [m].
 
         Raises:
@@ -78,6 +78,6 @@ class Indenter:
             lam, bend = np.tanh((low + high) / 2), (low + high) / 2
             small = lam < 1e-3
             scaled = np.where(small, 4 / 3 * wanted**1.5, (lam**2 + 1) * bend - lam)
-            force: Plane = medium.contact_modulus * self.radius**2 * scaled
+            force: Floats = medium.contact_modulus * self.radius**2 * scaled
             return force
         raise InputError(f"an indentation given for a {self.shape}, a sphere, needle or flat_punch wanted")

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cnnsim.support.types import Floats
 from tactile.elastic.profiles import Profile
 
-Plane = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 
@@ -16,9 +16,9 @@ Index = NDArray[np.int64]
 class Disc:
     """Loads over circles: ``loads`` (frames, k, 5), ``radii`` and ``lam`` (frames, k); ``owner`` (k,) contacts."""
 
-    loads: Plane
-    radii: Plane
-    lam: Plane
+    loads: Floats
+    radii: Floats
+    lam: Floats
     profile: Profile
     owner: Index
 
@@ -27,8 +27,8 @@ class Disc:
 class Twist:
     """Twisted circles: ``twists`` (frames, k, 3) rows (x, y, M) [m, m, N m], ``radii`` (frames, k) [m]."""
 
-    twists: Plane
-    radii: Plane
+    twists: Floats
+    radii: Floats
     owner: Index
 
 
@@ -40,16 +40,16 @@ class Pressed:
     what acts at points, with the contact it belongs to in ``owner`` (n,); ``discs``, ``twists``: what is spread.
     """
 
-    totals: Plane
-    loads: Plane
+    totals: Floats
+    loads: Floats
     owner: Index
     discs: tuple[Disc, ...] = ()
     twists: tuple[Twist, ...] = ()
 
-    def moved(self, shift: Plane, factor: Plane) -> "Pressed":
+    def moved(self, shift: Floats, factor: Floats) -> "Pressed":
         """Contacts displaced by ``shift`` (frames, contacts, 2) [m], forces times ``factor`` (frames, contacts)."""
 
-        def rows(of: Plane, owner: Index) -> Plane:
+        def rows(of: Floats, owner: Index) -> Floats:
             return np.concatenate([of[..., :2] + shift[:, owner], of[..., 2:] * factor[:, owner, None]], axis=-1)
 
         every = np.arange(self.totals.shape[1])
@@ -62,7 +62,7 @@ class Pressed:
         )
 
 
-def point_loads(rows: Plane) -> Pressed:
+def point_loads(rows: Floats) -> Pressed:
     """One contact that acts at a point: ``rows`` (frames, 5)."""
     return Pressed(rows[:, None], rows[:, None], np.zeros(1, np.int64))
 

@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.support.errors import InputError
-
-Plane = NDArray[np.float64]
+from cnnsim.support.types import Floats
 
 
 @dataclass(frozen=True)
@@ -38,7 +36,7 @@ class Material:
         if not (0 <= self.kinetic <= self.static and 0 <= self.sharpness <= 1):
             raise InputError(f"material {self.name!r}: 0 <= kinetic <= static friction and 0 <= sharpness <= 1 wanted")
 
-    def profile(self, way: Plane, random: np.random.Generator) -> Plane:
+    def profile(self, way: Floats, random: np.random.Generator) -> Floats:
         """Height along the way [m], as a share of the mean normal force; mean 0, deviation as declared.
 
         The regular part is a wave that sharpness turns into teeth; the irregular one is a sum of 48 waves, their
@@ -55,7 +53,7 @@ class Material:
         irregular = np.zeros_like(way)
         for length, turn in zip(lengths, turns, strict=True):
             irregular += np.sin(2 * np.pi * way / length + turn)
-        height: Plane = self.regular * regular + self.irregular * irregular / np.sqrt(24)
+        height: Floats = self.regular * regular + self.irregular * irregular / np.sqrt(24)
         return height
 
 

@@ -4,14 +4,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Floats
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.loads import Pressed, point_loads
 from tactile.simulator.contacts.materials import Material
 
-Plane = NDArray[np.float64]
 FINEST = 24
 """Steps for the shortest of: grain, period, and the way to build up the shear that slips."""
 MOST_STEPS = 5_000_000
@@ -61,7 +60,7 @@ class Drawn:
         return 2 + int(np.ceil(self.speed * (self.stop - self.start) / finest * FINEST))
 
     @cached_property
-    def _series(self) -> tuple[Plane, Plane, Plane]:
+    def _series(self) -> tuple[Floats, Floats, Floats]:
         """(way, shear, normal force) along the whole way."""
         way = np.linspace(0, self.speed * (self.stop - self.start), self._steps)
         profile = self.material.profile(way, np.random.default_rng(self.seed))
@@ -77,7 +76,7 @@ class Drawn:
             shear[k] = pull
         return way, shear, normal
 
-    def series(self, times: Plane) -> tuple[Plane, Plane]:
+    def series(self, times: Floats) -> tuple[Floats, Floats]:
         """(shear along the motion, normal force) [N] at the times [s]; 0 before the start and after the stop.
 
         Shear is taken from the step before, not between steps: a slip is a jump.
@@ -88,7 +87,7 @@ class Drawn:
         step = np.clip(np.searchsorted(way, at, side="right") - 1, 0, len(way) - 1)
         return np.where(here, shear[step], 0.0), np.where(here, normal[step], 0.0)
 
-    def pressed(self, times: Plane, depth: float, medium: Medium) -> Pressed:
+    def pressed(self, times: Floats, depth: float, medium: Medium) -> Pressed:
         """What presses on the finger at the times [s]."""
         shear, normal = self.series(times)
         x, y = (np.full(len(times), place) for place in self.place)

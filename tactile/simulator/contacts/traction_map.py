@@ -3,14 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Floats
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.contacts import along_path
 from tactile.simulator.contacts.loads import Pressed
-
-Plane = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -25,14 +23,14 @@ class TractionMap:
     """
 
     finger: int
-    cells: Plane
-    path: Plane
+    cells: Floats
+    path: Floats
 
     def __post_init__(self) -> None:
         if self.cells.ndim != 2 or self.cells.shape[1] != 5 or not len(self.cells):
             raise InputError(f"a traction map of cells {self.cells.shape}, (n, 5) with n of at least 1 wanted")
 
-    def pressed(self, times: Plane, depth: float, medium: Medium) -> Pressed:
+    def pressed(self, times: Floats, depth: float, medium: Medium) -> Pressed:
         """What presses on the finger at the times [s]; its total acts in the centre of the pressure."""
         strength, gone = along_path(self.path, times)
         loads = np.broadcast_to(self.cells, (len(times), *self.cells.shape)).copy()

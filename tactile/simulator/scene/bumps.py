@@ -4,10 +4,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Floats
 from tactile.bump.shape import Shape
 from tactile.bump.table import Response, remembered
 from tactile.core.frame import TaxelArray
@@ -15,7 +15,6 @@ from tactile.elastic.halfspace import point_load
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.loads import Pressed
 
-Plane = NDArray[np.float64]
 RADII = 257
 """Radii of a table, denser near the bump."""
 
@@ -89,7 +88,7 @@ class Bumps:
         flat = point_load(np.zeros(2), array.depth, np.array([[0.0, 0.0, 0.0, 0.0, 1.0]]), medium)[2]
         return float(flat / (table.normal[middle, 0, 0] / table.forces[middle]))
 
-    def felt(self, array: TaxelArray, medium: Medium, pressed: Pressed) -> Plane:
+    def felt(self, array: TaxelArray, medium: Medium, pressed: Pressed) -> Floats:
         """What the taxels feel (frames, rows, cols, 3) of all that presses.
 
         A load rests on the four bumps around it in the shares that keep its force and its moments (bilinear), beyond
@@ -109,11 +108,11 @@ class Bumps:
         forces = shared(np.concatenate([pressed.loads, *(disc.loads for disc in pressed.discs)], axis=1), array)
         scale = 1.0 if medium.quantity == "stress" else 1 / medium.modulus
         features = forces * scale if table.linear else _features(forces, medium.modulus, table)
-        out: Plane = features.reshape(len(features), -1) @ matrix
+        out: Floats = features.reshape(len(features), -1) @ matrix
         return out.reshape(len(out), *array.shape, 3)
 
 
-def shared(loads: Plane, array: TaxelArray) -> Plane:
+def shared(loads: Floats, array: TaxelArray) -> Floats:
     """Forces (frames, bumps, 3) on the bumps from loads (frames, n, 5)."""
     at = array.positions()[0, 0]
     cols, rows = (
@@ -126,7 +125,7 @@ def shared(loads: Plane, array: TaxelArray) -> Plane:
     return np.matmul(np.swapaxes(rows, 1, 2), pulled).reshape(len(loads), -1, 3)
 
 
-def _matrix(table: Response, array: TaxelArray) -> Plane:
+def _matrix(table: Response, array: TaxelArray) -> Floats:
     """Rows (bump, force component, table force), columns (taxel, reading), at E = 1 Pa."""
     at = array.positions().reshape(-1, 2)
     apart = at[None] - at[:, None]  # from bump to taxel
@@ -142,11 +141,11 @@ def _matrix(table: Response, array: TaxelArray) -> Plane:
         (c * rz, s * rz, normal),
     )
     full = np.stack([np.stack(row, axis=-1) for row in rows])  # (force, k, bumps, taxels, reading)
-    matrix: Plane = np.ascontiguousarray(full.transpose(2, 0, 1, 3, 4)).reshape(-1, at.shape[0] * 3)
+    matrix: Floats = np.ascontiguousarray(full.transpose(2, 0, 1, 3, 4)).reshape(-1, at.shape[0] * 3)
     return matrix
 
 
-def _features(forces: Plane, modulus: float, table: Response) -> Plane:
+def _features(forces: Floats, modulus: float, table: Response) -> Floats:
     """(frames, bumps, 3, k): shear forces over E and 1, times the weights of the table's forces, at E = 1 Pa."""
     normal = forces[..., 2] / modulus
     deepest = table.forces[-1]

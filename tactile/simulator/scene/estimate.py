@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cnnsim.support.types import Floats
 from tactile.simulator.batch import Batch
 from tactile.simulator.contacts.loads import Pressed
 from tactile.simulator.field import Field
 from tactile.simulator.scene.scene import Scene
 
-Plane = NDArray[np.float64]
 Named = tuple[str, Any]
 FRAMES = 512
 """Frames of each finger in a sample."""
@@ -37,7 +37,7 @@ class Sample:
         """Every finger's fields, in the scene's own pieces, without effects."""
         return tuple(list(self.scene.fields(finger, self._pieces(finger))) for finger in range(len(self.scene.arrays)))
 
-    def _pieces(self, finger: int) -> Iterator[tuple[int, Plane]]:
+    def _pieces(self, finger: int) -> Iterator[tuple[int, Floats]]:
         longest = max(len(times) for _, times in self.scene.pieces(finger))
         for start in range(0, len(self.numbers), longest):
             yield start, self.numbers[start : start + longest] / self.scene.rate
@@ -120,7 +120,7 @@ class Sample:
         return best
 
 
-def _read_at(batches: list[Batch], times: Plane) -> Plane:
+def _read_at(batches: list[Batch], times: Floats) -> Floats:
     t = np.concatenate([batch.t for batch in batches])
     values = np.concatenate([batch.values for batch in batches])
     if len(t) == len(times) and np.array_equal(t, times):
@@ -131,5 +131,5 @@ def _read_at(batches: list[Batch], times: Plane) -> Plane:
     if len(t) == 1:
         return np.broadcast_to(values, (len(times), *values.shape[1:]))
     share = np.clip((times - t[after - 1]) / (t[after] - t[after - 1]), 0, 1)[:, None, None, None]
-    read: Plane = values[after - 1] * (1 - share) + values[after] * share
+    read: Floats = values[after - 1] * (1 - share) + values[after] * share
     return read

@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactile.core.frame import Frame, TaxelArray
 from tactile.elastic.medium import Felt, Medium
@@ -21,7 +20,8 @@ from tactile.simulator.summation import Road, plan
 if TYPE_CHECKING:
     from tactile.simulator.scene.bumps import Bumps
 
-Plane = NDArray[np.float64]
+from cnnsim.support.types import Floats
+
 CHUNK = 512
 """Frames computed at once: those of 8 x 8 taxels stay in the second-level cache from effect to effect."""
 ROOM = 1 << 22
@@ -35,7 +35,7 @@ class Contact(Protocol):
 
     @property
     def finger(self) -> int: ...  # noqa: D102 - the finger's number
-    def pressed(self, times: Plane, depth: float, medium: Medium) -> Pressed: ...  # noqa: D102 - what presses at the times
+    def pressed(self, times: Floats, depth: float, medium: Medium) -> Pressed: ...  # noqa: D102 - what presses at the times
 
 
 @dataclass(frozen=True)
@@ -81,13 +81,13 @@ class Scene:
         """The reading of strain 1: 1, or E [Pa] where stress is read."""
         return self.modulus if self.arrays[finger].quantity == "stress" else 1.0
 
-    def pressed(self, finger: int, times: Plane) -> Pressed:
+    def pressed(self, finger: int, times: Floats) -> Pressed:
         """All that presses on a finger at the times [s]."""
         depth, medium = self.arrays[finger].depth, self.medium(finger)
         mine = [contact for contact in (*self.loads, *self.contacts) if contact.finger == finger]
         return together((contact.pressed(times, depth, medium) for contact in mine), len(times))
 
-    def loads_at(self, finger: int, times: Plane) -> Plane:
+    def loads_at(self, finger: int, times: Floats) -> Floats:
         """Return the (times, contacts, 5) rows (x, y, Q, R, F) on a finger: what a localiser should find."""
         return self.pressed(finger, times).totals
 
@@ -105,7 +105,7 @@ class Scene:
             plan(array, self.pressed(finger, moments).loads, self.samples) for finger, array in enumerate(self.arrays)
         )
 
-    def fields(self, finger: int, times: Iterable[tuple[int, Plane]]) -> Iterator[Field]:
+    def fields(self, finger: int, times: Iterable[tuple[int, Floats]]) -> Iterator[Field]:
         """The field at the taxels, without effects, for pieces (first frame, times)."""
         array, medium = self.arrays[finger], self.medium(finger)
         for first, piece in times:
@@ -116,7 +116,7 @@ class Scene:
             moves = road.name != "direct" and bool((pressed.loads[..., :2] != pressed.loads[:1, :, :2]).any())
             yield field_of(array, medium, piece, first, pressed, Road("direct", "moves after all") if moves else road)
 
-    def pieces(self, finger: int) -> Iterator[tuple[int, Plane]]:
+    def pieces(self, finger: int) -> Iterator[tuple[int, Floats]]:
         """(first frame, times) of the pieces in which a finger's frames are computed."""
         count = max(1, min(CHUNK, ROOM // max(1, 5 * self._load_count(finger))))
         for start in range(0, self.samples, count):

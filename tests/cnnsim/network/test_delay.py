@@ -56,7 +56,7 @@ def test_a_bias_that_changes_with_time(backend: str) -> None:
 def test_nothing_is_interpolated() -> None:
     t = Template(0, terms=[Term([[1.0]], "y_kl", delay=1.0)])
     assert make_plan(t, (2, 2), fixed(0), duration=2.5).step == pytest.approx(0.1)
-    assert make_plan(t, (2, 2), fixed(0), duration=2.0, every=[0.3]).step == pytest.approx(0.1)
+    assert make_plan(t, (2, 2), fixed(0), duration=2.0, periods=[0.3]).step == pytest.approx(0.1)
     assert make_plan(Template(0, terms=[Term([[1.0]], delay=0.55)]), (2, 2), fixed(0), duration=1.1).step == 0.55 / 6
     with pytest.raises(InputError, match=r"3\.33333 steps of 0\.3.* the time 0\.9 or the step 0\.333333"):
         make_plan(t, (2, 2), fixed(0), duration=3.0, step=0.3)

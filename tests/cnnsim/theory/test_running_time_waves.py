@@ -126,7 +126,7 @@ def test_a_mask_makes_walls() -> None:
     task: dict[str, Any] = {"state": start, "mask": plane(~corridor), "boundary": ZERO_FLUX}
     own = time_of_picture(entry.template, **task).time
     assert own is not None
-    assert guaranteed("trigger-wave", (9, 10)) < own <= guaranteed("trigger-wave", (9, 10), walls=True)
+    assert guaranteed("trigger-wave", (9, 10)) < own <= guaranteed("trigger-wave", (9, 10), has_mask=True)
     assert np.array_equal(run_transient(entry.template, **task, duration=own).y > 0, corridor)
 
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Floats
 from tactile.bump import response, table
 from tactile.bump.body import Body
 from tactile.bump.kinematics import PRESSED
@@ -30,7 +30,6 @@ from tactile.simulator.scene.explain import explain
 from tactile.simulator.scene.file import scene_from
 from tests.kits.paths import ROOT
 
-Plane = NDArray[np.float64]
 SCENE: dict[str, Any] = tomllib.loads((ROOT / "examples" / "scenes" / "bump.toml").read_text(encoding="utf-8"))
 CHIP = TaxelArray("chip", 2, 2, 1.5e-3, 0.2e-3, (1e-3, 0.0))
 COARSE = Shape(thickness=1e-3, reach=4e-3)
@@ -111,7 +110,7 @@ def test_what_was_computed_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(table, "folder", lambda: tmp_path / "new" / "folder")
     calls: list[float] = []
 
-    def counted(shape: Shape, medium: Medium, depth: float, radii: Plane) -> table.Response:
+    def counted(shape: Shape, medium: Medium, depth: float, radii: Floats) -> table.Response:
         calls.append(depth)
         return small_strain(shape, medium, depth, radii, 0.4)
 

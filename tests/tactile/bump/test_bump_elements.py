@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from skfem import MeshTri
 from skfem.mesh import Mesh
 
+from cnnsim.support.types import Floats
 from tactile.bump.body import Body, solve
 from tactile.bump.kinematics import HALF, PLANE, PRESSED, SHEARED, SOLID, Kinematics
 from tactile.bump.law import Displacement, Law, Mixed, PlaneStress
@@ -18,7 +19,6 @@ from tactile.bump.shape import Shape
 from tactile.elastic.medium import Medium
 from tests.oracles.point_loads import boussinesq, cerruti
 
-Plane = NDArray[np.float64]
 random = np.random.default_rng(3)
 
 
@@ -36,7 +36,7 @@ def on_boundary(body: Body) -> NDArray[np.bool_]:
     return (body.component >= 0) & ((x > 1 - 1e-9) | (x < 1e-9) | (z < z.min() + 1e-9) | (z > z.max() - 1e-9))
 
 
-def with_boundary(body: Body, exact: Callable[[Plane, Plane], Plane], fixed: NDArray[np.bool_]) -> Plane:
+def with_boundary(body: Body, exact: Callable[[Floats, Floats], Floats], fixed: NDArray[np.bool_]) -> Floats:
     index = np.flatnonzero(fixed)
     values = exact(*body.place)[body.component[index], index]
     return solve(body.stiffness(*body.rest()), np.zeros(body.size), index, values)
@@ -56,7 +56,7 @@ def with_boundary(body: Body, exact: Callable[[Plane, Plane], Plane], fixed: NDA
     ],
 )
 def test_patches_are_exact(
-    degree: int, kinematics: Kinematics, law: Callable[[Medium], Law], exact: Callable[[Plane, Plane], Plane]
+    degree: int, kinematics: Kinematics, law: Callable[[Medium], Law], exact: Callable[[Floats, Floats], Floats]
 ) -> None:
     body = Body(shaken(4), kinematics, law(Medium(2.0, 0.4)), degree)
     wanted = exact(*body.place)[np.maximum(body.component, 0), np.arange(body.size)]
@@ -82,7 +82,7 @@ def test_a_solid_patch_is_exact() -> None:
 
 @pytest.mark.parametrize("nu", (0.0, 0.3, 0.4999, 0.5))
 @pytest.mark.parametrize(("kinematics", "exact"), [(PRESSED, boussinesq), (SHEARED, cerruti)])
-def test_orders_are_as_declared(kinematics: Kinematics, exact: Callable[..., Plane], nu: float) -> None:
+def test_orders_are_as_declared(kinematics: Kinematics, exact: Callable[..., Floats], nu: float) -> None:
     """Order 3 in the displacement, 2 in strain, against Boussinesq and Cerruti below the load."""
     errors = []
     for count in (4, 8, 16):
@@ -172,6 +172,6 @@ def test_meshes_keep_to_their_size_and_shape() -> None:
     assert 4 * solid.weight.sum() == pytest.approx(np.pi * shape.reach**2 * shape.thickness, rel=2e-3)
 
 
-def mesh_areas(p: Plane) -> Plane:
+def mesh_areas(p: Floats) -> Floats:
     a, b = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
     return np.asarray(np.abs(a[0] * b[1] - a[1] * b[0]) / 2)

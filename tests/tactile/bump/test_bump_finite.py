@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Floats
 from tactile.bump.body import Body
 from tactile.bump.finite import balance, push_to
 from tactile.bump.kinematics import HALF, PLANE, PRESSED, SHEARED, SOLID, Kinematics
@@ -18,11 +18,10 @@ from tactile.bump.touch import lower
 from tactile.elastic.medium import Medium
 from tests.tactile.bump.test_bump_elements import on_boundary, shaken
 
-Plane = NDArray[np.float64]
 LAWS = (Mixed, Displacement, PlaneStress)
 
 
-def energy(law: Law, gradient: Plane, pressure: float) -> float:
+def energy(law: Law, gradient: Floats, pressure: float) -> float:
     """The energies of the laws' docstrings, written out."""
     g, nu = law.medium.shear_modulus, law.medium.nu
     lam = 2 * g * nu / (1 - 2 * nu)
@@ -135,7 +134,7 @@ def test_a_rotation_makes_no_forces() -> None:
     assert np.abs(body.forces(state)).max() < 1e-13
 
 
-def pressed(fineness: float = 0.5, indentation: float = 3e-5) -> tuple[Shape, Body, Plane, float]:
+def pressed(fineness: float = 0.5, indentation: float = 3e-5) -> tuple[Shape, Body, Floats, float]:
     shape = Shape()
     body = Body(half_section(shape, fineness), PRESSED, Mixed(Medium(1.0, 0.45)))
     state = push_to(body, held(body, shape, "press"), indentation)

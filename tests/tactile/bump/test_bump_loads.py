@@ -6,10 +6,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from skfem import FacetBasis, LinearForm, MeshTri
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Floats
 from tactile.bump.body import Body, solve
 from tactile.bump.kinematics import HALF, PLANE, PRESSED, SHEARED, SOLID, Kinematics
 from tactile.bump.law import Mixed, PlaneStress
@@ -24,7 +24,6 @@ from tactile.elastic.layer_loads import layer_load
 from tactile.elastic.medium import Felt, Medium
 from tactile.elastic.profiles import hertz_radius
 
-Plane = NDArray[np.float64]
 ALONG: tuple[tuple[Push, int], ...] = ("press", 0), ("shift", 1)
 """What the plate does, and the component across it."""
 
@@ -161,7 +160,7 @@ def test_reciprocity(push: Push) -> None:
 
 
 def test_a_growing_contact_grows_and_knows_no_scale() -> None:
-    def curve(scale: float, modulus: float) -> Plane:
+    def curve(scale: float, modulus: float) -> Floats:
         shape = Shape(*(scale * length for length in (0.2, 1.0, 1.0, 0.02, 0.02)))
         body = Body(half_section(shape, 0.5, True), HALF, PlaneStress(Medium(modulus, 0.4)))
         steps = scale * np.linspace(0.01, 0.08, 8)

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Floats
 from tactile.calibration.from_load import depth_from_speed, gains_from_load
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection, radial_from_scan
@@ -12,29 +12,28 @@ from tactile.elastic.halfspace import point_load_strain, point_load_stress
 from tactile.inverse.taxel import invert_strain
 from tactile.inverse.validity import Validity
 
-Plane = NDArray[np.float64]
 DEPTH, MODULUS, FORCE = 2e-4, 2.4e6, 0.02
 
 
-def loads(places: Plane) -> Plane:
+def loads(places: Floats) -> Floats:
     rows = np.zeros((len(places), 1, 5))
     rows[:, 0, :2], rows[:, 0, 4] = places, FORCE
     return rows
 
 
-def strain(places: Plane) -> Plane:
+def strain(places: Floats) -> Floats:
     """(n, 3) of a taxel at the origin."""
     return point_load_strain((0.0, 0.0), DEPTH, loads(places), MODULUS)
 
 
-def located(readings: Plane, depth: float = DEPTH) -> tuple[Plane, Plane]:
+def located(readings: Floats, depth: float = DEPTH) -> tuple[Floats, Floats]:
     """(n, 2) places and (n,) forces."""
     x, y, z = readings.T
     dx, dy, force, _ = invert_strain(x, y, z, depth, MODULUS, 0.0, 1)
     return np.array([dx, dy]).T, np.asarray(force)
 
 
-def line(n: int = 61, half: float = 1.5e-4, turn: float = 0.4, y: float = 3e-5) -> tuple[Plane, Plane]:
+def line(n: int = 61, half: float = 1.5e-4, turn: float = 0.4, y: float = 3e-5) -> tuple[Floats, Floats]:
     """Times and places of a needle drawn at 1 mm/s along a line that runs beside the taxel."""
     t = np.linspace(0, 2 * half / 1e-3, n)
     along = -half + 1e-3 * t
@@ -109,19 +108,19 @@ def test_loads_that_cannot_tell_the_gains_are_refused() -> None:
         gains_from_load(one, np.array([1.0] * 8 + [np.inf]), FORCE)
 
 
-def disc(n: int, reach: float) -> Plane:
+def disc(n: int, reach: float) -> Floats:
     """n places spread evenly over a circle: a sunflower."""
     k = np.arange(1, n + 1)
     rho, turn = reach * np.sqrt(k / n), k * np.pi * (3 - np.sqrt(5))
     return np.stack([rho * np.cos(turn), rho * np.sin(turn)], axis=-1)
 
 
-def bent(places: Plane) -> tuple[Plane, Plane]:
+def bent(places: Floats) -> tuple[Floats, Floats]:
     """What a strain inverse makes of a taxel that feels stress."""
     return located(Gains(1.5, 1.0)(point_load_stress((0.0, 0.0), DEPTH, loads(places)) / MODULUS))
 
 
-def true_of(found: Plane) -> tuple[Plane, Plane]:
+def true_of(found: Floats) -> tuple[Floats, Floats]:
     """Closed form: the true radius and force factor of a located radius, feeling stress; lengths in depths."""
     true = 2 * found / (2 - found**2)
     return true, (2 - found**2) / 2 * ((1 + true**2) / (1 + found**2)) ** 2.5

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
-from numpy.typing import NDArray
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Floats
 from tactile.calibration.file import Calibration, read_calibration, write_calibration
 from tactile.calibration.from_scan import calibrate
 from tactile.calibration.gains import Gains
@@ -17,14 +17,13 @@ from tactile.calibration.radial import RadialCorrection
 from tactile.cli.group import main
 from tactile.elastic.halfspace import point_load_strain
 
-Plane = NDArray[np.float64]
 NOMINAL, MODULUS, LOAD, SPEED = 2e-4, 2.4e6, 0.02, 5e-4
 SENSOR = Gains(1.825, 1.25)
 
 
 def scan(
     depth: float = NOMINAL, turn: float = 0.0, aside: float = 0.0, half: float = 5e-4, rate: float = 50
-) -> tuple[Plane, Plane]:
+) -> tuple[Floats, Floats]:
     """Times and readings of a needle drawn at ``rate`` frames a second; along ``turn``, ``aside`` [m] of the taxel."""
     along = np.arange(-half, half + 1e-9, SPEED / rate)
     rows = np.zeros((along.size, 1, 5))
@@ -55,7 +54,7 @@ def test_a_sensor_that_reads_pressure_as_positive_gets_a_negative_gain() -> None
 
 
 def test_scans_that_cannot_calibrate_are_refused() -> None:
-    def attempt(t: Plane, readings: Plane) -> Calibration:
+    def attempt(t: Floats, readings: Floats) -> Calibration:
         return calibrate(t, readings, SPEED, LOAD, NOMINAL, MODULUS)
 
     with pytest.raises(InputError, match="beyond every extremum"):  # too short
@@ -168,7 +167,7 @@ def invoke(*words: str | Path) -> Result:
     return CliRunner().invoke(main, [str(word) for word in words])
 
 
-def located(folder: Path, *words: str | Path) -> Plane:
+def located(folder: Path, *words: str | Path) -> Floats:
     """(n, 4) x, y, force and time of what ``tactile run`` locates with INSIDE."""
     done = invoke("run", folder / "grasp.toml", "-o", folder / "out", *words)
     assert done.exit_code == 0, done.output

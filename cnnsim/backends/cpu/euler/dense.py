@@ -1,18 +1,14 @@
 """Euler transients of whole grids, tile by tile, several steps a pass."""
 
-from typing import Any
-
 import numpy as np
 from numba import prange
-from numpy.typing import NDArray
 
 from cnnsim.backends.cpu.euler.scratch import divide, room_cells
 from cnnsim.backends.cpu.euler.tile import Rule, tile_area
 from cnnsim.backends.cpu.jit.address import call
 from cnnsim.backends.cpu.jit.compile import twins
 from cnnsim.backends.cpu.settled import MOVING, RESTLESS, look_at_nothing, steepest, total
-
-Array = NDArray[Any]
+from cnnsim.support.types import Array
 
 
 @twins

@@ -10,14 +10,10 @@ column, which is room for the virtual cells on the left.
     total = w + sum of the taps in their order,    x <- x + h (total - x),    new y = clip(x, -1, 1)
 """
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.backends.cpu.jit.compile import fused, helper
-
-Array = NDArray[Any]
+from cnnsim.support.types import Array
 
 BLOCK = 4
 """Rows done together: each row of y is loaded once for all the rows it is a neighbour of. The loops over a block are

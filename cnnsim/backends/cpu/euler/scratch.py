@@ -1,13 +1,10 @@
 """The buffers of a tile: how they lie in one thread's room, and how rows and virtual cells get into them."""
 
-from typing import Any, NamedTuple
-
-from numpy.typing import NDArray
+from typing import NamedTuple
 
 from cnnsim.backends.cpu.euler.rows import BLOCK, PAD, STRIDE
 from cnnsim.backends.cpu.jit.compile import helper
-
-Array = NDArray[Any]
+from cnnsim.support.types import Array
 
 FIXED, ZERO_FLUX, PERIODIC = 0, 1, 2
 GROUP = 4 * BLOCK

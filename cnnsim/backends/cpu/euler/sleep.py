@@ -7,11 +7,8 @@ x(k) = d + (1 - h)^k (x - d), and when it wakes up it takes those steps at once,
 When no cell is restless, no output will ever change.
 """
 
-from typing import Any
-
 import numpy as np
 from numba import prange
-from numpy.typing import NDArray
 
 from cnnsim.backends.cpu.euler.scratch import PERIODIC, move
 from cnnsim.backends.cpu.euler.tile import Rule, tile_area
@@ -19,8 +16,7 @@ from cnnsim.backends.cpu.euler.window import CATCH_UP, LOOK, shelve, window_cell
 from cnnsim.backends.cpu.jit.address import call
 from cnnsim.backends.cpu.jit.compile import helper, twins
 from cnnsim.backends.cpu.settled import C0, C1, MOVING, R0, R1, RESTLESS, look_at_nothing, steepest, total
-
-Array = NDArray[Any]
+from cnnsim.support.types import Array
 
 HEIGHT, WIDTH = 32, 64
 """Cells of a tile: small enough to lie still as a whole, wide enough for the vectors."""

@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 
 import numba
 from numba import types
-from numpy.typing import NDArray
 
 from cnnsim.backends.cpu.euler.rows import BLOCK, PAD, STRIDE
 from cnnsim.backends.cpu.euler.scratch import (
@@ -30,8 +29,7 @@ from cnnsim.backends.cpu.jit.address import compiled_at
 from cnnsim.backends.cpu.jit.compile import helper
 from cnnsim.backends.cpu.jit.loops import step_block
 from cnnsim.backends.cpu.settled import look_block
-
-Array = NDArray[Any]
+from cnnsim.support.types import Array
 
 
 class Rule(NamedTuple):

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 
 import numba
 from numba import types
-from numpy.typing import NDArray
 
 from cnnsim.backends.cpu.euler.rows import BLOCK, PAD, STRIDE, catch_up_block
 from cnnsim.backends.cpu.euler.scratch import PERIODIC, ZERO_FLUX, clip_rows, fill, load_row, move
@@ -18,8 +17,7 @@ from cnnsim.backends.cpu.jit.address import compiled_at
 from cnnsim.backends.cpu.jit.compile import helper
 from cnnsim.backends.cpu.jit.loops import step_block
 from cnnsim.backends.cpu.settled import look_block
-
-Array = NDArray[Any]
+from cnnsim.support.types import Array
 
 LOOK, CATCH_UP = 0, 1
 

@@ -6,13 +6,11 @@ from typing import Any
 import numba
 import numpy as np
 from numba import carray, types
-from numpy.typing import NDArray
 
 from cnnsim.backends.cpu.euler.rows import any_taps, cross, isotropic, nine_taps
 from cnnsim.backends.cpu.jit.address import call, compiled_at, numbers_of, place
 from cnnsim.backends.cpu.jit.compile import helper
-
-Array = NDArray[Any]
+from cnnsim.support.types import Array
 
 
 def _nine_taps(

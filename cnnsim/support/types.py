@@ -1,0 +1,12 @@
+"""The array types of annotations, named once."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+"""An array of any numbers."""
+
+Floats = NDArray[np.float64]
+"""An array of float64 numbers."""
