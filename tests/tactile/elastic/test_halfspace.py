@@ -1,3 +1,5 @@
+"""The half-space under point loads: Hooke's law, equilibrium, superposition."""
+
 import numpy as np
 import pytest
 

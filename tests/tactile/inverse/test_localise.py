@@ -1,3 +1,5 @@
+"""Loads located from the strains or stresses of several taxels."""
+
 from typing import Any
 
 import numpy as np

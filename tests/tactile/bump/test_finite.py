@@ -16,7 +16,7 @@ from tactile.bump.plate import Push, held, respond, stiffness
 from tactile.bump.shape import Shape
 from tactile.bump.touch import lower
 from tactile.elastic.medium import Medium
-from tests.tactile.bump.test_bump_elements import on_boundary, shaken
+from tests.tactile.bump.test_elements import on_boundary, shaken
 
 LAWS = (Mixed, Displacement, PlaneStress)
 

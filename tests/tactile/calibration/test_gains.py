@@ -1,3 +1,5 @@
+"""Gains from a scan (eq. 18), taring, and what a gain is applied to."""
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray

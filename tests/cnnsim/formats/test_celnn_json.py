@@ -1,70 +1,18 @@
-"""CNNSim's text, genes, and celnn's JSON."""
+"""celnn's JSON, and the library's templates through it and through genes."""
 
 import json
 
 import numpy as np
 import pytest
 
-from cnnsim import InputError, library
+from cnnsim import InputError, library, run_transient
 from cnnsim.formats.celnn_json import celnn, read_celnn
-from cnnsim.formats.cnnsim_text import read_cnnsim
 from cnnsim.formats.differences import number_differences
 from cnnsim.formats.gene import gene, read_gene
 from cnnsim.library.imported import plain
-from cnnsim.network.boundary import PERIODIC, ZERO_FLUX, fixed
+from cnnsim.network.boundary import fixed
 from cnnsim.network.template import Template
 from cnnsim.support.findings import Report
-
-
-@pytest.mark.parametrize(
-    ("tail", "boundary"),
-    [
-        ("C\nConstant -1\n", fixed(-1)),
-        ("Boundary\n  ZeroFlux", ZERO_FLUX),
-        ("C Periodic", PERIODIC),
-    ],
-)
-def test_cnnsim_text(tail: str, boundary: object) -> None:
-    report = Report("x")
-    (draft,) = read_cnnsim(f"A\n0 1 0\n 0 2 0 0 0\t3\nZ\n-.5\nB 1 2 3 4 5 6 7 8 9\n{tail}".encode(), "My Name", report)
-    assert plain(draft.template, "").A.tolist() == [[0, 1, 0], [0, 2, 0], [0, 0, 3]]
-    assert plain(draft.template, "").B.tolist() == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
-    assert (plain(draft.template, "").z, draft.boundary, draft.name) == (-0.5, boundary, "my-name")
-    assert not report.failed
-
-
-@pytest.mark.parametrize(
-    ("text", "line"),
-    [("1 2 3", 1), ("A\n1 2 3\n", 2), ("A\n1 2 x\n", 2), ("Z\n1", None), ("A\nA\n", 2), ("", None)],
-)
-def test_cnnsim_errors_name_their_line(text: str, line: int | None) -> None:
-    report = Report("x")
-    assert read_cnnsim(text.encode(), "x", report) == []
-    assert report.of("error")[0].line == line
-
-
-GENE = "-1 " + " ".join(map(str, range(1, 10))) + " " + " ".join(map(str, range(11, 20)))
-
-
-@pytest.mark.parametrize(
-    "text", [GENE, GENE.replace(" ", ", "), GENE.replace(" 11", "\n# A\n11"), f"% z b a\n{GENE}\r\n"]
-)
-def test_a_gene_is_z_then_b_then_a(text: str) -> None:
-    (draft,) = read_gene(text.encode(), "g", Report("g"))
-    assert plain(draft.template, "").z == -1
-    assert plain(draft.template, "").B.tolist() == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
-    assert plain(draft.template, "").A.tolist() == [[11, 12, 13], [14, 15, 16], [17, 18, 19]]
-
-
-def test_several_genes_one_a_line() -> None:
-    assert [draft.name for draft in read_gene(f"{GENE}\n{GENE}".encode(), "G", Report("g"))] == ["g-1", "g-2"]
-
-
-@pytest.mark.parametrize("text", ["1 2 3", GENE + " 4", GENE.replace("19", "x"), ""])
-def test_wrong_genes(text: str) -> None:
-    report = Report("g")
-    assert read_gene(text.encode(), "g", report) == []
-    assert report.failed
 
 
 @pytest.mark.parametrize("name", library.names())
@@ -84,12 +32,6 @@ def test_library_templates_go_through_gene_and_json_unharmed(name: str) -> None:
     else:
         (draft,) = read_gene(gene(entry.network).encode(), name, Report("x"))
         assert list(number_differences(draft.template, entry.network)) == []
-
-
-def test_small_matrices_sit_in_the_middle_of_a_gene() -> None:
-    assert gene(Template(2, [[0] * 5] * 2 + [[0, 0, 0, 3, 0]] + [[0] * 5] * 2, 1)).split() == list(
-        "1000003000000020000"
-    )
 
 
 ITEM = {"name": "My Edge", "feedback": [[2]], "control": [[3]], "bias": -1.5, "description": "d", "tags": ["t"],
@@ -118,8 +60,6 @@ def test_turning_both_pictures_and_z_is_the_same_template() -> None:
     picture = np.where(rng.random((9, 9)) < 0.5, 1.0, -1.0)
     turned = json.loads(celnn(entry.template, "", ()))
     theirs = Template(turned["feedback"], turned["control"], turned["bias"])
-    from cnnsim import run_transient
-
     ours = run_transient(entry.template, input=picture, state=0 * picture, boundary=fixed(-1), backend="reference")
     other = run_transient(theirs, input=-picture, state=0 * picture, boundary=fixed(1), backend="reference")
     assert np.array_equal(ours.y, -other.y)

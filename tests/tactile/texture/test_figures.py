@@ -1,3 +1,5 @@
+"""Friction and roughness over a window, against rational arithmetic."""
+
 from fractions import Fraction
 from math import hypot, isqrt
 

@@ -42,9 +42,16 @@ CASES: dict[str, tuple[dict[str, Draw], Callable[..., Any]]] = {
 
 BY_THEIR_OWN_TESTS = {"halftone-and-back", "texture-segmentation"}
 
-TOUCH = {"contact-blob", "slip-front", "shear-flow", "coherent-shear", "onset-wave"}  # test_touch_programs.py
+TOUCH = {
+    "contact-blob",
+    "slip-front",
+    "shear-flow",
+    "coherent-shear",
+    "onset-wave",
+}  # tests/tactile/events/test_programs.py
 
-PIPELINE = {"event-code", "locate-strain", "locate-stress"}  # test_encoding.py, test_inverse.py
+PIPELINE = {"event-code", "locate-strain", "locate-stress"}
+"""In tests/tactile: events/test_code.py, inverse/test_taxel.py."""
 
 FILES = sorted((library.folder() / "programs").glob("*.toml"))
 

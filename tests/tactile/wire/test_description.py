@@ -1,0 +1,76 @@
+"""Array descriptions: chips arranged to frames and back, and what is wrong in a file."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cnnsim.support.errors import InputError
+from tactile.wire.arrange import Arrange, back
+from tactile.wire.base import Reading
+from tactile.wire.description import default_description, parse_description
+from tactile.wire.packets import emulated_description, packets
+from tests.kits.serial import grip, sent
+
+TEXT = """
+title = "hand"
+protocol = "reskin"
+youngs_modulus_mpa = 0.4
+[[finger]]
+name = "thumb"
+rows = 2
+cols = 3
+pitch_mm = 7.0
+depth_mm = 2.0
+quantity = "strain"
+axes = ["-y", "x", "-z"]
+gains = [1e-5, 2e-5]
+cells = [[-1, 1, 3], [2, 0, -1]]
+"""
+
+
+def test_a_description_turns_chips_into_frames_and_back() -> None:
+    description = parse_description(TEXT, "here")
+    assert description.options.shapes == ((1, 4),)
+    chips = np.arange(12.0).reshape(4, 3) + 1
+    (frame,) = Arrange(description)(Reading(chips, 66), 1.5)
+    assert frame.valid.tolist() == [[False, True, True], [True, True, False]]
+    x, y, z = chips[0]
+    assert frame.values[1, 1] == pytest.approx([-y * 1e-5, x * 1e-5, -z * 2e-5], rel=1e-12)
+    assert back(frame, description.boards[0]) == pytest.approx(chips, rel=1e-12)
+    assert (description.modulus, description.baudrate) == (400000.0, 115200)
+    again = parse_description(description.text, "again")
+    assert again.arrays == description.arrays
+
+
+@pytest.mark.parametrize(("change", "message"), [
+    (('"reskin"', '"risken"'), "one of reskin"),
+    (("title", "titel"), "did you mean 'title'"),
+    (('["-y", "x", "-z"]', '["x", "x", "z"]'), "each of x, y, z once"),
+    (('["-y", "x", "-z"]', '["x"]'), "each of x, y, z once"),
+    (("[1e-5, 2e-5]", "[0, 1]"), "shear gain 0.0"),
+    (("[[-1, 1, 3]", "[[-1, 1, 4]"), "chip numbers 0, 1"),
+    (("[[-1, 1, 3], ", "["), "2 x 3 chip numbers"),
+    (("rows = 2", "rows = 0"), "at least 1 x 1"),
+    (('protocol = "reskin"', 'protocol = "reskin"\\nbaudrate = 0'), "positive numbers wanted"),
+    (("[[finger]]", "[options]\\nvalue = 1\\n[[finger]]"), "unknown key 'value'"),
+    (("0.4", "0..4"), "not TOML"),
+])  # fmt: skip
+def test_wrong_descriptions_are_refused(change: tuple[str, str], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        parse_description(TEXT.replace(change[0], change[1].replace("\\n", "\n")), "here")
+
+
+def test_devices_that_need_no_description_and_those_that_do() -> None:
+    assert [array.shape for array in default_description("papillarray").arrays] == [(3, 3), (3, 3)]
+    with pytest.raises(InputError, match="--array FILE wanted"):
+        default_description("reskin")
+    plain = parse_description(TEXT.replace("gains", "#"), "here")
+    with pytest.raises(InputError, match="gains"):
+        plain.check_calibrated()
+    parse_description(TEXT, "here").check_calibrated()
+    with pytest.raises(InputError, match="carries one array"):
+        emulated_description("paxini-serial", grip(0.1))
+    description, _ = sent("native", 0.1)
+    with pytest.raises(InputError, match="different shapes"):
+        packets(description, replace(grip(0.1), arrays=grip(0.1).arrays[:1]))
