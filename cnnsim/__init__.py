@@ -1,31 +1,57 @@
 """The cellular wave machine: planes, templates and programs of a cellular neural network.
 
-from cnnsim import library, read_picture, run, write_picture
+from cnnsim import read_picture, run, write_picture
 picture = read_picture("square.png")
 result = run("edge", picture)
 write_picture(result.y, "edge.png")
 """
 
 from cnnsim import library
+from cnnsim.backends.devices import devices
 from cnnsim.library.catalogue import run
+from cnnsim.library.explain import explain
 from cnnsim.network.boundary import PERIODIC, ZERO_FLUX, Boundary, fixed
+from cnnsim.network.characteristic import Cell
+from cnnsim.network.frames import Frames
+from cnnsim.network.layers import LayeredTemplate
+from cnnsim.network.table import Table
 from cnnsim.network.template import Template
+from cnnsim.network.term import Term
+from cnnsim.program.file import load_program
+from cnnsim.program.machine import UniversalMachine
+from cnnsim.program.program import Program
+from cnnsim.program.run import run_program
 from cnnsim.support.errors import InputError
 from cnnsim.support.picture import read_picture, write_picture
-from cnnsim.transient import NotSettledError, Result, run_transient
+from cnnsim.transient import NotSettledError, Result, run_transient, trajectory
+
+__version__ = "0.1.0"
 
 __all__ = [
     "PERIODIC",
     "ZERO_FLUX",
     "Boundary",
+    "Cell",
+    "Frames",
     "InputError",
+    "LayeredTemplate",
     "NotSettledError",
+    "Program",
     "Result",
+    "Table",
     "Template",
+    "Term",
+    "UniversalMachine",
+    "__version__",
+    "devices",
+    "explain",
     "fixed",
     "library",
+    "load_program",
     "read_picture",
     "run",
+    "run_program",
     "run_transient",
+    "trajectory",
     "write_picture",
 ]

@@ -8,10 +8,10 @@ from cnnsim import library
 from cnnsim.cli.run import json_option, without_option
 from cnnsim.library import folders
 from cnnsim.library.entry import Example, LibraryEntry
+from cnnsim.library.explain import explain as explanation
 from cnnsim.network.layers import layered
 from cnnsim.network.table import Table
 from cnnsim.network.template import Template
-from cnnsim.planning.plan import lines_of
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.errors import InputError
 from cnnsim.support.picture import to_ascii
@@ -107,24 +107,17 @@ def show(name: str, as_json: bool) -> None:
 @json_option
 def explain(name: str, size: str, without: tuple[str, ...], as_json: bool) -> None:
     """Print what the plan decides for a template, and why."""
-    from cnnsim.transient import make_task  # not for list and show
-
     try:
         rows, cols = (int(part) for part in size.lower().split("x"))
     except ValueError as error:
         raise InputError(f"size {size!r}; ROWSxCOLS wanted, such as 64x64") from error
-    entry = library.load(name)
-    white = -np.ones((rows, cols))
-    roles = entry.initial_state if isinstance(entry.initial_state, tuple) else (entry.initial_state,)
-    second = white if "given" in roles else None
-    task = entry.task(white if entry.frame_time is None else np.stack([white, white]), second)
-    plan = make_task(entry.network, **task, without=without).plan
-    known = entry.running_time((rows, cols))
+    found = explanation(name, (rows, cols), without=without)
     if as_json:
+        plan, known = found.plan, found.guaranteed
         facts = {"template": name, "method": plan.method, "step": plan.step, "decisions": plan.decisions}
         print_json(facts | {"guaranteed_time": known.time, "why": known.why, "assuming": known.assuming})
     else:
-        click.echo(lines_of([*plan.decisions, ("guaranteed time", str(known))]))
+        click.echo(str(found))
 
 
 def _facts(entry: LibraryEntry) -> dict[str, object]:

@@ -1,0 +1,27 @@
+"""run_program: an analogic program in one call, on a machine of its own."""
+
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from cnnsim.backends.base import Backend
+from cnnsim.program.file import load_program
+from cnnsim.program.machine import UniversalMachine
+from cnnsim.program.program import Program
+
+
+def run_program(
+    program: Program | str | Path, /, *, backend: str | Backend = "cpu", dtype: str | None = None, **planes: ArrayLike
+) -> dict[str, Any]:
+    """Run a program once and return its outputs: arrays (rows, cols), logic planes as booleans; numbers from wires.
+
+    Arguments: ``program`` a name of the library, a file or a loaded `Program`; ``planes`` its inputs (rows, cols) by
+    name; ``backend`` a name or a backend; ``dtype`` the numbers it computes with, None for its own. Planes that a
+    program keeps start anew in each call; a `UniversalMachine` carries them from run to run.
+
+    Raises:
+        InputError: as `load_program` and `UniversalMachine.run`.
+    """
+    loaded = program if isinstance(program, Program) else load_program(program)
+    return UniversalMachine(backend, dtype).run(loaded, **planes)

@@ -1,0 +1,99 @@
+"""What ``import cnnsim`` offers, that it does what it says, and that it loads nothing heavy."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import cnnsim
+from cnnsim import InputError, Template, library
+from cnnsim.backends import NAMES
+from tests.kits.paths import ROOT
+
+OFFERED = {
+    "run", "run_program", "run_transient", "trajectory", "UniversalMachine", "load_program", "Program", "Template",
+    "Term", "LayeredTemplate", "Table", "Cell", "Frames", "Boundary", "fixed", "ZERO_FLUX", "PERIODIC", "explain",
+    "library", "devices", "read_picture", "write_picture", "Result", "InputError", "NotSettledError", "__version__",
+}  # fmt: skip
+
+SQUARE = -np.ones((7, 7))
+SQUARE[2:5, 2:5] = 1
+
+
+def test_every_name_is_there_and_says_what_it_is() -> None:
+    assert set(cnnsim.__all__) == OFFERED
+    for name in OFFERED - {"__version__", "ZERO_FLUX", "PERIODIC"}:
+        assert (getattr(cnnsim, name).__doc__ or "").strip(), name
+
+
+@pytest.mark.parametrize("package", ["cnnsim", "tactile"])
+def test_importing_a_package_loads_nothing_heavy(package: str) -> None:
+    code = f"import sys, {package}; print(*sorted({{name.split('.')[0] for name in sys.modules}}))"
+    loaded = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert package in loaded.stdout.split()
+    assert not {"numba", "pyopencl", "matplotlib", "scipy", "click", "rich"} & set(loaded.stdout.split())
+
+
+def test_a_program_runs_by_name_by_file_and_as_loaded() -> None:
+    file = ROOT / "templates" / "programs" / "count-objects.toml"
+    for program in ("count-objects", file, str(file), cnnsim.load_program("count-objects")):
+        assert cnnsim.run_program(program, picture=SQUARE) == {"objects": 1}
+
+
+def test_each_call_of_run_program_starts_with_what_the_file_says() -> None:
+    program = cnnsim.load_program("motion-direction")
+    for _ in range(2):
+        assert not cnnsim.run_program(program, frame=SQUARE, backend="reference")["rest"].any()
+
+
+def test_run_program_says_which_inputs_it_wants() -> None:
+    with pytest.raises(InputError, match="got image; picture wanted"):
+        cnnsim.run_program("opening", image=SQUARE)
+    with pytest.raises(InputError, match="did you mean opening"):
+        cnnsim.run_program("openning", picture=SQUARE)
+
+
+@pytest.mark.parametrize("name", library.names())
+def test_every_template_is_explained(name: str) -> None:
+    lines = str(cnnsim.explain(name)).splitlines()
+    assert len(lines) >= 2
+    assert lines[-1].startswith("guaranteed time ")
+
+
+def test_a_shape_and_a_picture_of_it_are_explained_alike() -> None:
+    by_shape, by_picture = cnnsim.explain("hole-filler", (7, 7)), cnnsim.explain("hole-filler", SQUARE)
+    assert str(by_shape) == str(by_picture)
+    assert by_shape.plan.shape == (7, 7)
+    assert by_shape.guaranteed == library.load("hole-filler").running_time((7, 7))
+
+
+def test_templates_of_ones_own_are_explained() -> None:
+    heat = Template([[0.1, 0.15, 0.1], [0.15, 0, 0.15], [0.1, 0.15, 0.1]])
+    found = cnnsim.explain(heat, (9, 9), duration=5.0, scheme="rk4")
+    assert found.plan.scheme is not None
+    assert found.plan.scheme.name == "rk4"
+    assert found.guaranteed.time is None
+    two = cnnsim.LayeredTemplate([heat, heat])
+    assert "2 layers" in str(cnnsim.explain(two, (9, 9)))
+
+
+def test_devices_are_values_and_none_without_opencl(monkeypatch: pytest.MonkeyPatch) -> None:
+    for device in cnnsim.devices():
+        assert device.compute_units >= 1
+        assert device.type in ("cpu", "gpu", "accelerator")
+    assert sum(device.chosen for device in cnnsim.devices()) == bool(cnnsim.devices())
+    for module in [name for name in sys.modules if name.startswith("cnnsim.backends.opencl")]:
+        monkeypatch.delitem(sys.modules, module)
+    monkeypatch.delattr(cnnsim.backends, "opencl", raising=False)
+    monkeypatch.setitem(sys.modules, "pyopencl", None)
+    assert cnnsim.devices() == []
+
+
+def test_the_backends_compute_the_same_program() -> None:
+    wanted = cnnsim.run_program("opening", picture=SQUARE, backend="reference")
+    for backend in NAMES:
+        if backend == "opencl" and not cnnsim.devices():
+            continue
+        found = cnnsim.run_program("opening", picture=SQUARE, backend=backend)
+        assert all(np.array_equal(found[name], wanted[name]) for name in wanted), backend
