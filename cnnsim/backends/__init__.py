@@ -1,4 +1,10 @@
-"""Where transients are computed. `get` is the only place that knows the names."""
+"""Where transients are computed: `get` finds a backend by its name.
+
+From `cnnsim.run_transient` to the innermost loop are five calls at most: the backend's ``transient``, the time loop
+(`driver.run`), the stepper's ``advance``, on the CPU the compiled loop over tiles, and in it the loop over rows.
+"""
+
+from importlib import import_module
 
 from numpy.typing import DTypeLike
 
@@ -6,6 +12,7 @@ from cnnsim.backends.base import Backend
 from cnnsim.support.errors import InputError
 
 NAMES = ("reference", "cpu", "opencl")
+"""Each is a folder of this package, whose module ``backend`` has the class as ``BACKEND``."""
 OPENCL_CURE = 'pip install "cellular-wave-touch[opencl]"'
 
 
@@ -17,22 +24,15 @@ def get(name: str = "cpu", dtype: DTypeLike | None = None, device: str | None = 
     Raises:
         InputError: no such backend, one that is not installed, or one that cannot work in this dtype.
     """
+    if name not in NAMES:
+        raise InputError(f"backend {name!r}; known are {', '.join(NAMES)}")
     if device is not None and name != "opencl":
         raise InputError(f"device {device!r} for the {name} backend; only the opencl backend has a choice of devices")
-    if name == "reference":
-        from cnnsim.backends.reference.backend import ReferenceBackend
-
-        return ReferenceBackend(dtype)
-    if name == "cpu":
-        from cnnsim.backends.cpu.backend import CpuBackend
-
-        return CpuBackend(dtype)
-    if name == "opencl":
-        try:
-            from cnnsim.backends.opencl.backend import OpenCLBackend
-        except ModuleNotFoundError as error:
-            if error.name != "pyopencl":
-                raise
-            raise InputError(f"the opencl backend needs pyopencl: {OPENCL_CURE}") from error
-        return OpenCLBackend(dtype, device)
-    raise InputError(f"backend {name!r}; known are {', '.join(NAMES)}")
+    try:
+        backend = import_module(f"cnnsim.backends.{name}.backend").BACKEND  # only the one that is used
+    except ModuleNotFoundError as error:
+        if error.name != "pyopencl":
+            raise
+        raise InputError(f"the opencl backend needs pyopencl: {OPENCL_CURE}") from error
+    found: Backend = backend(dtype) if device is None else backend(dtype, device)
+    return found

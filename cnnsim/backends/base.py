@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cnnsim.network.boundary import Boundary
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
-from cnnsim.planning.plan import Plan
+from cnnsim.planning.plan import SETTLED_RATE, Plan
 from cnnsim.support.errors import InputError
 
 Plane = Any
@@ -65,6 +65,39 @@ class Backend(Protocol):
 
     def count(self, plane: Plane) -> int | NDArray[np.int64]:
         """Count the black cells of an LLM plane, the global wire: a number, or (n,) numbers for n grids."""
+
+
+class Check(NamedTuple):
+    """What a look at the step that would come found.
+
+    ``rate``: the largest |dx/dt| of the free cells (in discrete time, the largest change to come); ``saturated``:
+    whether no output can change any more (see `Plan`); ``repeats``: the state of two steps ago would come again.
+    """
+
+    rate: float
+    saturated: bool = False
+    repeats: bool = False
+
+    @property
+    def settled(self) -> bool:
+        """Whether the network has settled (see `Plan`)."""
+        return self.saturated or self.rate <= SETTLED_RATE
+
+
+class Stepper(Protocol):
+    """Steps of one transient on a backend; `driver.run` says when to take and to check them."""
+
+    def start_span(self, step: int) -> None:
+        """Take input and bias as they are from this step on."""
+
+    def check_settled(self, step: int, *, last: bool) -> Check:
+        """Check the state before this step; only the ``last`` check must measure the rate of a network that moves."""
+
+    def advance(self, step: int, count: int) -> None:
+        """Take ``count`` steps, the first of them number ``step``."""
+
+    def finish(self) -> Plane:
+        """Return the plane of the state."""
 
 
 class NotFiniteError(InputError):

@@ -1,4 +1,4 @@
-"""Wiring: the terms of a network flattened to arrays of numbers, for backends that compile their loops.
+"""Terms of a network as tables of numbers with named columns, for backends that compile their loops.
 
 A *channel* is one thing that terms look at: a quantity of a layer, some steps ago. Terms name channels by number.
 """
@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cnnsim.backends.codes import NOTHING, FunctionCode
 from cnnsim.network.layers import LayeredTemplate
 from cnnsim.network.table import Table
 from cnnsim.network.term import Argument, Term
@@ -15,10 +16,6 @@ from cnnsim.network.weights import reach
 from cnnsim.planning.general import delays_of
 from cnnsim.planning.plan import Plan
 from cnnsim.support.types import Array
-
-NOTHING = -1
-IDENTITY, LINEAR, STEP, CLIP, SIGN, TANH = range(6)
-"""Functions of one variable, as numbers. A step belongs to what is beyond its place, never to the place itself."""
 
 
 class Channel(NamedTuple):
@@ -30,40 +27,60 @@ class Channel(NamedTuple):
 
 
 class Function(NamedTuple):
-    """A function of one variable as numbers: kind, number of places, where in ``numbers`` places and values begin."""
+    """A function of one variable: its kind, how many places it has, and where they and the values begin in ``numbers``."""
 
-    links: Array
+    kind: int
+    places: int
+    at: int
+    values: int
     numbers: Array
 
 
-class Terms(NamedTuple):
-    """Terms as five arrays, one row a term or a tap.
-
-    ``links`` (terms, 11): the layer it adds to; the channels of its neighbour and centre, and of its multiplier's (-1:
-    none); its first tap and the one after its last; its function as in `Function`. ``taps`` (taps, 3): k, l, and the
-    number of a plane of weights or -1; ``weight`` (taps,); ``planes`` (number, rows, cols); ``numbers``: all tables.
+class TermColumns(NamedTuple):
+    """One entry a term: the ``layer`` it adds to; the channels of its ``neighbour`` and ``centre``, and of its
+    multiplier's (NOTHING: none); its taps ``first_tap`` .. ``end_tap`` - 1; its `Function` without the numbers.
     """
 
-    links: Array
-    taps: Array
+    layer: Array
+    neighbour: Array
+    centre: Array
+    times_neighbour: Array
+    times_centre: Array
+    first_tap: Array
+    end_tap: Array
+    kind: Array
+    places: Array
+    at: Array
+    values: Array
+
+
+class TapColumns(NamedTuple):
+    """One entry a tap: its offset, its weight, or the number of its plane of weights (else NOTHING)."""
+
+    k: Array
+    l: Array
+    plane: Array
     weight: Array
-    planes: Array
-    numbers: Array
 
 
-class Wiring(NamedTuple):
-    """The terms of a set of channels."""
+class TermTable(NamedTuple):
+    """Some terms of a network: ``planes`` (number, rows, cols) are weights that differ from cell to cell, ``numbers``
+    the places and values of all tables, ``radius`` is how far the taps reach.
+    """
 
     channels: tuple[Channel, ...]
-    terms: Terms
+    terms: TermColumns
+    taps: TapColumns
+    planes: Array
+    numbers: Array
     radius: int
 
 
 def kind_of(table: Table | None) -> int:
     """Return the number of a table's kind."""
     if table is None:
-        return IDENTITY
-    return LINEAR if table.kind == "linear" else STEP
+        return FunctionCode.IDENTITY
+    return FunctionCode.LINEAR if table.kind == "linear" else FunctionCode.STEP
 
 
 def places_of(table: Table, dtype: np.dtype[Any]) -> list[float]:
@@ -74,15 +91,15 @@ def places_of(table: Table, dtype: np.dtype[Any]) -> list[float]:
 
 def characteristic(plan: Plan, dtype: np.dtype[Any]) -> Function:
     """Return the plan's output characteristic as one function."""
-    shape = plan.characteristic
-    kind = {"clip": CLIP, "sign": SIGN, "tanh": TANH}.get(shape.kind, kind_of(shape.table))
-    if shape.table is None:
-        return Function(np.array([kind, 1, 0, 0], np.int64), np.array([shape.slope], dtype))
-    numbers = np.array([*places_of(shape.table, dtype), *shape.table.values], dtype)
-    return Function(np.array([kind, len(shape.table.at), 0, len(shape.table.at)], np.int64), numbers)
+    f = plan.characteristic
+    if f.table is None:
+        kind = {"clip": FunctionCode.CLIP, "sign": FunctionCode.SIGN, "tanh": FunctionCode.TANH}[f.kind]
+        return Function(kind, 1, 0, 0, np.array([f.slope], dtype))
+    numbers = np.array([*places_of(f.table, dtype), *f.table.values], dtype)
+    return Function(kind_of(f.table), len(f.table.at), 0, len(f.table.at), numbers)
 
 
-def wire(plan: Plan, dtype: np.dtype[Any], *, static: bool) -> Wiring:
+def table_of(plan: Plan, dtype: np.dtype[Any], *, static: bool) -> TermTable:
     """Return the terms of the input alone (``static``), or all others; A and B are terms as well."""
     assert plan.network is not None
     found = [
@@ -91,11 +108,11 @@ def wire(plan: Plan, dtype: np.dtype[Any], *, static: bool) -> Wiring:
         for term in (Term(layer.B, "u_kl"), *layer.control_terms, Term(layer.A, "y_kl"), *layer.feedback_terms)
         if (term.quantities == {"u"}) == static and term.taps
     ]
-    return wire_terms(plan, found, dtype)
+    return tabulate(plan, found, dtype)
 
 
-def wire_terms(plan: Plan, found: Sequence[tuple[int, Term]], dtype: np.dtype[Any]) -> Wiring:
-    """Return some terms, each with the number of the layer it adds to, as a wiring."""
+def tabulate(plan: Plan, found: Sequence[tuple[int, Term]], dtype: np.dtype[Any]) -> TermTable:
+    """Return some terms, each with the number of the layer it adds to, as a table."""
     channels: dict[Channel, int] = {}
 
     def channel(quantity: str | None, layer: int, term: Term) -> int:
@@ -109,7 +126,7 @@ def wire_terms(plan: Plan, found: Sequence[tuple[int, Term]], dtype: np.dtype[An
         other = number if term.layer is None else term.layer
         return channel(argument.neighbour, other, term), channel(argument.centre, number, term)
 
-    links: list[list[int]] = []
+    rows: list[tuple[int, ...]] = []
     taps: list[tuple[int, int, int]] = []
     weights: list[float] = []
     planes: list[Array] = []
@@ -122,15 +139,16 @@ def wire_terms(plan: Plan, found: Sequence[tuple[int, Term]], dtype: np.dtype[An
             weights.append(0.0 if varies else weight)
             planes += [weight] if varies else []
         at, values = (places_of(term.table, dtype), term.table.values) if term.table else ([], ())
-        function = [kind_of(term.table), len(at), len(numbers), len(numbers) + len(at)]
+        function = kind_of(term.table), len(at), len(numbers), len(numbers) + len(at)
         numbers += [*at, *values]
-        channels_of_term = [*pair(term.of, number, term), *pair(term.times, number, term)]
-        links.append([number, *channels_of_term, first, len(taps), *function])
-    terms = Terms(
-        np.array(links, np.int64).reshape(-1, 11), np.array(taps, np.int64).reshape(-1, 3), np.array(weights, dtype),
-        np.array(planes, dtype).reshape(-1, *plan.shape), np.array(numbers, dtype),
+        channels_of_term = *pair(term.of, number, term), *pair(term.times, number, term)
+        rows.append((number, *channels_of_term, first, len(taps), *function))
+    terms = TermColumns(*np.array(rows, np.int64).reshape(-1, len(TermColumns._fields)).T.copy())
+    k, l, plane = np.array(taps, np.int64).reshape(-1, 3).T.copy()
+    return TermTable(
+        tuple(channels), terms, TapColumns(k, l, plane, np.array(weights, dtype)),
+        np.array(planes, dtype).reshape(-1, *plan.shape), np.array(numbers, dtype), reach((tap[0], tap[1]) for tap in taps),
     )  # fmt: skip
-    return Wiring(tuple(channels), terms, reach((k, l) for k, l, _ in taps))
 
 
 def longest_delay(plan: Plan, network: LayeredTemplate) -> int:

@@ -79,6 +79,11 @@ class Plan:
         return max(1, round(1 / self.step))
 
     @property
+    def saturation_ends(self) -> bool:
+        """Whether cells whose drives hold them saturated stay so: no step of at most 1 leads out of saturation."""
+        return self.cell == "chua-yang" and self.step <= 1
+
+    @property
     def depth(self) -> int:
         """Steps a pass over the grid: up to `MOST_HALO` rows' worth, evenly divided; 1 without blocking."""
         if "blocking" not in self.savings:

@@ -176,3 +176,6 @@ class CpuBackend:
         totals = np.empty(plane.words.shape[0], np.int64)
         cpu_bits.count.for_work(plane.words.size // 64)(plane.words, totals)
         return totals if len(plane.shape) == 3 else int(totals[0])
+
+
+BACKEND = CpuBackend

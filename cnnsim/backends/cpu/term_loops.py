@@ -10,6 +10,7 @@ import numba
 import numpy as np
 from numba import prange, types
 
+from cnnsim.backends.codes import FunctionCode
 from cnnsim.backends.cpu.jit.address import call, compiled_at
 from cnnsim.backends.cpu.jit.compile import helper, twins
 from cnnsim.backends.cpu.kernels import fill_virtual, most
@@ -24,9 +25,9 @@ from cnnsim.backends.cpu.term_rows import (
     times_difference,
     times_row,
 )
-from cnnsim.backends.term_table import IDENTITY, SIGN, STEP
 from cnnsim.support.types import Array
 
+IDENTITY, SIGN, STEP = int(FunctionCode.IDENTITY), int(FunctionCode.SIGN), int(FunctionCode.STEP)
 DRIVE, SLOPE, DISCRETE, EULER = range(4)
 """What `advance` does."""
 

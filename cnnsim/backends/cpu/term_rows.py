@@ -12,10 +12,12 @@ from typing import Any
 import numpy as np
 from numba import carray, types
 
+from cnnsim.backends.codes import FunctionCode
 from cnnsim.backends.cpu.jit.address import call, compiled_at, numbers_of, place
 from cnnsim.backends.cpu.jit.compile import helper
-from cnnsim.backends.term_table import CLIP, IDENTITY, LINEAR, SIGN, TANH
 from cnnsim.support.types import Array
+
+IDENTITY, LINEAR, _, CLIP, SIGN, TANH = map(int, FunctionCode)
 
 
 @helper
@@ -204,7 +206,7 @@ def _tanh_row_single(out: Array, at_out: int, v: Array, at_v: int, n: int, slope
 def _function_row(
     out: Array, at_out: int, v: Array, at_v: int, n: int, kind: int, places: int, at: int, values: int, numbers: Array
 ) -> None:
-    """Write a function of a row, which must be another one; see `wiring.Function`."""
+    """Write a function of a row, which must be another one; see `term_table.Function`."""
     if kind == IDENTITY:
         copy_row(out, at_out, v, at_v, n)
     elif kind == CLIP:

@@ -13,7 +13,7 @@ import numpy as np
 from cnnsim.backends.base import Outcome, check_finite
 from cnnsim.backends.cpu import term_loops as kernels
 from cnnsim.backends.cpu.jit.compile import THREADS_PAY_FROM
-from cnnsim.backends.term_table import Wiring, characteristic, longest_delay, wire, wire_terms
+from cnnsim.backends.term_table import TermTable, characteristic, longest_delay, table_of, tabulate
 from cnnsim.network.boundary import virtual_index
 from cnnsim.network.frames import Frames, at_step, spans
 from cnnsim.planning.general import delays_of
@@ -32,8 +32,8 @@ def with_control_terms(plan: Plan, u: Array | None, bias: Array | None) -> Array
         return bias
     rows, cols = u.shape[-2:]
     total = np.zeros(u.shape, u.dtype) if bias is None else bias.copy()
-    wiring = wire_terms(plan, [(0, term) for term in terms], u.dtype)
-    field = _Field(plan, wiring, total.size // (rows * cols), u.dtype)
+    table = tabulate(plan, [(0, term) for term in terms], u.dtype)
+    field = _Field(plan, table, total.size // (rows * cols), u.dtype)
     field.fill(0, u.reshape(-1, rows, cols), plan.boundary.u)
     shape = (-1, 1, rows, cols)
     field.add_to(total.reshape(shape))
@@ -64,23 +64,29 @@ def transient(plan: Plan, x: Array, u: Any, bias: Any, held: Array | None) -> Ou
     return Outcome(end, t, settled, slope)
 
 
-class _Field:
-    """The channels of a wiring with their virtual cells."""
+def _flat(table: TermTable) -> tuple[Array, ...]:
+    links = np.ascontiguousarray(np.stack(table.terms, axis=1))
+    taps = np.ascontiguousarray(np.stack([table.taps.k, table.taps.l, table.taps.plane], axis=1))
+    return links, taps, table.taps.weight, table.planes, table.numbers
 
-    def __init__(self, plan: Plan, wiring: Wiring, grids: int, dtype: np.dtype[Any]) -> None:
-        r, (rows, cols) = wiring.radius, plan.shape
-        self.wiring, self.r = wiring, r
+
+class _Field:
+    """The channels of a table of terms with their virtual cells."""
+
+    def __init__(self, plan: Plan, table: TermTable, grids: int, dtype: np.dtype[Any]) -> None:
+        r, (rows, cols) = table.radius, plan.shape
+        self.table, self.r = table, r
         self.rows, self.cols = virtual_index(rows, r, plan.boundary), virtual_index(cols, r, plan.boundary)
-        self.around = np.zeros((max(1, len(wiring.channels)), grids, rows + 2 * r, cols + 2 * r), dtype)
+        self.around = np.zeros((max(1, len(table.channels)), grids, rows + 2 * r, cols + 2 * r), dtype)
 
     def add_to(self, w: Array) -> None:
         """Add the terms of channels that stand still to w."""
-        work, nobody, flat = w.size * max(1, len(self.wiring.terms.taps)), np.empty(0, np.int64), w.reshape(-1)
+        work, nobody, flat = w.size * max(1, len(self.table.taps.k)), np.empty(0, np.int64), w.reshape(-1)
         kernels.advance.for_work(work)(
             *addresses(w.dtype),
             kernels.DRIVE, w, flat, w, 0, 1, nobody, flat, NOBODY, False, threads_for(work), w, w[None], self.around,
             nobody, nobody, nobody > 0, np.zeros(4, np.int64), flat, self.rows, self.cols, w.dtype.type(0), self.r,
-            *self.wiring.terms,
+            *_flat(self.table),
         )  # fmt: skip
 
     def fill(self, channel: int, source: Array, constant: float) -> None:
@@ -102,9 +108,9 @@ class _Run:
         self.held = NOBODY if held is None else held.reshape(self.shape)
         self.z = np.array([layer.z for layer in layers], x.dtype).reshape(-1, 1, 1)
         self.fixed, self.moving = (
-            _Field(plan, wire(plan, x.dtype, static=static), self.shape[0], x.dtype) for static in (True, False)
+            _Field(plan, table_of(plan, x.dtype, static=static), self.shape[0], x.dtype) for static in (True, False)
         )
-        channels = self.moving.wiring.channels
+        channels = self.moving.table.channels
         follow = [(number, c) for number, c in enumerate(channels) if c.quantity != "u"]
         self.numbers = np.array([number for number, _ in follow], np.int64)
         self.layers = np.array([c.layer for _, c in follow], np.int64)
@@ -120,12 +126,12 @@ class _Run:
         self.past = np.empty((longest_delay(plan, plan.network) + 1, *self.shape), x.dtype)
         self.past[:] = self.x  # before t = 0 the state was x(0)
         self.w = np.empty_like(self.x)
-        self.work = self.x.size * max(1, len(self.moving.wiring.terms.taps))
+        self.work = self.x.size * max(1, len(self.moving.table.taps.k))
         self.wall = plan.cell == "full-range"
         self.addresses = addresses(x.dtype)
         self.hearing = (
-            self.moving.around, self.numbers, self.layers, self.outputs, *self.characteristic, self.moving.rows,
-            self.moving.cols, self.constant, self.moving.r, *self.moving.wiring.terms,
+            self.moving.around, self.numbers, self.layers, self.outputs, np.array(self.characteristic[:4], np.int64),
+            self.characteristic.numbers, self.moving.rows, self.moving.cols, self.constant, self.moving.r, *_flat(self.moving.table),
         )  # fmt: skip
 
     def _planes(self, value: Any) -> Any:
@@ -145,7 +151,7 @@ class _Run:
         if self.bias is not None:
             self.w += at_step(self.bias, number, plan.step)
         for field in (self.fixed, self.moving):
-            for k, channel in enumerate(field.wiring.channels):
+            for k, channel in enumerate(field.table.channels):
                 if channel.quantity == "u":
                     heard = at_step(self.u, number - channel.ago, plan.step)[:, channel.layer]
                     field.fill(k, heard, plan.boundary.u)

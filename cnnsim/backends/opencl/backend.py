@@ -237,3 +237,6 @@ def _buffers(value: DevicePlane | Frames[DevicePlane] | None) -> Any:
     if isinstance(value, Frames):
         return value.map(lambda plane: plane.buffer)
     return None if value is None else value.buffer
+
+
+BACKEND = OpenCLBackend

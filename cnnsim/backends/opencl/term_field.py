@@ -8,7 +8,7 @@ import pyopencl as cl
 
 from cnnsim.backends.opencl.build import Workshop, boundary_defines, source
 from cnnsim.backends.opencl.term_text import term_defines
-from cnnsim.backends.term_table import Wiring, characteristic
+from cnnsim.backends.term_table import TermTable, characteristic
 from cnnsim.planning.plan import Plan
 
 Buffer = cl.Buffer
@@ -17,30 +17,30 @@ DRIVE, SLOPE, STEP, DISCRETE = range(4)
 
 
 class Field:
-    """The channels of a wiring on the device with their virtual cells, and the kernels that fill and hear them.
+    """The channels of a table of terms on the device with their virtual cells, and the kernels that fill and hear them.
 
-    Of all ``wirings`` of a run, which share one program, it is number ``part``.
+    Of all ``tables`` of a run, which share one program, it is number ``part``.
     """
 
     def __init__(
-        self, shop: Workshop, plan: Plan, wirings: Sequence[Wiring], part: int, grids: int, layers: int,
+        self, shop: Workshop, plan: Plan, tables: Sequence[TermTable], part: int, grids: int, layers: int,
         gains: np.ndarray[Any, Any] | None = None, held: Buffer | None = None,
     ) -> None:  # fmt: skip
-        self.shop, self.plan, self.wiring, self.layers = shop, plan, wirings[part], layers
-        (rows, cols), r = plan.shape, self.wiring.radius
+        self.shop, self.plan, self.table, self.layers = shop, plan, tables[part], layers
+        (rows, cols), r = plan.shape, self.table.radius
         self.size, self.lines, self.count = rows * cols, grids * layers * rows, grids * layers * rows * cols
         self.tall, self.wide = grids * (rows + 2 * r), cols + 2 * r
         stride = -(-(self.wide + shop.lanes) // shop.lanes) * shop.lanes
         channel = self.tall * stride
-        self.channels = shop.buffer(max(1, len(self.wiring.channels)) * channel * shop.dtype.itemsize)
-        self.planes = self._table(np.append(self.wiring.terms.planes.ravel(), np.zeros(shop.lanes, shop.dtype)))
+        self.channels = shop.buffer(max(1, len(self.table.channels)) * channel * shop.dtype.itemsize)
+        self.planes = self._table(np.append(self.table.planes.ravel(), np.zeros(shop.lanes, shop.dtype)))
         self.gains = self._table(np.ones(layers, shop.dtype) if gains is None else gains)
         self.grid = (*map(np.int32, (r, stride, rows, cols)), np.int64(channel))
-        self.part, self.none = np.int32(part), np.int32(len(wirings))
+        self.part, self.none = np.int32(part), np.int32(len(tables))
         self.wall, self.held = np.int32(plan.cell == "full-range"), held
         shape = characteristic(plan, shop.dtype) if plan.method == "general" else None
         self.defines = {
-            **term_defines([wiring.terms for wiring in wirings], layers, shape, shop.dtype),
+            **term_defines(tables, layers, shape, shop.dtype),
             **boundary_defines(plan.boundary),
         }
 
@@ -64,7 +64,7 @@ class Field:
 
     def follow(self, channel: int, state: Buffer, layer: int, *, through: bool = False) -> None:
         """Bring one layer of a plane into a channel, perhaps through the output characteristic."""
-        quantity = self.wiring.channels[channel].quantity
+        quantity = self.table.channels[channel].quantity
         outside = self.plan.boundary.u if quantity == "u" else self.plan.boundary.y
         self._over_rows(
             "follow", self.tall, self.wide, state, self.channels,

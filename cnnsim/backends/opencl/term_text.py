@@ -5,14 +5,15 @@ from typing import Any
 
 import numpy as np
 
+from cnnsim.backends.codes import NOTHING, FunctionCode
 from cnnsim.backends.opencl.build import Defines, literal
-from cnnsim.backends.term_table import CLIP, IDENTITY, LINEAR, NOTHING, SIGN, STEP, Function, Terms
+from cnnsim.backends.term_table import Function, TermTable
 
 LONG = 20
 """Taps times places of their table from which on taps are a loop."""
 
 
-def term_defines(parts: Sequence[Terms], layers: int, shape: Function | None, dtype: np.dtype[Any]) -> Defines:
+def term_defines(parts: Sequence[TermTable], layers: int, shape: Function | None, dtype: np.dtype[Any]) -> Defines:
     """Return the definitions of opencl_terms.cl: of each part in turn the terms of each layer, and the characteristic.
 
     CASES(DO) names them all by number, TERMS_n adds those of number n to ``total``; of one more part there are none.
@@ -20,7 +21,7 @@ def term_defines(parts: Sequence[Terms], layers: int, shape: Function | None, dt
     """
     texts, tables = [""] * (layers * (len(parts) + 1)), ""
     for part, terms in enumerate(parts):
-        for number, link in enumerate(terms.links.tolist()):
+        for number, link in enumerate(np.stack(terms.terms, axis=1).tolist()):
             text, table = _term(terms, link, f"{part}_{number}", dtype)
             texts[part * layers + link[0]] += text
             tables += table
@@ -28,12 +29,12 @@ def term_defines(parts: Sequence[Terms], layers: int, shape: Function | None, dt
         "CASES(DO)": " ".join(f"DO({number})" for number in range(len(texts))),
         **{f"TERMS_{number}": text for number, text in enumerate(texts)},
         "TABLES": tables,
-        "SIGN": int(shape is not None and shape.links[0] == SIGN),
-        "SHAPE(T)": "" if shape is None else _function(shape.links.tolist(), shape.numbers, "T", dtype),
+        "SIGN": int(shape is not None and shape.kind == FunctionCode.SIGN),
+        "SHAPE(T)": "" if shape is None else _function(shape[:4], shape.numbers, "T", dtype),
     }
 
 
-def _term(terms: Terms, link: list[int], name: str, dtype: np.dtype[Any]) -> tuple[str, str]:
+def _term(terms: TermTable, link: list[int], name: str, dtype: np.dtype[Any]) -> tuple[str, str]:
     """Return the statements that add a term to ``total``, and the tables they read.
 
     Taps of short terms are written one by one, those of long ones as a loop: a compiler needs seconds for hundreds.
@@ -51,7 +52,8 @@ def _term(terms: Terms, link: list[int], name: str, dtype: np.dtype[Any]) -> tup
             body += f"f *= HEARD({times}, {k}, {l}){less}; "
         return body + f"total += {weight} * f; }} "
 
-    taps, weights = terms.taps[first:after].tolist(), [literal(c, dtype) for c in terms.weight[first:after]]
+    offsets = np.stack([terms.taps.k, terms.taps.l, terms.taps.plane], axis=1)[first:after].tolist()
+    taps, weights = offsets, [literal(c, dtype) for c in terms.taps.weight[first:after]]
     if len(taps) * (1 + function[1]) <= LONG:
         for (k, l, plane), weight in zip(taps, weights, strict=True):
             text += tap(k, l, f"(vec){weight}" if plane == NOTHING else f"WEIGHT({plane})")
@@ -65,25 +67,25 @@ def _term(terms: Terms, link: list[int], name: str, dtype: np.dtype[Any]) -> tup
 
 
 def _function(links: Sequence[int], numbers: np.ndarray[Any, Any], type_: str, dtype: np.dtype[Any]) -> str:
-    """Return the statements that set f to a function of v; see `wiring.Function`."""
+    """Return the statements that set f to a function of v; see `term_table.Function`."""
     kind, places, at, values = links
 
     def splat(value: Any) -> str:
         return f"({type_}){literal(value, dtype)}"
 
-    if kind == IDENTITY:
+    if kind == FunctionCode.IDENTITY:
         return ""
-    if kind == CLIP:
+    if kind == FunctionCode.CLIP:
         return f"f = v * {splat(numbers[at])}; f = CLIP({type_}, f); "
-    if kind == SIGN:
+    if kind == FunctionCode.SIGN:
         return f"f = v > ({type_})0 ? ({type_})1 : v < ({type_})0 ? ({type_})-1 : v; "
-    if kind not in (LINEAR, STEP):
+    if kind not in (FunctionCode.LINEAR, FunctionCode.STEP):
         return f"f = v * {splat(numbers[at])}; TANH({type_}, f) "
-    e, f = numbers[at : at + places], numbers[values : values + places + (kind == STEP)]
+    e, f = numbers[at : at + places], numbers[values : values + places + (kind == FunctionCode.STEP)]
     text = f"f = {splat(f[0])}; "
     for s in range(places):
-        beyond = splat(f[-1] if kind == LINEAR else f[s + 1])
-        if kind == LINEAR and s + 1 < places:
+        beyond = splat(f[-1] if kind == FunctionCode.LINEAR else f[s + 1])
+        if kind == FunctionCode.LINEAR and s + 1 < places:
             rise = (f[s + 1] - f[s]) / (e[s + 1] - e[s])
             beyond = f"{splat(f[s])} + {splat(rise)} * (v - {splat(e[s])})"
         text += f"f = v > {splat(e[s])} ? {beyond} : f; "

@@ -12,7 +12,7 @@ import pyopencl as cl
 
 from cnnsim.backends.opencl.build import Workshop
 from cnnsim.backends.opencl.term_field import DISCRETE, DRIVE, SLOPE, STEP, Field
-from cnnsim.backends.term_table import longest_delay, wire, wire_terms
+from cnnsim.backends.term_table import longest_delay, table_of, tabulate
 from cnnsim.network.frames import at_step, spans
 from cnnsim.planning.general import delays_of
 from cnnsim.planning.plan import SETTLED_RATE, Plan
@@ -23,8 +23,8 @@ Ended = tuple[Buffer, float, bool, float]
 
 def control_terms(shop: Workshop, plan: Plan, grids: int, u: Buffer, bias: Buffer | None) -> Buffer:
     """Return the bias map plus all terms of the input alone: the linear roads need no more."""
-    wiring = wire_terms(plan, [(0, term) for term in plan.template.control_terms], shop.dtype)
-    field = Field(shop, plan, [wiring], 0, grids, 1)
+    table = tabulate(plan, [(0, term) for term in plan.template.control_terms], shop.dtype)
+    field = Field(shop, plan, [table], 0, grids, 1)
     field.follow(0, u, 0)
     out = shop.buffer(field.count * shop.dtype.itemsize)
     field.base(np.zeros(1), bias, out)
@@ -38,12 +38,12 @@ class _Run:
         assert plan.network is not None
         self.shop, self.plan, self.u, self.bias, self.held = shop, plan, u, bias, held
         layers = len(plan.network.layers)
-        wirings = [wire(plan, shop.dtype, static=static) for static in (True, False)]
+        tables = [table_of(plan, shop.dtype, static=static) for static in (True, False)]
         self.rates = 1 / np.array(plan.network.time_constants)
         gains = [plan.scheme.gain(plan.step * rate) if plan.scheme else 1.0 for rate in self.rates]
         self.gains = np.array(gains, shop.dtype)
         self.fixed, self.moving = (
-            Field(shop, plan, wirings, part, grids // layers, layers, self.gains, held) for part in (0, 1)
+            Field(shop, plan, tables, part, grids // layers, layers, self.gains, held) for part in (0, 1)
         )
         self.count, self.x = self.moving.count, x
         self.z = np.array([layer.z for layer in plan.network.layers])
@@ -66,7 +66,7 @@ class _Run:
         """Take input and bias as they are from step ``number`` on."""
         step = self.plan.step
         for field in (self.fixed, self.moving):
-            for k, channel in enumerate(field.wiring.channels):
+            for k, channel in enumerate(field.table.channels):
                 if channel.quantity == "u":
                     field.follow(k, at_step(self.u, number - channel.ago, step), channel.layer)
         self.fixed.base(self.z, at_step(self.bias, number, step), self.w)
@@ -75,7 +75,7 @@ class _Run:
     def advance(self, task: int, out: Buffer, stage: Buffer, number: int) -> None:
         """Do a task of `Field.advance` with the drives in ``stage`` at the start of step ``number``."""
         discrete = self.plan.cell == "discrete-time"
-        for k, channel in enumerate(self.moving.wiring.channels):
+        for k, channel in enumerate(self.moving.table.channels):
             if channel.quantity != "u":
                 state = self.past[(number - channel.ago) % len(self.past)] if channel.ago else stage
                 self.moving.follow(k, state, channel.layer, through=channel.quantity == "y" and not discrete)

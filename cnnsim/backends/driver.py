@@ -1,0 +1,34 @@
+"""The time loop of all backends: the spans of standing inputs, the settle schedule and the limit."""
+
+import math
+from collections.abc import Iterable
+
+from cnnsim.backends.base import Outcome, Stepper
+from cnnsim.planning.plan import Plan
+
+
+def run(plan: Plan, stepper: Stepper, spans: Iterable[tuple[int, int]] | None = None) -> Outcome:
+    """Run a transient to its end.
+
+    A fixed duration is stepped through. For ``"settled"`` the state is checked before the first step, once a time
+    constant, and at the limit. Discrete time is checked before each step; a cycle of two steps never ends, so it is
+    left at once.
+
+    Arguments: ``spans`` are (first step, steps) in which input and bias stand still, None for one span.
+    """
+    settling, every = plan.duration == "settled", plan.check_every
+    for first, count in [(0, plan.steps)] if spans is None else spans:
+        stepper.start_span(first)
+        step, end = first, first + count
+        while step < end:
+            if settling and step % every == 0:
+                check = stepper.check_settled(step, last=False)
+                if check.settled or check.repeats:
+                    return Outcome(stepper.finish(), step * plan.step, check.settled, check.rate)
+            until = min(end, (step // every + 1) * every) if settling else end
+            stepper.advance(step, until - step)
+            step = until
+    if not settling:
+        return Outcome(stepper.finish(), float(plan.duration), False, math.nan)
+    check = stepper.check_settled(plan.steps, last=True)
+    return Outcome(stepper.finish(), plan.steps * plan.step, check.settled, check.rate)

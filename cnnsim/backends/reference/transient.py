@@ -1,0 +1,53 @@
+"""Steps of a linear template: dx/dt = -x + A*y + w by a Runge-Kutta scheme."""
+
+import numpy as np
+
+from cnnsim.backends.base import Check
+from cnnsim.backends.reference.drive import correlate
+from cnnsim.backends.reference.settled import check
+from cnnsim.network.cell import output
+from cnnsim.planning.plan import Plan
+from cnnsim.support.types import Array
+
+
+class LinearSteps:
+    """A `Stepper`; in the full-range model every stage ends within +-1."""
+
+    def __init__(self, plan: Plan, x: Array, w: Array, free: Array) -> None:
+        self._plan, self._x, self._w, self._free = plan, x, w, free
+        self._limit = output if plan.cell == "full-range" else np.positive
+
+    def start_span(self, step: int) -> None:
+        """See `Stepper.start_span`: the input stands still for ever."""
+
+    def drive(self, x: Array) -> Array:
+        """Return A*y + w."""
+        return correlate(output(x), self._plan.feedback_taps, self._plan.boundary, self._plan.boundary.y, self._w)
+
+    def check_settled(self, step: int, *, last: bool) -> Check:
+        """See `Stepper.check_settled`."""
+        return check(self._plan, self._x, self.drive(self._x), self._free)
+
+    def advance(self, step: int, count: int) -> None:
+        """See `Stepper.advance`."""
+        for _ in range(count):
+            self._x = np.where(self._free, self._after(self._x), self._x)
+
+    def _after(self, x: Array) -> Array:
+        scheme = self._plan.scheme
+        assert scheme is not None
+        h = scheme.gain(self._plan.step)
+        rates: list[Array] = []
+        for row in scheme.a:
+            stage = x
+            for weight, k in zip(row, rates, strict=False):
+                stage = stage + h * weight * k
+            stage = self._limit(stage)
+            rates.append(self.drive(stage) - stage)
+        for weight, k in zip(scheme.b, rates, strict=True):
+            x = x + h * weight * k
+        return self._limit(x)
+
+    def finish(self) -> Array:
+        """See `Stepper.finish`."""
+        return self._x
