@@ -27,7 +27,7 @@ class Channel(NamedTuple):
 
 
 class Function(NamedTuple):
-    """A function of one variable: its kind, how many places it has, and where they and the values begin in ``numbers``."""
+    """A function of one variable: its kind, how many places it has, where they and the values begin in ``numbers``."""
 
     kind: int
     places: int
@@ -144,11 +144,15 @@ def tabulate(plan: Plan, found: Sequence[tuple[int, Term]], dtype: np.dtype[Any]
         channels_of_term = *pair(term.of, number, term), *pair(term.times, number, term)
         rows.append((number, *channels_of_term, first, len(taps), *function))
     terms = TermColumns(*np.array(rows, np.int64).reshape(-1, len(TermColumns._fields)).T.copy())
-    k, l, plane = np.array(taps, np.int64).reshape(-1, 3).T.copy()
+    columns = list(np.array(taps, np.int64).reshape(-1, 3).T.copy())
     return TermTable(
-        tuple(channels), terms, TapColumns(k, l, plane, np.array(weights, dtype)),
-        np.array(planes, dtype).reshape(-1, *plan.shape), np.array(numbers, dtype), reach((tap[0], tap[1]) for tap in taps),
-    )  # fmt: skip
+        tuple(channels),
+        terms,
+        TapColumns(columns[0], columns[1], columns[2], np.array(weights, dtype)),
+        np.array(planes, dtype).reshape(-1, *plan.shape),
+        np.array(numbers, dtype),
+        reach((tap[0], tap[1]) for tap in taps),
+    )
 
 
 def longest_delay(plan: Plan, network: LayeredTemplate) -> int:

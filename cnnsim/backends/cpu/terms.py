@@ -131,7 +131,8 @@ class _Run:
         self.addresses = addresses(x.dtype)
         self.hearing = (
             self.moving.around, self.numbers, self.layers, self.outputs, np.array(self.characteristic[:4], np.int64),
-            self.characteristic.numbers, self.moving.rows, self.moving.cols, self.constant, self.moving.r, *_flat(self.moving.table),
+            self.characteristic.numbers, self.moving.rows, self.moving.cols, self.constant, self.moving.r,
+            *_flat(self.moving.table),
         )  # fmt: skip
 
     def _planes(self, value: Any) -> Any:
