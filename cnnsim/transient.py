@@ -70,7 +70,7 @@ class Task:
 Dtype = Literal["float32", "float64"]
 
 
-class Choices(TypedDict, total=False):
+class TaskOptions(TypedDict, total=False):
     """What `make_task` takes besides a template and a state; its signature has the defaults."""
 
     input: ArrayLike | Frames[Any] | None
@@ -130,7 +130,7 @@ def run_transient(
     state: ArrayLike,
     backend: str | Backend = "cpu",
     dtype: Dtype | None = None,
-    **choices: Unpack[Choices],
+    **choices: Unpack[TaskOptions],
 ) -> Result:
     """Run one template from x(0) = ``state`` with u = ``input`` and return where it ends.
 

@@ -9,14 +9,14 @@ import numpy as np
 from cnnsim import fixed, write_picture
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
+from cnnsim.prototyping.design.decompose import design_rule
 from cnnsim.prototyping.design.expression import parse_rule
 from cnnsim.prototyping.design.files import write_design
-from cnnsim.prototyping.design.synthesis import design
 
 
 def main(output: Path) -> None:
     """Write the parity of a drawn disc to ``output``."""
-    found = design(parse_rule("all9 % 2 == 1"))  # five templates, each starting from the negative of the last
+    found = design_rule(parse_rule("all9 % 2 == 1"))  # five templates, each starting from the negative of the last
     row, col = np.mgrid[:33, :33] - 16
     disc = np.where(row**2 + col**2 < 140, 1.0, -1.0)
     with TemporaryDirectory() as folder:

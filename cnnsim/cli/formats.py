@@ -6,7 +6,7 @@ import click
 
 from cnnsim import library
 from cnnsim.formats.export import KEPT, WRITERS
-from cnnsim.formats.files import READERS, Imported, import_file
+from cnnsim.formats.files import READERS, ImportedFile, import_file
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.errors import InputError
 
@@ -50,18 +50,18 @@ def import_(
         context.exit(2)
 
 
-def _facts(result: Imported) -> dict[str, object]:
+def _facts(result: ImportedFile) -> dict[str, object]:
     remarks = [{"severity": item.severity, "line": item.line, "message": item.message} for item in result.report.items]
     return {
         "file": result.report.file,
         "written": [str(path) for path in result.written],
-        "not_written": {draft.name: draft.missing for draft in result.not_written},
+        "not_written": {imported.name: imported.missing for imported in result.not_written},
         "failed": result.report.failed,
         "diagnostics": remarks,
     }
 
 
-def _summary(results: list[Imported]) -> str:
+def _summary(results: list[ImportedFile]) -> str:
     written = sum(len(result.written) for result in results)
     missing = sum(len(result.not_written) for result in results)
     failed = sum(result.report.failed for result in results)

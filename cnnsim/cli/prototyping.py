@@ -52,7 +52,7 @@ def trace(
 
     Templates for moving pictures take several, one a frame.
     """
-    from cnnsim.prototyping.trace.trace import parse_cell, record, telling_cells, watching_time
+    from cnnsim.prototyping.trace.trace import parse_cell_index, record, representative_cells, watching_time
     from cnnsim.transient import make_task
 
     if output is None and film is None and not as_json:
@@ -62,7 +62,7 @@ def trace(
     given = entry.task(read_frames(entry, pictures, binary=binary), second)
     if boundary is not None:
         given["boundary"] = parse_boundary(boundary)
-    chosen = [parse_cell(cell, given["state"].shape[-2:]) for cell in cells]
+    chosen = [parse_cell_index(cell, given["state"].shape[-2:]) for cell in cells]
     where = backends.get(backend)
     if scheme is not None:
         given.pop("step", None)  # it was meant for another scheme
@@ -72,7 +72,7 @@ def trace(
         given["duration"] = watching_time(make_task(entry.network, **given), where)
     task = make_task(entry.network, **given, scheme=scheme)
     found = record(task, where, watching_time(task, where) if duration is None else duration, frames, layer)
-    chosen = chosen or telling_cells(found)
+    chosen = chosen or representative_cells(found)
     if output is not None:
         from cnnsim.prototyping.trace.plot import draw_trace
 

@@ -8,18 +8,18 @@ Source: celnn 1.0.0, Template.to_dict.
 import json
 from typing import Any
 
-from cnnsim.library.imported import Draft, assume_setting, library_name, plain
+from cnnsim.library.imported import Imported, assume_setting, library_name, plain
 from cnnsim.network.layers import AnyTemplate
 from cnnsim.network.template import Template
+from cnnsim.support.diagnostics import Diagnostics
 from cnnsim.support.errors import InputError
-from cnnsim.support.findings import Report
 
 _KNOWN = {"name", "feedback", "control", "bias", "initial_state", "description", "tags", "metadata"}
 _TURNED = "The sign of z is turned: black is -1 in celnn and +1 here."
 
 
-def read_celnn(data: bytes, report: Report) -> list[Draft]:
-    """Return a draft for each template of a file; one that is wrong is an error and left out."""
+def read_celnn(data: bytes, report: Diagnostics) -> list[Imported]:
+    """Return the templates of a file; one that is wrong is an error and left out."""
     try:
         content = json.loads(data, parse_constant=_no_constant)
     except (ValueError, RecursionError) as error:
@@ -30,20 +30,20 @@ def read_celnn(data: bytes, report: Report) -> list[Draft]:
     if not isinstance(items, list) or not items:
         report.error(None, "'templates' is no list of templates")
         return []
-    drafts = []
+    templates = []
     for k, item in enumerate(items, start=1):
         try:
-            drafts.append(_draft(item, report))
+            templates.append(_imported(item, report))
         except (InputError, OverflowError) as error:
             report.error(None, f"template {k}: {error}")
-    return drafts
+    return templates
 
 
 def _no_constant(word: str) -> float:
     raise ValueError(f"{word} is no number of JSON")
 
 
-def _draft(item: Any, report: Report) -> Draft:
+def _imported(item: Any, report: Diagnostics) -> Imported:
     if not isinstance(item, dict) or not {"name", "feedback", "control"} <= item.keys():
         raise InputError("'name', 'feedback' and 'control' wanted")
     title, tags, text = item["name"], item.get("tags", []), item.get("description", "")
@@ -63,9 +63,10 @@ def _draft(item: Any, report: Report) -> Draft:
     if bias:
         report.warning(None, f"{name}: {_TURNED}")
     summary = text or f"celnn template {title}; the source does not say what it does."
-    draft = Draft(name, template, summary, f"Imported from {report.file}, celnn template {title}", tags=tuple(tags))
-    draft = assume_setting(draft, report)
-    return draft.with_note(_TURNED) if bias else draft
+    reference = f"Imported from {report.file}, celnn template {title}"
+    imported = Imported(name, template, summary, reference, tags=tuple(tags))
+    imported = assume_setting(imported, report)
+    return imported.with_note(_TURNED) if bias else imported
 
 
 def _numbers(item: dict[str, Any], key: str) -> Any:

@@ -7,17 +7,17 @@ Source: the template files of github.com/H2CO3/CNNSim.
 
 from cnnsim.formats.candy.header import read_boundary
 from cnnsim.formats.candy.lines import decode
-from cnnsim.library.imported import Draft, assume_setting, library_name
+from cnnsim.library.imported import Imported, assume_setting, library_name
 from cnnsim.network.template import Template
+from cnnsim.support.diagnostics import Diagnostics
 from cnnsim.support.errors import InputError
-from cnnsim.support.findings import Report
 from cnnsim.support.numbers import number
 
 _HEADS = ("A", "B", "Z", "C", "BOUNDARY")
 
 
-def read_cnnsim(data: bytes, name: str, report: Report) -> list[Draft]:
-    """Return the one draft of a file, none if there is an error."""
+def read_cnnsim(data: bytes, name: str, report: Diagnostics) -> list[Imported]:
+    """Return the one template of a file, none if there is an error."""
     pieces = [(word, k) for k, row in enumerate(decode(data, report).split("\n"), start=1) for word in row.split()]
     sections: dict[str, list[tuple[str, int]]] = {}
     current = ""
@@ -39,7 +39,7 @@ def read_cnnsim(data: bytes, name: str, report: Report) -> list[Draft]:
         return []
     name = library_name(name)
     template = Template([a[:3], a[3:6], a[6:]], [b[:3], b[3:6], b[6:]], z[0], name)
-    draft = Draft(
+    imported = Imported(
         name, template, f"CNNSim template {name}; the source does not say what it does.", f"Imported from {report.file}"
     )
     boundary = None
@@ -47,10 +47,10 @@ def read_cnnsim(data: bytes, name: str, report: Report) -> list[Draft]:
         words = sections["C"]
         text = words[0][0] + "".join(f"({word})" for word, _ in words[1:2]) if words else ""
         boundary = read_boundary(text, report, words[0][1] if words else None)
-    return [assume_setting(draft, report, boundary)]
+    return [assume_setting(imported, report, boundary)]
 
 
-def _numbers(sections: dict[str, list[tuple[str, int]]], head: str, count: int, report: Report) -> list[float]:
+def _numbers(sections: dict[str, list[tuple[str, int]]], head: str, count: int, report: Diagnostics) -> list[float]:
     values = []
     for word, line in sections.get(head, []):
         try:

@@ -9,23 +9,23 @@ from cnnsim import library
 from cnnsim.formats.differences import number_differences
 from cnnsim.formats.known_defects import KNOWN
 from cnnsim.library.entry import LibraryEntry
-from cnnsim.library.imported import Draft
+from cnnsim.library.imported import Imported
 from cnnsim.network.layers import AnyTemplate
 from cnnsim.network.template import Template
 
 _SMALL_MARGIN = 0.25  # what an analog chip of 7 or 8 bits cannot be trusted with
 
 
-def defects(draft: Draft, source_name: str, system: str) -> list[str]:
-    """Return the warnings for a draft. ``source_name`` is its name in the source, ``system`` CANDY, MATCNN, ...
+def defects(imported: Imported, source_name: str, system: str) -> list[str]:
+    """Return the warnings for a template that comes from a ``system`` (CANDY, MATCNN, ...) as ``source_name``.
 
     They come from the table of known defects, from the library's own template of that name, and from the numbers.
     """
     found = [KNOWN[source_name.upper()]] if source_name.upper() in KNOWN else []
-    if draft.missing:
+    if imported.missing:
         return found
-    entry = counterpart(draft.template, source_name, system)
-    return [*found, *_from_numbers(draft, verified=entry is not None), *(compare(draft, entry) if entry else ())]
+    entry = counterpart(imported.template, source_name, system)
+    return [*found, *_from_numbers(imported, verified=entry is not None), *(compare(imported, entry) if entry else ())]
 
 
 def counterpart(template: AnyTemplate, source_name: str, system: str) -> LibraryEntry | None:
@@ -41,35 +41,35 @@ def _shipped() -> tuple[LibraryEntry, ...]:
     return tuple(library.load_file(path) for path in sorted(library.folder().glob("*.toml")))
 
 
-def compare(draft: Draft, entry: LibraryEntry) -> Iterator[str]:
+def compare(imported: Imported, entry: LibraryEntry) -> Iterator[str]:
     """Yield what differs from the library's verified template."""
     why = f": {entry.note}" if entry.note else ""
-    if differences := list(number_differences(draft.template, entry.network)):
+    if differences := list(number_differences(imported.template, entry.network)):
         yield f"differs from the library's {entry.name}: {', '.join(differences)}{why}"
         return
     settings = []
-    if draft.boundary != entry.boundary:
-        settings.append(f"boundary {draft.boundary}, not {entry.boundary}")
-    state = 0 if draft.initial_state == "any" else draft.initial_state
-    if entry.initial_state not in ("any", state, draft.initial_state):
-        settings.append(f"initial state {draft.initial_state}, not {entry.initial_state}")
-    if draft.duration != entry.duration and entry.duration != "settled":
-        settings.append(f"running time {draft.duration}, not {entry.duration} time constants")
-    if draft.discrete != (entry.cell.model == "discrete-time"):
-        settings.append("discrete time, not continuous" if draft.discrete else "continuous time, not discrete")
+    if imported.boundary != entry.boundary:
+        settings.append(f"boundary {imported.boundary}, not {entry.boundary}")
+    state = 0 if imported.initial_state == "any" else imported.initial_state
+    if entry.initial_state not in ("any", state, imported.initial_state):
+        settings.append(f"initial state {imported.initial_state}, not {entry.initial_state}")
+    if imported.duration != entry.duration and entry.duration != "settled":
+        settings.append(f"running time {imported.duration}, not {entry.duration} time constants")
+    if imported.discrete != (entry.cell.model == "discrete-time"):
+        settings.append("discrete time, not continuous" if imported.discrete else "continuous time, not discrete")
     if settings:
         yield f"the numbers are those of the library's {entry.name}, the setting is not ({'; '.join(settings)}){why}"
     elif entry.margin is not None and entry.margin < _SMALL_MARGIN:
         yield f"nearly critical: the margin of the library's {entry.name} is {entry.margin:g}{why}"
 
 
-def _from_numbers(draft: Draft, verified: bool) -> Iterator[str]:
+def _from_numbers(imported: Imported, verified: bool) -> Iterator[str]:
     """Yield what the numbers alone show; of the boundary only where no verified template says which one it takes."""
-    template = draft.template
+    template = imported.template
     if isinstance(template, Template) and template.linear and template.uncoupled and template.control_taps:
         a, reach = template.self_feedback, float(np.abs(template.B).sum())
         if a >= 1 and abs(template.z) - reach - (a - 1) > 0:
             colour = "black" if template.z > 0 else "white"
             yield f"the output is {colour} for every input and every initial state"
-    if not verified and not template.uncoupled and (draft.boundary.kind, draft.boundary.y) == ("fixed", 0):
+    if not verified and not template.uncoupled and (imported.boundary.kind, imported.boundary.y) == ("fixed", 0):
         yield "coupled, with a boundary of 0: waves can hang or start at the rim; white outside (-1) is often needed"

@@ -4,35 +4,35 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from cnnsim.formats.candy.imported import tem_drafts
+from cnnsim.formats.candy.imported import tem_templates
 from cnnsim.formats.candy.parse import read_tem
 from cnnsim.formats.celnn_json import read_celnn
 from cnnsim.formats.cnnsim_text import read_cnnsim
 from cnnsim.formats.defects import defects
 from cnnsim.formats.gene import read_gene
-from cnnsim.formats.matcnn import matcnn_drafts, read_matcnn
+from cnnsim.formats.matcnn import matcnn_templates, read_matcnn
 from cnnsim.library.catalogue import folder as shipped_folder
 from cnnsim.library.catalogue import load_file
-from cnnsim.library.imported import Draft
+from cnnsim.library.imported import Imported
 from cnnsim.library.write import template_file
+from cnnsim.support.diagnostics import Diagnostics
 from cnnsim.support.errors import InputError
-from cnnsim.support.findings import Report
 
 
-def _tem(data: bytes, stem: str, report: Report) -> list[Draft]:
+def _tem(data: bytes, stem: str, report: Diagnostics) -> list[Imported]:
     tem = read_tem(data, report)
-    return [] if report.failed else tem_drafts(tem, stem, report)
+    return [] if report.failed else tem_templates(tem, stem, report)
 
 
-def _matcnn(data: bytes, stem: str, report: Report) -> list[Draft]:
-    return matcnn_drafts(read_matcnn(data, report), report)
+def _matcnn(data: bytes, stem: str, report: Diagnostics) -> list[Imported]:
+    return matcnn_templates(read_matcnn(data, report), report)
 
 
-def _celnn(data: bytes, stem: str, report: Report) -> list[Draft]:
+def _celnn(data: bytes, stem: str, report: Diagnostics) -> list[Imported]:
     return read_celnn(data, report)
 
 
-READERS: dict[str, Callable[[bytes, str, Report], list[Draft]]] = {
+READERS: dict[str, Callable[[bytes, str, Diagnostics], list[Imported]]] = {
     "tem": _tem,
     "matcnn": _matcnn,
     "cnnsim": read_cnnsim,
@@ -45,12 +45,12 @@ _OF_PARTS = {"matcnn", "json"}  # files of many templates: an error in one leave
 
 
 @dataclass
-class Imported:
-    """What became of one file: its report, the files that were written, the drafts that were not."""
+class ImportedFile:
+    """What became of one file: its report, the files that were written, the templates that were not."""
 
-    report: Report
+    report: Diagnostics
     written: list[Path] = field(default_factory=list)
-    not_written: list[Draft] = field(default_factory=list)
+    not_written: list[Imported] = field(default_factory=list)
 
 
 def file_format(path: Path, given: str | None = None) -> str:
@@ -65,46 +65,47 @@ def file_format(path: Path, given: str | None = None) -> str:
     return found
 
 
-def import_file(path: Path, folder: Path, given: str | None = None, *, replace: bool = False) -> Imported:
+def import_file(path: Path, folder: Path, given: str | None = None, *, replace: bool = False) -> ImportedFile:
     """Read a file and write a template file for every template in it; all complaints are in the report."""
-    result = Imported(Report(str(path)))
+    result = ImportedFile(Diagnostics(str(path)))
     report = result.report
     try:
         kind = file_format(path, given)
-        drafts = READERS[kind](path.read_bytes(), path.stem, Report(path.name, report.items))
+        templates = READERS[kind](path.read_bytes(), path.stem, Diagnostics(path.name, report.items))
     except (InputError, OSError) as error:
         report.error(None, error.strerror or str(error) if isinstance(error, OSError) else str(error))
         return result
     if report.failed and kind not in _OF_PARTS:
         return result
-    for draft in drafts:
-        draft = _with_defects(draft, path.stem, kind, report)
-        if draft.missing:
-            report.warning(None, f"{draft.name}: {draft.missing}")
-            result.not_written.append(draft)
-        elif target := _write(draft, folder, report, replace):
+    for imported in templates:
+        imported = _with_defects(imported, path.stem, kind, report)
+        if imported.missing:
+            report.warning(None, f"{imported.name}: {imported.missing}")
+            result.not_written.append(imported)
+        elif target := _write(imported, folder, report, replace):
             result.written.append(target)
     return result
 
 
-def _with_defects(draft: Draft, stem: str, kind: str, report: Report) -> Draft:
-    source_name = stem if kind == "tem" else (draft.aliases or (draft.name,))[0]
-    for text in defects(draft, source_name, _SYSTEMS[kind]):
-        report.warning(None, f"{draft.name}: {text}")
-        draft = draft.with_note(f"Warning: {text}{'' if text.endswith('.') else '.'}")
-    return draft
+def _with_defects(imported: Imported, stem: str, kind: str, report: Diagnostics) -> Imported:
+    source_name = stem if kind == "tem" else (imported.aliases or (imported.name,))[0]
+    for text in defects(imported, source_name, _SYSTEMS[kind]):
+        report.warning(None, f"{imported.name}: {text}")
+        imported = imported.with_note(f"Warning: {text}{'' if text.endswith('.') else '.'}")
+    return imported
 
 
-def _write(draft: Draft, folder: Path, report: Report, replace: bool) -> Path | None:
-    target = folder / f"{draft.name}.toml"
+def _write(imported: Imported, folder: Path, report: Diagnostics, replace: bool) -> Path | None:
+    target = folder / f"{imported.name}.toml"
     if target.exists() and not replace:
         report.error(None, f"{target} is there already; --replace would write over it")
         return None
     if (shipped_folder() / target.name).is_file():
-        report.warning(None, f"{draft.name}: where {folder} is searched this hides the shipped template of that name")
+        text = f"where {folder} is searched this hides the shipped template of that name"
+        report.warning(None, f"{imported.name}: {text}")
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        target.write_text(template_file(draft), encoding="utf-8")
+        target.write_text(template_file(imported), encoding="utf-8")
         load_file(target)  # what is written can be used
     except OSError as error:
         report.error(None, f"{target}: {error.strerror}")

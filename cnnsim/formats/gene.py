@@ -10,18 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.formats.candy.lines import decode, split
-from cnnsim.library.imported import Draft, assume_setting, library_name, plain
+from cnnsim.library.imported import Imported, assume_setting, library_name, plain
 from cnnsim.network.layers import AnyTemplate
 from cnnsim.network.template import Template
+from cnnsim.support.diagnostics import Diagnostics
 from cnnsim.support.errors import InputError
-from cnnsim.support.findings import Report
 from cnnsim.support.numbers import number, written
 
 LENGTH = 19
 
 
-def read_gene(data: bytes, name: str, report: Report) -> list[Draft]:
-    """Return a draft a gene."""
+def read_gene(data: bytes, name: str, report: Diagnostics) -> list[Imported]:
+    """Return a template for each gene."""
     rows: list[list[float]] = []
     for line, row in split(decode(data, report), report):
         words = re.split(r"[\s,;]+", re.split("[#%]", row, maxsplit=1)[0].strip())
@@ -39,14 +39,14 @@ def read_gene(data: bytes, name: str, report: Report) -> list[Draft]:
     if report.failed:
         return []
     names = [library_name(name if len(rows) == 1 else f"{name}-{k}") for k in range(1, len(rows) + 1)]
-    return [_draft(row, each, report) for row, each in zip(rows, names, strict=True)]
+    return [_imported(row, each, report) for row, each in zip(rows, names, strict=True)]
 
 
-def _draft(gene: list[float], name: str, report: Report) -> Draft:
+def _imported(gene: list[float], name: str, report: Diagnostics) -> Imported:
     b, a = (np.array(part).reshape(3, 3) for part in (gene[1:10], gene[10:]))
     template = Template(a, b, gene[0], name)
     summary = f"The gene {name}; the source does not say what it does."
-    return assume_setting(Draft(name, template, summary, f"Imported from {report.file}"), report)
+    return assume_setting(Imported(name, template, summary, f"Imported from {report.file}"), report)
 
 
 def gene(template: AnyTemplate) -> str:

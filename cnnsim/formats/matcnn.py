@@ -2,30 +2,36 @@
 
 ``NAME_a`` (function) with ``NAME_Aa`` (weights) is a non-linear A, ``_b`` with ``_Bb`` a non-linear B, ``_d`` with
 ``_Dd`` a generalised difference: ``[interpolation n x y x y ... code]``. Differences are neighbour minus centre, the
-reverse of CANDY's. ``X_A = Y_A`` is an alias. Source: the MATCNN toolbox (Rekeczky), ``temlib.m`` and its user guide.
+reverse of CANDY's. Codes are digits, 1 for u, 2 for x, 3 for y, the neighbour's first: 11 is u_kl - u_ij, 12 is
+u_kl - x_ij; a third digit 1 in front multiplies the difference with f of it: 122 is f(x_kl - x_ij) (x_kl - x_ij). (11,
+12 and 122 are documented; the other codes in its files follow the same rule.) ``X_A = Y_A`` is an alias.
+Source: the MATCNN toolbox (Rekeczky), ``temlib.m`` and its user guide.
 """
 
 from dataclasses import dataclass, field
+from typing import cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cnnsim.formats.candy.lines import decode, split
 from cnnsim.formats.matlab_expression import evaluate
 from cnnsim.formats.matlab_tokens import Token, statements
-from cnnsim.library.imported import Draft, assume_setting, library_name
-from cnnsim.network.table import from_pairs
+from cnnsim.library.imported import Imported, assume_setting, library_name
+from cnnsim.network.table import Table, from_pairs
 from cnnsim.network.template import Template
-from cnnsim.network.term import Term, from_matcnn
+from cnnsim.network.term import Argument, Quantity, Term
+from cnnsim.support.diagnostics import Diagnostics
 from cnnsim.support.errors import InputError
-from cnnsim.support.findings import Report
 from cnnsim.support.types import Floats
 
 _CODES = {"a": 33, "b": 11}  # A: of y_kl - y_ij, B: of u_kl - u_ij; D says its own
+_QUANTITIES = {"1": "u", "2": "x", "3": "y"}
 _PARTS = ("A", "B", "I", "a", "Aa", "b", "Bb", "d", "Dd")
 
 
 @dataclass
-class Entry:
+class MatcnnEntry:
     """What a file says of one name: its parts, and the line where it begins."""
 
     name: str
@@ -34,10 +40,10 @@ class Entry:
     broken: bool = False
 
 
-def read_matcnn(data: bytes, report: Report) -> dict[str, Entry]:
+def read_matcnn(data: bytes, report: Diagnostics) -> dict[str, MatcnnEntry]:
     """Return the entries of a file by name; what is no such assignment is a warning, a wrong one an error."""
     values: dict[str, Floats] = {}
-    entries: dict[str, Entry] = {}
+    entries: dict[str, MatcnnEntry] = {}
     text = "\n".join(row for _, row in split(decode(data, report), report))
     for tokens in statements(text):
         line = tokens[0].line
@@ -47,7 +53,7 @@ def read_matcnn(data: bytes, report: Report) -> dict[str, Entry]:
             continue
         target = tokens[0].text
         name, underscore, part = target.rpartition("_")
-        entry = Entry(name, line)
+        entry = MatcnnEntry(name, line)
         if underscore and part in _PARTS:
             entry = entries.setdefault(name, entry)
         else:
@@ -72,7 +78,7 @@ def _trimmed(tokens: list[Token]) -> list[Token]:
     return tokens
 
 
-def entry_template(entry: Entry, name: str) -> Template:
+def entry_template(entry: MatcnnEntry, name: str) -> Template:
     """Return the template of an entry.
 
     Raises:
@@ -83,7 +89,7 @@ def entry_template(entry: Entry, name: str) -> Template:
     return Template(entry.parts.get("A", [[0.0]]), entry.parts.get("B", [[0.0]]), _bias(entry), name, terms)
 
 
-def _term(entry: Entry, letter: str) -> Term:
+def _term(entry: MatcnnEntry, letter: str) -> Term:
     """Return the non-linear part ``a``, ``b`` or ``d``: interpolation, n, n pairs, for d the code of its arguments."""
     weights = entry.parts.get(letter.upper() + letter)
     if letter not in entry.parts or weights is None:
@@ -97,9 +103,22 @@ def _term(entry: Entry, letter: str) -> Term:
     return from_matcnn(np.atleast_2d(weights), table, _CODES.get(letter) or int(numbers[-1]))
 
 
-def matcnn_drafts(entries: dict[str, Entry], report: Report) -> list[Draft]:
-    """Return a draft for each entry; one that is wrong is an error and left out."""
-    drafts = []
+def from_matcnn(weights: ArrayLike, table: Table, code: int) -> Term:
+    """Return a MATCNN D, A or B type interaction: its weights, its function and its argument code (11, 12, 122, ...).
+
+    Raises:
+        InputError: a code that is not of two digits 1 to 3, or of those after a 1.
+    """
+    digits = str(code)
+    if len(digits) not in (2, 3) or not set(digits) <= set(_QUANTITIES) or (len(digits) == 3 and digits[0] != "1"):
+        raise InputError(f"MATCNN argument code {code!r}; two digits of 1 (u), 2 (x), 3 (y), perhaps after a 1, wanted")
+    of = Argument(*(cast(Quantity, _QUANTITIES[digit]) for digit in digits[-2:]))
+    return Term(weights, of, table, of if len(digits) == 3 else None)
+
+
+def matcnn_templates(entries: dict[str, MatcnnEntry], report: Diagnostics) -> list[Imported]:
+    """Return a template for each entry; one that is wrong is an error and left out."""
+    templates = []
     for entry in (entry for entry in entries.values() if not entry.broken):
         name = library_name(entry.name)
         try:
@@ -107,15 +126,15 @@ def matcnn_drafts(entries: dict[str, Entry], report: Report) -> list[Draft]:
         except InputError as error:
             report.error(entry.line, str(error))
             continue
-        draft = Draft(
+        imported = Imported(
             name, template, f"MATCNN template {entry.name}; the source does not say what it does.",
             f"Imported from {report.file}, MATCNN entry {entry.name}", aliases=(entry.name,),
         )  # fmt: skip
-        drafts.append(assume_setting(draft, report))
-    return drafts
+        templates.append(assume_setting(imported, report))
+    return templates
 
 
-def _bias(entry: Entry) -> float:
+def _bias(entry: MatcnnEntry) -> float:
     bias = entry.parts.get("I", np.zeros(()))
     if bias.size != 1:
         raise InputError(f"{entry.name}_I is {bias.shape}; one number wanted")

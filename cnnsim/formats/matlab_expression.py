@@ -23,7 +23,7 @@ def evaluate(tokens: list[Token], names: Mapping[str, Floats]) -> Floats:
     Raises:
         InputError: anything outside the grammar, an unknown name, shapes that do not fit, a value that is not finite.
     """
-    parser = _Parser(tokens, names)
+    parser = _MatlabParser(tokens, names)
     value = parser.sum(False)
     if parser.token.kind != "end":
         raise InputError(f"{parser.token.text!r} after the end of the expression")
@@ -32,7 +32,7 @@ def evaluate(tokens: list[Token], names: Mapping[str, Floats]) -> Floats:
     return value
 
 
-class _Parser:
+class _MatlabParser:
     def __init__(self, tokens: list[Token], names: Mapping[str, Floats]) -> None:
         self.tokens = [*tokens, Token("end", "the end", tokens[-1].line if tokens else 0)]
         self.names = names

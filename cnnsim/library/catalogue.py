@@ -19,7 +19,7 @@ from cnnsim.network.characteristic import parse_cell
 from cnnsim.network.layers import LayeredTemplate
 from cnnsim.support.errors import InputError
 from cnnsim.support.toml_file import check_keys, read_toml
-from cnnsim.transient import Choices, Dtype, Result, run_transient
+from cnnsim.transient import Dtype, Result, TaskOptions, run_transient
 
 _REQUIRED = ("name", "summary", "reference", "input", "initial_state", "boundary", "duration")
 _OPTIONAL = ("tags", "margin", "note", "aliases", "example", "cell", "step", "frame_time", *TEMPLATE_KEYS)
@@ -28,7 +28,7 @@ _PLANES = ("input", "state", "output", "mask", "bias")
 
 def run(
     entry: LibraryEntry | str, picture: ArrayLike, *, state: ArrayLike | None = None, backend: str | Backend = "cpu",
-    dtype: Dtype | None = None, **changes: Unpack[Choices],
+    dtype: Dtype | None = None, **changes: Unpack[TaskOptions],
 ) -> Result:  # fmt: skip
     """Run a library template on a picture (rows, cols) of CNN values as its file says.
 

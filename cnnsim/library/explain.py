@@ -11,7 +11,7 @@ from cnnsim.library.entry import LibraryEntry
 from cnnsim.network.layers import AnyTemplate, layered
 from cnnsim.planning.plan import Plan, lines_of
 from cnnsim.theory.running_time import RunningTime
-from cnnsim.transient import Choices, make_task
+from cnnsim.transient import TaskOptions, make_task
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Explanation:
 
 
 def explain(
-    template: str | LibraryEntry | AnyTemplate, picture: ArrayLike = (64, 64), **changes: Unpack[Choices]
+    template: str | LibraryEntry | AnyTemplate, picture: ArrayLike = (64, 64), **changes: Unpack[TaskOptions]
 ) -> Explanation:
     """Return what the plan decides for a template on a grid, and why.
 
@@ -41,7 +41,7 @@ def explain(
     if not isinstance(template, str | LibraryEntry):
         layers = len(layered(template).layers)
         state = np.broadcast_to(values, (layers, *values.shape[-2:])) if layers > 1 else values
-        choices: Choices = {"input": state, **changes}
+        choices: TaskOptions = {"input": state, **changes}
         return Explanation(
             make_task(template, state=state, **choices).plan,
             RunningTime(None, "a file says what u and x(0) are; this template has none"),

@@ -8,12 +8,12 @@ from cnnsim.network.boundary import ZERO_FLUX, Boundary
 from cnnsim.network.layers import AnyTemplate
 from cnnsim.network.template import Template
 from cnnsim.planning.plan import Duration
+from cnnsim.support.diagnostics import Diagnostics
 from cnnsim.support.errors import InputError
-from cnnsim.support.findings import Report
 
 
 @dataclass(frozen=True)
-class Draft:
+class Imported:
     """The contents of a template file to be; ``missing`` says why it cannot be written, where that is so."""
 
     name: str
@@ -30,8 +30,8 @@ class Draft:
     discrete: bool = False
     missing: str = ""
 
-    def with_note(self, text: str) -> "Draft":
-        """Return the draft with one more sentence in its note."""
+    def with_note(self, text: str) -> "Imported":
+        """Return the template with one more sentence in its note."""
         return replace(self, note=f"{self.note} {text}".strip())
 
 
@@ -51,11 +51,11 @@ def library_name(text: str) -> str:
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or "unnamed"
 
 
-def assume_setting(draft: Draft, report: Report, boundary: Boundary | None = None) -> Draft:
+def assume_setting(imported: Imported, report: Diagnostics, boundary: Boundary | None = None) -> Imported:
     """Fill in what a format leaves open, initial state and perhaps boundary, and say so."""
-    role: Role = "picture" if draft.template.reads_input else "none"
+    role: Role = "picture" if imported.template.reads_input else "none"
     open_ends = "initial state" if boundary else "boundary and initial state"
     taken = "the picture was taken" if boundary else "zero-flux and the picture were taken"
     text = f"The source says nothing of {open_ends}; {taken}."
-    report.warning(None, f"{draft.name}: {text} Check the file that is written")
-    return replace(draft, input=role, boundary=boundary or ZERO_FLUX).with_note(text)
+    report.warning(None, f"{imported.name}: {text} Check the file that is written")
+    return replace(imported, input=role, boundary=boundary or ZERO_FLUX).with_note(text)

@@ -1,10 +1,10 @@
-"""Writes a draft as a template file of our library (TOML)."""
+"""Writes a imported as a template file of our library (TOML)."""
 
 import json
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from cnnsim.library.imported import Draft
+from cnnsim.library.imported import Imported
 from cnnsim.library.write_terms import template_keys
 from cnnsim.network.boundary import Boundary
 from cnnsim.support.errors import InputError
@@ -13,28 +13,28 @@ from cnnsim.support.numbers import written
 _TABLES = ("layer", "term")
 
 
-def template_file(draft: Draft) -> str:
+def template_file(imported: Imported) -> str:
     """Return the text of a template file.
 
     Raises:
-        InputError: the draft says that it is not to be written.
+        InputError: the imported says that it is not to be written.
     """
-    if draft.missing:
-        raise InputError(f"template {draft.name!r}: {draft.missing}")
-    keys = template_keys(draft.template)
+    if imported.missing:
+        raise InputError(f"template {imported.name!r}: {imported.missing}")
+    keys = template_keys(imported.template)
     data: dict[str, Any] = {
-        "name": draft.name,
-        "summary": draft.summary,
-        "reference": draft.reference,
-        "tags": list(draft.tags) or None,
+        "name": imported.name,
+        "summary": imported.summary,
+        "reference": imported.reference,
+        "tags": list(imported.tags) or None,
         **{key: value for key, value in keys.items() if key not in _TABLES},
-        "input": draft.input,
-        "initial_state": draft.initial_state,
-        "boundary": _boundary(draft.boundary),
-        "duration": draft.duration,
-        "cell": "discrete-time" if draft.discrete else None,
-        "note": draft.note or None,
-        "aliases": list(draft.aliases) or None,
+        "input": imported.input,
+        "initial_state": imported.initial_state,
+        "boundary": _boundary(imported.boundary),
+        "duration": imported.duration,
+        "cell": "discrete-time" if imported.discrete else None,
+        "note": imported.note or None,
+        "aliases": list(imported.aliases) or None,
         **{key: keys[key] for key in _TABLES if key in keys},
     }
     return "\n".join(_lines(data, "")) + "\n"

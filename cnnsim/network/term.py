@@ -1,18 +1,13 @@
 """Term: what a template says beyond A*y + B*u + z: non-linear, delayed, space-variant, or from another layer.
 
-**One sign convention**: a difference is the neighbour minus the centre, kl minus ij. The sources differ:
-
-* MATCNN: neighbour minus centre as here. Argument codes are digits, 1 for u, 2 for x, 3 for y, the neighbour's first:
-  11 is u_kl - u_ij, 12 is u_kl - x_ij. A third digit 1 in front multiplies the difference with f of it: 122 is
-  f(x_kl - x_ij) (x_kl - x_ij). (11, 12 and 122 are documented; the other codes in its files follow the same rule.)
-* CANDY: centre minus neighbour, written ``x-u``: x_ij - u_kl. A function comes over mirrored; where it multiplies the
-  difference (``x-x#x-x``), the weights change sign as well.
+**One sign convention**: a difference is the neighbour minus the centre, kl minus ij. Readers of other systems' files
+(`cnnsim.formats`) turn those that are the other way round.
 """
 
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
-from typing import Any, Literal, NamedTuple, cast
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -148,44 +143,3 @@ class Term:
         """The largest jump of the drive where one neighbour's argument crosses an edge of a step."""
         factor = 1.0 if self.times is None else 2.0
         return 0.0 if self.table is None else factor * self.table.jump * float(np.abs(self.weights).max())
-
-
-_MATCNN = {"1": "u", "2": "x", "3": "y"}
-
-
-def from_matcnn(weights: ArrayLike, table: Table, code: int) -> Term:
-    """Return a MATCNN D, A or B type interaction: its weights, its function and its argument code (11, 12, 122, ...).
-
-    Raises:
-        InputError: a code that is not of two digits 1 to 3, or of those after a 1.
-    """
-    digits = str(code)
-    if len(digits) not in (2, 3) or not set(digits) <= set(_MATCNN) or (len(digits) == 3 and digits[0] != "1"):
-        raise InputError(f"MATCNN argument code {code!r}; two digits of 1 (u), 2 (x), 3 (y), perhaps after a 1, wanted")
-    of = Argument(*(cast(Quantity, _MATCNN[digit]) for digit in digits[-2:]))
-    return Term(weights, of, table, of if len(digits) == 3 else None)
-
-
-def from_candy(weights: ArrayLike, table: Table, argument: str, times: str = "") -> Term:
-    """Return a CANDY interaction whose argument is ``x-u`` (centre minus neighbour), times perhaps another such one.
-
-    ``a-`` in NONLIN_CONTROL is ``u-u``, in NONLIN_FEEDBACK ``y-y``; ``a0`` is the neighbour's value, ``u`` or ``y``.
-
-    Raises:
-        InputError: an argument of another form.
-    """
-    of, sign = _from_centre_minus_neighbour(argument)
-    factor, turn = _from_centre_minus_neighbour(times) if times else (None, 1)
-    matrix = np.asarray(weights, dtype=np.float64) * turn
-    return Term(matrix, of, table.mirrored() if sign < 0 else table, factor)
-
-
-def _from_centre_minus_neighbour(text: str) -> tuple[Argument, int]:
-    """Return the argument and -1 if it is the negative of what was asked for, else +1."""
-    centre, minus, neighbour = text.replace(" ", "").partition("-")
-    letters = {"x", "y", "u"}
-    if minus and {centre, neighbour} <= letters:
-        return Argument(cast(Quantity, neighbour), cast(Quantity, centre)), -1
-    if not minus and centre in letters:
-        return Argument(cast(Quantity, centre)), 1
-    raise InputError(f"CANDY argument {text!r}; x, y, u or centre minus neighbour such as x-u wanted")

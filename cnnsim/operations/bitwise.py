@@ -18,7 +18,7 @@ CLEAR = 1e-6
 """A drive this close to where the answer changes is left to the real numbers: rounding decides there."""
 
 
-class Literal(NamedTuple):
+class BitLiteral(NamedTuple):
     """The neighbour at (row + k, col + l), or its negation."""
 
     k: int
@@ -30,7 +30,7 @@ class Literal(NamedTuple):
 class BitRule:
     """A cell turns black if all of its literals are true (``conjunction``), or if any of them is."""
 
-    literals: tuple[Literal, ...]
+    literals: tuple[BitLiteral, ...]
     conjunction: bool
 
     @property
@@ -71,8 +71,7 @@ def bit_rule(template: Template, boundary: Boundary, state: float | None) -> Bit
         if rare.sum() != 2 ** (len(weights) - len(fixed)):
             continue
         places = list(weights)
-        wanted = [table[rare][0, i] > 0 for i in fixed]
-        return BitRule(
-            tuple(Literal(*places[i], bool(w) != conjunction) for i, w in zip(fixed, wanted, strict=True)), conjunction
-        )
+        wanted = [bool(table[rare][0, i] > 0) for i in fixed]
+        literals = (BitLiteral(*places[i], w != conjunction) for i, w in zip(fixed, wanted, strict=True))
+        return BitRule(tuple(literals), conjunction)
     return None

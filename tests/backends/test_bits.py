@@ -11,7 +11,7 @@ from cnnsim import library
 from cnnsim.backends import get
 from cnnsim.network.boundary import PERIODIC, ZERO_FLUX, Boundary, fixed
 from cnnsim.network.template import Template
-from cnnsim.operations.bitwise import BitRule, Literal, bit_rule
+from cnnsim.operations.bitwise import BitLiteral, BitRule, bit_rule
 from cnnsim.operations.logic import FUNCTIONS
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
@@ -54,7 +54,7 @@ def test_packing_logic_and_counting(shape: tuple[int, ...], seed: int) -> None:
 def test_neighbourhoods(
     shape: tuple[int, ...], boundary: Boundary, literals: list[tuple[int, int, bool]], every: bool, seed: int
 ) -> None:
-    rule = BitRule(tuple(itertools.starmap(Literal, literals)), every)
+    rule = BitRule(tuple(itertools.starmap(BitLiteral, literals)), every)
     p = planes(shape, seed)[0]
     got, want = CPU.neighbourhood(rule, boundary, CPU.load(p, "llm")), REFERENCE.neighbourhood(rule, boundary, p)
     np.testing.assert_array_equal(CPU.read(got), want)
@@ -92,7 +92,7 @@ def test_what_is_no_rule() -> None:
     assert bit_rule(Template(1, ones, -9), ZERO_FLUX, 0.0) is None  # the answer hangs on a tie
     assert bit_rule(Template([[0, 1, 0], [0, 2, 0], [0, 0, 0]], 1), ZERO_FLUX, 0.0) is None  # coupled
     assert bit_rule(Template(1, ones, -8), ZERO_FLUX, 0.0) == BitRule(
-        tuple(Literal(k, l, False) for k in (-1, 0, 1) for l in (-1, 0, 1)), True
+        tuple(BitLiteral(k, l, False) for k in (-1, 0, 1) for l in (-1, 0, 1)), True
     )
 
 

@@ -9,7 +9,7 @@ import pytest
 from cnnsim import PERIODIC, ZERO_FLUX, InputError, fixed
 from cnnsim.backends.reference.backend import ReferenceBackend
 from cnnsim.operations import cellwise
-from cnnsim.operations.bitwise import BitRule, Literal
+from cnnsim.operations.bitwise import BitLiteral, BitRule
 from cnnsim.operations.logic import FUNCTIONS
 from tactile.inverse.taxel import STRAIN_INVERSE, STRESS_INVERSE
 
@@ -48,7 +48,7 @@ def test_neighbours_on_bits(boundary: Any, family: Any) -> None:
     for shape in ((1, 1), (2, 3), (7, 64), (2, 9, 131), (4, 67), (2, 13, 704), (12, 771), (13, 1276)):
         for size, every in ((0, True), (1, False), (4, True), (9, False)):
             places = {(int(k), int(l)) for k, l in rng.integers(-5, 6, (size, 2))}
-            rule = BitRule(tuple(Literal(k, l, bool(rng.random() < 0.5)) for k, l in places), every)
+            rule = BitRule(tuple(BitLiteral(k, l, bool(rng.random() < 0.5)) for k, l in places), every)
             p = rng.random(shape) < (0.9 if every else 0.1)
             assert np.array_equal(
                 ours.read(ours.neighbourhood(rule, boundary, ours.load(p, "llm"))), law.neighbourhood(rule, boundary, p)

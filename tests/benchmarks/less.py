@@ -8,7 +8,7 @@ import numpy as np
 from cnnsim import library
 from cnnsim.backends.base import Backend, Plane
 from cnnsim.network.boundary import ZERO_FLUX
-from cnnsim.operations.bitwise import BitRule, Literal
+from cnnsim.operations.bitwise import BitLiteral, BitRule
 from cnnsim.operations.logic import function_number
 from cnnsim.planning.plan import Plan, Saving, make_plan
 from tests.benchmarks.dense import backends
@@ -88,7 +88,7 @@ def many(backend: Backend, run: Callable[[], Plane]) -> None:
 def logic(triad: float, rounds: int) -> list[Row]:
     """Logic, counting and a dilation on packed planes of 4096 x 4096 cells, in bytes of the packed planes."""
     n, rng = 4096, np.random.default_rng(0)
-    square = BitRule(tuple(Literal(k, l, False) for k in (-1, 0, 1) for l in (-1, 0, 1)), False)
+    square = BitRule(tuple(BitLiteral(k, l, False) for k in (-1, 0, 1) for l in (-1, 0, 1)), False)
     rows = []
     for who, backend in backends().items():
         p, q = (backend.load(rng.random((n, n)) > 0.5, "llm") for _ in range(2))

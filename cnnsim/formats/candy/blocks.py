@@ -4,10 +4,10 @@ import re
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from cnnsim.formats.candy.content import Call, Entry, Function
+from cnnsim.formats.candy.content import Call, FunctionLine, MatrixEntry
 from cnnsim.formats.candy.lines import Line
+from cnnsim.support.diagnostics import Diagnostics
 from cnnsim.support.errors import InputError
-from cnnsim.support.findings import Report
 from cnnsim.support.numbers import is_number, number, whole
 
 _CALL = re.compile(r"([A-Za-z]+)([-0]?)")
@@ -20,7 +20,7 @@ class Cursor:
     """A place in the lines, and where to complain."""
 
     lines: list[Line]
-    report: Report
+    report: Diagnostics
     at: int = 0
 
     def peek(self) -> Line | None:
@@ -50,7 +50,7 @@ def is_function(line: Line, words_at_least: int = 3) -> bool:
     return words[1] in ("0", "1") and (whole(words[2]) or 0) >= 1
 
 
-def read_function(cursor: Cursor) -> Function | None:
+def read_function(cursor: Cursor) -> FunctionLine | None:
     """Read a function line, and the lines of numbers that carry it on."""
     line = cursor.take()
     letter, kind, count, *values = line.words
@@ -68,7 +68,7 @@ def read_function(cursor: Cursor) -> Function | None:
     pairs = tuple(zip(points[::2], points[1::2], strict=True))
     if any(later[0] <= earlier[0] for earlier, later in pairwise(pairs)):
         cursor.report.warning(line.number, f"function {letter!r}: its places do not ascend")
-    return Function(letter.rstrip(":"), kind == "1", pairs, line.number)
+    return FunctionLine(letter.rstrip(":"), kind == "1", pairs, line.number)
 
 
 def read_argument(cursor: Cursor) -> tuple[str, str]:
@@ -86,7 +86,7 @@ def read_argument(cursor: Cursor) -> tuple[str, str]:
     return "", ""
 
 
-def read_matrix(cursor: Cursor, heading: Line, first: str) -> tuple[tuple[Entry, ...], ...]:
+def read_matrix(cursor: Cursor, heading: Line, first: str) -> tuple[tuple[MatrixEntry, ...], ...]:
     """Read the rows up to the next keyword or function line; () if they make no odd square, with an error said."""
     rows = [Line(heading.number, first)] if first else []
     while line := cursor.peek():
@@ -107,8 +107,8 @@ def read_matrix(cursor: Cursor, heading: Line, first: str) -> tuple[tuple[Entry,
     return () if None in entries or not _square(rows, title, cursor.report) else tuple(row for row in entries if row)
 
 
-def _row(line: Line, title: str, report: Report) -> tuple[Entry, ...] | None:
-    entries: list[Entry] = []
+def _row(line: Line, title: str, report: Diagnostics) -> tuple[MatrixEntry, ...] | None:
+    entries: list[MatrixEntry] = []
     for word in line.words:
         call = _CALL.fullmatch(word)
         if call and title.startswith("NONLIN") and (call[2] == "") == (title == "NONLIN_D"):
@@ -134,7 +134,7 @@ def _side(rows: list[Line]) -> int:
     return max(set(widths), key=widths.count)
 
 
-def _square(rows: list[Line], title: str, report: Report) -> bool:
+def _square(rows: list[Line], title: str, report: Diagnostics) -> bool:
     widths, side = [len(line.words) for line in rows], _side(rows)
     for line, width in zip(rows, widths, strict=True):
         if width != side:
@@ -144,7 +144,7 @@ def _square(rows: list[Line], title: str, report: Report) -> bool:
     return set(widths) == {side} and len(rows) == side and side % 2 == 1
 
 
-def _with_point(line: Line, side: int, title: str, report: Report) -> Line:
+def _with_point(line: Line, side: int, title: str, report: Diagnostics) -> Line:
     """Read ``0 0`` as the ``0.0`` it must have been, where a row of such numbers is too long by that one entry.
 
     ADCONT, ADCONTC and EDGEA have ``0.0  0 0  0.15 0.0  0.0``; read so, their matrices are symmetric. Nothing but

@@ -21,11 +21,11 @@ class Call:
     of: Literal["-", "0", ""]
 
 
-Entry = float | Call
+MatrixEntry = float | Call
 
 
 @dataclass(frozen=True)
-class Function:
+class FunctionLine:
     """A function line ``letter interpolation n x y x y ...``; interpolation 0 is step, 1 piecewise linear.
 
     A step function has the value y(i) for x(i-1) < v <= x(i), and keeps its last value above.
@@ -46,7 +46,7 @@ class Block:
     """
 
     operation: Operation
-    rows: tuple[tuple[Entry, ...], ...]
+    rows: tuple[tuple[MatrixEntry, ...], ...]
     source: int | None = None
     radius: int | None = None
     argument: str = ""
@@ -71,12 +71,12 @@ class Layer:
 
     number: int
     blocks: tuple[Block, ...]
-    functions: tuple[Function, ...] = ()
+    functions: tuple[FunctionLine, ...] = ()
     current: float | None = None
     label: str = ""
     line: int = field(default=0, compare=False)
 
-    def function(self, letter: str) -> Function:
+    def function(self, letter: str) -> FunctionLine:
         """Return the function of a letter.
 
         Raises:

@@ -1,4 +1,4 @@
-"""From our templates to the blocks of a ``.tem`` file: the reverse of `tem_terms`, where the format has the words."""
+"""From our templates to the blocks of a ``.tem`` file: the reverse of `terms`, where the format has the words."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.formats.candy.content import Block, Call, Entry, Function, Layer, Operation, Section
+from cnnsim.formats.candy.content import Block, Call, FunctionLine, Layer, MatrixEntry, Operation, Section
 from cnnsim.network.layers import AnyTemplate, layered
 from cnnsim.network.table import Table
 from cnnsim.network.template import Template
@@ -23,9 +23,9 @@ class _Matrix:
     """A non-linear block in the making: the entries by place."""
 
     side: int
-    entries: dict[tuple[int, int], Entry] = field(default_factory=dict)
+    entries: dict[tuple[int, int], MatrixEntry] = field(default_factory=dict)
 
-    def rows(self) -> tuple[tuple[Entry, ...], ...]:
+    def rows(self) -> tuple[tuple[MatrixEntry, ...], ...]:
         span = range(-(self.side // 2), self.side // 2 + 1)
         return tuple(tuple(self.entries.get((k, l), 0.0) for l in span) for k in span)
 
@@ -47,7 +47,7 @@ def template_section(template: AnyTemplate) -> Section:
 def _layer(template: Template, number: int, several: bool) -> Layer:
     own = number if several else None
     blocks = [*_linear("feedback", template.A, own), *_linear("control", template.B, own)]
-    functions: list[Function] = []
+    functions: list[FunctionLine] = []
     matrices: dict[tuple[Operation, int | None, str, str], _Matrix] = {}
     for term in template.terms:
         if term.weights.ndim != 2:
@@ -118,7 +118,7 @@ def _scaled(table: Table, weight: float) -> Table:
     return Table(table.kind, table.at, tuple(weight * value for value in table.values), table.closed)
 
 
-def _letter(table: Table, functions: list[Function]) -> str:
+def _letter(table: Table, functions: list[FunctionLine]) -> str:
     """Return the letter of a function, a new one if it is not there yet."""
     last = (table.at[-1] + 1 if table.at else 1.0,) if table.kind == "step" else ()
     points = tuple(zip((*table.at, *last), table.values, strict=True))
@@ -126,7 +126,7 @@ def _letter(table: Table, functions: list[Function]) -> str:
         if (function.linear, function.points) == (table.kind == "linear", points):
             return function.letter
     name = next(name for name in _names() if all(function.letter != name for function in functions))
-    functions.append(Function(name, table.kind == "linear", points))
+    functions.append(FunctionLine(name, table.kind == "linear", points))
     return name
 
 

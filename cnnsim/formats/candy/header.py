@@ -7,8 +7,8 @@ from cnnsim.formats.candy.content import TemFile
 from cnnsim.library.entry import Role
 from cnnsim.network.boundary import PERIODIC, ZERO_FLUX, Boundary, fixed
 from cnnsim.planning.plan import Duration
+from cnnsim.support.diagnostics import Diagnostics
 from cnnsim.support.errors import InputError
-from cnnsim.support.findings import Report
 from cnnsim.support.numbers import is_number, number
 
 _PART = re.compile(r"\s*([A-Za-z]\w*)\s*[:=]\s*([^,(]*(?:\([^)]*\))?[^,]*)(?:,|$)")
@@ -29,7 +29,7 @@ class Setting:
     said: frozenset[str] = frozenset()
 
 
-def read_setting(tem: TemFile, report: Report) -> Setting:
+def read_setting(tem: TemFile, report: Diagnostics) -> Setting:
     """Read %Setting, %Timing and %CNNModel; what is not understood is a warning, and the default stands."""
     header = tem.header("Setting")
     parts = {key.lower(): value.strip() for key, value in _PART.findall(header.text)}
@@ -55,7 +55,7 @@ def _which(picture: str) -> str:
     return picture.lower().removesuffix("(t)").removesuffix("1")
 
 
-def _role(text: str, report: Report, line: int, key: str) -> Role:
+def _role(text: str, report: Diagnostics, line: int, key: str) -> Role:
     """Return our role: a picture, a number, ``Arbitrary(0)`` (any), or ``-`` (none)."""
     if text in ("", "-"):
         return "none"
@@ -80,7 +80,7 @@ def float_or(text: str | None, default: float) -> float:
     return number(text) if text and is_number(text) else default
 
 
-def read_boundary(text: str, report: Report, line: int | None) -> Boundary:
+def read_boundary(text: str, report: Diagnostics, line: int | None) -> Boundary:
     """Read ``Fixed(v)``, ``Zero-flux`` or ``Periodic``; anything else is a warning, and zero-flux stands."""
     called = _CALLED.fullmatch(text.strip())
     kind = called[1].lower().replace(" ", "").replace("-", "") if called else ""
@@ -96,7 +96,7 @@ def read_boundary(text: str, report: Report, line: int | None) -> Boundary:
     return ZERO_FLUX
 
 
-def _duration(tem: TemFile, report: Report) -> Duration:
+def _duration(tem: TemFile, report: Diagnostics) -> Duration:
     header = tem.header("Timing")
     if header.text.strip(" -?.") == "":
         return "settled"

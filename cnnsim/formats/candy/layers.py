@@ -2,21 +2,21 @@
 
 from dataclasses import dataclass, field, replace
 
-from cnnsim.formats.candy.content import Block, Call, Function, Layer, Section
+from cnnsim.formats.candy.content import Block, Call, FunctionLine, Layer, Section
 from cnnsim.formats.candy.lines import Line
-from cnnsim.support.findings import Report
+from cnnsim.support.diagnostics import Diagnostics
 
 
 @dataclass
 class LayerBuilder:
     """A layer while it is read."""
 
-    report: Report
+    report: Diagnostics
     number: int = 1
     label: str = ""
     line: int = 0
     blocks: list[Block] = field(default_factory=list)
-    functions: list[Function] = field(default_factory=list)
+    functions: list[FunctionLine] = field(default_factory=list)
     current: float | None = None
     delay: float | None = None
 
@@ -37,7 +37,7 @@ class LayerBuilder:
             self.report.error(line, f"DELAY {value}; 0 or more wanted")
         self.delay = value
 
-    def add_function(self, function: Function) -> None:
+    def add_function(self, function: FunctionLine) -> None:
         """Add a function line; a second, different one of the same letter is an error."""
         same = [other for other in self.functions if other.letter == function.letter]
         if same and same[0] != function:
@@ -59,7 +59,7 @@ class LayerBuilder:
                 break
         self.blocks.append(block)
 
-    def finish(self, elsewhere: list[Function]) -> Layer:
+    def finish(self, elsewhere: list[FunctionLine]) -> Layer:
         """Return the layer; functions that only other layers define are taken from there, with a warning."""
         for block in self.blocks:
             for letter in _letters(block):
@@ -80,7 +80,7 @@ class LayerBuilder:
                 self.report.warning(function.line, f"function {function.letter!r} is not used")
         return Layer(self.number, tuple(self.blocks), tuple(self.functions), self.current, self.label, self.line)
 
-    def _borrow(self, letter: str, block: Block, elsewhere: list[Function]) -> None:
+    def _borrow(self, letter: str, block: Block, elsewhere: list[FunctionLine]) -> None:
         found = [function for function in elsewhere if function.letter == letter]
         if found:
             self.report.warning(block.line, f"function {letter!r} of another layer is used, line {found[0].line}")
@@ -97,7 +97,7 @@ def _letters(block: Block) -> list[str]:
 class SectionBuilder:
     """A template while it is read: its layers, of which there is one unless LAYER says otherwise."""
 
-    report: Report
+    report: Diagnostics
     title: str = ""
     label: str = ""
     radius: int | None = None

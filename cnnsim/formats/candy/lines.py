@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from cnnsim.formats.candy.content import Header
-from cnnsim.support.findings import Report
+from cnnsim.support.diagnostics import Diagnostics
 
 KEYWORDS = (
     "NEIGHBORHOOD", "NEIGHBOURHOOD", "FEEDBACK", "CONTROL", "CURRENT", "NONLIN_FEEDBACK", "NONLIN_CONTROL", "NONLIN_D",
@@ -31,7 +31,7 @@ class Line:
         return self.text.split()
 
 
-def decode(data: bytes, report: Report) -> str:
+def decode(data: bytes, report: Diagnostics) -> str:
     """Return the text: UTF-8 if it is that, else the Windows code page 1252, else Latin-1."""
     for encoding in ("utf-8-sig", "cp1252"):
         try:
@@ -45,7 +45,7 @@ def decode(data: bytes, report: Report) -> str:
     return data.decode("latin-1")
 
 
-def split(text: str, report: Report) -> Iterator[tuple[int, str]]:
+def split(text: str, report: Diagnostics) -> Iterator[tuple[int, str]]:
     """Yield the numbered lines; DOS, Unix and doubled carriage returns all end one line."""
     if "\x1a" in text:
         if text.split("\x1a", 1)[1].strip("\x1a \t\r\n"):
@@ -57,7 +57,7 @@ def split(text: str, report: Report) -> Iterator[tuple[int, str]]:
     yield from enumerate(_LINE_END.split(text), start=1)
 
 
-def scan(text: str, report: Report) -> tuple[list[Line], list[Header], list[str]]:
+def scan(text: str, report: Diagnostics) -> tuple[list[Line], list[Header], list[str]]:
     """Return the lines that say something, the header comments, and all other comments."""
     lines: list[Line] = []
     headers: list[Header] = []
@@ -82,7 +82,7 @@ def scan(text: str, report: Report) -> tuple[list[Line], list[Header], list[str]
     return lines, headers, comments
 
 
-def _look_for_doubles(headers: list[Header], report: Report) -> None:
+def _look_for_doubles(headers: list[Header], report: Diagnostics) -> None:
     seen: set[str] = set()
     for header in headers:
         if header.key.lower() in seen:

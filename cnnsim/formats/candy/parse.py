@@ -17,20 +17,20 @@ from cnnsim.formats.candy.blocks import Cursor, is_function, read_argument, read
 from cnnsim.formats.candy.content import Block, Operation, Section, TemFile
 from cnnsim.formats.candy.layers import LayerBuilder, SectionBuilder
 from cnnsim.formats.candy.lines import Line, decode, scan
+from cnnsim.support.diagnostics import Diagnostics
 from cnnsim.support.errors import InputError
-from cnnsim.support.findings import Report
 from cnnsim.support.numbers import number, whole
 
 _LAYER = re.compile(r"(\d{1,6})(?!\d)(.*)", re.S | re.ASCII)  # free words may follow: LAYER 1 - photoreceptor
 _FROM = re.compile(r"FROM\s*:?\s*(?:LAYER\s*)?(\S+?)\s*:?(?:\s+(.*))?", re.I | re.S)
 
 
-def read_tem(data: bytes, report: Report) -> TemFile:
+def read_tem(data: bytes, report: Diagnostics) -> TemFile:
     """Read a file. The value holds what could be read; look at ``report.failed`` before trusting it."""
     return parse_tem(decode(data, report), report)
 
 
-def parse_tem(text: str, report: Report) -> TemFile:
+def parse_tem(text: str, report: Diagnostics) -> TemFile:
     """Read the text of a file."""
     lines, headers, comments = scan(text, report)
     cursor = Cursor(lines, report)
@@ -114,7 +114,7 @@ def _functions(cursor: Cursor, layer: LayerBuilder, words_at_least: int = 3) -> 
             layer.add_function(function)
 
 
-def _value(line: Line, report: Report) -> float | None:
+def _value(line: Line, report: Diagnostics) -> float | None:
     word, *more = line.rest.split() or [""]
     if more:
         report.warning(line.number, f"{line.keyword}: what follows the number is not used: {' '.join(more)[:40]!r}")
@@ -127,7 +127,7 @@ def _value(line: Line, report: Report) -> float | None:
         return None
 
 
-def _count(line: Line, report: Report) -> int | None:
+def _count(line: Line, report: Diagnostics) -> int | None:
     word, *more = line.rest.split() or [""]
     if more:
         report.warning(line.number, f"{line.keyword}: what follows the number is not used: {' '.join(more)[:40]!r}")
@@ -137,7 +137,7 @@ def _count(line: Line, report: Report) -> int | None:
     return count
 
 
-def _loop(line: Line, report: Report, before: tuple[int, int] | None) -> tuple[int, int] | None:
+def _loop(line: Line, report: Diagnostics, before: tuple[int, int] | None) -> tuple[int, int] | None:
     counts = [whole(word) for word in line.rest.split()]
     if before is not None or len(counts) != 2 or counts[0] is None or counts[1] is None:
         report.error(line.number, f"LOOP {line.rest[:40]!r}; one loop with two whole numbers, label and times, wanted")

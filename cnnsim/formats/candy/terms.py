@@ -1,18 +1,21 @@
 """From the blocks of a ``.tem`` file to templates: matrices become A and B, all other blocks become terms.
 
-CANDY's differences are centre minus neighbour, ours neighbour minus centre: `from_candy` turns them.
+CANDY's differences are centre minus neighbour, written ``x-u``: x_ij - u_kl; ours are neighbour minus centre. So a
+function comes over mirrored, and where it multiplies the difference (``x-x#x-x``) the weights change sign as well.
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.formats.candy.content import Block, Call, Layer, Section
 from cnnsim.network.layers import AnyTemplate, LayeredTemplate
 from cnnsim.network.table import Table, from_pairs
 from cnnsim.network.template import Template
-from cnnsim.network.term import Term, from_candy
+from cnnsim.network.term import Argument, Quantity, Term
 from cnnsim.support.errors import InputError
 
 _READS = {"feedback": "y", "control": "u"}
@@ -75,11 +78,32 @@ def _terms(block: Block, layer: Layer) -> Iterator[Term]:
     for call in dict.fromkeys(entry for row in block.rows for entry in row if isinstance(entry, Call)):
         weights = np.array([[float(entry == call) for entry in row] for row in block.rows])
         argument = {"-": f"{reads}-{reads}", "0": reads, "": block.argument}[call.of]
-        yield _of_layer(from_candy(weights, _table(layer, call.letter), argument, block.factor), source)
+        yield replace(from_candy(weights, _table(layer, call.letter), argument, block.factor), layer=source)
 
 
-def _of_layer(term: Term, source: int | None) -> Term:
-    return term if source is None else Term(term.weights, term.of, term.table, term.times, term.delay, source)
+def from_candy(weights: ArrayLike, table: Table, argument: str, times: str = "") -> Term:
+    """Return a CANDY interaction whose argument is ``x-u`` (centre minus neighbour), times perhaps another such one.
+
+    ``a-`` in NONLIN_CONTROL is ``u-u``, in NONLIN_FEEDBACK ``y-y``; ``a0`` is the neighbour's value, ``u`` or ``y``.
+
+    Raises:
+        InputError: an argument of another form.
+    """
+    of, sign = _from_centre_minus_neighbour(argument)
+    factor, turn = _from_centre_minus_neighbour(times) if times else (None, 1)
+    matrix = np.asarray(weights, dtype=np.float64) * turn
+    return Term(matrix, of, table.mirrored() if sign < 0 else table, factor)
+
+
+def _from_centre_minus_neighbour(text: str) -> tuple[Argument, int]:
+    """Return the argument and -1 if it is the negative of what was asked for, else +1."""
+    centre, minus, neighbour = text.replace(" ", "").partition("-")
+    letters = {"x", "y", "u"}
+    if minus and {centre, neighbour} <= letters:
+        return Argument(cast(Quantity, neighbour), cast(Quantity, centre)), -1
+    if not minus and centre in letters:
+        return Argument(cast(Quantity, centre)), 1
+    raise InputError(f"CANDY argument {text!r}; x, y, u or centre minus neighbour such as x-u wanted")
 
 
 def _table(layer: Layer, letter: str) -> Table:

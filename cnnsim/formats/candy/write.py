@@ -1,6 +1,6 @@
 """Writes ``.tem`` files from their content."""
 
-from cnnsim.formats.candy.content import Block, Call, Entry, Function, Layer, Section, TemFile
+from cnnsim.formats.candy.content import Block, Call, FunctionLine, Layer, MatrixEntry, Section, TemFile
 from cnnsim.support.numbers import written
 
 
@@ -49,7 +49,7 @@ def _block(block: Block) -> list[str]:
     return lines + [" ".join(cell.rjust(width) for cell in row) for row in cells]
 
 
-def _entry(entry: Entry) -> str:
+def _entry(entry: MatrixEntry) -> str:
     return f"{entry.letter}{entry.of}" if isinstance(entry, Call) else written(entry)
 
 
@@ -58,6 +58,6 @@ def _tail(layer: Layer) -> list[str]:
     return lines + ([] if layer.current is None else ["", f"CURRENT: {written(layer.current)}"])
 
 
-def _function(function: Function) -> str:
+def _function(function: FunctionLine) -> str:
     points = "  ".join(f"{written(x)} {written(y)}" for x, y in function.points)
     return f"{function.letter} {int(function.linear)} {len(function.points)}  {points}"

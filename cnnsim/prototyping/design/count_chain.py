@@ -10,14 +10,14 @@ from itertools import pairwise, product
 
 import numpy as np
 
-from cnnsim.prototyping.design.design import Design, Part
-from cnnsim.prototyping.design.linear import Bits, Norm, Separator, separate
-from cnnsim.prototyping.design.rule import Rule
+from cnnsim.prototyping.design.design import Design, DesignPart
+from cnnsim.prototyping.design.linear import Norm, Separator, Signs, separate
+from cnnsim.prototyping.design.rule import WindowRule
 
 _MOST = 20_000
 
 
-def chain(rule: Rule, norm: Norm = "sum") -> Design | None:
+def count_chain(rule: WindowRule, norm: Norm = "sum") -> Design | None:
     """Return the shortest chain for a rule, or None if no count with small whole weights determines it."""
     if rule.with_state:
         return None  # the initial state is the chain's own means
@@ -28,7 +28,7 @@ def chain(rule: Rule, norm: Norm = "sum") -> Design | None:
     return None
 
 
-def _counts(rule: Rule) -> list[tuple[Bits, list[tuple[int, int]]]]:
+def _counts(rule: WindowRule) -> list[tuple[Signs, list[tuple[int, int]]]]:
     """Weighted counts (rows,) that determine the rule, fewest changes first, with their (count, colour) levels."""
     groups = _alike(rule)
     largest = 1
@@ -54,7 +54,7 @@ def _counts(rule: Rule) -> list[tuple[Bits, list[tuple[int, int]]]]:
     return [(k, levels) for _, _, k, levels in found[:8]]
 
 
-def _alike(rule: Rule) -> list[list[int]]:
+def _alike(rule: WindowRule) -> list[list[int]]:
     """Group the variables the rule looks at: two of a group can be exchanged and no answer changes."""
     groups: list[list[int]] = []
     powers = 1 << np.arange(rule.rows.shape[1])[::-1]
@@ -70,7 +70,7 @@ def _alike(rule: Rule) -> list[list[int]]:
     return groups
 
 
-def _built(rule: Rule, k: Bits, levels: list[tuple[int, int]], norm: Norm) -> Design | None:
+def _built(rule: WindowRule, k: Signs, levels: list[tuple[int, int]], norm: Norm) -> Design | None:
     if levels[-1][1] < 0 and levels[0][1] > 0:
         k, levels = -k, [(-count, colour) for count, colour in reversed(levels)]
     changes = [(a[0] + b[0]) / 2 for a, b in pairwise(levels) if a[1] != b[1]]
@@ -84,16 +84,16 @@ def _built(rule: Rule, k: Bits, levels: list[tuple[int, int]], norm: Norm) -> De
         colour = levels[0][1]  # f = chain xor last (white outside), or its negative
         if colour > 0:
             final = Separator(tuple(-w for w in final.weights), -final.bias)
-        return Design(rule, (*parts, Part(final)), "xor", first=len(parts) - 1)
+        return Design(rule, (*parts, DesignPart(final)), "xor", first=len(parts) - 1)
     parts = _links(rule, k, changes, norm)
     return None if parts is None else Design(rule, parts, "last")
 
 
-def _links(rule: Rule, k: Bits, changes: list[float], norm: Norm) -> tuple[Part, ...] | None:
+def _links(rule: WindowRule, k: Signs, changes: list[float], norm: Norm) -> tuple[DesignPart, ...] | None:
     """The templates of a chain for an odd number of changes, the innermost first."""
     middle = len(changes) // 2
-    parts: list[Part] = []
-    before: Bits | None = None
+    parts: list[DesignPart] = []
+    before: Signs | None = None
     for reach in range(middle + 1):
         inside = changes[middle - reach : middle + reach + 1]
         parity = np.searchsorted(np.array(inside), k) % 2
@@ -102,6 +102,6 @@ def _links(rule: Rule, k: Bits, changes: list[float], norm: Norm) -> tuple[Part,
         found = separate(rows, wanted, norm)
         if not isinstance(found, Separator):
             return None
-        parts.append(Part(found, "none" if before is None else "last"))
+        parts.append(DesignPart(found, "none" if before is None else "last"))
         before = wanted
     return tuple(parts)

@@ -1,7 +1,7 @@
-"""Rules that no single template can do: several thresholds, found in four ways; the shortest result is taken.
+"""From a rule to templates: one where a threshold exists, else several, found in four ways; the fewest are taken.
 
-* chain: the rule depends on one weighted count k alone, and changes its colour t times as k grows. One template with
-  the negative of the one before as initial state adds two changes: (t + 1) / 2 templates for odd t.
+* count chain: the rule depends on one weighted count k alone, and changes its colour t times as k grows. One template
+  with the negative of the one before as initial state adds two changes: (t + 1) / 2 templates for odd t.
 * xor: one template that is right on most windows, and a second that is black on just those where it is wrong.
 * or, and: thresholds that are black (white) on parts of the black (white) windows only, until all are covered
   (greedy; minimal covers are NP-hard).
@@ -13,12 +13,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.prototyping.design.count_chain import chain
-from cnnsim.prototyping.design.design import Design, Part
-from cnnsim.prototyping.design.linear import Bits, Certificate, Norm, Separator
-from cnnsim.prototyping.design.rule import Rule
-from cnnsim.prototyping.design.separable import separate_rule
-from cnnsim.prototyping.design.soft_margin import soft_separator
+from cnnsim.prototyping.design.count_chain import count_chain
+from cnnsim.prototyping.design.design import Design, DesignPart
+from cnnsim.prototyping.design.linear import Certificate, Norm, Separator, Signs
+from cnnsim.prototyping.design.rule import WindowRule
+from cnnsim.prototyping.design.separable import separable_design, separate_rule
+from cnnsim.prototyping.design.soft_margin import soft_margin_colours
 
 _TRIES = 12
 """Random weightings of the windows that are tried for each template of a cover, and for a pair joined by xor."""
@@ -26,11 +26,20 @@ _TRIES = 12
 Flags = NDArray[np.bool_]
 
 
-def decompose(rule: Rule, certificate: Certificate, norm: Norm = "sum") -> Design:
+def design_rule(rule: WindowRule, norm: Norm = "sum") -> Design:
+    """Return templates for a rule: one of maximal margin if there is one, else as few as the search finds.
+
+    The decomposition is right on every window by construction, and checked; it need not be the shortest there is.
+    """
+    found = separable_design(rule, norm)
+    return found if isinstance(found, Design) else decompose(rule, found, norm)
+
+
+def decompose(rule: WindowRule, certificate: Certificate, norm: Norm = "sum") -> Design:
     """Return a design of several templates for a rule that has the certificate against a single one."""
     found: list[Design] = []
     searches: tuple[Callable[[int], Design | None], ...] = (
-        lambda _: chain(rule, norm),
+        lambda _: count_chain(rule, norm),
         lambda _: _xor(rule, norm),
         lambda most: _cover(rule, "or", norm, most),
         lambda most: _cover(rule, "and", norm, most),
@@ -41,21 +50,23 @@ def decompose(rule: Rule, certificate: Certificate, norm: Norm = "sum") -> Desig
         if design is not None and design.right():
             found.append(design)
     shortest = min(found, key=lambda design: (len(design.parts), -design.relative_margin(norm)))
-    return Design(rule, shortest.parts, shortest.join, certificate, shortest.first)
+    result = Design(rule, shortest.parts, shortest.join, certificate, shortest.first)
+    assert result.right()
+    return result
 
 
-def _part(rule: Rule, separator: Separator) -> Part:
+def _part(rule: WindowRule, separator: Separator) -> DesignPart:
     """A threshold as a part; a tenth weight, of the initial state, is kept if it is not zero."""
     if len(separator.weights) == 10 and separator.weights[9]:
-        return Part(separator, "state")
-    return Part(Separator(separator.weights[:9], separator.bias))
+        return DesignPart(separator, "state")
+    return DesignPart(Separator(separator.weights[:9], separator.bias))
 
 
-def _xor(rule: Rule, norm: Norm) -> Design | None:
+def _xor(rule: WindowRule, norm: Norm) -> Design | None:
     rng, best = np.random.default_rng(0), None
     for trial in range(_TRIES):
         weights = np.ones(rule.table.size) if trial == 0 else rng.exponential(size=rule.table.size) ** 2
-        first = soft_separator(rule.rows, rule.table, weights)
+        first = soft_margin_colours(rule.rows, rule.table, weights)
         if first is None:
             continue
         difference = np.where(rule.table == 0, 0, -first * rule.table).astype(np.int8)
@@ -69,7 +80,7 @@ def _xor(rule: Rule, norm: Norm) -> Design | None:
     return best
 
 
-def _cover(rule: Rule, join: Literal["or", "and"], norm: Norm, most: int) -> Design | None:
+def _cover(rule: WindowRule, join: Literal["or", "and"], norm: Norm, most: int) -> Design | None:
     """Cover the black windows by thresholds that are white on all white ones (or the other way round for "and").
 
     None if more than ``most`` are needed.
@@ -77,7 +88,7 @@ def _cover(rule: Rule, join: Literal["or", "and"], norm: Norm, most: int) -> Des
     colour = 1 if join == "or" else -1
     table, rng = rule.table * colour, np.random.default_rng(0)
     left = table == 1
-    parts: list[Part] = []
+    parts: list[DesignPart] = []
     while left.any():
         if len(parts) == most:
             return None
@@ -90,7 +101,7 @@ def _cover(rule: Rule, join: Literal["or", "and"], norm: Norm, most: int) -> Des
     return Design(rule, tuple(parts), join)
 
 
-def _largest_part(rule: Rule, table: Bits, left: Flags, rng: np.random.Generator) -> Flags:
+def _largest_part(rule: WindowRule, table: Signs, left: Flags, rng: np.random.Generator) -> Flags:
     """Return many of the windows in ``left`` that one threshold can separate from all white ones."""
     goal = np.where(left, 1, np.where(table == -1, -1, 0)).astype(np.int8)
     alone = np.zeros_like(left)
@@ -98,7 +109,7 @@ def _largest_part(rule: Rule, table: Bits, left: Flags, rng: np.random.Generator
     best = alone
     for trial in range(_TRIES):
         weights = np.ones(table.size) if trial == 0 else rng.exponential(size=table.size) ** 2
-        first = soft_separator(rule.rows, goal, weights, hard=-1)
+        first = soft_margin_colours(rule.rows, goal, weights, hard=-1)
         if first is None:
             continue
         covered = left & (first > 0)

@@ -6,15 +6,15 @@ from typing import Literal
 import numpy as np
 
 from cnnsim.network.template import Template
-from cnnsim.prototyping.design.linear import Bits, Certificate, Norm, Separator
-from cnnsim.prototyping.design.rule import Rule
+from cnnsim.prototyping.design.linear import Certificate, Norm, Separator, Signs
+from cnnsim.prototyping.design.rule import WindowRule
 
-Source = Literal["none", "state", "last"]
+StateSource = Literal["none", "state", "last"]
 """What the initial state of a template is: of no weight, the user's own plane, or the output of the template before."""
 
 
 @dataclass(frozen=True)
-class Part:
+class DesignPart:
     """One template of a design: a threshold on the nine cells, and on one plane more as initial state.
 
     ``separator`` has nine weights, and a tenth if ``state`` is not "none". A negative tenth weight means that the
@@ -22,7 +22,7 @@ class Part:
     """
 
     separator: Separator
-    state: Source = "none"
+    state: StateSource = "none"
 
     @property
     def negated(self) -> bool:
@@ -46,20 +46,20 @@ class Design:
     template, into which those before it have gone. ``certificate`` tells why a single template cannot do it.
     """
 
-    rule: Rule
-    parts: tuple[Part, ...]
+    rule: WindowRule
+    parts: tuple[DesignPart, ...]
     join: Literal["last", "or", "and", "xor"]
     certificate: Certificate | None = None
     first: int = 0
 
     @property
-    def single(self) -> bool:
-        """Whether one template is all."""
+    def one_template(self) -> bool:
+        """True if one template is all, without a program around it."""
         return len(self.parts) == 1 and not self.parts[0].negated
 
-    def outputs(self) -> list[Bits]:
+    def outputs(self) -> list[Signs]:
         """Return each template's output for all rows of the rule."""
-        found: list[Bits] = []
+        found: list[Signs] = []
         for part in self.parts:
             rows = self.rule.rows
             if part.state == "last":
@@ -69,7 +69,7 @@ class Design:
             found.append(part.separator.colours(rows))
         return found
 
-    def answer(self) -> Bits:
+    def answer(self) -> Signs:
         """Return the design's answer for all rows of the rule."""
         outputs = np.array(self.outputs()[self.first :])
         if self.join == "last":

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.prototyping.design.rule import NAMES, Rule, windows
+from cnnsim.prototyping.design.rule import NAMES, WindowRule, windows
 from cnnsim.support.errors import InputError
 
 Values = NDArray[np.int64]
@@ -30,16 +30,16 @@ _DEEPEST = 60
 _LARGEST = 10**9
 
 
-def parse_rule(text: str) -> Rule:
+def parse_rule(text: str) -> WindowRule:
     """Return the rule that an expression says.
 
     Raises:
         InputError: what was found where, and what was wanted.
     """
-    return _Parser(text).rule()
+    return _RuleParser(text).rule()
 
 
-class _Parser:
+class _RuleParser:
     """Recursive descent over a list of tokens; every method returns its expression's value in all windows."""
 
     def __init__(self, text: str) -> None:
@@ -66,13 +66,13 @@ class _Parser:
             at = found.end()
         return [*tokens, ("", end + 1)]
 
-    def rule(self) -> Rule:
+    def rule(self) -> WindowRule:
         value = self._or()
         if self._next:
             self._wrong("an operator or the end")
         black = np.where(value != 0, 1, -1).astype(np.int8)
         looks_at_state = any(token == "x" for token, _ in self.tokens)
-        return Rule(black if looks_at_state else black[::2], self.text.strip())
+        return WindowRule(black if looks_at_state else black[::2], self.text.strip())
 
     @property
     def _next(self) -> str:

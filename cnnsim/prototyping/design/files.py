@@ -10,8 +10,8 @@ from cnnsim.library.entry import Example
 from cnnsim.library.write import toml_value
 from cnnsim.network.boundary import Boundary
 from cnnsim.network.template import Template
-from cnnsim.prototyping.design.design import Design, Part
-from cnnsim.prototyping.design.rule import Rule
+from cnnsim.prototyping.design.design import Design, DesignPart
+from cnnsim.prototyping.design.rule import WindowRule
 from cnnsim.support.errors import InputError
 from cnnsim.support.picture import to_ascii
 from cnnsim.support.types import Floats
@@ -53,13 +53,13 @@ def write_design(
     Raises:
         InputError: the folder cannot be written.
     """
-    tables = [design.rule.table] if design.single else design.outputs()
+    tables = [design.rule.table] if design.one_template else design.outputs()
     names = part_names(design, name)
     texts = {
         f"{part_name}.toml": _part_text(design, number, part_name, tables, boundary, pictures)
         for number, part_name in enumerate(names)
     }
-    if not design.single:
+    if not design.one_template:
         texts[f"programs/{name}.toml"] = program_text(design, name, boundary)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -109,17 +109,18 @@ def _part_text(
     design: Design, number: int, name: str, tables: list[Any], boundary: Boundary, pictures: Sequence[Floats]
 ) -> str:
     part, rule = design.parts[number], design.rule
-    whole = Rule(tables[number], rule.text)
+    whole = WindowRule(tables[number], rule.text)
     found = []
     for picture, state in _pictures(whole, boundary, pictures):
         start = state
         if part.state == "last":
-            start = Rule(tables[number - 1], rule.text).answer(picture, boundary, state)
+            start = WindowRule(tables[number - 1], rule.text).answer(picture, boundary, state)
         if start is not None and part.negated:
             start = -start
         shown = None if part.state == "none" else start
         found.append(Example(picture, shown, whole.answer(picture, boundary, state), None, None, None))
-    summary = f"Black where {rule.text}." if design.single else f"Step {number + 1} of {len(tables)} of: {rule.text}."
+    step = f"Step {number + 1} of {len(tables)} of: {rule.text}."
+    summary = f"Black where {rule.text}." if design.one_template else step
     return template_text(
         part.template(name), summary=summary, reference=_reference(part), boundary=boundary, duration="settled",
         initial_state="any" if part.state == "none" else "given", examples=found, margin=1,
@@ -128,7 +129,7 @@ def _part_text(
     )  # fmt: skip
 
 
-def _pictures(rule: Rule, boundary: Boundary, given: Sequence[Floats]) -> list[tuple[Floats, Floats | None]]:
+def _pictures(rule: WindowRule, boundary: Boundary, given: Sequence[Floats]) -> list[tuple[Floats, Floats | None]]:
     """Return up to three pictures (and states) all of whose windows the rule knows, the most telling ones first."""
     rng, found = np.random.default_rng(0), []
     tries = [*given, *(np.where(rng.random((9, 10)) < share, 1.0, -1.0) for share in [0.2, 0.5, 0.8] * 20)]
@@ -145,7 +146,7 @@ def _pictures(rule: Rule, boundary: Boundary, given: Sequence[Floats]) -> list[t
     return found
 
 
-def _reference(part: Part) -> str:
+def _reference(part: DesignPart) -> str:
     size = sum(abs(float(weight)) for weight in (*part.separator.weights, part.separator.bias))
     return (
         "Designed from its rule by linear programming for the largest margin: 1, where |B|, |z| and a - 1 sum to "
@@ -153,7 +154,7 @@ def _reference(part: Part) -> str:
     )
 
 
-def _state_words(part: Part) -> str:
+def _state_words(part: DesignPart) -> str:
     plane = {"state": "the second picture", "last": "the output of the step before", "none": ""}[part.state]
     return f"the negative of {plane}" if part.negated else plane
 

@@ -17,7 +17,7 @@ from cnnsim.network.boundary import Boundary
 from cnnsim.network.cell import output
 from cnnsim.network.template import Template
 from cnnsim.planning.plan import DEFAULT_STEP
-from cnnsim.prototyping.design.rule_files import Pair
+from cnnsim.prototyping.design.rule_files import PicturePair
 from cnnsim.support.errors import InputError
 from cnnsim.transient import make_task
 
@@ -45,7 +45,7 @@ class Fit:
 
 
 def fit(
-    pairs: Sequence[Pair], boundary: Boundary, *, name: str = "fitted", symmetry: Symmetry = "all",
+    pairs: Sequence[PicturePair], boundary: Boundary, *, name: str = "fitted", symmetry: Symmetry = "all",
     initial_state: str | float = "picture", largest: float = 5.0, limit: float = 60.0, seed: int = 0,
     generations: int = 60, report: Callable[[int, float], None] | None = None,
 ) -> Fit:  # fmt: skip
@@ -86,8 +86,8 @@ class _Search:
     """Pairs of pictures in batches of one size, and what a vector of numbers makes of them."""
 
     def __init__(
-        self, pairs: Sequence[Pair], boundary: Boundary, symmetry: Symmetry, initial_state: str | float, limit: float,
-        name: str,
+        self, pairs: Sequence[PicturePair], boundary: Boundary, symmetry: Symmetry, initial_state: str | float,
+        limit: float, name: str,
     ) -> None:  # fmt: skip
         self.shared, self.name = _SHARED[symmetry], name
         by_size = sorted(pairs, key=lambda pair: pair[0].shape)

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-Bits = NDArray[np.int8]
+Signs = NDArray[np.int8]
 Norm = Literal["sum", "largest"]
 """What the margin is compared with: the sum of all |weights| (and |z|), or the largest of them."""
 
@@ -20,11 +20,11 @@ class Separator:
     weights: tuple[Fraction, ...]
     bias: Fraction
 
-    def drive(self, rows: Bits) -> list[Fraction]:
+    def drive(self, rows: Signs) -> list[Fraction]:
         """Return weights . v + bias for rows (n, d), exactly."""
         return [sum((w if v > 0 else -w for w, v in zip(self.weights, row, strict=True)), self.bias) for row in rows]
 
-    def colours(self, rows: Bits) -> Bits:
+    def colours(self, rows: Signs) -> Signs:
         """Return +1 or -1 for rows (n, d)."""
         floats = rows @ np.array([float(w) for w in self.weights]) + float(self.bias)
         return np.where(floats > 0, 1, -1).astype(np.int8)
@@ -46,7 +46,7 @@ class Certificate:
     black: tuple[tuple[Fraction, int], ...]
     white: tuple[tuple[Fraction, int], ...]
 
-    def holds(self, rows: Bits, table: Bits) -> bool:
+    def holds(self, rows: Signs, table: Signs) -> bool:
         """Check the certificate exactly, in rational arithmetic."""
         return (
             all(table[i] == 1 for _, i in self.black)
@@ -57,7 +57,7 @@ class Certificate:
         )
 
 
-def separate(rows: Bits, table: Bits, norm: Norm = "sum") -> Separator | Certificate:
+def separate(rows: Signs, table: Signs, norm: Norm = "sum") -> Separator | Certificate:
     """Return the weights whose margin is largest compared with their norm, or a certificate that there are none.
 
     Minimises the norm of (w, z) under d_i (w . v_i + z) >= 1 (Haenggi and Moschytz, IEEE Trans. CAS-I 46 (1999) 304:
@@ -68,7 +68,7 @@ def separate(rows: Bits, table: Bits, norm: Norm = "sum") -> Separator | Certifi
     """
     from scipy.optimize import linprog
 
-    known, counts = _telling(rows, table)
+    known, counts = _relevant(rows, table)
     points = np.column_stack([rows[known] * counts, np.ones(len(known))]).astype(float)
     signed = points * table[known, None]
     size = points.shape[1]
@@ -88,7 +88,7 @@ def separate(rows: Bits, table: Bits, norm: Norm = "sum") -> Separator | Certifi
     return certify(rows, table)
 
 
-def certify(rows: Bits, table: Bits) -> Certificate:
+def certify(rows: Signs, table: Signs) -> Certificate:
     """Return the certificate that no threshold separates black rows from white ones; there has to be one.
 
     Raises:
@@ -96,7 +96,7 @@ def certify(rows: Bits, table: Bits) -> Certificate:
     """
     from scipy.optimize import linprog
 
-    known, _ = _telling(rows, table)
+    known, _ = _relevant(rows, table)
     black = table[known] > 0
     columns = np.column_stack([rows[known], np.ones(len(known))]).T * np.where(black, 1, -1)
     equations = np.vstack([columns, black.astype(float)])
@@ -116,7 +116,7 @@ def certify(rows: Bits, table: Bits) -> Certificate:
     return certificate
 
 
-def _exact_separator(weights: NDArray[np.float64], rows: Bits, table: Bits) -> Separator | None:
+def _exact_separator(weights: NDArray[np.float64], rows: Signs, table: Signs) -> Separator | None:
     """Make weights rational, with denominators as small as keep the margin, and scale them to a margin of 1."""
     for denominator in (1, 2, 3, 4, 6, 12, 60, 1000, 10**6):
         near = [Fraction(float(w)).limit_denominator(denominator) for w in weights]
@@ -147,7 +147,7 @@ def _solve_exactly(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> l
     return [table[i][-1] for i in range(size)]
 
 
-def _telling(rows: Bits, table: Bits) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+def _relevant(rows: Signs, table: Signs) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     """Return the numbers of rows that say all, and which variables change an answer.
 
     Of variables that change nothing, only rows with -1 are needed. That applies to whole tables, whose row numbers are
@@ -165,5 +165,5 @@ def _telling(rows: Bits, table: Bits) -> tuple[NDArray[np.int64], NDArray[np.boo
     return np.flatnonzero(kept), counts
 
 
-def _mean(parts: Sequence[tuple[Fraction, int]], rows: Bits) -> list[Any]:
+def _mean(parts: Sequence[tuple[Fraction, int]], rows: Signs) -> list[Any]:
     return [sum((share * int(rows[i, j]) for share, i in parts), Fraction(0)) for j in range(rows.shape[1])]

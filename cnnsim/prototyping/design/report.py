@@ -7,14 +7,14 @@ from typing import Any
 from cnnsim import library
 from cnnsim.library.entry import Example
 from cnnsim.network.boundary import Boundary
+from cnnsim.prototyping.design.decompose import design_rule
 from cnnsim.prototyping.design.design import Design
 from cnnsim.prototyping.design.expression import parse_rule
 from cnnsim.prototyping.design.files import part_names, template_text, write_design
 from cnnsim.prototyping.design.fit import fit
 from cnnsim.prototyping.design.linear import Certificate, Norm
-from cnnsim.prototyping.design.rule import Rule, window_text
+from cnnsim.prototyping.design.rule import WindowRule, window_text
 from cnnsim.prototyping.design.rule_files import read_pairs, read_table, rule_of_pairs
-from cnnsim.prototyping.design.synthesis import design as design_rule
 from cnnsim.prototyping.design.verify import wrong_windows
 from cnnsim.support.errors import InputError
 
@@ -38,7 +38,7 @@ def designed(
         rule = rule_of_pairs(pictures, boundary)
     found = design_rule(rule, norm)
     paths = write_design(found, name, boundary, folder, [picture for picture, _ in pictures])
-    program = None if found.single else paths[-1]
+    program = None if found.one_template else paths[-1]
     wrong = wrong_windows(found, program)
     if wrong:
         raise ArithmeticError(f"{len(wrong)} windows come out wrong, the first {window_text(rule.rows[wrong[0]])}")
@@ -59,7 +59,7 @@ def _facts(found: Design, name: str, paths: list[Path], norm: Norm) -> dict[str,
             for colour, side in (("black", found.certificate.black), ("white", found.certificate.white))
         }
     return {
-        "rule": found.rule.text, "single": found.single, "join": found.join, "norm": norm, "templates": templates,
+        "rule": found.rule.text, "single": found.one_template, "join": found.join, "norm": norm, "templates": templates,
         "certificate": certificate, "windows": int((found.rule.table != 0).sum()), "wrong": 0,
         "files": [str(path) for path in paths],
     }  # fmt: skip
@@ -82,11 +82,11 @@ def _lines(found: Design, name: str, paths: list[Path], norm: Norm) -> list[str]
         lines.append(f"  {part_name}: a = {t.self_feedback:g}, B = {b}, z = {t.z:g}")
     measure = "sum" if norm == "sum" else "largest"
     lines.append(f"margin    1, that is {found.relative_margin(norm):.4g} of the {measure} of |B|, |z| and a - 1")
-    lines.append(f"checked   all {known} windows, by running {'the template' if found.single else 'the program'}")
+    lines.append(f"checked   all {known} windows, by running {'the template' if found.one_template else 'the program'}")
     return [*lines, *(f"-> {path}" for path in paths)]
 
 
-def certificate_lines(certificate: Certificate, rule: Rule) -> list[str]:
+def certificate_lines(certificate: Certificate, rule: WindowRule) -> list[str]:
     """Return the certificate as text: shares of windows, black ones and white ones."""
     return [
         f"  {colour}  " + " + ".join(f"{share} {window_text(rule.rows[i])}" for share, i in side)
@@ -94,7 +94,7 @@ def certificate_lines(certificate: Certificate, rule: Rule) -> list[str]:
     ]
 
 
-def _windows(rule: Rule, known: int) -> str:
+def _windows(rule: WindowRule, known: int) -> str:
     black = int((rule.table > 0).sum())
     return f"{black} of {known} windows become black" + (
         f", {rule.table.size - known} are open" if known < rule.table.size else ""

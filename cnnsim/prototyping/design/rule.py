@@ -13,11 +13,11 @@ from cnnsim.support.errors import InputError
 NAMES = ("nw", "n", "ne", "w", "c", "e", "sw", "s", "se", "x")
 """The cells of a window, row by row; ``x`` is the cell's own initial state."""
 
-Bits = NDArray[np.int8]
+Signs = NDArray[np.int8]
 
 
 @dataclass(frozen=True, eq=False)
-class Rule:
+class WindowRule:
     """A truth table: ``table`` (512,), or (1024,) if the initial state counts: +1 black, -1 white, 0 either.
 
     The index of a window is its nine cells as bits, row by row, the north-western one highest, black as 1; with an
@@ -27,7 +27,7 @@ class Rule:
         InputError: a table of another length or with other values, or one that leaves everything open.
     """
 
-    table: Bits = field(repr=False)
+    table: Signs = field(repr=False)
     text: str = "a truth table"
 
     def __post_init__(self) -> None:
@@ -43,7 +43,7 @@ class Rule:
         return self.table.size == 1024
 
     @cached_property
-    def rows(self) -> Bits:
+    def rows(self) -> Signs:
         """All windows as -1 and +1: (512, 9) or (1024, 10), in the order of the table."""
         return windows(10 if self.with_state else 9)
 
@@ -80,13 +80,13 @@ class Rule:
         return self.table[self.codes(picture, boundary, state)].astype(np.float64)
 
 
-def windows(variables: int) -> Bits:
+def windows(variables: int) -> Signs:
     """Return all combinations of -1 and +1 (2**variables, variables), the first variable changing slowest."""
     count = np.arange(1 << variables)
     return np.stack([2 * (count >> (variables - 1 - i) & 1) - 1 for i in range(variables)], axis=1).astype(np.int8)
 
 
-def window_text(row: Bits) -> str:
+def window_text(row: Signs) -> str:
     """Draw one window as text: its three rows and, if there is one, the initial state."""
     cells = "".join("#" if value > 0 else "." for value in row)
     return f"{cells[:3]}/{cells[3:6]}/{cells[6:9]}" + (f" x={cells[9]}" if len(cells) == 10 else "")

@@ -8,18 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.network.boundary import Boundary
-from cnnsim.prototyping.design.rule import Rule, window_text, windows
+from cnnsim.prototyping.design.rule import WindowRule, window_text, windows
 from cnnsim.support.errors import InputError
 from cnnsim.support.picture import read_picture
 from cnnsim.support.toml_file import check_keys, read_toml
 
-Pair = tuple[NDArray[np.float64], NDArray[np.float64]]
+PicturePair = tuple[NDArray[np.float64], NDArray[np.float64]]
 """An input picture and the output it should give, both -1 and +1."""
 
 _CODES = {".": (-1,), "#": (1,), "?": (-1, 1)}
 
 
-def read_table(path: str | Path) -> Rule:
+def read_table(path: str | Path) -> WindowRule:
     """Read a truth table: ``black`` and ``white`` list windows as three strings of ``#``, ``.`` and ``?`` (either).
 
     A fourth string of one character is the initial state. ``default`` is the answer for windows that are in neither
@@ -36,7 +36,7 @@ def read_table(path: str | Path) -> Rule:
         raise InputError(f"{path}: {error}") from error
 
 
-def _table(data: dict[str, Any], text: str) -> Rule:
+def _table(data: dict[str, Any], text: str) -> WindowRule:
     lists = {1: data.get("black", []), -1: data.get("white", [])}
     if not all(isinstance(item, list) and isinstance(window, list) for item in lists.values() for window in item):
         raise InputError("black and white hold windows: lists of three strings, one for each row")
@@ -54,7 +54,7 @@ def _table(data: dict[str, Any], text: str) -> Rule:
     if default not in ("black", "white", "either"):
         raise InputError(f"default is {default!r}; 'black', 'white' or 'either' wanted")
     table[table == 0] = {"black": 1, "white": -1, "either": 0}[default]
-    return Rule(table, f"the truth table {Path(text).name}")
+    return WindowRule(table, f"the truth table {Path(text).name}")
 
 
 def _matches(rows: NDArray[np.int8], window: list[Any]) -> NDArray[np.bool_]:
@@ -73,7 +73,7 @@ def _matches(rows: NDArray[np.int8], window: list[Any]) -> NDArray[np.bool_]:
     return match
 
 
-def read_pairs(texts: Sequence[str]) -> list[Pair]:
+def read_pairs(texts: Sequence[str]) -> list[PicturePair]:
     """Read pairs of pictures given as "input.png=output.png"; both become black and white.
 
     Raises:
@@ -93,7 +93,7 @@ def read_pairs(texts: Sequence[str]) -> list[Pair]:
     return pairs
 
 
-def rule_of_pairs(pairs: Sequence[Pair], boundary: Boundary) -> Rule:
+def rule_of_pairs(pairs: Sequence[PicturePair], boundary: Boundary) -> WindowRule:
     """Return what pairs of pictures say: the answer of every window that occurs; all others are left open.
 
     Raises:
@@ -101,7 +101,7 @@ def rule_of_pairs(pairs: Sequence[Pair], boundary: Boundary) -> Rule:
     """
     table = np.zeros(512, dtype=np.int8)
     seen: dict[int, str] = {}
-    blank = Rule(np.ones(512, dtype=np.int8))
+    blank = WindowRule(np.ones(512, dtype=np.int8))
     for number, (picture, wanted) in enumerate(pairs, start=1):
         codes = blank.codes(picture, boundary, None)
         for (row, col), code in np.ndenumerate(codes):
@@ -115,4 +115,4 @@ def rule_of_pairs(pairs: Sequence[Pair], boundary: Boundary) -> Rule:
                 )
             table[code] = colour
             seen.setdefault(int(code), here)
-    return Rule(table, f"{len(pairs)} pair{'s' * (len(pairs) != 1)} of pictures")
+    return WindowRule(table, f"{len(pairs)} pair{'s' * (len(pairs) != 1)} of pictures")

@@ -2,24 +2,24 @@
 
 import numpy as np
 
-from cnnsim.prototyping.design.design import Design, Part
-from cnnsim.prototyping.design.linear import Bits, Certificate, Norm, Separator, separate
-from cnnsim.prototyping.design.rule import Rule
+from cnnsim.prototyping.design.design import Design, DesignPart
+from cnnsim.prototyping.design.linear import Certificate, Norm, Separator, Signs, separate
+from cnnsim.prototyping.design.rule import WindowRule
 
 
-def single(rule: Rule, norm: Norm = "sum") -> Design | Certificate:
+def separable_design(rule: WindowRule, norm: Norm = "sum") -> Design | Certificate:
     """Return the one template for a rule, or the certificate that there is none."""
     found = separate_rule(rule, rule.table, norm)
     if isinstance(found, Certificate):
         return found
-    result = Design(rule, (Part(found, "state" if rule.with_state and found.weights[9] else "none"),), "last")
+    result = Design(rule, (DesignPart(found, "state" if rule.with_state and found.weights[9] else "none"),), "last")
     if result.parts[0].state == "none":
-        result = Design(rule, (Part(Separator(found.weights[:9], found.bias)),), "last")
+        result = Design(rule, (DesignPart(Separator(found.weights[:9], found.bias)),), "last")
     assert result.right()
     return result
 
 
-def separate_rule(rule: Rule, table: Bits, norm: Norm = "sum") -> Separator | Certificate:
+def separate_rule(rule: WindowRule, table: Signs, norm: Norm = "sum") -> Separator | Certificate:
     """Separate a table over the rule's rows; the weights share the table's symmetries (turns and mirrors).
 
     The mean of all turned and mirrored solutions is a solution of the same norm or less, as both are convex.
@@ -37,7 +37,7 @@ def separate_rule(rule: Rule, table: Bits, norm: Norm = "sum") -> Separator | Ce
     return mean if mean.relative_margin(norm) >= found.relative_margin(norm) else found
 
 
-def _index(rows: Bits) -> "np.ndarray[tuple[int], np.dtype[np.int64]]":
+def _index(rows: Signs) -> "np.ndarray[tuple[int], np.dtype[np.int64]]":
     powers = 1 << np.arange(rows.shape[1])[::-1]
     found: np.ndarray[tuple[int], np.dtype[np.int64]] = (rows > 0).astype(np.int64) @ powers
     return found

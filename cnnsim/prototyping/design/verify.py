@@ -10,12 +10,12 @@ from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import Program
 from cnnsim.prototyping.design.design import Design
-from cnnsim.prototyping.design.rule import Rule
+from cnnsim.prototyping.design.rule import WindowRule
 from cnnsim.support.types import Floats
 from cnnsim.transient import run_transient
 
 
-def all_windows(rule: Rule) -> tuple[Floats, Floats | None]:
+def all_windows(rule: WindowRule) -> tuple[Floats, Floats | None]:
     """Return planes (n, 3, 3) with every window of a rule, and the initial states if they count."""
     rows = rule.rows.astype(np.float64)
     state = np.repeat(rows[:, 9], 9).reshape(-1, 3, 3) if rule.with_state else None

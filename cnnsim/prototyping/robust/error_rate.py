@@ -23,8 +23,8 @@ _GREY = 0.1
 """A twentieth of black to white: more than Euler chatters about the edge of a median, three neighbours of it alike."""
 
 
-class Judge(Protocol):
-    """Says which share of cells is wrong; ``what`` says of which cells."""
+class ErrorRate(Protocol):
+    """The share of cells that are wrong; ``what`` says of which cells."""
 
     what: str
 
@@ -32,8 +32,8 @@ class Judge(Protocol):
         """Return the share of wrong cells of a disturbed template with Gaussian noise on the picture."""
 
 
-def judge_of(entry: LibraryEntry, seed: int = 0) -> Judge:
-    """Return the judge for a template: neighbourhoods where it decides without coupling, else its own examples."""
+def error_rate_of(entry: LibraryEntry, seed: int = 0) -> ErrorRate:
+    """Return how to measure a template: on neighbourhoods where it decides without coupling, else on its examples."""
     if margin_of(entry).value is not None and entry.template.uncoupled:
         return _Neighbourhoods(entry, seed)
     return _Examples(entry)

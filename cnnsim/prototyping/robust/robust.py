@@ -7,7 +7,7 @@ import numpy as np
 
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.prototyping.robust.disturb import quantised, with_relative_errors
-from cnnsim.prototyping.robust.error_rate import Judge, judge_of
+from cnnsim.prototyping.robust.error_rate import ErrorRate, error_rate_of
 from cnnsim.prototyping.robust.margin import Margin, margin_of
 
 SIGMAS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2)
@@ -56,9 +56,9 @@ def measure(entry: LibraryEntry, *, draws: int = 40, seed: int = 0, track: Track
 
     Templates without neighbours are judged on all their neighbourhoods, others by whole runs on their own examples.
     """
-    judge = judge_of(entry, seed)
+    error_rate = error_rate_of(entry, seed)
     levels = [*(("entries", s) for s in SIGMAS), *(("bits", b) for b in BITS), *(("noise", s) for s in NOISES)]
-    shares = {level: _shares(entry, judge, level, draws, seed) for level in track(levels)}
+    shares = {level: _shares(entry, error_rate, level, draws, seed) for level in track(levels)}
 
     def curve(kind: str) -> Curve:
         found = {level: value for (which, level), value in shares.items() if which == kind}
@@ -66,21 +66,21 @@ def measure(entry: LibraryEntry, *, draws: int = 40, seed: int = 0, track: Track
         return Curve(tuple(found), tuple(means), tuple(worst))
 
     return Robustness(
-        entry.name, margin_of(entry), judge.what, curve("entries"), curve("bits"), curve("noise"), draws, seed
+        entry.name, margin_of(entry), error_rate.what, curve("entries"), curve("bits"), curve("noise"), draws, seed
     )
 
 
-def _shares(entry: LibraryEntry, judge: Judge, level: tuple[str, float], draws: int, seed: int) -> list[float]:
+def _shares(entry: LibraryEntry, error_rate: ErrorRate, level: tuple[str, float], draws: int, seed: int) -> list[float]:
     kind, size = level
     if kind == "bits":
-        return [judge.share_of_wrong(quantised(entry.network, int(size)), 0.0, np.random.default_rng(seed))]
+        return [error_rate.share_of_wrong(quantised(entry.network, int(size)), 0.0, np.random.default_rng(seed))]
     found = []
     for draw in range(draws):
         rng = np.random.default_rng([seed, draw])  # one draw is the same error at every level, only larger
         if kind == "noise":
-            found.append(judge.share_of_wrong(entry.network, size, rng))
+            found.append(error_rate.share_of_wrong(entry.network, size, rng))
         else:
-            found.append(judge.share_of_wrong(with_relative_errors(entry.network, size, rng), 0.0, rng))
+            found.append(error_rate.share_of_wrong(with_relative_errors(entry.network, size, rng), 0.0, rng))
     return found
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.prototyping.trace.trace import Cell, Trace
+from cnnsim.prototyping.trace.trace import CellIndex, Trace
 from cnnsim.support.errors import InputError
 
 SHEET = 8
@@ -16,7 +16,7 @@ _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#
 """Okabe and Ito's colours, which colour-blind readers tell apart, and a brown."""
 
 
-def draw_trace(trace: Trace, cells: Sequence[Cell], title: str, path: str | Path) -> None:
+def draw_trace(trace: Trace, cells: Sequence[CellIndex], title: str, path: str | Path) -> None:
     """Write the picture of a trace; the format follows the name's ending.
 
     Raises:
@@ -47,7 +47,7 @@ def sheet_frames(trace: Trace) -> list[int]:
     return [int(frame) for frame in np.unique(np.linspace(0, last, SHEET).round())]
 
 
-def _map(axes: Any, trace: Trace, colours: dict[Cell, str]) -> None:
+def _map(axes: Any, trace: Trace, colours: dict[CellIndex, str]) -> None:
     from matplotlib.patches import Rectangle
 
     _picture(axes, trace.y[-1])
@@ -57,7 +57,7 @@ def _map(axes: Any, trace: Trace, colours: dict[Cell, str]) -> None:
         axes.add_patch(Rectangle((col - 0.5, row - 0.5), 1, 1, fill=False, edgecolor=colour, linewidth=2.5))
 
 
-def _states(axes: Any, trace: Trace, colours: dict[Cell, str]) -> None:
+def _states(axes: Any, trace: Trace, colours: dict[CellIndex, str]) -> None:
     axes.axhspan(-1, 1, color="#eeeeee", zorder=0)
     for (row, col), colour in colours.items():
         axes.plot(trace.t, trace.x[:, row, col], color=colour, linewidth=1.8, label=f"{row},{col}")
@@ -68,7 +68,7 @@ def _states(axes: Any, trace: Trace, colours: dict[Cell, str]) -> None:
     axes.legend(title="row,col", loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
 
 
-def _outputs(axes: Any, trace: Trace, colours: dict[Cell, str]) -> None:
+def _outputs(axes: Any, trace: Trace, colours: dict[CellIndex, str]) -> None:
     for number, ((row, col), colour) in enumerate(colours.items()):
         style = (0, (4, 1 + number % 3)) if number % 2 else "-"  # outputs lie on one another at -1 and +1
         axes.plot(trace.t, trace.y[:, row, col], color=colour, linewidth=1.8, linestyle=style)

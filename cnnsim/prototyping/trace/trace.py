@@ -13,7 +13,7 @@ from cnnsim.support.errors import InputError
 from cnnsim.theory.running_time import time_of_picture
 from cnnsim.transient import Task
 
-Cell = tuple[int, int]
+CellIndex = tuple[int, int]
 """(row, column), counted from 0 at the top left."""
 
 _UNKNOWN = 10.0
@@ -84,7 +84,7 @@ def watching_time(task: Task, backend: Backend) -> float:
     return _UNKNOWN if known.time is None else max(1.0, 1.2 * known.time)
 
 
-def parse_cell(text: str, shape: tuple[int, ...]) -> Cell:
+def parse_cell_index(text: str, shape: tuple[int, ...]) -> CellIndex:
     """Read "row,col" as a cell of a grid; both count from 0.
 
     Raises:
@@ -99,7 +99,7 @@ def parse_cell(text: str, shape: tuple[int, ...]) -> Cell:
     return row, col
 
 
-def telling_cells(trace: Trace, most: int = 5) -> list[Cell]:
+def representative_cells(trace: Trace, most: int = 5) -> list[CellIndex]:
     """Return up to ``most`` cells whose states go different ways, in the order in which they first move.
 
     The first is the cell that moves most; each next one is that whose state is farthest from all those before it (sum

@@ -14,11 +14,11 @@ from cnnsim.formats.candy.parse import read_tem
 from cnnsim.formats.candy.terms import section_template
 from cnnsim.formats.differences import number_differences
 from cnnsim.formats.files import import_file
-from cnnsim.library.imported import Draft
+from cnnsim.library.imported import Imported
 from cnnsim.library.write import template_file
 from cnnsim.network.template import Template
 from cnnsim.support.command_line import CommandGroup
-from cnnsim.support.findings import Report
+from cnnsim.support.diagnostics import Diagnostics
 from tests.kits.formats import HOLE
 
 SIX = "neighborhood: 2\ncontrol:\n0 0 0 0 0\n0 0 0 0 0\n0 0 0 0 0 0\n0 0 0 0 0\n0 0 0 0 0\n"
@@ -76,7 +76,7 @@ def test_every_kind_is_imported_and_runs(tmp_path: Path, kind: str) -> None:
     entry = library.load_file(tmp_path / f"{kind}.toml")
     y = library.run(entry, np.array([[0.25, 0.5]]), backend="reference").y
     assert np.allclose(np.squeeze(y), np.array(wanted), atol=1e-3)
-    read = section_template(read_tem(text.encode(), Report("x")).sections[0], "x")
+    read = section_template(read_tem(text.encode(), Diagnostics("x")).sections[0], "x")
     assert list(number_differences(read, entry.network)) == []
 
 
@@ -148,13 +148,13 @@ def test_known_defects_are_warnings(tmp_path: Path, name: str, change: tuple[str
 
 def test_names_and_texts_survive_toml() -> None:
     text = 'quotes " and \\ and \x7f and tab\t and \ud800 and ü'
-    draft = Draft("x", Template([[1]]), text, "r", input="none", note="n", aliases=("a",))
+    imported = Imported("x", Template([[1]]), text, "r", input="none", note="n", aliases=("a",))
     import tomllib
 
-    data = tomllib.loads(template_file(draft))
+    data = tomllib.loads(template_file(imported))
     assert data["summary"] == text.replace("\ud800", "?")
     with pytest.raises(InputError, match="not yet"):
-        template_file(Draft("x", Template([[1]]), "s", "r", missing="not yet"))
+        template_file(Imported("x", Template([[1]]), "s", "r", missing="not yet"))
 
 
 def test_export_and_import_again(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from cnnsim.formats.gene import gene, read_gene
 from cnnsim.library.imported import plain
 from cnnsim.network.boundary import fixed
 from cnnsim.network.template import Template
-from cnnsim.support.findings import Report
+from cnnsim.support.diagnostics import Diagnostics
 
 
 @pytest.mark.parametrize("name", library.names())
@@ -23,15 +23,15 @@ def test_library_templates_go_through_gene_and_json_unharmed(name: str) -> None:
             with pytest.raises(InputError, match="not linear"):
                 write(entry.network)
         return
-    (draft,) = read_celnn(celnn(entry.network, entry.summary, entry.tags).encode(), Report("x"))
-    assert list(number_differences(draft.template, entry.network)) == []
-    assert (draft.name, draft.summary, draft.tags) == (entry.name, entry.summary, entry.tags)
+    (imported,) = read_celnn(celnn(entry.network, entry.summary, entry.tags).encode(), Diagnostics("x"))
+    assert list(number_differences(imported.template, entry.network)) == []
+    assert (imported.name, imported.summary, imported.tags) == (entry.name, entry.summary, entry.tags)
     if entry.network.radius > 1:
         with pytest.raises(InputError, match="3 x 3 only"):
             gene(entry.network)
     else:
-        (draft,) = read_gene(gene(entry.network).encode(), name, Report("x"))
-        assert list(number_differences(draft.template, entry.network)) == []
+        (imported,) = read_gene(gene(entry.network).encode(), name, Diagnostics("x"))
+        assert list(number_differences(imported.template, entry.network)) == []
 
 
 ITEM = {"name": "My Edge", "feedback": [[2]], "control": [[3]], "bias": -1.5, "description": "d", "tags": ["t"],
@@ -39,17 +39,17 @@ ITEM = {"name": "My Edge", "feedback": [[2]], "control": [[3]], "bias": -1.5, "d
 
 
 def test_celnn_turns_the_sign_of_z_and_says_so() -> None:
-    report = Report("x.json")
-    (draft,) = read_celnn(json.dumps(ITEM).encode(), report)
+    report = Diagnostics("x.json")
+    (imported,) = read_celnn(json.dumps(ITEM).encode(), report)
     assert (
-        plain(draft.template, "").A.tolist(),
-        plain(draft.template, "").B.tolist(),
-        plain(draft.template, "").z,
+        plain(imported.template, "").A.tolist(),
+        plain(imported.template, "").B.tolist(),
+        plain(imported.template, "").z,
     ) == ([[2]], [[3]], 1.5)
-    assert "sign of z is turned" in draft.note
+    assert "sign of z is turned" in imported.note
     assert any("sign of z is turned" in item.message for item in report.of("warning"))
-    assert (draft.name, draft.summary, draft.tags) == ("my-edge", "d", ("t",))
-    exported = json.loads(celnn(draft.template, "d", ("t",)))
+    assert (imported.name, imported.summary, imported.tags) == ("my-edge", "d", ("t",))
+    exported = json.loads(celnn(imported.template, "d", ("t",)))
     assert exported["bias"] == -1.5
     assert exported["feedback"] == [[0, 0, 0], [0, 2, 0], [0, 0, 0]]
 
@@ -68,14 +68,14 @@ def test_turning_both_pictures_and_z_is_the_same_template() -> None:
 def test_a_registry_loses_only_the_wrong_ones() -> None:
     wrong = [{**ITEM, "bias": [1, 2]}, {**ITEM, "control": [[1, 2]]}, {**ITEM, "feedback": [["1"]]}, 3, {"name": "x"},
              {**ITEM, "name": 3}, {**ITEM, "tags": "t"}, {**ITEM, "feedback": [[True]]}]  # fmt: skip
-    report = Report("x.json")
-    drafts = read_celnn(json.dumps({"templates": [*wrong, ITEM]}).encode(), report)
-    assert [draft.name for draft in drafts] == ["my-edge"]
+    report = Diagnostics("x.json")
+    templates = read_celnn(json.dumps({"templates": [*wrong, ITEM]}).encode(), report)
+    assert [imported.name for imported in templates] == ["my-edge"]
     assert len(report.of("error")) == len(wrong)
 
 
 @pytest.mark.parametrize("text", ["", "{", "[1]", '{"templates": 3}', '{"name": "x", "feedback": NaN}', "[" * 100000])
 def test_no_celnn_json(text: str) -> None:
-    report = Report("x.json")
+    report = Diagnostics("x.json")
     assert read_celnn(text.encode(), report) == []
     assert report.failed

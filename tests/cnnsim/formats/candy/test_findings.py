@@ -5,14 +5,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cnnsim import InputError, library
-from cnnsim.formats.candy.content import Block, Call, Function, Header, Layer, Section, TemFile
+from cnnsim.formats.candy.content import Block, Call, FunctionLine, Header, Layer, Section, TemFile
 from cnnsim.formats.candy.entry import entry_to_tem
-from cnnsim.formats.candy.imported import tem_drafts
+from cnnsim.formats.candy.imported import tem_templates
 from cnnsim.formats.candy.write import write_tem
 from cnnsim.formats.differences import number_differences
 from cnnsim.network.boundary import PERIODIC, ZERO_FLUX, fixed
 from cnnsim.network.template import Template
-from cnnsim.support.findings import Report
+from cnnsim.support.diagnostics import Diagnostics
 from tests.kits.tem import A, parse, remarks
 
 
@@ -85,9 +85,9 @@ def test_what_is_odd_is_a_warning(text: str, words: str) -> None:
     ],
 )
 def test_settings(setting: str, wanted: tuple[object, ...]) -> None:
-    report = Report("x")
-    (draft,) = tem_drafts(parse(f"%Setting: {setting}\n{A}CONTROL:\n2\n")[0], "x", report)
-    assert (draft.input, draft.initial_state, draft.boundary) == wanted
+    report = Diagnostics("x")
+    (imported,) = tem_templates(parse(f"%Setting: {setting}\n{A}CONTROL:\n2\n")[0], "x", report)
+    assert (imported.input, imported.initial_state, imported.boundary) == wanted
     assert report.of("warning") == []
 
 
@@ -98,18 +98,18 @@ def test_settings(setting: str, wanted: tuple[object, ...]) -> None:
                 "Input:P, IniState:-, Boundary:Fixed(0)"],
 )  # fmt: skip
 def test_settings_that_are_not_understood_are_warnings(setting: str) -> None:
-    report = Report("x")
-    (draft,) = tem_drafts(parse(f"%Setting: {setting}\n{A}CONTROL:\n2\n")[0], "x", report)
+    report = Diagnostics("x")
+    (imported,) = tem_templates(parse(f"%Setting: {setting}\n{A}CONTROL:\n2\n")[0], "x", report)
     assert report.of("warning")
-    assert draft.input == "picture"
+    assert imported.input == "picture"
 
 
 def test_timing_and_discrete_time() -> None:
     timed, _ = parse("%Timing: 2.5 tau\n" + A)
-    assert tem_drafts(timed, "x", Report("x"))[0].duration == 2.5
+    assert tem_templates(timed, "x", Diagnostics("x"))[0].duration == 2.5
     discrete, _ = parse("%CNNModel: Single-layer, DT-CNN\n" + A)
-    assert tem_drafts(discrete, "x", Report("x"))[0].discrete
-    assert not tem_drafts(timed, "x", Report("x"))[0].discrete
+    assert tem_templates(discrete, "x", Diagnostics("x"))[0].discrete
+    assert not tem_templates(timed, "x", Diagnostics("x"))[0].discrete
 
 
 numbers = st.floats(allow_nan=False, allow_infinity=False)
@@ -147,7 +147,7 @@ def tem_files(draw: st.DrawFn) -> TemFile:
         own = tuple(draw(st.lists(blocks(count), min_size=1, max_size=3)))
         used = {e.letter for block in own for row in block.rows for e in row if isinstance(e, Call)}
         points = st.lists(st.tuples(numbers, numbers), min_size=1, max_size=4).map(tuple)
-        functions = tuple(Function(letter, draw(st.booleans()), draw(points)) for letter in sorted(used))
+        functions = tuple(FunctionLine(letter, draw(st.booleans()), draw(points)) for letter in sorted(used))
         label = draw(words.map(lambda text: text.strip(" -:,."))) if count > 1 else ""
         layers.append(Layer(number, own, functions, draw(st.none() | numbers), label))
     headers = tuple(Header(key, draw(words)) for key in ("Function", "Setting"))
@@ -178,10 +178,10 @@ def test_library_templates_go_through_tem_unharmed(name: str) -> None:
         return
     again, report = parse(write_tem(tem))
     assert again == tem
-    (draft,) = tem_drafts(again, name, report)
+    (imported,) = tem_templates(again, name, report)
     assert report.of("warning") == report.of("error") == []
-    assert list(number_differences(draft.template, entry.network)) == []
-    assert (draft.name, draft.summary) == (entry.name, entry.summary)
-    assert (draft.input, draft.initial_state) == (entry.input, entry.initial_state)
-    assert (draft.boundary, draft.duration) == (entry.boundary, entry.duration)
-    assert draft.discrete == (entry.cell.model == "discrete-time")
+    assert list(number_differences(imported.template, entry.network)) == []
+    assert (imported.name, imported.summary) == (entry.name, entry.summary)
+    assert (imported.input, imported.initial_state) == (entry.input, entry.initial_state)
+    assert (imported.boundary, imported.duration) == (entry.boundary, entry.duration)
+    assert imported.discrete == (entry.cell.model == "discrete-time")

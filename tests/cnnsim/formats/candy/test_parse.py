@@ -2,11 +2,11 @@
 
 import pytest
 
-from cnnsim.formats.candy.content import Block, Call, Function, Header, Layer
-from cnnsim.formats.candy.imported import tem_drafts
+from cnnsim.formats.candy.content import Block, Call, FunctionLine, Header, Layer
+from cnnsim.formats.candy.imported import tem_templates
 from cnnsim.formats.candy.parse import read_tem
 from cnnsim.library.imported import plain
-from cnnsim.support.findings import Report
+from cnnsim.support.diagnostics import Diagnostics
 from tests.kits.tem import A, parse, remarks
 
 
@@ -49,7 +49,7 @@ def test_headers_and_comments_are_kept() -> None:
 
 
 def test_bytes_of_the_code_page_1252_are_read() -> None:
-    report = Report("x.tem")
+    report = Diagnostics("x.tem")
     tem = read_tem(b"%Function: M\xfcller \x96 Lyer\n" + A.encode(), report)
     assert tem.headers[0].text == "Müller \N{EN DASH} Lyer"
     assert "1252" in remarks(report, "note")[0][1]
@@ -60,7 +60,7 @@ def test_a_missing_current_is_zero_and_noted() -> None:
     tem, report = parse("NEIGHBORHOOD: 1\n" + A)
     assert tem.sections[0].layers[0].current is None
     assert remarks(report, "note") == [(None, "no CURRENT: z = 0")]
-    assert plain(tem_drafts(tem, "x", Report("x"))[0].template, "").z == 0
+    assert plain(tem_templates(tem, "x", Diagnostics("x"))[0].template, "").z == 0
 
 
 def test_radius_changes_inside_a_file() -> None:
@@ -68,7 +68,7 @@ def test_radius_changes_inside_a_file() -> None:
     tem, report = parse(f"NEIGHBORHOOD: 1\n{A}NEIGHBORHOOD: 2\nCONTROL:\n{five}\nCURRENT: 1")
     assert [block.radius for block in tem.sections[0].layers[0].blocks] == [1, 2]
     assert remarks(report, "warning") == []
-    template = plain(tem_drafts(tem, "x", Report("x"))[0].template, "")
+    template = plain(tem_templates(tem, "x", Diagnostics("x"))[0].template, "")
     assert (template.A.shape, template.B.shape) == ((3, 3), (5, 5))
 
 
@@ -90,7 +90,7 @@ def test_a_matrix_larger_than_its_neighbourhood_counts_and_is_reported() -> None
     ],
 )
 def test_a_lost_point_is_a_warning_only_where_it_can_be_nothing_else(row: str, wanted: list[float] | None) -> None:
-    report = Report("x.tem")
+    report = Diagnostics("x.tem")
     tem = read_tem(f"NEIGHBORHOOD: 1\nCONTROL:\n1 2 3\n{row}\n1 2 3\nCURRENT: 0\n".encode(), report)
     assert report.failed == (wanted is None)
     if wanted:
@@ -103,7 +103,7 @@ def test_nonlinear_blocks_and_their_functions() -> None:
     tem, report = parse(text + "CURRENT: 0")
     layer = tem.sections[0].layers[0]
     assert layer.blocks[0].rows[1] == (Call("a", "-"), -2.0, Call("b", "0"))
-    assert layer.functions == (Function("a", False, ((-0.5, 1), (0.5, 2))), Function("b", True, ((0, 3),)))
+    assert layer.functions == (FunctionLine("a", False, ((-0.5, 1), (0.5, 2))), FunctionLine("b", True, ((0, 3),)))
     assert report.items == []
 
 
@@ -117,7 +117,7 @@ def test_function_lines_may_stand_anywhere(order: str) -> None:
     d = Call("d", "")
     assert block.rows == ((d, d, d), (d, 0, d), (d, d, d))
     assert (block.argument, block.factor) == ("x-u", "")
-    assert tem.sections[0].layers[0].functions == (Function("d", False, ((0.01, 0.5), (2.5, -0.5))),)
+    assert tem.sections[0].layers[0].functions == (FunctionLine("d", False, ((0.01, 0.5), (2.5, -0.5))),)
     assert not report.failed
 
 
@@ -127,7 +127,7 @@ def test_a_row_that_could_be_a_function_is_a_row_inside_a_matrix() -> None:
     (block,) = tem.sections[0].layers[0].blocks
     assert block.rows[1] == (Call("d", ""), 0, 1, 0, 0)
     assert (block.argument, block.factor) == ("x-x", "x-x")
-    assert tem.sections[0].layers[0].functions == (Function("d", False, ((0, 0),)),)
+    assert tem.sections[0].layers[0].functions == (FunctionLine("d", False, ((0, 0),)),)
     assert not report.failed
 
 
@@ -174,8 +174,8 @@ def test_the_same_block_twice_is_reported_and_both_are_kept() -> None:
     tem, report = parse(f"NEIGHBORHOOD: 1\n{A}{A}CURRENT: 0")
     assert len(tem.sections[0].layers[0].blocks) == 2
     assert remarks(report, "warning")[0][0] == 6
-    (draft,) = tem_drafts(tem, "x", Report("x"))
-    assert "FEEDBACK twice" in draft.missing
+    (imported,) = tem_templates(tem, "x", Diagnostics("x"))
+    assert "FEEDBACK twice" in imported.missing
 
 
 def test_a_script_is_a_list_of_templates_and_a_loop() -> None:
@@ -184,7 +184,7 @@ def test_a_script_is_a_list_of_templates_and_a_loop() -> None:
     assert [(section.title, section.label) for section in tem.sections] == [("1", "1"), ("2", "")]
     assert tem.loop == (1, 9)
     assert not report.items
-    drafts = tem_drafts(tem, "TURN", report)
-    assert [(draft.name, plain(draft.template, "").z) for draft in drafts] == [("turn-1", 1), ("turn-2", 2)]
-    assert "9 times" in drafts[0].note
+    templates = tem_templates(tem, "TURN", report)
+    assert [(imported.name, plain(imported.template, "").z) for imported in templates] == [("turn-1", 1), ("turn-2", 2)]
+    assert "9 times" in templates[0].note
     assert "the loop is not" in report.of("warning")[-1].message

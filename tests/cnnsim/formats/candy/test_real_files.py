@@ -12,7 +12,7 @@ from cnnsim.formats.candy.write import write_tem
 from cnnsim.formats.differences import number_differences
 from cnnsim.formats.files import READERS, import_file
 from cnnsim.library.write import template_file
-from cnnsim.support.findings import Report
+from cnnsim.support.diagnostics import Diagnostics
 from tests.kits.formats import HOLE
 from tests.kits.paths import DATA
 
@@ -37,19 +37,19 @@ rubbish = st.one_of(
 @example(b"%Setting: " + b" " * 3000 + b"x")
 def test_rubbish_gives_diagnostics_and_nothing_else(data: bytes) -> None:
     for read in READERS.values():
-        report = Report("x")
-        for draft in read(data, "x", report):
-            if not draft.missing:
-                template_file(draft)
+        report = Diagnostics("x")
+        for imported in read(data, "x", report):
+            if not imported.missing:
+                template_file(imported)
         report.lines(notes=True)
 
 
 @given(st.text(max_size=300))
 def test_what_was_read_from_any_text_is_written_and_read_the_same(text: str) -> None:
-    report = Report("x")
+    report = Diagnostics("x")
     tem = read_tem((HOLE + text.replace("\x1a", "")).encode("utf-8", "replace"), report)
     if not report.failed:
-        assert read_tem(write_tem(tem).encode(), Report("x")).sections == tem.sections
+        assert read_tem(write_tem(tem).encode(), Diagnostics("x")).sections == tem.sections
 
 
 REAL = DATA / "tem"
@@ -96,7 +96,7 @@ def test_real_files_are_read_and_the_odd_ones_are_named(tmp_path: Path) -> None:
 @needs_real
 @pytest.mark.parametrize("path", sorted(REAL.glob("*.tem")), ids=lambda path: path.stem)
 def test_real_files_go_through_the_writer_unharmed(path: Path) -> None:
-    report = Report(path.name)
+    report = Diagnostics(path.name)
     tem = read_tem(path.read_bytes(), report)
-    again = read_tem(write_tem(tem).encode(), Report(path.name))
+    again = read_tem(write_tem(tem).encode(), Diagnostics(path.name))
     assert again == tem

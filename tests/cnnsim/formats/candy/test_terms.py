@@ -14,14 +14,14 @@ from cnnsim.network.layers import AnyTemplate, LayeredTemplate
 from cnnsim.network.table import Table, lines, steps
 from cnnsim.network.template import Template
 from cnnsim.network.term import Term
-from cnnsim.support.findings import Report
+from cnnsim.support.diagnostics import Diagnostics
 
 RING = "{0} {0} {0}\n{0} 0 {0}\n{0} {0} {0}\n"
 WEIGHTS = [[1, 1, 1], [1, 0, 1], [1, 1, 1]]
 
 
 def read(text: str) -> AnyTemplate:
-    report = Report("x.tem")
+    report = Diagnostics("x.tem")
     tem = parse_tem(text, report)
     assert not report.failed, report.lines()
     return section_template(tem.sections[0], "x")

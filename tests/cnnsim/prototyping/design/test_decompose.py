@@ -7,10 +7,10 @@ import pytest
 
 from cnnsim import fixed, library
 from cnnsim.program.file import load_program
+from cnnsim.prototyping.design.decompose import design_rule
 from cnnsim.prototyping.design.expression import parse_rule
 from cnnsim.prototyping.design.files import write_design
-from cnnsim.prototyping.design.rule import Rule, windows
-from cnnsim.prototyping.design.synthesis import design
+from cnnsim.prototyping.design.rule import WindowRule, windows
 from cnnsim.prototyping.design.verify import run_program, wrong_windows
 from tests.oracles.pictures import plane
 
@@ -33,7 +33,7 @@ HARD = {
 @pytest.mark.parametrize(("text", "most"), HARD.items())
 def test_hard_rules_are_decomposed_and_run_right_on_all_windows(text: str, most: int, tmp_path: Path) -> None:
     rule = parse_rule(text)
-    found = design(rule)
+    found = design_rule(rule)
     assert found.certificate is not None
     assert found.certificate.holds(rule.rows, rule.table)
     assert 2 <= len(found.parts) <= most
@@ -48,7 +48,7 @@ def test_hard_rules_are_decomposed_and_run_right_on_all_windows(text: str, most:
 
 
 def test_parity_on_whole_pictures_is_that_of_a_sum(tmp_path: Path) -> None:
-    found = design(parse_rule("all9 % 2 == 1"))
+    found = design_rule(parse_rule("all9 % 2 == 1"))
     program = load_program(write_design(found, "parity", fixed(-1), tmp_path)[-1])
     rng = np.random.default_rng(0)
     for shape in ((1, 1), (1, 7), (13, 9)):
@@ -63,17 +63,17 @@ def test_random_rules_of_four_cells(seed: int, tmp_path: Path) -> None:
     rng = np.random.default_rng(seed)
     answers = rng.choice([-1, 1], 16)
     rows = windows(9) > 0
-    rule = Rule(answers[rows[:, [1, 4, 5, 7]] @ np.array([8, 4, 2, 1])])
-    found = design(rule)
+    rule = WindowRule(answers[rows[:, [1, 4, 5, 7]] @ np.array([8, 4, 2, 1])])
+    found = design_rule(rule)
     paths = write_design(found, "random", fixed(-1), tmp_path)
-    assert wrong_windows(found, None if found.single else paths[-1], "reference") == []
+    assert wrong_windows(found, None if found.one_template else paths[-1], "reference") == []
 
 
 def test_a_negative_weight_of_the_initial_state_turns_it_first(tmp_path: Path) -> None:
-    found = design(parse_rule("c and not x"))
+    found = design_rule(parse_rule("c and not x"))
     assert len(found.parts) == 1
-    assert not found.single
+    assert not found.one_template
     assert wrong_windows(found, write_design(found, "fresh", fixed(-1), tmp_path)[-1]) == []
-    kept = design(parse_rule("c and x"))
-    assert kept.single
+    kept = design_rule(parse_rule("c and x"))
+    assert kept.one_template
     assert kept.parts[0].template("and").self_feedback == 2

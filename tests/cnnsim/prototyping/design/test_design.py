@@ -12,8 +12,8 @@ from cnnsim.prototyping.design.design import Design
 from cnnsim.prototyping.design.expression import parse_rule
 from cnnsim.prototyping.design.fit import fit
 from cnnsim.prototyping.design.linear import Certificate, Norm, Separator, separate
-from cnnsim.prototyping.design.rule import Rule, windows
-from cnnsim.prototyping.design.separable import single
+from cnnsim.prototyping.design.rule import WindowRule, windows
+from cnnsim.prototyping.design.separable import separable_design
 from cnnsim.prototyping.design.verify import wrong_windows
 from cnnsim.transient import run_transient
 from tests.kits.design import rule_of
@@ -42,7 +42,7 @@ def test_enough_templates_are_compared() -> None:
 @pytest.mark.parametrize("norm", ["sum", "largest"])
 @pytest.mark.parametrize("name", LIBRARY)
 def test_the_margin_is_at_least_that_of_the_library(name: str, norm: Norm) -> None:
-    found = single(rule_of(name), norm)
+    found = separable_design(rule_of(name), norm)
     assert isinstance(found, Design)
     part = found.parts[0]
     drives = part.separator.drive(found.rule.rows[:, :9])
@@ -53,7 +53,7 @@ def test_the_margin_is_at_least_that_of_the_library(name: str, norm: Norm) -> No
 
 @pytest.mark.parametrize("name", ["edge-no-feedback", "erosion-cross", "dilation-cross", "erosion-l-shape"])
 def test_templates_on_a_tie_get_a_margin(name: str) -> None:
-    found = single(rule_of(name))
+    found = separable_design(rule_of(name))
     assert isinstance(found, Design)
     assert found.relative_margin() > 0.05
     assert not wrong_windows(found, backend="reference")
@@ -61,7 +61,7 @@ def test_templates_on_a_tie_get_a_margin(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["edge", "corner", "skeleton-2", "horizontal-skeleton-left", "life-layer-1"])
 def test_designed_templates_run_right_on_all_windows(name: str) -> None:
-    found = single(rule_of(name))
+    found = separable_design(rule_of(name))
     assert isinstance(found, Design)
     for backend in ("reference", "cpu"):
         assert wrong_windows(found, backend=backend) == []
@@ -71,14 +71,14 @@ def test_by_hand() -> None:
     """AND of two cells: w = 1, z = -1, margin 1 of 3; nothing is better, as the LP's dual says."""
     found = separate(windows(2), np.array([-1, -1, -1, 1], dtype=np.int8))
     assert found == Separator((Fraction(1), Fraction(1)), Fraction(-1))
-    erosion = single(parse_rule("all9 == 9"))
+    erosion = separable_design(parse_rule("all9 == 9"))
     assert isinstance(erosion, Design)
     assert erosion.parts[0].separator.weights == (Fraction(1),) * 9
     assert erosion.parts[0].separator.bias == -8
 
 
 def test_weights_are_as_symmetric_as_the_rule() -> None:
-    found = single(parse_rule("c and ring8 < 8"))
+    found = separable_design(parse_rule("c and ring8 < 8"))
     assert isinstance(found, Design)
     b = found.parts[0].template("edge").B
     assert np.array_equal(b, [[-1, -1, -1], [-1, 8, -1], [-1, -1, -1]])
@@ -87,9 +87,9 @@ def test_weights_are_as_symmetric_as_the_rule() -> None:
 def test_what_the_rule_leaves_open_makes_the_margin_larger() -> None:
     whole = rule_of("edge")
     few = np.where(np.arange(512) % 5 == 0, whole.table, 0)
-    found = single(Rule(few))
+    found = separable_design(WindowRule(few))
     assert isinstance(found, Design)
-    strict = single(whole)
+    strict = separable_design(whole)
     assert isinstance(strict, Design)
     assert found.relative_margin() > strict.relative_margin()
     assert (found.answer()[few != 0] == few[few != 0]).all()

@@ -9,7 +9,7 @@ from cnnsim import fixed, library
 from cnnsim.prototyping.design.expression import parse_rule
 from cnnsim.prototyping.design.rule import NAMES
 from cnnsim.prototyping.design.rule_files import read_table, rule_of_pairs
-from cnnsim.prototyping.design.separable import single
+from cnnsim.prototyping.design.separable import separable_design
 from cnnsim.support.errors import InputError
 from tests.kits.design import rule_of
 from tests.oracles.pictures import plane
@@ -104,7 +104,7 @@ def test_pairs_of_pictures_give_the_windows_that_occur() -> None:
     known = rule.table != 0
     assert 200 < known.sum() < 512
     assert np.array_equal(rule.table[known], rule_of("edge").table[known])
-    assert single(rule)
+    assert separable_design(rule)
 
 
 def test_a_contradiction_is_named_with_its_places() -> None:

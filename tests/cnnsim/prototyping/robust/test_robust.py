@@ -16,7 +16,7 @@ from cnnsim.cli.prototyping import robust
 from cnnsim.network.cell import output, uncoupled_state
 from cnnsim.network.layers import AnyTemplate, layered
 from cnnsim.prototyping.robust.disturb import quantised, with_relative_errors
-from cnnsim.prototyping.robust.error_rate import final_colour, judge_of
+from cnnsim.prototyping.robust.error_rate import error_rate_of, final_colour
 from cnnsim.prototyping.robust.margin import margin_of, tolerated_error
 from cnnsim.prototyping.robust.robust import BITS, NOISES, SIGMAS, measure
 from cnnsim.transient import run_transient
@@ -166,14 +166,14 @@ def test_bits() -> None:
 )
 def test_an_undisturbed_template_is_right(name: str) -> None:
     entry = library.load(name)
-    assert judge_of(entry).share_of_wrong(entry.network, 0.0, np.random.default_rng(0)) == 0
+    assert error_rate_of(entry).share_of_wrong(entry.network, 0.0, np.random.default_rng(0)) == 0
 
 
 def test_the_judge_counts_wrong_neighbourhoods() -> None:
     """EDGE with z = -3.5: black cells with exactly one white neighbour, 8 windows of 512, turn white."""
     entry = library.load("edge")
     wrong = Template(entry.template.A, entry.template.B, -3.5)
-    assert judge_of(entry).share_of_wrong(wrong, 0.0, np.random.default_rng(0)) == 8 / 512
+    assert error_rate_of(entry).share_of_wrong(wrong, 0.0, np.random.default_rng(0)) == 8 / 512
 
 
 def test_the_judge_counts_wrong_cells_of_examples() -> None:
@@ -181,13 +181,13 @@ def test_the_judge_counts_wrong_cells_of_examples() -> None:
     all_black = Template(entry.template.A, entry.template.B, 40.0)
     white = sum(int((example.output < 0).sum()) for example in entry.examples)
     cells = sum(example.output.size for example in entry.examples)
-    assert judge_of(entry).share_of_wrong(all_black, 0.0, np.random.default_rng(0)) == white / cells
+    assert error_rate_of(entry).share_of_wrong(all_black, 0.0, np.random.default_rng(0)) == white / cells
 
 
 def test_a_grey_answer_is_compared_with_that_of_the_undisturbed_template() -> None:
     entry = library.load("median")  # its example leaves half a unit open: a median of eight is any number in a gap
-    judge = judge_of(entry)
-    assert judge.share_of_wrong(entry.network, 0.0, np.random.default_rng(0)) == 0
+    error_rate = error_rate_of(entry)
+    assert error_rate.share_of_wrong(entry.network, 0.0, np.random.default_rng(0)) == 0
     template = entry.template
     neighbours, own = template.terms[0].weights, (template.A, template.B)
 
@@ -195,13 +195,13 @@ def test_a_grey_answer_is_compared_with_that_of_the_undisturbed_template() -> No
         return Template(*own, template.z, terms=[replace(template.terms[0], weights=weights)])
 
     rng = np.random.default_rng(0)
-    assert judge.share_of_wrong(reweighted(1.5 * neighbours), 0.0, rng) == 0  # equal weights: still the median
+    assert error_rate.share_of_wrong(reweighted(1.5 * neighbours), 0.0, rng) == 0  # equal weights: still the median
     one_decides = np.where(np.arange(9).reshape(3, 3) == 1, 0.4, 0.02) * (neighbours != 0)
     picture = entry.examples[0].input
     assert picture is not None
     above = np.vstack([picture[:1], picture[:-1]])  # 0.4 outweighs seven times 0.02: the cell above is copied
     wrong = np.abs(above - run_transient(entry.network, **entry.task(picture)).y) > 0.1
-    assert judge.share_of_wrong(reweighted(one_decides), 0.0, rng) == wrong.mean() > 0.5
+    assert error_rate.share_of_wrong(reweighted(one_decides), 0.0, rng) == wrong.mean() > 0.5
 
 
 @pytest.mark.parametrize("name", ["edge", "shadow-left", "average", "autowave"])

@@ -12,7 +12,7 @@ from cnnsim import backends, library, write_picture
 from cnnsim.cli.prototyping import trace
 from cnnsim.network.cell import output, uncoupled_state
 from cnnsim.prototyping.trace.plot import SHEET, sheet_frames
-from cnnsim.prototyping.trace.trace import Trace, parse_cell, record, telling_cells, watching_time
+from cnnsim.prototyping.trace.trace import Trace, parse_cell_index, record, representative_cells, watching_time
 from cnnsim.support.errors import InputError
 from cnnsim.transient import Task, make_task, run_transient
 
@@ -61,11 +61,11 @@ def test_telling_cells_go_different_ways() -> None:
     x[:, 0, 0] = 5 * t
     x[:, 1, 2] = -3 * t
     x[:, 1, 1] = 5 * t
-    assert telling_cells(Trace(t, x, output(x)), most=3) in ([(0, 0), (1, 2), (0, 1)], [(0, 1), (0, 0), (1, 2)])
-    assert telling_cells(Trace(t, x, output(x)), most=5) == telling_cells(
+    assert representative_cells(Trace(t, x, output(x)), most=3) in ([(0, 0), (1, 2), (0, 1)], [(0, 1), (0, 0), (1, 2)])
+    assert representative_cells(Trace(t, x, output(x)), most=5) == representative_cells(
         Trace(t, x, output(x)), most=3
     )  # the rest repeats them
-    assert telling_cells(Trace(t, 0 * x, 0 * x)) == [(0, 0)]
+    assert representative_cells(Trace(t, 0 * x, 0 * x)) == [(0, 0)]
 
 
 def test_the_contact_sheet_shows_the_time_in_which_something_happens() -> None:
@@ -98,11 +98,11 @@ def test_a_layer_that_is_not_there() -> None:
 @pytest.mark.parametrize("text", ["3", "a,b", "-1,0", "0,9", "1,2,3", ""])
 def test_a_cell_that_is_none(text: str) -> None:
     with pytest.raises(InputError, match="cell"):
-        parse_cell(text, (4, 9))
+        parse_cell_index(text, (4, 9))
 
 
 def test_a_cell_is_row_then_column() -> None:
-    assert parse_cell("3,8", (4, 9)) == (3, 8)
+    assert parse_cell_index("3,8", (4, 9)) == (3, 8)
 
 
 def test_the_command(tmp_path: Path) -> None:

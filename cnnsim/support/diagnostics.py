@@ -16,7 +16,7 @@ class Diagnostic:
 
 
 @dataclass
-class Report:
+class Diagnostics:
     """The remarks on one file, in the order in which they were found."""
 
     file: str
