@@ -2,6 +2,8 @@
 
 from enum import IntEnum
 
+from cnnsim.network.boundary import Boundary
+
 NOTHING = -1
 """No channel, no plane of weights."""
 
@@ -12,6 +14,11 @@ class BoundaryCode(IntEnum):
     FIXED = 0
     ZERO_FLUX = 1
     PERIODIC = 2
+
+
+def boundary_code(boundary: Boundary) -> BoundaryCode:
+    """Return the number of a boundary, which has its kind as its name."""
+    return BoundaryCode[boundary.kind.upper().replace("-", "_")]
 
 
 class FunctionCode(IntEnum):
