@@ -11,7 +11,7 @@ from cnnsim.support.types import Floats
 from tactile.calibration.gains import Gains
 from tactile.core.frame import TaxelArray
 from tactile.inverse.taxel import invert_strain
-from tactile.simulator.contacts.contacts import MovingLoad
+from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effects import effect_class
 from tactile.simulator.scene.scene import Scene
 

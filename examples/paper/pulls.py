@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tactile.core.frame import TaxelArray
 from tactile.finger import Finger, Settings
 from tactile.simulator.contacts.materials import PRESETS
-from tactile.simulator.contacts.sliding_texture import Drawn
+from tactile.simulator.contacts.sliding_texture import SlidingTexture
 from tactile.simulator.effects.read_noise import ReadNoise
 from tactile.simulator.scene.scene import Scene
 from tactile.texture.figures import Texture
@@ -45,7 +45,7 @@ def pull(material: str, seed: int) -> Pull:
     """Pull a material once: any direction, 4 to 6 mm/s, a mean force of 0.15 to 0.6 N."""
     random = np.random.default_rng((sum(map(ord, material)), seed))
     direction, speed, force = random.uniform(0, 2 * np.pi), random.uniform(4e-3, 6e-3), random.uniform(0.15, 0.6)
-    drawn = Drawn(0, (0.0, 0.0), PRESETS[material], 0.0, LONGEST * FRAME, speed, direction, force, 1e3, seed)
+    drawn = SlidingTexture(0, (0.0, 0.0), PRESETS[material], 0.0, LONGEST * FRAME, speed, direction, force, 1e3, seed)
     noise = ("read_noise", ReadNoise(5e-4))
     scene = Scene(material, 1 / FRAME, LONGEST * FRAME, 0.87e6, (ARRAY,), (), (drawn,), (noise,), seed=seed)
     finger, texture, rows, points = Finger(ARRAY, scene.modulus, Settings()), Texture(WINDOW, 0.0), [], []

@@ -18,7 +18,7 @@ from tactile.finger import Settings
 from tactile.sources import open_source
 
 if TYPE_CHECKING:
-    from tactile.simulator.scene.bumps import Bumps
+    from tactile.simulator.bump_cover import Bumps
 
 TARE = 100
 """Frames averaged away at the start of a recording unless the user says otherwise; simulated frames have no offset."""

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.support.types import Floats
+from tactile.core.loads import COLUMNS, Q
 from tactile.elastic.halfspace import point_load, point_scale
 from tactile.elastic.medium import Medium
 
@@ -14,8 +15,8 @@ def point_cell(x: ArrayLike, y: ArrayLike, depth: float, pitch: float, medium: M
     Unit: reading per Pa. Good where the taxels lie deeper than about two cells.
     """
     at = np.stack(np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float)), axis=-1)
-    unit = np.zeros((3, 1, 5))
-    unit[range(3), 0, range(2, 5)] = pitch**2
+    unit = np.zeros((3, 1, COLUMNS))
+    unit[range(3), 0, range(Q, COLUMNS)] = pitch**2
     return np.stack([point_load(at, depth, load, medium) for load in unit], axis=-1)
 
 

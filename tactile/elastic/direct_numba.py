@@ -9,6 +9,8 @@ import math
 import numpy as np
 from numba import njit, prange
 
+from tactile.core.loads import F, Q, R, X, Y
+
 BLOCK = 256
 """Taxels in a block: its places and sums stay in the first-level cache."""
 MANY = 24
@@ -18,7 +20,7 @@ FAST = {"contract", "reassoc", "nsz", "arcp"}
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
 def _add_load(x_of, y_of, sums, load, over_depth, trace):  # type: ignore[no-untyped-def]  # numba types it at the call
-    x0, y0, q, r, f = load[0], load[1], load[2], load[3], load[4]
+    x0, y0, q, r, f = load[X], load[Y], load[Q], load[R], load[F]
     for i in range(x_of.size):
         x = (x_of[i] - x0) * over_depth
         y = (y_of[i] - y0) * over_depth
@@ -32,7 +34,7 @@ def _add_load(x_of, y_of, sums, load, over_depth, trace):  # type: ignore[no-unt
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
 def _sum_loads(at_x, at_y, columns, over_depth, trace):  # type: ignore[no-untyped-def]  # the same
-    x_of, y_of, q_of, r_of, f_of = columns[0], columns[1], columns[2], columns[3], columns[4]
+    x_of, y_of, q_of, r_of, f_of = columns[X], columns[Y], columns[Q], columns[R], columns[F]
     a = b = c = 0.0
     for j in range(x_of.size):
         x = (at_x - x_of[j]) * over_depth
@@ -56,7 +58,7 @@ def few_loads(x_of, y_of, loads, out, first, last, over_depth, trace, scale):  #
         for n in range(first, last):
             sums[:] = 0
             for m in range(loads.shape[1]):
-                if loads[n, m, 2] != 0 or loads[n, m, 3] != 0 or loads[n, m, 4] != 0:
+                if loads[n, m, Q] != 0 or loads[n, m, R] != 0 or loads[n, m, F] != 0:
                     _add_load(x_here, y_here, sums, loads[n, m], over_depth, trace)
             here = out[n, start : start + count]
             for i in range(count):

@@ -5,6 +5,7 @@ from numpy.typing import ArrayLike
 
 from cnnsim.support.errors import InputError
 from cnnsim.support.types import Floats
+from tactile.core.loads import FORCE, F, Q, R, X, Y
 from tactile.elastic.gauss import gauss
 from tactile.elastic.halfspace import check_loads, point_scale
 from tactile.elastic.medium import Medium
@@ -43,11 +44,11 @@ def disc_load(
     """
     scale, trace = point_scale(depth, medium)
     at, rows = np.asarray(positions, dtype=np.float64), check_loads(loads)
-    x = (at[..., 0, None] - rows[..., 0]) / depth
-    y = (at[..., 1, None] - rows[..., 1]) / depth
+    x = (at[..., 0, None] - rows[..., X]) / depth
+    y = (at[..., 1, None] - rows[..., Y]) / depth
     size = np.asarray(radii, dtype=np.float64) / depth
-    a, b, c, h = _potential(np.hypot(x, y), size, profile, np.asarray(lam), (rows[..., 2:] != 0).any(axis=-1))
-    q, r, f = rows[..., 2], rows[..., 3], rows[..., 4]
+    a, b, c, h = _potential(np.hypot(x, y), size, profile, np.asarray(lam), (rows[..., FORCE] != 0).any(axis=-1))
+    q, r, f = rows[..., Q], rows[..., R], rows[..., F]
     s = q * x + r * y
     t_x = q * (b - a) - x * (h * s + f * c)
     t_y = r * (b - a) - y * (h * s + f * c)

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.support.errors import InputError
+from tactile.core.loads import COLUMNS, F, Q, R, X, Y
 from tactile.elastic.medium import Medium
 
 
@@ -47,7 +48,7 @@ def point_load_stress(positions: ArrayLike, depth: float, loads: ArrayLike) -> N
 
 
 def point_load(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Medium) -> NDArray[np.float64]:
-    """Strain or stress, as the medium says, under point loads: the reference that the faster roads are held to.
+    """Strain or stress, as the medium says, under point loads: the reference that the faster methods are held to.
 
     Arguments, shapes and errors: as ``point_load_strain``.
     """
@@ -57,17 +58,17 @@ def point_load(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Med
     if at.ndim < 1 or at.shape[-1] != 2:
         raise InputError(f"taxel positions of shape {at.shape}, (..., 2) wanted")
     # lengths in units of the depth, so that no fifth power leaves the range of the numbers
-    x = (at[..., 0, None] - rows[..., 0]) / depth
-    y = (at[..., 1, None] - rows[..., 1]) / depth
+    x = (at[..., 0, None] - rows[..., X]) / depth
+    y = (at[..., 1, None] - rows[..., Y]) / depth
     nearness = 1 / (1 + x * x + y * y)
-    weight = (rows[..., 2] * x + rows[..., 3] * y + rows[..., 4]) * (nearness * np.sqrt(nearness)) * scale
+    weight = (rows[..., Q] * x + rows[..., R] * y + rows[..., F]) * (nearness * np.sqrt(nearness)) * scale
     # summed over the loads: the body is linear
     components = -3 * weight * nearness * x, -3 * weight * nearness * y, weight * (trace - 3 * nearness)
     return np.stack([part.sum(-1) for part in components], axis=-1)
 
 
 def point_scale(depth: float, medium: Medium) -> tuple[float, float]:
-    """(c / (2 pi z^2), 2 n) with the medium's reading (c, n): the numbers every road multiplies with.
+    """(c / (2 pi z^2), 2 n) with the medium's reading (c, n): the factors that every method multiplies with.
 
     Raises:
         InputError: a depth that is not positive, or so small that the reading is not a number any more.
@@ -88,7 +89,7 @@ def check_loads(loads: ArrayLike) -> NDArray[np.float64]:
         InputError: another shape, or a load that is not finite.
     """
     rows = np.asarray(loads, dtype=np.float64)
-    if rows.ndim < 2 or rows.shape[-1] != 5:
+    if rows.ndim < 2 or rows.shape[-1] != COLUMNS:
         raise InputError(f"loads of shape {rows.shape}, (n, 5) with rows (x, y, Q, R, F) wanted")
     if not np.isfinite(rows).all():
         where = np.argwhere(~np.isfinite(rows).all(-1))[0].tolist()

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.support.errors import InputError
+from tactile.core.loads import COLUMNS, PLACE, Q
 from tactile.elastic.halfspace import point_load
 from tactile.elastic.medium import Medium
 
@@ -23,9 +24,9 @@ class Influence:
             raise InputError(f"places of shape {where.shape}, (n, 2) wanted")
         at = np.asarray(positions, dtype=np.float64)
         self.shape = at.shape[:-1]
-        unit = np.zeros((len(where), 3, 1, 5))
-        unit[..., 0, :2] = where[:, None]
-        unit[:, range(3), 0, range(2, 5)] = 1
+        unit = np.zeros((len(where), 3, 1, COLUMNS))
+        unit[..., 0, PLACE] = where[:, None]
+        unit[:, range(3), 0, range(Q, COLUMNS)] = 1
         felt = point_load(at.reshape(-1, 1, 1, 2), depth, unit, medium)  # (taxels, n, 3 forces, 3 components)
         self.matrix = np.ascontiguousarray(felt.reshape(-1, 3 * len(where), 3).transpose(1, 0, 2)).reshape(
             3 * len(where), -1

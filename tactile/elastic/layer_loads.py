@@ -9,6 +9,7 @@ from scipy.special import j0, j1
 
 from cnnsim.support.errors import InputError
 from cnnsim.support.types import Floats
+from tactile.core.loads import FORCE, PLACE, F, Q, R, X, Y
 from tactile.elastic.gauss import gauss
 from tactile.elastic.halfspace import check_loads, point_load
 from tactile.elastic.layer import transfer
@@ -56,7 +57,7 @@ def layer_term(
     at, rows = np.asarray(positions, dtype=np.float64), check_loads(loads)
     if not thickness > 0 or depth > thickness:
         raise InputError(f"taxels {depth} m deep in a layer of {thickness} m, a thickness of at least the depth wanted")
-    x, y = at[..., 0, None] - rows[..., 0], at[..., 1, None] - rows[..., 1]
+    x, y = at[..., 0, None] - rows[..., X], at[..., 1, None] - rows[..., Y]
     if np.isinf(thickness) or thickness > 1e8 * depth:  # below 1e-15 of the half-space's own field
         return np.zeros((*x.shape[:-1], 3))
     rho = np.hypot(x, y)
@@ -65,16 +66,16 @@ def layer_term(
     table = _table(depth / thickness, medium.nu, medium.quantity)
     near, reached = rho < REACH * thickness, np.minimum(rho / thickness / REACH, 1)
     normal, normal_shear, shear_normal, even, odd = np.moveaxis(table(np.sqrt(reached)) * (unit / thickness**2), -1, 0)
-    q, r, f = rows[..., 2], rows[..., 3], rows[..., 4]
+    q, r, f = rows[..., Q], rows[..., R], rows[..., F]
     along = q * c + r * s
     x_z = -f * c * shear_normal + q * even - (2 * c * along - q) * odd
     y_z = -f * s * shear_normal + r * even - (2 * s * along - r) * odd
     z_z = f * normal - along * normal_shear
     added = np.stack([np.where(near, part, 0).sum(-1) for part in (x_z, y_z, z_z)], axis=-1)
     if not near.all():
-        far = np.where(near[..., None], 0, rows[..., 2:])
+        far = np.where(near[..., None], 0, rows[..., FORCE])
         added -= point_load(
-            at, depth, np.concatenate([np.broadcast_to(rows[..., :2], (*far.shape[:-1], 2)), far], -1), medium
+            at, depth, np.concatenate([np.broadcast_to(rows[..., PLACE], (*far.shape[:-1], 2)), far], -1), medium
         )
     return added
 

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.support.errors import InputError
+from tactile.core.loads import COLUMNS, FORCE, X, Y
 from tactile.elastic.gauss import gauss
 
 MOST_NODES = 2000
@@ -72,13 +73,13 @@ def _spread(
     angle: float,
 ) -> NDArray[np.float64]:
     rows = np.asarray(load, dtype=np.float64)
-    if rows.ndim < 1 or rows.shape[-1] != 5:
+    if rows.ndim < 1 or rows.shape[-1] != COLUMNS:
         raise InputError(f"load of shape {rows.shape}, (..., 5) rows (x, y, Q, R, F) wanted")
     s, t = along[:, None], across[..., None, :]
     weight = along_weights[:, None] * across_weights
     shape = np.broadcast_shapes(rows.shape[:-1], across.shape[:-1])
-    out = np.empty((*shape, *weight.shape, 5))
-    out[..., 0] = rows[..., 0, None, None] + s * np.cos(angle) - t * np.sin(angle)
-    out[..., 1] = rows[..., 1, None, None] + s * np.sin(angle) + t * np.cos(angle)
-    out[..., 2:] = rows[..., None, None, 2:] * weight[..., None]
-    return out.reshape(*shape, -1, 5)
+    out = np.empty((*shape, *weight.shape, COLUMNS))
+    out[..., X] = rows[..., X, None, None] + s * np.cos(angle) - t * np.sin(angle)
+    out[..., Y] = rows[..., Y, None, None] + s * np.sin(angle) + t * np.cos(angle)
+    out[..., FORCE] = rows[..., None, None, FORCE] * weight[..., None]
+    return out.reshape(*shape, -1, COLUMNS)

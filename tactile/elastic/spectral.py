@@ -18,7 +18,7 @@ Cell = Callable[[ArrayLike, ArrayLike, float, float, Medium], NDArray[np.float64
 CELLS: dict[str, Cell] = {"point": point_cell, "uniform": uniform_cell}
 
 
-class TractionRoad:
+class TractionTransform:
     """What (rows, cols) taxels feel of tractions on (map_rows, map_cols) cells of the same pitch.
 
     Arguments: ``map_shape``, ``taxel_shape``; ``pitch`` [m]; ``depth`` [m]; ``offset`` (x, y) [m], the first taxel's

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from cnnsim.support.types import Floats
 from tactile.core.frame import TaxelArray
 from tactile.elastic.medium import Medium
-from tactile.simulator.contacts.loads import Pressed
-from tactile.simulator.summation import Road, felt_by
+from tactile.simulator.contacts.loads import Loads
+from tactile.simulator.summation import Summation, felt_by
 
 
 @dataclass(frozen=True)
@@ -20,26 +20,26 @@ class Field:
     medium: Medium
     times: Floats
     first: int
-    pressed: Pressed
+    loads: Loads
     values: Floats
 
 
-def felt(positions: Floats, depth: float, pressed: Pressed, medium: Medium, road: Road | None = None) -> Floats:
+def felt(positions: Floats, depth: float, loads: Loads, medium: Medium, method: Summation | None = None) -> Floats:
     """What taxels at ``positions`` (..., 2) feel of all that presses: (frames, ..., 3).
 
-    Points go by the road, circles and twists by their own quadrature; what is not there is not imported.
+    Points are summed by the method, circles and twists by their own quadrature; what is not there is not imported.
     """
-    values = felt_by(road, positions, depth, pressed.loads, medium)
+    values = felt_by(method, positions, depth, loads.points, medium)
     extra = (1,) * (positions.ndim - 1)
-    for disc in pressed.discs:
+    for disc in loads.discs:
         from tactile.elastic.discs import disc_load  # only where called for
 
         frames, count = disc.radii.shape
-        loads, radii, lam = (
+        rows, radii, lam = (
             part.reshape(frames, *extra, count, *part.shape[2:]) for part in (disc.loads, disc.radii, disc.lam)
         )
-        values += disc_load(positions, depth, loads, radii, disc.profile, medium, lam)
-    for twist in pressed.twists:
+        values += disc_load(positions, depth, rows, radii, disc.profile, medium, lam)
+    for twist in loads.twists:
         from tactile.elastic.discs import twist_load  # the same
 
         frames, count = twist.radii.shape
@@ -53,7 +53,7 @@ def felt(positions: Floats, depth: float, pressed: Pressed, medium: Medium, road
     return values
 
 
-def field_of(array: TaxelArray, medium: Medium, times: Floats, first: int, pressed: Pressed, road: Road) -> Field:
+def field_of(array: TaxelArray, medium: Medium, times: Floats, first: int, loads: Loads, method: Summation) -> Field:
     """The field of what presses on a finger, without effects."""
-    values = felt(array.positions(), array.depth, pressed, medium, road)
-    return Field(array, medium, times, first, pressed, values)
+    values = felt(array.positions(), array.depth, loads, medium, method)
+    return Field(array, medium, times, first, loads, values)

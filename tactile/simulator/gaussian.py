@@ -1,4 +1,4 @@
-"""Normal random numbers as fast as the field they are added to: a hash of a counter and a table of quantiles."""
+"""Gaussian random numbers as fast as the field they are added to: a hash of a counter and a table of quantiles."""
 
 from functools import lru_cache
 
@@ -65,7 +65,7 @@ def _add_parallel(pairs, threads, sigma, key, count, table):  # type: ignore[no-
         _add_pairs(pairs, first, last, sigma, key, count, table)
 
 
-class NormalNoise:
+class GaussianNoise:
     """A stream of independent standard normal numbers, the same however it is cut into pieces.
 
     Two of them are sum and difference of two quantiles of a table: the distribution function is within 1e-4 of the

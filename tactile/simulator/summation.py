@@ -1,4 +1,4 @@
-"""Three ways from loads to the field, and the plan that chooses: they give the same numbers at different speeds."""
+"""Summation of point loads: directly, by an influence matrix or by Fourier transforms, and which is the fastest."""
 
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from cnnsim.support.errors import InputError
 from cnnsim.support.types import Floats
 from tactile.core.frame import TaxelArray
+from tactile.core.loads import FORCE, PLACE
 from tactile.elastic.direct import direct_sum
 from tactile.elastic.medium import Medium
 
@@ -22,8 +23,8 @@ GRID = 24
 
 
 @dataclass(frozen=True)
-class Road:
-    """A way to the field, and why the plan took it. ``memory``: matrices and transforms already made."""
+class Summation:
+    """How the loads are summed, and why so. ``memory``: matrices and transforms already made."""
 
     name: Name
     why: str
@@ -36,59 +37,64 @@ class Road:
         return self.memory[key]
 
 
-DIRECT = Road("direct", "loads that move, or few of them: every load on every taxel")
+DIRECT = Summation("direct", "loads that move, or few of them: every load on every taxel")
 
 
-def plan(array: TaxelArray, loads: Floats, frames: int) -> Road:
-    """Choose the road for ``frames`` frames of point loads like these (samples, n, 5) on an array.
+def choose_method(array: TaxelArray, loads: Floats, frames: int) -> Summation:
+    """Choose the method for ``frames`` frames of point loads like these (samples, n, 5) on an array.
 
     The matrix where many loads stay where they are over more frames than there are loads; transforms where the loads
     lie on the array's own grid and both are large; else the direct sum.
     """
     count = loads.shape[1]
-    if count < FEW or not len(loads) or (loads[:, :, :2] != loads[:1, :, :2]).any():
+    if count < FEW or not len(loads) or moving(loads):
         return DIRECT
-    if count >= GRID**2 and min(array.shape) >= GRID and _on_grid(array.positions(), loads[0, :, :2]) is not None:
-        return Road("fft", f"{count} loads and {array.rows} x {array.cols} taxels on one grid: transforms")
+    if count >= GRID**2 and min(array.shape) >= GRID and _on_grid(array.positions(), loads[0, :, PLACE]) is not None:
+        return Summation("fft", f"{count} loads and {array.rows} x {array.cols} taxels on one grid: transforms")
     if frames >= 3 * count and 9 * count * array.rows * array.cols <= LARGEST:
-        return Road("matrix", f"{count} loads that stay in place for {frames} frames: one matrix")
+        return Summation("matrix", f"{count} loads that stay in place for {frames} frames: one matrix")
     return DIRECT
 
 
-def felt_by(road: Road | None, positions: Floats, depth: float, loads: Floats, medium: Medium) -> Floats:
-    """What taxels (..., 2) feel of point loads (frames, n, 5) by one road, the direct one where None: (frames, ..., 3).
+def moving(loads: Floats) -> bool:
+    """Whether point loads (frames, n, 5) leave the places of the first frame."""
+    return bool((loads[..., PLACE] != loads[:1, :, PLACE]).any())
+
+
+def felt_by(method: Summation | None, positions: Floats, depth: float, loads: Floats, medium: Medium) -> Floats:
+    """What taxels (..., 2) feel of point loads (frames, n, 5): (frames, ..., 3); directly where ``method`` is None.
 
     Raises:
-        InputError: loads that the road cannot carry: moving ones by the matrix, off the taxels' grid by transforms.
+        InputError: loads that the method cannot carry: moving ones by the matrix, off the taxels' grid by transforms.
     """
-    if road is None or road.name == "direct" or not loads.shape[1]:
+    if method is None or method.name == "direct" or not loads.shape[1]:
         return direct_sum(positions, depth, loads, medium)
-    if (loads[:, :, :2] != loads[:1, :, :2]).any():
-        raise InputError(f"loads that move, by the {road.name} road; loads that stay in place wanted")
-    if road.name == "matrix":
-        from tactile.elastic.influence import Influence  # only the road that is taken is imported
+    if moving(loads):
+        raise InputError(f"loads that move, by the {method.name} method; loads that stay in place wanted")
+    if method.name == "matrix":
+        from tactile.elastic.influence import Influence  # only the method that is taken is imported
 
-        places = np.ascontiguousarray(loads[0, :, :2])
+        places = np.ascontiguousarray(loads[0, :, PLACE])
         key = positions.tobytes(), depth, places.tobytes(), medium
-        return road.remember(key, lambda: Influence(positions, depth, places, medium))(loads[..., 2:])
-    return _by_transforms(road, positions, depth, loads, medium)
+        return method.remember(key, lambda: Influence(positions, depth, places, medium))(loads[..., FORCE])
+    return _by_transforms(method, positions, depth, loads, medium)
 
 
-def _by_transforms(road: Road, positions: Floats, depth: float, loads: Floats, medium: Medium) -> Floats:
-    from tactile.elastic.spectral import TractionRoad  # only the road that is taken is imported
+def _by_transforms(method: Summation, positions: Floats, depth: float, loads: Floats, medium: Medium) -> Floats:
+    from tactile.elastic.spectral import TractionTransform  # only the method that is taken is imported
 
-    grid = _on_grid(positions, loads[0, :, :2])
+    grid = _on_grid(positions, loads[0, :, PLACE])
     if grid is None:
         raise InputError("loads and taxels that share no grid, by transforms; loads at whole pitches wanted")
     first, shape, pitch, index = grid
     x, y = (positions[0, 0] - first).tolist()
     taxels = positions.shape[0], positions.shape[1]
     key = taxels, shape, pitch, depth, medium, x, y
-    transforms = road.remember(key, lambda: TractionRoad(shape, taxels, pitch, depth, medium, (x, y)))
+    transforms = method.remember(key, lambda: TractionTransform(shape, taxels, pitch, depth, medium, (x, y)))
     values = np.empty((len(loads), *positions.shape[:2], 3))
     for frame, rows in zip(values, loads, strict=True):
         traction = np.zeros((shape[0] * shape[1], 3))
-        np.add.at(traction, index, rows[:, 2:] / pitch**2)
+        np.add.at(traction, index, rows[:, FORCE] / pitch**2)
         frame[:] = transforms(traction.reshape(*shape, 3))
     return values
 

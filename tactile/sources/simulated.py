@@ -1,6 +1,6 @@
 """Simulated frames as a source: scenes, whose home is ``tactile.simulator``."""
 
-from tactile.simulator.contacts.contacts import MovingLoad
+from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.scene.file import read_scene, scene_from
 from tactile.simulator.scene.scene import Scene
 

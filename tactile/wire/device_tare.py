@@ -7,7 +7,7 @@ import numpy as np
 from tactile.wire.base import Taxels
 
 
-class Zero:
+class DeviceTare:
     """Subtracts the mean of the readings of ``seconds`` after `ask`, once that time is over, and until the next one."""
 
     def __init__(self, seconds: float) -> None:

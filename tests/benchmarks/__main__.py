@@ -25,7 +25,7 @@ def main() -> None:
         *touch.frames(n),
         *touch.inverse(triad, n),
         *simulator.frames(n),
-        *simulator.roads(n),
+        *simulator.summation(n),
         *startup.measure(n),
         *dense.memory(),
     ]

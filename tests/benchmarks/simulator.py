@@ -1,4 +1,4 @@
-"""The simulator: frames of a moving load, what effects cost, and the three roads beside GEMM and Tamaas."""
+"""The simulator: frames of a moving load, what effects cost, and three ways to sum loads beside GEMM and Tamaas."""
 
 from collections.abc import Callable
 from importlib import import_module
@@ -10,8 +10,8 @@ from tactile.core.frame import TaxelArray
 from tactile.elastic.direct import direct_sum
 from tactile.elastic.influence import Influence
 from tactile.elastic.medium import Medium
-from tactile.elastic.spectral import TractionRoad
-from tactile.simulator.contacts.contacts import MovingLoad
+from tactile.elastic.spectral import TractionTransform
+from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effects.read_noise import ReadNoise
 from tactile.simulator.scene.scene import Scene
 from tests.benchmarks.race import Row, race
@@ -51,20 +51,20 @@ def frames(rounds: int) -> list[Row]:
     return rows
 
 
-def roads(rounds: int) -> list[Row]:
+def summation(rounds: int) -> list[Row]:
     """The direct sum; the matrix beside GEMM of the same size; transforms beside Tamaas, where it is installed."""
     random = np.random.default_rng(0)
     loads, at = random.normal(size=(1, PAIRS[0], 5)), random.normal(size=(PAIRS[1], 2))
-    road, forces = (
+    transform, forces = (
         Influence(ARRAY.positions(), 1e-3, random.normal(size=(64, 2)), BODY),
         random.normal(size=(8192, 64, 3)),
     )
     a, b = random.normal(size=(8192, 192)), random.normal(size=(192, 192))
     traction = random.normal(size=(SIDE, SIDE, 3))
-    transforms = TractionRoad((SIDE, SIDE), (SIDE, SIDE), 1.0, 1.0, Medium(1.0, 0.499))
+    transforms = TractionTransform((SIDE, SIDE), (SIDE, SIDE), 1.0, 1.0, Medium(1.0, 0.499))
     runners: dict[str, Callable[[], object]] = {
         "direct": lambda: direct_sum(at, 0.5, loads, BODY),
-        "matrix": lambda: road(forces),
+        "matrix": lambda: transform(forces),
         "gemm": lambda: a @ b,
         "transforms": lambda: transforms(traction),
     }

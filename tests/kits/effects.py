@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tactile.core.frame import TaxelArray
 from tactile.simulator.batch import Batch
-from tactile.simulator.contacts.contacts import MovingLoad
+from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.scene.scene import Scene
 
 ARRAY = TaxelArray("a", 3, 4, 3e-4, 2e-4)

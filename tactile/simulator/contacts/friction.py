@@ -14,7 +14,7 @@ MEMORY = 12
 
 
 @dataclass(frozen=True)
-class Slip:
+class FrictionState:
     """The tangential traction of a round contact, as rings that slipped or stuck at different times.
 
     For similar materials the tangential traction is a sum of normal pressures: with p(s) the pressure when the
@@ -46,7 +46,7 @@ class Slip:
         return self.ends, self.friction * self.ends[:, None] * (self.shares - following)
 
 
-def untouched(friction: float) -> Slip:
+def untouched(friction: float) -> FrictionState:
     """No contact yet.
 
     Raises:
@@ -54,10 +54,10 @@ def untouched(friction: float) -> Slip:
     """
     if not (np.isfinite(friction) and friction >= 0):
         raise InputError(f"friction coefficient {friction}, a number from 0 up wanted")
-    return Slip(friction, np.zeros(0), np.zeros((0, 2)))
+    return FrictionState(friction, np.zeros(0), np.zeros((0, 2)))
 
 
-def load_to(before: Slip, normal: float, tangential: Vector) -> Slip:
+def load_to(before: FrictionState, normal: float, tangential: Vector) -> FrictionState:
     """The contact after the normal force went to ``normal`` and the tangential one to ``tangential`` (2,) [N].
 
     First the circle grows or shrinks; a new ring takes what share of the change it can. The rest is carried by
@@ -67,9 +67,9 @@ def load_to(before: Slip, normal: float, tangential: Vector) -> Slip:
     mu = before.friction
     size = float(np.hypot(*tangential))
     if normal <= 0 or mu == 0:
-        return Slip(mu, np.zeros(0), np.zeros((0, 2)), 0.0, size > 0)
+        return FrictionState(mu, np.zeros(0), np.zeros((0, 2)), 0.0, size > 0)
     if size >= mu * normal:
-        return Slip(mu, np.array([normal]), (tangential / size)[None], 0.0, True)
+        return FrictionState(mu, np.array([normal]), (tangential / size)[None], 0.0, True)
     ends, shares = _cut(before.ends, before.shares, normal)
     old = float(ends[-1]) if ends.size else 0.0
     missing = tangential / mu - np.diff(ends, prepend=0.0) @ shares
@@ -79,7 +79,7 @@ def load_to(before: Slip, normal: float, tangential: Vector) -> Slip:
         ring = missing / grown if grown > 0 else np.zeros(2)
         if grown > 0:
             ends, shares = np.append(ends, normal), np.vstack([shares, ring])
-        return Slip(mu, *_short(ends, shares), normal)
+        return FrictionState(mu, *_short(ends, shares), normal)
     # |wanted - carried by the circle c| = normal - c; the ring from c out takes the full share. The difference
     # rises with c because shares are at most 1, so walking in from the rim finds the largest c first.
     wanted = tangential / mu
@@ -94,8 +94,8 @@ def load_to(before: Slip, normal: float, tangential: Vector) -> Slip:
             way = rest / max(float(np.hypot(*rest)), 1e-300)
             kept = k + (1 if step > 0 else 0)
             new_ends = np.append(np.append(ends[:k], c) if step > 0 else ends[:k], normal)
-            return Slip(mu, *_short(new_ends, np.vstack([shares[:kept], way])), c)
-    return Slip(mu, np.array([normal]), (tangential / size)[None], 0.0, True)
+            return FrictionState(mu, *_short(new_ends, np.vstack([shares[:kept], way])), c)
+    return FrictionState(mu, np.array([normal]), (tangential / size)[None], 0.0, True)
 
 
 def _root(start: Vector, share: Vector, room: float, most: float) -> float:

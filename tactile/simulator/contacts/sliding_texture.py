@@ -1,4 +1,4 @@
-"""A textured object drawn over the cover: normal force from its profile, shear that sticks and slips."""
+"""A textured object that slides over the cover: normal force from its profile, shear that sticks and slips."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -8,7 +8,7 @@ import numpy as np
 from cnnsim.support.errors import InputError
 from cnnsim.support.types import Floats
 from tactile.elastic.medium import Medium
-from tactile.simulator.contacts.loads import Pressed, point_loads
+from tactile.simulator.contacts.loads import Loads, point_loads
 from tactile.simulator.contacts.materials import Material
 
 FINEST = 24
@@ -17,7 +17,7 @@ MOST_STEPS = 5_000_000
 
 
 @dataclass(frozen=True)
-class Drawn:
+class SlidingTexture:
     """An object drawn along a straight line over one point of the cover.
 
     The normal force is F (1 + profile(way)), never below 0. The shear grows with the way at ``stiffness`` until
@@ -87,8 +87,8 @@ class Drawn:
         step = np.clip(np.searchsorted(way, at, side="right") - 1, 0, len(way) - 1)
         return np.where(here, shear[step], 0.0), np.where(here, normal[step], 0.0)
 
-    def pressed(self, times: Floats, depth: float, medium: Medium) -> Pressed:
-        """What presses on the finger at the times [s]."""
+    def loads(self, times: Floats, depth: float, medium: Medium) -> Loads:
+        """The load on the finger at the times [s]."""
         shear, normal = self.series(times)
         x, y = (np.full(len(times), place) for place in self.place)
         pull = shear * np.cos(self.direction), shear * np.sin(self.direction)

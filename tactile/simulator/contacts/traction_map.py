@@ -6,9 +6,10 @@ import numpy as np
 
 from cnnsim.support.errors import InputError
 from cnnsim.support.types import Floats
+from tactile.core.loads import COLUMNS, FORCE, PLACE
 from tactile.elastic.medium import Medium
-from tactile.simulator.contacts.contacts import along_path
-from tactile.simulator.contacts.loads import Pressed
+from tactile.simulator.contacts.loads import Loads
+from tactile.simulator.contacts.moving_load import along_path
 
 
 @dataclass(frozen=True)
@@ -27,15 +28,15 @@ class TractionMap:
     path: Floats
 
     def __post_init__(self) -> None:
-        if self.cells.ndim != 2 or self.cells.shape[1] != 5 or not len(self.cells):
+        if self.cells.ndim != 2 or self.cells.shape[1] != COLUMNS or not len(self.cells):
             raise InputError(f"a traction map of cells {self.cells.shape}, (n, 5) with n of at least 1 wanted")
 
-    def pressed(self, times: Floats, depth: float, medium: Medium) -> Pressed:
-        """What presses on the finger at the times [s]; its total acts in the centre of the pressure."""
+    def loads(self, times: Floats, depth: float, medium: Medium) -> Loads:
+        """The loads on the finger at the times [s]; their total acts in the centre of the pressure."""
         strength, gone = along_path(self.path, times)
-        loads = np.broadcast_to(self.cells, (len(times), *self.cells.shape)).copy()
-        loads[..., 2:] *= np.where(gone, 0, strength[:, 0])[:, None, None]
-        size = np.abs(self.cells[:, 2:]).sum(axis=1)
-        centre = np.average(self.cells[:, :2], axis=0, weights=size if size.any() else None)
-        total = np.concatenate([np.broadcast_to(centre, (len(times), 2)), loads[..., 2:].sum(axis=1)], axis=-1)
-        return Pressed(total[:, None], loads, np.zeros(len(self.cells), np.int64))
+        points = np.broadcast_to(self.cells, (len(times), *self.cells.shape)).copy()
+        points[..., FORCE] *= np.where(gone, 0, strength[:, 0])[:, None, None]
+        size = np.abs(self.cells[:, FORCE]).sum(axis=1)
+        centre = np.average(self.cells[:, PLACE], axis=0, weights=size if size.any() else None)
+        total = np.concatenate([np.broadcast_to(centre, (len(times), 2)), points[..., FORCE].sum(axis=1)], axis=-1)
+        return Loads(total[:, None], points, np.zeros(len(self.cells), np.int64))

@@ -42,6 +42,6 @@ class FiniteThickness:
             if np.isinf(thickness):
                 yield field
                 continue
-            loads = np.concatenate([field.pressed.loads, *(disc.loads for disc in field.pressed.discs)], axis=1)
+            loads = np.concatenate([field.loads.points, *(disc.loads for disc in field.loads.discs)], axis=1)
             term = layer_term(field.array.positions(), field.array.depth, loads[:, None, None], thickness, field.medium)
             yield replace(field, values=field.values + term)

@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from tactile.core.loads import F
 from tactile.elastic.discs import disc_load
 from tactile.elastic.halfspace import point_load
 from tactile.elastic.profiles import ROUND_TIP, round_tip_radius
@@ -36,13 +37,13 @@ class FiniteTip:
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields under tips."""
         for field in stream:
-            owner = field.pressed.owner
+            owner = field.loads.owner
             points = np.bincount(owner)[owner] == 1 if owner.size else np.zeros(0, bool)
-            loads = field.pressed.loads[:, points][:, None, None]
+            loads = field.loads.points[:, points][:, None, None]
             if self.radius == 0 or not loads.size:
                 yield field
                 continue
-            radii = round_tip_radius(loads[..., 4], self.radius, field.medium.contact_modulus)
+            radii = round_tip_radius(loads[..., F], self.radius, field.medium.contact_modulus)
             at, depth = field.array.positions(), field.array.depth
             spread = disc_load(at, depth, loads, radii, ROUND_TIP, field.medium, radii / self.radius)
             yield replace(field, values=field.values + spread - point_load(at, depth, loads, field.medium))

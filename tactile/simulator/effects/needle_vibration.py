@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from tactile.core.loads import F
 from tactile.simulator.checks import within
 from tactile.simulator.field import Field, felt
 from tactile.simulator.held_needle import force_factor
@@ -47,10 +48,10 @@ class NeedleVibration:
             if not moves.any():
                 yield field
                 continue
-            forces = field.pressed.totals[..., 4]
+            forces = field.loads.totals[..., F]
             shift = np.broadcast_to(moves[..., :2], (*forces.shape, 2))
             factor = force_factor(forces, np.broadcast_to(moves[..., 2], forces.shape), self.tip_radius, field.medium)
-            pressed = field.pressed.moved(shift, factor)
+            loads = field.loads.moved(shift, factor)
             at, depth = field.array.positions(), field.array.depth
-            term = felt(at, depth, pressed, field.medium) - felt(at, depth, field.pressed, field.medium)
-            yield replace(field, pressed=pressed, values=field.values + term)
+            term = felt(at, depth, loads, field.medium) - felt(at, depth, field.loads, field.medium)
+            yield replace(field, loads=loads, values=field.values + term)

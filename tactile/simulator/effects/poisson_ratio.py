@@ -38,5 +38,5 @@ class PoissonRatio:
                 continue
             medium = replace(field.medium, nu=self.nu)
             at, depth = field.array.positions(), field.array.depth
-            term = felt(at, depth, field.pressed, medium) - felt(at, depth, field.pressed, field.medium)
+            term = felt(at, depth, field.loads, medium) - felt(at, depth, field.loads, field.medium)
             yield replace(field, medium=medium, values=field.values + term)

@@ -8,14 +8,14 @@ import numpy as np
 
 from tactile.simulator.batch import Batch
 from tactile.simulator.checks import within
-from tactile.simulator.gaussian import NormalNoise
+from tactile.simulator.gaussian import GaussianNoise
 
 
 @dataclass(frozen=True)
 class ReadNoise:
     """Adds normal noise of standard deviation ``rms`` (of full scale) to every reading.
 
-    Statistics: mean 0, independent between readings, channels and frames; normal as ``NormalNoise`` declares.
+    Statistics: mean 0, independent between readings, channels and frames; normal as ``GaussianNoise`` declares.
     """
 
     rms: float = 0.002
@@ -33,7 +33,7 @@ class ReadNoise:
         if self.rms == 0:
             yield from stream
             return
-        noise = NormalNoise(random)
+        noise = GaussianNoise(random)
         for batch in stream:
             noise.add(batch.values, self.rms * batch.full_scale)
             yield batch

@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from tactile.core.loads import PLACE, F
 from tactile.simulator.checks import within
 from tactile.simulator.field import Field, felt
 from tactile.simulator.held_needle import force_factor
@@ -52,10 +53,10 @@ class SurfaceWaviness:
             if self.rms == 0:
                 yield field
                 continue
-            totals = field.pressed.totals
-            height = self.rms * np.sqrt(2 / WAVES) * np.cos(totals[..., :2] @ waves + phase).sum(axis=-1)
-            factor = force_factor(totals[..., 4], height, self.tip_radius, field.medium)
-            pressed = field.pressed.moved(np.zeros((*factor.shape, 2)), factor)
+            totals = field.loads.totals
+            height = self.rms * np.sqrt(2 / WAVES) * np.cos(totals[..., PLACE] @ waves + phase).sum(axis=-1)
+            factor = force_factor(totals[..., F], height, self.tip_radius, field.medium)
+            loads = field.loads.moved(np.zeros((*factor.shape, 2)), factor)
             at, depth = field.array.positions(), field.array.depth
-            term = felt(at, depth, pressed, field.medium) - felt(at, depth, field.pressed, field.medium)
-            yield replace(field, pressed=pressed, values=field.values + term)
+            term = felt(at, depth, loads, field.medium) - felt(at, depth, field.loads, field.medium)
+            yield replace(field, loads=loads, values=field.values + term)

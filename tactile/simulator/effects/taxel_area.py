@@ -45,6 +45,6 @@ class TaxelArea:
             nodes, weights = gauss(count)
             steps = np.stack(np.meshgrid(nodes, nodes), axis=-1).reshape(-1, 2) * self.width / 2
             over = np.outer(weights, weights).ravel() / 4
-            everywhere = felt(at[:, :, None] + steps, depth, field.pressed, field.medium)
-            term = np.einsum("nrcpk,p->nrck", everywhere, over) - felt(at, depth, field.pressed, field.medium)
+            everywhere = felt(at[:, :, None] + steps, depth, field.loads, field.medium)
+            term = np.einsum("nrcpk,p->nrck", everywhere, over) - felt(at, depth, field.loads, field.medium)
             yield replace(field, values=field.values + term)

@@ -8,13 +8,13 @@ import numpy as np
 
 from cnnsim.support.errors import InputError
 from cnnsim.support.toml_file import check_keys, take, take_numbers
-from tactile.simulator.contacts.contacts import MovingContact
 from tactile.simulator.contacts.indenter import ROUND, Indenter, Shape
 from tactile.simulator.contacts.materials import PRESETS
-from tactile.simulator.contacts.sliding_texture import Drawn
+from tactile.simulator.contacts.moving_contact import MovingContact
+from tactile.simulator.contacts.sliding_texture import SlidingTexture
 from tactile.simulator.contacts.traction_map import TractionMap
-from tactile.simulator.scene.parts import keyframes, one_finger, positive
 from tactile.simulator.scene.scene import Contact
+from tactile.simulator.scene.table_values import keyframes, one_finger, positive
 
 CONTACT_KEYS = ("finger", "shape", "radius_mm", "length_mm", "angle_deg", "friction", "given", "twist", "path")
 TEXTURE_KEYS = (
@@ -75,7 +75,7 @@ def read_texture(table: dict[str, Any], names: list[str], where: str, _folder: P
     check_keys({material: None}, tuple(PRESETS), f"{where}: material")
     x, y = take_numbers(table, "place_mm", 2, where, [0.0, 0.0])
     try:
-        return Drawn(
+        return SlidingTexture(
             one_finger(table, names, where),
             (x * 1e-3, y * 1e-3),
             PRESETS[material],

@@ -7,8 +7,8 @@ from cnnsim.support.errors import InputError
 from cnnsim.support.toml_file import take
 from tactile.bump.shape import Shape
 from tactile.core.frame import TaxelArray
-from tactile.simulator.scene.bumps import Bumps
-from tactile.simulator.scene.parts import positive
+from tactile.simulator.bump_cover import Bumps
+from tactile.simulator.scene.table_values import positive
 
 BUMP_KEYS = ("diameter_mm", "thickness_mm", "contact_mm", "fillet_mm", "poissons_ratio", "strain", "indentation_mm")
 

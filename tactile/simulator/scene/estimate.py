@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from cnnsim.support.types import Floats
 from tactile.simulator.batch import Batch
-from tactile.simulator.contacts.loads import Pressed
 from tactile.simulator.field import Field
 from tactile.simulator.scene.scene import Scene
 
@@ -102,12 +101,12 @@ class Sample:
             for finger in range(len(self.scene.arrays)):
                 pieces = list(self._pieces(finger))
                 begin = perf_counter()
-                pressed: list[Pressed] = [self.scene.pressed(finger, times) for _, times in pieces]
+                for _, times in pieces:
+                    self.scene.finger_loads(finger, times)
                 spent["contacts"] += perf_counter() - begin
                 begin = perf_counter()
                 stream: Any = list(self.scene.fields(finger, pieces))
                 spent["field"] += perf_counter() - begin
-                del pressed
                 stage = "field"
                 for name, effect in effects:
                     if stage != effect.STAGE:

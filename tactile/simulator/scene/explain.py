@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support.toml_file import read_toml
-from tactile.simulator.scene.auto import candidates, choose, size_of
+from tactile.simulator.scene.auto_effects import candidates, choose, size_of
 from tactile.simulator.scene.estimate import Sample
 from tactile.simulator.scene.file import bare_scene
 from tactile.simulator.scene.scene import Scene
 
-WORDS = {"MovingLoad": "load", "MovingContact": "contact", "Drawn": "texture", "TractionMap": "map"}
+WORDS = {"MovingLoad": "load", "MovingContact": "contact", "SlidingTexture": "texture", "TractionMap": "map"}
 """What the kinds of contact are called in a scene."""
 
 
 @dataclass(frozen=True)
-class Part:
+class ScenePart:
     """One part of a scene.
 
     ``size``: largest change it makes to the signal, relative to the peak; ``seconds``: measured time per frame,
@@ -35,13 +35,13 @@ class Part:
 
 @dataclass(frozen=True)
 class Explanation:
-    """A scene taken apart: ``lines`` about contacts and roads, ``parts`` in the order in which they act."""
+    """A scene taken apart: ``lines`` about contacts and methods, ``parts`` in the order in which they act."""
 
     title: str
     peak: float
     unit: str
     lines: tuple[str, ...]
-    parts: tuple[Part, ...]
+    parts: tuple[ScenePart, ...]
     notes: tuple[str, ...]
 
 
@@ -73,14 +73,14 @@ def explain(scene: Scene, tolerance: float | None = None) -> Explanation:
     on = dict(scene.effects)
     seconds = sample.seconds(list(scene.effects))
     parts = [
-        Part(
+        ScenePart(
             "contacts",
             f"{len(scene.loads) + len(scene.contacts)} on {len(scene.arrays)} finger{'s' * (len(scene.arrays) > 1)}",
             True,
             0.0,
             seconds["contacts"],
         ),
-        Part("field", str(scene.bumps or "elastic half-space, incompressible"), True, 1.0, seconds["field"]),
+        ScenePart("field", str(scene.bumps or "elastic half-space, incompressible"), True, 1.0, seconds["field"]),
     ]
     if scene.bumps is not None:
         notes.append(
@@ -88,7 +88,7 @@ def explain(scene: Scene, tolerance: float | None = None) -> Explanation:
         )
     for name, effect in candidates(described):
         size = choice.sizes[name] if choice else size_of(sample, name, effect)
-        parts.append(Part(name, _describe(effect), name in on, size, seconds.get(name)))
+        parts.append(ScenePart(name, _describe(effect), name in on, size, seconds.get(name)))
     quantity = scene.arrays[0].quantity
     return Explanation(
         scene.title,
@@ -124,12 +124,12 @@ def _describe(effect: Any) -> str:
 def _lines(scene: Scene) -> list[str]:
     lines = []
     for finger, array in enumerate(scene.arrays):
-        road = scene.road(finger)
+        method = scene.method(finger)
         mine = [contact for contact in (*scene.loads, *scene.contacts) if contact.finger == finger]
         kinds = Counter(WORDS.get(type(contact).__name__, type(contact).__name__) for contact in mine)
         presses = ", ".join(f"{count} {kind}" for kind, count in kinds.items()) or "nothing presses"
         lines.append(
             f"{array.name}: {array.rows} x {array.cols} taxels of {array.quantity}, {array.depth * 1e3:g} mm deep; "
-            f"{presses}; road: {road.name} ({road.why})"
+            f"{presses}; method: {method.name} ({method.why})"
         )
     return lines

@@ -7,9 +7,9 @@ from cnnsim.support.errors import InputError
 from cnnsim.support.toml_file import check_keys, read_toml, take, take_numbers, take_tables
 from tactile.core.array_table import take_array
 from tactile.core.frame import TaxelArray
-from tactile.simulator.contacts.contacts import MovingLoad
-from tactile.simulator.scene.parts import keyframes, one_finger, positive
+from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.scene.scene import FULL_SCALE, Contact, Scene
+from tactile.simulator.scene.table_values import keyframes, one_finger, positive
 
 TOP_KEYS = (
     "title", "rate_hz", "duration_s", "seed", "effects", "tolerance",
@@ -43,7 +43,7 @@ def scene_from(table: dict[str, Any], where: str, folder: Path = Path()) -> Scen
     scene, tolerance = bare_scene(table, where, folder)
     if tolerance is None:
         return scene
-    from tactile.simulator.scene.auto import choose  # only where called for
+    from tactile.simulator.scene.auto_effects import choose  # only where called for
 
     return choose(scene, tolerance).scene
 

@@ -10,21 +10,22 @@ from typing import TYPE_CHECKING, Any, Protocol, cast
 import numpy as np
 
 from tactile.core.frame import Frame, TaxelArray
+from tactile.core.loads import COLUMNS
 from tactile.elastic.medium import Felt, Medium
 from tactile.simulator.batch import Batch
-from tactile.simulator.contacts.contacts import MovingLoad
-from tactile.simulator.contacts.loads import Pressed, together
+from tactile.simulator.contacts.loads import Loads, together
+from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.field import Field, field_of
-from tactile.simulator.summation import Road, plan
+from tactile.simulator.summation import Summation, choose_method, moving
 
 if TYPE_CHECKING:
-    from tactile.simulator.scene.bumps import Bumps
+    from tactile.simulator.bump_cover import Bumps
 
 from cnnsim.support.types import Floats
 
 CHUNK = 512
 """Frames computed at once: those of 8 x 8 taxels stay in the second-level cache from effect to effect."""
-ROOM = 1 << 22
+LOADS_AT_ONCE = 1 << 22
 """Load components held at once: scenes with very many loads are computed in smaller pieces."""
 FULL_SCALE = 0.1
 """Largest strain the electronics are made for, unless a scene says otherwise: the paper's needle just reaches it."""
@@ -35,7 +36,7 @@ class Contact(Protocol):
 
     @property
     def finger(self) -> int: ...  # noqa: D102 - the finger's number
-    def pressed(self, times: Floats, depth: float, medium: Medium) -> Pressed: ...  # noqa: D102 - what presses at the times
+    def loads(self, times: Floats, depth: float, medium: Medium) -> Loads: ...  # noqa: D102 - what it puts on the finger at the times
 
 
 @dataclass(frozen=True)
@@ -81,50 +82,52 @@ class Scene:
         """The reading of strain 1: 1, or E [Pa] where stress is read."""
         return self.modulus if self.arrays[finger].quantity == "stress" else 1.0
 
-    def pressed(self, finger: int, times: Floats) -> Pressed:
-        """All that presses on a finger at the times [s]."""
+    def finger_loads(self, finger: int, times: Floats) -> Loads:
+        """All loads on a finger at the times [s]."""
         depth, medium = self.arrays[finger].depth, self.medium(finger)
         mine = [contact for contact in (*self.loads, *self.contacts) if contact.finger == finger]
-        return together((contact.pressed(times, depth, medium) for contact in mine), len(times))
+        return together((contact.loads(times, depth, medium) for contact in mine), len(times))
 
     def loads_at(self, finger: int, times: Floats) -> Floats:
         """Return the (times, contacts, 5) rows (x, y, Q, R, F) on a finger: what a localiser should find."""
-        return self.pressed(finger, times).totals
+        return self.finger_loads(finger, times).totals
 
-    def road(self, finger: int) -> Road:
-        """The way to the field that the plan chose for a finger."""
-        return self._roads[finger]
+    def method(self, finger: int) -> Summation:
+        """The method of summation that was chosen for a finger."""
+        return self._methods[finger]
 
     @cached_property
-    def _roads(self) -> tuple[Road, ...]:
+    def _methods(self) -> tuple[Summation, ...]:
         if self.bumps is not None:
-            return (Road("matrix", f"{self.bumps}"),) * len(self.arrays)
+            return (Summation("matrix", f"{self.bumps}"),) * len(self.arrays)
         # a few moments show whether loads move; a load that moves only between them is caught on the way
         moments = np.linspace(0, (self.samples - 1) / self.rate, min(self.samples, 5))
         return tuple(
-            plan(array, self.pressed(finger, moments).loads, self.samples) for finger, array in enumerate(self.arrays)
+            choose_method(array, self.finger_loads(finger, moments).points, self.samples)
+            for finger, array in enumerate(self.arrays)
         )
 
     def fields(self, finger: int, times: Iterable[tuple[int, Floats]]) -> Iterator[Field]:
         """The field at the taxels, without effects, for pieces (first frame, times)."""
         array, medium = self.arrays[finger], self.medium(finger)
         for first, piece in times:
-            pressed, road = self.pressed(finger, piece), self.road(finger)
+            loads, method = self.finger_loads(finger, piece), self.method(finger)
             if self.bumps is not None:
-                yield Field(array, medium, piece, first, pressed, self.bumps.felt(array, medium, pressed))
+                yield Field(array, medium, piece, first, loads, self.bumps.felt(array, medium, loads))
                 continue
-            moves = road.name != "direct" and bool((pressed.loads[..., :2] != pressed.loads[:1, :, :2]).any())
-            yield field_of(array, medium, piece, first, pressed, Road("direct", "moves after all") if moves else road)
+            if method.name != "direct" and moving(loads.points):
+                method = Summation("direct", "moves after all")
+            yield field_of(array, medium, piece, first, loads, method)
 
     def pieces(self, finger: int) -> Iterator[tuple[int, Floats]]:
         """(first frame, times) of the pieces in which a finger's frames are computed."""
-        count = max(1, min(CHUNK, ROOM // max(1, 5 * self._load_count(finger))))
+        count = max(1, min(CHUNK, LOADS_AT_ONCE // max(1, COLUMNS * self._load_count(finger))))
         for start in range(0, self.samples, count):
             yield start, np.arange(start, min(start + count, self.samples)) / self.rate
 
     def _load_count(self, finger: int) -> int:
-        pressed = self.pressed(finger, np.zeros(1))
-        return pressed.loads.shape[1] + sum(disc.radii.shape[1] for disc in pressed.discs)
+        loads = self.finger_loads(finger, np.zeros(1))
+        return loads.points.shape[1] + sum(disc.radii.shape[1] for disc in loads.discs)
 
     def random(self, name: str, finger: int) -> np.random.Generator:
         """The generator of one effect on one finger."""

@@ -24,8 +24,8 @@ from tactile.bump.touch import lower
 from tactile.core.frame import TaxelArray
 from tactile.elastic.halfspace import point_load
 from tactile.elastic.medium import Medium
-from tactile.simulator.contacts.loads import Pressed, point_loads
-from tactile.simulator.scene.bumps import Bumps, shared
+from tactile.simulator.bump_cover import Bumps, shared
+from tactile.simulator.contacts.loads import Loads, point_loads
 from tactile.simulator.scene.explain import explain
 from tactile.simulator.scene.file import scene_from
 from tests.kits.paths import ROOT
@@ -44,7 +44,7 @@ def made(table: str = "", **changes: Any) -> Any:
     return scene_from(parts, "here")
 
 
-def pressed(*rows: tuple[float, ...]) -> Pressed:
+def loads_of(*rows: tuple[float, ...]) -> Loads:
     return point_loads(np.array(rows, dtype=float))
 
 
@@ -71,7 +71,7 @@ def test_loads_are_shared_without_loss() -> None:
 def test_the_matrix_is_the_elements(quantity: Any) -> None:
     medium, bumps = Medium(0.87e6, quantity=quantity), Bumps(Shape(thickness=1e-3))
     close, load = TaxelArray("close", 2, 2, 0.5e-3, 0.2e-3, (1e-3, 0.0)), (0.75e-3, -0.25e-3, 0.003, 0.004, 0.005)
-    felt = bumps.felt(close, medium, pressed(load))[0]
+    felt = bumps.felt(close, medium, loads_of(load))[0]
     # straight from elements on a mesh of another size, at the distances at hand
     radii = np.array([0.0, 0.5e-3])
     own = small_strain(Shape(thickness=1e-3, reach=6e-3), Medium(0.87e6, 0.499, quantity), 0.2e-3, radii, 1.5)
@@ -82,7 +82,7 @@ def test_the_matrix_is_the_elements(quantity: Any) -> None:
     below = q * (even[1] + odd[1]), r * (even[1] - odd[1]) + f * along, r * zz[1] + f * normal
     for got, wanted in ((felt[0, 0], under), (felt[0, 1], right), (felt[1, 0], below)):
         assert got == pytest.approx(wanted, abs=0.01 * np.abs(wanted).max())
-    again = bumps.felt(close, Medium(0.435e6, quantity=quantity), pressed(load))[0]
+    again = bumps.felt(close, Medium(0.435e6, quantity=quantity), loads_of(load))[0]
     assert again == pytest.approx(felt * (2 if quantity == "strain" else 1), rel=1e-12)
 
 
@@ -90,20 +90,20 @@ def test_the_cover_is_linear_and_symmetric() -> None:
     medium, bumps = Medium(0.87e6), Bumps(Shape(thickness=1e-3))
     array = TaxelArray("s", 2, 2, 1.5e-3, 0.2e-3)
     corners = array.positions().reshape(-1, 2)
-    one = bumps.felt(array, medium, pressed((*corners[0], 0, 0, 1e-3)))[0]
+    one = bumps.felt(array, medium, loads_of((*corners[0], 0, 0, 1e-3)))[0]
     assert one[0, 0, 2] < 0
     assert not one[0, 0, :2].any()  # no cross-talk under the bump
-    sheared = bumps.felt(array, medium, pressed((*corners[0], 1e-3, 0, 0)))[0]
+    sheared = bumps.felt(array, medium, loads_of((*corners[0], 1e-3, 0, 0)))[0]
     assert sheared[0, 0, 2] == 0
-    other = bumps.felt(array, medium, pressed((*corners[0], 0, 1e-3, 0)))[0]
+    other = bumps.felt(array, medium, loads_of((*corners[0], 0, 1e-3, 0)))[0]
     assert other == pytest.approx(sheared.swapaxes(0, 1)[..., [1, 0, 2]], abs=1e-12)
-    mirrored = bumps.felt(array, medium, pressed((*corners[1], -1e-3, 0, 0)))[0]
+    mirrored = bumps.felt(array, medium, loads_of((*corners[1], -1e-3, 0, 0)))[0]
     assert mirrored == pytest.approx(sheared[:, ::-1] * (-1, 1, 1), abs=1e-12)
-    both = bumps.felt(array, medium, pressed((*corners[0], 1e-3, 0, 1e-3)))[0]
+    both = bumps.felt(array, medium, loads_of((*corners[0], 1e-3, 0, 1e-3)))[0]
     assert both == pytest.approx(one + sheared, abs=1e-15)
-    assert not bumps.felt(array, medium, pressed((0, 0, 0, 0, 0))).any()
+    assert not bumps.felt(array, medium, loads_of((0, 0, 0, 0, 0))).any()
     with pytest.raises(InputError, match="a twisted contact"):
-        bumps.felt(array, medium, Pressed(*([np.zeros((1, 0, 5))] * 2), np.zeros(0, np.int64), (), (None,)))  # type: ignore[arg-type, call-arg]
+        bumps.felt(array, medium, Loads(*([np.zeros((1, 0, 5))] * 2), np.zeros(0, np.int64), (), (None,)))  # type: ignore[arg-type, call-arg]
 
 
 def test_what_was_computed_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
@@ -150,19 +150,19 @@ def test_a_table_of_finite_strain(finite: table.Response, monkeypatch: pytest.Mo
     assert finite.indentations == pytest.approx(np.linspace(0, 6e-5, 9))
     assert not finite.normal[0].any()
     assert (np.diff(finite.normal[:, 0, 0]) < 0).all()
-    monkeypatch.setattr("tactile.simulator.scene.bumps.remembered", lambda key, make: finite)
+    monkeypatch.setattr("tactile.simulator.bump_cover.remembered", lambda key, make: finite)
     bumps, array = Bumps(Shape(thickness=1e-3), 0.49, 6e-5), TaxelArray("one", 1, 1, 1e-3, 0.2e-3)
     medium = Medium(2e6)
     knots = finite.forces * 2e6
     rows = [(0, 0, 1e-4, 0, force) for force in knots]
-    felt = bumps.felt(array, medium, pressed(*rows))[:, 0, 0]
+    felt = bumps.felt(array, medium, loads_of(*rows))[:, 0, 0]
     assert felt[:, 2] == pytest.approx(finite.normal[:, 0, 0], abs=1e-12)
     assert felt[:, 0] == pytest.approx(1e-4 / 2e6 * finite.shear[:, 0, 1], rel=1e-9)
-    between = bumps.felt(array, medium, pressed((0, 0, 0, 0, (knots[4] + knots[5]) / 2)))[0, 0, 0, 2]
+    between = bumps.felt(array, medium, loads_of((0, 0, 0, 0, (knots[4] + knots[5]) / 2)))[0, 0, 0, 2]
     assert finite.normal[5, 0, 0] < between < finite.normal[4, 0, 0]
     for force in (knots[-1] * 1.01, -1e-3):
         with pytest.raises(InputError, match=r"the table of finite strain ends at 60 um"):
-            bumps.felt(array, medium, pressed((0, 0, 0, 0, force)))
+            bumps.felt(array, medium, loads_of((0, 0, 0, 0, force)))
 
 
 def test_a_finite_table_begins_like_a_small_one(finite: table.Response) -> None:
@@ -213,7 +213,7 @@ def test_a_scene_of_bumps_is_explained() -> None:
     assert {part.name: part.what for part in told.parts}["field"].startswith("bumps 0.4 mm wide on 2 mm")
     assert any("against the flat cover" in note for note in told.notes)
     assert "finite_thickness" not in {part.name for part in told.parts}
-    assert "road: matrix (bumps" in told.lines[0]
+    assert "method: matrix (bumps" in told.lines[0]
     chosen = made(effects="auto", tolerance=0.02)  # from the effects that know of bumps
     assert {"viscoelastic", "strain_nonlinearity"} <= dict(chosen.effects).keys()
 
@@ -229,7 +229,7 @@ def test_flat_scenes_know_nothing_of_bumps() -> None:
 
 
 def test_finite_strain_takes_the_middle_of_its_table(finite: table.Response, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tactile.simulator.scene.bumps.remembered", lambda key, make: finite)
+    monkeypatch.setattr("tactile.simulator.bump_cover.remembered", lambda key, make: finite)
     array = TaxelArray("one", 1, 1, 1e-3, 0.2e-3)
     factor = Bumps(Shape(thickness=1e-3), 0.49, 6e-5).over_flat(array, "strain")
     secants = finite.normal[1:, 0, 0] / finite.forces[1:]

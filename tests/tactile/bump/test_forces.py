@@ -14,7 +14,7 @@ from tactile.calibration.radial import RadialCorrection
 from tactile.cli.group import main
 from tactile.core.frame import TaxelArray
 from tactile.finger import Finger, Settings
-from tactile.simulator.scene.bumps import Bumps
+from tactile.simulator.bump_cover import Bumps
 from tactile.simulator.scene.file import scene_from
 from tests.kits.paths import SCENES
 

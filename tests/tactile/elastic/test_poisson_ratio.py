@@ -9,7 +9,7 @@ from tactile.elastic.direct import direct_sum
 from tactile.elastic.halfspace import point_load, point_load_strain
 from tactile.elastic.layer import periodic_field
 from tactile.elastic.medium import Felt, Medium
-from tactile.elastic.spectral import TractionRoad
+from tactile.elastic.spectral import TractionTransform
 from tests.oracles.boussinesq import strain_tensor
 
 NUS = (0.0, 1e-12, 0.2, 0.45, 0.4999, 0.5 - 1e-12, 0.5)
@@ -56,7 +56,7 @@ def test_a_smooth_map_in_space_is_the_same_map_in_waves() -> None:
     traction = bump[..., None] * (0.3, -0.2, 0.5)
     medium = Medium(2.0, 0.3)
     waves = periodic_field(traction, pitch, 0.4, np.inf, medium)
-    space = TractionRoad((count, count), (count, count), pitch, 0.4, medium)(traction)
+    space = TractionTransform((count, count), (count, count), pitch, 0.4, medium)(traction)
     assert np.abs(waves - space).max() < 1e-3 * np.abs(space).max()
 
 

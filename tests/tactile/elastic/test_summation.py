@@ -1,4 +1,4 @@
-"""Three roads, one number: direct sum, influence matrix, transforms of traction maps."""
+"""Three methods of summation, one number: direct sum, influence matrix, transforms of traction maps."""
 
 import numpy as np
 import pytest
@@ -9,8 +9,8 @@ from tactile.elastic.cells import point_cell, uniform_cell
 from tactile.elastic.direct import direct_sum
 from tactile.elastic.influence import Influence
 from tactile.elastic.medium import Felt, Medium
-from tactile.elastic.spectral import TractionRoad, map_loads
-from tactile.simulator.summation import Name, Road, felt_by, plan
+from tactile.elastic.spectral import TractionTransform, map_loads
+from tactile.simulator.summation import Name, Summation, choose_method, felt_by
 
 random = np.random.default_rng(5)
 
@@ -34,7 +34,7 @@ def test_transforms_are_the_direct_sum(
     traction = random.normal(size=(*cells, 3))
     at = np.stack(np.meshgrid(np.arange(taxels[1]), np.arange(taxels[0])), axis=-1) * pitch + offset
     wanted = direct_sum(at, depth, map_loads(traction, pitch, (0.0, 0.0))[None], medium)[0]
-    got = TractionRoad(cells, taxels, pitch, depth, medium, offset)(traction)
+    got = TractionTransform(cells, taxels, pitch, depth, medium, offset)(traction)
     assert np.abs(got - wanted).max() < 1e-10 * np.abs(wanted).max()
 
 
@@ -46,12 +46,12 @@ def test_three_roads_one_number() -> None:
     loads[..., :2], loads[..., 2:] = grid + corner + (0.2e-3, -4.3e-3), random.normal(size=(3, 840, 3))
     at = array.positions()
     direct, matrix, fft = (
-        felt_by(Road(name, ""), at, array.depth, loads, medium) for name in ("direct", "matrix", "fft")
+        felt_by(Summation(name, ""), at, array.depth, loads, medium) for name in ("direct", "matrix", "fft")
     )
     largest = np.abs(direct).max()
     assert np.abs(direct - matrix).max() < 1e-13 * largest
     assert np.abs(direct - fft).max() < 1e-10 * largest
-    assert plan(array, loads, 3).name == "fft"
+    assert choose_method(array, loads, 3).name == "fft"
 
 
 def test_the_plan_looks_at_the_task() -> None:
@@ -59,16 +59,16 @@ def test_the_plan_looks_at_the_task() -> None:
     still = np.zeros((4, 20, 5)) + random.uniform(0, 1e-3, (20, 5))
     moving = still.copy()
     moving[1, 3, 0] += 1e-4
-    assert plan(array, still, 1000).name == "matrix"
-    assert plan(array, still, 10).name == "direct"
-    assert plan(array, moving, 1000).name == "direct"
-    assert plan(array, still[:, :2], 1000).name == "direct"
+    assert choose_method(array, still, 1000).name == "matrix"
+    assert choose_method(array, still, 10).name == "direct"
+    assert choose_method(array, moving, 1000).name == "direct"
+    assert choose_method(array, still[:, :2], 1000).name == "direct"
     names: tuple[Name, ...] = ("matrix", "fft")
     for name in names:
         with pytest.raises(InputError, match="loads that move"):
-            felt_by(Road(name, ""), array.positions(), 1e-3, moving, Medium(1.0))
+            felt_by(Summation(name, ""), array.positions(), 1e-3, moving, Medium(1.0))
     with pytest.raises(InputError, match="share no grid"):
-        felt_by(Road("fft", ""), array.positions(), 1e-3, still, Medium(1.0))
+        felt_by(Summation("fft", ""), array.positions(), 1e-3, still, Medium(1.0))
 
 
 def test_an_even_cell_is_many_points() -> None:
@@ -92,15 +92,15 @@ def test_even_cells_carry_their_traction_at_any_depth() -> None:
 
 
 def test_wrong_maps_are_refused() -> None:
-    road = TractionRoad((3, 4), (2, 2), 1e-3, 1e-3, Medium(1.0))
+    transform = TractionTransform((3, 4), (2, 2), 1e-3, 1e-3, Medium(1.0))
     with pytest.raises(InputError, match=r"\(4, 3, 3\), \(3, 4, 3\) wanted"):
-        road(np.zeros((4, 3, 3)))
+        transform(np.zeros((4, 3, 3)))
     with pytest.raises(InputError, match="not finite"):
-        road(np.full((3, 4, 3), np.nan))
+        transform(np.full((3, 4, 3), np.nan))
     with pytest.raises(InputError, match="cell 'round'"):
-        TractionRoad((3, 4), (2, 2), 1e-3, 1e-3, Medium(1.0), cell="round")
+        TractionTransform((3, 4), (2, 2), 1e-3, 1e-3, Medium(1.0), cell="round")
     with pytest.raises(InputError, match="positive"):
-        TractionRoad((0, 4), (2, 2), 1e-3, 1e-3, Medium(1.0))
+        TractionTransform((0, 4), (2, 2), 1e-3, 1e-3, Medium(1.0))
     matrix = Influence(np.zeros((2, 2)), 1e-3, np.zeros((4, 2)), Medium(1.0))
     with pytest.raises(InputError, match=r"\(frames, 4, 3\)"):
         matrix(np.zeros((5, 3, 3)))

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from tactile.wire.base import Encoder, Options, Taxels
-from tactile.wire.device_tare import Zero
+from tactile.wire.device_tare import DeviceTare
 from tactile.wire.formats.papillarray.packet import END, HUB, PILLAR, START, WHOLE
 
 BIAS = 2.0
@@ -30,7 +30,7 @@ class PapillarrayEncoder(Encoder):
     def __init__(self, options: Options) -> None:
         self._displacement_first = options.extra.get("pillar", "force first") == "displacement first"
         self._entry = b"\x01\x00" if options.extra.get("slip_entry", 2) == 2 else b"\x01"
-        self._zero, self._slip = Zero(BIAS), True
+        self._tare, self._slip = DeviceTare(BIAS), True
         self._heard = bytearray()
         self._period, self._due, self._left_out = 0.0, -math.inf, 0
 
@@ -41,7 +41,7 @@ class PapillarrayEncoder(Encoder):
         self._heard[:] = rest[-16:]
         for line in lines:
             if line == b"z":
-                self._zero.ask()
+                self._tare.ask()
             elif line in (b"S", b"s"):
                 self._slip = line == b"S"
             elif line[:1] == b"f" and line[1:].isdigit() and int(line[1:]) in RATES:
@@ -50,7 +50,7 @@ class PapillarrayEncoder(Encoder):
 
     def encode(self, boards: Sequence[Taxels], sequence: int, t_device: float) -> bytes:
         """Return one packet with all sensors; a displacement [mm] is a tenth of its force [N]."""
-        boards = self._zero(boards, t_device)
+        boards = self._tare(boards, t_device)
         if self._period and t_device < self._due - 1e-9:
             self._left_out += 1  # the hub counts what it sends
             return b""

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from tactile.wire.base import Encoder, Options, Taxels
-from tactile.wire.device_tare import Zero
+from tactile.wire.device_tare import DeviceTare
 from tactile.wire.formats.paxini import packet as px
 
 SETTLE = 0.1
@@ -26,7 +26,7 @@ class PaxiniEncoder(Encoder):
     head: int
 
     def __init__(self) -> None:
-        self._zero, self._heard = Zero(SETTLE), bytearray()
+        self._tare, self._heard = DeviceTare(SETTLE), bytearray()
 
     def hear(self, data: bytes) -> bytes:
         """Obey and answer every request that is complete; noise before a request is passed over."""
@@ -66,7 +66,7 @@ class PushEncoder(PaxiniEncoder):
 
     def encode(self, boards: Sequence[Taxels], sequence: int, t_device: float) -> bytes:
         """Return one push frame of all modules, nothing while pushing is switched off."""
-        boards = self._zero(boards, t_device)
+        boards = self._tare(boards, t_device)
         if not self._pushing:
             return b""
         data = b""
@@ -93,7 +93,7 @@ class PushEncoder(PaxiniEncoder):
             self._kinds = data[0]
             return self._reply(function, register, b"\0")
         if right and (function, register, data) == (px.CALIBRATE, px.ZERO, b"\1"):
-            self._zero.ask()
+            self._tare.ask()
             return self._reply(function, register, b"\0")
         return self._reply(function | 0x80, register, b"")
 
@@ -120,7 +120,7 @@ class AnswerEncoder(PaxiniEncoder):
 
     def encode(self, boards: Sequence[Taxels], sequence: int, t_device: float) -> bytes:
         """Return the answer with the points of the only module."""
-        data = px.encode_points(self._zero(boards, t_device)[0])
+        data = px.encode_points(self._tare(boards, t_device)[0])
         head = px.SLOW.pack(len(data) + 10, 1, 0, px.READ_FORCE, px.POINTS_ADDRESS, len(data))
         return px.closed(px.REPLY + head + b"\1" + data)  # status 1 comes with valid data
 
@@ -138,7 +138,7 @@ class AnswerEncoder(PaxiniEncoder):
         if px.lrc(request[:-1]) != request[-1]:
             status = BAD_CHECK
         elif (function, address, request[13:-1]) == (px.CALIBRATE_ONE, px.ZERO_ADDRESS, b"\1"):
-            self._zero.ask()
+            self._tare.ask()
         else:
             status = BAD_COMMAND
         return px.closed(px.REPLY + px.SLOW.pack(10, device, 0, function, address, dlen) + bytes([status]))

@@ -7,9 +7,10 @@ from numpy.typing import NDArray
 from cnnsim.support.errors import InputError
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import hertz_radius
-from tactile.simulator.contacts.contacts import MovingContact, MovingLoad
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.loads import together
+from tactile.simulator.contacts.moving_contact import MovingContact
+from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.contacts.traction_map import TractionMap
 from tactile.simulator.field import felt
 from tactile.simulator.scene.scene import Contact
@@ -26,7 +27,7 @@ def at_rest(
 
 
 def feel(contact: MovingContact, at: NDArray[np.float64], depth: float = 5e-4) -> NDArray[np.float64]:
-    return felt(at, depth, contact.pressed(np.array([1.0]), depth, RUBBER), RUBBER)[0]
+    return felt(at, depth, contact.loads(np.array([1.0]), depth, RUBBER), RUBBER)[0]
 
 
 @pytest.mark.parametrize(
@@ -46,10 +47,10 @@ def feel(contact: MovingContact, at: NDArray[np.float64], depth: float = 5e-4) -
 def test_contacts_carry_their_load_and_are_points_from_afar(indenter: Indenter, friction: float | None) -> None:
     row = (1e-4, -2e-4, 4e-3, 3e-3, 0.02, 0.0)
     contact = at_rest(indenter, row, friction)
-    pressed = contact.pressed(np.array([1.0]), 5e-4, RUBBER)
-    total = pressed.loads[0, :, 2:].sum(0) + sum(disc.loads[0, :, 2:].sum(0) for disc in pressed.discs)
+    loads = contact.loads(np.array([1.0]), 5e-4, RUBBER)
+    total = loads.points[0, :, 2:].sum(0) + sum(disc.loads[0, :, 2:].sum(0) for disc in loads.discs)
     assert total == pytest.approx(row[2:5], rel=1e-12)
-    assert pressed.totals[0, 0] == pytest.approx(row[:5])
+    assert loads.totals[0, 0] == pytest.approx(row[:5])
     far = np.array([[0.02, 0.01], [-0.01, 0.03]])
     point = feel(at_rest(Indenter(), row), far, 0.03)
     assert feel(contact, far, 0.03) == pytest.approx(point, rel=1e-3)
@@ -61,8 +62,8 @@ def test_contacts_carry_their_load_and_are_points_from_afar(indenter: Indenter, 
 def test_friction_limits_what_a_contact_carries_and_changes_how_it_is_spread() -> None:
     row = (0.0, 0.0, 0.02, 0.0, 0.02, 0.0)
     for indenter in (Indenter("sphere", 2e-3), Indenter("edge", 0, 1e-3)):
-        pressed = at_rest(indenter, row, 0.5).pressed(np.array([1.0]), 5e-4, RUBBER)
-        assert pressed.totals[0, 0, 2] == pytest.approx(0.01)
+        loads = at_rest(indenter, row, 0.5).loads(np.array([1.0]), 5e-4, RUBBER)
+        assert loads.totals[0, 0, 2] == pytest.approx(0.01)
     mild = (0.0, 0.0, 0.004, 0.0, 0.02, 0.0)
     at = np.array([[0.0, 0.0], [3e-4, 0.0]])
     sphere, path = Indenter("sphere", 2e-3), np.array([(0.0, 0, 0, 0, 0, 0.02, 0), (1.0, *mild)])
@@ -76,20 +77,20 @@ def test_history_along_a_path_remembers() -> None:
     # out and back: at the same forces the traction differs by what slipped
     path = np.array([(t, 0, 0, q, 0, 0.02, 0) for t, q in ((0, 0), (1, 0.008), (2, 0.0), (3, 0.008))])
     contact = MovingContact(0, Indenter("sphere", 2e-3), path, 0.5)
-    out, back, again = contact.slip_at(np.array([0.5, 1.5, 2.5]), RUBBER)
+    out, back, again = contact.friction_at(np.array([0.5, 1.5, 2.5]), RUBBER)
     assert out.force == pytest.approx(back.force, abs=1e-15)
     assert out.sticks == pytest.approx(0.02 * (1 - 0.004 / 0.01))
     assert back.sticks == pytest.approx(0.02 * (1 - 0.004 / 0.02))  # the ring that slips back starts at the rim
     assert len(back.ends) > len(out.ends)
     assert again.force == pytest.approx((0.004, 0), abs=1e-15)
     whole, piece = (
-        contact.pressed(np.linspace(0, 3, 31), 5e-4, RUBBER),
-        contact.pressed(np.linspace(0, 3, 31)[20:22], 5e-4, RUBBER),
+        contact.loads(np.linspace(0, 3, 31), 5e-4, RUBBER),
+        contact.loads(np.linspace(0, 3, 31)[20:22], 5e-4, RUBBER),
     )
     at = np.array([[1e-4, 0.0]])
     assert np.array_equal(felt(at, 5e-4, whole, RUBBER)[20:22], felt(at, 5e-4, piece, RUBBER))  # however it is cut
     late = MovingContact(0, Indenter("sphere", 2e-3), path + np.eye(7)[0], 0.5)
-    assert not felt(at, 5e-4, late.pressed(np.array([0.5, 4.5]), 5e-4, RUBBER), RUBBER).any()
+    assert not felt(at, 5e-4, late.loads(np.array([0.5, 4.5]), 5e-4, RUBBER), RUBBER).any()
 
 
 def test_given_depth_is_the_force_that_hertz_asks() -> None:
@@ -97,8 +98,8 @@ def test_given_depth_is_the_force_that_hertz_asks() -> None:
         (Indenter("sphere", 2e-3), 4 / 3 * RUBBER.contact_modulus * np.sqrt(2e-3) * (1e-5) ** 1.5),
         (Indenter("flat_punch", 1e-4), 2 * 1e-4 * RUBBER.contact_modulus * 1e-5),
     ):
-        pressed = at_rest(indenter, (0, 0, 0, 0, 1e-5, 0), by_depth=True).pressed(np.array([1.0]), 5e-4, RUBBER)
-        assert pressed.totals[0, 0, 4] == pytest.approx(force)
+        loads = at_rest(indenter, (0, 0, 0, 0, 1e-5, 0), by_depth=True).loads(np.array([1.0]), 5e-4, RUBBER)
+        assert loads.totals[0, 0, 4] == pytest.approx(force)
     needle = Indenter("needle", 50e-6)
     depths = np.array([-1e-6, 0.0, 1e-9, 1e-6, 75e-6, 1e-3])
     forces = needle.force_at(depths, RUBBER)
@@ -106,7 +107,7 @@ def test_given_depth_is_the_force_that_hertz_asks() -> None:
     lam = needle.contact_radius(forces[2:5], RUBBER) / 50e-6
     assert 50e-6 * lam * np.arctanh(lam) == pytest.approx(depths[2:5], rel=1e-5)
     with pytest.raises(InputError, match="indentation given for a point"):
-        at_rest(Indenter(), (0, 0, 0, 0, 1e-5, 0), by_depth=True).pressed(np.array([1.0]), 5e-4, RUBBER)
+        at_rest(Indenter(), (0, 0, 0, 0, 1e-5, 0), by_depth=True).loads(np.array([1.0]), 5e-4, RUBBER)
 
 
 def test_a_twist_is_limited_by_friction_and_adds() -> None:
@@ -117,7 +118,7 @@ def test_a_twist_is_limited_by_friction_and_adds() -> None:
     assert swirl[0, 1] < 0 < swirl[1, 0]  # turning x to y drags the skin along: sigma = -q at the surface
     assert np.abs(swirl[:, 2]).max() < 1e-15
     most = 3 * np.pi / 16 * 0.5 * 0.02 * hertz_radius(0.02, 2e-3, RUBBER.contact_modulus)
-    assert hard.pressed(np.array([1.0]), 5e-4, RUBBER).twists[0].twists[0, 0, 2] == pytest.approx(most)
+    assert hard.loads(np.array([1.0]), 5e-4, RUBBER).twists[0].twists[0, 0, 2] == pytest.approx(most)
 
 
 def test_contacts_add() -> None:
@@ -129,7 +130,7 @@ def test_contacts_add() -> None:
         TractionMap(0, np.array([(0, 0, 1, 2, 3.0), (1e-4, 0, 0, 0, 1.0)]), np.array([(0.0, 0.01), (1.0, 0.02)])),
     ]
     at = random.uniform(-5e-4, 5e-4, (3, 4, 2))
-    single = [part.pressed(times, 5e-4, RUBBER) for part in parts]
+    single = [part.loads(times, 5e-4, RUBBER) for part in parts]
     whole = felt(at, 5e-4, together(single, 2), RUBBER)
     assert np.abs(whole - sum(felt(at, 5e-4, one, RUBBER) for one in single)).max() < 1e-13 * np.abs(whole).max()
     shift, factor = np.full((2, 4, 2), (1e-5, -2e-5)), np.full((2, 4), 1.5)

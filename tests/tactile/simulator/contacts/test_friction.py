@@ -6,7 +6,7 @@ import pytest
 from cnnsim.support.errors import InputError
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import hertz_radius
-from tactile.simulator.contacts.friction import Slip, load_to, untouched
+from tactile.simulator.contacts.friction import FrictionState, load_to, untouched
 
 MU = 0.6
 
@@ -15,12 +15,12 @@ RUBBER = Medium(2.4e6)
 random = np.random.default_rng(2)
 
 
-def loaded(*steps: tuple[float, float, float]) -> Slip:
+def loaded(*steps: tuple[float, float, float]) -> FrictionState:
     """A contact that went through (normal, Q, R) one after the other."""
-    slip = untouched(MU)
+    state = untouched(MU)
     for normal, q, r in steps:
-        slip = load_to(slip, normal, np.array([q, r]))
-    return slip
+        state = load_to(state, normal, np.array([q, r]))
+    return state
 
 
 @pytest.mark.parametrize("share", (0.0, 0.1, 0.5, 0.9, 0.999))
@@ -28,15 +28,15 @@ def test_cattaneo_mindlin_stick_radius(share: float) -> None:
     # c / a = (1 - Q / mu P)^(1/3); forces go with the cube of radii
     for turn in (0.0, 2.0):
         pull = share * MU * 2.0
-        slip = loaded((2.0, 0, 0), (2.0, pull * np.cos(turn), pull * np.sin(turn)))
-        assert np.cbrt(slip.sticks / 2.0) == pytest.approx((1 - share) ** (1 / 3), rel=1e-12)
-        assert slip.force == pytest.approx((pull * np.cos(turn), pull * np.sin(turn)), abs=1e-14)
-        assert not slip.slipping
+        state = loaded((2.0, 0, 0), (2.0, pull * np.cos(turn), pull * np.sin(turn)))
+        assert np.cbrt(state.sticks / 2.0) == pytest.approx((1 - share) ** (1 / 3), rel=1e-12)
+        assert state.force == pytest.approx((pull * np.cos(turn), pull * np.sin(turn)), abs=1e-14)
+        assert not state.slipping
 
 
 def test_traction_of_cattaneo_mindlin() -> None:
-    slip = loaded((2.0, 0, 0), (2.0, 0.7, 0))
-    at, force = slip.terms()
+    state = loaded((2.0, 0, 0), (2.0, 0.7, 0))
+    at, force = state.terms()
     radius = hertz_radius(at, 1e-3, RUBBER.contact_modulus)
     r = np.linspace(0, 0.999 * radius[-1], 50)
     traction = sum(
@@ -55,8 +55,8 @@ def test_unloading_follows_mindlin_and_deresiewicz() -> None:
     # after Q1 the shear falls to Q: a ring slips back to c with (c / a)^3 = 1 - (Q1 - Q) / (2 mu P)
     limit = MU * 2.0
     for back in (0.5, 0.0, -0.3):
-        slip = loaded((2.0, 0, 0), (2.0, 0.8 * limit, 0), (2.0, back * limit, 0))
-        assert slip.sticks / 2.0 == pytest.approx(1 - (0.8 - back) / 2, rel=1e-12)
+        state = loaded((2.0, 0, 0), (2.0, 0.8 * limit, 0), (2.0, back * limit, 0))
+        assert state.sticks / 2.0 == pytest.approx(1 - (0.8 - back) / 2, rel=1e-12)
     # a full cycle closes, and what happened inside it is forgotten
     once = loaded((2.0, 0, 0), (2.0, 0.8 * limit, 0))
     cycle = loaded((2.0, 0, 0), (2.0, 0.8 * limit, 0), (2.0, 0.1, 0), (2.0, 0.5, 0), (2.0, 0.8 * limit, 0))
@@ -66,13 +66,13 @@ def test_unloading_follows_mindlin_and_deresiewicz() -> None:
 
 def test_pressing_harder_while_shear_grows_sticks_everywhere() -> None:
     # Mindlin and Deresiewicz: no slip while dQ < mu dP, whatever the steps
-    slip = untouched(MU)
+    state = untouched(MU)
     for k in range(1, 11):
-        slip = load_to(slip, k * 0.1, np.array([k * 0.1 * MU * 0.9, 0.0]))
-        assert slip.sticks == pytest.approx(k * 0.1)
-    assert np.hypot(*slip.shares.T) == pytest.approx(np.full(len(slip.shares), 0.9))
+        state = load_to(state, k * 0.1, np.array([k * 0.1 * MU * 0.9, 0.0]))
+        assert state.sticks == pytest.approx(k * 0.1)
+    assert np.hypot(*state.shares.T) == pytest.approx(np.full(len(state.shares), 0.9))
     one = loaded((1.0, MU * 0.9, 0))
-    assert one.force == pytest.approx(slip.force)
+    assert one.force == pytest.approx(state.force)
 
 
 def test_full_slip_and_forgetting() -> None:
@@ -88,17 +88,17 @@ def test_full_slip_and_forgetting() -> None:
 
 def test_any_history_carries_what_is_asked_within_coulombs_limit() -> None:
     for _ in range(30):
-        slip = untouched(MU)
+        state = untouched(MU)
         for _ in range(60):
             normal = random.uniform(0, 3)
             size, turn = random.uniform(0, 1.2) * MU * normal, random.uniform(0, 2 * np.pi)
             asked = size * np.array([np.cos(turn), np.sin(turn)])
-            slip = load_to(slip, normal, asked)
+            state = load_to(state, normal, asked)
             if size < MU * normal:
-                assert slip.force == pytest.approx(asked, abs=1e-12)
+                assert state.force == pytest.approx(asked, abs=1e-12)
             else:
-                assert np.hypot(*slip.force) == pytest.approx(MU * normal)
-            assert (np.hypot(*slip.shares.T) <= 1 + 1e-9).all()
-            assert (np.diff(slip.ends, prepend=0.0) > 0).all()
-            assert 0 <= slip.sticks <= normal + 1e-12
-            assert slip.terms()[1].sum(axis=0) == pytest.approx(slip.force, abs=1e-12)
+                assert np.hypot(*state.force) == pytest.approx(MU * normal)
+            assert (np.hypot(*state.shares.T) <= 1 + 1e-9).all()
+            assert (np.diff(state.ends, prepend=0.0) > 0).all()
+            assert 0 <= state.sticks <= normal + 1e-12
+            assert state.terms()[1].sum(axis=0) == pytest.approx(state.force, abs=1e-12)

@@ -6,14 +6,14 @@ import pytest
 from cnnsim.support.errors import InputError
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.materials import PRESETS, Material
-from tactile.simulator.contacts.sliding_texture import Drawn
+from tactile.simulator.contacts.sliding_texture import SlidingTexture
 from tactile.texture.figures import Texture
 
 RUBBER = Medium(2.4e6)
 
 
-def drawn(material: str, seed: int = 1, force: float = 0.1, duration: float = 2.5) -> Drawn:
-    return Drawn(0, (0.0, 0.0), PRESETS[material], 0.0, duration, 5e-3, 0.5, force, 1e3, seed)
+def drawn(material: str, seed: int = 1, force: float = 0.1, duration: float = 2.5) -> SlidingTexture:
+    return SlidingTexture(0, (0.0, 0.0), PRESETS[material], 0.0, duration, 5e-3, 0.5, force, 1e3, seed)
 
 
 @pytest.mark.parametrize("name", PRESETS)
@@ -39,8 +39,8 @@ def test_a_drawn_object_sticks_and_slips_within_its_friction(name: str) -> None:
     before, after = drawn(name).series(np.array([-0.1, 2.6]))
     assert not before.any()
     assert not after.any()
-    pressed = drawn(name).pressed(times, 1e-3, RUBBER)
-    assert np.arctan2(pressed.totals[500, 0, 3], pressed.totals[500, 0, 2]) == pytest.approx(0.5)
+    loads = drawn(name).loads(times, 1e-3, RUBBER)
+    assert np.arctan2(loads.totals[500, 0, 3], loads.totals[500, 0, 2]) == pytest.approx(0.5)
 
 
 def test_the_four_materials_are_told_apart_by_friction_and_roughness() -> None:
@@ -66,15 +66,15 @@ def test_the_four_materials_are_told_apart_by_friction_and_roughness() -> None:
 
 def test_drawing_without_stick_slip_slides_and_wrong_objects_are_refused() -> None:
     smooth = Material("ice", 1e-3, 0.0, 1e-3, 0.0, 0.0, 0.1, 0.1)
-    shear, normal = Drawn(0, (0, 0), smooth, 0.0, 2.0, 5e-3, 0.0, 0.1, 1e3).series(np.linspace(0.1, 2, 50))
+    shear, normal = SlidingTexture(0, (0, 0), smooth, 0.0, 2.0, 5e-3, 0.0, 0.1, 1e3).series(np.linspace(0.1, 2, 50))
     assert normal == pytest.approx(np.full(50, 0.1))
     assert shear == pytest.approx(np.full(50, 0.01), rel=0.02)
-    still, _ = Drawn(0, (0, 0), smooth, 0.0, 2.0, 0.0, 0.0, 0.1, 1e3).series(np.array([1.0]))
+    still, _ = SlidingTexture(0, (0, 0), smooth, 0.0, 2.0, 0.0, 0.0, 0.1, 1e3).series(np.array([1.0]))
     assert still[0] == 0
     with pytest.raises(InputError, match="stop after start"):
-        Drawn(0, (0, 0), smooth, 2.0, 2.0, 5e-3, 0.0, 0.1, 1e3)
+        SlidingTexture(0, (0, 0), smooth, 2.0, 2.0, 5e-3, 0.0, 0.1, 1e3)
     with pytest.raises(InputError, match="steps to draw"):
-        Drawn(0, (0, 0), PRESETS["rasp"], 0.0, 1e6, 1.0, 0.0, 0.1, 1e3)
+        SlidingTexture(0, (0, 0), PRESETS["rasp"], 0.0, 1e6, 1.0, 0.0, 0.1, 1e3)
     with pytest.raises(InputError, match="kinetic <= static"):
         Material("m", 1e-3, 0.0, 1e-3, 0.0, 0.0, 0.1, 0.2)
     with pytest.raises(InputError, match="lengths"):

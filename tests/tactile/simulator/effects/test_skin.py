@@ -13,7 +13,7 @@ from tactile.elastic.halfspace import point_load, point_load_strain
 from tactile.elastic.layer_loads import layer_load
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import ROUND_TIP, hertz_indentation, round_tip_radius
-from tactile.simulator.contacts.contacts import MovingLoad
+from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effects.finite_thickness import FiniteThickness
 from tactile.simulator.effects.finite_tip import FiniteTip
 from tactile.simulator.effects.hysteresis import Hysteresis
@@ -33,7 +33,7 @@ def fields(of: Scene, cut: int = 10**9) -> Iterator[Field]:
     times = np.arange(of.samples) / of.rate
     for start in range(0, of.samples, cut):
         here = times[start : start + cut]
-        yield field_of(ARRAY, of.medium(0), here, start, of.pressed(0, here), DIRECT)
+        yield field_of(ARRAY, of.medium(0), here, start, of.finger_loads(0, here), DIRECT)
 
 
 def term(effect: Any, seed: int = 1, of: Scene | None = None) -> tuple[NDArray[np.float64], Field]:
@@ -45,14 +45,14 @@ def term(effect: Any, seed: int = 1, of: Scene | None = None) -> tuple[NDArray[n
 
 def test_poisson_ratio_is_the_half_space_at_that_ratio() -> None:
     added, before = term(PoissonRatio(0.4))
-    loads = before.pressed.loads[:, None, None]
+    loads = before.loads.points[:, None, None]
     wanted = point_load_strain(ARRAY.positions(), ARRAY.depth, loads, 2.4e6, 0.4)
     assert np.abs(before.values + added - wanted).max() < 1e-13 * np.abs(wanted).max()
 
 
 def test_finite_tip_is_the_round_tip() -> None:
     added, before = term(FiniteTip(30e-6))
-    loads = before.pressed.loads[:, None, None]
+    loads = before.loads.points[:, None, None]
     radii = round_tip_radius(loads[..., 4], 30e-6, Medium(2.4e6).contact_modulus)
     wanted = disc_load(ARRAY.positions(), ARRAY.depth, loads, radii, ROUND_TIP, Medium(2.4e6), radii / 30e-6)
     assert np.abs(before.values + added - wanted).max() < 1e-12 * np.abs(wanted).max()
@@ -61,7 +61,7 @@ def test_finite_tip_is_the_round_tip() -> None:
 @pytest.mark.parametrize("thickness", (2e-4, 3e-4, 4e-3))
 def test_finite_thickness_is_the_layer(thickness: float) -> None:
     added, before = term(FiniteThickness(thickness))
-    wanted = layer_load(ARRAY.positions(), ARRAY.depth, before.pressed.loads[:, None, None], thickness, Medium(2.4e6))
+    wanted = layer_load(ARRAY.positions(), ARRAY.depth, before.loads.points[:, None, None], thickness, Medium(2.4e6))
     assert np.abs(before.values + added - wanted).max() < 1e-12 * np.abs(before.values).max()
     if thickness == ARRAY.depth:
         assert np.abs(wanted[..., 2]).max() < 1e-6 * np.abs(before.values).max()  # on the base nothing is squeezed
@@ -73,7 +73,7 @@ def test_taxel_area_is_the_mean_over_the_area() -> None:
     nodes = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
     at = ARRAY.positions()[:, :, None] + nodes
     frame = 50
-    wanted = point_load(at, ARRAY.depth, before.pressed.loads[frame], Medium(2.4e6)).mean(axis=2)
+    wanted = point_load(at, ARRAY.depth, before.loads.points[frame], Medium(2.4e6)).mean(axis=2)
     assert np.abs(before.values[frame] + added[frame] - wanted).max() < 2e-4 * np.abs(wanted).max()
     narrow = [np.abs(term(TaxelArea(width))[0]).max() for width in (20e-6, 10e-6)]
     assert narrow[0] / narrow[1] == pytest.approx(4, rel=0.02)  # second order in the width
@@ -84,20 +84,20 @@ def test_needle_vibration_moves_and_presses() -> None:
     effect = NeedleVibration(lateral=2e-6, vertical=1e-6, tip_radius=50e-6)
     (before,) = fields(still)
     (after,) = effect(iter([before]), np.random.default_rng(3))
-    moved = after.pressed.totals[:, 0] - before.pressed.totals[:, 0]
+    moved = after.loads.totals[:, 0] - before.loads.totals[:, 0]
     assert moved[:, :2].std(axis=0) == pytest.approx((2e-6, 2e-6), rel=0.05)
     assert np.abs(moved[:, :2].mean(axis=0)).max() < 1e-7
     depth = hertz_indentation(0.02, 50e-6, Medium(2.4e6).contact_modulus)
     assert moved[:, 4].std() == pytest.approx(0.02 * 1.5 * 1e-6 / depth, rel=0.05)  # to first order
     assert np.corrcoef(moved[1:, 4], moved[:-1, 4])[0, 1] == pytest.approx(0, abs=0.06)
-    wanted = point_load_strain(ARRAY.positions(), ARRAY.depth, after.pressed.loads[:, None, None], 2.4e6)
+    wanted = point_load_strain(ARRAY.positions(), ARRAY.depth, after.loads.points[:, None, None], 2.4e6)
     assert np.abs(after.values - wanted).max() < 1e-13 * np.abs(wanted).max()
 
 
 def test_a_held_needle_can_leave_the_surface_and_no_force_stays_none() -> None:
     still = scene(loads=(MovingLoad(0, np.array([(0.0, 0, 0, 0, 0, 1e-9)])),))
     (after,) = NeedleVibration(0.0, 1e-6)(fields(still), np.random.default_rng(3))
-    forces = after.pressed.totals[:, 0, 4]
+    forces = after.loads.totals[:, 0, 4]
     assert forces.min() == 0
     assert np.isfinite(forces).all()
     nothing = scene(loads=(MovingLoad(0, np.array([(0.0, 0, 0, 0, 0, 0.0)])),))
@@ -112,13 +112,13 @@ def test_waviness_is_one_surface_of_the_declared_height() -> None:
     for seed in range(40):
         path = np.array([(0.0, -2e-2, 3e-2, 0, 0, 0.02), (1.0, 2e-2, 1e-2, 0, 0, 0.02)])
         (after,) = effect(fields(scene(loads=(MovingLoad(0, path),))), np.random.default_rng(seed))
-        forces.append(after.pressed.totals[:, 0, 4])
+        forces.append(after.loads.totals[:, 0, 4])
     height = ((np.array(forces) / 0.02) ** (2 / 3) - 1) * depth
     assert height.std() == pytest.approx(1e-7, rel=0.1)
     assert abs(height.mean()) < 2e-8
     still = scene(loads=(MovingLoad(0, np.array([(0.0, 1e-4, 0, 0, 0, 0.02)])),))
     (after,) = effect(fields(still), np.random.default_rng(0))
-    assert np.ptp(after.pressed.totals[:, 0, 4]) == 0  # who stands still feels no hills
+    assert np.ptp(after.loads.totals[:, 0, 4]) == 0  # who stands still feels no hills
 
 
 def test_neo_hookean_stretch() -> None:

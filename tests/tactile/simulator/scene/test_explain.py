@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from cnnsim.support.errors import InputError
 from tactile.cli.simulator import explain as command
 from tactile.core.frame import TaxelArray
-from tactile.simulator.contacts.contacts import MovingLoad
+from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effects import ORDER, effect_class, without
 from tactile.simulator.effects.crosstalk import Crosstalk
 from tactile.simulator.effects.dead_taxels import DeadTaxels
@@ -28,7 +28,7 @@ from tactile.simulator.effects.strain_nonlinearity import StrainNonlinearity
 from tactile.simulator.effects.surface_waviness import SurfaceWaviness
 from tactile.simulator.effects.taxel_area import TaxelArea
 from tactile.simulator.effects.viscoelastic import Viscoelastic
-from tactile.simulator.scene.auto import choose
+from tactile.simulator.scene.auto_effects import choose
 from tactile.simulator.scene.estimate import Sample
 from tactile.simulator.scene.explain import explain, explain_file
 from tactile.simulator.scene.file import read_scene
@@ -201,7 +201,7 @@ def test_the_command_prints_a_tree_or_json() -> None:
         "on: size",
         "off: what",
         "read_noise",
-        "road: direct",
+        "method: direct",
     ):
         assert word in done.output
     done = CliRunner().invoke(command, [str(SCENES / "needle.toml"), "--json"])

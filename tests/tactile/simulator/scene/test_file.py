@@ -184,9 +184,9 @@ def test_wrong_maps_and_too_wide_contacts_are_refused(tmp_path: Path) -> None:
 def test_roads_are_chosen_and_changed_freely() -> None:
     still = [{"finger": "left", "path": [[0.0, x, 0.1, 0.0, 0.1, 1.0]]} for x in (-1.0, 0.0, 0.5, 1.0, 1.5)]
     scene = made(load=still, duration_s=3.0)
-    assert scene.road(0).name == "matrix"
+    assert scene.method(0).name == "matrix"
     moving = made(load=[*still, LOAD], duration_s=3.0)
-    assert moving.road(0).name == "direct"
+    assert moving.method(0).name == "direct"
     apart = values(made(load=[LOAD], duration_s=3.0)) + values(scene)
     assert np.abs(values(moving) - apart).max() < 1e-13 * np.abs(apart).max()
 

@@ -10,10 +10,11 @@ from cnnsim.support.errors import InputError
 from cnnsim.support.types import Floats
 from tactile.bump.shape import Shape
 from tactile.bump.table import Response, remembered
-from tactile.core.frame import TaxelArray
+from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y, TaxelArray
+from tactile.core.loads import FORCE, X, Y
 from tactile.elastic.halfspace import point_load
 from tactile.elastic.medium import Medium
-from tactile.simulator.contacts.loads import Pressed
+from tactile.simulator.contacts.loads import Loads
 
 RADII = 257
 """Radii of a table, denser near the bump."""
@@ -88,7 +89,7 @@ class Bumps:
         flat = point_load(np.zeros(2), array.depth, np.array([[0.0, 0.0, 0.0, 0.0, 1.0]]), medium)[2]
         return float(flat / (table.normal[middle, 0, 0] / table.forces[middle]))
 
-    def felt(self, array: TaxelArray, medium: Medium, pressed: Pressed) -> Floats:
+    def felt(self, array: TaxelArray, medium: Medium, loads: Loads) -> Floats:
         """What the taxels feel (frames, rows, cols, 3) of all that presses.
 
         A load rests on the four bumps around it in the shares that keep its force and its moments (bilinear), beyond
@@ -98,14 +99,14 @@ class Bumps:
         Raises:
             InputError: a twist; at finite strain, a bump that is pulled or pressed beyond its table.
         """
-        if pressed.twists:
+        if loads.twists:
             raise InputError("a twisted contact on bumps; forces alone wanted")
         key = array, medium
         if key not in self.memory:
             table = self.response(array, medium.quantity)
             self.memory[key] = table, _matrix(table, array)
         table, matrix = self.memory[key]
-        forces = shared(np.concatenate([pressed.loads, *(disc.loads for disc in pressed.discs)], axis=1), array)
+        forces = shared(np.concatenate([loads.points, *(disc.loads for disc in loads.discs)], axis=1), array)
         scale = 1.0 if medium.quantity == "stress" else 1 / medium.modulus
         features = forces * scale if table.linear else _features(forces, medium.modulus, table)
         out: Floats = features.reshape(len(features), -1) @ matrix
@@ -113,15 +114,16 @@ class Bumps:
 
 
 def shared(loads: Floats, array: TaxelArray) -> Floats:
-    """Forces (frames, bumps, 3) on the bumps from loads (frames, n, 5)."""
+    """Forces (frames, bumps, 3) on the bumps from rows (frames, n, 5)."""
     at = array.positions()[0, 0]
     cols, rows = (
         np.maximum(
             0, 1 - np.abs(np.clip((loads[..., k] - at[k]) / array.pitch, 0, count - 1)[..., None] - np.arange(count))
         )
-        for k, count in ((0, array.cols), (1, array.rows))
+        for k, count in ((X, array.cols), (Y, array.rows))
     )
-    pulled = (cols[..., None] * loads[..., None, 2:]).reshape(*cols.shape[:2], array.cols * 3)  # (frames, n, cols * 3)
+    # (frames, n, cols * 3)
+    pulled = (cols[..., None] * loads[..., None, FORCE]).reshape(*cols.shape[:2], array.cols * 3)
     return np.matmul(np.swapaxes(rows, 1, 2), pulled).reshape(len(loads), -1, 3)
 
 
@@ -147,7 +149,7 @@ def _matrix(table: Response, array: TaxelArray) -> Floats:
 
 def _features(forces: Floats, modulus: float, table: Response) -> Floats:
     """(frames, bumps, 3, k): shear forces over E and 1, times the weights of the table's forces, at E = 1 Pa."""
-    normal = forces[..., 2] / modulus
+    normal = forces[..., NORMAL] / modulus
     deepest = table.forces[-1]
     if (normal > deepest).any() or (normal < 0).any():
         asked = f"{normal.min() * modulus:.4g} to {normal.max() * modulus:.4g} N"
@@ -157,5 +159,5 @@ def _features(forces: Floats, modulus: float, table: Response) -> Floats:
         )
     weights = CubicSpline(table.forces, np.eye(len(table.forces)))(normal)
     weights[normal == 0] = np.eye(len(table.forces))[0]
-    factors = np.stack([forces[..., 0] / modulus, forces[..., 1] / modulus, np.ones_like(normal)], axis=-1)
+    factors = np.stack([forces[..., SHEAR_X] / modulus, forces[..., SHEAR_Y] / modulus, np.ones_like(normal)], axis=-1)
     return factors[..., None] * weights[..., None, :]

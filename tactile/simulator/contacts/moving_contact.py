@@ -1,0 +1,134 @@
+"""Indenters that move over a finger, pressed by force or by depth, with friction or without."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from cnnsim.support.types import Floats
+from tactile.core.loads import COLUMNS, PLACE, SHEAR, F, Q, R, X, Y
+from tactile.elastic.medium import Medium
+from tactile.simulator.contacts.friction import FrictionState, load_to, untouched
+from tactile.simulator.contacts.indenter import ROUND, Indenter
+from tactile.simulator.contacts.loads import Disc, Loads, Twist, point_loads
+from tactile.simulator.contacts.moving_load import along_path
+
+TORQUE = COLUMNS
+"""The column of M, behind those of a load."""
+
+
+@dataclass(frozen=True)
+class MovingContact:
+    """An indenter on one finger.
+
+    Arguments: ``path`` (n, 7), rows (t, x, y, Q, R, push, M) [s, m, m, N, N, N or m, N m], ``push`` the normal force
+    or, where ``given_depth``, the indentation; M a twist from x to y, which ``friction`` limits to the sliding
+    torque. Without ``friction`` (None) nothing slips and shear is spread like the pressure.
+    """
+
+    finger: int
+    indenter: Indenter
+    path: Floats
+    friction: float | None = None
+    given_depth: bool = False
+
+    def loads(self, times: Floats, depth: float, medium: Medium) -> Loads:
+        """The loads on the finger at the times [s], for taxels at ``depth`` [m].
+
+        Raises:
+            InputError: an indentation given for a shape that knows no law for it; a contact too wide for the depth.
+        """
+        rows = self._at(times, medium)
+        if self.indenter.shape not in ROUND:
+            return self._line(rows, depth, medium)
+        states = self._states(times, rows, medium) if self.friction is not None else None
+        if states is not None:
+            rows[:, SHEAR] = [state.force if state.ends.size else (0, 0) for state in states]
+        return self._round(rows, states, medium)
+
+    def friction_at(self, times: Floats, medium: Medium) -> list[FrictionState]:
+        """The state of friction at the times [s]: what sticks, what the contact carries.
+
+        Raises:
+            InputError: a contact without friction.
+        """
+        return self._states(times, self._at(times, medium), medium)
+
+    def _at(self, times: Floats, medium: Medium) -> Floats:
+        """Rows (x, y, Q, R, F, M) at the times, without force where the contact is absent."""
+        rows, gone = along_path(self.path, times)
+        rows[gone, PLACE.stop :] = 0
+        return self._forces(rows, medium)
+
+    def _forces(self, rows: Floats, medium: Medium) -> Floats:
+        rows = rows.copy()
+        if self.given_depth:
+            rows[:, F] = self.indenter.force_at(rows[:, F], medium)
+        return rows
+
+    def _states(self, times: Floats, rows: Floats, medium: Medium) -> list[FrictionState]:
+        at_keys = self._histories(medium)
+        # the state at the last keyframe before, then one step: a straight way of loading needs no more
+        last = np.searchsorted(self.path[:, 0], times, side="right")
+        return [load_to(at_keys[k], row[F], row[SHEAR]) for k, row in zip(last.tolist(), rows, strict=True)]
+
+    def _histories(self, medium: Medium) -> list[FrictionState]:
+        known = self._history.get(medium)
+        if known is None:
+            known = [untouched(self.friction or 0.0)]
+            for row in self._forces(self.path[:, 1:], medium):
+                known.append(load_to(known[-1], row[F], row[SHEAR]))
+            self._history[medium] = known
+        return known
+
+    @cached_property
+    def _history(self) -> dict[Medium, list[FrictionState]]:
+        return {}
+
+    def _line(self, rows: Floats, depth: float, medium: Medium) -> Loads:
+        if self.friction is not None:  # all of an edge slips at once
+            tangential = np.hypot(rows[:, Q], rows[:, R])
+            most = self.friction * np.maximum(rows[:, F], 0)
+            rows[:, SHEAR] *= np.where(tangential > most, most / np.where(tangential > 0, tangential, 1), 1)[:, None]
+        total, shape = rows[:, :COLUMNS], self.indenter
+        if shape.shape == "point":
+            return point_loads(total)
+        from tactile.elastic.lines import cylinder_half_width, cylinder_loads, edge_loads  # only where called for
+
+        if shape.shape == "edge":
+            points = edge_loads(total, shape.length, shape.angle, depth)
+        else:
+            width = cylinder_half_width(total[:, F], shape.length, shape.radius, medium.contact_modulus)
+            points = cylinder_loads(total, shape.length, width, shape.angle, depth)
+        return Loads(total[:, None], points, np.zeros(points.shape[1], np.int64))
+
+    def _round(self, rows: Floats, states: list[FrictionState] | None, medium: Medium) -> Loads:
+        spread = [rows[:, :COLUMNS]]
+        normal_at = [rows[:, F]]
+        if states is not None:
+            spread[0] = rows[:, :COLUMNS] * (1, 1, 0, 0, 1)
+            most = max((state.ends.size for state in states), default=0)
+            shear, forces = np.zeros((len(rows), most, COLUMNS)), np.zeros((len(rows), most))
+            shear[..., PLACE] = rows[:, None, PLACE]
+            for n, state in enumerate(states):
+                if state.ends.size:
+                    forces[n, : state.ends.size], shear[n, : state.ends.size, SHEAR] = state.terms()
+            spread += list(np.moveaxis(shear, 1, 0))
+            normal_at += list(forces.T)
+        discs, forces = np.stack(spread, axis=1), np.stack(normal_at, axis=1)
+        radii = self.indenter.contact_radius(forces, medium)
+        profile = ROUND[self.indenter.shape]
+        lam = np.minimum(radii / self.indenter.radius, 1.0) if self.indenter.shape == "needle" else np.zeros_like(radii)
+        owner = np.zeros(discs.shape[1], np.int64)
+        twists: tuple[Twist, ...] = ()
+        if rows[:, TORQUE].any():
+            torque = rows[:, TORQUE]
+            if self.friction is not None:  # sliding torque of Hertz' pressure
+                limit = 3 * np.pi / 16 * self.friction * np.maximum(rows[:, F], 0) * radii[:, 0]
+                torque = np.clip(torque, -limit, limit)
+            turned = np.stack([rows[:, X], rows[:, Y], torque], axis=-1)
+            twists = (Twist(turned[:, None], radii[:, :1], np.zeros(1, np.int64)),)
+        totals = rows[:, None, :COLUMNS]
+        return Loads(
+            totals, np.empty((len(rows), 0, COLUMNS)), owner[:0], (Disc(discs, radii, lam, profile, owner),), twists
+        )
