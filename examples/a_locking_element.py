@@ -12,7 +12,7 @@ from tactile.bump.body import Body
 from tactile.bump.kinematics import PRESSED
 from tactile.bump.law import Displacement, Law, Mixed
 from tactile.bump.mesh import half_section, plane_mesh
-from tactile.bump.plate import held, respond, stiffness
+from tactile.bump.plate import plate_constraint, respond, stiffness
 from tactile.bump.shape import Shape
 from tactile.elastic.medium import Medium
 
@@ -29,8 +29,8 @@ def loaded(nu: float, fineness: float, degree: int, law: Callable[[Medium], Law]
     shape = Shape()
     mesh = plane_mesh(shape, fineness) if degree == 1 else half_section(shape, fineness)
     body = Body(mesh, PRESSED, law(Medium(1.0, nu)), degree)
-    hold = held(body, shape, "press")
-    return body.size, stiffness(body, hold, respond(body, hold))
+    constraint = plate_constraint(body, shape, "press")
+    return body.size, stiffness(body, constraint, respond(body, constraint))
 
 
 def main(output: Path) -> None:

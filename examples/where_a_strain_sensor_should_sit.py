@@ -16,7 +16,7 @@ from tactile.bump.body import Body
 from tactile.bump.kinematics import PRESSED, SHEARED
 from tactile.bump.law import Mixed
 from tactile.bump.mesh import half_section
-from tactile.bump.plate import held, respond, stiffness
+from tactile.bump.plate import plate_constraint, respond, stiffness
 from tactile.bump.probe import Probe
 from tactile.bump.shape import Shape
 from tactile.elastic.medium import Medium
@@ -43,9 +43,9 @@ def strains(contact: float) -> tuple[Floats, Floats, Floats, Floats]:
     read = []
     for kinematics in (PRESSED, SHEARED):
         body = Body(mesh, kinematics, Mixed(RUBBER))
-        hold = held(body, shape, "press" if kinematics is PRESSED else "shift")
-        state = respond(body, hold)
-        read.append(Probe(body, points).strain(state) / stiffness(body, hold, state))
+        constraint = plate_constraint(body, shape, "press" if kinematics is PRESSED else "shift")
+        state = respond(body, constraint)
+        read.append(Probe(body, points).strain(state) / stiffness(body, constraint, state))
     count = len(DEPTHS)
     return read[0][:count, 2, 2], read[1][:count, 0, 2], read[0][count:, 2, 2], read[1][count:, 2, 2]
 

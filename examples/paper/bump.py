@@ -11,7 +11,7 @@ from tactile.bump.body import Body
 from tactile.bump.kinematics import PLANE, PRESSED, SHEARED
 from tactile.bump.law import Mixed, PlaneStress
 from tactile.bump.mesh import half_section, whole_section
-from tactile.bump.plate import held, respond, stiffness
+from tactile.bump.plate import plate_constraint, respond, stiffness
 from tactile.bump.probe import Probe
 from tactile.bump.shape import Shape
 from tactile.elastic.medium import Medium
@@ -65,9 +65,9 @@ def loaded(contact: float = CONTACT, solid: bool = False, fineness: float = 1.2)
         bodies = Body(mesh, PRESSED, Mixed(RUBBER)), Body(mesh, SHEARED, Mixed(RUBBER))
     else:
         bodies = (Body(whole_section(shape, fineness), PLANE, PlaneStress(RUBBER)),) * 2
-    holds = held(bodies[0], shape, "press"), held(bodies[1], shape, "shift")
-    states = respond(bodies[0], holds[0]), respond(bodies[1], holds[1])
-    stiff = stiffness(bodies[0], holds[0], states[0]), stiffness(bodies[1], holds[1], states[1])
+    constraints = plate_constraint(bodies[0], shape, "press"), plate_constraint(bodies[1], shape, "shift")
+    states = respond(bodies[0], constraints[0]), respond(bodies[1], constraints[1])
+    stiff = stiffness(bodies[0], constraints[0], states[0]), stiffness(bodies[1], constraints[1], states[1])
     return Loaded(bodies, states, stiff)
 
 

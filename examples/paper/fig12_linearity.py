@@ -14,7 +14,7 @@ from tactile.bump.finite import push_to
 from tactile.bump.kinematics import HALF, PLANE
 from tactile.bump.law import PlaneStress
 from tactile.bump.mesh import half_section, whole_section
-from tactile.bump.plate import held
+from tactile.bump.plate import plate_constraint
 from tactile.bump.probe import Probe
 from tactile.bump.shape import Shape
 from tactile.bump.touch import lower
@@ -47,9 +47,9 @@ def curves() -> tuple[Curve, Curve, Curve, Curve]:
     at = Probe(glued, below(SENSOR))
     made = []
     for push, steps in (("press", STEPS[STEPS <= DEEPEST * 1.001]), ("shift", STEPS)):
-        hold = held(glued, shape, "press" if push == "press" else "shift")
+        constraint = plate_constraint(glued, shape, "press" if push == "press" else "shift")
         steps = np.concatenate([[1e-8], steps])
-        made.append(Curve(steps, np.concatenate([at.displacement(push_to(glued, hold, step)) for step in steps])))
+        made.append(Curve(steps, np.concatenate([at.displacement(push_to(glued, constraint, step)) for step in steps])))
     narrow = Shape(contact=0.1 * Shape().radius)
     body = Body(half_section(narrow, 0.7, touching=True), HALF, PlaneStress(RUBBER))
     at = Probe(body, below(SENSOR))

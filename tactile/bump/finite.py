@@ -5,7 +5,7 @@ import numpy as np
 from cnnsim.support.errors import InputError
 from cnnsim.support.types import Floats
 from tactile.bump.body import Body, Index, solve
-from tactile.bump.plate import Held
+from tactile.bump.plate import Constraint
 
 TOLERANCE = 1e-9
 """Out-of-balance forces that count as none, relative to all nodal forces."""
@@ -32,8 +32,8 @@ def balance(body: Body, start: Floats, fixed: Index, values: Floats) -> Floats |
     return None
 
 
-def push_to(body: Body, hold: Held, displacement: float) -> Floats:
-    """The state with the plate, stuck where ``hold`` says, moved by ``displacement`` [m], in steps as large as work.
+def push_to(body: Body, constraint: Constraint, displacement: float) -> Floats:
+    """The state with the plate, stuck as ``constraint`` says, moved by ``displacement`` [m], in steps as large as work.
 
     Raises:
         InputError: steps of a 64th do not converge: elements at the contact's edge are turned inside out.
@@ -41,7 +41,7 @@ def push_to(body: Body, hold: Held, displacement: float) -> Floats:
     state, reached, step = np.zeros(body.size), 0.0, 1.0
     while reached < 1:
         step = min(step, 1 - reached)
-        tried = balance(body, state, hold.fixed, hold.state((reached + step) * displacement))
+        tried = balance(body, state, constraint.fixed, constraint.state((reached + step) * displacement))
         if tried is not None:
             state, reached = tried, reached + step
             continue

@@ -113,6 +113,6 @@ def _tetrahedra(prisms: Index) -> Index:
     rising = np.minimum(v[1], v[5]) < np.minimum(v[2], v[4])
     cuts = (((0, 1, 2, 5), (0, 1, 5, 4), (0, 4, 5, 3)), ((0, 1, 2, 4), (0, 4, 2, 5), (0, 4, 5, 3)))
     parts = [v[list(cut)][:, rising == (kind == 0)] for kind, three in enumerate(cuts) for cut in three]
-    every = np.concatenate(parts, axis=1)
-    ordered = np.sort(every, axis=0)
-    return every[:, (np.diff(ordered, axis=0) > 0).all(axis=0)]
+    elements = np.concatenate(parts, axis=1)
+    ordered = np.sort(elements, axis=0)
+    return elements[:, (np.diff(ordered, axis=0) > 0).all(axis=0)]

@@ -1,4 +1,4 @@
-"""The rigid plate that sticks to the top of the bump: what it holds, what it moves, the force that this takes."""
+"""The rigid plate on the bump as a constraint: the displacements that it prescribes and the force that this takes."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -16,8 +16,8 @@ Push = Literal["press", "shift"]
 
 
 @dataclass(frozen=True)
-class Held:
-    """Which unknowns of a body are given: those at ``fixed``, the plate's displacement times ``rigid``."""
+class Constraint:
+    """The prescribed unknowns of a body: those at ``fixed`` are the plate's displacement times ``rigid``."""
 
     fixed: Index
     rigid: Floats
@@ -31,7 +31,7 @@ class Held:
         return float(self.rigid @ out_of_balance)
 
 
-def held(body: Body, shape: Shape, push: Push, contact: float | None = None) -> Held:
+def plate_constraint(body: Body, shape: Shape, push: Push, contact: float | None = None) -> Constraint:
     """The bottom fixed, the sides free, the top stuck to the plate up to ``contact`` [m], the shape's unless given."""
     reach = shape.contact if contact is None else contact
     x, z = (body.place[0], body.place[1]) if len(body.place) == 2 else (np.hypot(*body.place[:2]), body.place[2])
@@ -51,16 +51,18 @@ def held(body: Body, shape: Shape, push: Push, contact: float | None = None) -> 
     unit = body.kinematics.press if push == "press" else body.kinematics.shift
     assert unit is not None
     rigid = np.where(top, np.array([*unit, 0.0])[body.component], 0.0)
-    return Held(np.flatnonzero(fixed), rigid)
+    return Constraint(np.flatnonzero(fixed), rigid)
 
 
-def respond(body: Body, hold: Held, rest: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None) -> Floats:
+def respond(
+    body: Body, constraint: Constraint, rest: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
+) -> Floats:
     """The state per metre that the plate moves, at small strain, about ``rest`` (nothing deformed unless given)."""
     matrix = body.stiffness(*(body.rest() if rest is None else rest))
-    return solve(matrix, np.zeros(body.size), hold.fixed, hold.state(1.0))
+    return solve(matrix, np.zeros(body.size), constraint.fixed, constraint.state(1.0))
 
 
-def stiffness(body: Body, hold: Held, state: Floats) -> float:
+def stiffness(body: Body, constraint: Constraint, state: Floats) -> float:
     """Force over displacement [N/m] of a small-strain response, four quarters counted where the body is one."""
-    force = hold.force(body.stiffness(*body.rest()) @ state)
+    force = constraint.force(body.stiffness(*body.rest()) @ state)
     return 4 * force if body.kinematics is SOLID else force

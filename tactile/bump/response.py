@@ -16,7 +16,7 @@ from tactile.bump.body import Body
 from tactile.bump.kinematics import PRESSED, SHEARED
 from tactile.bump.law import Mixed
 from tactile.bump.mesh import half_section
-from tactile.bump.plate import held, respond
+from tactile.bump.plate import plate_constraint, respond
 from tactile.bump.probe import Probe
 from tactile.bump.shape import Shape
 from tactile.bump.table import Response
@@ -42,9 +42,9 @@ def small_strain(shape: Shape, medium: Medium, depth: float, radii: Floats, fine
     felt, stiffnesses = [], []
     for kinematics in (PRESSED, SHEARED):
         body = Body(mesh, kinematics, Mixed(medium))
-        hold = held(body, shape, "press" if kinematics is PRESSED else "shift")
-        state = respond(body, hold)
-        force = hold.force(body.stiffness(*body.rest()) @ state)
+        constraint = plate_constraint(body, shape, "press" if kinematics is PRESSED else "shift")
+        state = respond(body, constraint)
+        force = constraint.force(body.stiffness(*body.rest()) @ state)
         probe = Probe(body, points)
         read = probe.strain(state) if medium.quantity == "strain" else probe.stress(state)
         felt.append(read / force)
@@ -58,7 +58,7 @@ def finite_strain(
     """The response of neo-Hookean rubber under a flat plate that touches more and more of the bump.
 
     The normal part is the whole Green strain under the force; the shear part the change of Green strain per newton
-    of a small shear force on top of it, the touched nodes stuck: exact to first order in the shear.
+    of a small shear force on top of it, the touched nodes sticking: exact to first order in the shear.
 
     Arguments: ``indentation`` [m], the largest; the others as ``small_strain``.
 
@@ -73,22 +73,22 @@ def finite_strain(
     mesh = half_section(shape, fineness, touching=True)
     pressed, sheared = (Body(mesh, kinematics, Mixed(medium)) for kinematics in (PRESSED, SHEARED))
     probe, beside = Probe(pressed, points), Probe(sheared, points)
-    every = STEPS // (KNOTS - 1)
+    stride = STEPS // (KNOTS - 1)
     forces, depths, normal, shear = [0.0], [0.0], [np.zeros((len(radii), 3, 3))], []
     stiffnesses = np.zeros(2)
     for number, touch in enumerate(lower(pressed, shape, indentation * np.arange(1, STEPS + 1) / STEPS, True), 1):
-        if number % every and number != 1:
+        if number % stride and number != 1:
             continue
         gradient, pressure = pressed.at_points(touch.state)
-        hold = held(sheared, shape, "shift", contact=touch.contact)
-        state = respond(sheared, hold, (gradient, pressure))
-        force = hold.force(sheared.stiffness(gradient, pressure) @ state)
+        constraint = plate_constraint(sheared, shape, "shift", contact=touch.contact)
+        state = respond(sheared, constraint, (gradient, pressure))
+        force = constraint.force(sheared.stiffness(gradient, pressure) @ state)
         moved = sheared.at_points(state)[0] - np.eye(3)
         change = np.swapaxes(gradient, -1, -2) @ moved
         if number == 1:
             stiffnesses = np.array([touch.force / touch.indentation, force])
         shear.append(beside.read((change + np.swapaxes(change, -1, -2)) / 2) / force)
-        if number % every == 0:
+        if number % stride == 0:
             forces.append(touch.force)
             depths.append(touch.indentation)
             normal.append(probe.read((np.swapaxes(gradient, -1, -2) @ gradient - np.eye(3)) / 2))

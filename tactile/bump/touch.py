@@ -10,7 +10,7 @@ from cnnsim.support.errors import InputError
 from cnnsim.support.types import Floats
 from tactile.bump.body import Body, Index, solve
 from tactile.bump.finite import balance
-from tactile.bump.plate import held
+from tactile.bump.plate import plate_constraint
 from tactile.bump.shape import Shape
 
 
@@ -39,7 +39,7 @@ def lower(body: Body, shape: Shape, indentations: Iterable[float], finite: bool)
     Source: Vasarhelyi, Fodor, Roska, sect. 5: "flat and rigid, touching the top of the bump with infinite friction".
     """
     nodes = _Nodes(body, shape)
-    stuck, anchor = nodes.on_axis.copy(), np.zeros(nodes.x.size)
+    sticking, anchor = nodes.on_axis.copy(), np.zeros(nodes.x.size)
     linear = None if finite else body.stiffness(*body.rest())
     state, reached = np.zeros(body.size), 0.0
     for wanted in indentations:
@@ -50,7 +50,7 @@ def lower(body: Body, shape: Shape, indentations: Iterable[float], finite: bool)
         offset = -body.forces(state) if finite else np.zeros(body.size)
         certain = False  # whether the state tried is the balance, or its linear estimate
         while True:
-            fixed, values = nodes.held(stuck, anchor, lowered)
+            fixed, values = nodes.prescribed(sticking, anchor, lowered)
             if certain:
                 found = balance(body, state, fixed, values)
                 if found is None:
@@ -63,20 +63,20 @@ def lower(body: Body, shape: Shape, indentations: Iterable[float], finite: bool)
                 tried = state + solve(about, offset, fixed, values - state[fixed])
             else:
                 tried = solve(about, offset, fixed, values)
-            over = ~stuck & (tried[nodes.down] < lowered - 1e-9 * shape.radius)
+            over = ~sticking & (tried[nodes.down] < lowered - 1e-9 * shape.radius)
             if over.any():
                 # where the plate met a node on its way, its side displacement lies between the two states'
                 before, after = state[nodes.down] - (reached - nodes.gap), tried[nodes.down] - lowered
                 share = np.clip(before / np.where(over, before - after, 1), 0, 1)
                 anchor[over] = (state[nodes.side] + share * (tried[nodes.side] - state[nodes.side]))[over]
-                stuck |= over
+                sticking |= over
             elif certain or not finite:
                 break
             else:
                 certain = True
         state, reached = tried, wanted
         forces = body.forces(state) if linear is None else linear @ state
-        yield Touch(wanted, float(nodes.x[stuck].max()), float(forces[nodes.down[stuck]].sum()), state)
+        yield Touch(wanted, float(nodes.x[sticking].max()), float(forces[nodes.down[sticking]].sum()), state)
 
 
 class _Nodes:
@@ -93,12 +93,12 @@ class _Nodes:
         self.gap = z[self.down] + shape.radius
         self.on_axis = self.x <= 1e-9 * shape.radius
         on_plate = np.concatenate([self.side, self.down])
-        self._base: Index = np.setdiff1d(held(body, shape, "press", contact=0.0).fixed, on_plate)
+        self._base: Index = np.setdiff1d(plate_constraint(body, shape, "press", contact=0.0).fixed, on_plate)
 
-    def held(self, stuck: NDArray[np.bool_], anchor: Floats, lowered: Floats) -> tuple[Index, Floats]:
-        """The unknowns given, and their values, where some nodes stick to a plate at ``lowered`` above them."""
+    def prescribed(self, sticking: NDArray[np.bool_], anchor: Floats, lowered: Floats) -> tuple[Index, Floats]:
+        """The prescribed unknowns and their values, where some nodes stick to a plate at ``lowered`` above them."""
         fixed = np.concatenate(
-            [self._base, self.side[self.on_axis], self.side[stuck & ~self.on_axis], self.down[stuck]]
+            [self._base, self.side[self.on_axis], self.side[sticking & ~self.on_axis], self.down[sticking]]
         )
-        values = [np.zeros(self._base.size + self.on_axis.sum()), anchor[stuck & ~self.on_axis], lowered[stuck]]
+        values = [np.zeros(self._base.size + self.on_axis.sum()), anchor[sticking & ~self.on_axis], lowered[sticking]]
         return fixed, np.concatenate(values)

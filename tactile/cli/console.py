@@ -26,7 +26,7 @@ def chosen_description(protocol: str | None, array: Path | None) -> "Description
     Raises:
         InputError: the description is wrong, or the protocol needs one.
     """
-    from tactile.wire.description import default_description, read_description  # NumPy is slow to import
+    from tactile.wire.description_file import default_description, read_description  # NumPy is slow to import
 
     if array is None:
         if protocol is None:
@@ -125,7 +125,7 @@ def closing(session: "Session", recording: Any, as_json: bool, watch: Any = None
         yield
     finally:
         session.close()
-        counts, clock = session.counts, session.source.clock.report()
+        counts, clock = session.counts, session.source.clock.plain()
         settled, unplugged = session.source.decoder.settled(), session.reader.unplugged
         summary: dict[str, Any] = {"counts": counts.plain(), "clock": clock, "settled": settled, "unplugged": unplugged}
         if watch is not None:

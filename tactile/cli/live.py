@@ -143,7 +143,7 @@ class Watch:
         """Return counters, rates, latencies and the clock's line as plain data."""
         now = self._source.arrival if self._now is None else self._now()
         figures = self.meter.plain(now * 1e-9)
-        clock = {name: _finite(value) for name, value in self._source.clock.report().items()}
+        clock = {name: _finite(value) for name, value in self._source.clock.plain().items()}
         return {
             "type": "status", "t_s": self._source.arrival * 1e-9, "events": self.happened,
             "counts": self._counts().plain(), "clock": clock, "settled": self._source.decoder.settled(),

@@ -17,7 +17,8 @@ from cnnsim.support.errors import InputError
 from tactile.calibration.live_tare import LiveTare
 from tactile.core.frame import Frame, TaxelArray
 from tactile.recording import schema
-from tactile.wire.description import Description, parse_description
+from tactile.wire.description import Description
+from tactile.wire.description_file import parse_description
 from tactile.wire.source import Chunk, WireSource
 
 

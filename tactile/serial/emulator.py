@@ -21,7 +21,7 @@ import numpy as np
 from cnnsim.support.errors import InputError
 from tactile.serial.faults import Faults
 from tactile.wire.base import Encoder
-from tactile.wire.packets import Packet
+from tactile.wire.packets import TimedPacket
 
 BUFFER = 64 * 1024
 """Bytes the device keeps while nobody reads; frames beyond are lost, as in firmware, and counted."""
@@ -77,7 +77,9 @@ class Emulator:
         self._master = AWAY
         self._pending.clear()
 
-    def run(self, packets: Iterable[Packet], stop: threading.Event, opened: Callable[[], None] | None = None) -> None:
+    def run(
+        self, packets: Iterable[TimedPacket], stop: threading.Event, opened: Callable[[], None] | None = None
+    ) -> None:
         """Send every packet at its time after the port was first opened, until they end or ``stop`` is set."""
         try:
             while not stop.is_set() and self._hung_up():

@@ -48,6 +48,6 @@ class Faults:
         cuts = sorted(rng.integers(0, len(packet) + 1, 2).tolist())
         return [packet[a:b] for a, b in zip([0, *cuts], [*cuts, len(packet)], strict=True)] * copies
 
-    def in_spell(self, t: float, every: float, lasting: float) -> bool:
-        """Return whether at time ``t`` [s] the fault is on: for ``lasting`` after each ``every``."""
-        return bool(every) and t >= every and t % (every + lasting) >= every
+    def in_spell(self, t: float, period: float, lasting: float) -> bool:
+        """Return whether at time ``t`` [s] the fault is on: for ``lasting`` after each ``period``."""
+        return bool(period) and t >= period and t % (period + lasting) >= period

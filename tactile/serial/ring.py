@@ -5,7 +5,7 @@ from collections import deque
 
 from tactile.wire.source import Chunk
 
-ROOM = 16 * 2**20
+CAPACITY = 16 * 2**20
 """Bytes kept for a reader that is behind: about 20 s of a 1000 Hz array of 64 taxels."""
 CHUNK_COST = 64
 """Bytes that a chunk counts beside its data, so that empty ones are bounded, too."""
@@ -14,10 +14,10 @@ CHUNK_COST = 64
 class Ring:
     """Chunks in, chunks out. One that finds no room is dropped: the newest goes, so that what is kept is unbroken."""
 
-    def __init__(self, room: int = ROOM) -> None:
+    def __init__(self, capacity: int = CAPACITY) -> None:
         self.overflowed = 0
         self.highest = 0
-        self._room, self._used = room, 0
+        self._capacity, self._used = capacity, 0
         self._chunks: deque[Chunk] = deque()
         self._wake = threading.Condition()
         self._closed = False
@@ -26,7 +26,7 @@ class Ring:
         """Take a chunk at once, or count its bytes as overflowed and return False. Notes always find room."""
         cost = len(chunk.data) + CHUNK_COST
         with self._wake:
-            if chunk.data and self._used + cost > self._room:
+            if chunk.data and self._used + cost > self._capacity:
                 self.overflowed += len(chunk.data)
                 return False
             self._chunks.append(chunk)
@@ -38,7 +38,7 @@ class Ring:
     def has_room(self, chunk: Chunk) -> bool:
         """Return whether `put` would take the chunk; it stays true if nobody else puts."""
         with self._wake:
-            return not chunk.data or self._used + len(chunk.data) + CHUNK_COST <= self._room
+            return not chunk.data or self._used + len(chunk.data) + CHUNK_COST <= self._capacity
 
     def get(self, timeout: float) -> list[Chunk]:
         """Return all chunks there are, waiting up to ``timeout`` [s] for the first."""

@@ -53,7 +53,7 @@ class ClockLine:
         self._latest = max(self._latest, arrival)
         return self._latest
 
-    def report(self) -> dict[str, float | None]:
+    def plain(self) -> dict[str, float | None]:
         """Return the drift [1e-6] and the residual's median, 99th percentile and largest of late [s]; None without."""
         if not self._residuals:
             return {"drift_ppm": None, "residual_median_s": None, "residual_p99_s": None, "residual_max_s": None}

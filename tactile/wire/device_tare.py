@@ -1,4 +1,4 @@
-"""The tare that a device makes by itself when the host asks for one."""
+"""Tare inside a device: the mean of some readings, subtracted from when the host asks for it."""
 
 from collections.abc import Sequence
 
@@ -32,4 +32,4 @@ class DeviceTare:
                 self._until, self._seen = None, []
         if self._offset is None:
             return list(boards)
-        return [board - zero for board, zero in zip(boards, self._offset, strict=True)]
+        return [board - offset for board, offset in zip(boards, self._offset, strict=True)]

@@ -10,7 +10,8 @@ from tactile.core.frame import Frame
 from tactile.core.source import Source
 from tactile.wire.arrange import back
 from tactile.wire.base import Encoder, Taxels
-from tactile.wire.description import Description, parse_description, write_description
+from tactile.wire.description import Description
+from tactile.wire.description_file import parse_description, write_description
 from tactile.wire.registry import find_format
 
 FIRM = {"strain": 0.01, "stress": 2e4, "force": 1.0}
@@ -18,7 +19,7 @@ FIRM = {"strain": 0.01, "stress": 2e4, "force": 1.0}
 KEPT = 50_000
 """Frames up to which all are computed before the first is sent, so that none is late for that."""
 
-Packet = tuple[float, bytes]
+TimedPacket = tuple[float, bytes]
 """Seconds since the device started, and what it sends then."""
 
 
@@ -29,7 +30,7 @@ def emulated_description(protocol: str, source: Source) -> Description:
         InputError: the source's arrays do not fit the protocol.
     """
     wire = find_format(protocol)
-    if protocol == "paxini-serial" and len(source.arrays) > 1:
+    if wire.single and len(source.arrays) > 1:
         raise InputError(f"protocol {protocol!r} carries one array, {source.title!r} has {len(source.arrays)}")
     fingers: list[dict[str, Any]] = []
     for array in source.arrays:
@@ -50,7 +51,7 @@ def emulated_description(protocol: str, source: Source) -> Description:
 
 def packets(
     description: Description, source: Source, loop: bool = False, device: Encoder | None = None
-) -> Iterator[Packet]:
+) -> Iterator[TimedPacket]:
     """Return what the described device sends while the source's frames happen; ``loop`` begins again at the end.
 
     ``device``: the encoder, where somebody else has to know it, too. All that takes long is done before this returns,
@@ -71,7 +72,7 @@ class _Readings:
     """What the boards read at every instant of a source, again each time."""
 
     def __init__(self, description: Description, source: Source) -> None:
-        self._boards, self._source, self._blanks = description.boards, source, description.wire.name == "csv"
+        self._boards, self._source, self._blanks = description.boards, source, description.wire.blanks
 
     def __iter__(self) -> Iterator[tuple[float, list[Taxels]]]:
         for t, frames in instants(self._source, len(self._boards)):
@@ -79,11 +80,11 @@ class _Readings:
             yield t, boards if self._blanks else [np.nan_to_num(board) for board in boards]
 
 
-def _packets(encoder: Encoder, every: Iterable[tuple[float, list[Taxels]]], loop: bool) -> Iterator[Packet]:
+def _packets(encoder: Encoder, readings: Iterable[tuple[float, list[Taxels]]], loop: bool) -> Iterator[TimedPacket]:
     count, begin, preamble = 0, 0.0, encoder.preamble()
     while True:
         last = step = 0.0
-        for t, boards in every:
+        for t, boards in readings:
             yield begin + t, preamble + encoder.encode(boards, count, begin + t)
             count, preamble, step, last = count + 1, b"", t - last, t
         if not loop:

@@ -1,7 +1,8 @@
-"""Which wire formats there are. Adding one is one file with a ``FORMAT`` and its name here."""
+"""Names of the wire formats. A new one is one file in ``formats`` with its ``FORMATS``, and its name here."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from cnnsim.support.errors import InputError
 from tactile.wire.base import Decoder, Encoder, Options, Talk
@@ -25,7 +26,9 @@ class Format:
 
     ``checked`` says whether a checksum guards the frames; ``strong`` is a reading that a firm touch may give, for
     emulators of devices that nobody has calibrated, None where firmware sends the quantity itself; ``pushes``: z is
-    positive when pressed and cannot be negative.
+    positive when pressed and cannot be negative; ``calibrated``: the readings are the quantity as they come;
+    ``single``: it carries one array; ``blanks``: a reading may be NaN; ``fingers``: their tables where the device has
+    only one form.
     """
 
     name: str
@@ -39,6 +42,10 @@ class Format:
     talk: Callable[[Options], Talk] = lambda options: Talk()
     keys: tuple[str, ...] = ()
     pushes: bool = False
+    calibrated: Callable[[Options], bool] = lambda options: True
+    single: bool = False
+    blanks: bool = False
+    fingers: tuple[dict[str, Any], ...] = ()
 
 
 def find_format(name: str) -> Format:

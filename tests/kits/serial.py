@@ -14,7 +14,7 @@ from tactile.serial.emulator import Emulator
 from tactile.serial.faults import Faults
 from tactile.sources.simulated import Scene, read_scene
 from tactile.wire.description import Description
-from tactile.wire.packets import Packet, emulated_description, packets
+from tactile.wire.packets import TimedPacket, emulated_description, packets
 from tests.kits.paths import SCENES
 
 GRIP = SCENES / "grip.toml"
@@ -28,14 +28,14 @@ def grip(seconds: float, fingers: int = 2) -> Scene:
     return replace(scene, duration=seconds, arrays=scene.arrays[:fingers], loads=tuple(early[:fingers]))
 
 
-def sent(protocol: str, seconds: float = 0.5) -> tuple[Description, list[Packet]]:
+def sent(protocol: str, seconds: float = 0.5) -> tuple[Description, list[TimedPacket]]:
     scene = grip(seconds, 1 if protocol == "paxini-serial" else 2)
     description = emulated_description(protocol, scene)
     return description, list(packets(description, scene))
 
 
 @contextmanager
-def device(stream: Iterable[Packet], faults: Faults | None = None, **more: Any) -> Iterator[Emulator]:
+def device(stream: Iterable[TimedPacket], faults: Faults | None = None, **more: Any) -> Iterator[Emulator]:
     """A device that is plugged in while the block runs."""
     emulator, stop = Emulator(faults, **more), threading.Event()
     thread = threading.Thread(target=emulator.run, args=(stream, stop))

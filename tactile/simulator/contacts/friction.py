@@ -98,10 +98,10 @@ def load_to(before: FrictionState, normal: float, tangential: Vector) -> Frictio
     return FrictionState(mu, np.array([normal]), (tangential / size)[None], 0.0, True)
 
 
-def _root(start: Vector, share: Vector, room: float, most: float) -> float:
-    """Largest step s in 0 .. most with |start - s share| = room - s."""
-    # squared: (1 - |share|^2) s^2 - 2 (room - start . share) s + room^2 - |start|^2 = 0
-    a, b, c = 1 - float(share @ share), room - float(start @ share), room**2 - float(start @ start)
+def _root(start: Vector, share: Vector, left: float, most: float) -> float:
+    """Largest step s in 0 .. most with |start - s share| = left - s."""
+    # squared: (1 - |share|^2) s^2 - 2 (left - start . share) s + left^2 - |start|^2 = 0
+    a, b, c = 1 - float(share @ share), left - float(start @ share), left**2 - float(start @ start)
     if b <= 0:
         return 0.0
     return min(max(c / (b + math.sqrt(max(b * b - a * c, 0.0))), 0.0), most)

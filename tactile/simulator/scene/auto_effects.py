@@ -30,8 +30,8 @@ class Choice:
 def candidates(scene: Scene) -> list[Named]:
     """Every effect there is: as the scene describes it, or typical; on bumps not those of a flat cover."""
     named = dict(scene.effects)
-    every = [(name, named[name] if name in named else effect_class(name)()) for name in ORDER]
-    return [(name, effect) for name, effect in every if scene.bumps is None or effect.STAGE != "field"]
+    effects = [(name, named[name] if name in named else effect_class(name)()) for name in ORDER]
+    return [(name, effect) for name, effect in effects if scene.bumps is None or effect.STAGE != "field"]
 
 
 def size_of(sample: Sample, name: str, effect: Any) -> float:
@@ -53,13 +53,13 @@ def choose(scene: Scene, tolerance: float) -> Choice:
     if not tolerance > 0:
         raise InputError(f"tolerance {tolerance}, a positive number wanted")
     sample = Sample(scene)
-    every = candidates(scene)
-    sizes = {name: size_of(sample, name, effect) for name, effect in every}
+    effects = candidates(scene)
+    sizes = {name: size_of(sample, name, effect) for name, effect in effects}
     on = {name for name, size in sizes.items() if size > tolerance}
-    everything = sample.run(every)
+    everything = sample.run(effects)
 
     def error(names: set[str]) -> float:
-        return sample.gap(sample.run([(name, effect) for name, effect in every if name in names]), everything)
+        return sample.gap(sample.run([(name, effect) for name, effect in effects if name in names]), everything)
 
     together: list[str] = []
     joint = error(on)
@@ -71,6 +71,6 @@ def choose(scene: Scene, tolerance: float) -> Choice:
         joint, name = min((error({*on, name}), name) for name in worth)
         on.add(name)
         together.append(name)
-    chosen = scene.with_effects((name, effect) for name, effect in every if name in on)
+    chosen = scene.with_effects((name, effect) for name, effect in effects if name in on)
     left_out = {name: sizes[name] for name in sizes if name not in on}
     return Choice(chosen, tolerance, sizes, left_out, tuple(together), joint)

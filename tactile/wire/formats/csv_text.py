@@ -112,5 +112,6 @@ FORMATS = {
         CsvDecoder,
         CsvEncoder,
         keys=("before", "check"),
+        blanks=True,
     )
 }

@@ -72,11 +72,11 @@ class LowiekDecoder(Decoder):
         """Find the phase and skip what is before it; at the stream's end fewer frames have to do."""
         data, length = self._buffer, self._length
         proof = min(PROOF, len(data) // length) if over else PROOF
-        room = len(data) - proof * length + 1  # offsets from which so many frames fit
+        starts = len(data) - proof * length + 1  # offsets from which so many frames fit
         alone = proof < LAST_PROOF and len(data) == proof * length  # a stream of a frame or two and nothing else
-        if (room < length and not over) or (over and proof < LAST_PROOF and not (proof and alone)):
+        if (starts < length and not over) or (over and proof < LAST_PROOF and not (proof and alone)):
             return None
-        tries = range(min(length, room))
+        tries = range(min(length, starts))
         found = [at for at in tries if all(data[at + n * length] == START for n in range(proof))]
         if not found:
             return Found(len(tries))
@@ -153,5 +153,6 @@ FORMATS = {
         LowiekDecoder,
         LowiekEncoder,
         keys=("mode",),
+        calibrated=force_mode,
     )
 }

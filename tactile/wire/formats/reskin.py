@@ -19,19 +19,20 @@ from tactile.wire.base import Decoder, Encoder, Found, Options, Reading, Taxels
 from tactile.wire.registry import Format
 
 END = b"\r\n"
-WARM = (-40.0, 150.0)
+TEMPERATURE = (-40.0, 150.0)
+"""Coldest and hottest chip [deg C]."""
 FIELD = (1e-4, 1e5)
 """Smallest field that is not 0, and the largest [uT]."""
-ROOM = 25.0
+ROOM_TEMPERATURE = 25.0
 
 
 def plausible(chips: NDArray[np.float32]) -> bool:
     """Return whether (chips, 4) numbers could be what chips send: see the head of this file."""
     size = np.abs(chips)
     field = ((size[:, 1:] >= FIELD[0]) & (size[:, 1:] <= FIELD[1])) | (size[:, 1:] == 0)
-    warm = (chips[:, 0] > WARM[0]) & (chips[:, 0] < WARM[1]) & (size[:, 0] > 1e-3)
+    alive = (chips[:, 0] > TEMPERATURE[0]) & (chips[:, 0] < TEMPERATURE[1]) & (size[:, 0] > 1e-3)
     dead = (size == 0).all(1)
-    return bool(warm.any() and ((warm & field.all(1)) | dead).all())
+    return bool(alive.any() and ((alive & field.all(1)) | dead).all())
 
 
 class ReskinDecoder(Decoder):
@@ -80,7 +81,7 @@ class ReskinEncoder(Encoder):
     def encode(self, boards: Sequence[Taxels], sequence: int, t_device: float) -> bytes:
         """Return one frame with the chips of all boards."""
         values = np.concatenate(boards)
-        return np.column_stack((np.full(len(values), ROOM), values)).astype("<f4").tobytes() + END
+        return np.column_stack((np.full(len(values), ROOM_TEMPERATURE), values)).astype("<f4").tobytes() + END
 
 
 FORMATS = {
@@ -93,5 +94,6 @@ FORMATS = {
         1000.0,
         ReskinDecoder,
         ReskinEncoder,
+        calibrated=lambda options: False,
     )
 }

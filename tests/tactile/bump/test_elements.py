@@ -13,7 +13,7 @@ from tactile.bump.body import Body, solve
 from tactile.bump.kinematics import HALF, PLANE, PRESSED, SHEARED, SOLID, Kinematics
 from tactile.bump.law import Displacement, Law, Mixed, PlaneStress
 from tactile.bump.mesh import half_section, plane_mesh, quarter_solid, whole_section
-from tactile.bump.plate import held, respond, stiffness
+from tactile.bump.plate import plate_constraint, respond, stiffness
 from tactile.bump.probe import Probe
 from tactile.bump.shape import Shape
 from tactile.elastic.medium import Medium
@@ -112,8 +112,8 @@ def test_taylor_hood_does_not_lock_and_linear_elements_do() -> None:
         shape = Shape()
         mesh = plane_mesh(shape, fineness) if degree == 1 else half_section(shape, fineness)
         body = Body(mesh, PRESSED, law(Medium(1.0, nu)), degree)
-        hold = held(body, shape, "press")
-        return stiffness(body, hold, respond(body, hold))
+        constraint = plate_constraint(body, shape, "press")
+        return stiffness(body, constraint, respond(body, constraint))
 
     errors = {}
     for nu in (0.3, 0.4999):
@@ -135,8 +135,8 @@ def test_laws_agree_where_they_should() -> None:
         laws: tuple[Callable[[Medium], Law], ...] = Mixed, Displacement
         for law in laws:
             body = Body(mesh, PRESSED, law(Medium(1.0, nu)))
-            hold = held(body, shape, "press")
-            forces.append(stiffness(body, hold, respond(body, hold)))
+            constraint = plate_constraint(body, shape, "press")
+            forces.append(stiffness(body, constraint, respond(body, constraint)))
         assert forces[0] == pytest.approx(forces[1], rel=2e-3 if nu else 1e-9)
     # without Poisson's ratio plane stress is plane strain; half a section is half of the whole
     forces = []
@@ -146,8 +146,8 @@ def test_laws_agree_where_they_should() -> None:
     )
     for kinematics, law, section in cases:
         body = Body(section(shape, 0.5), kinematics, law(Medium(1.0, 0.0)))
-        hold = held(body, shape, "press")
-        forces.append(stiffness(body, hold, respond(body, hold)))
+        constraint = plate_constraint(body, shape, "press")
+        forces.append(stiffness(body, constraint, respond(body, constraint)))
     assert forces[0] == pytest.approx(forces[1], rel=1e-9)
 
 

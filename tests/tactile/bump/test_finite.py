@@ -12,7 +12,7 @@ from tactile.bump.finite import balance, push_to
 from tactile.bump.kinematics import HALF, PLANE, PRESSED, SHEARED, SOLID, Kinematics
 from tactile.bump.law import Displacement, Law, Mixed, PlaneStress, stress, tangent
 from tactile.bump.mesh import half_section, quarter_solid, whole_section
-from tactile.bump.plate import Push, held, respond, stiffness
+from tactile.bump.plate import Push, plate_constraint, respond, stiffness
 from tactile.bump.shape import Shape
 from tactile.bump.touch import lower
 from tactile.elastic.medium import Medium
@@ -81,14 +81,14 @@ def test_the_bodys_stiffness_is_the_derivative_of_its_forces(
 def test_small_strain_is_the_limit(push: Push) -> None:
     shape = Shape()
     body = Body(whole_section(shape, 0.5), PLANE, PlaneStress(Medium(1.0, 0.499)))
-    hold = held(body, shape, push)
-    linear = respond(body, hold)
+    constraint = plate_constraint(body, shape, push)
+    linear = respond(body, constraint)
     gaps = []
     for moved in (1e-5, 1e-6, 1e-7):
-        state = push_to(body, hold, moved)
+        state = push_to(body, constraint, moved)
         gaps.append(np.abs(state / moved - linear).max() / np.abs(linear).max())
-        assert hold.force(body.forces(state)) / moved == pytest.approx(
-            stiffness(body, hold, linear), rel=100 * moved / 1e-5 * 1e-2
+        assert constraint.force(body.forces(state)) / moved == pytest.approx(
+            stiffness(body, constraint, linear), rel=100 * moved / 1e-5 * 1e-2
         )
     assert gaps[0] > 5 * gaps[1] > 25 * gaps[2]  # the first term left out is quadratic
     assert gaps[2] < 1e-3
@@ -137,7 +137,7 @@ def test_a_rotation_makes_no_forces() -> None:
 def pressed(fineness: float = 0.5, indentation: float = 3e-5) -> tuple[Shape, Body, Floats, float]:
     shape = Shape()
     body = Body(half_section(shape, fineness), PRESSED, Mixed(Medium(1.0, 0.45)))
-    state = push_to(body, held(body, shape, "press"), indentation)
+    state = push_to(body, plate_constraint(body, shape, "press"), indentation)
     return shape, body, state, indentation
 
 
@@ -157,22 +157,22 @@ def test_tilting_a_pressed_body_strains_nothing() -> None:
     assert np.abs(change + np.swapaxes(change, -1, -2)).max() < 1e-8
     # and the pressed body's forces just turn with it: no work is done against the stiffness from within
     forces = sheared.stiffness(gradient, pressure) @ tilt
-    free = np.setdiff1d(np.flatnonzero(sheared.component >= 0), held(sheared, shape, "shift").fixed)
+    free = np.setdiff1d(np.flatnonzero(sheared.component >= 0), plate_constraint(sheared, shape, "shift").fixed)
     assert np.abs(forces[free]).max() < 1e-6 * np.abs(forces).max()
 
 
 def test_shear_on_a_pressed_body_is_the_solids() -> None:
     shape, body, state, indentation = pressed()
     sheared = Body(body.mesh, SHEARED, body.law)
-    hold, rest = held(sheared, shape, "shift"), body.at_points(state)
-    moved = respond(sheared, hold, rest)
-    force = hold.force(sheared.stiffness(*rest) @ moved)
-    unpressed = stiffness(sheared, hold, respond(sheared, hold))
+    constraint, rest = plate_constraint(sheared, shape, "shift"), body.at_points(state)
+    moved = respond(sheared, constraint, rest)
+    force = constraint.force(sheared.stiffness(*rest) @ moved)
+    unpressed = stiffness(sheared, constraint, respond(sheared, constraint))
     solid = Body(quarter_solid(shape, 0.3, 3), SOLID, Mixed(body.law.medium))
-    press, shift = held(solid, shape, "press"), held(solid, shape, "shift")
+    press, shift = plate_constraint(solid, shape, "press"), plate_constraint(solid, shape, "shift")
     squeezed = push_to(solid, press, indentation)
     assert 4 * press.force(solid.forces(squeezed)) == pytest.approx(
-        held(body, shape, "press").force(body.forces(state)), rel=0.02
+        plate_constraint(body, shape, "press").force(body.forces(state)), rel=0.02
     )
     there = solid.at_points(squeezed)
     pushed = respond(solid, shift, there)
@@ -184,11 +184,11 @@ def test_shear_on_a_pressed_body_is_the_solids() -> None:
 def test_cross_talk_of_second_order() -> None:
     shape = Shape()
     body = Body(whole_section(shape, 0.5), PLANE, PlaneStress(Medium(1.0, 0.499)))
-    hold = held(body, shape, "shift")
+    constraint = plate_constraint(body, shape, "shift")
     deep = np.flatnonzero(
         (np.abs(body.place[0]) < 1e-12) & (body.component == 1) & (np.abs(body.place[1] - 4e-4) < 3e-4)
     )[0]
-    sinks = [push_to(body, hold, moved)[deep] for moved in (2e-5, 4e-5, -4e-5)]
+    sinks = [push_to(body, constraint, moved)[deep] for moved in (2e-5, 4e-5, -4e-5)]
     assert sinks[1] / sinks[0] == pytest.approx(4, rel=0.02)  # with the square of the shear
     assert sinks[2] == pytest.approx(sinks[1], rel=1e-6)
 
@@ -197,8 +197,8 @@ def test_what_cannot_be_balanced_is_said() -> None:
     shape = Shape(contact=0.05e-3)
     body = Body(whole_section(shape, 0.5), PLANE, PlaneStress(Medium(1.0, 0.499)))
     with pytest.raises(InputError, match="a plate moved by 390 um: no balance of forces beyond"):
-        push_to(body, held(body, shape, "press"), 3.9e-4)
+        push_to(body, plate_constraint(body, shape, "press"), 3.9e-4)
     half = Body(half_section(Shape(contact=0.02e-3), 0.4, True), HALF, PlaneStress(Medium(1.0, 0.4)))
     with pytest.raises(InputError, match="smaller steps"):
         list(lower(half, Shape(contact=0.02e-3), [6e-4], True))
-    assert not push_to(body, held(body, shape, "press"), 0.0).any()
+    assert not push_to(body, plate_constraint(body, shape, "press"), 0.0).any()

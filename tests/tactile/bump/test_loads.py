@@ -14,7 +14,7 @@ from tactile.bump.body import Body, solve
 from tactile.bump.kinematics import HALF, PLANE, PRESSED, SHEARED, SOLID, Kinematics
 from tactile.bump.law import Mixed, PlaneStress
 from tactile.bump.mesh import half_section, quarter_solid, whole_section
-from tactile.bump.plate import Push, held, respond, stiffness
+from tactile.bump.plate import Push, plate_constraint, respond, stiffness
 from tactile.bump.probe import Probe
 from tactile.bump.shape import Shape
 from tactile.bump.touch import lower
@@ -99,9 +99,9 @@ def test_the_solid_is_its_section(nu: float) -> None:
         flat = Body(mesh, kinematics, Mixed(medium))
         answers = []
         for body, points in ((flat, np.array([[0.0, depth]])), (solid, np.array([[1e-7, 1e-7, depth]]))):
-            hold = held(body, shape, push)
-            state = respond(body, hold)
-            answers.append((stiffness(body, hold, state), Probe(body, points).displacement(state)[0]))
+            constraint = plate_constraint(body, shape, push)
+            state = respond(body, constraint)
+            answers.append((stiffness(body, constraint, state), Probe(body, points).displacement(state)[0]))
         moved = answers[0][1][1] / (2 if push == "shift" else 1)  # (U + V, U - V, W)
         assert answers[1][0] == pytest.approx(answers[0][0], rel=0.01)
         assert answers[1][1][component] == pytest.approx(moved, rel=0.01)
@@ -116,12 +116,14 @@ def test_no_cross_talk_on_the_axis() -> None:
     body, shape = plane()
     at = Probe(body, np.stack([np.zeros(20), np.linspace(0, 1.9e-3, 20)], axis=-1))
     for push, across in ALONG:
-        state = respond(body, held(body, shape, push))
+        state = respond(body, plate_constraint(body, shape, push))
         moved, strain = at.displacement(state), at.strain(state)
         assert np.abs(moved[:, across]).max() < 1e-11 * np.abs(moved).max()
         silent = strain[:, 0, 2] if push == "press" else strain[:, 2, 2]
         assert np.abs(silent).max() < 1e-10 * np.abs(strain).max()
-    lopsided = respond(body, held(body, shape, "press")) + respond(body, held(body, shape, "shift"))
+    lopsided = respond(body, plate_constraint(body, shape, "press")) + respond(
+        body, plate_constraint(body, shape, "shift")
+    )
     assert np.abs(at.displacement(lopsided)[:, 0]).max() > 0.1  # it could have failed
 
 
@@ -129,17 +131,17 @@ def test_forces_and_moments_balance() -> None:
     body, shape = plane()
     for push, across in ALONG:
         component = 1 - across
-        hold = held(body, shape, push)
-        state = respond(body, hold)
+        constraint = plate_constraint(body, shape, push)
+        state = respond(body, constraint)
         forces = body.stiffness(*body.rest()) @ state
-        assert hold.force(forces) > 0
-        assert hold.force(forces) == pytest.approx(state @ forces, rel=1e-10)  # the work of a unit displacement
-        free = np.setdiff1d(np.arange(body.size), hold.fixed)
+        assert constraint.force(forces) > 0
+        assert constraint.force(forces) == pytest.approx(state @ forces, rel=1e-10)  # the work of a unit displacement
+        free = np.setdiff1d(np.arange(body.size), constraint.fixed)
         assert np.abs(forces[free]).max() < 1e-10 * np.abs(forces).max()
         for k in (0, 1):
             assert abs(forces[body.component == k].sum()) < 1e-10 * np.abs(forces).sum()
         bottom = (body.component == component) & (body.place[1] > shape.thickness - 1e-9)
-        assert forces[bottom].sum() == pytest.approx(-hold.force(forces), rel=1e-9)
+        assert forces[bottom].sum() == pytest.approx(-constraint.force(forces), rel=1e-9)
         x, z = body.place
         turn = np.where(body.component == 0, z, -x) @ forces
         assert abs(turn) < 1e-10 * shape.thickness * np.abs(forces).sum()
@@ -149,14 +151,14 @@ def test_forces_and_moments_balance() -> None:
 def test_reciprocity(push: Push) -> None:
     """Betti: a force inside pulls at the held plate as the moved plate moves the place of the force."""
     body, shape = plane()
-    hold, matrix = held(body, shape, push), body.stiffness(*body.rest())
-    moved = respond(body, hold)
+    constraint, matrix = plate_constraint(body, shape, push), body.stiffness(*body.rest())
+    moved = respond(body, constraint)
     inside = np.flatnonzero((body.place[1] > 1e-4) & (body.place[0] > 1e-4) & (body.place[1] < 1e-3))[[3, 8, 21, 40]]
     for dof in inside:
         pulled = np.zeros(body.size)
         pulled[dof] = 1.0
-        state = solve(matrix, pulled, hold.fixed, np.zeros(hold.fixed.size))
-        assert hold.force(matrix @ state) == pytest.approx(-moved[dof], rel=1e-8, abs=1e-12)
+        state = solve(matrix, pulled, constraint.fixed, np.zeros(constraint.fixed.size))
+        assert constraint.force(matrix @ state) == pytest.approx(-moved[dof], rel=1e-8, abs=1e-12)
 
 
 def test_a_growing_contact_grows_and_knows_no_scale() -> None:

@@ -20,9 +20,9 @@ def test_the_clock_line_finds_drift_under_one_sided_delays(drift: float) -> None
     mapped = np.array([line(a, b) for a, b in zip(device_time.tolist(), arrival.tolist(), strict=True)])
     assert (np.diff(mapped) >= 0).all()
     assert np.abs(mapped - true)[5000:].max() < 2e-4  # where arrivals are off by up to 60 ms
-    report = line.report()
-    assert report["drift_ppm"] == pytest.approx(-drift * 1e6, abs=10)  # host over device
-    assert report["residual_median_s"] == pytest.approx(np.log(2) * 1e-3, rel=0.2)
+    figures = line.plain()
+    assert figures["drift_ppm"] == pytest.approx(-drift * 1e6, abs=10)  # host over device
+    assert figures["residual_median_s"] == pytest.approx(np.log(2) * 1e-3, rel=0.2)
     late = int((arrival - true > LATE)[5000:].sum())
     assert line.late == pytest.approx(late * 20 / 15, rel=0.2)
 
@@ -37,4 +37,4 @@ def test_the_clock_line_starts_anew_with_the_device() -> None:
     assert line(1000.0, 35.5) == pytest.approx(35.5, abs=1e-9)
     assert line(float("nan"), 36.0) == 36.0
     assert line(float("nan"), 35.0) == 36.0  # never backwards
-    assert ClockLine().report()["drift_ppm"] is None
+    assert ClockLine().plain()["drift_ppm"] is None

@@ -8,7 +8,7 @@ import pytest
 from cnnsim.support.errors import InputError
 from tactile.wire.arrange import Arrange, back
 from tactile.wire.base import Reading
-from tactile.wire.description import default_description, parse_description
+from tactile.wire.description_file import default_description, parse_description
 from tactile.wire.packets import emulated_description, packets
 from tests.kits.serial import grip, sent
 

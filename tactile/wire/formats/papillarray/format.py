@@ -34,7 +34,7 @@ class PapillarrayDecoder(Decoder):
     def __init__(self, options: Options) -> None:
         super().__init__()
         self._taxels = options.taxels
-        self._looked = 0  # in the buffer: end markers before this place have been tried
+        self._searched = 0  # in the buffer: end markers before this place have been tried
         self._order: int | None = None
         self._entry: int | None = None
 
@@ -44,15 +44,15 @@ class PapillarrayDecoder(Decoder):
         return {"pillar": order, "slip_entry_type_bytes": self._entry}
 
     def _restart(self) -> None:
-        self._looked = 0
+        self._searched = 0
 
     def _next(self, over: bool) -> Found | None:
         data = self._buffer
-        while (mark := data.find(END, self._looked)) >= 0:
+        while (mark := data.find(END, self._searched)) >= 0:
             if (found := self._ending_at(mark)) is not None:
                 return found
-            self._looked = mark + 1
-        self._looked = max(self._looked, len(data) - len(END) + 1)
+            self._searched = mark + 1
+        self._searched = max(self._searched, len(data) - len(END) + 1)
         return self._stale()
 
     def _ending_at(self, mark: int) -> Found | None:
@@ -75,7 +75,7 @@ class PapillarrayDecoder(Decoder):
 
     def _found(self, start: int, end: int, packet: Packet) -> Found:
         self.counts.bad_checksum += self._buffer.count(START, 0, start)
-        self._looked = 0
+        self._searched = 0
         if packet.triples.shape[:2] != (len(self._taxels), self._taxels[0]) or len(set(self._taxels)) > 1:
             self.counts.unfit += 1
             return Found(end)
@@ -95,7 +95,7 @@ class PapillarrayDecoder(Decoder):
         if keep == 0:
             return None
         self.counts.bad_checksum += data.count(START, 0, min(keep + 3, len(data)))
-        self._looked = max(0, self._looked - keep)
+        self._searched = max(0, self._searched - keep)
         return Found(keep)
 
     def _settle(self, packet: Packet) -> None:
@@ -131,5 +131,9 @@ FORMATS = {
         PapillarrayEncoder,
         _talk,
         ("pillar", "slip_entry", "rate_hz"),
+        fingers=tuple(
+            {"name": f"sensor {n}", "rows": 3, "cols": 3, "pitch_mm": 7.0, "depth_mm": 0.0, "quantity": "force"}
+            for n in range(2)
+        ),
     )
 }

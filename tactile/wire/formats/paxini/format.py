@@ -154,5 +154,6 @@ FORMATS = {
         _answer_talk,
         (),
         True,
+        single=True,
     ),
 }

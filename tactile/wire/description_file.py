@@ -1,0 +1,152 @@
+"""Array descriptions: a TOML file that says what is on the other end of the cable.
+
+title = "gripper"
+protocol = "reskin"             # one of tactile.wire.registry.NAMES
+baudrate = 115200               # may be left out
+youngs_modulus_mpa = 0.4        # of the cover; wanted where the quantity is strain
+[options]                       # the protocol's own, may be left out
+[[finger]]                      # one for each board, in the order in which the wire carries them
+name = "thumb"
+rows = 3
+cols = 3
+pitch_mm = 7.0
+depth_mm = 2.0
+quantity = "strain"             # strain, stress or force: what the readings are after the gains
+axes = ["x", "y", "-z"]         # which of the device's axes are shear_x, shear_y and normal
+gains = [1e-5, 2e-5]            # shear, normal: eq. (15); quantity per unit of the wire
+cells = [[-1, 1, -1], [4, 0, 2], [-1, 3, -1]]   # the device's number of the chip in each cell, -1 where none is
+"""
+
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.support.errors import InputError
+from cnnsim.support.toml_file import check_keys, parse_toml, take, take_numbers, take_tables
+from tactile.calibration.gains import Gains
+from tactile.core.array_table import take_array
+from tactile.core.frame import TaxelArray
+from tactile.wire.base import Options
+from tactile.wire.description import Board, Description
+from tactile.wire.registry import Format, find_format
+
+TOP_KEYS = ("title", "protocol", "baudrate", "youngs_modulus_mpa", "options", "finger")
+FINGER_KEYS = ("name", "rows", "cols", "pitch_mm", "depth_mm", "origin_mm", "quantity", "axes", "gains", "cells")
+
+
+def read_description(path: Path) -> Description:
+    """Read an array description.
+
+    Raises:
+        InputError: no such file, no TOML, an unknown or missing key, a wrong value.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError as error:
+        raise InputError(f"no array description {path}") from error
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read as an array description: {error}") from error
+    return parse_description(text, str(path))
+
+
+def parse_description(text: str, where: str) -> Description:
+    """Return the description that a text is; ``where`` names it in messages.
+
+    Raises:
+        InputError: as `read_description`.
+    """
+    table = parse_toml(text, where)
+    check_keys(table, TOP_KEYS, where)
+    wire = find_format(take(table, "protocol", str, where))
+    extra = take(table, "options", dict, where, {})
+    check_keys(extra, wire.keys, f"{where}: [options] of {wire.name}")
+    boards = tuple(
+        _board(finger, wire, f"{where}: finger {n}") for n, finger in enumerate(take_tables(table, "finger", where), 1)
+    )
+    names = [board.array.name for board in boards]
+    if not names or len(set(names)) < len(names):
+        raise InputError(f"{where}: fingers {names}, at least one [[finger]] and no name twice wanted")
+    baudrate = take(table, "baudrate", int, where, wire.baudrate)
+    modulus = take(table, "youngs_modulus_mpa", float, where) * 1e6 if "youngs_modulus_mpa" in table else None
+    if baudrate <= 0 or (modulus is not None and modulus <= 0):
+        raise InputError(f"{where}: baudrate {baudrate}, modulus {modulus}: positive numbers wanted")
+    options = Options(tuple(_wire_shape(board) for board in boards), extra)
+    wire.decoder(options)  # so that wrong options are told now
+    return Description(take(table, "title", str, where, wire.summary), wire, baudrate, modulus, options, boards, text)
+
+
+def default_description(protocol: str) -> Description:
+    """Return the description of a device that has only one form.
+
+    Raises:
+        InputError: the protocol says too little about the device.
+    """
+    wire = find_format(protocol)
+    if not wire.fingers:
+        raise InputError(f"protocol {protocol!r} does not say how the taxels lie: --array FILE wanted (CONNECT.md)")
+    return parse_description(write_description({"protocol": protocol}, wire.fingers), protocol)
+
+
+def write_description(top: dict[str, Any], fingers: Iterable[dict[str, Any]]) -> str:
+    """Return the TOML text of tables with texts, numbers and lists."""
+    lines = [f"{key} = {_toml(value)}" for key, value in top.items() if not isinstance(value, dict)]
+    for name, table in top.items():
+        if isinstance(table, dict) and table:
+            lines += [f"[{name}]", *(f"{key} = {_toml(value)}" for key, value in table.items())]
+    for finger in fingers:
+        lines += ["[[finger]]", *(f"{key} = {_toml(value)}" for key, value in finger.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _toml(value: Any) -> str:
+    return json.dumps(value, ensure_ascii=False)  # texts, numbers, true, false and lists look alike in both
+
+
+def _board(table: dict[str, Any], wire: Format, where: str) -> Board:
+    check_keys(table, FINGER_KEYS, where)
+    array = take_array(
+        table,
+        pitch=take(table, "pitch_mm", float, where) * 1e-3,
+        depth=take(table, "depth_mm", float, where) * 1e-3,
+        origin=[x * 1e-3 for x in take_numbers(table, "origin_mm", 2, where, [0.0, 0.0])],
+        quantity=take(table, "quantity", str, where),
+        where=where,
+    )
+    gains = Gains(*take_numbers(table, "gains", 2, where)) if "gains" in table else None
+    return Board(
+        array, _turn(take(table, "axes", list, where, ["x", "y", "z"]), where), gains, _cells(table, array, where)
+    )
+
+
+def _turn(axes: list[Any], where: str) -> NDArray[np.float64]:
+    turn = np.zeros((3, 3))
+    for row, axis in enumerate(axes):
+        if not isinstance(axis, str) or axis.lstrip("+-") not in ("x", "y", "z") or len(axis) > 2 or row > 2:
+            break
+        turn[row, "xyz".index(axis[-1])] = -1.0 if axis[0] == "-" else 1.0
+    if abs(np.linalg.det(turn)) != 1.0:
+        raise InputError(f"{where}: axes = {axes!r}, each of x, y, z once wanted, such as ['x', '-y', '-z']")
+    return turn
+
+
+def _cells(table: dict[str, Any], array: TaxelArray, where: str) -> NDArray[np.int64]:
+    if "cells" not in table:
+        return np.arange(array.rows * array.cols).reshape(array.shape)
+    cells = table["cells"]
+    try:
+        grid = np.array(cells, dtype=np.int64)
+    except (TypeError, ValueError, OverflowError):
+        grid = np.empty(0, np.int64)
+    used = np.sort(grid[grid >= 0])
+    if grid.shape != array.shape or not used.size or not np.array_equal(used, np.arange(used.size)):
+        raise InputError(f"{where}: cells = {cells!r}, {array.rows} x {array.cols} chip numbers 0, 1, ... or -1 wanted")
+    return grid
+
+
+def _wire_shape(board: Board) -> tuple[int, int]:
+    whole = board.chips == board.array.rows * board.array.cols
+    return board.array.shape if whole else (1, board.chips)
