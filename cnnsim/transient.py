@@ -154,24 +154,38 @@ def run_transient(
     return result
 
 
-def trajectory(task: Task, backend: Backend, duration: float, frames: int) -> Iterator[tuple[float, NDArray[Any]]]:
-    """Yield (t, y) at ``frames`` + 1 evenly spaced times from 0 to ``duration``, the task's own stop rule set aside."""
+def trajectory(
+    template: AnyTemplate,
+    *,
+    state: ArrayLike,
+    until: float,
+    frames: int,
+    backend: str | Backend = "cpu",
+    dtype: Dtype | None = None,
+    **choices: Unpack[Choices],
+) -> Iterator[tuple[float, NDArray[Any]]]:
+    """Yield (t, y) at ``frames`` + 1 evenly spaced times from 0 to ``until``, however long ``duration`` is.
+
+    Arguments and errors: as `run_transient`.
+    """
+    task = make_task(template, state=state, **choices)
+    where = backends.get(backend, dtype) if isinstance(backend, str) else backend
     old = task.plan
-    x = backend.load(task.state, "lam")
-    yield 0.0, old.output(backend.read(x))
+    x = where.load(task.state, "lam")
+    yield 0.0, old.output(where.read(x))
     if old.method == "general":  # with delays and sequences a run cannot be cut in two, so each picture has its own
         for frame in range(1, frames + 1):
-            t = round(frame * duration / frames / old.step) * old.step
-            yield t, old.output(backend.read(task.start(backend, plan=replace(old, duration=t)).x))
+            t = round(frame * until / frames / old.step) * old.step
+            yield t, old.output(where.read(task.start(where, plan=replace(old, duration=t)).x))
         return
     scheme = old.scheme.name if old.scheme is not None else None
     plan = make_plan(
-        old.template, old.shape, old.boundary, duration=duration / frames, cell=old.cell,
+        old.template, old.shape, old.boundary, duration=until / frames, cell=old.cell,
         scheme="adaptive" if old.method == "adaptive" else scheme, step=old.step if scheme else None,
     )  # fmt: skip
     for frame in range(1, frames + 1):
-        x = task.start(backend, backend.read(x), plan).x
-        yield frame * duration / frames, old.output(backend.read(x))
+        x = task.start(where, where.read(x), plan).x
+        yield frame * until / frames, old.output(where.read(x))
 
 
 def _load(backend: Backend, value: Any) -> Any:

@@ -60,7 +60,8 @@ def run(
 
     Templates for moving pictures take several, one a frame; of a network of layers each layer has its own output.
     """
-    from cnnsim.transient import NotSettledError, make_task, run_transient
+    from cnnsim.transient import NotSettledError, run_transient
+    from cnnsim.transient import trajectory as run_over_time
 
     entry = library.load(name)
     given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
@@ -79,7 +80,8 @@ def run(
         _write(result.y, output)
     if trajectory is not None:
         end = result.t if np.isfinite(result.t) else 10.0
-        _write_trajectory(make_task(entry.network, **task), where, max(end, 1.0), trajectory)
+        film = run_over_time(entry.network, **task, until=max(end, 1.0), frames=60, backend=where)
+        write_film([y for _, y in watched(film, "film", 61)], trajectory)
     black = int((result.y > 0).sum())
     size = " x ".join(str(n) for n in result.y.shape)
     if as_json:
@@ -176,13 +178,6 @@ def _write(y: NDArray[Any], path: Path) -> None:
         write_picture(layer, path.with_stem(f"{path.stem}-{number}"))
     if y.ndim == 2:
         write_picture(y, path)
-
-
-def _write_trajectory(task: Any, backend: Any, end: float, path: Path) -> None:
-    from cnnsim.transient import trajectory
-
-    frames = trajectory(task, backend, end, 60)
-    write_film([y for _, y in watched(frames, "film", 61)], path)
 
 
 def _arrow(path: Path | None) -> str:
