@@ -1,20 +1,22 @@
-"""A library template on a picture: read, run, write."""
+"""Edge of a picture: a template of the library on a picture, and the picture written."""
 
-import argparse
 from pathlib import Path
 
-from cnnsim import library, run, write_picture
+import numpy as np
+
+from cnnsim import run, write_picture
 
 
-def main(output: Path) -> None:
-    """Write the edge of a drawn ring to ``output``."""
-    picture = library.load("hole-filler").examples[0].input
-    assert picture is not None
-    result = run("edge", picture)
-    write_picture(result.y, output, scale=16)
+def main(output: Path = Path("edge.png")) -> None:
+    """Write the edge of a square ring to ``output``."""
+    picture = -np.ones((16, 16))
+    picture[3:13, 3:13] = 1
+    picture[6:10, 6:10] = -1
+    y = run("edge", picture).y
+    write_picture(y, output, scale=16)
+    assert (y > 0).sum() == 36 + 20  # the rims of 10 x 10 cells and of the 6 x 6 around the hole
+    print(f"{(y > 0).sum()} black cells -> {output}")
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("-o", "--output", type=Path, default=Path("edge.png"), help="picture to write")
-    main(parser.parse_args().output)
+    main()

@@ -1,6 +1,7 @@
-"""Every example runs and writes the picture it promises; importing one does nothing."""
+"""Every example runs, asserts what it shows or writes the picture it promises; importing one does nothing."""
 
 import importlib.util
+import inspect
 from pathlib import Path
 from types import ModuleType
 
@@ -11,6 +12,11 @@ from PIL import Image
 from tests.kits.paths import ROOT
 
 EXAMPLES = sorted((ROOT / "examples").glob("[!_]*.py"))
+STUDIES = {
+    "a_locking_element", "how_precise_must_a_chip_be", "parity_by_design", "program_gallery",
+    "where_a_strain_sensor_should_sit",
+}  # fmt: skip
+"""Longer ones, and those that only draw."""
 
 
 def _load(path: Path) -> ModuleType:
@@ -30,7 +36,25 @@ def test_example(
     module = _load(path)
     assert capsys.readouterr().out == ""
     assert not list(tmp_path.iterdir())
+    if not inspect.signature(module.main).parameters:
+        module.main()
+        assert capsys.readouterr().out
+        return
     module.main(tmp_path / "picture.png")
     with Image.open(tmp_path / "picture.png") as picture:
         grey = np.asarray(picture.convert("L"))
     assert grey.min() < grey.max()
+
+
+@pytest.mark.parametrize("path", [path for path in EXAMPLES if path.stem not in STUDIES], ids=lambda path: path.stem)
+def test_a_short_example_has_a_title_and_asserts_a_number_through_the_front_door(path: Path) -> None:
+    lines = path.read_text(encoding="utf-8").splitlines()
+    assert len(lines) < 30
+    assert lines[0].startswith(f'"""{path.stem.replace("_", " ").capitalize()}: ')
+    assert any(line.strip().startswith("assert ") for line in lines)
+    imported = {line.split()[1] for line in lines if line.startswith(("import ", "from "))}
+    assert {name for name in imported if name.startswith(("cnnsim", "tactile"))} <= {"cnnsim", "tactile"}
+
+
+def test_there_are_a_dozen_short_ones() -> None:
+    assert len(EXAMPLES) - len(STUDIES) >= 9
