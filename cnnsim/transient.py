@@ -162,7 +162,7 @@ def trajectory(
     frames: int,
     backend: str | Backend = "cpu",
     dtype: Dtype | None = None,
-    **choices: Unpack[Choices],
+    **choices: Unpack[TaskOptions],
 ) -> Iterator[tuple[float, NDArray[Any]]]:
     """Yield (t, y) at ``frames`` + 1 evenly spaced times from 0 to ``until``, however long ``duration`` is.
 
