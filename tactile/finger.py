@@ -1,8 +1,6 @@
-"""Finger: what has to be remembered of one array between frames, and what one frame does to it."""
+"""Finger: the state of one taxel array between frames, and the stages of the pipeline that a frame passes."""
 
-from dataclasses import dataclass, replace
-from math import isfinite
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,42 +8,20 @@ from cnnsim import InputError
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import Program
-from tactile.calibration.gains import Gains, Tare
+from tactile.calibration.tare import Tare
 from tactile.core.frame import Frame, TaxelArray
-from tactile.events.code import CONTACT, SHEAR, Threshold, encode, encode_values
+from tactile.events.code import CONTACT, SHEAR, encode
 from tactile.events.comparators import Comparators
-from tactile.events.events import load_meaning, meaning, slip_meaning
-from tactile.events.slip import SlipWatch
+from tactile.events.detector import Observation
+from tactile.events.event import Happening
+from tactile.events.registry import detectors
 from tactile.inverse.localise import Load, localise
+from tactile.settings import Settings
 from tactile.texture.figures import Texture, TextureFigures
-
-if TYPE_CHECKING:
-    from tactile.calibration.radial import RadialCorrection
-
-
-@dataclass(frozen=True)
-class Settings:
-    """What a user can choose; None means: as the array's quantity asks for.
-
-    ``shear`` and ``contact`` thresholds in the unit of the signal; ``window`` T [frames] and ``floor`` (normal signal)
-    of the texture figures; ``tare`` frames at the start that are averaged away; ``gains`` from readings to the array's
-    quantity, eq. (15); ``depth`` [m] to locate with and ``radial`` correction of what a taxel locates, as a scan
-    measured them; ``backend`` of the machine.
-    """
-
-    shear: Threshold | None = None
-    contact: Threshold | None = None
-    window: int = 128
-    floor: float | None = None
-    tare: int = 0
-    gains: Gains | None = None
-    depth: float | None = None
-    radial: "RadialCorrection | None" = None
-    backend: str = "cpu"
 
 
 class Finger:
-    """One array with its tare, its inverse, its comparators, its slip watch and its texture figures."""
+    """One array with its tare, its inverse, its comparators, its event detectors and its texture figures."""
 
     def __init__(self, array: TaxelArray, modulus: float | None, settings: Settings) -> None:
         contact = settings.contact or CONTACT[array.quantity]
@@ -55,8 +31,7 @@ class Finger:
         self._shear, self._contact = shear, contact
         self._tare, self._gains, self._radial = Tare(settings.tare), settings.gains, settings.radial
         self.taxels = Comparators(machine, array.shape, shear, contact)
-        self._load = Comparators(machine, (1, 1), SHEAR["force"], CONTACT["force"])
-        self._slip = SlipWatch()
+        self._detectors = detectors(machine)
         self._texture = Texture(settings.window, contact.dead_band if settings.floor is None else settings.floor)
         self._machine, self._inverse = machine, _inverse(array, modulus, contact.dead_band)
         self._positions = array.positions()
@@ -80,18 +55,11 @@ class Finger:
             planes = tuple(plane for k in range(0, len(planes), 4) for plane in self._radial(planes[k : k + 4]))
         return localise(self._positions, planes[:4], planes[4:] or None, self.array.depth)
 
-    def notice(self, frame: Frame, load: Load | None) -> list[str]:
-        """Run the comparators on the frame and return in words what has changed."""
-        happened = []
-        if self.taxels.update(encode(frame, self.array.quantity, self._shear, self._contact)):
-            happened.append(meaning(self.taxels.before, self.taxels.code))
-        if load is not None:
-            whole = np.array([[[part if isfinite(part) else 0.0 for part in (load.Q, load.R, load.F)]]])
-            if self._load.update(encode_values(whole, "force", SHEAR["force"], CONTACT["force"])):
-                happened += load_meaning(self._load.before, self._load.code, load)
-            slip = self._slip.update(frame.t, load, bool(self.taxels.code.contact.any()))
-            happened += [slip_meaning(slip)] if slip else []
-        return happened
+    def notice(self, frame: Frame, load: Load | None) -> list[Happening]:
+        """Run the comparators on the frame and return what the detectors say has happened."""
+        changed = self.taxels.update(encode(frame, self.array.quantity, self._shear, self._contact))
+        seen = Observation(frame, self.taxels.before, self.taxels.code, changed, load)
+        return [what for detector in self._detectors for what in detector.detect(seen)]
 
     def feel(self, frame: Frame) -> TextureFigures:
         """Return the texture figures after this frame."""

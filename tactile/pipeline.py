@@ -1,20 +1,23 @@
 """The tactile pipeline: touch flows one way. Start reading here."""
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
 from time import perf_counter
+
+import numpy as np
 
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import Source
 from tactile.events.code import Code, hand_code
-from tactile.events.events import Event
-from tactile.finger import Finger, Settings
+from tactile.events.event import Event
+from tactile.finger import Finger
 from tactile.inverse.localise import Load
+from tactile.settings import Settings
 from tactile.texture.figures import TextureFigures
 
 
 @dataclass(frozen=True)
-class Report:
+class FrameReport:
     """Everything known after one frame of one finger. ``load`` is None for arrays that measure force themselves."""
 
     array: TaxelArray
@@ -25,7 +28,7 @@ class Report:
     events: tuple[Event, ...]
 
 
-Sink = Callable[[Report], None]
+Sink = Callable[[FrameReport], None]
 
 
 def run(source: Source, settings: Settings, sinks: Iterable[Sink]) -> None:
@@ -43,6 +46,27 @@ def run(source: Source, settings: Settings, sinks: Iterable[Sink]) -> None:
         hand = hand_code([one.taxels.code for one in fingers]) if happened else 0
         latency = perf_counter() - arrived
         events = tuple(Event.of(frame, finger.array, code, hand, what, latency, load) for what in happened)
-        report = Report(finger.array, frame, code, load, texture, events)
+        report = FrameReport(finger.array, frame, code, load, texture, events)
         for sink in sinks:
             sink(report)
+
+
+def warm_up(
+    arrays: tuple[TaxelArray, ...], modulus: float | None, settings: Settings, sinks: Iterable[Sink] = ()
+) -> None:
+    """Run on a made-up firm touch of every array, so that nothing is compiled or refused once real frames arrive."""
+    run(_MadeUp(arrays, modulus), replace(settings, tare=0), sinks)
+
+
+class _MadeUp:
+    """A source of two frames of every array, the same reading in all components of all taxels."""
+
+    title, frames = "made up", None
+
+    def __init__(self, arrays: tuple[TaxelArray, ...], modulus: float | None) -> None:
+        self.arrays, self.modulus = arrays, modulus
+
+    def __iter__(self) -> Iterator[Frame]:
+        for finger, array in enumerate(self.arrays):
+            for n in range(2):
+                yield Frame(finger, 0.0, n, np.full((*array.shape, 3), 0.01), np.ones(array.shape, bool))

@@ -16,7 +16,8 @@ from examples.paper.claims import arguments
 from examples.paper.needle import DEPTH, FORCE, NEAR, NOISE, SPEED, Located, Scan, figure, locate, scan, typical
 from examples.paper.skins import ALL, LINES, POINT, STRESS, Skin
 from tactile.calibration.from_load import depth_from_speed, gains_from_load
-from tactile.calibration.gains import Gains, beta_from_scan
+from tactile.calibration.gains import Gains
+from tactile.calibration.sensitivity import beta_from_scan
 from tactile.calibration.radial import radial_from_scan
 from tactile.inverse.validity import Validity
 

@@ -6,7 +6,8 @@ import numpy as np
 
 from examples.paper.claims import Claim, alone
 from examples.paper.needle import DEPTH, NOISE, Scan, figure, scan, typical
-from tactile.calibration.gains import EXTREMA_RATIO, Gains, beta_from_scan
+from tactile.calibration.gains import Gains
+from tactile.calibration.sensitivity import EXTREMA_RATIO, beta_from_scan
 
 TRUE = Gains(shear=1.46, normal=1.0)
 """The simulated sensor has the paper's ratio, and the scans must find it again."""

@@ -19,7 +19,8 @@ from examples.paper.needle import (
     typical,
 )
 from tactile.calibration.from_load import depth_from_speed
-from tactile.calibration.gains import Gains, beta_from_scan
+from tactile.calibration.gains import Gains
+from tactile.calibration.sensitivity import beta_from_scan
 from tactile.simulator.effects.finite_thickness import FiniteThickness
 from tactile.simulator.effects.taxel_area import TaxelArea
 

@@ -1,7 +1,6 @@
-"""What a scan has measured of a skin, and its TOML file: written by ``calibrate``, read by ``run`` and ``live``."""
+"""Calibration of a skin, as a scan has measured it, and its TOML file: `calibrate` writes it, `run` and `live` read it."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +8,6 @@ from cnnsim.support.errors import InputError
 from cnnsim.support.toml_file import check_keys, parse_toml, read_toml, take, take_numbers
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection
-from tactile.core.frame import TaxelArray
-from tactile.finger import Settings
 
 KEYS = ("shear_gain", "normal_gain", "depth_mm", "radial")
 RADIAL_KEYS = ("located_um", "true_um", "force_factor")
@@ -24,19 +21,8 @@ class Calibration:
     depth: float
     radial: RadialCorrection
 
-    def applied(self, settings: Settings, arrays: Iterable[TaxelArray]) -> Settings:
-        """Return the settings with this skin's gains, depth and correction.
 
-        Raises:
-            InputError: an array that does not measure strain.
-        """
-        for array in arrays:
-            if array.quantity != "strain":
-                raise InputError(f"a calibration for taxel array {array.name!r} of {array.quantity}; strain wanted")
-        return replace(settings, gains=self.gains, depth=self.depth, radial=self.radial)
-
-
-def read_calibration(path: Path) -> Calibration:
+def load_calibration(path: Path) -> Calibration:
     """Read a calibration.
 
     Raises:
@@ -49,7 +35,7 @@ def parse_calibration(text: str, where: str) -> Calibration:
     """Return the calibration that a file's text is; ``where`` names it in messages.
 
     Raises:
-        InputError: as ``read_calibration``.
+        InputError: as ``load_calibration``.
     """
     return _calibration(parse_toml(text, where), where)
 

@@ -1,9 +1,10 @@
-"""What a bench tells that knows its speed and its load: the linear thickness constant and the absolute gains."""
+"""Calibration from a known load at a known speed: the linear thickness constant and the absolute gains."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Floats
 from tactile.calibration.gains import Gains
 
 SURE = 5.0
@@ -15,7 +16,7 @@ LEAST = 5
 
 
 def depth_from_speed(times: ArrayLike, places: ArrayLike, speed: float, depth: float) -> float:
-    """Return the depth [m] with which a needle drawn along a straight line is located at its true speed.
+    """Return the depth [m] with which a needle that slides along a straight line is located at its true speed.
 
     Every located length is proportional to the depth z that the inverse was given, so
 
@@ -88,7 +89,7 @@ def gains_from_load(gains: Gains, forces: ArrayLike, load: ArrayLike) -> Gains:
     return Gains(gains.shear * factor, gains.normal * factor)
 
 
-def _enough(first: NDArray[np.float64], second: NDArray[np.float64]) -> None:
+def _enough(first: Floats, second: Floats) -> None:
     if first.size < LEAST:
         raise InputError(f"{first.size} located loads, at least {LEAST} wanted")
     if not (np.isfinite(first).all() and np.isfinite(second).all()):

@@ -1,4 +1,4 @@
-"""All that one straight scan over one taxel tells: beta_ns, thickness constant, gains, radial correction."""
+"""Calibration from one straight scan over one taxel: beta_ns, thickness constant, gains and radial correction."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -7,8 +7,9 @@ from cnnsim.support.errors import InputError
 from cnnsim.support.types import Floats
 from tactile.calibration.file import Calibration
 from tactile.calibration.from_load import depth_from_speed, gains_from_load
-from tactile.calibration.gains import Gains, beta_from_scan
+from tactile.calibration.gains import Gains
 from tactile.calibration.radial import radial_from_scan
+from tactile.calibration.sensitivity import beta_from_scan
 from tactile.inverse.taxel import invert_strain
 
 RELIABLE, REACH = 0.75, 1.25
@@ -25,7 +26,7 @@ RINGS, SAMPLES = 10, 6
 def calibrate(
     times: ArrayLike, readings: ArrayLike, speed: float, load: float, depth: float, modulus: float
 ) -> Calibration:
-    """Return what a needle tells that is drawn right over a taxel, straight, at a known speed, with a known load.
+    """Return the calibration from a needle that slides straight over a taxel, at a known speed, with a known load.
 
     In this order: beta_ns from the extrema (eq. (18)); the depth with which the needle moves at its speed; the gains
     with which it presses with its load; how far it was when it was located at each radius.

@@ -1,16 +1,16 @@
-"""Tare while frames arrive: at the start, on request, and by itself when nothing touches; never while loaded."""
+"""Tare of arriving frames: renewed at the start, on request, and by itself while nothing touches; never under load."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cnnsim.support.types import Floats
 from tactile.calibration.gains import Gains
 from tactile.core.frame import NORMAL, Frame, TaxelArray
 from tactile.events.code import CONTACT, SHEAR
 
 BLOCK = 100
-"""Frames that are looked at together."""
+"""Frames whose mean is taken together."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class TareNote:
     finger: int
     t: float
     why: str
-    offset: NDArray[np.float64] | None
+    offset: Floats | None
 
 
 class LiveTare:
@@ -44,15 +44,15 @@ class LiveTare:
         self._limit[NORMAL] = CONTACT[array.quantity].dead_band
         if gains is not None:
             self._limit /= np.abs(gains(np.ones(3)))
-        self._offset: NDArray[np.float64] | None = None
+        self._offset: Floats | None = None
         self._asked = False
         self._begin()
 
     def _begin(self) -> None:
         self._count = 0
-        self._sum: NDArray[np.float64] | float = 0.0
-        self._low: NDArray[np.float64] | float = np.inf
-        self._high: NDArray[np.float64] | float = -np.inf
+        self._sum: Floats | float = 0.0
+        self._low: Floats | float = np.inf
+        self._high: Floats | float = -np.inf
 
     def ask(self) -> None:
         """Renew the offset from the next block, if that is unloaded."""
@@ -65,14 +65,14 @@ class LiveTare:
         self._sum, self._count = self._sum + values, self._count + 1
         self._low, self._high = np.minimum(self._low, values), np.maximum(self._high, values)
         if self._count == self._block:
-            self._judge(frame.t)
+            self._end_block(frame.t)
             self._begin()
         if self._offset is None:
             return replace(frame, valid=np.zeros_like(frame.valid))
         tared = frame.values - self._offset
         return replace(frame, values=tared, valid=frame.valid & np.isfinite(tared).all(-1))
 
-    def _judge(self, t: float) -> None:
+    def _end_block(self, t: float) -> None:
         mean = np.asarray(self._sum) / self._count
         still = not (np.asarray(self._high) - self._low > self._limit).any()  # a taxel without readings is still
         loaded = self._offset is not None and bool((np.abs(mean - self._offset) > self._limit / 2).any())
@@ -89,5 +89,5 @@ class LiveTare:
             self._offset = mean if before is None else np.where(np.isfinite(mean), mean, before)
             self._note(t, "at the start" if first else "on request" if asked else "idle", self._offset)
 
-    def _note(self, t: float, why: str, offset: NDArray[np.float64] | None) -> None:
+    def _note(self, t: float, why: str, offset: Floats | None) -> None:
         self.notes.append(TareNote(self._finger, t, why, offset))

@@ -1,4 +1,4 @@
-"""Radial correction: where a scan shows that located loads stray with their distance from the taxel, put them back.
+"""Radial correction of located loads by their distance from the taxel, as a scan over known places measures it.
 
 "The deviation between the measured strain distributions and the model is a function of distance from the center of the
 taxel. This function is not known theoretically, but it can be measured point by point as calibration data."
@@ -90,19 +90,19 @@ def radial_from_scan(found: ArrayLike, true: ArrayLike, forces: ArrayLike, load:
             too few, or misses the taxel), a located radius that does not grow from ring to ring (noise, or a map that
             folds: scan less far), forces that do not press.
     """
-    at, place, pressed = (np.asarray(values, np.float64) for values in (found, true, forces))
-    if place.ndim != 2 or place.shape[1] != 2 or at.shape != place.shape or pressed.shape != place.shape[:1]:
+    at, place, pressing = (np.asarray(values, np.float64) for values in (found, true, forces))
+    if place.ndim != 2 or place.shape[1] != 2 or at.shape != place.shape or pressing.shape != place.shape[:1]:
         raise InputError(
-            f"located places {at.shape}, true places {place.shape} and forces {pressed.shape}, (n, 2), (n, 2) and (n,)"
+            f"located places {at.shape}, true places {place.shape} and forces {pressing.shape}, (n, 2), (n, 2) and (n,)"
             " wanted"
         )
-    if not all(np.isfinite(values).all() for values in (at, place, pressed)):
+    if not all(np.isfinite(values).all() for values in (at, place, pressing)):
         raise InputError("numbers that are not finite in the scan, finite ones wanted")
     if rings < 1 or not load > 0:
         raise InputError(f"{rings} rings under {load} N, at least one ring and a load that presses wanted")
     rho = np.hypot(place[:, 0], place[:, 1])
     away = rho > 0
-    rho, at, place, pressed = rho[away], at[away], place[away], pressed[away]
+    rho, at, place, pressing = rho[away], at[away], place[away], pressing[away]
     reach = float(rho.max(initial=0.0))
     ring = np.minimum((rho / (reach or 1.0) * rings).astype(int), rings - 1)
     count = np.bincount(ring, minlength=rings)
@@ -111,7 +111,7 @@ def radial_from_scan(found: ArrayLike, true: ArrayLike, forces: ArrayLike, load:
         span = f"from {k * reach / rings * 1e6:.4g} to {(k + 1) * reach / rings * 1e6:.4g} um"
         raise InputError(f"{count[k]} answers {span} from the taxel, at least {LEAST} in every ring wanted")
     along = (at * place).sum(axis=1) / rho
-    mean, true_mean, force = (np.bincount(ring, values) / count for values in (along, rho, pressed))
+    mean, true_mean, force = (np.bincount(ring, values) / count for values in (along, rho, pressing))
     rest = along - rho * (mean / true_mean)[ring]
     error = np.sqrt(np.bincount(ring, rest**2) / count / (count - 1))
     _growing(mean, true_mean, SURE * error)

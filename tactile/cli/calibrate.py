@@ -7,7 +7,7 @@ import numpy as np
 
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.errors import InputError
-from tactile.calibration.gains import Tare
+from tactile.calibration.tare import Tare
 
 
 @click.command(

@@ -15,7 +15,7 @@ from cnnsim.support.errors import InputError
 from tactile.serial.time_slice import ask_for_short_slices
 
 if TYPE_CHECKING:
-    from tactile.cli.live import Choices
+    from tactile.cli.live import LiveOptions
     from tactile.serial.session import Session
     from tactile.wire.description import Description
 
@@ -47,9 +47,9 @@ def kept_calibration(path: Path | None, description: "Description") -> str | Non
     if path is None:
         description.check_calibrated()
         return None
-    from tactile.calibration.file import read_calibration  # SciPy's splines are slow to import
+    from tactile.calibration.file import load_calibration  # SciPy's splines are slow to import
 
-    read_calibration(path)  # so that messages name the file
+    load_calibration(path)  # so that messages name the file
     return path.read_text(encoding="utf-8")
 
 
@@ -76,7 +76,7 @@ def write_text(path: Path, text: str) -> None:
         raise InputError(f"cannot write {path}: {error.strerror}") from error
 
 
-def check(chosen: dict[str, Any]) -> None:
+def check_thresholds(chosen: dict[str, Any]) -> None:
     """Refuse thresholds that contradict each other."""
     if chosen["sign_code"] and (chosen["dead_band"], chosen["hysteresis"]) != (None, None):
         raise click.UsageError("--sign-code has no dead band; leave out --dead-band and --hysteresis")
@@ -84,14 +84,14 @@ def check(chosen: dict[str, Any]) -> None:
         raise click.UsageError("--hysteresis needs a --dead-band, in the unit of the quantity")
 
 
-def warm_up(description: "Description", choices: "Choices") -> None:
+def warm_up(description: "Description", options: "LiveOptions") -> None:
     """Compile and refuse whatever there is to it before the port is opened."""
-    from tactile.cli.user_program import UserProgram  # only here
-    from tactile.warm_up import warm_up as warm  # the same
+    from tactile import pipeline  # the machine is loaded only when it runs
+    from tactile.cli.user_program import UserProgram  # the same
 
-    settings = choices.settings(description.arrays)
-    own = [] if choices.program is None else [UserProgram(choices.program, settings.shear, choices.backend, nothing)]
-    warm(description.arrays, description.modulus, settings, own)
+    settings = options.settings(description.arrays, options.skin)
+    own = [] if options.program is None else [UserProgram(options.program, settings.shear, options.backend, nothing)]
+    pipeline.warm_up(description.arrays, description.modulus, settings, own)
 
 
 def opened(make: "Callable[[], Session]", recording: Any) -> "Session":
@@ -119,8 +119,8 @@ def stopping(stop: Callable[[], None]) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def closing(session: "Session", recording: Any, as_json: bool, watch: Any = None) -> Iterator[None]:
-    """Close port and recording whatever happens, and print the counters; those of a ``watch``, too."""
+def closing(session: "Session", recording: Any, as_json: bool, monitor: Any = None) -> Iterator[None]:
+    """Close port and recording whatever happens, and print the counters; those of a ``monitor``, too."""
     try:
         yield
     finally:
@@ -128,8 +128,8 @@ def closing(session: "Session", recording: Any, as_json: bool, watch: Any = None
         counts, clock = session.counts, session.source.clock.plain()
         settled, unplugged = session.source.decoder.settled(), session.reader.unplugged
         summary: dict[str, Any] = {"counts": counts.plain(), "clock": clock, "settled": settled, "unplugged": unplugged}
-        if watch is not None:
-            summary["latency"] = {name: value for name, value in watch.status().items() if name.startswith("latency")}
+        if monitor is not None:
+            summary["latency"] = {name: value for name, value in monitor.status().items() if name.startswith("latency")}
         if recording is not None:
             recording.close(summary)
         if as_json:
@@ -139,10 +139,10 @@ def closing(session: "Session", recording: Any, as_json: bool, watch: Any = None
         else:
             times = "once" if unplugged == 1 else f"{unplugged} times"
             click.echo(f"{'' if recording is None else 'recorded: '}{counts}; unplugged {times}")
-            if watch is not None and watch.meter.frames:
+            if monitor is not None and monitor.meter.frames:
                 usual, most, longest = (1e3 * value for value in summary["latency"].values())
                 click.echo(
-                    f"{watch.happened} events; latency {usual:.2f} ms, 99 % {most:.2f} ms, longest {longest:.2f} ms"
+                    f"{monitor.happened} events; latency {usual:.2f} ms, 99 % {most:.2f} ms, longest {longest:.2f} ms"
                 )
             if clock["residual_median_s"] is not None:
                 usual, most = clock["residual_median_s"], clock["residual_max_s"]
@@ -156,7 +156,7 @@ def closing(session: "Session", recording: Any, as_json: bool, watch: Any = None
 
 
 @contextlib.contextmanager
-def viewing(watch: Any, session: "Session", port: str, wanted: bool) -> Iterator[None]:
+def viewing(monitor: Any, session: "Session", port: str, wanted: bool) -> Iterator[None]:
     """Show the live view on a terminal while something runs."""
     if not wanted:
         yield
@@ -168,7 +168,7 @@ def viewing(watch: Any, session: "Session", port: str, wanted: bool) -> Iterator
     def state() -> str:
         return f"{port}: {session.reader.why or 'open'}"
 
-    with Live(LiveView(watch, session.source.title, state), refresh_per_second=8, transient=True):
+    with Live(LiveView(monitor, session.source.title, state), refresh_per_second=8, transient=True):
         yield
 
 
@@ -201,7 +201,7 @@ def tell(line: dict[str, Any]) -> None:
     if line["type"] == "tare":
         click.echo(f"{line['t_s']:10.3f}  {line['finger']}  tare {line['why']}")
     if line["type"] == "event":
-        click.echo(f"{line['t_s']:10.3f}  {line['finger']}  {line['meaning']}")
+        click.echo(f"{line['t_s']:10.3f}  {line['finger']}  {line['words']}")
 
 
 def nothing(line: dict[str, Any]) -> None:

@@ -10,11 +10,11 @@ from cnnsim import backends
 from cnnsim.support.command_line import CommandGroup, examples, print_json, watched
 from tactile.calibration.gains import Gains
 from tactile.cli.calibrate import calibrate
+from tactile.cli.console import check_thresholds
 from tactile.cli.serial import convert_command, emulate, live, ports, record, replay
 from tactile.cli.simulator import explain
 from tactile.core.frame import TaxelArray
-from tactile.events.code import SIGN, Threshold
-from tactile.finger import Settings
+from tactile.settings import PipelineOptions, Settings
 from tactile.sources import open_source
 
 if TYPE_CHECKING:
@@ -58,37 +58,32 @@ for command in (calibrate, explain, ports, emulate, record, replay, convert_comm
 @click.option("--backend", type=click.Choice(backends.NAMES), default="cpu", show_default=True)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
 def run(
-    source: Path, output: Path | None, dead_band: float | None, hysteresis: float | None, sign_code: bool, window: int,
-    floor: float | None, tare: int | None, gains: str | None, calibration: Path | None, backend: str,
-    as_json: bool,
+    source: Path, output: Path | None, tare: int | None, gains: str | None, calibration: Path | None, as_json: bool,
+    **chosen: Any,
 ) -> None:  # fmt: skip
     """Run SOURCE, a scene (.toml) or a recording (.npz, .csv, .mcap), through the pipeline."""
     from tactile import pipeline  # the machine is loaded only when it runs
-    from tactile.output.record import Collected, Record  # the same
-    from tactile.output.tables import summary, tables  # the same
-    from tactile.warm_up import warm_up  # the same
+    from tactile.output.collected import Collected  # the same
+    from tactile.output.json_data import run_data  # the same
+    from tactile.output.record import Record  # the same
+    from tactile.output.tables import tables  # the same
 
     frames = open_source(source)
-    shear = SIGN if sign_code else None
-    if dead_band is not None or hysteresis is not None:
-        if sign_code:
-            raise click.UsageError("--sign-code has no dead band; leave out --dead-band and --hysteresis")
-        if dead_band is None:
-            raise click.UsageError("--hysteresis needs a --dead-band, in the unit of the signal")
-        shear = Threshold(dead_band, dead_band / 2 if hysteresis is None else hysteresis)
+    check_thresholds(chosen)
+    if calibration is not None and gains is not None:
+        raise click.UsageError("--calibration has gains; leave out --gains")
     offset = tare if tare is not None else (TARE if source.suffix == ".npz" else 0)
-    settings = Settings(shear, window=window, floor=floor, tare=offset, gains=_gains(gains), backend=backend)
+    skin = None
     if calibration is not None:
-        from tactile.calibration.file import read_calibration  # SciPy's splines are slow to import
+        from tactile.calibration.file import load_calibration  # SciPy's splines are slow to import
 
-        if gains is not None:
-            raise click.UsageError("--calibration has gains; leave out --gains")
-        settings = read_calibration(calibration).applied(settings, frames.arrays)
+        skin = load_calibration(calibration)
+    settings = PipelineOptions(**chosen).settings(frames.arrays, skin, offset, _gains(gains))
     bumps = getattr(frames, "bumps", None)  # scenes may have them
     note = ""
     if bumps is not None and calibration is None:
         settings, note = _on_bumps(settings, frames.arrays, bumps)
-    warm_up(frames.arrays, frames.modulus, settings)  # else the first latencies are the compiler's
+    pipeline.warm_up(frames.arrays, frames.modulus, settings)  # else the first latencies are the compiler's
     collected = Collected()
     passed = _Watched(frames, watched(frames, "touch", frames.frames))
     if output is None:
@@ -97,7 +92,7 @@ def run(
         with Record(output, {"source": source.name, "title": frames.title, "tare": offset}) as record:
             pipeline.run(passed, settings, [collected, record])
     if as_json:
-        print_json(summary(collected, frames.arrays))
+        print_json(run_data(collected, frames.arrays))
     else:
         tables(collected, frames.arrays)
     if note:

@@ -1,7 +1,6 @@
-"""The pipeline on a port, or on a recording of one: what is watched, printed and kept of it."""
+"""The pipeline on a port or on a recording of one: its options, and the lines that it prints and records."""
 
 import json
-import math
 import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
@@ -12,10 +11,10 @@ from tactile import pipeline
 from tactile.calibration.live_tare import LiveTare, TareNote
 from tactile.cli.meter import Meter
 from tactile.core.frame import TaxelArray
-from tactile.events.code import SIGN, Threshold
-from tactile.events.events import Event
-from tactile.finger import Settings
-from tactile.pipeline import Report
+from tactile.events.event import Event
+from tactile.output.json_data import event_data, finite
+from tactile.pipeline import FrameReport, Sink
+from tactile.settings import PipelineOptions
 from tactile.wire.source import Chunk, WireSource, tares_for
 
 if TYPE_CHECKING:
@@ -28,42 +27,28 @@ STATUS = 10**9
 
 
 @dataclass(frozen=True)
-class Choices:
-    """What a user chose for the pipeline; a recording keeps it, so that a replay runs alike.
+class LiveOptions(PipelineOptions):
+    """The options of a live run; a recording keeps them, so that a replay runs alike.
 
-    ``calibration`` is the text of a calibration's file.
+    ``calibration`` is the text of a calibration's file. The tare and the description's gains come before the pipeline.
     """
 
     tare: str = AUTO
-    dead_band: float | None = None
-    hysteresis: float | None = None
-    sign_code: bool = False
-    window: int = 128
-    floor: float | None = None
-    backend: str = "cpu"
     program: str | None = None
     calibration: str | None = None
 
-    def settings(self, arrays: Iterable[TaxelArray]) -> Settings:
-        """Return the pipeline's settings for arrays; the tare and the description's gains come before the pipeline.
-
-        Raises:
-            InputError: a wrong calibration, or one of strain for an array of something else.
-        """
-        shear = SIGN if self.sign_code else None
-        if self.dead_band is not None:
-            shear = Threshold(self.dead_band, self.dead_band / 2 if self.hysteresis is None else self.hysteresis)
-        settings = Settings(shear, window=self.window, floor=self.floor, backend=self.backend)
-        made = self._calibration
-        return settings if made is None else made.applied(settings, arrays)
-
     def tares(self, arrays: tuple[TaxelArray, ...]) -> tuple[LiveTare, ...]:
         """Return each finger's tare, which sees readings that the calibration's gains are still to come to."""
-        made = self._calibration
-        return () if self.tare == OFF else tares_for(arrays, self.tare == AUTO, made.gains if made else None)
+        skin = self.skin
+        return () if self.tare == OFF else tares_for(arrays, self.tare == AUTO, skin.gains if skin else None)
 
     @property
-    def _calibration(self) -> "Calibration | None":
+    def skin(self) -> "Calibration | None":
+        """The calibration that the text is.
+
+        Raises:
+            InputError: it is wrong.
+        """
         if self.calibration is None:
             return None
         from tactile.calibration.file import parse_calibration  # SciPy's splines are slow to import
@@ -75,24 +60,12 @@ class Choices:
         return json.dumps(asdict(self))
 
 
-def event_line(event: Event) -> dict[str, Any]:
-    """Return an event as plain data: all that follows from the bytes, so not how long it took."""
-    load = event.load
-    where = None
-    if load is not None and math.isfinite(load.F):
-        where = {name: _finite(getattr(load, name)) for name in ("x", "y", "Q", "R", "F")}
-    return {
-        "type": "event", "t_s": event.t, "finger": event.finger, "sequence": event.sequence, "code": event.ternary,
-        "arrows": event.code, "hand": f"{event.hand:x}", "meaning": event.meaning, "load": where,
-    }  # fmt: skip
-
-
 def tare_line(note: TareNote, finger: str) -> dict[str, Any]:
     """Return what became of a tare as plain data."""
     return {"type": "tare", "t_s": note.t, "finger": finger, "taken": note.offset is not None, "why": note.why}
 
 
-class Watch:
+class LiveMonitor:
     """The sink of a live run or a replay: hands lines of plain data on, and keeps what a view shows.
 
     ``say`` gets every event, tare and status as a dict; ``note`` gets the events and tares for a recording.
@@ -105,21 +78,21 @@ class Watch:
     ) -> None:  # fmt: skip
         self.meter = Meter()
         self.events: deque[Event] = deque(maxlen=EVENTS_KEPT)
-        self.newest: dict[str, Report] = {}
+        self.newest: dict[str, FrameReport] = {}
         self.tared: dict[str, dict[str, Any]] = {}
         self.happened = 0
         self._source, self._say, self._now, self._note = source, say, now, note
         self._counts = counts or (lambda: source.counts)
         self._next = STATUS
 
-    def __call__(self, report: Report) -> None:
+    def __call__(self, report: FrameReport) -> None:
         """Take one report."""
         arrival = self._source.arrival
         self.newest[report.array.name] = report
         for event in report.events:
             self.events.append(event)
             self.happened += 1
-            line = event_line(event)
+            line = {"type": "event"} | event_data(event)
             self._say(line)
             if self._note is not None:
                 self._note("/events", arrival, line)
@@ -128,7 +101,7 @@ class Watch:
             self.tared[line["finger"]] = line
             self._say(line)
             if self._note is not None:
-                offset = None if tared.offset is None else [_finite(v) for v in tared.offset.ravel().tolist()]
+                offset = None if tared.offset is None else [finite(v) for v in tared.offset.ravel().tolist()]
                 self._note("/tare", arrival, line | {"offset": offset})
         now = arrival if self._now is None else self._now()
         self.meter.add((now - arrival) * 1e-9, now * 1e-9)
@@ -143,21 +116,21 @@ class Watch:
         """Return counters, rates, latencies and the clock's line as plain data."""
         now = self._source.arrival if self._now is None else self._now()
         figures = self.meter.plain(now * 1e-9)
-        clock = {name: _finite(value) for name, value in self._source.clock.plain().items()}
+        clock = {name: finite(value) for name, value in self._source.clock.plain().items()}
         return {
             "type": "status", "t_s": self._source.arrival * 1e-9, "events": self.happened,
             "counts": self._counts().plain(), "clock": clock, "settled": self._source.decoder.settled(),
-            **{name: _finite(value) for name, value in figures.items()},
+            **{name: finite(value) for name, value in figures.items()},
         }  # fmt: skip
 
-    def run(self, choices: Choices) -> None:
+    def run(self, options: LiveOptions) -> None:
         """Take all frames of the source through the pipeline, and through the user's program if there is one."""
-        settings = choices.settings(self._source.arrays)
-        sinks: list[Callable[[Report], None]] = [self]
-        if choices.program is not None:
+        settings = options.settings(self._source.arrays, options.skin)
+        sinks: list[Sink] = [self]
+        if options.program is not None:
             from tactile.cli.user_program import UserProgram  # only where it is wanted
 
-            sinks.insert(0, UserProgram(choices.program, settings.shear, choices.backend, self._say))
+            sinks.insert(0, UserProgram(options.program, settings.shear, options.backend, self._say))
         pipeline.run(self._source, settings, sinks)
 
 
@@ -177,7 +150,3 @@ def paced(
         if pause > 0:
             wait(pause)
         yield chunk
-
-
-def _finite(value: float | None) -> float | None:
-    return value if value is not None and math.isfinite(value) else None

@@ -81,30 +81,30 @@ def live(
     as_json: bool, calibration: Path | None, **chosen: Any,
 ) -> None:  # fmt: skip
     """Run the pipeline on frames as they arrive. Typing t and Return asks for a tare, q or Ctrl-C ends."""
-    from tactile.cli.live import Choices, Watch, print_line  # the same
+    from tactile.cli.live import LiveOptions, LiveMonitor, print_line  # the same
     from tactile.recording.writer import Recording  # only here
     from tactile.serial.session import Session  # the same
 
-    console.check(chosen)
+    console.check_thresholds(chosen)
     description = console.chosen_description(protocol, array)
-    choices = Choices(calibration=console.kept_calibration(calibration, description), **chosen)
-    console.warm_up(description, choices)
+    options = LiveOptions(calibration=console.kept_calibration(calibration, description), **chosen)
+    console.warm_up(description, options)
     recording = None
     if output is not None:
-        recording = Recording(console.mcap(output), description, {"port": port, "choices": choices.text()})
-    tares = choices.tares(description.arrays)
+        recording = Recording(console.mcap(output), description, {"port": port, "choices": options.text()})
+    tares = options.tares(description.arrays)
     console.be_steady()
     session = console.opened(lambda: Session(port, description, recording, tares, seconds, once), recording)
     view = sys.stdout.isatty() and not as_json
     say = print_line if as_json else console.nothing if view else console.tell
-    watch = Watch(session.source, say, session.now, recording.note if recording else None, lambda: session.counts)
+    monitor = LiveMonitor(session.source, say, session.now, recording.note if recording else None, lambda: session.counts)
     threading.Thread(target=console.listen, args=(session,), daemon=True).start()
     with (
         console.stopping(session.stop),
-        console.closing(session, recording, as_json, watch),
-        console.viewing(watch, session, port, view),
+        console.closing(session, recording, as_json, monitor),
+        console.viewing(monitor, session, port, view),
     ):
-        watch.run(choices)
+        monitor.run(options)
 
 
 @click.command(epilog=examples("tactile replay hand.mcap", "tactile replay hand.mcap --paced --json"))
@@ -117,7 +117,7 @@ def replay(recording: Path, paced: bool, speed: float | None, as_json: bool) -> 
     import json  # only here
     import time
 
-    from tactile.cli.live import Choices, Watch, print_line  # the same
+    from tactile.cli.live import LiveOptions, LiveMonitor, print_line  # the same
     from tactile.cli.live import paced as at_its_time
     from tactile.recording.reader import open_recording  # the same
     from tactile.wire.source import WireSource  # the same
@@ -127,19 +127,19 @@ def replay(recording: Path, paced: bool, speed: float | None, as_json: bool) -> 
         raise InputError(
             f"{recording}: holds no bytes of a wire; `tactile run` takes its frames after `tactile convert`"
         )
-    choices = Choices(**json.loads(recorded.made.get("choices", "{}")))
-    if choices.calibration is None:
+    options = LiveOptions(**json.loads(recorded.made.get("choices", "{}")))
+    if options.calibration is None:
         recorded.description.check_calibrated()
     chunks = recorded.chunks()
     if paced or speed is not None:
         chunks = at_its_time(chunks, speed or 1.0, time.monotonic, time.sleep)
-    source = WireSource(recorded.description, chunks, choices.tares(recorded.description.arrays))
+    source = WireSource(recorded.description, chunks, options.tares(recorded.description.arrays))
     say = print_line if as_json else console.tell
-    watch = Watch(source, say)
-    watch.run(choices)
+    monitor = LiveMonitor(source, say)
+    monitor.run(options)
     if as_json:
-        print_line(watch.status() | {"type": "end", "complete": recorded.complete})
+        print_line(monitor.status() | {"type": "end", "complete": recorded.complete})
         return
-    click.echo(f"{watch.meter.frames} frames, {watch.happened} events; {source.counts}")
+    click.echo(f"{monitor.meter.frames} frames, {monitor.happened} events; {source.counts}")
     if not recorded.complete:
         click.echo("the recording was not closed in good order; it ends where its writer was stopped")

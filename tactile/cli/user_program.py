@@ -9,7 +9,7 @@ from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.support.errors import InputError
 from tactile.events.code import CONTACT, SHEAR, Threshold, encode
-from tactile.pipeline import Report
+from tactile.pipeline import FrameReport
 
 PLANES = ("shear_x", "shear_y", "pressing")
 """What a program may have as inputs: the planes of `tactile.events.code.encode`."""
@@ -35,7 +35,7 @@ class UserProgram:
         if wrong:
             raise InputError(f"program {name!r} wants {', '.join(wrong)}; a frame has {', '.join(PLANES)}")
 
-    def __call__(self, report: Report) -> None:
+    def __call__(self, report: FrameReport) -> None:
         """Take one report."""
         finger, quantity = report.array.name, report.array.quantity
         if finger not in self._machines:

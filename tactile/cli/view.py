@@ -8,10 +8,10 @@ from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
-from tactile.cli.live import Watch
+from tactile.cli.live import LiveMonitor
 from tactile.core.frame import NORMAL
 from tactile.events.code import CONTACT
-from tactile.pipeline import Report
+from tactile.pipeline import FrameReport
 
 KEYS = "t and Return: tare; q and Return, or Ctrl-C: end"
 SHADES = ("dim", "white", "yellow", "red")
@@ -19,25 +19,25 @@ SHADES = ("dim", "white", "yellow", "red")
 
 
 class LiveView:
-    """Renders what a `Watch` knows whenever rich asks; ``state`` says how the port is, in a line."""
+    """Renders what a `LiveMonitor` knows whenever rich asks; ``state`` says how the port is, in a line."""
 
-    def __init__(self, watch: Watch, title: str, state: Callable[[], str]) -> None:
-        self._watch, self._title, self._state = watch, title, state
+    def __init__(self, monitor: LiveMonitor, title: str, state: Callable[[], str]) -> None:
+        self._monitor, self._title, self._state = monitor, title, state
 
     def __rich__(self) -> RenderableType:
         hand = Table.grid(padding=(0, 3))
-        reports = tuple(self._watch.newest.values())
+        reports = tuple(self._monitor.newest.values())
         if reports:
             hand.add_row(*(Panel(_arrows(report), title=report.array.name) for report in reports))
         events = Table("time [s]", "finger", "what", box=None, title="events", title_justify="left")
-        for event in tuple(self._watch.events):
-            events.add_row(f"{event.t:.3f}", event.finger, event.meaning)
+        for event in tuple(self._monitor.events):
+            events.add_row(f"{event.t:.3f}", event.finger, event.words)
         return Panel(
             Group(hand, events, Text(self._figures()), Text(self._state()), Text(KEYS, style="dim")), title=self._title
         )
 
     def _figures(self) -> str:
-        status = self._watch.status()
+        status = self._monitor.status()
         lost = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in status["counts"].items())
         median, most = ((status[f"latency_{name}_s"] or 0.0) * 1e3 for name in ("median", "p99"))
         clock = status["clock"]["residual_median_s"]
@@ -45,16 +45,16 @@ class LiveView:
             "" if clock is None else f"; device clock {status['clock']['drift_ppm']:+.0f} ppm, off {clock * 1e3:.2f} ms"
         )
         tares = "".join(
-            f"\ntare of {finger} at {last['t_s']:.3f} s: {last['why']}" for finger, last in self._watch.tared.items()
+            f"\ntare of {finger} at {last['t_s']:.3f} s: {last['why']}" for finger, last in self._monitor.tared.items()
         )
         return f"{status['rate_hz']:.0f} frames/s; latency {median:.2f} ms, 99 % {most:.2f} ms{line}\n{lost}{tares}"
 
 
-def _arrows(report: Report) -> Text:
-    """Return the taxels' arrows, each as strong as it is pressed."""
+def _arrows(report: FrameReport) -> Text:
+    """Return the taxels' arrows, each brighter where it is pressed more."""
     unit = CONTACT[report.array.quantity].dead_band
-    pressed = np.abs(np.nan_to_num(report.frame.values[..., NORMAL])) / unit
-    level = np.digitize(pressed, (1, 4, 16))
+    pressing = np.abs(np.nan_to_num(report.frame.values[..., NORMAL])) / unit
+    level = np.digitize(pressing, (1, 4, 16))
     text = Text()
     for arrows, levels in zip(report.code.arrows().split(" "), level.tolist(), strict=True):
         for arrow, shade in zip(arrows, levels, strict=True):

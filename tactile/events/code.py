@@ -1,4 +1,4 @@
-"""Encoding: traction planes become CNN input, and comparator outputs become event codes."""
+"""Event codes: traction planes encoded as CNN input, comparator outputs decoded to a ternary code of the taxels."""
 
 from dataclasses import dataclass
 
@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim import InputError, Template
+from cnnsim.support.types import Floats
 from tactile.core.frame import NORMAL, Frame, Quantity
 
 _ARROWS = {
@@ -70,7 +71,7 @@ CONTACT: dict[Quantity, Threshold] = {
 """Thresholds for the normal component [N, 1, Pa]."""
 
 
-def encode(frame: Frame, quantity: Quantity, shear: Threshold, contact: Threshold) -> dict[str, NDArray[np.float64]]:
+def encode(frame: Frame, quantity: Quantity, shear: Threshold, contact: Threshold) -> dict[str, Floats]:
     """Return the planes shear_x, shear_y and pressing (rows, cols) in CNN values of [-1, 1].
 
     Pressing is +normal for force, -normal for strain and stress (eqs (1), (10): u_zz < 0 under a pressing load).
@@ -82,8 +83,8 @@ def encode(frame: Frame, quantity: Quantity, shear: Threshold, contact: Threshol
 
 
 def encode_values(
-    values: NDArray[np.float64], quantity: Quantity, shear: Threshold, contact: Threshold
-) -> dict[str, NDArray[np.float64]]:
+    values: Floats, quantity: Quantity, shear: Threshold, contact: Threshold
+) -> dict[str, Floats]:
     """Return the same planes of values (rows, cols, 3) that are all finite."""
     inward = 1.0 if quantity == "force" else -1.0
     scaled = np.empty((3, *values.shape[:2]))
@@ -109,6 +110,16 @@ class Code:
     def ternary(self) -> str:
         """Two characters of -, 0, + a taxel (x then y), row by row."""
         return "".join("0+-"[value] for value in np.stack((self.x, self.y), axis=-1).ravel().tolist())
+
+    def direction(self) -> str:
+        """Where the taxels' shear points by majority: "+x", "-y", "+x -y", or "about a point" if they disagree."""
+        votes = (int(self.x.sum()), int(self.y.sum()))
+        most = max(abs(vote) for vote in votes)
+        if most == 0:
+            return "about a point"
+        return " ".join(
+            f"{'+' if vote > 0 else '-'}{axis}" for vote, axis in zip(votes, "xy", strict=True) if 2 * abs(vote) > most
+        )
 
     def signs(self) -> int:
         """The paper's binary code: two bits a taxel (x then y, 1 is plus), row by row, the first one highest."""

@@ -1,12 +1,10 @@
-"""Comparators: the cells that watch traction planes, with the memory that hysteresis needs."""
-
-from typing import Any
+"""Comparators: cells that compare traction planes with thresholds, and remember the outcome for the hysteresis."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
+from cnnsim.support.types import Array
 from tactile.events.code import Code, Threshold, decode
 
 SLACK = 1e-6
@@ -29,7 +27,7 @@ class Comparators:
         self.code = self.before = Code(nothing, nothing, nothing.astype(bool))
         self._hold()
 
-    def update(self, planes: dict[str, NDArray[Any]]) -> bool:
+    def update(self, planes: dict[str, Array]) -> bool:
         """Take the planes of `encode` and return whether the code has changed."""
         inputs = np.array([planes["shear_x"], planes["shear_y"], planes["pressing"]])
         if ((inputs > self._low) & (inputs < self._high)).all():

@@ -51,8 +51,8 @@ NOTES: dict[str, tuple[str, bytes]] = {
     "/events": (
         "tactile.Event",
         _object(
-            type=TEXT, t_s=NUMBER, finger=TEXT, sequence=WHOLE, code=TEXT, arrows=TEXT, hand=TEXT, meaning=TEXT,
-            load=TABLE,
+            type=TEXT, t_s=NUMBER, finger=TEXT, sequence=WHOLE, kind=TEXT, data={"type": "object"}, words=TEXT,
+            arrows=TEXT, ternary=TEXT, hand=TEXT, load=TABLE,
         ),
     ),
     "/counts": (
@@ -74,7 +74,7 @@ def log_line(topic: str, note: dict[str, Any], ns: int) -> dict[str, Any] | None
     if topic == "/port":
         name, message = "port", note["note"]
     elif topic == "/events":
-        name, message = note["finger"], note["meaning"]
+        name, message = note["finger"], note["words"]
     elif topic == "/tare":
         name, message = note["finger"], f"tare {'taken, ' if note['taken'] else ''}{note['why']}"
     else:

@@ -5,7 +5,9 @@ import pytest
 from numpy.typing import NDArray
 
 from cnnsim.support.errors import InputError
-from tactile.calibration.gains import Gains, Tare, beta_from_scan
+from tactile.calibration.gains import Gains
+from tactile.calibration.sensitivity import beta_from_scan
+from tactile.calibration.tare import Tare
 from tactile.core.frame import Frame
 from tactile.elastic.halfspace import point_load_strain
 

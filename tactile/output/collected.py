@@ -1,0 +1,77 @@
+"""A run kept in memory: its events, the figures of every frame as named columns, and the firmest frame."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cnnsim.support.types import Floats
+from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y
+from tactile.events.event import Event
+from tactile.pipeline import FrameReport
+
+
+class Columns(NamedTuple):
+    """The figures of one finger's frames, each (frames,).
+
+    ``t`` [s]; ``shear_x``, ``shear_y``, ``normal``: sums over the valid taxels, in the unit of the array's quantity;
+    ``x``, ``y`` [m], ``Q``, ``R``, ``F`` [N] and ``validity`` of the located load, NaN for arrays that measure force;
+    ``friction``, ``roughness``: means over the taxels where they are valid, NaN where there are none.
+    """
+
+    t: Floats
+    shear_x: Floats
+    shear_y: Floats
+    normal: Floats
+    x: Floats
+    y: Floats
+    Q: Floats
+    R: Floats
+    F: Floats
+    validity: Floats
+    friction: Floats
+    roughness: Floats
+
+
+def total(report: FrameReport, axis: int) -> float:
+    """Return one component summed over the valid taxels, in the unit of the array's quantity."""
+    return float(report.frame.values[..., axis][report.frame.valid].sum())
+
+
+def texture_mean(plane: Any, valid: Any) -> float:
+    """Return the mean of a texture figure over the taxels where it is valid; NaN where there is none."""
+    return float(plane[valid].mean()) if valid.any() else float("nan")
+
+
+class Collected:
+    """A sink that keeps what the table and the picture need."""
+
+    def __init__(self) -> None:
+        self.events: list[Event] = []
+        self.strongest: dict[str, Floats] = {}
+        self.frames = 0
+        self._rows: dict[str, list[tuple[float, ...]]] = {}
+
+    def __call__(self, report: FrameReport) -> None:
+        """Take one report."""
+        self.frames += 1
+        values = np.where(report.frame.valid[..., None], report.frame.values, 0.0)
+        best = self.strongest.setdefault(report.array.name, values)
+        if abs(values[..., NORMAL].sum()) > abs(best[..., NORMAL].sum()):
+            self.strongest[report.array.name] = values
+        self.events += report.events
+        load, texture = report.load, report.texture
+        place = (np.nan,) * 6 if load is None else (load.x, load.y, load.Q, load.R, load.F, float(load.validity))
+        self._rows.setdefault(report.array.name, []).append((
+            report.frame.t, total(report, SHEAR_X), total(report, SHEAR_Y), total(report, NORMAL), *place,
+            texture_mean(texture.friction, texture.valid), texture_mean(texture.roughness, texture.valid),
+        ))  # fmt: skip
+
+    def columns(self, finger: str) -> Columns:
+        """Return the figures of one finger's frames."""
+        rows = np.array(self._rows.get(finger, []), dtype=np.float64).reshape(-1, len(Columns._fields))
+        return Columns(*rows.T)
+
+    @property
+    def seconds(self) -> float:
+        """The time [s] from the first frame to the last, of the finger where that is longest."""
+        return max((rows[-1][0] - rows[0][0] for rows in self._rows.values()), default=0.0)

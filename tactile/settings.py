@@ -1,0 +1,72 @@
+"""Settings of the pipeline, and how they follow from what a user chose: alike for files, ports and their recordings."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Self
+
+from cnnsim.support.errors import InputError
+from tactile.calibration.gains import Gains
+from tactile.core.frame import TaxelArray
+from tactile.events.code import SIGN, Threshold
+
+if TYPE_CHECKING:  # SciPy's splines are slow to import
+    from tactile.calibration.file import Calibration
+    from tactile.calibration.radial import RadialCorrection
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What the pipeline can be told; None means: as the array's quantity asks for.
+
+    ``shear`` and ``contact`` thresholds in the unit of the signal; ``window`` T [frames] and ``floor`` (normal signal)
+    of the texture figures; ``tare`` frames at the start that are averaged away; ``gains`` from readings to the array's
+    quantity, eq. (15); ``depth`` [m] to locate with and ``radial`` correction of what a taxel locates, as a scan
+    measured them; ``backend`` of the machine.
+    """
+
+    shear: Threshold | None = None
+    contact: Threshold | None = None
+    window: int = 128
+    floor: float | None = None
+    tare: int = 0
+    gains: Gains | None = None
+    depth: float | None = None
+    radial: "RadialCorrection | None" = None
+    backend: str = "cpu"
+
+    def calibrated(self, skin: "Calibration", arrays: Iterable[TaxelArray]) -> Self:
+        """Return the settings with this skin's gains, depth and radial correction.
+
+        Raises:
+            InputError: an array that does not measure strain.
+        """
+        for array in arrays:
+            if array.quantity != "strain":
+                raise InputError(f"a calibration for taxel array {array.name!r} of {array.quantity}; strain wanted")
+        return replace(self, gains=skin.gains, depth=skin.depth, radial=skin.radial)
+
+
+@dataclass(frozen=True)
+class PipelineOptions:
+    """The options of the command line that `run` and `live` share; a ``hysteresis`` of None is half the dead band."""
+
+    dead_band: float | None = None
+    hysteresis: float | None = None
+    sign_code: bool = False
+    window: int = 128
+    floor: float | None = None
+    backend: str = "cpu"
+
+    def settings(
+        self, arrays: Iterable[TaxelArray], skin: "Calibration | None", tare: int = 0, gains: Gains | None = None
+    ) -> Settings:
+        """Return the pipeline's settings for arrays with this skin's calibration, if there is one.
+
+        Raises:
+            InputError: thresholds that are none, or a calibration of strain for an array of something else.
+        """
+        shear = SIGN if self.sign_code else None
+        if self.dead_band is not None:
+            shear = Threshold(self.dead_band, self.dead_band / 2 if self.hysteresis is None else self.hysteresis)
+        chosen = Settings(shear, window=self.window, floor=self.floor, tare=tare, gains=gains, backend=self.backend)
+        return chosen if skin is None else chosen.calibrated(skin, arrays)
