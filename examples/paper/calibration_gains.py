@@ -17,8 +17,8 @@ from examples.paper.needle import DEPTH, FORCE, NEAR, NOISE, SPEED, Located, Sca
 from examples.paper.skins import ALL, LINES, POINT, STRESS, Skin
 from tactile.calibration.from_load import depth_from_speed, gains_from_load
 from tactile.calibration.gains import Gains
-from tactile.calibration.sensitivity import beta_from_scan
 from tactile.calibration.radial import radial_from_scan
+from tactile.calibration.sensitivity import beta_from_scan
 from tactile.inverse.validity import Validity
 
 SENSOR = Gains(shear=1.46 / 0.8, normal=1 / 0.8)

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactile.core.frame import TaxelArray
-from tactile.finger import Finger, Settings
+from tactile.finger import Finger
+from tactile.settings import Settings
 from tactile.simulator.contacts.materials import PRESETS
 from tactile.simulator.contacts.sliding_texture import SlidingTexture
 from tactile.simulator.effects.read_noise import ReadNoise

@@ -1,4 +1,4 @@
-"""Calibration of a skin, as a scan has measured it, and its TOML file: `calibrate` writes it, `run` and `live` read it."""
+"""Calibration of a skin as a scan has measured it, and its TOML file, which `calibrate` writes and `run` reads."""
 
 from dataclasses import dataclass
 from pathlib import Path

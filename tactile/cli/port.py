@@ -81,7 +81,7 @@ def live(
     as_json: bool, calibration: Path | None, **chosen: Any,
 ) -> None:  # fmt: skip
     """Run the pipeline on frames as they arrive. Typing t and Return asks for a tare, q or Ctrl-C ends."""
-    from tactile.cli.live import LiveOptions, LiveMonitor, print_line  # the same
+    from tactile.cli.live import LiveMonitor, LiveOptions, print_line  # the same
     from tactile.recording.writer import Recording  # only here
     from tactile.serial.session import Session  # the same
 
@@ -97,7 +97,9 @@ def live(
     session = console.opened(lambda: Session(port, description, recording, tares, seconds, once), recording)
     view = sys.stdout.isatty() and not as_json
     say = print_line if as_json else console.nothing if view else console.tell
-    monitor = LiveMonitor(session.source, say, session.now, recording.note if recording else None, lambda: session.counts)
+    monitor = LiveMonitor(
+        session.source, say, session.now, recording.note if recording else None, lambda: session.counts
+    )
     threading.Thread(target=console.listen, args=(session,), daemon=True).start()
     with (
         console.stopping(session.stop),
@@ -117,7 +119,7 @@ def replay(recording: Path, paced: bool, speed: float | None, as_json: bool) -> 
     import json  # only here
     import time
 
-    from tactile.cli.live import LiveOptions, LiveMonitor, print_line  # the same
+    from tactile.cli.live import LiveMonitor, LiveOptions, print_line  # the same
     from tactile.cli.live import paced as at_its_time
     from tactile.recording.reader import open_recording  # the same
     from tactile.wire.source import WireSource  # the same

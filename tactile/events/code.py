@@ -82,9 +82,7 @@ def encode(frame: Frame, quantity: Quantity, shear: Threshold, contact: Threshol
     return encode_values(values, quantity, shear, contact)
 
 
-def encode_values(
-    values: Floats, quantity: Quantity, shear: Threshold, contact: Threshold
-) -> dict[str, Floats]:
+def encode_values(values: Floats, quantity: Quantity, shear: Threshold, contact: Threshold) -> dict[str, Floats]:
     """Return the same planes of values (rows, cols, 3) that are all finite."""
     inward = 1.0 if quantity == "force" else -1.0
     scaled = np.empty((3, *values.shape[:2]))

@@ -4,7 +4,7 @@ import numpy as np
 
 from tactile.events.code import Code
 from tactile.events.detector import Observation
-from tactile.events.event import EventKind, Happening
+from tactile.events.event import Data, EventKind, Happening
 
 
 class TouchKind(EventKind):
@@ -37,11 +37,12 @@ def _change(before: Code, after: Code) -> Happening:
         return kind, {"taxels": int(after.contact.sum()), "of_taxels": after.contact.size}
     if count == 0:
         return TouchKind.SHEAR_GONE, {}
-    data = {"direction": after.direction(), "taxels": int(np.count_nonzero((after.x != 0) | (after.y != 0)))}
+    old, new = before.direction(), after.direction()
+    data: Data = {"direction": new, "taxels": int(np.count_nonzero((after.x != 0) | (after.y != 0)))}
     if earlier == 0:
         return TouchKind.SHEAR_BEGINS, data
-    if before.direction() != data["direction"]:
-        return TouchKind.SHEAR_TURNS, {"from_direction": before.direction(), **data}
+    if new != old:
+        return TouchKind.SHEAR_TURNS, {**data, "from_direction": old}
     if count == earlier:
         return TouchKind.SHEAR_SHIFTS, data
     return TouchKind.SHEAR_SPREADS if count > earlier else TouchKind.SHEAR_FADES, data

@@ -16,10 +16,11 @@ from tactile.calibration.gains import Gains
 from tactile.cli.group import main
 from tactile.core.frame import Frame
 from tactile.events.code import SIGN
-from tactile.finger import Settings
+from tactile.events.slip import SlipKind
 from tactile.inverse.validity import Validity
-from tactile.output.record import Collected
-from tactile.pipeline import Report, run
+from tactile.output.collected import Collected
+from tactile.pipeline import FrameReport, run
+from tactile.settings import Settings
 from tactile.sources import open_source
 from tactile.sources.replay_csv import write_csv
 from tests.kits.paths import ROOT
@@ -61,7 +62,7 @@ def _scene(tmp_path: Path, quantity: str = "strain") -> Path:
 @pytest.mark.parametrize("backend", ["reference", "cpu"])
 @pytest.mark.parametrize("quantity", ["strain", "stress"])
 def test_every_located_load_is_the_scene_s(tmp_path: Path, backend: str, quantity: str) -> None:
-    reports: list[Report] = []
+    reports: list[FrameReport] = []
     run(open_source(_scene(tmp_path, quantity)), Settings(backend=backend), [reports.append])
     assert len(reports) == 200
     for report in reports:
@@ -80,17 +81,18 @@ def test_the_grip_scene_tells_its_story() -> None:
     collected = Collected()
     run(open_source(GRIP), Settings(), [collected])
     for finger in ("left", "right"):
-        story = [event.meaning for event in collected.events if event.finger == finger]
-        chapters = [text.split(":")[0] for text in story if not text.startswith("shear")]
+        story = [event for event in collected.events if event.finger == finger]
+        chapters = [event.words.split(":")[0] for event in story if "shear" not in event.kind.label]
         assert chapters == [
             "contact", "tangential load +y", "slip begins toward +y", "slip ends", "tangential load gone", "release",
         ]  # fmt: skip
-        times = {event.meaning: event.t for event in collected.events if event.finger == finger}
+        times = {event.words: event.t for event in collected.events if event.finger == finger}
         assert times["contact"] == pytest.approx(0.55, abs=0.05)
         assert times["slip begins toward +y"] == pytest.approx(3.02, abs=0.02)
         assert times["release"] == pytest.approx(5.48, abs=0.05)
-    (slip,) = [event.meaning for event in collected.events if event.finger == "left" and "slip ends" in event.meaning]
-    assert slip == "slip ends: 0.50 mm toward +y"
+    (slip,) = (one for one in collected.events if one.finger == "left" and one.kind is SlipKind.SLIP_ENDS)
+    assert slip.words == "slip ends: 0.50 mm toward +y"
+    assert slip.data == pytest.approx({"direction": "+y", "length_m": 0.5e-3, "dx_m": 0.0, "dy_m": 0.5e-3}, abs=5e-6)
     assert all(event.latency > 0 for event in collected.events)
 
 
@@ -122,8 +124,8 @@ class _Spoilt:
 
 
 def test_bad_readings_spoil_nothing_else(tmp_path: Path) -> None:
-    clean: list[Report] = []
-    spoilt: list[Report] = []
+    clean: list[FrameReport] = []
+    spoilt: list[FrameReport] = []
     run(open_source(_scene(tmp_path)), Settings(), [clean.append])
     run(_Spoilt(open_source(_scene(tmp_path))), Settings(), [spoilt.append])
     for i, (good, bad) in enumerate(zip(clean, spoilt, strict=True)):
@@ -150,7 +152,7 @@ def test_the_record_and_the_picture(tmp_path: Path) -> None:
     assert held["load_validity"] == "inside"
     record = json.loads((tmp_path / "out" / "events.json").read_text(encoding="utf-8"))
     assert record["complete"] is True
-    assert [event["meaning"] for event in record["events"]].count("contact") == 2
+    assert [event["words"] for event in record["events"]].count("contact") == 2
     with Image.open(tmp_path / "out" / "touch.png") as picture:
         assert picture.size[0] > 1000
 
@@ -159,7 +161,7 @@ def test_json_is_for_machines(tmp_path: Path) -> None:
     data = json.loads(_call(_scene(tmp_path), "--json").output)
     assert data["frames"] == 200
     assert data["fingers"]["tip"]["located"] == {"no_load": 99, "inside": 101}
-    assert data["events"][0]["meaning"] == "contact"
+    assert data["events"][0]["words"] == "contact"
 
 
 def test_a_scene_written_and_replayed_gives_the_same_events(tmp_path: Path) -> None:
@@ -170,7 +172,7 @@ def test_a_scene_written_and_replayed_gives_the_same_events(tmp_path: Path) -> N
     assert [replace(event, latency=0.0, load=None) for event in live.events] == [
         replace(event, latency=0.0, load=None) for event in replayed.events
     ]
-    assert np.array_equal(live.table("left"), replayed.table("left"), equal_nan=True)
+    assert np.array_equal(live.columns("left"), replayed.columns("left"), equal_nan=True)
 
 
 def test_tare_and_gains_bring_readings_back_to_strain(tmp_path: Path) -> None:
@@ -182,7 +184,7 @@ def test_tare_and_gains_bring_readings_back_to_strain(tmp_path: Path) -> None:
             for frame in self._source:
                 yield replace(frame, values=frame.values / [3e-4, 3e-4, 2e-4] + offset)
 
-    reports: list[Report] = []
+    reports: list[FrameReport] = []
     run(Raw(open_source(_scene(tmp_path))), Settings(tare=40, gains=Gains(3e-4, 2e-4)), [reports.append])
     assert not any(report.frame.valid.any() for report in reports[:40])
     load = reports[90].load
@@ -194,9 +196,8 @@ def test_tare_and_gains_bring_readings_back_to_strain(tmp_path: Path) -> None:
 def test_real_grasps_run(tmp_path: Path) -> None:
     for path in (sorted(DATA.glob("grasp*.npz"))[0], DATA / "rigid_obj_slide_23-08-23.npz"):
         data = json.loads(_call(path, "--json", "-o", tmp_path).output.split("wrote")[0])
-        meanings = [event["meaning"] for event in data["events"]]
-        assert "contact" in meanings
-        assert len({event["code"] for event in data["events"]}) < 60
+        assert "contact" in [event["kind"] for event in data["events"]]
+        assert len({event["ternary"] for event in data["events"]}) < 60
         assert all(facts["located"] == {} for facts in data["fingers"].values())
 
 

@@ -13,7 +13,8 @@ from cnnsim.support.errors import InputError
 from tactile.calibration.radial import RadialCorrection
 from tactile.cli.group import main
 from tactile.core.frame import TaxelArray
-from tactile.finger import Finger, Settings
+from tactile.finger import Finger
+from tactile.settings import Settings
 from tactile.simulator.bump_cover import Bumps
 from tactile.simulator.scene.file import scene_from
 from tests.kits.paths import SCENES

@@ -10,7 +10,7 @@ from click.testing import CliRunner, Result
 
 from cnnsim.support.errors import InputError
 from cnnsim.support.types import Floats
-from tactile.calibration.file import Calibration, read_calibration, write_calibration
+from tactile.calibration.file import Calibration, load_calibration, write_calibration
 from tactile.calibration.from_scan import calibrate
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection
@@ -108,7 +108,7 @@ MADE = Calibration(SENSOR, 2.1e-4, RadialCorrection((0.0, 9e-5, 2e-4), (0.0, 1e-
 
 def test_a_calibration_file_keeps_all(tmp_path: Path) -> None:
     write_calibration(tmp_path / "skin.toml", MADE)
-    back = read_calibration(tmp_path / "skin.toml")
+    back = load_calibration(tmp_path / "skin.toml")
     assert back.gains == SENSOR
     assert back.depth == pytest.approx(MADE.depth, rel=1e-15)
     for name in ("found", "true", "force"):
@@ -134,7 +134,7 @@ def test_wrong_files_are_refused(tmp_path: Path, old: str, new: str, says: str) 
     assert old in text
     path.write_text(text.replace(old, new), encoding="utf-8")
     with pytest.raises(InputError) as caught:
-        read_calibration(path)
+        load_calibration(path)
     assert says in str(caught.value)
     assert str(path) in str(caught.value)
 
@@ -185,7 +185,7 @@ def test_calibrate_then_run(tmp_path: Path) -> None:
     told = json.loads(done.stdout)
     assert told["taxel"] == [1, 1]
     assert 1.1 < told["beta_ns"] < 1.25  # a layer of twice the depth
-    assert told["depth_mm"] == pytest.approx(read_calibration(tmp_path / "skin.toml").depth * 1e3)
+    assert told["depth_mm"] == pytest.approx(load_calibration(tmp_path / "skin.toml").depth * 1e3)
     shown = invoke(*scan_words).output
     for word in ("taxel (1, 1), 101 frames", "beta_ns 1.1", "of the nominal one", "radial correction to"):
         assert word in shown

@@ -17,7 +17,7 @@ import pytest
 from tactile.calibration.file import Calibration, write_calibration
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection
-from tactile.cli.live import Choices, Watch
+from tactile.cli.live import LiveMonitor, LiveOptions
 from tactile.recording.reader import open_recording
 from tactile.recording.writer import Recording
 from tactile.serial.session import Session
@@ -53,9 +53,9 @@ def test_a_recording_replayed_gives_the_live_events_byte_for_byte(tmp_path: Path
                     "--seconds", LIMIT)  # fmt: skip
     assert live.exit_code == 0, live.output
     events = lines(live.stdout, "event")
-    meanings = [json.loads(event)["meaning"] for event in events]
-    assert meanings.count("contact") == 2
-    assert any(meaning.startswith("tangential load +y") for meaning in meanings)
+    happened = [(event["kind"], event["data"].get("direction")) for event in map(json.loads, events)]
+    assert happened.count(("contact", None)) == 2
+    assert ("tangential_load", "+y") in happened
     replayed = call("replay", mcap, "--json")
     assert lines(replayed.stdout, "event") == events
     assert lines(replayed.stdout, "tare") == lines(live.stdout, "tare")
@@ -107,7 +107,7 @@ def test_typing_t_asks_for_a_tare_and_q_ends(tmp_path: Path) -> None:
     )
     description = emulated_description("native", scene)
     mcap = tmp_path / "r.mcap"
-    choices = Choices(tare="manual")
+    choices = LiveOptions(tare="manual")
     recording = Recording(mcap, description, {"choices": choices.text()})
     said: list[dict[str, Any]] = []
     with device(list(packets(description, scene))) as emulator:
@@ -123,7 +123,7 @@ def test_typing_t_asks_for_a_tare_and_q_ends(tmp_path: Path) -> None:
             elif line["type"] == "tare" and line["why"] == "on request":
                 session.stop()
 
-        watch = Watch(session.source, look, session.now, recording.note)
+        watch = LiveMonitor(session.source, look, session.now, recording.note)
         watch.run(choices)
         recording.close({})
     tares = [line for line in said if line["type"] == "tare"]
@@ -298,12 +298,12 @@ def test_a_calibration_stands_for_the_gains_and_is_kept_for_the_replay(tmp_path:
     assert lines(replayed.stdout, "tare") == lines(live.stdout, "tare")
 
     said: list[dict[str, Any]] = []
-    Watch(WireSource(description, open_recording(mcap).chunks(), Choices().tares(description.arrays)), said.append).run(
-        Choices()
-    )
-    events = [line for line in said if line["type"] == "event" and "tangential" not in line["meaning"]]
+    LiveMonitor(
+        WireSource(description, open_recording(mcap).chunks(), LiveOptions().tares(description.arrays)), said.append
+    ).run(LiveOptions())
+    events = [line for line in said if line["type"] == "event" and not line["kind"].startswith("tangential")]
     told = [json.loads(line) for line in lines(live.stdout, "event")]
-    told = [line for line in told if "tangential" not in line["meaning"]]  # their threshold sees twice the force
+    told = [line for line in told if not line["kind"].startswith("tangential")]  # their threshold sees twice the force
     assert len(events) > 10
     assert [line | {"load": None} for line in told] == [line | {"load": None} for line in events]
     for one, other in zip(told, events, strict=True):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from tactile.cli.live import Choices, Watch, paced
+from tactile.cli.live import LiveMonitor, LiveOptions, paced
 from tactile.cli.meter import Meter
 from tactile.cli.view import LiveView
 from tactile.wire.source import Chunk, WireSource
@@ -16,8 +16,8 @@ from tests.kits.serial import sent
 def test_the_view_shows_arrows_events_and_losses() -> None:
     description, stream = sent("native", 1.2)
     source = WireSource(description, [Chunk(round(t * 1e9), data) for t, data in stream])
-    watch = Watch(source, lambda line: None)
-    watch.run(Choices(tare="off"))
+    watch = LiveMonitor(source, lambda line: None)
+    watch.run(LiveOptions(tare="off"))
     watch.tared["left"] = {"t_s": 0.5, "why": "refused: loaded"}
     console = Console(file=io.StringIO(), width=110, force_terminal=True, color_system=None)
     console.print(LiveView(watch, "grip", lambda: "/dev/skin: open"))
@@ -25,7 +25,7 @@ def test_the_view_shows_arrows_events_and_losses() -> None:
     assert "left" in shown
     assert "right" in shown
     assert any(arrow in shown for arrow in "↖↗↘↙↓")
-    assert watch.events[-1].meaning in shown
+    assert watch.events[-1].words in shown
     assert "480 good, 0 bad checksum, 0 resynchronised, 0 missing" in shown
     assert "/dev/skin: open" in shown
     assert "frames/s" in shown

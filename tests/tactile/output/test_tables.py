@@ -8,14 +8,14 @@ from click.testing import CliRunner
 
 from tactile.cli.group import main
 from tactile.core.frame import TaxelArray
-from tactile.events.events import Event
-from tactile.finger import Settings
+from tactile.events.contact_and_shear import TouchKind
+from tactile.events.event import Event
 from tactile.inverse.localise import Load
 from tactile.inverse.validity import Validity
-from tactile.output.record import Collected
+from tactile.output.collected import Collected
 from tactile.output.tables import tables
-from tactile.pipeline import Report
-from tactile.warm_up import warm_up
+from tactile.pipeline import FrameReport, warm_up
+from tactile.settings import Settings
 from tests.kits.paths import SCENES
 
 GRIP = SCENES / "grip.toml"
@@ -41,7 +41,7 @@ def test_a_run_prints_one_table_and_json_alone() -> None:
 def test_warming_up_touches_every_array(quantity: Any) -> None:
     """A tare at the start does not keep it from the inverse and the comparators."""
     arrays = TaxelArray("a", 2, 2, 1e-3, 1e-3, quantity=quantity), TaxelArray("b", 3, 3, 1e-3, 1e-3, quantity=quantity)
-    reports: list[Report] = []
+    reports: list[FrameReport] = []
     warm_up(arrays, 1e6, Settings(tare=100), [reports.append])
     assert [report.array.name for report in reports] == ["a", "a", "b", "b"]
     assert all(report.frame.valid.all() for report in reports)
@@ -56,7 +56,7 @@ def test_codes_of_many_taxels_stay_in_the_record(
 ) -> None:
     array = TaxelArray("pad", side, side, 1e-3, 1e-3)
     load = Load(1e-3, -2e-3, -1e-17, 2e-4, 4.2e-3, 0.0, 1, Validity.INSIDE)
-    event = Event(1.0, "pad", 3, "·" * side, "0" * side, 0, "contact", 1e-4, load)
+    event = Event(1.0, "pad", 3, TouchKind.RELEASE, {}, "·" * side, "0" * side, 0, 1e-4, load)
     collected = Collected()
     collected.events.append(event)
     tables(collected, (array,))
