@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.metadata import entry_points
 from typing import Any
 
 import numpy as np
@@ -85,6 +84,8 @@ def find(name: str) -> Cellwise:
     """
     if name in BUILT_IN:
         return BUILT_IN[name]
+    from importlib.metadata import entry_points  # reads a good deal, for names that are not built in
+
     announced = {point.name: point for point in entry_points(group="cnnsim.cellwise")}
     if name not in announced:
         known = ", ".join(sorted({*BUILT_IN, *announced}))
