@@ -2,21 +2,19 @@
 
 from collections.abc import Sequence
 from fractions import Fraction
-from itertools import product
+from functools import partial
 from math import ceil, gcd, inf, lcm
-from typing import Literal
 
 import numpy as np
 
 from cnnsim.network.characteristic import CLIP, Cell, Characteristic
 from cnnsim.network.layers import AnyTemplate, LayeredTemplate, layered
 from cnnsim.network.template import Template
-from cnnsim.network.term import Term
+from cnnsim.planning.duration import Duration
+from cnnsim.planning.network_modes import network_modes, products, slopes_of
 from cnnsim.planning.scheme import ADAPTIVE, EULER, Scheme, find_scheme
+from cnnsim.planning.stability import limit_of, usual_scheme
 from cnnsim.support.errors import InputError
-
-Duration = float | Literal["settled"]
-Range = tuple[float, float]
 
 
 def why_general(template: AnyTemplate, cell: Cell, periods: Sequence[float]) -> str:
@@ -66,7 +64,10 @@ def decide_general(
         if duration == "settled" or timed:
             raise InputError("the adaptive scheme runs for a number of time constants, without delays and sequences")
         return None, 1.0, [*decisions, ("adaptive", "DOP853 of scipy with relative tolerance 1e-10: a reference")]
-    table = EULER if scheme is None else find_scheme(scheme)
+    if scheme is None and not delays:
+        table = usual_scheme(partial(step_bound, network, cell.output, duration), default)
+    else:
+        table = EULER if scheme is None else find_scheme(scheme)
     h, reason = general_step(network, cell, table, step, default, duration, periods)
     h = h if timed else divided(duration, h)
     decisions.append((f"{table.name}, h = {h:.4g}", f"order {table.order}; the step is {reason}"))
@@ -102,7 +103,7 @@ def general_step(
         InputError: a step that may be unstable, or that does not divide a delay or a holding time; a scheme whose
             stages do not lie on the steps, with a delay.
     """
-    delays, longest = delays_of(template), step_bound(layered(template), cell.output, scheme)
+    delays, longest = delays_of(template), step_bound(layered(template), cell.output, duration, scheme)
     if delays and not set(scheme.matrix.sum(axis=1)) <= {0.0, 1.0}:
         raise InputError(
             f"{scheme.name} looks between the steps, where delayed values are not known; use euler or heun"
@@ -161,55 +162,37 @@ def largest_jump(network: LayeredTemplate, output: Characteristic) -> float:
     return max(jumps)
 
 
-def step_bound(network: LayeredTemplate, output: Characteristic, scheme: Scheme) -> float:
+def step_bound(network: LayeredTemplate, output: Characteristic, duration: Duration, scheme: Scheme) -> float:
     """Return a step below which no decaying mode can grow: Gershgorin's circles, with the tables' steepest slopes.
 
     In a row of the Jacobian the centre is at least d and the rest sums up to at most R, so no decay is faster than
     1 - min(0, d - R), over the layer's time constant. Enough, not necessary: a template may be stable with longer
-    steps. Jumps are no part of it: at a jump Euler's state swings by about step x jump and stays there.
+    steps. Modes that turn while they decay are computed (`network_modes`). Jumps are no part of it: at a jump Euler's
+    state swings by about step x jump and stays there.
     """
     fastest = max(
         _decay(layer, output) / time for layer, time in zip(network.layers, network.time_constants, strict=True)
     )
-    gain = scheme.real_limit / fastest
-    if not scheme.exponential:
-        return gain
-    return float(-np.log1p(-gain)) if gain < 1 else inf
+    real = limit_of(np.array([-fastest + 0j]), duration, scheme)
+    return min(real, limit_of(network_modes(network, output), duration, scheme))
 
 
 def _decay(layer: Template, output: Characteristic) -> float:
     steep = output.steepest
     low, high = (-steep, steep) if output.kind == "table" else (0.0, steep)
-    diagonal = min(_times((layer.self_feedback,) * 2, (low, high)))
+    diagonal = min(products((layer.self_feedback,) * 2, (low, high)))
     off = steep * sum(abs(tap.weight) for tap in layer.feedback_taps if (tap.k, tap.l) != (0, 0))
     for term in layer.feedback_terms:
-        rises = _slopes(term)
+        rises = slopes_of(term)
         for argument in {term.of, *((term.times,) if term.times else ())}:
             for k, l, weight in term.taps:
                 weights = float(np.min(weight)), float(np.max(weight))
                 own = k == l == 0 and term.layer is None and not term.delay
                 for quantity, sign, here in ((argument.neighbour, 1, own), (argument.centre, -1, not term.delay)):
                     if quantity in ("x", "y"):
-                        slope = _times(_times(weights, rises), (low, high) if quantity == "y" else (1.0, 1.0))
+                        slope = products(products(weights, rises), (low, high) if quantity == "y" else (1.0, 1.0))
                         if here:
                             diagonal += min(sign * side for side in slope)
                         else:
                             off += max(map(abs, slope))
     return 1.0 - min(0.0, diagonal - off)
-
-
-def _slopes(term: Term) -> Range:
-    """The smallest and the largest slope of f(v) m in v and m."""
-    if term.table is None:
-        return (1.0, 1.0) if term.times is None else (-4.0, 4.0)
-    if term.times is None:
-        return term.table.slopes
-    if term.times == term.of:
-        return term.table.product_slopes
-    most = term.table.bound + 2 * max(map(abs, term.table.slopes))
-    return -most, most
-
-
-def _times(a: Range, b: Range) -> Range:
-    products = [p * q for p, q in product(a, b)]
-    return min(products), max(products)

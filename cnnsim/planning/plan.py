@@ -3,6 +3,7 @@
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal, get_args
 
 from numpy.typing import NDArray
@@ -12,12 +13,12 @@ from cnnsim.network.cell import CellModel
 from cnnsim.network.characteristic import CLIP, Cell, Characteristic, parse_cell
 from cnnsim.network.layers import AnyTemplate, LayeredTemplate, layered
 from cnnsim.network.template import Tap, Template, all_taps
+from cnnsim.planning.duration import Duration as Duration
 from cnnsim.planning.general import check_grid, decide_general, divided, why_general
-from cnnsim.planning.scheme import ADAPTIVE, EULER, Scheme, find_scheme
-from cnnsim.planning.stability import step_limit
+from cnnsim.planning.scheme import ADAPTIVE, Scheme, find_scheme
+from cnnsim.planning.stability import step_limit, usual_scheme
 from cnnsim.support.errors import InputError
 
-Duration = float | Literal["settled"]
 Method = Literal["closed form", "stepped", "adaptive", "general"]
 
 Saving = Literal["closed form", "sparse taps", "shared sums", "blocking", "sleep"]
@@ -161,8 +162,9 @@ def make_plan(
             raise InputError("the adaptive scheme runs for a number of time constants, not until settled")
         decisions.append(("adaptive", "DOP853 of scipy with relative tolerance 1e-10: a reference, not a fast road"))
         return plan("adaptive", None, 1.0)
-    table = EULER if scheme is None else find_scheme(scheme)
-    longest = step_limit(template, boundary, table)
+    limit_of = partial(step_limit, template, boundary, duration)
+    table = usual_scheme(limit_of, DEFAULT_STEP) if scheme is None else find_scheme(scheme)
+    longest = limit_of(table)
     if step is None:
         h = min(DEFAULT_STEP, longest / 2)
         why = "the default" if h == DEFAULT_STEP else f"half the stability limit {longest:.4g} of this template"

@@ -63,6 +63,21 @@ class Scheme:
         bounded = np.abs(1 + np.array(self.b) @ stages) <= 1 + 1e-9
         return float(size[np.argmin(bounded) - 1])
 
+    def gain_limit(self, mode: complex) -> float:
+        """Return the gain from which on a mode that turns while it decays grows: the first g with |R(g mode)| > 1.
+
+        R(z) = 1 + sum over j of b a^(j-1) 1 z^j, so |R|^2 - 1 along a ray is a polynomial in |z|.
+        """
+        powers, ones = [1.0], np.ones(len(self.b))
+        for _ in self.b:
+            powers.append(float(np.array(self.b) @ ones))
+            ones = self.matrix @ ones
+        along = np.array(powers) * np.exp(1j * np.angle(mode) * np.arange(len(powers)))
+        size = np.convolve(along, along.conj()).real[1:]  # |R|^2 - 1, a factor |z| taken out
+        roots = np.roots(size[::-1])
+        crossings = roots.real[(np.abs(roots.imag) < 1e-9 * (1 + np.abs(roots))) & (roots.real > 0)]
+        return float(crossings.min(initial=np.inf) / abs(mode))
+
     def gain(self, h: float) -> float:
         """Return the h that enters the table: h itself, or 1 - exp(-h) for an exponential scheme."""
         return float(-np.expm1(-h)) if self.exponential else h

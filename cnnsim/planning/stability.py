@@ -1,44 +1,96 @@
 """How long an explicit step may be before a template's decaying modes grow in the numbers."""
 
+from collections.abc import Callable
+from functools import lru_cache
+
 import numpy as np
+from numpy.typing import NDArray
 
 from cnnsim.network.boundary import Boundary, pad
 from cnnsim.network.template import Template
-from cnnsim.planning.scheme import Scheme
+from cnnsim.planning.duration import Duration
+from cnnsim.planning.scheme import EULER, RK4, Scheme
+from cnnsim.support.types import Floats
 
-_SMALL = 10  # side of the grid on which eigenvalues are computed where no symbol gives them
+Modes = NDArray[np.complex128]
+"""Eigenvalues of the linear region, A - I, per time constant."""
+
+_SIDES = (1, 2, 3, 5, 10, 16)
+"""Sides of the grids whose eigenvalues are taken: any group of cells may be linear while the others are saturated."""
+_MOST_CELLS = 160
+_NEUTRAL = 1e-6
+"""A mode that decays by less than this part of its modulus neither decays nor grows."""
 
 
-def fastest_decay(template: Template, boundary: Boundary) -> float:
-    """Return the largest decay rate of the network, 1 - min(0, min Re eig A), per time constant.
+def decaying_modes(template: Template, boundary: Boundary) -> Modes:
+    """Return the modes that decay, one of each complex pair.
 
-    Saturated cells decay at rate 1. In the linear region the rates are those of A - I: for a symmetric A or a torus,
-    the symbol sum A(k, l) exp(i (k p + l q)) bounds them on every grid; for any other A the eigenvalues of a
-    10 x 10 grid are taken (its symbol would forbid steps that are stable).
+    Saturated cells decay at rate 1. In the linear region the modes are the eigenvalues of A - I: for a symmetric A or a
+    torus, the symbol sum A(k, l) exp(i (k p + l q)) - 1 has them all. For any other A they are computed on grids of
+    several sizes (its symbol would forbid steps that are stable).
     """
     if template.symmetric or boundary.kind == "periodic":
         k, l, weight = (np.array([tap[i] for tap in template.feedback_taps]) for i in range(3))
         frequency = np.linspace(-np.pi, np.pi, 129)
         p, q = np.meshgrid(frequency, frequency[64:], indexing="ij")
-        slowest = (weight * np.cos(p[..., None] * k + q[..., None] * l)).sum(axis=-1).min()
+        phase = p[..., None] * k + q[..., None] * l
+        modes = (weight * (np.cos(phase) if template.symmetric else np.exp(1j * phase))).sum(axis=-1).ravel() - 1
     else:
-        cells = np.eye(_SMALL * _SMALL).reshape(-1, _SMALL, _SMALL)
-        r = template.A.shape[0] // 2
-        around = pad(cells, r, boundary, 0.0)
-        rows = sum(
-            tap.weight * around[:, r + tap.k : r + tap.k + _SMALL, r + tap.l : r + tap.l + _SMALL]
-            for tap in template.feedback_taps
-        )
-        slowest = np.linalg.eigvals(np.reshape(rows, (_SMALL * _SMALL, -1)).T).real.min()
-    return 1.0 - min(0.0, float(slowest))
+        modes = _on_grids(template.A.tobytes(), template.A.shape[0], boundary)
+    return decaying(modes)
 
 
-def step_limit(template: Template, boundary: Boundary, scheme: Scheme) -> float:
-    """Return the step that cannot be reached: |R(-h rate)| > 1 beyond it. Infinite if the scheme damps any step.
+def decaying(modes: Modes) -> Modes:
+    """Return those of the modes that decay, and that of a saturated cell, which decays at rate 1."""
+    modes = np.append(modes.astype(complex), -1)
+    return modes[(modes.real < -_NEUTRAL * np.abs(modes)) & (modes.imag >= 0)]
 
-    Euler: h < 2 / (1 - min Re eig A), so 2 for a cell without neighbours and 1/4 for the five-point Laplacian.
+
+@lru_cache(maxsize=64)
+def _on_grids(entries: bytes, side: int, boundary: Boundary) -> Modes:
+    A: Floats = np.frombuffer(entries).reshape(side, side)
+    shapes = [(m, n) for m in _SIDES for n in _SIDES if m * n <= _MOST_CELLS]
+    return np.concatenate([np.linalg.eigvals(coupling(A, shape, boundary)) for shape in shapes]) - 1
+
+
+def coupling(A: Floats, shape: tuple[int, int], boundary: Boundary) -> Floats:
+    """Return the matrix (cells, cells) of A on a grid, whose virtual cells follow the boundary, constants left out."""
+    rows, cols = shape
+    r = A.shape[0] // 2
+    around = pad(np.eye(rows * cols).reshape(-1, rows, cols), r, boundary, 0.0)
+    total = sum(
+        A[r + k, r + l] * around[:, r + k : r + k + rows, r + l : r + l + cols]
+        for k in range(-r, r + 1)
+        for l in range(-r, r + 1)
+        if A[r + k, r + l]
+    )
+    return np.reshape(total + np.zeros((rows * cols, rows, cols)), (rows * cols, -1)).T
+
+
+def step_limit(template: Template, boundary: Boundary, duration: Duration, scheme: Scheme) -> float:
+    """Return the step that cannot be reached: |R(h mode)| > 1 beyond it. Infinite if the scheme damps any step.
+
+    Euler: h < 2 |Re mode| / |mode|^2, so 2 for a cell without neighbours and 1/4 for the five-point Laplacian.
     """
-    gain = scheme.real_limit / fastest_decay(template, boundary)
+    return limit_of(decaying_modes(template, boundary), duration, scheme)
+
+
+def limit_of(modes: Modes, duration: Duration, scheme: Scheme) -> float:
+    """Return the step from which on one of the decaying modes grows; one that turns, e-fold within the duration.
+
+    Without that allowance a mode that hardly decays at all would forbid Euler for the shortest of runs.
+    """
+    allowed = 0.0 if duration == "settled" or not duration else 1 / duration
+    real, turning = modes.real[modes.imag == 0], np.unique(np.round(modes[modes.imag > 0] - allowed, 6))
+    gain = min(scheme.real_limit / -real.min(), *(scheme.gain_limit(complex(mode)) for mode in turning), np.inf)
     if not scheme.exponential:
-        return gain
+        return float(gain)
     return float(-np.log1p(-gain)) if gain < 1 else float("inf")
+
+
+def usual_scheme(limit: Callable[[Scheme], float], step: float) -> Scheme:
+    """Return Euler, or RK4 where modes turn so fast that it gets on better: a step of it costs four of Euler's.
+
+    Arguments: ``limit`` gives the longest step of a scheme; ``step`` is what accuracy allows [time constants].
+    """
+    return RK4 if limit(EULER) < 2 * step and limit(RK4) > 4 * limit(EULER) else EULER

@@ -1,0 +1,62 @@
+"""Modes that turn while they decay: the limit against matrix powers, and the scheme that is chosen for them."""
+
+import numpy as np
+import pytest
+
+from cnnsim import PERIODIC, Boundary, InputError, LayeredTemplate, Template, Term, fixed, run_transient
+from cnnsim.planning.plan import make_plan
+from cnnsim.planning.scheme import EULER, SCHEMES, Scheme
+from cnnsim.planning.stability import step_limit
+
+TURNING = [[0, 0, 0], [-3, 0, 3], [0, 0, 0]]
+"""Not symmetric: the modes of a row are -1 + 6 i cos(...)."""
+
+
+def growth(scheme: Scheme, matrix: np.ndarray, h: float) -> float:
+    """The largest modulus of an eigenvalue of one step, from the scheme's own table."""
+    g = scheme.gain(h) * matrix
+    stages = [np.eye(len(matrix))]
+    for row in scheme.a[1:]:
+        stages.append(np.eye(len(matrix)) + g @ sum(a * k for a, k in zip(row, stages, strict=False)))
+    step = np.eye(len(matrix)) + g @ sum(b * k for b, k in zip(scheme.b, stages, strict=True))
+    return float(np.abs(np.linalg.eigvals(step)).max())
+
+
+@pytest.mark.parametrize("scheme", SCHEMES.values(), ids=str)
+def test_the_limit_is_where_a_step_begins_to_grow(scheme: Scheme) -> None:
+    n = 16
+    matrix = 3 * (np.eye(n, k=1) - np.eye(n, k=-1)) - np.eye(n)
+    limit = step_limit(Template(TURNING), fixed(0), "settled", scheme)
+    assert growth(scheme, matrix, 0.99 * limit) < 1 < growth(scheme, matrix, 1.01 * limit)
+
+
+@pytest.mark.parametrize("backend", ["reference", "cpu"])
+@pytest.mark.parametrize("template", [Template(TURNING), Template([[0.0]], terms=[Term(TURNING)])], ids=["A", "term"])
+def test_the_plan_follows_what_turns_and_decays(template: Template, backend: str) -> None:
+    x = np.random.default_rng(0).uniform(-0.3, 0.3, (16, 16))
+    plan = make_plan(template, x.shape, fixed(0), duration=30.0)
+    assert plan.scheme is not None
+    assert plan.scheme.name == "rk4"
+    for scheme in (None, *SCHEMES):
+        end = run_transient(template, state=x, boundary=fixed(0), duration=30.0, backend=backend, scheme=scheme)
+        assert np.abs(end.x).max() < 1e-6
+    with pytest.raises(InputError, match=r"euler on this template needs a step below 0\.0[56]"):
+        run_transient(template, state=x, boundary=fixed(0), duration=30.0, scheme="euler", step=0.08)
+
+
+@pytest.mark.parametrize("boundary", [fixed(0), PERIODIC])
+def test_two_layers_that_turn(boundary: Boundary) -> None:
+    """x' = -x + 0.5 x - 4 v, v' = -v + 0.5 v + 4 x: decays at 0.5 while it turns at 4."""
+    other = [Term([[-4.0]], layer=1), Term([[4.0]], layer=0)]
+    network = LayeredTemplate([Template([[0.5]], terms=[term]) for term in other])
+    x = np.random.default_rng(1).uniform(-0.05, 0.05, (2, 6, 7))
+    end = run_transient(network, state=x, boundary=boundary, duration=20.0)
+    assert np.abs(end.x).max() < 1e-5
+    with pytest.raises(InputError, match="needs a step below"):
+        run_transient(network, state=x, boundary=boundary, duration=20.0, scheme="euler", step=0.1)
+
+
+def test_a_mode_that_hardly_decays_does_not_forbid_a_short_run() -> None:
+    template = Template([[0.0, 0.0, 0.0], [-1.0, 0.99, 1.0], [0.0, 0.0, 0.0]])
+    long, short = (step_limit(template, fixed(0), duration, EULER) for duration in ("settled", 2.0))
+    assert long < 0.01 < 0.1 < short
