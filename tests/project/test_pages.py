@@ -1,0 +1,69 @@
+"""The pages tell of files, commands and code that are there."""
+
+import re
+import shlex
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+import pytest
+
+from cnnsim import write_picture
+from cnnsim.cli.group import main as cnnsim
+from tactile.cli.group import main as tactile
+from tests.kits.paths import ROOT
+
+PAGES = [*sorted(ROOT.glob("*.md")), ROOT / "templates" / "README.md", ROOT / "tactile" / "CONNECT.md"]
+GROUPS: dict[str, click.Group] = {"cnnsim": cnnsim, "tactile": tactile}
+
+
+def _blocks(page: Path, *languages: str) -> list[str]:
+    text = page.read_text(encoding="utf-8")
+    return [code for language, code in re.findall(r"```(\w*)\n(.*?)```", text, re.DOTALL) if language in languages]
+
+
+def _commands() -> list[str]:
+    lines = [
+        line.split("#")[0].strip() for page in PAGES for block in _blocks(page, "sh", "") for line in block.splitlines()
+    ]
+    return sorted({line for line in lines if line.split(" ")[0] in GROUPS})
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_somewhere(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    for target in re.findall(r"\]\(([^)#:]+)\)", text):
+        assert (page.parent / target).exists(), target
+    for anchor in re.findall(r"\]\(#([^)]+)\)", text):
+        assert re.search(rf"^#+ {anchor}$", text, re.MULTILINE | re.IGNORECASE), anchor
+
+
+@pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md"])
+def test_paths_in_tables_are_there(name: str) -> None:
+    rows = [row for row in (ROOT / name).read_text(encoding="utf-8").splitlines() if row.startswith("| ")]
+    paths = [path for row in rows for path in re.findall(r"`((?:cnnsim|tactile|templates|tests)/[\w./]*)`", row)]
+    assert len(paths) > 10
+    for path in paths:
+        assert (ROOT / path).exists(), path
+
+
+def test_the_python_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_picture(np.where(np.random.default_rng(1).random((24, 24)) < 0.5, 1.0, -1.0), "scan.png")
+    names: dict[str, Any] = {}
+    for block in _blocks(ROOT / "README.md", "python"):
+        exec(compile(block, "README.md", "exec"), names)
+    assert (tmp_path / "edge.png").is_file()
+    assert names["warm"].t == 5.0
+
+
+@pytest.mark.parametrize("line", _commands())
+def test_commands_are_understood(line: str) -> None:
+    """Their names, arguments and options are; they are not run."""
+    name, *arguments = shlex.split(line)
+    group = GROUPS[name]
+    position = next(i for i, argument in enumerate(arguments) if argument in group.commands)
+    with group.make_context(name, list(arguments)) as outer:
+        command = group.commands[arguments[position]]
+        assert command.make_context(command.name, arguments[position + 1 :], parent=outer)
