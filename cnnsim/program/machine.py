@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from typing import Any
+from typing import Any, assert_never
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -118,6 +118,8 @@ class UniversalMachine:
                     if len(planes[""]) == 3:
                         raise InputError(f"{step.where}: grids of a batch may go different ways; run them one by one")
                     self._execute(program, do if planes[register] else otherwise, planes)
+                case _:
+                    assert_never(step)
 
     def _rule(self, program: Program, step: TemplateStep) -> BitRule | None:
         """Return the AND or OR that a step from LLM to LLM comes down to, None if it does not."""
