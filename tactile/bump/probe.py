@@ -1,4 +1,4 @@
-"""What is felt inside a body: displacements, and strains and pressures smoothed over the elements, at points."""
+"""Displacement, strain and stress inside a body at given points, smoothed over the elements."""
 
 from functools import cached_property
 

@@ -1,4 +1,4 @@
-"""What taxels under and around one bump feel of the force on its plate: from finite elements to a table of radii.
+"""Response of the taxels under and around one bump to the force on its plate: finite elements to a table of radii.
 
 A body of revolution answers a force (Q, R, F) on its axis with five functions of the distance rho: as in
 ``elastic.layer_loads``, with (c, s) the direction from the bump to the taxel and a = Q c + R s,

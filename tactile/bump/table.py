@@ -1,4 +1,4 @@
-"""What was computed of a bump, kept: a table in memory and in the user's cache."""
+"""Response tables of bumps, kept in memory and in the user's cache."""
 
 import contextlib
 import hashlib

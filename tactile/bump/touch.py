@@ -1,4 +1,4 @@
-"""A flat plate lowered on the bump: what it touches sticks, and the contact grows."""
+"""A rigid flat plate lowered on the bump: what it touches sticks, and the contact grows."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass

@@ -102,7 +102,7 @@ def emulate(
 @click.argument("target", type=FILE)
 def convert_command(source: Path, target: Path) -> None:
     """Write the frames of SOURCE (.mcap, .npz, .csv, .bag, .toml) as TARGET (.csv, .npz, .parquet, .mcap)."""
-    from tactile.recording.convert import convert  # only here
+    from tactile.sources.convert import convert  # only here
 
     click.echo(f"wrote {convert(source, target)} frames to {target}")
 

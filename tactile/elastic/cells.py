@@ -1,4 +1,4 @@
-"""One cell of a traction map: what a taxel feels of unit tractions on it, as a point or as a rectangle."""
+"""Response of a taxel to unit tractions on one cell of a traction map, as a point or as a rectangle."""
 
 import numpy as np
 from numpy.typing import ArrayLike

@@ -1,4 +1,4 @@
-"""Tractions spread over a circle on the half-space: what taxels below feel, for any axisymmetric profile."""
+"""Strain and stress under tractions spread over circles on the half-space, for any axisymmetric profile."""
 
 import numpy as np
 from numpy.typing import ArrayLike

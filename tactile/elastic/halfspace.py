@@ -1,4 +1,4 @@
-"""Point loads on an elastic half-space: what taxels at one depth feel of them."""
+"""Strain and stress under point loads on an elastic half-space, by the formulas of Boussinesq and Cerruti."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray

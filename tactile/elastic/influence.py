@@ -1,4 +1,4 @@
-"""Loads that stay where they are: the influence matrix, put together once and multiplied with many frames."""
+"""The influence matrix of loads that stay in place, put together once and multiplied with many frames."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray

@@ -1,4 +1,4 @@
-"""An elastic layer bonded to a rigid base, wave by wave: transfer functions from tractions to what is felt."""
+"""An elastic layer bonded to a rigid base, wave by wave: transfer functions from tractions to strain or stress."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Point loads on a bonded layer: what the layer adds to the half-space, from tables made once for each depth."""
+"""Strain and stress that a bonded layer adds to the half-space under point loads, from tables made once a depth."""
 
 from functools import lru_cache
 

@@ -1,4 +1,4 @@
-"""Recordings written after the event: chunked, compressed and indexed, so that viewers can jump in them."""
+"""Indexed recordings: chunked and compressed, so that viewers can jump in them."""
 
 from importlib.metadata import version
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Reading recordings, whole ones and those whose writer was killed."""
+"""Reading of MCAP recordings, whole ones and those whose writer was killed."""
 
 import json
 import struct

@@ -1,4 +1,4 @@
-"""What the messages of a recording look like: ROS 2 message definitions and their CDR bytes, and JSON.
+"""Message schemas of a recording: ROS 2 message definitions and their CDR bytes, and JSON.
 
 Any MCAP viewer decodes both. CDR, little endian: four bytes 00 01 00 00, then every number at a multiple of its size
 counted from there; a sequence is its u32 length and its elements.

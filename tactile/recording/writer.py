@@ -1,4 +1,4 @@
-"""Writing recordings: MCAP files with the bytes of the wire, the frames made of them, and all that explains them.
+"""Writing of recordings: MCAP files with the bytes of the wire, the frames made of them, and all that explains them.
 
 Topics: ``/wire`` bytes as they arrived, ``/wire/unparsed`` those for which the reader had no room, ``/port`` notes
 (plugged, unplugged, tare), ``/frames/NAME`` frames of each finger, ``/tare`` offsets, ``/events``, ``/counts``, and

@@ -1,4 +1,4 @@
-"""A device that is not there: a pseudo-terminal that sends packets at their times, with faults on request.
+"""Emulated device: a pseudo-terminal that sends packets at their times, with faults on request.
 
 What it writes goes through the kernel's terminal as from a real port; the other side opens the port with any program.
 """

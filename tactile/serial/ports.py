@@ -1,4 +1,4 @@
-"""Which serial ports there are, and what may be behind them."""
+"""List of the serial ports and what may be behind them."""
 
 from tactile.wire.extras import need
 

@@ -1,4 +1,4 @@
-"""The one thread that owns the port: it reads, stamps and hands on, and never waits for anyone else."""
+"""Port reader: the one thread that owns the port; it reads, stamps and hands on, and never waits for anyone else."""
 
 import threading
 import time

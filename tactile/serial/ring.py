@@ -1,4 +1,4 @@
-"""A bounded queue between two threads that never makes the giver wait and counts what it cannot take."""
+"""Bounded queue between two threads: giving never waits, and what finds no place is counted."""
 
 import threading
 from collections import deque

@@ -1,4 +1,4 @@
-"""A port being read: the reader's thread, the recording's thread, and the frames for whoever asks."""
+"""Session on a port: the reader's thread, the recording's thread, and the frames for whoever asks."""
 
 import threading
 import time

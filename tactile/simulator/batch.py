@@ -1,4 +1,4 @@
-"""Many frames of one finger at once: what the effects on frames take and give."""
+"""Batches of frames of one finger, which the effects on frames take and give."""
 
 from dataclasses import dataclass
 

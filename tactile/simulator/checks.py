@@ -1,4 +1,4 @@
-"""One check that all effects need."""
+"""Range check of the effects' parameters."""
 
 import math
 

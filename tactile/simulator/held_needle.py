@@ -1,4 +1,4 @@
-"""A needle that a rig holds at a height: what its force becomes when needle or surface move."""
+"""Force of a needle that a rig holds at a height, when needle or surface move."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Sources of frames: simulated, recorded and (later) live ones look alike."""
+"""Opening a source of frames: a scene or a recording."""
 
 from pathlib import Path
 
@@ -12,8 +12,8 @@ def open_source(path: Path) -> Source:
     Raises:
         InputError: the file is missing, of no known kind, or wrong inside.
     """
-    from tactile.sources.replay import read_recording  # only what the file needs is imported
-    from tactile.sources.simulated import read_scene  # the same
+    from tactile.simulator.scene.file import read_scene  # only what the file needs is imported
+    from tactile.sources.replay import read_recording  # the same
 
     if not path.is_file():
         raise InputError(f"no scene or recording {path}")

@@ -1,4 +1,4 @@
-"""Recordings, whatever their file format."""
+"""Recordings of frames, read by the reader that the suffix names."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""From readings as the wire carries them to frames as the pipeline wants them, and back for emulators."""
+"""Arrangement of readings as the wire carries them into frames, and back for emulators."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""What every wire format is: bytes in, readings and counted faults out; no port and no clock here.
+"""Decoder and encoder of a wire format: bytes in, readings and counted faults out; no port and no clock here.
 
 A decoder's answer depends on the bytes alone, not on how they were cut: every decision is taken at the first byte that
 settles it, and no later byte takes it back.

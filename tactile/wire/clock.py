@@ -1,8 +1,8 @@
-"""The device's clock as host time: a robust line through the frames that were held up least.
+"""Device clock to host time: a robust line through the frames that were delayed least.
 
 What comes over a cable can be late, never early. So of every quarter of a second of device time only the frame with the
 smallest (arrival - device time) counts, and the line is Theil and Sen's: the median of the slopes of all pairs of
-those, then the median of the offsets. One held up for seconds, or a third of them, does not move it.
+those, then the median of the offsets. One delayed for seconds, or a third of them, does not move it.
 
 Source: P. K. Sen, "Estimates of the regression coefficient based on Kendall's tau", JASA 63 (1968) 1379.
 """

@@ -1,4 +1,4 @@
-"""Libraries that only boards on a serial port and their recordings need."""
+"""Optional libraries, imported when a board or a recording needs them."""
 
 import importlib
 from types import ModuleType

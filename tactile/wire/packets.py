@@ -1,4 +1,4 @@
-"""What an emulated device sends: the frames of a scene or a recording in a wire format, each at its time."""
+"""Packets of an emulated device: the frames of a scene or a recording in a wire format, each at its time."""
 
 from collections.abc import Iterable, Iterator
 from typing import Any

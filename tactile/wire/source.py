@@ -1,4 +1,4 @@
-"""Chunks of bytes become frames: the same code for a port and for a recording of one."""
+"""Frames from chunks of bytes: the same code for a port and for a recording of one."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass

@@ -12,7 +12,8 @@ from cnnsim.support.command_line import CommandGroup
 from tactile.cli.serial import COMMANDS
 from tactile.serial.emulator import Emulator
 from tactile.serial.faults import Faults
-from tactile.sources.simulated import Scene, read_scene
+from tactile.simulator.scene.file import read_scene
+from tactile.simulator.scene.scene import Scene
 from tactile.wire.description import Description
 from tactile.wire.packets import TimedPacket, emulated_description, packets
 from tests.kits.paths import SCENES

@@ -1,4 +1,4 @@
-"""Shapes that press on the cover: how wide a contact is under a force, and how the force is spread."""
+"""Indenters: the contact radius under a force, the pressure profile and the force law of each shape."""
 
 from dataclasses import dataclass
 from typing import Literal, get_args

@@ -1,4 +1,4 @@
-"""Surfaces that are drawn over the cover: their profile along the way, and their friction."""
+"""Textured materials that slide over the cover: their profile along the way, and their friction."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""A taxel's channels mix with each other and with those of its neighbours."""
+"""Crosstalk: a taxel's channels mix with each other and with those of its neighbours."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Taxels that read nothing, or always the same."""
+"""Dead and stuck taxels: they read nothing, or always the same."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace

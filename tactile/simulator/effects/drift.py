@@ -1,4 +1,4 @@
-"""The zero of every channel wanders."""
+"""Drift: the zero of every channel wanders."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""The cover has a bottom: an elastic layer bonded to the rigid chip."""
+"""Finite thickness: the cover is an elastic layer bonded to the rigid chip."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace

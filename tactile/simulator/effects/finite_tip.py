@@ -1,4 +1,4 @@
-"""A needle is no point: its hemispherical tip spreads the load over a circle."""
+"""Finite tip: the hemisphere at the needle's end spreads the load over a circle."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace

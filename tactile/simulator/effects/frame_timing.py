@@ -1,4 +1,4 @@
-"""Frames that come early or late, twice, or not at all."""
+"""Frame timing: frames come early or late, twice, or not at all."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace

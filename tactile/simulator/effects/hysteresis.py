@@ -1,4 +1,4 @@
-"""Readings that depend on whether the load grows or falls."""
+"""Hysteresis: readings depend on whether the load grows or falls."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""The stepper motor's magnetic field: bursts of a high-frequency tone in all channels."""
+"""Motor noise: the stepper motor's magnetic field, bursts of a high-frequency tone in all channels."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace

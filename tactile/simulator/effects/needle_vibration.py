@@ -1,4 +1,4 @@
-"""The rig shakes: the needle's place and its height over the cover tremble."""
+"""Needle vibration: the needle's place and its height over the cover tremble."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Rubber is nearly, not quite, incompressible: Poisson's ratio below 1/2."""
+"""Poisson's ratio below 1/2: rubber is nearly, not quite, incompressible."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace

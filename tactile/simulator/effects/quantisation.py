@@ -1,4 +1,4 @@
-"""The analogue-to-digital converter: steps, and an end to its range."""
+"""Quantisation: the steps of the analogue-to-digital converter, and the end of its range."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace

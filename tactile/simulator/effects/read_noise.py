@@ -1,4 +1,4 @@
-"""White noise of the electronics."""
+"""Read noise: white noise of the electronics."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass

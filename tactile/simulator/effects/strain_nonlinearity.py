@@ -1,4 +1,4 @@
-"""Rubber stiffens when pressed and softens when pulled: normal strain is not proportional to stress."""
+"""Strain nonlinearity: rubber stiffens when pressed and softens when pulled."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""The cover is not a perfect plane: a held needle meets hills and valleys."""
+"""Surface waviness: a held needle meets hills and valleys of the cover."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""A taxel is no point: it feels the mean over its area."""
+"""Taxel area: a taxel feels the mean over its area."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace

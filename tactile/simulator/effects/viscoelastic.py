@@ -1,4 +1,4 @@
-"""Rubber takes time: a Prony series between what the elastic field says and what the taxels feel."""
+"""Viscoelasticity: a Prony series between the elastic field and the readings."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace

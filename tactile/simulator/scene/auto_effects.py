@@ -1,4 +1,4 @@
-"""Effects chosen by their size: ``effects = "auto"`` keeps what matters in this scene and says what it left out."""
+"""Automatic choice of effects by size: ``effects = "auto"`` keeps what matters in a scene and says what it left out."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -1,4 +1,4 @@
-"""How large an effect is in a scene's signal and what it costs: measured on a sample of the scene's frames."""
+"""Size and cost of effects, measured on a sample of a scene's frames."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass

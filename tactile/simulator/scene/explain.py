@@ -1,4 +1,4 @@
-"""What a scene consists of: every part with its size in the signal, its time per frame, and what is left out."""
+"""Explanation of a scene: every part with its size in the signal, its time per frame, and what is left out."""
 
 import json
 from collections import Counter

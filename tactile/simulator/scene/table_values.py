@@ -1,4 +1,4 @@
-"""What several tables of a scene file have in common."""
+"""Values that several tables of a scene file take: positive numbers, a finger's name, paths of keyframes."""
 
 from typing import Any
 

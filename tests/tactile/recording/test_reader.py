@@ -11,23 +11,18 @@ from typing import Any
 import numpy as np
 import pytest
 from mcap.reader import make_reader
-from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from cnnsim.support.errors import InputError
 from tactile.core.frame import Frame
 from tactile.recording import schema
-from tactile.recording.convert import convert, open_any
 from tactile.recording.reader import open_recording, records
 from tactile.recording.writer import Recording
 from tactile.serial.ring import Ring
 from tactile.serial.session import Session
-from tactile.sources import open_source
-from tactile.sources.replay_csv import write_csv
 from tactile.wire.description import Description
 from tactile.wire.source import UNPLUGGED, Chunk, WireSource
-from tests.kits.serial import GRIP, call, device, grip, sent
-from tests.tactile.sources.test_replay import pillars
+from tests.kits.serial import call, device, sent
 
 TARED = {"type": "tare", "t_s": 0.25, "finger": "left", "taken": True, "why": "idle", "offset": [1.0, None, 2.0]}
 
@@ -203,74 +198,3 @@ def test_bytes_without_room_are_recorded_apart(tmp_path: Path, monkeypatch: pyte
     assert session.counts.overflowed == session._unparsed > 0
     assert again.messages["/wire/unparsed"] >= 1
     same(list(again.source()), live)
-
-
-def test_conversions(tmp_path: Path) -> None:
-    recorded(tmp_path / "r.mcap")
-    frames = list(open_recording(tmp_path / "r.mcap").source())
-    for name in ("r.csv", "indexed.mcap", "r.npz", "r.parquet"):
-        result = call("convert", tmp_path / "r.mcap", tmp_path / name)
-        assert (result.exit_code, result.output) == (0, f"wrote 200 frames to {tmp_path / name}\n")
-    same(list(open_source(tmp_path / "r.csv")), frames)
-    same(list(open_any(tmp_path / "indexed.mcap")), frames)
-    with (tmp_path / "indexed.mcap").open("rb") as file:
-        summary = make_reader(file).get_summary()
-    assert summary is not None
-    assert summary.chunk_indexes
-    with np.load(tmp_path / "r.npz") as file:
-        assert file["s0_strain"].shape == (100, 4, 3)
-        assert file["s1_seq"].tolist() == list(range(100))
-        assert file["s0_tus"][:3].tolist() == [0, 5000, 10000]
-    parquet = pytest.importorskip("pyarrow.parquet")
-    table = parquet.read_table(tmp_path / "r.parquet").to_pylist()
-    assert [row["finger"] for row in table[:3]] == ["left", "right", "left"]
-    assert np.array_equal(table[7]["values"], frames[7].values.ravel())
-
-
-def test_recordings_of_other_kinds_become_mcap_and_come_back(tmp_path: Path) -> None:
-    npz = pillars().save(tmp_path / "run.npz")
-    for source in (npz, GRIP):
-        frames = list(open_source(source))
-        assert convert(source, tmp_path / "r.mcap") == len(frames)
-        got = list(open_any(tmp_path / "r.mcap"))
-        same(got, frames)
-    convert(npz, tmp_path / "r.mcap")
-    convert(tmp_path / "r.mcap", tmp_path / "again.npz")
-    same(list(open_any(tmp_path / "again.npz")), [*open_source(npz)])
-    write_csv(tmp_path / "g.csv", grip(0.1))
-    assert convert(tmp_path / "g.csv", tmp_path / "g.mcap") == 40
-    for wrong, message in (("x.bag2", "one of .csv"), ("run.npz", "is the recording itself")):
-        with pytest.raises(InputError, match=message):
-            convert(npz, tmp_path / wrong)
-
-
-PILLAR = "float32 fX\nfloat32 fY\nfloat32 fZ\n"
-STATE = "int64 tus\nsensor_interfaces/PillarState[] pillars\n"
-
-
-def test_ros_bags_of_pillars(tmp_path: Path) -> None:
-    store = get_typestore(Stores.ROS2_HUMBLE)
-    kinds = {"sensor_interfaces/msg/PillarState": PILLAR, "sensor_interfaces/msg/SensorState": STATE}
-    for kind, text in kinds.items():
-        store.register(get_types_from_msg(text, kind))
-    pillar, state = (store.types[kind] for kind in kinds)
-    with Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.SQLITE3) as bag:
-        topics = [
-            bag.add_connection(f"/hub_0/sensor_{n}", "sensor_interfaces/msg/SensorState", typestore=store)
-            for n in (0, 1)
-        ]
-        for n in range(6):
-            values = [pillar(n + 0.5, -n, k) for k in range(9)]
-            data = store.serialize_cdr(state(1000 * n, values), "sensor_interfaces/msg/SensorState")
-            bag.write(topics[n % 2], 5_000_000_000 + 1_000_000 * n, data)
-    source = open_any(tmp_path / "bag")
-    frames = list(source)
-    assert [array.name for array in source.arrays] == ["hub_0/sensor_0", "hub_0/sensor_1"]
-    assert [(frame.finger, frame.sequence) for frame in frames] == [(0, 0), (1, 0), (0, 1), (1, 1), (0, 2), (1, 2)]
-    assert [frame.t for frame in frames] == pytest.approx([0.001 * n for n in range(6)], abs=1e-12)
-    assert frames[3].values[2, 1].tolist() == [3.5, -3.0, 7.0]
-    assert frames[3].t_device == pytest.approx(0.003, abs=1e-12)
-    assert source.frames == 6
-    (tmp_path / "empty").mkdir()
-    with pytest.raises(InputError, match="cannot be read as a ROS bag"):
-        open_any(tmp_path / "empty")

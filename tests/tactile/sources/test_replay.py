@@ -11,10 +11,10 @@ import pytest
 from cnnsim.support.errors import InputError
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import Source
+from tactile.simulator.scene.file import read_scene, scene_from
 from tactile.sources.replay import read_recording
 from tactile.sources.replay_csv import CsvReplay, read_csv, write_csv
 from tactile.sources.replay_npz import read_npz
-from tactile.sources.simulated import read_scene, scene_from
 from tests.kits.paths import DATA
 from tests.kits.source import GRIP, parsed
 

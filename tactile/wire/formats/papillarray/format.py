@@ -1,6 +1,6 @@
 """Contactile PapillArray hubs: PTSCOM 2.0 packets with a checksum, a counter and device time.
 
-    55 66 77 88 | payload (`papillarray_packet`) | u16 sum of the payload's bytes | AA BB CC DD
+    55 66 77 88 | payload (`papillarray.packet`) | u16 sum of the payload's bytes | AA BB CC DD
 
 There is no length and no escaping, so both markers may occur inside a float: at every end marker each start marker
 before it is tried, the earliest first, and a packet counts whose checksum and structure are right. Bytes at random pass

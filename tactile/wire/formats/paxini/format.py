@@ -1,6 +1,6 @@
 """Paxini PX-6AX GEN3: the high-speed board, which pushes frames, and the serial converter board, which is asked.
 
-Packets are those of `paxini_packet`. Pushed data hold for every module a resultant of 6 bytes (three int16) where
+Packets are those of `paxini.packet`. Pushed data hold for every module a resultant of 6 bytes (three int16) where
 option ``resultant`` is true, then its points; answers hold the points of one module, and status 1 comes with valid
 ones. Bytes at random pass once in 2^40 (push: two start bytes, 00 and the length's two bytes are fixed) or 2^88 tries,
 each still times 2^8 for the LRC. Replies of the high-speed board to what it was told are no frames and no noise.

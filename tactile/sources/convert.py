@@ -1,4 +1,4 @@
-"""Recordings into other forms: CSV, NPZ, Parquet and MCAP."""
+"""Conversion of recordings and scenes into CSV, NPZ, Parquet and MCAP."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -24,7 +24,7 @@ def open_any(path: Path) -> Source:
         source: Source = need("tactile.recording.reader", "an MCAP recording").open_recording(path).source()
         return source
     if path.suffix in (".bag", ".db3") or path.is_dir():
-        bag: Source = need("tactile.recording.rosbag", "a ROS bag").read_bag(path)
+        bag: Source = need("tactile.sources.replay_rosbag", "a ROS bag").read_bag(path)
         return bag
     return open_source(path)
 
