@@ -63,7 +63,7 @@ def transfer(wavenumber: ArrayLike, depth: float, thickness: float, medium: Medi
     down, up = np.exp(-kz), np.exp(-np.maximum(ky, 0)) * base
     double = 1.0 if medium.quantity == "stress" else 1 / (2 * medium.shear_modulus)
 
-    def felt(a1: Floats, a2: Floats) -> tuple[Floats, Floats]:
+    def reading(a1: Floats, a2: Floats) -> tuple[Floats, Floats]:
         """(z-z, s-z / i) readings from the amplitudes times 2 G k."""
         a3, a4 = back[0, 0] * a1 + back[1, 0] * a2, back[0, 1] * a1 + back[1, 1] * a2
         # W' where strain is read; sigma_zz / 2G = W' + nu / (1 - 2 nu) div, with div ~ 1 - 2 nu, where stress is
@@ -73,8 +73,8 @@ def transfer(wavenumber: ArrayLike, depth: float, thickness: float, medium: Medi
         return double * zz, double * sz
 
     # p = 1: sigma_zz = -1 at the top; q_s = 1: sigma_sz = -1, that is sigma_sz / i = i
-    pressed = felt(-top[1, 1] / determinant, top[1, 0] / determinant)
-    dragged = felt(-2 * top[0, 1] / determinant, 2 * top[0, 0] / determinant)
+    pressed = reading(-top[1, 1] / determinant, top[1, 0] / determinant)
+    dragged = reading(-2 * top[0, 1] / determinant, 2 * top[0, 0] / determinant)
     rim = np.exp(-kz) * (1 + np.exp(-2 * np.maximum(ky, 0))) / (1 + base**2)
     return Transfer(pressed[0], dragged[0], pressed[1], -dragged[1], -double * rim)
 
@@ -82,7 +82,7 @@ def transfer(wavenumber: ArrayLike, depth: float, thickness: float, medium: Medi
 def periodic_field(
     traction: ArrayLike, pitch: float, depth: float, thickness: float, medium: Medium
 ) -> NDArray[np.float64]:
-    """What is felt under a traction map (rows, cols, 3) [Pa] that repeats itself without end, at its own points.
+    """Strain or stress under a traction map (rows, cols, 3) [Pa] that repeats itself without end, at its own points.
 
     Raises:
         InputError: as ``transfer``, or a map of another shape.

@@ -14,8 +14,8 @@ from cnnsim.support.errors import InputError
 from tactile.elastic.cells import point_cell, uniform_cell
 from tactile.elastic.medium import Medium
 
-Cell = Callable[[ArrayLike, ArrayLike, float, float, Medium], NDArray[np.float64]]
-CELLS: dict[str, Cell] = {"point": point_cell, "uniform": uniform_cell}
+CellResponse = Callable[[ArrayLike, ArrayLike, float, float, Medium], NDArray[np.float64]]
+CELLS: dict[str, CellResponse] = {"point": point_cell, "uniform": uniform_cell}
 
 
 class TractionTransform:
@@ -36,7 +36,7 @@ class TractionTransform:
         depth: float,
         medium: Medium,
         offset: tuple[float, float] = (0.0, 0.0),
-        cell: str | Cell = "point",
+        cell: str | CellResponse = "point",
     ) -> None:
         if min(*map_shape, *taxel_shape) < 1 or not (np.isfinite(pitch) and pitch > 0):
             raise InputError(f"{map_shape} cells and {taxel_shape} taxels {pitch} m apart, positive numbers wanted")

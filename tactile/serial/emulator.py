@@ -38,7 +38,7 @@ LINGER = 0.1
 class Emulator:
     """One device. ``port`` is the name to open, and stays the same over unpluggings if there is a ``link``.
 
-    ``device``: what hears the host and answers it; nobody if None. After `run`, ``sent`` is the number of packets that
+    ``device``: what obeys the host and answers it; nobody if None. After `run`, ``sent`` is the number of packets that
     went out or were spoilt on purpose, ``lost`` of those for which there was no room.
     """
 
@@ -114,18 +114,18 @@ class Emulator:
         return any(event & select.POLLHUP for _, event in self._poll.poll(0))
 
     def _serve(self, seconds: float) -> None:
-        """Wait up to so long, while what is pending goes out and what the host says is heard."""
+        """Wait up to so long, while what is pending goes out and what the host says is read."""
         if self._master == AWAY:
             time.sleep(min(seconds, 0.01))
             return
         wanted = [self._master] if self._pending else []
         said, room, _ = select.select([self._master], wanted, [], min(seconds, 0.05))
-        if said and not self._hear():
+        if said and not self._receive():
             time.sleep(min(seconds, 0.01))  # a port that nobody has open always has something to say: that
         elif room:
             self._push()
 
-    def _hear(self) -> bool:
+    def _receive(self) -> bool:
         """Take what the host says, and answer; return whether there is a host."""
         try:
             said = os.read(self._master, 4096)
@@ -134,7 +134,7 @@ class Emulator:
         except OSError:
             return False
         if self._device is not None:
-            self._pending += self._device.hear(said)
+            self._pending += self._device.receive(said)
             self._push()
         return True
 

@@ -89,7 +89,7 @@ class Bumps:
         flat = point_load(np.zeros(2), array.depth, np.array([[0.0, 0.0, 0.0, 0.0, 1.0]]), medium)[2]
         return float(flat / (table.normal[middle, 0, 0] / table.forces[middle]))
 
-    def felt(self, array: TaxelArray, medium: Medium, loads: Loads) -> Floats:
+    def readings(self, array: TaxelArray, medium: Medium, loads: Loads) -> Floats:
         """What the taxels feel (frames, rows, cols, 3) of all that presses.
 
         A load rests on the four bumps around it in the shares that keep its force and its moments (bilinear), beyond

@@ -6,7 +6,7 @@ from cnnsim.support.types import Floats
 from tactile.core.frame import TaxelArray
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.loads import Loads
-from tactile.simulator.summation import Summation, felt_by
+from tactile.simulator.summation import Summation, sum_loads
 
 
 @dataclass(frozen=True)
@@ -24,12 +24,12 @@ class Field:
     values: Floats
 
 
-def felt(positions: Floats, depth: float, loads: Loads, medium: Medium, method: Summation | None = None) -> Floats:
+def field_at(positions: Floats, depth: float, loads: Loads, medium: Medium, method: Summation | None = None) -> Floats:
     """What taxels at ``positions`` (..., 2) feel of all that presses: (frames, ..., 3).
 
     Points are summed by the method, circles and twists by their own quadrature; what is not there is not imported.
     """
-    values = felt_by(method, positions, depth, loads.points, medium)
+    values = sum_loads(method, positions, depth, loads.points, medium)
     extra = (1,) * (positions.ndim - 1)
     for disc in loads.discs:
         from tactile.elastic.discs import disc_load  # only where called for
@@ -55,5 +55,5 @@ def felt(positions: Floats, depth: float, loads: Loads, medium: Medium, method: 
 
 def field_of(array: TaxelArray, medium: Medium, times: Floats, first: int, loads: Loads, method: Summation) -> Field:
     """The field of what presses on a finger, without effects."""
-    values = felt(array.positions(), array.depth, loads, medium, method)
+    values = field_at(array.positions(), array.depth, loads, medium, method)
     return Field(array, medium, times, first, loads, values)

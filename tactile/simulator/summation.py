@@ -61,7 +61,7 @@ def moving(loads: Floats) -> bool:
     return bool((loads[..., PLACE] != loads[:1, :, PLACE]).any())
 
 
-def felt_by(method: Summation | None, positions: Floats, depth: float, loads: Floats, medium: Medium) -> Floats:
+def sum_loads(method: Summation | None, positions: Floats, depth: float, loads: Floats, medium: Medium) -> Floats:
     """What taxels (..., 2) feel of point loads (frames, n, 5): (frames, ..., 3); directly where ``method`` is None.
 
     Raises:

@@ -138,7 +138,7 @@ class Encoder(ABC):
     """A device's side of the wire: readings in, bytes out, commands obeyed. What tests and `tactile emulate` send.
 
     It begins as the last host left it: sending. A device that only answers is ``polled``; ``asked`` counts the requests
-    for readings that it has heard.
+    for readings that it has received.
     """
 
     polled = False
@@ -157,8 +157,8 @@ class Encoder(ABC):
         Arguments: ``boards`` (taxels, 3) of every board, in the device's unit; ``t_device`` [s].
         """
 
-    def hear(self, data: bytes) -> bytes:
-        """Take what the host says, however cut, obey it, and return what is answered at once. Most devices are deaf."""
+    def receive(self, data: bytes) -> bytes:
+        """Take what the host says, however cut, obey it, and return what is answered at once. Most devices ignore it."""
         return b""
 
 

@@ -20,7 +20,7 @@ from tactile.elastic.profiles import (
     round_tip_radius,
 )
 
-Shape = Literal["point", "disc", "flat_punch", "sphere", "needle", "edge", "cylinder"]
+ShapeName = Literal["point", "disc", "flat_punch", "sphere", "needle", "edge", "cylinder"]
 ROUND: dict[str, Profile] = {"disc": UNIFORM, "flat_punch": FLAT_PUNCH, "sphere": HERTZ, "needle": ROUND_TIP}
 """Shapes whose contact is a circle, and the pressure on it."""
 
@@ -36,14 +36,14 @@ class Indenter:
         InputError: an unknown shape, a length or radius that it needs and that is not positive.
     """
 
-    shape: Shape = "point"
+    shape: ShapeName = "point"
     radius: float = 0.0
     length: float = 0.0
     angle: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.shape not in get_args(Shape):
-            raise InputError(f"shape {self.shape!r}, one of {', '.join(get_args(Shape))} wanted")
+        if self.shape not in get_args(ShapeName):
+            raise InputError(f"shape {self.shape!r}, one of {', '.join(get_args(ShapeName))} wanted")
         if self.shape in (*ROUND, "cylinder") and not self.radius > 0:
             raise InputError(f"a {self.shape} of radius {self.radius} m, a positive length wanted")
         if self.shape in ("edge", "cylinder") and not self.length > 0:

@@ -8,7 +8,7 @@ import numpy as np
 
 from tactile.core.loads import F
 from tactile.simulator.checks import within
-from tactile.simulator.field import Field, felt
+from tactile.simulator.field import Field, field_at
 from tactile.simulator.held_needle import force_factor
 
 
@@ -53,5 +53,5 @@ class NeedleVibration:
             factor = force_factor(forces, np.broadcast_to(moves[..., 2], forces.shape), self.tip_radius, field.medium)
             loads = field.loads.moved(shift, factor)
             at, depth = field.array.positions(), field.array.depth
-            term = felt(at, depth, loads, field.medium) - felt(at, depth, field.loads, field.medium)
+            term = field_at(at, depth, loads, field.medium) - field_at(at, depth, field.loads, field.medium)
             yield replace(field, loads=loads, values=field.values + term)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tactile.simulator.checks import within
-from tactile.simulator.field import Field, felt
+from tactile.simulator.field import Field, field_at
 
 
 @dataclass(frozen=True)
@@ -38,5 +38,5 @@ class PoissonRatio:
                 continue
             medium = replace(field.medium, nu=self.nu)
             at, depth = field.array.positions(), field.array.depth
-            term = felt(at, depth, field.loads, medium) - felt(at, depth, field.loads, field.medium)
+            term = field_at(at, depth, field.loads, medium) - field_at(at, depth, field.loads, field.medium)
             yield replace(field, medium=medium, values=field.values + term)

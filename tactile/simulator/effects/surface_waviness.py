@@ -8,7 +8,7 @@ import numpy as np
 
 from tactile.core.loads import PLACE, F
 from tactile.simulator.checks import within
-from tactile.simulator.field import Field, felt
+from tactile.simulator.field import Field, field_at
 from tactile.simulator.held_needle import force_factor
 
 WAVES = 32
@@ -58,5 +58,5 @@ class SurfaceWaviness:
             factor = force_factor(totals[..., F], height, self.tip_radius, field.medium)
             loads = field.loads.moved(np.zeros((*factor.shape, 2)), factor)
             at, depth = field.array.positions(), field.array.depth
-            term = felt(at, depth, loads, field.medium) - felt(at, depth, field.loads, field.medium)
+            term = field_at(at, depth, loads, field.medium) - field_at(at, depth, field.loads, field.medium)
             yield replace(field, loads=loads, values=field.values + term)

@@ -8,7 +8,7 @@ import numpy as np
 
 from tactile.elastic.gauss import gauss
 from tactile.simulator.checks import within
-from tactile.simulator.field import Field, felt
+from tactile.simulator.field import Field, field_at
 
 MOST = 40
 
@@ -45,6 +45,6 @@ class TaxelArea:
             nodes, weights = gauss(count)
             steps = np.stack(np.meshgrid(nodes, nodes), axis=-1).reshape(-1, 2) * self.width / 2
             over = np.outer(weights, weights).ravel() / 4
-            everywhere = felt(at[:, :, None] + steps, depth, field.loads, field.medium)
-            term = np.einsum("nrcpk,p->nrck", everywhere, over) - felt(at, depth, field.loads, field.medium)
+            everywhere = field_at(at[:, :, None] + steps, depth, field.loads, field.medium)
+            term = np.einsum("nrcpk,p->nrck", everywhere, over) - field_at(at, depth, field.loads, field.medium)
             yield replace(field, values=field.values + term)

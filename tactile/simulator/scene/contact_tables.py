@@ -8,7 +8,7 @@ import numpy as np
 
 from cnnsim.support.errors import InputError
 from cnnsim.support.toml_file import check_keys, take, take_numbers
-from tactile.simulator.contacts.indenter import ROUND, Indenter, Shape
+from tactile.simulator.contacts.indenter import ROUND, Indenter, ShapeName
 from tactile.simulator.contacts.materials import PRESETS
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.sliding_texture import SlidingTexture
@@ -41,7 +41,7 @@ def read_contact(table: dict[str, Any], names: list[str], where: str, _folder: P
         raise InputError(f"{where}: twist = {twisted!r}, true or false wanted")
     try:
         indenter = Indenter(
-            cast(Shape, take(table, "shape", str, where)),
+            cast(ShapeName, take(table, "shape", str, where)),
             take(table, "radius_mm", float, where, 0.0) * 1e-3,
             take(table, "length_mm", float, where, 0.0) * 1e-3,
             float(np.deg2rad(take(table, "angle_deg", float, where, 0.0))),

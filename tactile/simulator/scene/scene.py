@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 
+from cnnsim.support.types import Floats
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.loads import COLUMNS
 from tactile.elastic.medium import Felt, Medium
@@ -20,8 +21,6 @@ from tactile.simulator.summation import Summation, choose_method, moving
 
 if TYPE_CHECKING:
     from tactile.simulator.bump_cover import Bumps
-
-from cnnsim.support.types import Floats
 
 CHUNK = 512
 """Frames computed at once: those of 8 x 8 taxels stay in the second-level cache from effect to effect."""
@@ -113,7 +112,7 @@ class Scene:
         for first, piece in times:
             loads, method = self.finger_loads(finger, piece), self.method(finger)
             if self.bumps is not None:
-                yield Field(array, medium, piece, first, loads, self.bumps.felt(array, medium, loads))
+                yield Field(array, medium, piece, first, loads, self.bumps.readings(array, medium, loads))
                 continue
             if method.name != "direct" and moving(loads.points):
                 method = Summation("direct", "moves after all")

@@ -71,7 +71,7 @@ def test_loads_are_shared_without_loss() -> None:
 def test_the_matrix_is_the_elements(quantity: Any) -> None:
     medium, bumps = Medium(0.87e6, quantity=quantity), Bumps(Shape(thickness=1e-3))
     close, load = TaxelArray("close", 2, 2, 0.5e-3, 0.2e-3, (1e-3, 0.0)), (0.75e-3, -0.25e-3, 0.003, 0.004, 0.005)
-    felt = bumps.felt(close, medium, loads_of(load))[0]
+    felt = bumps.readings(close, medium, loads_of(load))[0]
     # straight from elements on a mesh of another size, at the distances at hand
     radii = np.array([0.0, 0.5e-3])
     own = small_strain(Shape(thickness=1e-3, reach=6e-3), Medium(0.87e6, 0.499, quantity), 0.2e-3, radii, 1.5)
@@ -82,7 +82,7 @@ def test_the_matrix_is_the_elements(quantity: Any) -> None:
     below = q * (even[1] + odd[1]), r * (even[1] - odd[1]) + f * along, r * zz[1] + f * normal
     for got, wanted in ((felt[0, 0], under), (felt[0, 1], right), (felt[1, 0], below)):
         assert got == pytest.approx(wanted, abs=0.01 * np.abs(wanted).max())
-    again = bumps.felt(close, Medium(0.435e6, quantity=quantity), loads_of(load))[0]
+    again = bumps.readings(close, Medium(0.435e6, quantity=quantity), loads_of(load))[0]
     assert again == pytest.approx(felt * (2 if quantity == "strain" else 1), rel=1e-12)
 
 
@@ -90,20 +90,20 @@ def test_the_cover_is_linear_and_symmetric() -> None:
     medium, bumps = Medium(0.87e6), Bumps(Shape(thickness=1e-3))
     array = TaxelArray("s", 2, 2, 1.5e-3, 0.2e-3)
     corners = array.positions().reshape(-1, 2)
-    one = bumps.felt(array, medium, loads_of((*corners[0], 0, 0, 1e-3)))[0]
+    one = bumps.readings(array, medium, loads_of((*corners[0], 0, 0, 1e-3)))[0]
     assert one[0, 0, 2] < 0
     assert not one[0, 0, :2].any()  # no cross-talk under the bump
-    sheared = bumps.felt(array, medium, loads_of((*corners[0], 1e-3, 0, 0)))[0]
+    sheared = bumps.readings(array, medium, loads_of((*corners[0], 1e-3, 0, 0)))[0]
     assert sheared[0, 0, 2] == 0
-    other = bumps.felt(array, medium, loads_of((*corners[0], 0, 1e-3, 0)))[0]
+    other = bumps.readings(array, medium, loads_of((*corners[0], 0, 1e-3, 0)))[0]
     assert other == pytest.approx(sheared.swapaxes(0, 1)[..., [1, 0, 2]], abs=1e-12)
-    mirrored = bumps.felt(array, medium, loads_of((*corners[1], -1e-3, 0, 0)))[0]
+    mirrored = bumps.readings(array, medium, loads_of((*corners[1], -1e-3, 0, 0)))[0]
     assert mirrored == pytest.approx(sheared[:, ::-1] * (-1, 1, 1), abs=1e-12)
-    both = bumps.felt(array, medium, loads_of((*corners[0], 1e-3, 0, 1e-3)))[0]
+    both = bumps.readings(array, medium, loads_of((*corners[0], 1e-3, 0, 1e-3)))[0]
     assert both == pytest.approx(one + sheared, abs=1e-15)
-    assert not bumps.felt(array, medium, loads_of((0, 0, 0, 0, 0))).any()
+    assert not bumps.readings(array, medium, loads_of((0, 0, 0, 0, 0))).any()
     with pytest.raises(InputError, match="a twisted contact"):
-        bumps.felt(array, medium, Loads(*([np.zeros((1, 0, 5))] * 2), np.zeros(0, np.int64), (), (None,)))  # type: ignore[arg-type, call-arg]
+        bumps.readings(array, medium, Loads(*([np.zeros((1, 0, 5))] * 2), np.zeros(0, np.int64), (), (None,)))  # type: ignore[arg-type, call-arg]
 
 
 def test_what_was_computed_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
@@ -155,14 +155,14 @@ def test_a_table_of_finite_strain(finite: table.Response, monkeypatch: pytest.Mo
     medium = Medium(2e6)
     knots = finite.forces * 2e6
     rows = [(0, 0, 1e-4, 0, force) for force in knots]
-    felt = bumps.felt(array, medium, loads_of(*rows))[:, 0, 0]
+    felt = bumps.readings(array, medium, loads_of(*rows))[:, 0, 0]
     assert felt[:, 2] == pytest.approx(finite.normal[:, 0, 0], abs=1e-12)
     assert felt[:, 0] == pytest.approx(1e-4 / 2e6 * finite.shear[:, 0, 1], rel=1e-9)
-    between = bumps.felt(array, medium, loads_of((0, 0, 0, 0, (knots[4] + knots[5]) / 2)))[0, 0, 0, 2]
+    between = bumps.readings(array, medium, loads_of((0, 0, 0, 0, (knots[4] + knots[5]) / 2)))[0, 0, 0, 2]
     assert finite.normal[5, 0, 0] < between < finite.normal[4, 0, 0]
     for force in (knots[-1] * 1.01, -1e-3):
         with pytest.raises(InputError, match=r"the table of finite strain ends at 60 um"):
-            bumps.felt(array, medium, loads_of((0, 0, 0, 0, force)))
+            bumps.readings(array, medium, loads_of((0, 0, 0, 0, force)))
 
 
 def test_a_finite_table_begins_like_a_small_one(finite: table.Response) -> None:

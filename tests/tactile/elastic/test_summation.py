@@ -10,7 +10,7 @@ from tactile.elastic.direct import direct_sum
 from tactile.elastic.influence import Influence
 from tactile.elastic.medium import Felt, Medium
 from tactile.elastic.spectral import TractionTransform, map_loads
-from tactile.simulator.summation import Name, Summation, choose_method, felt_by
+from tactile.simulator.summation import Name, Summation, choose_method, sum_loads
 
 random = np.random.default_rng(5)
 
@@ -46,7 +46,7 @@ def test_three_roads_one_number() -> None:
     loads[..., :2], loads[..., 2:] = grid + corner + (0.2e-3, -4.3e-3), random.normal(size=(3, 840, 3))
     at = array.positions()
     direct, matrix, fft = (
-        felt_by(Summation(name, ""), at, array.depth, loads, medium) for name in ("direct", "matrix", "fft")
+        sum_loads(Summation(name, ""), at, array.depth, loads, medium) for name in ("direct", "matrix", "fft")
     )
     largest = np.abs(direct).max()
     assert np.abs(direct - matrix).max() < 1e-13 * largest
@@ -66,9 +66,9 @@ def test_the_plan_looks_at_the_task() -> None:
     names: tuple[Name, ...] = ("matrix", "fft")
     for name in names:
         with pytest.raises(InputError, match="loads that move"):
-            felt_by(Summation(name, ""), array.positions(), 1e-3, moving, Medium(1.0))
+            sum_loads(Summation(name, ""), array.positions(), 1e-3, moving, Medium(1.0))
     with pytest.raises(InputError, match="share no grid"):
-        felt_by(Summation("fft", ""), array.positions(), 1e-3, still, Medium(1.0))
+        sum_loads(Summation("fft", ""), array.positions(), 1e-3, still, Medium(1.0))
 
 
 def test_an_even_cell_is_many_points() -> None:

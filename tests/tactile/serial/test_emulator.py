@@ -20,7 +20,7 @@ def told(protocol: str, *said: bytes, pause: float = 0.25) -> list[bytes]:
     scene = grip(1.0, 1 if protocol == "paxini-serial" else 2)
     description = emulated_description(protocol, scene)
     encoder = description.wire.encoder(description.options)
-    heard = []
+    received = []
     stream = packets(description, scene, True, encoder)
     with (
         device(stream, device=encoder) as emulator,
@@ -34,15 +34,15 @@ def told(protocol: str, *said: bytes, pause: float = 0.25) -> list[bytes]:
             begun, data = time.monotonic(), b""
             while time.monotonic() < begun + pause:
                 data += take(port, 0.02)
-            heard.append(data)
-    return heard
+            received.append(data)
+    return received
 
 
 def test_papillarray_sends_at_the_rate_it_is_told() -> None:
     """The scene has 200 frames a second, so f100 leaves out every other and f250 none."""
-    heard = told("papillarray", b"f100\n", b"f250\n", b"f77\nrubbish\n", pause=0.5)
+    received = told("papillarray", b"f100\n", b"f250\n", b"f77\nrubbish\n", pause=0.5)
     decoder = FORMATS["papillarray"].decoder(Options(((2, 2), (2, 2))))
-    for data, period in zip(heard, (0.01, 0.005, 0.005), strict=True):
+    for data, period in zip(received, (0.01, 0.005, 0.005), strict=True):
         times = [reading.t_device for reading in decoder.feed(data)]
         assert len(times) > 8  # of 50 and 100 on a machine that does nothing else
         assert np.diff(times[3:]) == pytest.approx(np.full(len(times) - 4, period), abs=1e-6)
@@ -59,8 +59,8 @@ def test_papillarray_counts_only_what_it_sends() -> None:
     values = [np.zeros((9, 3))] * 2
     for n in range(5):
         read(encoder, decoder, values, n, 0.001 * n)
-    encoder.hear(b"f1")
-    encoder.hear(b"00\n")  # cut by the cable
+    encoder.receive(b"f1")
+    encoder.receive(b"00\n")  # cut by the cable
     got = [n for n in range(5, 105) if decoder.feed(encoder.encode(values, n, 0.001 * n))]
     assert np.diff(got).tolist() == [10] * 9
     assert (decoder.counts.good, decoder.counts.missing) == (15, 0)
@@ -70,7 +70,7 @@ def test_papillarray_zeroes_itself_on_z() -> None:
     decoder, encoder = pair("papillarray")
     rest = [np.full((9, 3), 0.25), np.full((9, 3), -0.5)]
     assert read(encoder, decoder, rest, 0, 0.0).values[0, 0] == 0.25
-    encoder.hear(b"z\n")
+    encoder.receive(b"z\n")
     during = read(encoder, decoder, rest, 1, 0.5)
     assert during.values[0, 0] == 0.25  # until the average is made
     read(encoder, decoder, rest, 2, 2.6)
@@ -81,11 +81,11 @@ def test_papillarray_zeroes_itself_on_z() -> None:
 def test_papillarray_starts_and_stops_slip_detection() -> None:
     encoder = FORMATS["papillarray"].encoder(Options(((3, 3),)))
     on = encoder.encode([np.zeros((9, 3))], 0, 0.0)
-    encoder.hear(b"s\n")
+    encoder.receive(b"s\n")
     off = encoder.encode([np.zeros((9, 3))], 0, 0.0)
     changed = [(a, b) for a, b in zip(on[:-6], off[:-6], strict=True) if a != b]
     assert changed == [(2, 0xFE)] * 9 + [(2, 0)]  # nine pillars ineligible, the sensor off
-    encoder.hear(b"S\n")
+    encoder.receive(b"S\n")
     assert encoder.encode([np.zeros((9, 3))], 0, 0.0) == on
 
 
@@ -114,7 +114,7 @@ def test_paxini_fast_describes_itself() -> None:
     encoder = pair("paxini-fast")[1]
 
     def request(register: int, count: int) -> bytes:
-        return encoder.hear(px.closed(px.REQUEST + px.FAST.pack(0, px.READ, register, count)))[8:-1]
+        return encoder.receive(px.closed(px.REQUEST + px.FAST.pack(0, px.READ, register, count)))[8:-1]
 
     assert request(px.MODULES, 4) == bytes([1, 0, 0, 0])
     assert request(px.POINT_COUNTS, 56) == bytes([9, *[0] * 55])
@@ -129,7 +129,7 @@ def test_paxini_boards_calibrate() -> None:
     ):
         decoder, encoder = pair(name)
         rest = [np.full((9, 3), 0.5)]
-        said = b"".join(encoder.hear(bytes([byte])) for byte in b"noise" + bytes.fromhex(command))
+        said = b"".join(encoder.receive(bytes([byte])) for byte in b"noise" + bytes.fromhex(command))
         assert said == bytes.fromhex(answer) if answer else len(said) == 15
         assert px.lrc(said) == 0
         encoder.encode(rest, 0, 0.0)
@@ -151,9 +151,9 @@ def test_paxini_serial_answers_only_when_asked() -> None:
 def test_replies_are_no_noise_for_the_decoder() -> None:
     decoder, encoder = pair("paxini-fast")
     values = [np.full((9, 3), 1.5)]
-    stream = encoder.hear(px.fast_request(px.WRITE, px.DATA_TYPE, b"\3") + px.fast_request(px.WRITE, 0x17, b"\1"))
+    stream = encoder.receive(px.fast_request(px.WRITE, px.DATA_TYPE, b"\3") + px.fast_request(px.WRITE, 0x17, b"\1"))
     stream += (
-        encoder.encode(values, 0, 0.0) + encoder.hear(px.fast_request(0x55, 0x17)) + encoder.encode(values, 1, 0.1)
+        encoder.encode(values, 0, 0.0) + encoder.receive(px.fast_request(0x55, 0x17)) + encoder.encode(values, 1, 0.1)
     )
     got = [reading for byte in stream for reading in decoder.feed(bytes([byte]))]
     assert len(got) == 2
@@ -167,5 +167,5 @@ def test_devices_survive_noise_on_their_ear(name: str) -> None:
     rng = np.random.default_rng(0)
     for _ in range(300):
         noise = rng.bytes(50)
-        encoder.hear(bytes.fromhex("55aa") + noise if rng.random() < 0.5 else noise)
-    assert len(encoder._heard) <= px.LONGEST + 60  # type: ignore[attr-defined]
+        encoder.receive(bytes.fromhex("55aa") + noise if rng.random() < 0.5 else noise)
+    assert len(encoder._received) <= px.LONGEST + 60  # type: ignore[attr-defined]

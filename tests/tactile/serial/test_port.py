@@ -173,7 +173,7 @@ def test_what_is_said_to_a_device_arrives() -> None:
         def encode(self, *_: Any) -> bytes:
             return b""
 
-        def hear(self, data: bytes) -> bytes:
+        def receive(self, data: bytes) -> bytes:
             said.extend(data)
             return b""
 

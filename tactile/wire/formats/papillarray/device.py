@@ -31,14 +31,14 @@ class PapillarrayEncoder(Encoder):
         self._displacement_first = options.extra.get("pillar", "force first") == "displacement first"
         self._entry = b"\x01\x00" if options.extra.get("slip_entry", 2) == 2 else b"\x01"
         self._tare, self._slip = DeviceTare(BIAS), True
-        self._heard = bytearray()
+        self._received = bytearray()
         self._period, self._due, self._left_out = 0.0, -math.inf, 0
 
-    def hear(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         """Obey the lines that are complete; the hub answers nothing."""
-        self._heard += data
-        *lines, rest = bytes(self._heard).split(b"\n")
-        self._heard[:] = rest[-16:]
+        self._received += data
+        *lines, rest = bytes(self._received).split(b"\n")
+        self._received[:] = rest[-16:]
         for line in lines:
             if line == b"z":
                 self._tare.ask()

@@ -21,30 +21,30 @@ BAD_CHECK, BAD_COMMAND = 0x02, 0x04
 
 
 class PaxiniEncoder(Encoder):
-    """Finds the host's requests in what is heard."""
+    """Finds the host's requests in what is received."""
 
     head: int
 
     def __init__(self) -> None:
-        self._tare, self._heard = DeviceTare(SETTLE), bytearray()
+        self._tare, self._received = DeviceTare(SETTLE), bytearray()
 
-    def hear(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         """Obey and answer every request that is complete; noise before a request is passed over."""
-        self._heard += data
+        self._received += data
         said = b""
         while True:
-            at = self._heard.find(px.REQUEST)
-            del self._heard[: at if at >= 0 else max(0, len(self._heard) - 1)]
-            if at < 0 or len(self._heard) < self.head:
+            at = self._received.find(px.REQUEST)
+            del self._received[: at if at >= 0 else max(0, len(self._received) - 1)]
+            if at < 0 or len(self._received) < self.head:
                 return said
-            length = self._length(bytes(self._heard[2 : self.head]))
+            length = self._length(bytes(self._received[2 : self.head]))
             if length > px.LONGEST:
-                del self._heard[:1]
-            elif len(self._heard) < length:
+                del self._received[:1]
+            elif len(self._received) < length:
                 return said
             else:
-                said += self._answer(bytes(self._heard[:length]))
-                del self._heard[:length]
+                said += self._answer(bytes(self._received[:length]))
+                del self._received[:length]
 
     @abstractmethod
     def _length(self, head: bytes) -> int:

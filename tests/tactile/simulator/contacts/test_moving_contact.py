@@ -12,7 +12,7 @@ from tactile.simulator.contacts.loads import together
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.contacts.traction_map import TractionMap
-from tactile.simulator.field import felt
+from tactile.simulator.field import field_at
 from tactile.simulator.scene.scene import Contact
 
 RUBBER = Medium(2.4e6)
@@ -27,7 +27,7 @@ def at_rest(
 
 
 def feel(contact: MovingContact, at: NDArray[np.float64], depth: float = 5e-4) -> NDArray[np.float64]:
-    return felt(at, depth, contact.loads(np.array([1.0]), depth, RUBBER), RUBBER)[0]
+    return field_at(at, depth, contact.loads(np.array([1.0]), depth, RUBBER), RUBBER)[0]
 
 
 @pytest.mark.parametrize(
@@ -88,9 +88,11 @@ def test_history_along_a_path_remembers() -> None:
         contact.loads(np.linspace(0, 3, 31)[20:22], 5e-4, RUBBER),
     )
     at = np.array([[1e-4, 0.0]])
-    assert np.array_equal(felt(at, 5e-4, whole, RUBBER)[20:22], felt(at, 5e-4, piece, RUBBER))  # however it is cut
+    assert np.array_equal(
+        field_at(at, 5e-4, whole, RUBBER)[20:22], field_at(at, 5e-4, piece, RUBBER)
+    )  # however it is cut
     late = MovingContact(0, Indenter("sphere", 2e-3), path + np.eye(7)[0], 0.5)
-    assert not felt(at, 5e-4, late.loads(np.array([0.5, 4.5]), 5e-4, RUBBER), RUBBER).any()
+    assert not field_at(at, 5e-4, late.loads(np.array([0.5, 4.5]), 5e-4, RUBBER), RUBBER).any()
 
 
 def test_given_depth_is_the_force_that_hertz_asks() -> None:
@@ -131,13 +133,13 @@ def test_contacts_add() -> None:
     ]
     at = random.uniform(-5e-4, 5e-4, (3, 4, 2))
     single = [part.loads(times, 5e-4, RUBBER) for part in parts]
-    whole = felt(at, 5e-4, together(single, 2), RUBBER)
-    assert np.abs(whole - sum(felt(at, 5e-4, one, RUBBER) for one in single)).max() < 1e-13 * np.abs(whole).max()
+    whole = field_at(at, 5e-4, together(single, 2), RUBBER)
+    assert np.abs(whole - sum(field_at(at, 5e-4, one, RUBBER) for one in single)).max() < 1e-13 * np.abs(whole).max()
     shift, factor = np.full((2, 4, 2), (1e-5, -2e-5)), np.full((2, 4), 1.5)
-    moved = felt(at, 5e-4, together(single, 2).moved(shift, factor), RUBBER)
-    wanted = 1.5 * felt(at - (1e-5, -2e-5), 5e-4, together(single, 2), RUBBER)
+    moved = field_at(at, 5e-4, together(single, 2).moved(shift, factor), RUBBER)
+    wanted = 1.5 * field_at(at - (1e-5, -2e-5), 5e-4, together(single, 2), RUBBER)
     assert np.abs(moved - wanted).max() < 1e-12 * np.abs(wanted).max()
-    assert not felt(at, 5e-4, together([], 2), RUBBER).any()
+    assert not field_at(at, 5e-4, together([], 2), RUBBER).any()
 
 
 def test_wrong_indenters_are_refused() -> None:
