@@ -25,7 +25,7 @@ class Field:
 
 
 def field_at(positions: Floats, depth: float, loads: Loads, medium: Medium, method: Summation | None = None) -> Floats:
-    """What taxels at ``positions`` (..., 2) feel of all that presses: (frames, ..., 3).
+    """What taxels at ``positions`` (..., 2) feel of all loads: (frames, ..., 3).
 
     Points are summed by the method, circles and twists by their own quadrature; what is not there is not imported.
     """
@@ -54,6 +54,6 @@ def field_at(positions: Floats, depth: float, loads: Loads, medium: Medium, meth
 
 
 def field_of(array: TaxelArray, medium: Medium, times: Floats, first: int, loads: Loads, method: Summation) -> Field:
-    """The field of what presses on a finger, without effects."""
+    """The field of the loads on a finger, without effects."""
     values = field_at(array.positions(), array.depth, loads, medium, method)
     return Field(array, medium, times, first, loads, values)

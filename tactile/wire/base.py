@@ -158,7 +158,7 @@ class Encoder(ABC):
         """
 
     def receive(self, data: bytes) -> bytes:
-        """Take what the host says, however cut, obey it, and return what is answered at once. Most devices ignore it."""
+        """Take what the host says, however cut, obey it, and return the answer. Most devices ignore it."""
         return b""
 
 
