@@ -1,1 +1,56 @@
-"""The tactile layer: frames of three-axial taxel arrays in; events, loads and texture figures out."""
+"""The tactile layer: frames of three-axial taxel arrays in; events, located loads and texture figures out.
+
+from tactile import Settings, open_source, run
+run(open_source("grip.toml"), Settings(), [lambda report: print(*(event.words for event in report.events))])
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:  # at run time a name is imported when it is first asked for: commands that need no machine start fast
+    from cnnsim.support.errors import InputError
+    from tactile.calibration.file import Calibration, load_calibration
+    from tactile.core.frame import Frame, TaxelArray
+    from tactile.core.source import Source
+    from tactile.events.code import Threshold
+    from tactile.events.detector import Detector, Observation
+    from tactile.events.event import Event, EventKind
+    from tactile.inverse.localise import Load
+    from tactile.inverse.validity import Validity
+    from tactile.pipeline import FrameReport, Sink, run, warm_up
+    from tactile.settings import Settings
+    from tactile.simulator.scene.scene import Scene
+    from tactile.sources import open_source
+
+__all__ = [
+    "Calibration", "Detector", "Event", "EventKind", "Frame", "FrameReport", "InputError", "Load", "Observation",
+    "Scene", "Settings", "Sink", "Source", "TaxelArray", "Threshold", "Validity", "load_calibration", "open_source",
+    "run", "warm_up",
+]  # fmt: skip
+
+_MODULES = {
+    "cnnsim.support.errors": ("InputError",),
+    "tactile.calibration.file": ("Calibration", "load_calibration"),
+    "tactile.core.frame": ("Frame", "TaxelArray"),
+    "tactile.core.source": ("Source",),
+    "tactile.events.code": ("Threshold",),
+    "tactile.events.detector": ("Detector", "Observation"),
+    "tactile.events.event": ("Event", "EventKind"),
+    "tactile.inverse.localise": ("Load",),
+    "tactile.inverse.validity": ("Validity",),
+    "tactile.pipeline": ("FrameReport", "Sink", "run", "warm_up"),
+    "tactile.settings": ("Settings",),
+    "tactile.simulator.scene.scene": ("Scene",),
+    "tactile.sources": ("open_source",),
+}
+
+
+def __getattr__(name: str) -> Any:
+    for module, names in _MODULES.items():
+        if name in names:
+            return getattr(import_module(module), name)
+    raise AttributeError(f"module 'tactile' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return __all__

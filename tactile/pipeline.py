@@ -1,4 +1,4 @@
-"""The tactile pipeline: touch flows one way. Start reading here."""
+"""The tactile pipeline: frames are calibrated, located, watched for events, and reported. Start reading here."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace

@@ -22,13 +22,13 @@ class Calibration:
     radial: RadialCorrection
 
 
-def load_calibration(path: Path) -> Calibration:
-    """Read a calibration.
+def load_calibration(path: Path | str) -> Calibration:
+    """Return the calibration that a file holds.
 
     Raises:
         InputError: no such file, no TOML, an unknown or missing key, a wrong type or value.
     """
-    return _calibration(read_toml(path, "calibration"), str(path))
+    return _calibration(read_toml(Path(path), "calibration"), str(path))
 
 
 def parse_calibration(text: str, where: str) -> Calibration:

@@ -35,8 +35,8 @@ def calibrate(
     ``depth`` z [m], nominal; ``modulus`` E [Pa]. The direction on the surface is found from the shear.
 
     Raises:
-        InputError: shapes that do not match, a bench's number that is not positive, a scan that misses the taxel, is
-            too short or too coarse, leaves the sensor's range, or noise only.
+        InputError: shapes that do not match, a speed, load, depth or modulus that is not positive, a scan that
+            misses the taxel, is too short or too coarse, leaves the sensor's range, or noise only.
 
     Source: Vasarhelyi, Fodor, Roska, sects 3.3 and 4.
     """

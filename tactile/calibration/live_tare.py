@@ -1,4 +1,4 @@
-"""Tare of arriving frames: renewed at the start, on request, and by itself while nothing touches; never under load."""
+"""Tare of arriving frames: renewed at the start, on request, and by itself while nothing touches; not under load."""
 
 from dataclasses import dataclass, replace
 

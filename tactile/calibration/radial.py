@@ -7,6 +7,7 @@ taxel. This function is not known theoretically, but it can be measured point by
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +18,8 @@ from cnnsim.support.errors import InputError
 from cnnsim.support.types import Floats
 from tactile.inverse.validity import Validity
 
+EVERYWHERE = 1.0
+"""[m] A correction measured to this distance holds for every answer."""
 LEAST = 3
 """A ring with fewer answers says nothing."""
 SURE = 2.0
@@ -54,6 +57,11 @@ class RadialCorrection:
                 raise InputError(f"{name} radii {list(radii)}, growing ones from 0 wanted")
         if not all(0 < factor < np.inf for factor in self.force):
             raise InputError(f"factors of the force {list(self.force)}, positive ones wanted")
+
+    @classmethod
+    def constant(cls, factor: float) -> Self:
+        """Return the correction that leaves every place alone and multiplies every force."""
+        return cls((0.0, EVERYWHERE), (0.0, EVERYWHERE), (factor, factor))
 
     @cached_property
     def _curves(self) -> tuple[PchipInterpolator, PchipInterpolator]:

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 TARE = 100
 """Frames averaged away at the start of a recording unless the user says otherwise; simulated frames have no offset."""
-EVERYWHERE = 1.0
-"""[m] A radial correction to this distance holds for every answer."""
 
 
 @click.group(cls=CommandGroup, context_settings={"help_option_names": ["-h", "--help"]})
@@ -124,7 +122,7 @@ def _on_bumps(settings: Settings, arrays: tuple[TaxelArray, ...], bumps: "Bumps"
         each = ", ".join(f"{name} {one:.3g}" for name, one in factors.items())
         return settings, f"forces are a flat cover's; times so much they are right for a load on one bump: {each}"
     said = f"forces are {factor:.3g} times a flat cover's: right for a load on one bump, not between bumps"
-    return replace(settings, radial=RadialCorrection((0.0, EVERYWHERE), (0.0, EVERYWHERE), (factor, factor))), said
+    return replace(settings, radial=RadialCorrection.constant(factor)), said
 
 
 class _Watched:

@@ -1,4 +1,4 @@
-"""The taxel array that a table of a hand-written TOML file describes."""
+"""Taxel array read from a table of a TOML file that people write."""
 
 from collections.abc import Mapping
 from typing import Any, cast

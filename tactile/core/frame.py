@@ -1,4 +1,4 @@
-"""What a tactile sensor gives: the array's geometry, and one frame of it. Axes and signs: CONVENTIONS.md."""
+"""Taxel arrays and their frames: shapes, units, axes and signs (CONVENTIONS.md)."""
 
 from dataclasses import dataclass
 from typing import Literal, get_args
@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Floats
 
 Quantity = Literal["strain", "stress", "force"]
 """What a taxel measures: strain (u_xz, u_yz, u_zz), stress [Pa] of the same components, or force [N]."""
@@ -50,7 +51,7 @@ class TaxelArray:
         """(rows, cols)."""
         return self.rows, self.cols
 
-    def positions(self) -> NDArray[np.float64]:
+    def positions(self) -> Floats:
         """(rows, cols, 2) taxel centres (x, y) [m]: x grows with the column, y with the row."""
         x = self.origin[0] + (np.arange(self.cols) - (self.cols - 1) / 2) * self.pitch
         y = self.origin[1] + (np.arange(self.rows) - (self.rows - 1) / 2) * self.pitch
@@ -69,7 +70,7 @@ class Frame:
     finger: int
     t: float
     sequence: int
-    values: NDArray[np.float64]
+    values: Floats
     valid: NDArray[np.bool_]
     t_device: float = float("nan")
 

@@ -1,4 +1,4 @@
-"""What every source of frames looks like: live, recorded and simulated ones alike."""
+"""Sources of frames: what live, recorded and simulated ones have in common."""
 
 from collections.abc import Iterator
 from typing import Protocol

@@ -16,7 +16,7 @@ class Comparators:
 
     While no cell can switch they sleep: with A = a = 2 a white cell turns black only above its upper threshold and a
     black one white only below its lower (`Threshold.comparator`), so between those the program would give back what it
-    holds. ``code`` is what the cells say now, ``before`` what they said one frame ago.
+    keeps. ``code`` is what the cells say now, ``before`` what they said one frame ago.
     """
 
     def __init__(self, machine: UniversalMachine, shape: tuple[int, int], shear: Threshold, contact: Threshold) -> None:
@@ -25,7 +25,7 @@ class Comparators:
         self._shear, self._contact = _levels(shear), _levels(contact)
         nothing = np.zeros(shape, dtype=np.int8)
         self.code = self.before = Code(nothing, nothing, nothing.astype(bool))
-        self._hold()
+        self._set_quiet_range()
 
     def update(self, planes: dict[str, Array]) -> bool:
         """Take the planes of `encode` and return whether the code has changed."""
@@ -36,10 +36,10 @@ class Comparators:
         out = self._machine.run(self._program, **planes)
         self.before, self.code = self.code, decode(out)
         if out["moved"]:
-            self._hold()
+            self._set_quiet_range()
         return bool(out["moved"])
 
-    def _hold(self) -> None:
+    def _set_quiet_range(self) -> None:
         """Note between which inputs (3, rows, cols) every cell stays as it is."""
         signs, contact = np.stack((self.code.x, self.code.y)), self.code.contact
         (off, on), (gone, touched) = self._shear, self._contact

@@ -1,4 +1,4 @@
-"""Several taxels, one load: its place by consensus, then its three components.
+"""Localisation of one load by several taxels: its place by their consensus, then its three components.
 
 Every taxel's inverse leaves up to two candidates, one for each sign of s = Q x + R y + F z, and under shear the
 sign may differ from taxel to taxel. Only the true place is common to all of them.

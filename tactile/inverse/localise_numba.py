@@ -1,4 +1,4 @@
-"""The consensus of several taxels, compiled: the loops of `tactile.inverse.localise.localise`, which has the formulas.
+"""Localisation, compiled: the loops of `tactile.inverse.localise.localise`, which has the formulas.
 
 Lengths are in depths, seen from the strongest taxel; ``planes`` (families, 4, taxels) as the inverse gives them.
 """

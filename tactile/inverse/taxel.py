@@ -1,4 +1,4 @@
-"""The inverse of one taxel: from three strains or stresses at one point to the place and the size of the load.
+"""Taxel inverse: from three strains or stresses at one point to the place and the size of the load.
 
 Source: Vasarhelyi, Fodor, Roska, eqs (2) to (11), in forms that hold everywhere: (5) as printed cancels right
 above the taxel and (8) is 0/0 on the ring rho = sqrt(2) z. Here every sum has terms of one sign.

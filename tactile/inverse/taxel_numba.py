@@ -1,4 +1,4 @@
-"""The inverse of one taxel, compiled: ``tactile.inverse.taxel`` operation for operation, a block of cells at a time.
+"""Taxel inverse, compiled: ``tactile.inverse.taxel`` operation for operation, a block of cells at a time.
 
 Written without branches, so that LLVM makes vector code of it. The results of a block go into one small array
 first: with four separate output planes LLVM would have to prove that none overlaps another, and gives up.

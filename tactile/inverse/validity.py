@@ -1,4 +1,4 @@
-"""What the answer of one taxel is worth."""
+"""Validity of a located load: whether the inverse has an answer, and how far from the taxel it lies."""
 
 from enum import IntEnum
 

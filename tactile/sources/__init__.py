@@ -6,8 +6,8 @@ from cnnsim.support.errors import InputError
 from tactile.core.source import Source
 
 
-def open_source(path: Path) -> Source:
-    """Return the source that a file is: a scene (.toml) or a recording (.npz, .csv).
+def open_source(path: Path | str) -> Source:
+    """Return the source that a file is: a scene (.toml) or a recording (.npz, .csv, .mcap).
 
     Raises:
         InputError: the file is missing, of no known kind, or wrong inside.
@@ -15,6 +15,7 @@ def open_source(path: Path) -> Source:
     from tactile.simulator.scene.file import read_scene  # only what the file needs is imported
     from tactile.sources.replay import read_recording  # the same
 
+    path = Path(path)
     if not path.is_file():
         raise InputError(f"no scene or recording {path}")
     return read_scene(path) if path.suffix.lower() == ".toml" else read_recording(path)
