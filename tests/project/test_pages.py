@@ -48,6 +48,15 @@ def test_paths_in_tables_are_there(name: str) -> None:
         assert (ROOT / path).exists(), path
 
 
+def test_files_to_touch_stand_in_the_folder_to_open() -> None:
+    rows = [row.split("|") for row in (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").splitlines()]
+    tasks = [(row[2].strip(" `"), re.findall(r"`(\w+\.py)`", row[3])) for row in rows if len(row) == 5]
+    assert sum(len(files) for _, files in tasks) > 10
+    for folder, files in tasks:
+        for file in files:
+            assert (ROOT / folder / file).is_file() or file == "backend.py", f"{folder}{file}"
+
+
 def test_the_python_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     write_picture(np.where(np.random.default_rng(1).random((24, 24)) < 0.5, 1.0, -1.0), "scan.png")
