@@ -59,12 +59,14 @@ def test_files_to_touch_stand_in_the_folder_to_open() -> None:
 
 def test_the_python_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
     write_picture(np.where(np.random.default_rng(1).random((24, 24)) < 0.5, 1.0, -1.0), "scan.png")
     names: dict[str, Any] = {}
     for block in _blocks(ROOT / "README.md", "python"):
         exec(compile(block, "README.md", "exec"), names)
     assert (tmp_path / "edge.png").is_file()
     assert names["warm"].t == 5.0
+    assert names["events"][-1].words == "release"
 
 
 @pytest.mark.parametrize("line", _commands())
