@@ -1,4 +1,4 @@
-"""Calibration on the command line."""
+"""The command that calibrates from a scan."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What the commands that read a port share: opening, stopping in good order, and saying how it went."""
+"""Reading a port from a command: opening, stopping in good order, and printing how it went."""
 
 import contextlib
 import gc
@@ -6,7 +6,6 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -18,70 +17,6 @@ if TYPE_CHECKING:
     from tactile.cli.live import LiveOptions
     from tactile.serial.session import Session
     from tactile.wire.description import Description
-
-
-def chosen_description(protocol: str | None, array: Path | None) -> "Description":
-    """Return what --array or --protocol name.
-
-    Raises:
-        InputError: the description is wrong, or the protocol needs one.
-    """
-    from tactile.wire.description_file import default_description, read_description  # NumPy is slow to import
-
-    if array is None:
-        if protocol is None:
-            raise click.UsageError("--array or --protocol wanted")
-        return default_description(protocol)
-    description = read_description(array)
-    if protocol not in (None, description.wire.name):
-        raise click.UsageError(f"--protocol {protocol}, but {array} says {description.wire.name}")
-    return description
-
-
-def kept_calibration(path: Path | None, description: "Description") -> str | None:
-    """Return the text of a calibration's file, to be kept in a recording; None without one.
-
-    Raises:
-        InputError: the file cannot be read or is wrong; no calibration, and readings whose unit is no quantity.
-    """
-    if path is None:
-        description.check_calibrated()
-        return None
-    from tactile.calibration.file import load_calibration  # SciPy's splines are slow to import
-
-    load_calibration(path)  # so that messages name the file
-    return path.read_text(encoding="utf-8")
-
-
-def mcap(path: Path) -> Path:
-    """Return the path of a recording to write.
-
-    Raises:
-        InputError: another suffix than .mcap.
-    """
-    if path.suffix != ".mcap":
-        raise InputError(f"{path}: suffix {path.suffix!r}, .mcap wanted")
-    return path
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a small file.
-
-    Raises:
-        InputError: it cannot be written.
-    """
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror}") from error
-
-
-def check_thresholds(chosen: dict[str, Any]) -> None:
-    """Refuse thresholds that contradict each other."""
-    if chosen["sign_code"] and (chosen["dead_band"], chosen["hysteresis"]) != (None, None):
-        raise click.UsageError("--sign-code has no dead band; leave out --dead-band and --hysteresis")
-    if chosen["hysteresis"] is not None and chosen["dead_band"] is None:
-        raise click.UsageError("--hysteresis needs a --dead-band, in the unit of the quantity")
 
 
 def warm_up(description: "Description", options: "LiveOptions") -> None:

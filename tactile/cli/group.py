@@ -10,9 +10,11 @@ from cnnsim import backends
 from cnnsim.support.command_line import CommandGroup, examples, print_json, watched
 from tactile.calibration.gains import Gains
 from tactile.cli.calibrate import calibrate
-from tactile.cli.console import check_thresholds
-from tactile.cli.serial import convert_command, emulate, live, ports, record, replay
-from tactile.cli.simulator import explain
+from tactile.cli.convert import convert
+from tactile.cli.devices import emulate, ports
+from tactile.cli.explain import explain
+from tactile.cli.options import check_thresholds
+from tactile.cli.stream import live, record, replay
 from tactile.core.frame import TaxelArray
 from tactile.settings import PipelineOptions, Settings
 from tactile.sources import open_source
@@ -30,7 +32,7 @@ def main() -> None:
     """Turn frames of three-axial taxel arrays into events, located loads and texture figures."""
 
 
-for command in (calibrate, explain, ports, emulate, record, replay, convert_command, live):
+for command in (calibrate, explain, ports, emulate, record, replay, convert, live):
     main.add_command(command)
 
 

@@ -26,11 +26,7 @@ from tactile.recording.reader import open_recording
 from tactile.wire.registry import NAMES
 from tests.kits.wire import pair, stream
 
-TACTILE = [
-    sys.executable, "-c",
-    "from cnnsim.support.command_line import CommandGroup; from tactile.cli.serial import COMMANDS;"
-    "CommandGroup(commands={c.name: c for c in COMMANDS})()",
-]  # fmt: skip
+TACTILE = [sys.executable, "-c", "from tactile.cli.group import main; main()"]
 SCENE = """
 title = "endurance"
 rate_hz = {hz}

@@ -8,8 +8,7 @@ from typing import Any
 
 from click.testing import CliRunner, Result
 
-from cnnsim.support.command_line import CommandGroup
-from tactile.cli.serial import COMMANDS
+from tactile.cli.group import main
 from tactile.serial.emulator import Emulator
 from tactile.serial.faults import Faults
 from tactile.simulator.scene.file import read_scene
@@ -19,7 +18,6 @@ from tactile.wire.packets import TimedPacket, emulated_description, packets
 from tests.kits.paths import SCENES
 
 GRIP = SCENES / "grip.toml"
-MAIN = CommandGroup(commands={command.name or "": command for command in COMMANDS})
 
 
 def grip(seconds: float, fingers: int = 2) -> Scene:
@@ -49,4 +47,4 @@ def device(stream: Iterable[TimedPacket], faults: Faults | None = None, **more: 
 
 
 def call(*arguments: Any, text: str = "") -> Result:
-    return CliRunner().invoke(MAIN, [str(argument) for argument in arguments], input=text)
+    return CliRunner().invoke(main, [str(argument) for argument in arguments], input=text)

@@ -168,10 +168,7 @@ def test_mistakes_are_one_line(tmp_path: Path) -> None:
     assert open_recording(tmp_path / "r.mcap").complete  # empty, but whole
 
 
-PROGRAM = (
-    "from cnnsim.support.command_line import CommandGroup; from tactile.cli.serial import COMMANDS;"
-    "CommandGroup(commands={c.name: c for c in COMMANDS})()"
-)
+PROGRAM = "from tactile.cli.group import main; main()"
 
 
 def start(*arguments: Any) -> "subprocess.Popen[str]":

@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from cnnsim.support.errors import InputError
-from tactile.cli.simulator import explain as command
+from tactile.cli.explain import explain as command
 from tactile.core.frame import TaxelArray
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effects import ORDER, effect_class, without

@@ -1,4 +1,4 @@
-"""The commands for arrays on a serial port: emulate, ports, convert; record, replay and live are beside their code."""
+"""Commands for devices on serial ports: ports, emulate."""
 
 import sys
 import threading
@@ -9,10 +9,8 @@ from typing import Any
 import click
 
 from cnnsim.support.command_line import examples, print_json
-from tactile.cli.console import be_steady, chosen_description, stopping, write_text
-from tactile.cli.port import ARRAY, FILE, PROTOCOL, live, record, replay
-
-__all__ = ["COMMANDS", "convert_command", "emulate", "live", "ports", "record", "replay"]
+from tactile.cli.console import be_steady, stopping
+from tactile.cli.options import ARRAY, FILE, PROTOCOL, chosen_description, write_text
 
 
 @click.command(epilog=examples("tactile ports"))
@@ -95,17 +93,3 @@ def emulate(
     with stopping(stop.set):
         device.run(stream, stop)
     click.echo(f"sent {device.sent} packets, lost {device.lost} for want of room", err=True)
-
-
-@click.command("convert", epilog=examples("tactile convert hand.mcap hand.csv", "tactile convert grasp.npz grasp.mcap"))
-@click.argument("source", type=FILE)
-@click.argument("target", type=FILE)
-def convert_command(source: Path, target: Path) -> None:
-    """Write the frames of SOURCE (.mcap, .npz, .csv, .bag, .toml) as TARGET (.csv, .npz, .parquet, .mcap)."""
-    from tactile.sources.convert import convert  # only here
-
-    click.echo(f"wrote {convert(source, target)} frames to {target}")
-
-
-COMMANDS = (emulate, ports, record, replay, convert_command, live)
-"""What the command line of the tactile layer registers."""

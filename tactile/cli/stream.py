@@ -1,4 +1,4 @@
-"""The commands that run on a port or its recording: record, live, replay."""
+"""Commands on the bytes of a port or of its recording: record, live, replay."""
 
 import sys
 import threading
@@ -11,12 +11,9 @@ from cnnsim import backends
 from cnnsim.support.command_line import examples
 from cnnsim.support.errors import InputError
 from tactile.cli import console
-from tactile.wire.registry import NAMES
+from tactile.cli.options import ARRAY, FILE, PROTOCOL, check_thresholds, chosen_description, kept_calibration, mcap_path
 
-FILE = click.Path(path_type=Path)
 PORT = click.option("--port", "-p", required=True, help="Port to read; `tactile ports` lists them.")
-PROTOCOL = click.option("--protocol", type=click.Choice(list(NAMES)), help="For devices that need no --array.")
-ARRAY = click.option("--array", "-a", type=FILE, help="Array description (TOML), as CONNECT.md explains.")
 SECONDS = click.option("--seconds", type=click.FloatRange(0, min_open=True), help="Stop after this time [s].")
 ONCE = click.option("--once", is_flag=True, help="Stop when the port is unplugged instead of waiting for it.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON lines for other programs.")
@@ -37,8 +34,8 @@ def record(
     from tactile.recording.writer import Recording  # only here
     from tactile.serial.session import Session  # the same
 
-    description = console.chosen_description(protocol, array)
-    recording = Recording(console.mcap(output), description, {"port": port})
+    description = chosen_description(protocol, array)
+    recording = Recording(mcap_path(output), description, {"port": port})
     console.be_steady()
     session = console.opened(lambda: Session(port, description, recording, seconds=seconds, once=once), recording)
     with console.stopping(session.stop), console.closing(session, recording, as_json):
@@ -85,13 +82,13 @@ def live(
     from tactile.recording.writer import Recording  # only here
     from tactile.serial.session import Session  # the same
 
-    console.check_thresholds(chosen)
-    description = console.chosen_description(protocol, array)
-    options = LiveOptions(calibration=console.kept_calibration(calibration, description), **chosen)
+    check_thresholds(chosen)
+    description = chosen_description(protocol, array)
+    options = LiveOptions(calibration=kept_calibration(calibration, description), **chosen)
     console.warm_up(description, options)
     recording = None
     if output is not None:
-        recording = Recording(console.mcap(output), description, {"port": port, "choices": options.text()})
+        recording = Recording(mcap_path(output), description, {"port": port, "choices": options.text()})
     tares = options.tares(description.arrays)
     console.be_steady()
     session = console.opened(lambda: Session(port, description, recording, tares, seconds, once), recording)

@@ -1,4 +1,4 @@
-"""The simulator on the command line."""
+"""The command that explains a scene."""
 
 from pathlib import Path
 
