@@ -1,0 +1,123 @@
+"""The command that runs a scene or a recording through the pipeline."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from cnnsim import backends
+from cnnsim.support.command_line import examples, print_json, watched
+from tactile.calibration.gains import Gains
+from tactile.cli.options import check_thresholds
+from tactile.core.frame import TaxelArray
+from tactile.settings import PipelineOptions, Settings
+from tactile.sources import open_source
+
+if TYPE_CHECKING:
+    from tactile.simulator.bump_cover import Bumps
+
+TARE = 100
+"""Frames averaged away at the start of a recording unless the user says otherwise; simulated frames have no offset."""
+
+
+@click.command(
+    epilog=examples(
+        "tactile run examples/scenes/grip.toml -o out/grip",
+        "tactile run grasp.npz -o out/grasp --tare 100",
+        "tactile run grasp.npz --sign-code --json",
+    )
+)
+@click.argument("source", type=click.Path(path_type=Path))
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), help="Folder for frames.csv, events.json and touch.png."
+)
+@click.option("--dead-band", type=float, help="Shear below this is no direction [unit of the signal].")
+@click.option("--hysteresis", type=float, help="A direction starts only this much above the dead band.")
+@click.option("--sign-code", is_flag=True, help="The paper's code: the bare signs, no dead band.")
+@click.option("--window", type=int, default=128, show_default=True, help="Frames a texture figure averages.")
+@click.option("--floor", type=float, help="Normal signal below which texture figures are not valid.")
+@click.option("--tare", type=int, help=f"Unloaded frames at the start to average away [{TARE} for .npz, else 0].")
+@click.option("--gains", help="SHEAR,NORMAL: factors from readings to strain, stress or force (eq. 15).")
+@click.option("--calibration", type=click.Path(path_type=Path), help="Gains, depth and correction of a skin.")
+@click.option("--backend", type=click.Choice(backends.NAMES), default="cpu", show_default=True)
+@click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
+def run(
+    source: Path, output: Path | None, tare: int | None, gains: str | None, calibration: Path | None, as_json: bool,
+    **chosen: Any,
+) -> None:  # fmt: skip
+    """Run SOURCE, a scene (.toml) or a recording (.npz, .csv, .mcap), through the pipeline."""
+    from tactile import pipeline  # the machine is loaded only when it runs
+    from tactile.output.collected import Collected  # the same
+    from tactile.output.json_data import run_data  # the same
+    from tactile.output.record import Record  # the same
+    from tactile.output.tables import tables  # the same
+
+    frames = open_source(source)
+    check_thresholds(chosen)
+    if calibration is not None and gains is not None:
+        raise click.UsageError("--calibration has gains; leave out --gains")
+    offset = tare if tare is not None else (TARE if source.suffix == ".npz" else 0)
+    skin = None
+    if calibration is not None:
+        from tactile.calibration.file import load_calibration  # SciPy's splines are slow to import
+
+        skin = load_calibration(calibration)
+    settings = PipelineOptions(**chosen).settings(frames.arrays, skin, offset, _gains(gains))
+    bumps = getattr(frames, "bumps", None)  # scenes may have them
+    note = ""
+    if bumps is not None and calibration is None:
+        settings, note = _on_bumps(settings, frames.arrays, bumps)
+    pipeline.warm_up(frames.arrays, frames.modulus, settings)  # else the first latencies are the compiler's
+    collected = Collected()
+    passed = _Watched(frames, watched(frames, "touch", frames.frames))
+    if output is None:
+        pipeline.run(passed, settings, [collected])
+    else:
+        with Record(output, {"source": source.name, "title": frames.title, "tare": offset}) as record:
+            pipeline.run(passed, settings, [collected, record])
+    if as_json:
+        print_json(run_data(collected, frames.arrays))
+    else:
+        tables(collected, frames.arrays)
+    if note:
+        click.echo(note, err=as_json)
+    if output is not None:
+        from tactile.output.plot import draw  # matplotlib is slow to import
+
+        draw(collected, frames.arrays, frames.title, output / "touch.png")
+        click.echo(f"wrote {output / 'frames.csv'}, {output / 'events.json'}, {output / 'touch.png'}", err=as_json)
+
+
+def _gains(text: str | None) -> Gains | None:
+    if text is None:
+        return None
+    try:
+        shear, normal = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise click.UsageError(f"--gains {text!r}; two numbers SHEAR,NORMAL wanted") from error
+    return Gains(shear, normal)
+
+
+def _on_bumps(settings: Settings, arrays: tuple[TaxelArray, ...], bumps: "Bumps") -> tuple[Settings, str]:
+    """The settings with which a flat cover's inverse gives a load on a bump its force, and what was done, in words."""
+    from tactile.calibration.radial import RadialCorrection  # SciPy's splines are slow to import
+
+    factors = {array.name: bumps.over_flat(array, array.quantity) for array in arrays}
+    factor = max(factors.values())
+    if min(factors.values()) < factor * (1 - 1e-9):
+        each = ", ".join(f"{name} {one:.3g}" for name, one in factors.items())
+        return settings, f"forces are a flat cover's; times so much they are right for a load on one bump: {each}"
+    said = f"forces are {factor:.3g} times a flat cover's: right for a load on one bump, not between bumps"
+    return replace(settings, radial=RadialCorrection.constant(factor)), said
+
+
+class _Watched:
+    """A source whose frames pass a progress bar."""
+
+    def __init__(self, source: Any, frames: Any) -> None:
+        self._frames = frames
+        self.arrays, self.modulus, self.frames, self.title = source.arrays, source.modulus, source.frames, source.title
+
+    def __iter__(self) -> Any:
+        return iter(self._frames)
