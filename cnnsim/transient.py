@@ -14,7 +14,8 @@ from cnnsim.network.cell import CellModel
 from cnnsim.network.characteristic import Cell
 from cnnsim.network.frames import Frames
 from cnnsim.network.layers import AnyTemplate
-from cnnsim.planning.plan import Duration, Plan, make_plan
+from cnnsim.planning.duration import Duration
+from cnnsim.planning.plan import Plan, make_plan
 from cnnsim.support.errors import InputError
 
 

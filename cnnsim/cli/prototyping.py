@@ -10,7 +10,7 @@ import click
 
 from cnnsim import backends, library
 from cnnsim.cli.run import read_frames
-from cnnsim.network.boundary import parse_boundary
+from cnnsim.network.boundary import BOUNDARY_FORMS, parse_boundary
 from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.errors import InputError
@@ -38,7 +38,7 @@ _FILE = click.Path(path_type=Path)
 @click.option("--layer", type=click.IntRange(0), default=0, show_default=True, help="Of a network of layers.")
 @click.option("--state", type=_FILE, help="The second picture, for templates that take one.")
 @click.option("--binary", is_flag=True, help="Make the pictures black and white before the run.")
-@click.option("--boundary", help="zero-flux, periodic, fixed:v or fixed:x,u instead of the template's own.")
+@click.option("--boundary", help=f"{BOUNDARY_FORMS} instead of the template's own.")
 @click.option("--time", "duration", type=float, help="Watch this many time constants instead of until it settles.")
 @click.option("--scheme", type=click.Choice([*SCHEMES, ADAPTIVE]), help="Integration scheme instead of the plan's.")
 @_backend
@@ -170,7 +170,7 @@ def _progress(what: str) -> Iterator[Any]:
 @click.option("-o", "--output", type=_FILE, required=True, help="Folder for the files.")
 @click.option("--norm", type=click.Choice(["sum", "largest"]), default="sum", show_default=True,
               help="Make the margin large compared with the sum of |weights|, or with the largest.")  # fmt: skip
-@click.option("--boundary", default="fixed:-1", show_default=True, help="zero-flux, periodic, fixed:v or fixed:x,u.")
+@click.option("--boundary", default="fixed:-1", show_default=True, help=f"{BOUNDARY_FORMS}.")
 @click.option("--coupled", is_flag=True, help="Fit a template with neighbours in A to the pairs, by evolution.")
 @click.option("--state", default="picture", show_default=True, help="For --coupled: x(0), the picture or a number.")
 @click.option("--symmetry", type=click.Choice(["all", "mirror", "none"]), default="all", show_default=True,

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from cnnsim import backends, library
 from cnnsim.library.entry import LibraryEntry
-from cnnsim.network.boundary import parse_boundary
-from cnnsim.planning.plan import Saving
+from cnnsim.network.boundary import BOUNDARY_FORMS, parse_boundary
+from cnnsim.planning.savings import Saving
 from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.errors import InputError
@@ -37,7 +37,7 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON f
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Where the output picture goes.")
 @click.option("--state", type=click.Path(path_type=Path), help="The second picture, for templates that take one.")
 @click.option("--binary", is_flag=True, help="Make the pictures black and white before the run.")
-@click.option("--boundary", help="zero-flux, periodic, fixed:v or fixed:x,u instead of the template's own.")
+@click.option("--boundary", help=f"{BOUNDARY_FORMS} instead of the template's own.")
 @click.option("--time", "duration", type=float, help="Run this many time constants instead of the template's own rule.")
 @click.option(
     "--scheme", type=click.Choice([*SCHEMES, ADAPTIVE]), help="Integration scheme instead of the plan's choice."

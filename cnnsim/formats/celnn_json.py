@@ -64,7 +64,7 @@ def _imported(item: Any, report: Diagnostics) -> Imported:
         report.warning(None, f"{name}: {_TURNED}")
     summary = text or f"celnn template {title}; the source does not say what it does."
     reference = f"Imported from {report.file}, celnn template {title}"
-    imported = Imported(name, template, summary, reference, tags=tuple(tags))
+    imported = Imported(name, summary, reference, template, tags=tuple(tags))
     imported = assume_setting(imported, report)
     return imported.with_note(_TURNED) if bias else imported
 

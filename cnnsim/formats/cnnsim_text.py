@@ -40,7 +40,7 @@ def read_cnnsim(data: bytes, name: str, report: Diagnostics) -> list[Imported]:
     name = library_name(name)
     template = Template([a[:3], a[3:6], a[6:]], [b[:3], b[3:6], b[6:]], z[0], name)
     imported = Imported(
-        name, template, f"CNNSim template {name}; the source does not say what it does.", f"Imported from {report.file}"
+        name, f"CNNSim template {name}; the source does not say what it does.", f"Imported from {report.file}", template
     )
     boundary = None
     if "C" in sections:

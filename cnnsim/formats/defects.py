@@ -24,7 +24,7 @@ def defects(imported: Imported, source_name: str, system: str) -> list[str]:
     found = [KNOWN[source_name.upper()]] if source_name.upper() in KNOWN else []
     if imported.missing:
         return found
-    entry = counterpart(imported.template, source_name, system)
+    entry = counterpart(imported.network, source_name, system)
     return [*found, *_from_numbers(imported, verified=entry is not None), *(compare(imported, entry) if entry else ())]
 
 
@@ -44,7 +44,7 @@ def _shipped() -> tuple[LibraryEntry, ...]:
 def compare(imported: Imported, entry: LibraryEntry) -> Iterator[str]:
     """Yield what differs from the library's verified template."""
     why = f": {entry.note}" if entry.note else ""
-    if differences := list(number_differences(imported.template, entry.network)):
+    if differences := list(number_differences(imported.network, entry.network)):
         yield f"differs from the library's {entry.name}: {', '.join(differences)}{why}"
         return
     settings = []
@@ -55,8 +55,9 @@ def compare(imported: Imported, entry: LibraryEntry) -> Iterator[str]:
         settings.append(f"initial state {imported.initial_state}, not {entry.initial_state}")
     if imported.duration != entry.duration and entry.duration != "settled":
         settings.append(f"running time {imported.duration}, not {entry.duration} time constants")
-    if imported.discrete != (entry.cell.model == "discrete-time"):
-        settings.append("discrete time, not continuous" if imported.discrete else "continuous time, not discrete")
+    discrete = imported.cell.model == "discrete-time"
+    if discrete != (entry.cell.model == "discrete-time"):
+        settings.append("discrete time, not continuous" if discrete else "continuous time, not discrete")
     if settings:
         yield f"the numbers are those of the library's {entry.name}, the setting is not ({'; '.join(settings)}){why}"
     elif entry.margin is not None and entry.margin < _SMALL_MARGIN:
@@ -65,11 +66,11 @@ def compare(imported: Imported, entry: LibraryEntry) -> Iterator[str]:
 
 def _from_numbers(imported: Imported, verified: bool) -> Iterator[str]:
     """Yield what the numbers alone show; of the boundary only where no verified template says which one it takes."""
-    template = imported.template
+    template = imported.network
     if isinstance(template, Template) and template.linear and template.uncoupled and template.control_taps:
         a, reach = template.self_feedback, float(np.abs(template.B).sum())
         if a >= 1 and abs(template.z) - reach - (a - 1) > 0:
             colour = "black" if template.z > 0 else "white"
             yield f"the output is {colour} for every input and every initial state"
-    if not verified and not template.uncoupled and (imported.boundary.kind, imported.boundary.y) == ("fixed", 0):
+    if not verified and not template.uncoupled and any(y == 0 for y, _ in imported.boundary.constants):
         yield "coupled, with a boundary of 0: waves can hang or start at the rim; white outside (-1) is often needed"

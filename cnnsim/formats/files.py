@@ -11,10 +11,9 @@ from cnnsim.formats.cnnsim_text import read_cnnsim
 from cnnsim.formats.defects import defects
 from cnnsim.formats.gene import read_gene
 from cnnsim.formats.matcnn import matcnn_templates, read_matcnn
-from cnnsim.library.catalogue import folder as shipped_folder
 from cnnsim.library.catalogue import load_file
+from cnnsim.library.folders import folder as shipped_folder
 from cnnsim.library.imported import Imported
-from cnnsim.library.write import template_file
 from cnnsim.support.diagnostics import Diagnostics
 from cnnsim.support.errors import InputError
 
@@ -105,7 +104,7 @@ def _write(imported: Imported, folder: Path, report: Diagnostics, replace: bool)
         report.warning(None, f"{imported.name}: {text}")
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        target.write_text(template_file(imported), encoding="utf-8")
+        target.write_text(imported.text(), encoding="utf-8")
         load_file(target)  # what is written can be used
     except OSError as error:
         report.error(None, f"{target}: {error.strerror}")

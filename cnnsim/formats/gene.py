@@ -46,7 +46,7 @@ def _imported(gene: list[float], name: str, report: Diagnostics) -> Imported:
     b, a = (np.array(part).reshape(3, 3) for part in (gene[1:10], gene[10:]))
     template = Template(a, b, gene[0], name)
     summary = f"The gene {name}; the source does not say what it does."
-    return assume_setting(Imported(name, template, summary, f"Imported from {report.file}"), report)
+    return assume_setting(Imported(name, summary, f"Imported from {report.file}", template), report)
 
 
 def gene(template: AnyTemplate) -> str:

@@ -127,8 +127,8 @@ def matcnn_templates(entries: dict[str, MatcnnEntry], report: Diagnostics) -> li
             report.error(entry.line, str(error))
             continue
         imported = Imported(
-            name, template, f"MATCNN template {entry.name}; the source does not say what it does.",
-            f"Imported from {report.file}, MATCNN entry {entry.name}", aliases=(entry.name,),
+            name, f"MATCNN template {entry.name}; the source does not say what it does.",
+            f"Imported from {report.file}, MATCNN entry {entry.name}", template, aliases=(entry.name,),
         )  # fmt: skip
         templates.append(assume_setting(imported, report))
     return templates

@@ -9,10 +9,7 @@ from numpy.typing import ArrayLike
 
 from cnnsim.backends.base import Backend
 from cnnsim.library.entry import Example, LibraryEntry, Role
-from cnnsim.library.folders import add as add  # ours to offer: `library.add(DIR)`, `with library.using(DIR)`
 from cnnsim.library.folders import files, not_found
-from cnnsim.library.folders import folder as folder
-from cnnsim.library.folders import using as using
 from cnnsim.library.read import TEMPLATE_KEYS, read_pictures, read_template
 from cnnsim.network.boundary import parse_boundary
 from cnnsim.network.characteristic import parse_cell
@@ -94,12 +91,11 @@ def _entry(data: dict[str, Any], stem: str) -> LibraryEntry:
     template, roles = read_template(data, data["name"]), data["initial_state"]
     words = ("picture", "given", "any")
     entry = LibraryEntry(
-        data["name"], data["summary"], data["reference"], tuple(data.get("tags", ())), template,
-        _role("input", data["input"], ("picture", "none")),
+        data["name"], data["summary"], data["reference"], template, _role("input", data["input"], ("picture", "none")),
         tuple(_role("initial_state", role, words) for role in roles) if isinstance(roles, list)
         else _role("initial_state", roles, words),
-        parse_boundary(data["boundary"]), data["duration"], data.get("margin"), data.get("note", ""),
-        tuple(data.get("aliases", ())), tuple(_example(item) for item in data.get("example", ())),
+        parse_boundary(data["boundary"]), data["duration"], tuple(data.get("tags", ())), data.get("margin"),
+        data.get("note", ""), tuple(data.get("aliases", ())), tuple(_example(item) for item in data.get("example", ())),
         cell=parse_cell(data.get("cell", "chua-yang")), step=data.get("step"), frame_time=data.get("frame_time"),
     )  # fmt: skip
     if template.reads_input and entry.input == "none":

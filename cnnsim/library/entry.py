@@ -7,15 +7,15 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cnnsim.library.folders import add as add  # ours to offer: `library.add(DIR)`, `with library.using(DIR)`
-from cnnsim.library.folders import folder as folder
-from cnnsim.library.folders import using as using
-from cnnsim.network.boundary import Boundary
+from cnnsim.library.folders import folder
+from cnnsim.network.boundary import ZERO_FLUX, Boundary
 from cnnsim.network.characteristic import CHUA_YANG, Cell
 from cnnsim.network.frames import Frames
 from cnnsim.network.layers import AnyTemplate, LayeredTemplate
 from cnnsim.network.template import Template
-from cnnsim.planning.plan import DEFAULT_STEP, Duration, usual_limit
+from cnnsim.planning.duration import Duration
+from cnnsim.planning.plan import usual_limit
+from cnnsim.planning.step import DEFAULT_STEP
 from cnnsim.support.errors import InputError
 from cnnsim.theory.running_time import RunningTime, guaranteed_time
 
@@ -29,9 +29,9 @@ class Example:
     input: NDArray[np.float64] | None
     state: NDArray[np.float64] | None
     output: NDArray[np.float64]
-    mask: NDArray[np.float64] | None
-    bias: NDArray[np.float64] | None
-    tolerance: float | None
+    mask: NDArray[np.float64] | None = None
+    bias: NDArray[np.float64] | None = None
+    tolerance: float | None = None
 
     def holds(self, y: NDArray[Any]) -> bool:
         """Return whether an output is the one that was worked out: right sign and |y| > 0.99, or within tolerance."""
@@ -53,16 +53,16 @@ class LibraryEntry:
     name: str
     summary: str
     reference: str
-    tags: tuple[str, ...]
     network: AnyTemplate
-    input: Role
-    initial_state: Role | tuple[Role, ...]
-    boundary: Boundary
-    duration: Duration
-    margin: float | None
-    note: str
-    aliases: tuple[str, ...]
-    examples: tuple[Example, ...]
+    input: Role = "picture"
+    initial_state: Role | tuple[Role, ...] = "picture"
+    boundary: Boundary = ZERO_FLUX
+    duration: Duration = "settled"
+    tags: tuple[str, ...] = ()
+    margin: float | None = None
+    note: str = ""
+    aliases: tuple[str, ...] = ()
+    examples: tuple[Example, ...] = ()
     file: Path | None = None
     cell: Cell = CHUA_YANG
     step: float | None = None
@@ -101,7 +101,7 @@ class LibraryEntry:
     def limit(self, shape: tuple[int, int], *, has_mask: bool = False) -> float:
         """Return how long to wait for rest on a grid: as usual, or the guaranteed time if that is longer.
 
-        One time constant is added to it, as rest is looked for once in each.
+        One time constant is added to it, as rest is checked once in each.
         """
         known, usual = self.running_time(shape, has_mask=has_mask).time, usual_limit(shape)
         return usual if known is None else max(usual, known + 1.0)
@@ -139,6 +139,6 @@ class LibraryEntry:
         else:
             planes = {"state": np.array([np.broadcast_to(start(role), shape[-2:]) for role in roles])}
         if self.input != "none":
-            heard = Frames(list(np.asarray(picture)), self.frame_time) if self.frame_time else picture
-            planes["input"] = heard if self.input == "picture" else np.full(shape, self.input)
+            picture_or_frames = Frames(list(np.asarray(picture)), self.frame_time) if self.frame_time else picture
+            planes["input"] = picture_or_frames if self.input == "picture" else np.full(shape, self.input)
         return planes

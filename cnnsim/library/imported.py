@@ -1,38 +1,36 @@
-"""A template on its way from a foreign format into our library: what a template file will say."""
+"""A template read from a file of another system: an entry of our library, and what that file left open."""
 
 import re
 from dataclasses import dataclass, replace
 
-from cnnsim.library.entry import Role
+from cnnsim.library.entry import LibraryEntry, Role
+from cnnsim.library.write import template_text
 from cnnsim.network.boundary import ZERO_FLUX, Boundary
 from cnnsim.network.layers import AnyTemplate
 from cnnsim.network.template import Template
-from cnnsim.planning.plan import Duration
 from cnnsim.support.diagnostics import Diagnostics
 from cnnsim.support.errors import InputError
 
 
 @dataclass(frozen=True)
-class Imported:
-    """The contents of a template file to be; ``missing`` says why it cannot be written, where that is so."""
+class Imported(LibraryEntry):
+    """An entry that comes from elsewhere; ``missing`` says why it cannot be written, where that is so."""
 
-    name: str
-    template: AnyTemplate
-    summary: str
-    reference: str
-    input: Role = "picture"
-    initial_state: Role = "picture"
-    boundary: Boundary = ZERO_FLUX
-    duration: Duration = "settled"
-    tags: tuple[str, ...] = ()
-    note: str = ""
-    aliases: tuple[str, ...] = ()
-    discrete: bool = False
     missing: str = ""
 
     def with_note(self, text: str) -> "Imported":
         """Return the template with one more sentence in its note."""
         return replace(self, note=f"{self.note} {text}".strip())
+
+    def text(self) -> str:
+        """Return the text of its template file.
+
+        Raises:
+            InputError: it cannot be written.
+        """
+        if self.missing:
+            raise InputError(f"template {self.name!r}: {self.missing}")
+        return template_text(self)
 
 
 def plain(template: AnyTemplate, place: str) -> Template:
@@ -53,7 +51,7 @@ def library_name(text: str) -> str:
 
 def assume_setting(imported: Imported, report: Diagnostics, boundary: Boundary | None = None) -> Imported:
     """Fill in what a format leaves open, initial state and perhaps boundary, and say so."""
-    role: Role = "picture" if imported.template.reads_input else "none"
+    role: Role = "picture" if imported.network.reads_input else "none"
     open_ends = "initial state" if boundary else "boundary and initial state"
     taken = "the picture was taken" if boundary else "zero-flux and the picture were taken"
     text = f"The source says nothing of {open_ends}; {taken}."

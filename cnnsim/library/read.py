@@ -1,4 +1,4 @@
-"""Reads from a template file what goes beyond A, B and z: terms, layers, pictures in several planes.
+"""Reads the numbers of a template file: A, B, z, terms, layers, and pictures in several planes.
 
 A file has ``A``, ``B``, ``z`` and perhaps ``[[term]]`` tables, or ``[[layer]]`` tables that have them::
 
@@ -13,6 +13,7 @@ A file has ``A``, ``B``, ``z`` and perhaps ``[[term]]`` tables, or ``[[layer]]``
 Pictures of several planes (layers, or frames that follow one another) are lists of pictures.
 """
 
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,7 @@ from cnnsim.support.toml_file import check_keys, take_tables
 
 TEMPLATE_KEYS = ("A", "B", "z", "term", "layer")
 _LAYER_KEYS = ("A", "B", "z", "term", "time_constant")
-_TERM_KEYS = ("weights", "of", "table", "times", "delay", "layer")
+_TERM_KEYS = tuple(part.name for part in fields(Term))
 
 
 def read_template(data: dict[str, Any], name: str) -> AnyTemplate:
@@ -38,7 +39,7 @@ def read_template(data: dict[str, Any], name: str) -> AnyTemplate:
         InputError: what is wrong, with the number of the layer or term.
     """
     if "layer" not in data:
-        return _single(data, name)
+        return _single_layer(data, name)
     extra = {"A", "B", "z", "term"} & data.keys()
     if extra:
         raise InputError(f"layers and {', '.join(sorted(extra))}: with layers, each has its own A, B, z and terms")
@@ -46,13 +47,13 @@ def read_template(data: dict[str, Any], name: str) -> AnyTemplate:
     for number, table in enumerate(take_tables(data, "layer", "template")):
         check_keys(table, _LAYER_KEYS, f"layer {number}")
         try:
-            layers.append(_single(table, f"{name}, layer {number}"))
+            layers.append(_single_layer(table, f"{name}, layer {number}"))
         except InputError as error:
             raise InputError(f"layer {number}: {error}") from error
     return LayeredTemplate(layers, [table.get("time_constant", 1.0) for table in data["layer"]], name)
 
 
-def _single(data: dict[str, Any], name: str) -> Template:
+def _single_layer(data: dict[str, Any], name: str) -> Template:
     for key in ("A", "z"):
         if key not in data:
             raise InputError(f"no {key!r}")
@@ -60,15 +61,11 @@ def _single(data: dict[str, Any], name: str) -> Template:
     for number, table in enumerate(take_tables(data, "term", "template")):
         check_keys(table, _TERM_KEYS, f"term {number}")
         try:
-            values = {key: value for key, value in table.items() if key != "table"}
-            terms.append(Term(values.pop("weights", None), **values, table=_table(table)))
+            values = table if "table" not in table else table | {"table": parse_table(table["table"])}
+            terms.append(Term(**{"weights": None, **values}))
         except InputError as error:
             raise InputError(f"term {number}: {error}") from error
     return Template(data["A"], data.get("B", 0.0), data["z"], name, terms)
-
-
-def _table(table: dict[str, Any]) -> Any:
-    return parse_table(table["table"]) if "table" in table else None
 
 
 def read_pictures(value: Any) -> NDArray[np.float64]:

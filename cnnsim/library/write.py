@@ -1,43 +1,45 @@
-"""Writes a imported as a template file of our library (TOML)."""
+"""Writes an entry of the library as a template file (TOML): the reverse of `catalogue.load_file`."""
 
 import json
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from cnnsim.library.imported import Imported
+import numpy as np
+
+from cnnsim.library.entry import Example, LibraryEntry
 from cnnsim.library.write_terms import template_keys
-from cnnsim.network.boundary import Boundary
-from cnnsim.support.errors import InputError
+from cnnsim.network.boundary import boundary_value
+from cnnsim.network.characteristic import CHUA_YANG, cell_value
 from cnnsim.support.numbers import written
+from cnnsim.support.picture import to_ascii
+from cnnsim.support.types import Floats
 
 _TABLES = ("layer", "term")
 
 
-def template_file(imported: Imported) -> str:
-    """Return the text of a template file.
-
-    Raises:
-        InputError: the imported says that it is not to be written.
-    """
-    if imported.missing:
-        raise InputError(f"template {imported.name!r}: {imported.missing}")
-    keys = template_keys(imported.template)
+def template_text(entry: LibraryEntry) -> str:
+    """Return the text of a template file; reading it gives the same entry again."""
+    keys = template_keys(entry.network)
     data: dict[str, Any] = {
-        "name": imported.name,
-        "summary": imported.summary,
-        "reference": imported.reference,
-        "tags": list(imported.tags) or None,
+        "name": entry.name,
+        "summary": entry.summary,
+        "reference": entry.reference,
+        "tags": entry.tags or None,
         **{key: value for key, value in keys.items() if key not in _TABLES},
-        "input": imported.input,
-        "initial_state": imported.initial_state,
-        "boundary": _boundary(imported.boundary),
-        "duration": imported.duration,
-        "cell": "discrete-time" if imported.discrete else None,
-        "note": imported.note or None,
-        "aliases": list(imported.aliases) or None,
+        "input": entry.input,
+        "initial_state": entry.initial_state,
+        "boundary": boundary_value(entry.boundary),
+        "duration": entry.duration,
+        "cell": None if entry.cell == CHUA_YANG else cell_value(entry.cell),
+        "step": entry.step,
+        "frame_time": entry.frame_time,
+        "margin": entry.margin,
+        "note": entry.note or None,
+        "aliases": entry.aliases or None,
         **{key: keys[key] for key in _TABLES if key in keys},
     }
-    return "\n".join(_lines(data, "")) + "\n"
+    examples = (line for example in entry.examples for line in _example(example))
+    return "\n".join([*_lines(data, ""), *examples]) + "\n"
 
 
 def _lines(data: Mapping[str, Any], parent: str) -> Iterator[str]:
@@ -51,10 +53,21 @@ def _lines(data: Mapping[str, Any], parent: str) -> Iterator[str]:
             yield f"{key} = {toml_value(value)}"
 
 
-def _boundary(boundary: Boundary) -> Any:
-    if boundary.kind != "fixed":
-        return boundary.kind
-    return {"fixed": boundary.y if boundary.y == boundary.u else {"x": boundary.y, "u": boundary.u}}
+def _example(example: Example) -> Iterator[str]:
+    """Yield the lines of an example, its pictures drawn row by row."""
+    yield from ("", "[[example]]")
+    for key in ("input", "state", "mask", "bias", "output"):
+        if (plane := getattr(example, key)) is not None:
+            yield from (f"{key} = [", *(f"  {toml_value(row)}," for row in _rows(plane)), "]")
+    if example.tolerance is not None:
+        yield f"tolerance = {toml_value(example.tolerance)}"
+
+
+def _rows(plane: Floats) -> list[Any]:
+    """Return a picture as text if it is black and white, else as numbers; of several planes each for itself."""
+    if plane.ndim > 2:
+        return [_rows(one) for one in plane]
+    return to_ascii(plane) if np.isin(plane, (-1, 1)).all() else plane.tolist()
 
 
 def toml_value(value: Any) -> str:

@@ -1,4 +1,4 @@
-"""The grid of cells and what lies around it: boundaries and the virtual cells they stand for."""
+"""Boundary: what the virtual cells around the grid of cells hold, and which real cells they repeat."""
 
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
@@ -34,6 +34,11 @@ class Boundary:
             if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= 1:
                 raise InputError(f"fixed boundary value of {name} is {value!r}; a number from -1 to 1 wanted")
 
+    @property
+    def constants(self) -> tuple[tuple[float, float], ...]:
+        """The (y, u) that virtual cells hold whatever the real cells do; none where they repeat real cells."""
+        return ((self.y, self.u),) if self.kind == "fixed" else ()
+
     def __str__(self) -> str:
         if self.kind != "fixed":
             return self.kind
@@ -47,6 +52,9 @@ def fixed(x: float, u: float | None = None) -> Boundary:
 
 ZERO_FLUX = Boundary("zero-flux")
 PERIODIC = Boundary("periodic")
+
+BOUNDARY_FORMS = "zero-flux, periodic, fixed:v or fixed:x,u"
+"""How the command line writes a boundary."""
 
 
 def parse_boundary(value: Any) -> Boundary:
@@ -66,8 +74,8 @@ def parse_boundary(value: Any) -> Boundary:
             raise InputError(
                 f"boundary {value!r}; 'fixed:v' or 'fixed:x,u' with numbers from -1 to 1 wanted"
             ) from error
-    if value in ("zero-flux", "periodic"):
-        return Boundary(value)
+    if isinstance(value, str) and value in get_args(Kind) and value != "fixed":
+        return Boundary(value)  # type: ignore[arg-type]  # just checked
     if isinstance(value, dict) and set(value) == {"fixed"}:
         inner = value["fixed"]
         if not isinstance(inner, dict):
@@ -78,6 +86,13 @@ def parse_boundary(value: Any) -> Boundary:
         f"boundary {value!r}; wanted 'zero-flux', 'periodic', 'fixed:v' or, in a file, {{ fixed = v }} "
         "or { fixed = { x = v, u = w } }"
     )
+
+
+def boundary_value(boundary: Boundary) -> Any:
+    """Return a boundary as files write it, the reverse of `parse_boundary`."""
+    if boundary.kind != "fixed":
+        return boundary.kind
+    return {"fixed": boundary.y if boundary.y == boundary.u else {"x": boundary.y, "u": boundary.u}}
 
 
 def virtual_index(cells: int, radius: int, boundary: Boundary) -> NDArray[np.int64]:

@@ -1,13 +1,13 @@
 """Characteristic: how a cell's output follows its state, y = f(x); and Cell: that together with the cell model."""
 
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any, Literal, assert_never, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.network.cell import CellModel
-from cnnsim.network.table import Table, parse_table
+from cnnsim.network.table import Table, parse_table, table_value
 from cnnsim.support.errors import InputError
 
 Kind = Literal["clip", "sign", "tanh", "table"]
@@ -51,15 +51,18 @@ class Characteristic:
                 return np.sign(x)
             case "tanh":
                 return np.tanh(x * x.dtype.type(self.slope))
-        assert self.table is not None
-        return self.table(x).astype(x.dtype)
+            case "table":
+                assert self.table is not None
+                return self.table(x).astype(x.dtype)
+        assert_never(self.kind)
 
     @property
-    def steepest(self) -> float:
-        """The largest slope where there is one; jumps (sign, step tables) do not count."""
+    def slopes(self) -> tuple[float, float]:
+        """Bounds on the slope, the lower one <= 0; jumps (sign, step tables) do not count."""
         if self.table is not None:
-            return max(map(abs, self.table.slopes))
-        return 0.0 if self.kind == "sign" else self.slope
+            most = max(map(abs, self.table.slopes))
+            return -most, most
+        return 0.0, 0.0 if self.kind == "sign" else self.slope
 
     @property
     def jump(self) -> float:
@@ -117,7 +120,16 @@ def parse_cell(value: Any) -> Cell:
     unknown = value.keys() - {"model", "characteristic", "slope"}
     if unknown:
         raise InputError(f"cell has {', '.join(sorted(unknown))}; model, characteristic, slope wanted")
-    model, shape, slope = value.get("model", "chua-yang"), value.get("characteristic"), value.get("slope", 1.0)
-    if isinstance(shape, dict):
-        return Cell(model, Characteristic("table", slope, parse_table(shape)))
-    return Cell(model, Characteristic(shape, slope) if shape is not None else None)
+    model, kind, slope = value.get("model", "chua-yang"), value.get("characteristic"), value.get("slope", 1.0)
+    if isinstance(kind, dict):
+        return Cell(model, Characteristic("table", slope, parse_table(kind)))
+    return Cell(model, Characteristic(kind, slope) if kind is not None else None)
+
+
+def cell_value(cell: Cell) -> Any:
+    """Return a cell as files write it, the reverse of `parse_cell`."""
+    if cell.characteristic is None:
+        return cell.model
+    table, slope = cell.characteristic.table, cell.characteristic.slope
+    kind = cell.characteristic.kind if table is None else table_value(table)
+    return {"model": cell.model, "characteristic": kind} | ({} if slope == 1 else {"slope": slope})

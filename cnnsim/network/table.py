@@ -12,7 +12,7 @@ from cnnsim.support.errors import InputError
 
 @dataclass(frozen=True)
 class Table:
-    """A function f(v) whose ends are held.
+    """A function f(v), held at its ends.
 
     ``linear``: straight lines between the points (at[i], values[i]). ``step``: values[i] for at[i - 1] < v <= at[i],
     the last value above the last place, so one value more than places; with ``closed`` "left" it is values[i] for
@@ -116,6 +116,14 @@ def from_pairs(interpolation: int, pairs: Sequence[tuple[float, float]]) -> Tabl
     if places != sorted(places):
         raise InputError(f"steps at {places}; growing places wanted")
     return steps(places[:-1], [f for _, f in pairs])
+
+
+def table_value(table: Table) -> dict[str, Any]:
+    """Return a table as files write it, the reverse of `parse_table`."""
+    if table.kind == "linear":
+        return {"linear": [list(point) for point in zip(table.at, table.values, strict=True)]}
+    step: dict[str, Any] = {"at": list(table.at), "values": list(table.values)}
+    return {"step": step | ({"closed": "left"} if table.closed == "left" else {})}
 
 
 def parse_table(value: Any) -> Table:

@@ -17,6 +17,7 @@ from cnnsim.network.weights import checked_number, checked_weights, reach
 from cnnsim.support.errors import InputError
 
 Quantity = Literal["x", "y", "u"]
+Range = tuple[float, float]
 
 
 class Argument(NamedTuple):
@@ -66,10 +67,10 @@ class Term:
 
     weights: NDArray[np.float64] = field(repr=False)
     of: Argument
-    table: Table | None
-    times: Argument | None
-    delay: float
-    layer: int | None
+    table: Table | None = None
+    times: Argument | None = None
+    delay: float = 0.0
+    layer: int | None = None
 
     def __init__(
         self,
@@ -137,6 +138,18 @@ class Term:
         size = (1.0 if self.of.centre is None else 2.0) if self.table is None else self.table.bound
         factor = 1.0 if self.times is None or self.times.centre is None else 2.0
         return size * factor * float(np.abs(self.weights).sum(axis=(0, 1)).max())
+
+    @property
+    def slopes(self) -> Range:
+        """The smallest and the largest slope of f(v) m in v and m."""
+        if self.table is None:
+            return (1.0, 1.0) if self.times is None else (-4.0, 4.0)
+        if self.times is None:
+            return self.table.slopes
+        if self.times == self.of:
+            return self.table.product_slopes
+        most = self.table.bound + 2 * max(map(abs, self.table.slopes))
+        return -most, most
 
     @property
     def jump(self) -> float:

@@ -47,7 +47,7 @@ def bit_rule(template: Template, boundary: Boundary, state: float | None) -> Bit
 
         s = z + sum of b (+-1),    out = x_rest(x0, s, a) > 0
     """
-    if not template.linear or not template.uncoupled or (boundary.kind == "fixed" and abs(boundary.u) != 1):
+    if not template.linear or not template.uncoupled or any(abs(u) != 1 for _, u in boundary.constants):
         return None
     weights = {(tap.k, tap.l): tap.weight for tap in template.control_taps}
     if state is None:

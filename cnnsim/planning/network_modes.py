@@ -1,4 +1,4 @@
-"""Decaying modes of a network of terms, linearised where its functions are flattest and where they are steepest."""
+"""Stability of a network of terms: its decaying modes, linearised where functions are flattest and where steepest."""
 
 from collections.abc import Iterator
 from functools import lru_cache
@@ -9,14 +9,30 @@ import numpy as np
 from cnnsim.network.boundary import fixed
 from cnnsim.network.characteristic import Characteristic
 from cnnsim.network.layers import LayeredTemplate
-from cnnsim.network.term import Term
-from cnnsim.planning.stability import Modes, coupling, decaying
+from cnnsim.network.template import Template
+from cnnsim.network.term import Range, Term
+from cnnsim.planning.duration import Duration
+from cnnsim.planning.scheme import Scheme
+from cnnsim.planning.stability import Modes, coupling, decaying, limit_of
 from cnnsim.support.types import Floats
-
-Range = tuple[float, float]
 
 _SHAPES = ((1, 1), (1, 2), (2, 1), (1, 10), (10, 1), (3, 3), (6, 6))
 _MOST_CELLS = 120
+
+
+def step_bound(network: LayeredTemplate, output: Characteristic, duration: Duration, scheme: Scheme) -> float:
+    """Return a step below which no decaying mode can grow: Gershgorin's circles, with the tables' largest slopes.
+
+    In a row of the Jacobian the centre is at least d and the rest sums up to at most R, so no decay is faster than
+    1 - min(0, d - R), over the layer's time constant. Enough, not necessary: a template may be stable with longer
+    steps. Modes that turn while they decay are computed (`network_modes`). Jumps are no part of it: at a jump Euler's
+    state swings by about step x jump and stays there.
+    """
+    fastest = max(
+        _decay(layer, output) / time for layer, time in zip(network.layers, network.time_constants, strict=True)
+    )
+    real = limit_of(np.array([-fastest + 0j]), duration, scheme)
+    return min(real, limit_of(network_modes(network, output), duration, scheme))
 
 
 @lru_cache(maxsize=64)
@@ -35,13 +51,13 @@ def _jacobian(network: LayeredTemplate, output: Characteristic, shape: tuple[int
     cells, layers = shape[0] * shape[1], len(network.layers)
     total = np.zeros((layers, layers, cells, cells))
     for number, layer in enumerate(network.layers):
-        total[number, number] += output.steepest * coupling(layer.A, shape, fixed(0)) - np.eye(cells)
+        total[number, number] += output.slopes[1] * coupling(layer.A, shape, fixed(0)) - np.eye(cells)
         for term in layer.feedback_terms:
             if term.times is None and not term.delay and term.weights.ndim == 2:
-                rise = slopes_of(term)[side]
+                rise = term.slopes[side]
                 for quantity, other, matrix in _parts(term, number, shape):
                     if quantity != "u":
-                        total[number, other] += rise * (output.steepest if quantity == "y" else 1.0) * matrix
+                        total[number, other] += rise * (output.slopes[1] if quantity == "y" else 1.0) * matrix
         total[number] /= network.time_constants[number]
     return total.transpose(0, 2, 1, 3).reshape(layers * cells, layers * cells)
 
@@ -54,19 +70,27 @@ def _parts(term: Term, own: int, shape: tuple[int, int]) -> Iterator[tuple[str, 
         yield term.of.centre, own, -float(term.weights.sum()) * np.eye(len(matrix))
 
 
-def slopes_of(term: Term) -> Range:
-    """The smallest and the largest slope of f(v) m in v and m."""
-    if term.table is None:
-        return (1.0, 1.0) if term.times is None else (-4.0, 4.0)
-    if term.times is None:
-        return term.table.slopes
-    if term.times == term.of:
-        return term.table.product_slopes
-    most = term.table.bound + 2 * max(map(abs, term.table.slopes))
-    return -most, most
+def _decay(layer: Template, output: Characteristic) -> float:
+    low, high = output.slopes
+    diagonal = min(_products((layer.self_feedback,) * 2, (low, high)))
+    off = high * sum(abs(tap.weight) for tap in layer.feedback_taps if (tap.k, tap.l) != (0, 0))
+    for term in layer.feedback_terms:
+        rises = term.slopes
+        for argument in {term.of, *((term.times,) if term.times else ())}:
+            for k, l, weight in term.taps:
+                weights = float(np.min(weight)), float(np.max(weight))
+                own = k == l == 0 and term.layer is None and not term.delay
+                for quantity, sign, here in ((argument.neighbour, 1, own), (argument.centre, -1, not term.delay)):
+                    if quantity in ("x", "y"):
+                        slope = _products(_products(weights, rises), (low, high) if quantity == "y" else (1.0, 1.0))
+                        if here:
+                            diagonal += min(sign * side for side in slope)
+                        else:
+                            off += max(map(abs, slope))
+    return 1.0 - min(0.0, diagonal - off)
 
 
-def products(a: Range, b: Range) -> Range:
+def _products(a: Range, b: Range) -> Range:
     """The smallest and the largest product of two ranges."""
-    every = [p * q for p, q in product(a, b)]
-    return min(every), max(every)
+    found = [p * q for p, q in product(a, b)]
+    return min(found), max(found)

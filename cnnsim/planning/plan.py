@@ -1,4 +1,4 @@
-"""Plan: looks at a template and a task, and decides how to compute it and what need not be computed at all."""
+"""Plan: how a transient is computed, decided from its template, and what need not be computed at all."""
 
 import math
 from collections.abc import Collection, Sequence
@@ -13,20 +13,17 @@ from cnnsim.network.cell import CellModel
 from cnnsim.network.characteristic import CLIP, Cell, Characteristic, parse_cell
 from cnnsim.network.layers import AnyTemplate, LayeredTemplate, layered
 from cnnsim.network.template import Tap, Template, all_taps
-from cnnsim.planning.duration import Duration as Duration
-from cnnsim.planning.general import check_grid, decide_general, divided, why_general
+from cnnsim.network.weights import reach
+from cnnsim.planning.duration import Duration
+from cnnsim.planning.general import check_grid, decide_general, why_general
+from cnnsim.planning.savings import Saving, stepped_savings, steps_a_pass
 from cnnsim.planning.scheme import ADAPTIVE, Scheme, find_scheme
 from cnnsim.planning.stability import step_limit, usual_scheme
+from cnnsim.planning.step import DEFAULT_STEP, check_step, divided
 from cnnsim.support.errors import InputError
 
 Method = Literal["closed form", "stepped", "adaptive", "general"]
 
-Saving = Literal["closed form", "sparse taps", "shared sums", "blocking", "sleep"]
-"""Ways of computing less for the same output; a plan can be made without any of them, for comparison."""
-
-DEFAULT_STEP = 0.1
-MOST_HALO = 25
-"""Cells around a tile that are computed again for the steps of one pass."""
 SETTLED_RATE = 1e-4
 """A network is at rest when |dx/dt| <= this in every cell; see `Plan.duration`."""
 
@@ -37,8 +34,8 @@ class Plan:
 
     ``duration`` is a number of time constants, or ``"settled"``. Settled means that either no output can change any
     more (every free cell has |x| >= 1 and sign(x) (A*y + w) >= 1, so with frozen neighbours it stays saturated), or
-    the network is at rest (|dx/dt| <= 1e-4 in every free cell). It is looked at once a time constant, and
-    ``limit`` time constants are the most that is waited for.
+    the network is at rest (|dx/dt| <= 1e-4 in every free cell). That is checked once a time constant, for
+    at most ``limit`` time constants.
 
     ``savings`` are the ways of doing less that apply here; a backend may use them and must give the same output.
     ``decisions`` are (what, why) lines for people. The method "general" takes all kinds of template as a ``network``
@@ -76,7 +73,7 @@ class Plan:
 
     @property
     def check_every(self) -> int:
-        """Steps between two looks at whether the network has settled: one time constant."""
+        """Steps between two checks whether the network has settled: one time constant."""
         return max(1, round(1 / self.step))
 
     @property
@@ -90,7 +87,7 @@ class Plan:
         if "blocking" not in self.savings:
             return 1
         steps = self.check_every if self.duration == "settled" else self.steps
-        return steps_a_pass(steps, radius_of(self.feedback_taps))
+        return steps_a_pass(steps, reach((k, l) for k, l, _ in self.feedback_taps))
 
     def explain(self) -> str:
         """Return the decisions as lines of text."""
@@ -149,7 +146,7 @@ def make_plan(
 
     check_grid(network, grid)
     if why := why_general(template, kind, periods):
-        table, h, decisions = decide_general(network, kind, why, scheme, step, DEFAULT_STEP, duration, periods)
+        table, h, decisions = decide_general(network, kind, why, scheme, step, duration, periods)
         decisions.append(_stop_decision(duration, limit))
         return plan("general", table, h)
     assert isinstance(template, Template)
@@ -160,7 +157,7 @@ def make_plan(
     if scheme == ADAPTIVE:
         if duration == "settled":
             raise InputError("the adaptive scheme runs for a number of time constants, not until settled")
-        decisions.append(("adaptive", "DOP853 of scipy with relative tolerance 1e-10: a reference, not a fast road"))
+        decisions.append(("adaptive", "DOP853 of scipy with relative tolerance 1e-10: a reference, not a fast method"))
         return plan("adaptive", None, 1.0)
     limit_of = partial(step_limit, template, boundary, duration)
     table = usual_scheme(limit_of, DEFAULT_STEP) if scheme is None else find_scheme(scheme)
@@ -169,7 +166,8 @@ def make_plan(
         h = min(DEFAULT_STEP, longest / 2)
         why = "the default" if h == DEFAULT_STEP else f"half the stability limit {longest:.4g} of this template"
     else:
-        h, why = _checked_step(step, longest, table), f"as asked; stable below {longest:.4g}"
+        check_step(step, longest, table, "cannot be stable")
+        h, why = step, f"as asked; stable below {longest:.4g}"
     h = divided(duration, h)
     decisions += [
         (f"{table.name}, h = {h:.4g}", f"order {table.order}; the step is {why}"),
@@ -183,42 +181,9 @@ def make_plan(
     return plan("stepped", table, h, {what for what, _ in applicable if what not in without})
 
 
-def radius_of(taps: Collection[Tap]) -> int:
-    """Return how far taps reach."""
-    return max((max(abs(tap.k), abs(tap.l)) for tap in taps), default=0)
-
-
 def usual_limit(grid: tuple[int, int]) -> float:
     """Return how long it is waited for rest where theory knows no time [time constants]."""
     return 200.0 + 10.0 * sum(grid)
-
-
-def steps_a_pass(steps: int, radius: int) -> int:
-    """Return how many of so many steps are taken while the rows of a tile are in the cache.
-
-    Each step of a tile needs ``radius`` rows and columns more around it; `MOST_HALO` of them cost less than they save.
-    """
-    most = max(1, MOST_HALO // max(radius, 1))
-    return math.ceil(steps / max(1, math.ceil(steps / most)))
-
-
-def stepped_savings(
-    template: Template, scheme: Scheme, h: float, cell: CellModel, steps: int, *, settles: bool
-) -> list[tuple[Saving, str]]:
-    """Return the savings that apply to a stepped transient, each with its reason.
-
-    ``steps``: how many are taken, or lie between two looks at whether the network has settled.
-    """
-    taps, entries = len(template.feedback_taps), template.A.size
-    found: list[tuple[Saving, str]] = [("sparse taps", f"{taps} of the {entries} entries of A are not zero")]
-    if template.isotropic and template.A.shape[0] == 3 and template.A[0, 0]:
-        found.append(("shared sums", "A is the same in all directions: neighbours are added before they are weighed"))
-    if len(scheme.b) == 1:
-        depth = steps_a_pass(steps, radius_of(template.feedback_taps))
-        found.append(("blocking", f"one-stage scheme: {depth} steps a pass while the rows of a tile are in the cache"))
-        if settles and h <= 1 and cell == "chua-yang" and not template.uncoupled:
-            found.append(("sleep", "tiles in which no output can change are left out"))
-    return found
 
 
 def _grid(shape: tuple[int, ...], layers: int) -> tuple[int, int]:
@@ -229,16 +194,6 @@ def _grid(shape: tuple[int, ...], layers: int) -> tuple[int, int]:
     if (layers == 1 and len(shape) not in (2, 3)) or 0 in shape:
         raise InputError(f"planes of shape {shape}; (rows, cols) or (n, rows, cols) with at least one cell wanted")
     return shape[-2], shape[-1]
-
-
-def _checked_step(step: float, longest: float, scheme: Scheme) -> float:
-    if not 0 < step < math.inf:
-        raise InputError(f"step {step!r}; a positive number of time constants wanted")
-    if step > longest * (1 + 1e-9):
-        raise InputError(
-            f"step {step:g} cannot be stable: {scheme.name} on this template needs a step below {longest:.6g}"
-        )
-    return step
 
 
 def _control_decision(template: Template) -> tuple[str, str]:

@@ -1,4 +1,4 @@
-"""How long an explicit step may be before a template's decaying modes grow in the numbers."""
+"""Stability: the longest step of a scheme with which no decaying mode of a linear template grows."""
 
 from collections.abc import Callable
 from functools import lru_cache

@@ -26,7 +26,7 @@ from cnnsim.network.characteristic import CHUA_YANG, Cell
 from cnnsim.network.template import Template
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.operations.global_wire import Wire
-from cnnsim.planning.plan import Duration
+from cnnsim.planning.duration import Duration
 
 Memory = Literal["lam", "llm", "wire"]
 

@@ -11,7 +11,7 @@ from cnnsim.network.template import Template
 from cnnsim.operations import cellwise
 from cnnsim.operations.global_wire import check_wire
 from cnnsim.operations.logic import function_number
-from cnnsim.planning.plan import Duration
+from cnnsim.planning.duration import Duration
 from cnnsim.program.names import Names
 from cnnsim.program.program import (
     ARITHMETIC,

@@ -147,7 +147,7 @@ def _uncoupled(template: Template, boundary: Boundary, pairs: list[Pair], arbitr
     a = template.self_feedback
     centre = sum(tap.weight for tap in template.control_taps if tap.k == tap.l == 0)
     others = [tap.weight for tap in template.control_taps if (tap.k, tap.l) != (0, 0)]
-    values = {u for _, u in pairs} | ({boundary.u} if boundary.kind == "fixed" else set())
+    values = {u for _, u in pairs} | {u for _, u in boundary.constants}
     sums = weighted_sums([[(weight * u,) for u in values] for weight in others])
     if sums is None:
         return RunningTime(None, too_many(len(others)))

@@ -107,7 +107,7 @@ def _worst(
     """`worst_wave` for one colour of the wave: ``sign`` turns the network so that black spreads."""
     a = template.self_feedback
     pairs = [(sign * x0, sign * u) for x0, u in pairs]
-    outside = [(sign * boundary.y, sign * boundary.u)] if boundary.kind == "fixed" else []
+    outside = [(sign * y, sign * u) for y, u in boundary.constants]
     weights = _both_weights(template)
     b = weights.pop((0, 0))[1]
     first, later = [*pairs, *outside], [*pairs, *outside, *((1.0, u) for _, u in pairs)]

@@ -10,7 +10,8 @@ from cnnsim.backends.base import Backend, Plane
 from cnnsim.network.boundary import ZERO_FLUX
 from cnnsim.operations.bitwise import BitLiteral, BitRule
 from cnnsim.operations.logic import function_number
-from cnnsim.planning.plan import Plan, Saving, make_plan
+from cnnsim.planning.plan import Plan, make_plan
+from cnnsim.planning.savings import Saving
 from tests.benchmarks.dense import backends
 from tests.benchmarks.race import Row, race, versus
 

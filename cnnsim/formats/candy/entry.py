@@ -8,6 +8,8 @@ from cnnsim.network.characteristic import Cell
 from cnnsim.support.errors import InputError
 from cnnsim.support.numbers import written
 
+_BOUNDARIES = {"zero-flux": "Zero-flux", "periodic": "Periodic"}
+
 
 def entry_to_tem(entry: LibraryEntry) -> TemFile:
     """Return the ``.tem`` content of a library template.
@@ -54,7 +56,9 @@ def _role(role: Role) -> str:
 
 def _boundary(boundary: Boundary) -> str:
     if boundary.kind != "fixed":
-        return {"zero-flux": "Zero-flux", "periodic": "Periodic"}[boundary.kind]
+        if boundary.kind not in _BOUNDARIES:
+            raise InputError(f"boundary {boundary}: no .tem header says that")
+        return _BOUNDARIES[boundary.kind]
     if boundary.y != boundary.u:
         raise InputError(f"boundary {boundary}: a .tem file has one value for state and input")
     return f"Fixed({written(boundary.y)})"

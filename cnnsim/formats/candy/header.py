@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from cnnsim.formats.candy.content import TemFile
 from cnnsim.library.entry import Role
 from cnnsim.network.boundary import PERIODIC, ZERO_FLUX, Boundary, fixed
-from cnnsim.planning.plan import Duration
+from cnnsim.planning.duration import Duration
 from cnnsim.support.diagnostics import Diagnostics
 from cnnsim.support.errors import InputError
 from cnnsim.support.numbers import is_number, number

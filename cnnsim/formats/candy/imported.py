@@ -6,6 +6,7 @@ from cnnsim.formats.candy.content import Section, TemFile
 from cnnsim.formats.candy.header import Setting, read_setting
 from cnnsim.formats.candy.terms import section_template
 from cnnsim.library.imported import Imported, library_name
+from cnnsim.network.characteristic import Cell
 from cnnsim.network.layers import layered
 from cnnsim.network.template import Template
 from cnnsim.support.diagnostics import Diagnostics
@@ -33,14 +34,14 @@ def _imported(tem: TemFile, section: Section, k: int, stem: str, setting: Settin
     title = tem.header("TemLibName").text.strip(" -?.")
     summary = tem.header("Function").text or f"Imported from {stem}.tem, which does not say what it does."
     imported = Imported(
-        name, Template([[0.0]], name=name), summary, _reference(stem, title), setting.input, setting.initial_state,
+        name, summary, _reference(stem, title), Template([[0.0]], name=name), setting.input, setting.initial_state,
         setting.boundary, setting.duration, note=_note(tem), aliases=_aliases(name, stem, title, several),
     )  # fmt: skip
     try:
         template = section_template(section, name)
     except InputError as error:
         return replace(imported, missing=f"parsed, not written: {error}")
-    return _with_setting(replace(imported, template=template), tem, setting, report)
+    return _with_setting(replace(imported, network=template), tem, setting, report)
 
 
 def _with_setting(imported: Imported, tem: TemFile, setting: Setting, report: Diagnostics) -> Imported:
@@ -51,20 +52,20 @@ def _with_setting(imported: Imported, tem: TemFile, setting: Setting, report: Di
         names = ", ".join(words[key] for key in unsaid)
         report.warning(line, f"the header says nothing of {names}; picture and zero-flux are taken: check them")
         imported = imported.with_note(f"The source says nothing of {names}; picture and zero-flux were taken.")
-    if imported.template.reads_input and imported.input == "none":
+    if imported.network.reads_input and imported.input == "none":
         report.warning(line, "%Setting has no input, but CONTROL is not zero: the picture is taken as input")
         imported = replace(imported, input="picture").with_note("The source names no input; the picture is taken.")
-    elif not imported.template.reads_input and imported.input != "none":
+    elif not imported.network.reads_input and imported.input != "none":
         report.note(line, "%Setting has an input, but there is no CONTROL that would use it")
         state = "picture" if imported.initial_state == "given" else imported.initial_state
         imported = replace(imported, input="none", initial_state=state)
-    delay = max((term.delay for layer in layered(imported.template).layers for term in layer.terms), default=0.0)
+    delay = max((term.delay for layer in layered(imported.network).layers for term in layer.terms), default=0.0)
     if delay and imported.duration == "settled":
         imported = replace(imported, duration=delay + _AFTER_DELAY)
         text = f"no running time is given, and with a delay nothing is at rest: {imported.duration:g} time constants"
         report.warning(tem.header("Timing").line or None, f"{text} are written: check them")
         imported = imported.with_note("The source gives no running time; the delay and ten time constants were taken.")
-    return replace(imported, discrete=setting.discrete)
+    return replace(imported, cell=Cell("discrete-time" if setting.discrete else "chua-yang"))
 
 
 def _reference(stem: str, title: str) -> str:

@@ -6,36 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.library.entry import Example
-from cnnsim.library.write import toml_value
-from cnnsim.network.boundary import Boundary
-from cnnsim.network.template import Template
+from cnnsim.library.entry import Example, LibraryEntry
+from cnnsim.library.write import template_text, toml_value
+from cnnsim.network.boundary import Boundary, boundary_value
 from cnnsim.prototyping.design.design import Design, DesignPart
 from cnnsim.prototyping.design.rule import WindowRule
 from cnnsim.support.errors import InputError
-from cnnsim.support.picture import to_ascii
 from cnnsim.support.types import Floats
-
-
-def template_text(
-    template: Template, *, summary: str, reference: str, initial_state: Any, boundary: Boundary, duration: Any,
-    examples: Sequence[Example], margin: float | None = None, note: str = "", tags: Sequence[str] = (),
-) -> str:  # fmt: skip
-    """Return the text of a template file; ``input`` is the picture."""
-    data = {
-        "name": template.name, "summary": summary, "reference": reference, "tags": list(tags),
-        "A": template.A.tolist(), "B": template.B.tolist(), "z": template.z, "input": "picture",
-        "initial_state": initial_state, "boundary": _boundary(boundary), "duration": duration, "margin": margin,
-        "note": note or None,
-    }  # fmt: skip
-    lines = [f"{key} = {toml_value(value)}" for key, value in data.items() if value is not None]
-    for example in examples:
-        lines += ["", "[[example]]"]
-        for key in ("input", "state", "output"):
-            plane = getattr(example, key)
-            if plane is not None:
-                lines += [f"{key} = [", *(f"  {toml_value(row)}," for row in to_ascii(plane)), "]"]
-    return "\n".join(lines) + "\n"
 
 
 def part_names(design: Design, name: str) -> list[str]:
@@ -84,8 +61,8 @@ def program_text(design: Design, name: str, boundary: Boundary) -> str:
         'outputs = ["result"]',
     ]
     for part, part_name in zip(design.parts, names, strict=True):
-        template = part.template(part_name)
-        data = {"A": template.A.tolist(), "B": template.B.tolist(), "z": template.z, "boundary": _boundary(boundary)}
+        t = part.template(part_name)
+        data = {"A": t.A.tolist(), "B": t.B.tolist(), "z": t.z, "boundary": boundary_value(boundary)}
         lines += ["", f"[templates.{part_name}]", *(f"{key} = {toml_value(value)}" for key, value in data.items())]
     for number, (part, part_name) in enumerate(zip(design.parts, names, strict=True)):
         states: dict[str, str | float] = {"none": 0, "state": "state", "last": planes[number - 1]}
@@ -118,15 +95,14 @@ def _part_text(
         if start is not None and part.negated:
             start = -start
         shown = None if part.state == "none" else start
-        found.append(Example(picture, shown, whole.answer(picture, boundary, state), None, None, None))
+        found.append(Example(picture, shown, whole.answer(picture, boundary, state)))
     step = f"Step {number + 1} of {len(tables)} of: {rule.text}."
     summary = f"Black where {rule.text}." if design.one_template else step
-    return template_text(
-        part.template(name), summary=summary, reference=_reference(part), boundary=boundary, duration="settled",
-        initial_state="any" if part.state == "none" else "given", examples=found, margin=1,
-        tags=["designed", "uncoupled", "binary"],
+    return template_text(LibraryEntry(
+        name, summary, _reference(part), part.template(name), boundary=boundary, examples=tuple(found), margin=1,
+        initial_state="any" if part.state == "none" else "given", tags=("designed", "uncoupled", "binary"),
         note="" if part.state == "none" else f"The initial state is {_state_words(part)}.",
-    )  # fmt: skip
+    ))  # fmt: skip
 
 
 def _pictures(rule: WindowRule, boundary: Boundary, given: Sequence[Floats]) -> list[tuple[Floats, Floats | None]]:
@@ -157,9 +133,3 @@ def _reference(part: DesignPart) -> str:
 def _state_words(part: DesignPart) -> str:
     plane = {"state": "the second picture", "last": "the output of the step before", "none": ""}[part.state]
     return f"the negative of {plane}" if part.negated else plane
-
-
-def _boundary(boundary: Boundary) -> Any:
-    if boundary.kind != "fixed":
-        return boundary.kind
-    return {"fixed": boundary.y if boundary.y == boundary.u else {"x": boundary.y, "u": boundary.u}}

@@ -16,7 +16,7 @@ from cnnsim import backends
 from cnnsim.network.boundary import Boundary
 from cnnsim.network.cell import output
 from cnnsim.network.template import Template
-from cnnsim.planning.plan import DEFAULT_STEP
+from cnnsim.planning.step import DEFAULT_STEP
 from cnnsim.prototyping.design.rule_files import PicturePair
 from cnnsim.support.errors import InputError
 from cnnsim.transient import make_task

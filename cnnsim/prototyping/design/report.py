@@ -5,12 +5,13 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim import library
-from cnnsim.library.entry import Example
+from cnnsim.library.entry import Example, LibraryEntry, Role
+from cnnsim.library.write import template_text
 from cnnsim.network.boundary import Boundary
 from cnnsim.prototyping.design.decompose import design_rule
 from cnnsim.prototyping.design.design import Design
 from cnnsim.prototyping.design.expression import parse_rule
-from cnnsim.prototyping.design.files import part_names, template_text, write_design
+from cnnsim.prototyping.design.files import part_names, write_design
 from cnnsim.prototyping.design.fit import fit
 from cnnsim.prototyping.design.linear import Certificate, Norm
 from cnnsim.prototyping.design.rule import WindowRule, window_text
@@ -125,13 +126,12 @@ def fitted(
             f"{found.runs} runs; try more --generations, another --seed, --symmetry none, or another --state"
         )
     t = found.template
-    text = template_text(
-        t, summary=f"Fitted to {len(pairs)} pair{'s' * (len(pairs) != 1)} of pictures, which are its examples.",
-        reference=f"Fitted by differential evolution, seed {options['seed']}", initial_state=state, boundary=boundary,
-        duration="settled", examples=[Example(u, None, y, None, None, None) for u, y in pairs],
-        tags=["fitted", "uncoupled" if t.uncoupled else "coupled", "binary"],
-        note="What it does to other pictures is not known.",
-    )  # fmt: skip
+    text = template_text(LibraryEntry(
+        name, f"Fitted to {len(pairs)} pair{'s' * (len(pairs) != 1)} of pictures, which are its examples.",
+        f"Fitted by differential evolution, seed {options['seed']}", t, initial_state=state, boundary=boundary,
+        tags=("fitted", "uncoupled" if t.uncoupled else "coupled", "binary"),
+        note="What it does to other pictures is not known.", examples=tuple(Example(u, None, y) for u, y in pairs),
+    ))  # fmt: skip
     path = folder / f"{name}.toml"
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -151,9 +151,9 @@ def fitted(
     return facts, lines
 
 
-def _state(text: str) -> str | float:
+def _state(text: str) -> Role:
     if text == "picture":
-        return text
+        return "picture"
     try:
         value = float(text)
     except ValueError:

@@ -14,7 +14,8 @@ from cnnsim.backends.cpu.euler.rows import PAD, STRIDE
 from cnnsim.backends.cpu.prepared import TILE_COLS
 from cnnsim.network.boundary import PERIODIC, ZERO_FLUX, Boundary, fixed
 from cnnsim.network.template import Template
-from cnnsim.planning.plan import MOST_HALO, make_plan
+from cnnsim.planning.plan import make_plan
+from cnnsim.planning.savings import MOST_HALO
 from cnnsim.support.errors import InputError
 from cnnsim.transient import NotSettledError, Result, run_transient
 

@@ -15,7 +15,6 @@ from cnnsim.formats.candy.terms import section_template
 from cnnsim.formats.differences import number_differences
 from cnnsim.formats.files import import_file
 from cnnsim.library.imported import Imported
-from cnnsim.library.write import template_file
 from cnnsim.network.template import Template
 from cnnsim.support.command_line import CommandGroup
 from cnnsim.support.diagnostics import Diagnostics
@@ -148,13 +147,13 @@ def test_known_defects_are_warnings(tmp_path: Path, name: str, change: tuple[str
 
 def test_names_and_texts_survive_toml() -> None:
     text = 'quotes " and \\ and \x7f and tab\t and \ud800 and ü'
-    imported = Imported("x", Template([[1]]), text, "r", input="none", note="n", aliases=("a",))
+    imported = Imported("x", text, "r", Template([[1]]), input="none", note="n", aliases=("a",))
     import tomllib
 
-    data = tomllib.loads(template_file(imported))
+    data = tomllib.loads(imported.text())
     assert data["summary"] == text.replace("\ud800", "?")
     with pytest.raises(InputError, match="not yet"):
-        template_file(Imported("x", Template([[1]]), "s", "r", missing="not yet"))
+        Imported("x", "s", "r", Template([[1]]), missing="not yet").text()
 
 
 def test_export_and_import_again(tmp_path: Path) -> None:

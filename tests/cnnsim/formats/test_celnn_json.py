@@ -24,14 +24,14 @@ def test_library_templates_go_through_gene_and_json_unharmed(name: str) -> None:
                 write(entry.network)
         return
     (imported,) = read_celnn(celnn(entry.network, entry.summary, entry.tags).encode(), Diagnostics("x"))
-    assert list(number_differences(imported.template, entry.network)) == []
+    assert list(number_differences(imported.network, entry.network)) == []
     assert (imported.name, imported.summary, imported.tags) == (entry.name, entry.summary, entry.tags)
     if entry.network.radius > 1:
         with pytest.raises(InputError, match="3 x 3 only"):
             gene(entry.network)
     else:
         (imported,) = read_gene(gene(entry.network).encode(), name, Diagnostics("x"))
-        assert list(number_differences(imported.template, entry.network)) == []
+        assert list(number_differences(imported.network, entry.network)) == []
 
 
 ITEM = {"name": "My Edge", "feedback": [[2]], "control": [[3]], "bias": -1.5, "description": "d", "tags": ["t"],
@@ -42,9 +42,9 @@ def test_celnn_turns_the_sign_of_z_and_says_so() -> None:
     report = Diagnostics("x.json")
     (imported,) = read_celnn(json.dumps(ITEM).encode(), report)
     assert (
-        plain(imported.template, "").A.tolist(),
-        plain(imported.template, "").B.tolist(),
-        plain(imported.template, "").z,
+        plain(imported.network, "").A.tolist(),
+        plain(imported.network, "").B.tolist(),
+        plain(imported.network, "").z,
     ) == ([[2]], [[3]], 1.5)
     assert "sign of z is turned" in imported.note
     assert any("sign of z is turned" in item.message for item in report.of("warning"))

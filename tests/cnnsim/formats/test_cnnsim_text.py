@@ -19,9 +19,9 @@ from cnnsim.support.diagnostics import Diagnostics
 def test_cnnsim_text(tail: str, boundary: object) -> None:
     report = Diagnostics("x")
     (found,) = read_cnnsim(f"A\n0 1 0\n 0 2 0 0 0\t3\nZ\n-.5\nB 1 2 3 4 5 6 7 8 9\n{tail}".encode(), "My Name", report)
-    assert plain(found.template, "").A.tolist() == [[0, 1, 0], [0, 2, 0], [0, 0, 3]]
-    assert plain(found.template, "").B.tolist() == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
-    assert (plain(found.template, "").z, found.boundary, found.name) == (-0.5, boundary, "my-name")
+    assert plain(found.network, "").A.tolist() == [[0, 1, 0], [0, 2, 0], [0, 0, 3]]
+    assert plain(found.network, "").B.tolist() == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
+    assert (plain(found.network, "").z, found.boundary, found.name) == (-0.5, boundary, "my-name")
     assert not report.failed
 
 

@@ -15,9 +15,9 @@ GENE = "-1 " + " ".join(map(str, range(1, 10))) + " " + " ".join(map(str, range(
 )
 def test_a_gene_is_z_then_b_then_a(text: str) -> None:
     (imported,) = read_gene(text.encode(), "g", Diagnostics("g"))
-    assert plain(imported.template, "").z == -1
-    assert plain(imported.template, "").B.tolist() == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
-    assert plain(imported.template, "").A.tolist() == [[11, 12, 13], [14, 15, 16], [17, 18, 19]]
+    assert plain(imported.network, "").z == -1
+    assert plain(imported.network, "").B.tolist() == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
+    assert plain(imported.network, "").A.tolist() == [[11, 12, 13], [14, 15, 16], [17, 18, 19]]
 
 
 def test_several_genes_one_a_line() -> None:

@@ -108,8 +108,8 @@ def test_timing_and_discrete_time() -> None:
     timed, _ = parse("%Timing: 2.5 tau\n" + A)
     assert tem_templates(timed, "x", Diagnostics("x"))[0].duration == 2.5
     discrete, _ = parse("%CNNModel: Single-layer, DT-CNN\n" + A)
-    assert tem_templates(discrete, "x", Diagnostics("x"))[0].discrete
-    assert not tem_templates(timed, "x", Diagnostics("x"))[0].discrete
+    assert tem_templates(discrete, "x", Diagnostics("x"))[0].cell.model == "discrete-time"
+    assert tem_templates(timed, "x", Diagnostics("x"))[0].cell.model == "chua-yang"
 
 
 numbers = st.floats(allow_nan=False, allow_infinity=False)
@@ -180,8 +180,8 @@ def test_library_templates_go_through_tem_unharmed(name: str) -> None:
     assert again == tem
     (imported,) = tem_templates(again, name, report)
     assert report.of("warning") == report.of("error") == []
-    assert list(number_differences(imported.template, entry.network)) == []
+    assert list(number_differences(imported.network, entry.network)) == []
     assert (imported.name, imported.summary) == (entry.name, entry.summary)
     assert (imported.input, imported.initial_state) == (entry.input, entry.initial_state)
     assert (imported.boundary, imported.duration) == (entry.boundary, entry.duration)
-    assert imported.discrete == (entry.cell.model == "discrete-time")
+    assert (imported.cell.model == "discrete-time") == (entry.cell.model == "discrete-time")

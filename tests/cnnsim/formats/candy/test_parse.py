@@ -60,7 +60,7 @@ def test_a_missing_current_is_zero_and_noted() -> None:
     tem, report = parse("NEIGHBORHOOD: 1\n" + A)
     assert tem.sections[0].layers[0].current is None
     assert remarks(report, "note") == [(None, "no CURRENT: z = 0")]
-    assert plain(tem_templates(tem, "x", Diagnostics("x"))[0].template, "").z == 0
+    assert plain(tem_templates(tem, "x", Diagnostics("x"))[0].network, "").z == 0
 
 
 def test_radius_changes_inside_a_file() -> None:
@@ -68,7 +68,7 @@ def test_radius_changes_inside_a_file() -> None:
     tem, report = parse(f"NEIGHBORHOOD: 1\n{A}NEIGHBORHOOD: 2\nCONTROL:\n{five}\nCURRENT: 1")
     assert [block.radius for block in tem.sections[0].layers[0].blocks] == [1, 2]
     assert remarks(report, "warning") == []
-    template = plain(tem_templates(tem, "x", Diagnostics("x"))[0].template, "")
+    template = plain(tem_templates(tem, "x", Diagnostics("x"))[0].network, "")
     assert (template.A.shape, template.B.shape) == ((3, 3), (5, 5))
 
 
@@ -185,6 +185,6 @@ def test_a_script_is_a_list_of_templates_and_a_loop() -> None:
     assert tem.loop == (1, 9)
     assert not report.items
     templates = tem_templates(tem, "TURN", report)
-    assert [(imported.name, plain(imported.template, "").z) for imported in templates] == [("turn-1", 1), ("turn-2", 2)]
+    assert [(imported.name, plain(imported.network, "").z) for imported in templates] == [("turn-1", 1), ("turn-2", 2)]
     assert "9 times" in templates[0].note
     assert "the loop is not" in report.of("warning")[-1].message

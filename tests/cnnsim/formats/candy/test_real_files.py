@@ -11,7 +11,6 @@ from cnnsim.formats.candy.parse import read_tem
 from cnnsim.formats.candy.write import write_tem
 from cnnsim.formats.differences import number_differences
 from cnnsim.formats.files import READERS, import_file
-from cnnsim.library.write import template_file
 from cnnsim.support.diagnostics import Diagnostics
 from tests.kits.formats import HOLE
 from tests.kits.paths import DATA
@@ -40,7 +39,7 @@ def test_rubbish_gives_diagnostics_and_nothing_else(data: bytes) -> None:
         report = Diagnostics("x")
         for imported in read(data, "x", report):
             if not imported.missing:
-                template_file(imported)
+                imported.text()
         report.lines(notes=True)
 
 

@@ -1,0 +1,85 @@
+"""The integration step: the longest that is stable, or the one asked for, made to fit duration, delays and frames."""
+
+from collections.abc import Sequence
+from fractions import Fraction
+from math import ceil, gcd, inf, lcm
+
+from cnnsim.planning.duration import Duration
+from cnnsim.planning.scheme import Scheme
+from cnnsim.support.errors import InputError
+
+DEFAULT_STEP = 0.1
+
+
+def divided(duration: Duration, h: float) -> float:
+    """Shorten the step a little where the duration is no multiple of it, so that the last step ends on time."""
+    if duration == "settled" or duration == 0:
+        return h
+    steps = max(1, ceil(duration / h - 1e-9))
+    return h if abs(steps * h - duration) <= 1e-9 * duration else duration / steps
+
+
+def check_step(step: float, longest: float, scheme: Scheme, verdict: str) -> None:
+    """Raise InputError for a step that is not positive, or longer than ``longest``: it then ``verdict``."""
+    if not 0 < step < inf:
+        raise InputError(f"step {step!r}; a positive number of time constants wanted")
+    if step > longest * (1 + 1e-9):
+        raise InputError(
+            f"step {step:g} {verdict}: {scheme.name} on this template needs a step below {longest:.6g}"
+        )
+
+
+def timed_step(
+    scheme: Scheme, step: float | None, longest: float, duration: Duration, delays: Sequence[float],
+    periods: Sequence[float],
+) -> tuple[float, str]:  # fmt: skip
+    """Return the step of a network that may have delays and sequences, and why it is that one.
+
+    All delays and the times that planes are held must be whole numbers of steps, so that nothing is interpolated.
+
+    Raises:
+        InputError: a step that may be unstable, or that does not divide a delay or a holding time; a scheme whose
+            stages do not lie on the steps, with a delay.
+    """
+    if delays and not set(scheme.matrix.sum(axis=1)) <= {0.0, 1.0}:
+        raise InputError(
+            f"{scheme.name} looks between the steps, where delayed values are not known; use euler or heun"
+        )
+    times = [*delays, *periods]
+    if times and duration != "settled" and duration:
+        times.append(duration)
+    if step is None:
+        most = min(DEFAULT_STEP, longest / 2)
+        h = common_step(times, most) if times else most
+        return h, f"at most {most:.4g}" + (" and divides all delays and holding times" if times else "")
+    check_step(step, longest, scheme, "may be unstable")
+    check_whole_steps(times, step)
+    return step, f"as asked; certainly stable below {longest:.4g}"
+
+
+def check_whole_steps(times: Sequence[float], step: float) -> None:
+    """Raise InputError if a time is no whole number of steps; the message has the nearest ones."""
+    for time in times:
+        count = max(1, round(time / step))
+        if abs(count * step - time) > 1e-9 * time:
+            raise InputError(
+                f"a delay, holding time or duration of {time:g} is {time / step:.6g} steps of {step:g}; a whole number "
+                f"wanted, nearest are the time {count * step:g} or the step {time / count:.6g}"
+            )
+
+
+def common_step(times: Sequence[float], most: float) -> float:
+    """Return the longest step up to ``most`` that divides all times.
+
+    Raises:
+        InputError: it would be shorter than a thousandth of ``most``.
+    """
+    parts = [Fraction(time).limit_denominator(10**6) for time in times]
+    below = lcm(*(part.denominator for part in parts))
+    whole = Fraction(gcd(*(int(part * below) for part in parts)), below)
+    h = float(whole) / ceil(float(whole) / most - 1e-9) if whole > most else float(whole)
+    if h < most / 1000:
+        raise InputError(
+            f"the times {', '.join(f'{time:g}' for time in times)} have no common step above {most / 1000:g}"
+        )
+    return float(h)
