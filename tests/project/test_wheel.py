@@ -10,7 +10,8 @@ from tests.kits.paths import ROOT
 
 
 def _run(*command: str | Path, cwd: Path) -> str:
-    env = {**os.environ, "PIP_CONSTRAINT": str(ROOT / "constraints.txt"), "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
+    outside = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    env = {**outside, "PIP_CONSTRAINT": str(ROOT / "constraints.txt"), "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
     done = subprocess.run(
         [str(part) for part in command], cwd=cwd, env=env, capture_output=True, text=True, check=False
     )
@@ -30,11 +31,12 @@ def test_a_wheel_in_an_empty_environment_runs_a_template(tmp_path: Path) -> None
         f"assert not Path(cnnsim.__file__).is_relative_to({str(ROOT)!r})\n"
         "square = -np.ones((5, 5)); square[1:4, 1:4] = 1\n"
         "y = cnnsim.run('edge', square).y\n"
-        "print(int((y > 0).sum()), len(cnnsim.library.catalogue.names()))\n"
+        "print(int((y > 0).sum()), len(cnnsim.library.names()), cnnsim.__version__)\n"
     )
-    black, names = _run(python, "-c", script, cwd=tmp_path).split()
+    black, names, version = _run(python, "-c", script, cwd=tmp_path).split()
     assert int(black) == 8
     assert int(names) == len(list((ROOT / "templates").glob("*.toml")))
     assert "edge" in _run(tmp_path / "empty" / "bin" / "cnnsim", "show", "edge", cwd=tmp_path)
-    program = "from cnnsim.program.file import load_program as load; print(load('opening').name)"
+    assert f"-{version}-" in wheel.name
+    program = "from cnnsim import load_program; print(load_program('opening').name)"
     assert "opening" in _run(python, "-c", program, cwd=tmp_path)
