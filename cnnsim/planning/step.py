@@ -24,9 +24,7 @@ def check_step(step: float, longest: float, scheme: Scheme, verdict: str) -> Non
     if not 0 < step < inf:
         raise InputError(f"step {step!r}; a positive number of time constants wanted")
     if step > longest * (1 + 1e-9):
-        raise InputError(
-            f"step {step:g} {verdict}: {scheme.name} on this template needs a step below {longest:.6g}"
-        )
+        raise InputError(f"step {step:g} {verdict}: {scheme.name} on this template needs a step below {longest:.6g}")
 
 
 def timed_step(
