@@ -7,7 +7,7 @@ write_picture(result.y, "edge.png")
 """
 
 from cnnsim import library
-from cnnsim.backends.devices import devices
+from cnnsim.backends.opencl.devices import devices
 from cnnsim.library.catalogue import run
 from cnnsim.library.explain import explain
 from cnnsim.network.boundary import PERIODIC, ZERO_FLUX, Boundary, fixed

@@ -5,7 +5,7 @@ from dataclasses import asdict
 import click
 
 from cnnsim import backends
-from cnnsim.backends.devices import devices as list_devices
+from cnnsim.backends.opencl.devices import devices as list_devices
 from cnnsim.support.command_line import examples, print_json
 
 
