@@ -50,18 +50,18 @@ class Loads:
     def moved(self, shift: Floats, factor: Floats) -> "Loads":
         """Contacts displaced by ``shift`` (frames, contacts, 2) [m], forces times ``factor`` (frames, contacts)."""
 
-        def moved(rows: Floats, owner: Index) -> Floats:
+        def shifted(rows: Floats, owner: Index) -> Floats:
             return np.concatenate(
                 [rows[..., PLACE] + shift[:, owner], rows[..., PLACE.stop :] * factor[:, owner, None]], axis=-1
             )
 
         contacts = np.arange(self.totals.shape[1])
         return Loads(
-            moved(self.totals, contacts),
-            moved(self.points, self.owner),
+            shifted(self.totals, contacts),
+            shifted(self.points, self.owner),
             self.owner,
-            tuple(replace(disc, loads=moved(disc.loads, disc.owner)) for disc in self.discs),
-            tuple(replace(twist, twists=moved(twist.twists, twist.owner)) for twist in self.twists),
+            tuple(replace(disc, loads=shifted(disc.loads, disc.owner)) for disc in self.discs),
+            tuple(replace(twist, twists=shifted(twist.twists, twist.owner)) for twist in self.twists),
         )
 
 

@@ -1,4 +1,4 @@
-"""The effects a scene can call for: one small file each, imported only when a scene names it.
+"""Effects of a scene: one file each, imported only when a scene names it. A new one is its file and its name in ORDER.
 
 An effect is a frozen value called with a stream (fields before the electronics, batches of frames after) and a random
 generator; it gives the stream back, changed. At strength zero it changes nothing. Its class says
@@ -44,7 +44,7 @@ ORDER = (
 
 
 class Effect(Protocol):
-    """What all effects have in common: four words about themselves."""
+    """What all effects have in common: these four attributes."""
 
     STAGE: ClassVar[str]
     RANDOM: ClassVar[bool]

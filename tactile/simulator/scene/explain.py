@@ -34,7 +34,7 @@ class ScenePart:
 
 
 @dataclass(frozen=True)
-class Explanation:
+class SceneExplanation:
     """A scene taken apart: ``lines`` about contacts and methods, ``parts`` in the order in which they act."""
 
     title: str
@@ -45,7 +45,7 @@ class Explanation:
     notes: tuple[str, ...]
 
 
-def explain_file(path: Path) -> Explanation:
+def explain_file(path: Path) -> SceneExplanation:
     """Explain the scene in a file.
 
     Raises:
@@ -55,7 +55,7 @@ def explain_file(path: Path) -> Explanation:
     return explain(scene, tolerance)
 
 
-def explain(scene: Scene, tolerance: float | None = None) -> Explanation:
+def explain(scene: Scene, tolerance: float | None = None) -> SceneExplanation:
     """Explain a scene; with a ``tolerance`` its effects are chosen first, as ``effects = "auto"`` does."""
     described = scene
     notes: list[str] = []
@@ -90,7 +90,7 @@ def explain(scene: Scene, tolerance: float | None = None) -> Explanation:
         size = choice.sizes[name] if choice else size_of(sample, name, effect)
         parts.append(ScenePart(name, _describe(effect), name in on, size, seconds.get(name)))
     quantity = scene.arrays[0].quantity
-    return Explanation(
+    return SceneExplanation(
         scene.title,
         sample.peak,
         "Pa" if quantity == "stress" else "strain",

@@ -1,4 +1,4 @@
-"""Objects drawn over the skin: the textures they declare, their sticking and slipping."""
+"""Textured objects that slide over the skin: the textures they declare, their sticking and slipping."""
 
 import numpy as np
 import pytest
