@@ -1,4 +1,4 @@
-"""run_transient: the only road from a template to a backend."""
+"""run_transient: checks the planes, plans the transient and runs it on a backend."""
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
@@ -23,8 +23,8 @@ from cnnsim.support.errors import InputError
 class Result:
     """The end of a transient: state ``x`` and output ``y`` (rows, cols), time ``t`` [time constants; inf: at rest].
 
-    ``settled`` says whether nothing changes any more (see `Plan`); after a fixed duration nobody looked and it is
-    False. ``rate`` is the largest |dx/dt| at the end, NaN if nobody looked.
+    ``settled`` says whether nothing changes any more (see `Plan`); after a fixed duration that is not checked and it is
+    False. ``rate`` is the largest |dx/dt| at the end, NaN if it was not computed.
     """
 
     x: NDArray[Any]
@@ -105,7 +105,7 @@ def make_task(
 
     Arguments: planes (rows, cols) or (n, rows, cols) of one shape, of a network of layers (layers, rows, cols) or
     (n, layers, rows, cols), where a plane (rows, cols) stands for all grids and layers; ``input`` and ``bias`` may be
-    `Frames`; ``bias`` is added to z cell by cell; ``mask`` > 0 holds a cell's state; ``duration`` in time constants or
+    `Frames`; ``bias`` is added to z cell by cell; ``mask`` > 0 keeps a cell's state; ``duration`` in time constants or
     ``"settled"`` (see `Plan`), then at most ``limit``;
     ``scheme`` and ``step`` as in `planning.scheme`, or None to let the plan choose; ``without`` as in `make_plan`.
 

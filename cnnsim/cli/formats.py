@@ -1,4 +1,4 @@
-"""The commands `import` and `export`: template files of other systems."""
+"""The commands `import` and `export`: template files of other systems read and written."""
 
 from pathlib import Path
 

@@ -1,15 +1,18 @@
-"""The command line of the machine: the group; each command is beside what it commands."""
+"""The command line `cnnsim`: the group that gathers the commands."""
 
 from pathlib import Path
 
 import click
 
 from cnnsim import library
+from cnnsim.cli.design import design
 from cnnsim.cli.devices import devices
 from cnnsim.cli.formats import export, import_
-from cnnsim.cli.library import explain, list_, show
-from cnnsim.cli.prototyping import design, robust, trace
+from cnnsim.cli.library import explain, list_
+from cnnsim.cli.robust import robust
 from cnnsim.cli.run import program, run
+from cnnsim.cli.show import show
+from cnnsim.cli.trace import trace
 from cnnsim.support.command_line import CommandGroup
 
 

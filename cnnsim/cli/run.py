@@ -1,4 +1,4 @@
-"""The commands that compute: run a template on a picture, run a program."""
+"""The commands `run` and `program`: a template or a program run on pictures."""
 
 from pathlib import Path
 from typing import Any, get_args

@@ -1,4 +1,4 @@
-"""celnn's template JSON: ``name``, ``feedback`` (A), ``control`` (B), ``bias``, ``description``, ``tags``.
+"""Reads and writes celnn's JSON: ``name``, ``feedback`` (A), ``control`` (B), ``bias``, ``description``, ``tags``.
 
 A file holds one template, or ``{"templates": [...]}``. celnn correlates as we do, but maps black to -1 and white to +1;
 under u, x, y -> -u, -x, -y the template (A, B, z) becomes (A, B, -z), so the **sign of z is turned** both ways.

@@ -1,4 +1,4 @@
-"""Warns of what is known to be wrong with a template that comes in, and of what its numbers show by themselves."""
+"""Defects of imported templates: known ones, differences from the library, and what the numbers alone show."""
 
 from collections.abc import Iterator
 from functools import cache

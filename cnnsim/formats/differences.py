@@ -1,4 +1,4 @@
-"""In which numbers two templates differ."""
+"""Differences of two templates, number by number."""
 
 from collections.abc import Iterator
 from itertools import zip_longest

@@ -1,4 +1,4 @@
-"""Which reader is for which file, and from a file to the template files that it stands for."""
+"""Imports files of other systems: finds the reader of a file and writes the template files that it stands for."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""The 19-number gene ``z b1..b9 a1..a9``: bias, control template and feedback template row by row.
+"""Reads and writes the 19-number gene ``z b1..b9 a1..a9``: bias, control template and feedback template row by row.
 
 Numbers are separated by blanks, commas or semicolons; ``#`` and ``%`` start comments. A file holds one gene over any
 number of lines, or one gene a line. Source: Chua's CNN genes; github.com/MichaelTeti/CNN_EdgeDetection has this order.

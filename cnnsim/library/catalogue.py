@@ -1,4 +1,4 @@
-"""The library: templates as data. One TOML file is one template with its source and its own worked pictures."""
+"""Catalogue of the library: finds a template by name, reads and checks its file, and runs it as the file says."""
 
 from dataclasses import replace
 from functools import cache

@@ -1,4 +1,4 @@
-"""One entry of the library: a template with all that is needed to use it as meant, and its worked examples."""
+"""Library entry: a template with all that is needed to use it as meant, and its worked examples."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -87,7 +87,7 @@ class LibraryEntry:
     def running_time(self, shape: tuple[int, int], *, step: float | None = None, has_mask: bool = False) -> RunningTime:
         """Return `guaranteed_time` on a grid (rows, cols), for the file's own step unless another is given.
 
-        ``has_mask`` says that a mask may hold cells.
+        ``has_mask`` says that there is a mask.
         """
         if not isinstance(self.network, Template) or isinstance(self.initial_state, tuple):
             return RunningTime(None, "it has several layers")

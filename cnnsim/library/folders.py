@@ -1,4 +1,4 @@
-"""Where template files are looked for: the shipped folder first, then users' own folders; of one name the last wins."""
+"""Folders of the library: the shipped one first, then users' own; of one name the last folder's file counts."""
 
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager

@@ -1,6 +1,7 @@
-"""The cell: its output characteristic, its state equation, and the closed form where it has one.
+"""Cell models: the state equation, its rate, and the closed form of cells without neighbours.
 
-In words: a cell leaks towards zero and is pushed by what it hears. In symbols, with w = B*u + z (+ bias map):
+In words: a cell leaks towards zero and is driven by its neighbours' outputs and inputs. In symbols, with
+w = B*u + z (+ bias map):
 
     dx/dt = -x + A*y + w,        y = f(x) = (|x + 1| - |x - 1|) / 2 = clip(x, -1, 1)
 
@@ -8,7 +9,7 @@ Time is counted in time constants. Cell models differ in what bounds them, and i
 
 * ``chua-yang``: the output is clipped, the state runs free (|x| <= |z| + sum|A| + sum|B|);
 * ``full-range``: the state itself is stopped at -1 and +1, and y = x. A numerical step (and each of its stages) that
-  would leave [-1, 1] ends on the wall;
+  would leave [-1, 1] ends on the limit;
 * ``discrete-time``: y(k + 1) = f(A*y(k) + w), f the sign unless another characteristic is asked for. All cells change
   at once, one step is one time constant, and the state is the output. A drive of exactly 0 keeps the old output (so a
   cell that starts at 0 stays there until its drive is not 0). Harrer and Nossek, "Discrete-time cellular neural

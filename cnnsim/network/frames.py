@@ -46,7 +46,7 @@ def at_step(value: Any, number: int, step: float) -> Any:
 
 
 def spans(steps: int, step: float, delays: Sequence[float], *inputs: Any) -> Iterator[tuple[int, int]]:
-    """Yield (first step, number of steps) of the spans in which all inputs stand still, also as heard with delays."""
+    """Yield (first step, number of steps) of the spans in which all inputs stand still, delayed ones as well."""
     edges = {0, steps}
     for value in inputs:
         if isinstance(value, Frames):

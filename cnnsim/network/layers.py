@@ -13,13 +13,13 @@ from cnnsim.support.errors import InputError
 class LayeredTemplate:
     """The template of a network of layers: T_l dx_l/dt = -x_l + A_l*y_l + B_l*u_l + z_l + terms of layer l.
 
-    ``layers`` are ordinary templates, one a layer; what a layer hears of another one is a term with ``layer`` set.
+    ``layers`` are ordinary templates, one a layer; coupling between layers is a term with ``layer`` set.
     ``time_constants`` T_l count in time constants of the network (1 if not given). A plane of such a network is
     (layers, rows, cols), a batch of them (n, layers, rows, cols).
 
     Raises:
-        InputError: no layer, time constants that are not positive or of another number, a term that hears a layer
-            that is not there.
+        InputError: no layer, time constants that are not positive or of another number, a term that reads a
+            layer that is not there.
     """
 
     layers: tuple[Template, ...]
@@ -41,7 +41,7 @@ class LayeredTemplate:
             for term in layer.terms:
                 if term.layer is not None and term.layer >= len(self.layers):
                     raise InputError(
-                        f"template {name!r}: a term of layer {number} hears layer {term.layer}; 0 to "
+                        f"template {name!r}: a term of layer {number} reads layer {term.layer}; 0 to "
                         f"{len(self.layers) - 1} are there"
                     )
 
@@ -52,12 +52,12 @@ class LayeredTemplate:
 
     @property
     def uncoupled(self) -> bool:
-        """True if no cell hears another one, of its own or of another layer."""
+        """True if no cell is coupled to another one, of its own or of another layer."""
         return all(layer.uncoupled for layer in self.layers)
 
     @property
     def radius(self) -> int:
-        """How far the farthest-looking layer looks."""
+        """The largest radius of its layers."""
         return max(layer.radius for layer in self.layers)
 
     def state_bound(self, bias: float = 0.0) -> float:
@@ -72,6 +72,6 @@ def layered(template: AnyTemplate) -> LayeredTemplate:
     """Return the template as one of layers: a plain one is a single layer.
 
     Raises:
-        InputError: a plain template with a term that hears another layer.
+        InputError: a plain template with a term that reads another layer.
     """
     return template if isinstance(template, LayeredTemplate) else LayeredTemplate((template,), None, template.name)

@@ -1,4 +1,4 @@
-"""Template: the numbers A, B, z that say how a cell listens to its neighbours, and terms that are not so simple."""
+"""Template: the numbers A, B, z that weigh a cell's neighbours, and terms beyond them."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -83,7 +83,7 @@ class Template:
 
     @property
     def uncoupled(self) -> bool:
-        """True if nothing feeds a neighbour back: every cell is on its own once what it hears of u is known."""
+        """True if nothing feeds a neighbour back: every cell is on its own once its drive from u is known."""
         return all(tap.k == tap.l == 0 for tap in self.feedback_taps) and not any(t.couples for t in self.terms)
 
     @property
@@ -93,7 +93,7 @@ class Template:
 
     @property
     def isotropic(self) -> bool:
-        """True if A looks the same after a quarter turn and in a mirror."""
+        """True if A is the same after a quarter turn and in a mirror."""
         return np.array_equal(self.A, np.rot90(self.A)) and np.array_equal(self.A, self.A.T)
 
     @property

@@ -113,7 +113,7 @@ class Term:
 
     @property
     def radius(self) -> int:
-        """How far the term looks."""
+        """How far its farthest tap reaches."""
         return reach((k, l) for k, l, _ in self.taps)
 
     @property
@@ -129,8 +129,8 @@ class Term:
     @property
     def couples(self) -> bool:
         """True if the term brings the state of a neighbour (or of another layer) to a cell."""
-        heard = {self.of.neighbour, *(() if self.times is None else (self.times.neighbour,))}
-        return heard != {"u"} and (self.layer is not None or any((k, l) != (0, 0) for k, l, _ in self.taps))
+        neighbours = {self.of.neighbour, *(() if self.times is None else (self.times.neighbour,))}
+        return neighbours != {"u"} and (self.layer is not None or any((k, l) != (0, 0) for k, l, _ in self.taps))
 
     @property
     def bound(self) -> float:

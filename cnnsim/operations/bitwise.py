@@ -1,4 +1,4 @@
-"""Templates that, on black-and-white pictures, are an AND or an OR of neighbours: found by their truth table."""
+"""Bit rules: templates that are an AND or OR of neighbours on black-and-white pictures, found by truth table."""
 
 import itertools
 import math
@@ -10,9 +10,10 @@ import numpy as np
 from cnnsim.network.boundary import Boundary
 from cnnsim.network.cell import uncoupled_state
 from cnnsim.network.template import Template
+from cnnsim.network.weights import reach
 
 MOST_NEIGHBOURS = 12
-"""Templates that listen to more cells than this are not looked at: the truth table has 2^n rows."""
+"""Templates that read more cells than this are not tried: the truth table has 2^n rows."""
 
 CLEAR = 1e-6
 """A drive this close to where the answer changes is left to the real numbers: rounding decides there."""
@@ -35,8 +36,8 @@ class BitRule:
 
     @property
     def radius(self) -> int:
-        """How far the rule looks."""
-        return max((max(abs(k), abs(l)) for k, l, _ in self.literals), default=0)
+        """How far its farthest literal reaches."""
+        return reach((k, l) for k, l, _ in self.literals)
 
 
 def bit_rule(template: Template, boundary: Boundary, state: float | None) -> BitRule | None:

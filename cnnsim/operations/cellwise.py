@@ -16,7 +16,7 @@ Planes = tuple[NDArray[Any], ...]
 class Cellwise:
     """A named per-cell operation: some planes in, some planes out, numbers as parameters.
 
-    ``array(*inputs, *parameters)`` is the law: NumPy on arrays of any shape, giving one array an output.
+    ``array(*inputs, *parameters)`` defines the result: NumPy on arrays of any shape, giving one array an output.
     ``compiled()`` gives a kernel ``kernel(*inputs, *outputs, *parameters)`` for the CPU backend; the planes
     are contiguous 1-D arrays of one dtype, the outputs are written in place. Without it the CPU backend uses
     ``array``, which is right for anything that is already one NumPy ufunc. ``opencl`` is the operation's text for
@@ -80,7 +80,7 @@ def find(name: str) -> Cellwise:
     Packages announce theirs under the entry-point group ``cnnsim.operations.cellwise``.
 
     Raises:
-        InputError: nobody knows the name.
+        InputError: no operation has the name.
     """
     if name in BUILT_IN:
         return BUILT_IN[name]

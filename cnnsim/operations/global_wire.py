@@ -1,4 +1,4 @@
-"""The global wire: what the whole array says at once about a black-and-white plane."""
+"""The global wire: one value of a whole black-and-white plane, any, all or the count of its black cells."""
 
 from typing import Literal, get_args
 
@@ -18,8 +18,8 @@ def read_wire(wire: Wire, black: Register, cells: int) -> Register:
     """
     if wire == "count":
         return black
-    told = black > 0 if wire == "any" else black == cells
-    return told.astype(np.int64) if isinstance(told, np.ndarray) else int(told)
+    value = black > 0 if wire == "any" else black == cells
+    return value.astype(np.int64) if isinstance(value, np.ndarray) else int(value)
 
 
 def check_wire(name: str) -> Wire:

@@ -1,15 +1,16 @@
-"""Reads program files. The whole file is checked before anything runs, and an error names the step."""
+"""Reads program files into programs, checked whole before anything runs; an error names the step."""
 
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from cnnsim.library import folders as library_path
+from cnnsim.library.folders import program_file
 from cnnsim.network.boundary import parse_boundary
 from cnnsim.network.template import Template
 from cnnsim.program.names import Names
 from cnnsim.program.program import Program
-from cnnsim.program.steps import LocalTemplate, Scope, read_steps
+from cnnsim.program.scope import LocalTemplate, Scope
+from cnnsim.program.steps import read_steps
 from cnnsim.support.errors import InputError
 from cnnsim.support.toml_file import check_keys, read_toml
 
@@ -33,7 +34,7 @@ def load_program(
     """
     file = Path(path)
     if not file.suffix:
-        file = library_path.program_file(str(path))
+        file = program_file(str(path))
     data = read_toml(file, "program file")
     try:
         return _program(data, templates or {}, parameters or {}, file)

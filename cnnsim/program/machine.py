@@ -1,4 +1,4 @@
-"""UniversalMachine: runs analogic programs. `_execute` reads like the program it runs."""
+"""UniversalMachine: runs analogic programs step by step. `_execute` has what each kind of step does."""
 
 import math
 from dataclasses import replace

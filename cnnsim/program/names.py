@@ -1,4 +1,4 @@
-"""The names of a program while it is read: which memory each lives in, and whether it has been written yet."""
+"""Names of a program file while it is read: the memory of each, and whether it has been written yet."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -1,4 +1,4 @@
-"""Analogic programs: what the steps are, and how a program file is read and checked whole before anything runs.
+"""Program: an analogic program as a value, its steps one class a kind; a new kind is listed in `Step`.
 
 A program is a TOML file. It declares its memories and lists its steps, each a table with one of the keys
 

@@ -1,18 +1,11 @@
-"""One reader for each kind of step: a table of the file in, a checked step out."""
+"""Reads the steps of a program file: one reader for each kind, a table in, a checked step out."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import Any
 
-from cnnsim import library
-from cnnsim.network.boundary import Boundary, parse_boundary
-from cnnsim.network.characteristic import CHUA_YANG, Cell
-from cnnsim.network.template import Template
 from cnnsim.operations import cellwise
 from cnnsim.operations.global_wire import check_wire
 from cnnsim.operations.logic import function_number
-from cnnsim.planning.duration import Duration
-from cnnsim.program.names import Names
 from cnnsim.program.program import (
     ARITHMETIC,
     BranchStep,
@@ -23,22 +16,13 @@ from cnnsim.program.program import (
     NumberStep,
     RepeatStep,
     Step,
-    TemplateStep,
     UntilUnchangedStep,
     WireStep,
 )
+from cnnsim.program.scope import Scope
+from cnnsim.program.template_step import read_template_step
 from cnnsim.support.errors import InputError
 from cnnsim.support.toml_file import check_keys
-
-LocalTemplate = tuple[Template, Boundary, Duration]
-
-
-@dataclass(frozen=True)
-class Scope:
-    """What a step can refer to."""
-
-    names: Names
-    templates: Mapping[str, LocalTemplate]
 
 
 def read_steps(tables: Any, prefix: str, scope: Scope) -> tuple[Step, ...]:
@@ -62,60 +46,6 @@ def _step(table: dict[str, Any], number: str, scope: Scope) -> Step:
         raise InputError(f"{where}: a name wanted")
     check_keys(table, (kinds[0], *required, *optional), where, required)
     return read(table, where, number, scope)
-
-
-def _template(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
-    names = scope.names
-    template, boundary, duration, u, x0 = _find_template(table["template"], where, scope)
-    cell, step = _cell_and_step(table["template"], scope)
-    u = table.get("input", u)
-    if template.reads_input and u is None:
-        raise InputError(f"{where}: the template has a B, so 'input' must name a plane")
-    x0 = table.get("state", u if x0 == "picture" else None if x0 == "given" else x0)
-    if x0 is None:
-        raise InputError(f"{where}: 'state' must name the plane, or be the number, that x(0) is")
-    try:
-        boundary = parse_boundary(table.get("boundary", boundary))
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from error
-    return TemplateStep(
-        where,
-        template,
-        boundary,
-        table.get("duration", duration),
-        names.read(u, where, "lam", "llm") if isinstance(u, str) else None if u is None else names.number(u, where),
-        names.read(x0, where, "lam", "llm") if isinstance(x0, str) else names.number(x0, where),
-        names.read(table["bias"], where, "lam", "llm") if "bias" in table else None,
-        names.read(table["mask"], where, "lam", "llm") if "mask" in table else None,
-        names.write(table["to"], where, "lam", "llm"),
-        cell,
-        step,
-        "" if table["template"] in scope.templates else table["template"],
-    )
-
-
-def _cell_and_step(name: str, scope: Scope) -> tuple[Cell, float | None]:
-    """Return what a template of the library asks for; a program's own templates are Chua-Yang cells."""
-    if name in scope.templates:
-        return CHUA_YANG, None
-    entry = library.load(name)
-    return entry.cell, entry.step
-
-
-def _find_template(name: str, where: str, scope: Scope) -> tuple[Template, Boundary, Duration, Any, Any]:
-    """Return template, boundary, duration, and what u and x(0) are if the step does not say (None: it must)."""
-    if name in scope.templates:
-        return (*scope.templates[name], None, None)
-    try:
-        entry = library.load(name)
-        template = entry.template
-        if entry.frame_time:
-            raise InputError(f"template {name!r} takes a sequence of pictures, a step has one")
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from error
-    u = entry.input if isinstance(entry.input, int | float) else None
-    x0 = 0.0 if entry.initial_state == "any" else entry.initial_state
-    return template, entry.boundary, entry.duration, u, x0
 
 
 def _cellwise(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
@@ -230,7 +160,7 @@ def _whole(value: Any, what: str, where: str, scope: Scope) -> int:
 _Reader = Callable[[dict[str, Any], str, str, Scope], Step]
 
 _READERS: dict[str, tuple[tuple[str, ...], tuple[str, ...], _Reader]] = {
-    "template": (("to",), ("input", "state", "bias", "mask", "boundary", "duration"), _template),
+    "template": (("to",), ("input", "state", "bias", "mask", "boundary", "duration"), read_template_step),
     "cellwise": (("of", "to"), ("parameters",), _cellwise),
     "logic": (("of", "to"), (), _logic),
     "copy": (("to",), (), _copy),

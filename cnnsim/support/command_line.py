@@ -1,8 +1,9 @@
-"""What both command lines share: mistakes of the user become one line on stderr and exit code 2."""
+"""Plumbing of both command lines: errors as one line and exit code 2, progress bars, JSON, example calls."""
 
 import json
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -48,6 +49,20 @@ def watched(items: Iterable[Item], what: str, total: float | None = None) -> Ite
     from rich.progress import track  # the same
 
     return track(items, what, total=total, console=Console(stderr=True), transient=True)
+
+
+@contextmanager
+def progress(what: str) -> Iterator[Any]:
+    """Give a function that goes through a list and shows how far it is, on stderr and only on a terminal."""
+    from rich.console import Console  # only for people
+    from rich.progress import Progress  # the same
+
+    with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
+
+        def track(levels: Iterable[Any]) -> Iterator[Any]:
+            yield from bar.track(list(levels), description=what)
+
+        yield track
 
 
 def print_json(data: Any) -> None:

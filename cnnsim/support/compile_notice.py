@@ -1,4 +1,4 @@
-"""Says on a terminal that loops are being compiled: once, and for seconds in which nothing is to be seen."""
+"""Compile notice: tells a terminal, once, that loops are being compiled, if that takes more than a second."""
 
 import time
 from collections.abc import Callable
@@ -10,7 +10,7 @@ _PATIENCE = 1.0
 
 
 class Notice:
-    """Hears when numba's compiler starts and ends, and calls ``say`` once, when it has worked for a second."""
+    """Listens to numba's compiler and calls ``say`` once, when it has worked for a second."""
 
     def __init__(self, say: Callable[[], None], patience: float = _PATIENCE) -> None:
         self._say, self._left, self._depth, self._since = say, patience, 0, 0.0

@@ -1,4 +1,4 @@
-"""What a reader of a foreign file has to say about it: notes, warnings and errors, each with its line."""
+"""Diagnostics of a file of another system: notes, warnings and errors, each with its line."""
 
 from dataclasses import dataclass, field
 from typing import Literal
@@ -8,7 +8,7 @@ Severity = Literal["note", "warning", "error"]
 
 @dataclass(frozen=True)
 class Diagnostic:
-    """One remark. A note is harmless, a warning wants a look, an error means that the content cannot be trusted."""
+    """One remark. A note is harmless, a warning should be checked, after an error the content cannot be trusted."""
 
     severity: Severity
     line: int | None
@@ -27,7 +27,7 @@ class Diagnostics:
         self.items.append(Diagnostic("note", line, message))
 
     def warning(self, line: int | None, message: str) -> None:
-        """Add something that wants a look."""
+        """Add something that should be checked."""
         self.items.append(Diagnostic("warning", line, message))
 
     def error(self, line: int | None, message: str) -> None:

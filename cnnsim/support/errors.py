@@ -1,4 +1,4 @@
-"""The one exception for what a user can get wrong."""
+"""InputError: the exception for whatever a user can get wrong."""
 
 
 class InputError(ValueError):

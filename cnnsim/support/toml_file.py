@@ -1,4 +1,4 @@
-"""Files in TOML that people write by hand, and taking keys out of their tables: errors name file, table and key."""
+"""Reads TOML files that people write by hand, and takes keys out of their tables: errors name file, table and key."""
 
 import sys
 import tomllib
@@ -43,7 +43,7 @@ def parse_toml(text: str, where: str) -> dict[str, Any]:
 def check_keys(
     table: Mapping[str, Any], known: Collection[str], where: str = "", required: Collection[str] = ()
 ) -> None:
-    """Refuse keys that nobody reads, naming the nearest one that is read, and tables without a required one.
+    """Refuse keys that are not known, naming the nearest one that is read, and tables without a required one.
 
     Raises:
         InputError: no table, an unknown key, or a missing one.

@@ -1,9 +1,13 @@
-"""What a cell can meet on a black-and-white picture: pairs of initial state and input, and all sums of its taps."""
+"""Neighbourhoods of black-and-white pictures: pairs of initial state and input, sums of taps, and all their values."""
 
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+
+from cnnsim.network.boundary import Boundary, pad
+from cnnsim.network.weights import Tap, reach
+from cnnsim.support.types import Floats
 
 Pair = tuple[float, float]
 """(x(0), u) of one cell."""
@@ -41,6 +45,17 @@ def weighted_sums(options: Sequence[Sequence[tuple[float, ...]]]) -> NDArray[np.
         if len(sums) > MOST:
             return None
     return sums
+
+
+def neighbour_sum(plane: Floats, taps: Sequence[Tap], boundary: Boundary, constant: float, start: Floats) -> Floats:
+    """Return start + sum of weight * plane(row + k, col + l); ``constant`` is what a fixed boundary holds."""
+    r = reach((k, l) for k, l, _ in taps)
+    around = pad(plane, r, boundary, constant)
+    rows, cols = plane.shape
+    total = start.copy()
+    for k, l, weight in taps:
+        total += weight * around[r + k : r + k + rows, r + l : r + l + cols]
+    return total
 
 
 def too_many(taps: int) -> str:

@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.network.boundary import Boundary, pad
-from cnnsim.network.template import Tap, Template
+from cnnsim.network.boundary import Boundary
+from cnnsim.network.template import Template
 from cnnsim.support.types import Floats
 from cnnsim.theory import wave_time
-from cnnsim.theory.neighbourhood import Pair, pairs_of, too_many, weighted_sums
+from cnnsim.theory.neighbourhood import Pair, neighbour_sum, pairs_of, too_many, weighted_sums
 
 TOLERANCE = 0.01
 """An output that only comes nearer and nearer to its final value counts as final from this distance on."""
@@ -50,7 +50,7 @@ def guaranteed_time(
     """Return the time after which every output is final, whatever black-and-white pictures (rows, cols) are given.
 
     Arguments: ``input`` and ``initial_state`` say what u and x(0) are, in the words of a template file; ``step`` is
-    the longest Euler step it has to hold for; ``has_mask`` says that a mask may hold cells.
+    the longest Euler step it has to hold for; ``has_mask`` says that there is a mask.
     """
     if not template.linear:
         return RunningTime(None, _TERMS)
@@ -122,17 +122,6 @@ def cell_time(s: Floats, x0: Floats, a: float, step: float) -> Floats:
                 exact, by_step = a - 1, np.log1p((a - 1) * step)
             distance = np.where(np.abs(q) < _TIE, np.inf, np.where(x0 >= 1, 0.0, distance))
         return np.maximum(distance / exact, np.ceil(distance / by_step - _TIE) * step)
-
-
-def neighbour_sum(plane: Floats, taps: tuple[Tap, ...], boundary: Boundary, constant: float, start: Floats) -> Floats:
-    """Return start + sum of weight * plane(row + k, col + l); ``constant`` is what a fixed boundary holds."""
-    r = max((max(abs(tap.k), abs(tap.l)) for tap in taps), default=0)
-    around: NDArray[Any] = pad(plane, r, boundary, constant)
-    rows, cols = plane.shape
-    total = start.copy()
-    for k, l, weight in taps:
-        total += weight * around[r + k : r + k + rows, r + l : r + l + cols]
-    return total
 
 
 def _contraction(template: Template) -> RunningTime | None:

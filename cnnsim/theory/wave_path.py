@@ -1,4 +1,4 @@
-"""The longest path a trigger wave can take on a grid: the walls of the worst maze are counted in."""
+"""The longest path a trigger wave can take on a grid, through the worst maze where cells can be walls."""
 
 import numpy as np
 from numpy.typing import NDArray

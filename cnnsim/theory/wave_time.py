@@ -16,10 +16,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.network.boundary import Boundary, pad
+from cnnsim.network.boundary import Boundary
 from cnnsim.network.template import Template
 from cnnsim.support.types import Floats
-from cnnsim.theory.neighbourhood import Pair, too_many, weighted_sums
+from cnnsim.theory.neighbourhood import Pair, neighbour_sum, too_many, weighted_sums
 from cnnsim.theory.wave_path import longest_path
 
 _TIE = 1e-9
@@ -149,14 +149,8 @@ def _refusal(template: Template, step: float) -> str | None:
 
 def _neighbours(template: Template, y: Floats, boundary: Boundary, outside: float) -> Floats:
     """A*y without the cell itself."""
-    r = template.A.shape[0] // 2
-    around = pad(y, r, boundary, outside)
-    rows, cols = y.shape
-    total = np.zeros_like(y)
-    for k, l, weight in template.feedback_taps:
-        if (k, l) != (0, 0):
-            total += weight * around[r + k : r + k + rows, r + l : r + l + cols]
-    return total
+    taps = [tap for tap in template.feedback_taps if (tap.k, tap.l) != (0, 0)]
+    return neighbour_sum(y, taps, boundary, outside, np.zeros_like(y))
 
 
 def _both_weights(template: Template) -> dict[tuple[int, int], tuple[float, float]]:

@@ -1,4 +1,4 @@
-"""Matrices and function lines of ``.tem`` files."""
+"""Reads matrices and function lines of ``.tem`` files."""
 
 import re
 from dataclasses import dataclass, replace

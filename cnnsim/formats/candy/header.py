@@ -1,4 +1,4 @@
-"""What the header comments of a ``.tem`` file mean for us: boundary, initial state, input, running time, cell model."""
+"""Reads the header comments of a ``.tem`` file: boundary, initial state, input, running time, cell model."""
 
 import re
 from dataclasses import dataclass, replace

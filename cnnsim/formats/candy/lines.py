@@ -1,4 +1,4 @@
-"""From the bytes of a ``.tem`` file to its lines, header comments and keywords."""
+"""Cuts the bytes of a ``.tem`` file into lines, header comments and keywords."""
 
 import re
 from collections.abc import Iterator

@@ -34,7 +34,7 @@ def section_template(section: Section, name: str) -> AnyTemplate:
 
 
 def layer_template(layer: Layer, name: str) -> Template:
-    """Return the template of one layer; what it hears of other layers are terms with ``layer`` set."""
+    """Return the template of one layer; its coupling to other layers are terms with ``layer`` set."""
     _refuse_doubles(layer)
     matrices = {
         kind: [np.array(_linear_part(block)) for block in layer.blocks if _plain(block, layer) == kind]

@@ -1,4 +1,4 @@
-"""Rules that depend on one weighted count alone: a chain of templates, each correcting the one before.
+"""Count chain: a rule that depends on one weighted count alone, by templates each of which corrects the one before.
 
 Let f change its colour at t_1 < ... < t_n as the count k grows, white first and black last (n odd). The template with
 drive k - (t_1 + t_n) / 2 and the weight (t_n - t_1) / 2 on its initial state g is white below t_1, black above t_n, and
@@ -55,7 +55,7 @@ def _counts(rule: WindowRule) -> list[tuple[Signs, list[tuple[int, int]]]]:
 
 
 def _alike(rule: WindowRule) -> list[list[int]]:
-    """Group the variables the rule looks at: two of a group can be exchanged and no answer changes."""
+    """Group the variables the rule depends on: two of a group can be exchanged and no answer changes."""
     groups: list[list[int]] = []
     powers = 1 << np.arange(rule.rows.shape[1])[::-1]
     for variable in rule.looks_at:

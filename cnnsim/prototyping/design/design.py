@@ -1,4 +1,4 @@
-"""What a design is: templates run one after the other, and the logic function that joins their outputs."""
+"""Design: templates run one after the other, and the logic function that joins their outputs."""
 
 from dataclasses import dataclass
 from typing import Literal

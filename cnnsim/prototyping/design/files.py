@@ -106,7 +106,7 @@ def _part_text(
 
 
 def _pictures(rule: WindowRule, boundary: Boundary, given: Sequence[Floats]) -> list[tuple[Floats, Floats | None]]:
-    """Return up to three pictures (and states) all of whose windows the rule knows, the most telling ones first."""
+    """Return up to three pictures (and states) all of whose windows the rule knows, the user's own first."""
     rng, found = np.random.default_rng(0), []
     tries = [*given, *(np.where(rng.random((9, 10)) < share, 1.0, -1.0) for share in [0.2, 0.5, 0.8] * 20)]
     for number, picture in enumerate(tries):

@@ -1,4 +1,4 @@
-"""One threshold for a rule: weights of maximal margin by linear programming, or a certificate that there are none."""
+"""Linear separation: weights of maximal margin by linear programming, or a certificate that there are none."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -148,7 +148,7 @@ def _solve_exactly(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> l
 
 
 def _relevant(rows: Signs, table: Signs) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """Return the numbers of rows that say all, and which variables change an answer.
+    """Return the numbers of rows that suffice, and which variables change an answer.
 
     Of variables that change nothing, only rows with -1 are needed. That applies to whole tables, whose row numbers are
     the rows' bits; of any other all rows that matter are returned.

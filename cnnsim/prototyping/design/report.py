@@ -1,4 +1,4 @@
-"""What `cnnsim design` does, and what it says about it: facts for a machine and lines for people."""
+"""Designs a template, writes and checks it, and reports on it: facts for a machine and lines for people."""
 
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -19,13 +19,13 @@ from cnnsim.prototyping.design.rule_files import read_pairs, read_table, rule_of
 from cnnsim.prototyping.design.verify import wrong_windows
 from cnnsim.support.errors import InputError
 
-Told = tuple[dict[str, Any], list[str]]
+Facts = tuple[dict[str, Any], list[str]]
 
 
 def designed(
     text: str | None, table: Path | None, pairs: Sequence[str], name: str, folder: Path, boundary: Boundary, norm: Norm
-) -> Told:
-    """Design templates for a rule, write them, run them on every window, and tell.
+) -> Facts:
+    """Design templates for a rule, write them, run them on every window, and report.
 
     Raises:
         InputError: the rule is wrong, or the folder cannot be written.
@@ -105,8 +105,8 @@ def _windows(rule: WindowRule, known: int) -> str:
 def fitted(
     texts: Sequence[str], name: str, folder: Path, boundary: Boundary, options: dict[str, Any],
     track: Callable[[Iterable[Any]], Iterable[Any]],
-) -> Told:  # fmt: skip
-    """Fit a coupled template to pairs of pictures, write it with the pairs as its examples, and tell.
+) -> Facts:  # fmt: skip
+    """Fit a coupled template to pairs of pictures, write it with the pairs as its examples, and report.
 
     Raises:
         InputError: pictures that cannot be read, a state that is neither "picture" nor a number from -1 to 1, or no

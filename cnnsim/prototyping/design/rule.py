@@ -1,4 +1,4 @@
-"""What a rule is: the answer to every black-and-white 3 x 3 window (and initial state): black, white, or either."""
+"""Window rule: the answer to all black-and-white 3 x 3 windows (and initial states): black, white, or either."""
 
 from dataclasses import dataclass, field
 from functools import cached_property

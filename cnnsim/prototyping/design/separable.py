@@ -1,4 +1,4 @@
-"""From a rule to one template, of maximal margin, or to the certificate that there is none."""
+"""Separable rules: one template of maximal margin for a rule, or the certificate that there is none."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""A threshold for as many windows as possible, where none is right on all."""
+"""Soft margin: a threshold for as many windows as possible, where none is right on all."""
 
 import numpy as np
 from numpy.typing import NDArray

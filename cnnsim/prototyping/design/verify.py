@@ -1,4 +1,4 @@
-"""Runs what was designed on every window there is: the last word, from the machine itself."""
+"""Verifies a design by running it on all windows."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What a real chip does to a template: errors of its entries, coarse entries, noise."""
+"""Disturbs a template as a chip would: relative errors of its entries, entries of few bits."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -27,11 +27,11 @@ def quantised(template: AnyTemplate, bits: int) -> AnyTemplate:
     """
     sizes: list[float] = []
 
-    def look(entries: Floats) -> Floats:
+    def measure(entries: Floats) -> Floats:
         sizes.append(float(np.abs(entries).max()))
         return entries
 
-    _changed(template, look)
+    _changed(template, measure)
     step = max(sizes) / (2 ** (bits - 1) - 1)
     return template if step == 0 else _changed(template, lambda entries: np.rint(entries / step) * step)
 

@@ -1,4 +1,4 @@
-"""Counts the cells that a disturbed template gets wrong: in closed form on neighbourhoods, or by runs on examples."""
+"""Error rate of a disturbed template: its wrong cells, in closed form on neighbourhoods, or by runs on examples."""
 
 from dataclasses import replace
 from typing import Any, Protocol
@@ -131,8 +131,8 @@ class _Examples:
             def noisy(picture: Array) -> Array:
                 return np.clip(picture + noise * rng.standard_normal(picture.shape), -1, 1)
 
-            heard = getattr(task, self.plane)
-            shown: Any = heard.map(noisy) if isinstance(heard, Frames) else noisy(heard)
+            plane = getattr(task, self.plane)
+            shown: Any = plane.map(noisy) if isinstance(plane, Frames) else noisy(plane)
             task = replace(task, state=shown) if self.plane == "state" else replace(task, input=shown)
         try:
             y = self._output(task, template)

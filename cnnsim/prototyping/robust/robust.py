@@ -1,4 +1,4 @@
-"""How precise must a chip be? The share of wrong cells against errors of entries, bits, and noise on the input."""
+"""Robustness of a template: the share of wrong cells against errors of entries, bits, and noise on the input."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -54,7 +54,7 @@ class Robustness:
 def measure(entry: LibraryEntry, *, draws: int = 40, seed: int = 0, track: Track = iter) -> Robustness:
     """Measure how a library template stands errors; the same seed gives the same numbers.
 
-    Templates without neighbours are judged on all their neighbourhoods, others by whole runs on their own examples.
+    Templates without neighbours are measured on all their neighbourhoods, others by whole runs on their own examples.
     """
     error_rate = error_rate_of(entry, seed)
     levels = [*(("entries", s) for s in SIGMAS), *(("bits", b) for b in BITS), *(("noise", s) for s in NOISES)]

@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from cnnsim import library, write_picture
-from cnnsim.cli.prototyping import design as design_command
+from cnnsim.cli.design import design as design_command
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.support.errors import InputError

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from PIL import Image
 
 from cnnsim import Template, library
-from cnnsim.cli.prototyping import robust
+from cnnsim.cli.robust import robust
 from cnnsim.network.cell import output, uncoupled_state
 from cnnsim.network.layers import AnyTemplate, layered
 from cnnsim.prototyping.robust.disturb import quantised, with_relative_errors

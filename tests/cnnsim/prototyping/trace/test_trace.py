@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from PIL import Image
 
 from cnnsim import backends, library, write_picture
-from cnnsim.cli.prototyping import trace
+from cnnsim.cli.trace import trace
 from cnnsim.network.cell import output, uncoupled_state
 from cnnsim.prototyping.trace.plot import SHEET, sheet_frames
 from cnnsim.prototyping.trace.trace import Trace, parse_cell_index, record, representative_cells, watching_time

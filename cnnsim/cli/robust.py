@@ -1,0 +1,60 @@
+"""The command `robust`: how precise a chip must be for a template."""
+
+from pathlib import Path
+
+import click
+
+from cnnsim import library
+from cnnsim.cli.run import json_option
+from cnnsim.support.command_line import examples, print_json, progress
+
+
+@click.command(
+    epilog=examples(
+        "cnnsim robust edge -o curve.png",
+        "cnnsim robust hole-filler --draws 100 -o curve.png",
+        "cnnsim robust corner --json",
+    )
+)
+@click.argument("name")
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="Where the curves go (PNG, SVG, PDF).")
+@click.option("--draws", type=click.IntRange(1, 10_000), default=40, show_default=True, help="Random chips a level.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@json_option
+def robust(name: str, output: Path | None, draws: int, seed: int, as_json: bool) -> None:
+    """Tell how precise a chip must be for template NAME.
+
+    The margin, and the share of wrong cells under random errors of the entries (0.1 % to 20 %), entries of 3 to 12
+    bits, and noise on the picture.
+    """
+    from cnnsim.prototyping.robust.robust import measure
+
+    with progress(name) as track:
+        found = measure(library.load(name), draws=draws, seed=seed, track=track)
+    if output is not None:
+        from cnnsim.prototyping.robust.plot import draw_robustness
+
+        draw_robustness(found, output)
+    if as_json:
+        curves = {kind: vars(getattr(found, kind)) for kind in ("entries", "bits", "noise")}
+        print_json({"template": name, "margin": vars(found.margin), "judged_on": found.judged_on, **curves,
+                    "bits_needed": found.bits_needed(), "draws": draws, "seed": seed})  # fmt: skip
+        return
+    click.echo(f"{name}, judged on {found.judged_on}")
+    margin = found.margin
+    if margin.value is None:
+        click.echo(margin.why)
+    else:
+        click.echo(f"margin          {margin.value:.4g} ({margin.why})")
+        assert margin.tolerated is not None
+        click.echo(f"entry errors    {'' if margin.exact else 'at least '}{100 * margin.tolerated:.3g} % are harmless")
+    sigma, noise, bits = found.entries.largest_without_error(), found.noise.largest_without_error(), found.bits_needed()
+    click.echo(f"random errors   {_level(sigma, 100, ' %')} (σ) without a wrong cell in {draws} draws")
+    click.echo(f"bits            {'more than 12' if bits is None else bits} needed")
+    click.echo(f"noise           {_level(noise, 1, '')} (σ; black to white is 2) without a wrong cell")
+    if output is not None:
+        click.echo(f"-> {output}")
+
+
+def _level(level: float | None, scale: float, unit: str) -> str:
+    return "none" if level is None else f"up to {scale * level:g}{unit}"

@@ -1,0 +1,82 @@
+"""The command `trace`: the transient of a template recorded and drawn, cell by cell."""
+
+from pathlib import Path
+
+import click
+
+from cnnsim import backends, library
+from cnnsim.cli.run import backend_option, json_option, read_frames
+from cnnsim.network.boundary import BOUNDARY_FORMS, parse_boundary
+from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
+from cnnsim.support.command_line import examples, print_json
+from cnnsim.support.errors import InputError
+from cnnsim.support.picture import read_picture, write_film
+
+_FILE = click.Path(path_type=Path)
+
+
+@click.command(
+    epilog=examples(
+        "cnnsim trace edge square.png -o trace.png",
+        "cnnsim trace hole-filler scan.png --binary --cell 3,4 --cell 5,5 -o trace.png --film film.gif",
+        "cnnsim trace moving-parts frame1.png frame2.png frame3.png -o trace.png",
+        "cnnsim trace recall mask.png --state marker.png --time 12 --scheme rk4 -o trace.png",
+    )
+)
+@click.argument("name")
+@click.argument("pictures", type=_FILE, nargs=-1, required=True, metavar="PICTURE...")
+@click.option("-o", "--output", type=_FILE, help="Where the plot goes (PNG, SVG, PDF).")
+@click.option("--cell", "cells", multiple=True, metavar="ROW,COL", help="A cell to follow; else representative ones.")
+@click.option("--film", type=_FILE, help="Also write the output over time as a GIF.")
+@click.option("--frames", type=click.IntRange(1, 2000), default=120, show_default=True, help="Times that are kept.")
+@click.option("--layer", type=click.IntRange(0), default=0, show_default=True, help="Of a network of layers.")
+@click.option("--state", type=_FILE, help="The second picture, for templates that take one.")
+@click.option("--binary", is_flag=True, help="Make the pictures black and white before the run.")
+@click.option("--boundary", help=f"{BOUNDARY_FORMS} instead of the template's own.")
+@click.option("--time", "duration", type=float, help="Watch this many time constants instead of until it settles.")
+@click.option("--scheme", type=click.Choice([*SCHEMES, ADAPTIVE]), help="Integration scheme instead of the plan's.")
+@backend_option
+@json_option
+def trace(
+    name: str, pictures: tuple[Path, ...], output: Path | None, cells: tuple[str, ...], film: Path | None, frames: int,
+    layer: int, state: Path | None, binary: bool, boundary: str | None, duration: float | None, scheme: str | None,
+    backend: str, as_json: bool,
+) -> None:  # fmt: skip
+    """Record the transient of template NAME on PICTURE: states and outputs over time, and the pictures.
+
+    Templates for moving pictures take several, one a frame.
+    """
+    from cnnsim.prototyping.trace.trace import parse_cell_index, record, representative_cells, watching_time
+    from cnnsim.transient import make_task
+
+    if output is None and film is None and not as_json:
+        raise InputError("nothing to do: give -o for a plot, --film for a film, or --json")
+    entry = library.load(name)
+    second = None if state is None else read_picture(state, binary=binary)
+    given = entry.task(read_frames(entry, pictures, binary=binary), second)
+    if boundary is not None:
+        given["boundary"] = parse_boundary(boundary)
+    chosen = [parse_cell_index(cell, given["state"].shape[-2:]) for cell in cells]
+    where = backends.get(backend)
+    if scheme is not None:
+        given.pop("step", None)  # it was meant for another scheme
+    if duration is not None:
+        given["duration"] = duration
+    elif scheme == ADAPTIVE:  # the adaptive scheme cannot look for rest; the plan's own one can
+        given["duration"] = watching_time(make_task(entry.network, **given), where)
+    task = make_task(entry.network, **given, scheme=scheme)
+    found = record(task, where, watching_time(task, where) if duration is None else duration, frames, layer)
+    chosen = chosen or representative_cells(found)
+    if output is not None:
+        from cnnsim.prototyping.trace.plot import draw_trace
+
+        draw_trace(found, chosen, f"{entry.name}: {entry.summary}", output)
+    if film is not None:
+        write_film(list(found.y), film)
+    if as_json:
+        series = [{"cell": cell, "x": found.x[:, cell[0], cell[1]].tolist()} for cell in chosen]
+        print_json({"template": name, "t": found.t.tolist(), "cells": series})
+        return
+    written = " ".join(str(path) for path in (output, film) if path is not None)
+    text = " ".join(f"({row}, {col})" for row, col in chosen)
+    click.echo(f"{name}: {found.t[-1]:.4g} time constants, cells {text} -> {written}")
