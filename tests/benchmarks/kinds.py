@@ -36,8 +36,8 @@ def kinds() -> Iterator[tuple[str, AnyTemplate, Any]]:
     yield "anisotropic diffusion", library.load("perona-malik").template, cell
     yield "9 delayed taps", Template([[0.5]], terms=[Term(weak, delay=1.0)]), cell
     yield "9 taps a cell of its own", Template([[0.5]], terms=[Term(weak[..., None, None] * np.ones((N, N)))]), cell
-    hears = [Template(weak, terms=[Term([[weight]], layer=other)]) for weight, other in ((-0.5, 1), (0.5, 0))]
-    yield "two layers of 10 taps", LayeredTemplate(hears), cell
+    coupled = [Template(weak, terms=[Term([[weight]], layer=other)]) for weight, other in ((-0.5, 1), (0.5, 0))]
+    yield "two layers of 10 taps", LayeredTemplate(coupled), cell
     yield "9 taps, sigmoid", Template(weak), {"model": "chua-yang", "characteristic": "tanh"}
 
 

@@ -57,7 +57,7 @@ def test_layers_are_checked() -> None:
         run_transient(two, state=np.zeros((2, 3, 3)))
     with pytest.raises(InputError, match=r"\(2, rows, cols\)"):
         run_transient(two, state=np.zeros((3, 3)), input=np.zeros((3, 3)))
-    with pytest.raises(InputError, match="hears layer 2; 0 to 1"):
+    with pytest.raises(InputError, match="reads layer 2; 0 to 1"):
         LayeredTemplate([Template(0, terms=[Term([[1.0]], layer=2)]), Template(0)])
     with pytest.raises(InputError, match="time constants"):
         LayeredTemplate([Template(0)], [0.0])
