@@ -10,14 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from cnnsim import Template, run_transient
-
-cl = pytest.importorskip("pyopencl", reason="the opencl backend needs pyopencl")
-
-from cnnsim.backends.opencl import device as opencl_device  # noqa: E402 - only where pyopencl is there
-from cnnsim.backends.opencl.backend import OpenCLBackend  # noqa: E402
-
-if not opencl_device.devices():
-    pytest.skip("there is no OpenCL device", allow_module_level=True)
+from tests.kits.opencl import FAMILIES, Family, OpenCLBackend
 
 TEMPLATE = Template([[0, 0.3, 0], [0.2, 1.5, -0.4], [0, 0.1, 0]], 0, 0.1)
 
@@ -32,8 +25,8 @@ def eager_threads() -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("eager_threads")
-@pytest.mark.parametrize("family", ["cpu", "gpu"])
-def test_four_threads_get_what_one_gets(family: Any) -> None:
+@pytest.mark.parametrize("family", FAMILIES)
+def test_four_threads_get_what_one_gets(family: Family) -> None:
     backend = OpenCLBackend(family=family)
 
     def ends(state: NDArray[Any], times: int = 50) -> list[NDArray[Any]]:

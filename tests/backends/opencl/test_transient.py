@@ -1,0 +1,81 @@
+"""Transients of the OpenCL backend: several steps a launch, shared sums, local memory, sleep."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cnnsim import PERIODIC, ZERO_FLUX, InputError, Template, fixed, library
+from cnnsim.transient import make_task, run_transient
+from tests.kits.opencl import FAMILIES, Family, OpenCLBackend
+
+NINE = np.arange(1, 10).reshape(3, 3) * 0.03 * np.array([[1, -1, 1], [-1, 1, 1], [1, 1, -1]])
+
+
+BOUNDARIES = [ZERO_FLUX, PERIODIC, fixed(0.5, -0.3), fixed(-1.0)]
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("boundary", BOUNDARIES[:3], ids=str)
+def test_many_steps_a_launch_give_the_same_bits(boundary: Any, family: Family) -> None:
+    backend = OpenCLBackend("float64" if boundary is PERIODIC else "float32", family=family)
+    rng = np.random.default_rng(2)
+    for template, shape in ((Template(NINE), (70, 1100)), (Template(rng.normal(size=(5, 5)) / 5), (2, 40, 30))):
+        x, mask = rng.uniform(-1, 1, shape), rng.uniform(-1, 0.3, shape)
+        given: Any = {"state": x, "mask": mask, "boundary": boundary, "duration": 3.7, "scheme": "euler"}
+        one, many = (make_task(template, **given, without=w).start(backend).x for w in (["blocking"], []))
+        assert np.array_equal(backend.read(one), backend.read(many))
+
+
+def test_shared_sums_stay_within_the_rounding_of_one_sum_a_step() -> None:
+    task = [
+        make_task(Template([[0.1, 0.2, 0.1], [0.2, 0.3, 0.2], [0.1, 0.2, 0.1]]), state=x, duration=5.0, without=w)
+        for x in [np.random.default_rng(3).uniform(-1, 1, (40, 50))]
+        for w in ([], ["shared sums"])
+    ]
+    backend = OpenCLBackend("float32", family="cpu")
+    shared, plain = (backend.read(t.start(backend).x) for t in task)
+    assert 0 < np.abs(shared - plain).max() < 50 * 1.5 * np.finfo(np.float32).eps
+
+
+@pytest.mark.parametrize("limit", [32 * 1024, 512 * 1024, 1024 * 1024])
+def test_tiles_fit_into_the_local_memory_there_is(limit: int) -> None:
+    """A device that is given more than it has writes over whatever lies behind."""
+    from cnnsim.backends.opencl.tiles import cut
+
+    shop: Any = SimpleNamespace(
+        family="cpu", lanes=16, dtype=np.dtype("float64"), cores=2, device=SimpleNamespace(local_mem_size=limit)
+    )
+    for radius, shape in ((1, (1, 2048, 2048)), (1, (3, 40, 300)), (5, (1, 512, 512))):
+        tiles = cut(shop, shape, radius, False, 1000, False)
+        assert tiles.arguments[0].size <= limit
+        assert 1 <= tiles.most_steps <= 24
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("boundary", [fixed(-1.0), ZERO_FLUX, PERIODIC], ids=str)
+@pytest.mark.parametrize("name", ["hole-filler", "connected-components-horizontal"])
+def test_sleeping_tiles_wake_up_where_a_wave_comes(name: str, boundary: Any, family: Family) -> None:
+    """Two grids at once, three tiles beside each other, the last of them narrow; one grid settles much earlier."""
+    picture = np.where(np.random.default_rng(8).random((2, 150, 265)) > 0.93, 1.0, -1.0)
+    picture[0, 40:110, [60, 160]] = picture[0, [40, 110], 60:160] = 1
+    picture[1, :, 20:] = -1
+    entry, backend = library.load(name), OpenCLBackend("float32", family=family)
+    planes: dict[str, Any] = {
+        name: np.broadcast_to(plane, picture.shape) for name, plane in entry.planes(picture).items()
+    }
+    ends = []
+    for without in ([], ["sleep"]):
+        end = make_task(entry.template, **planes, boundary=boundary, limit=300.0, without=without).start(backend)
+        ends.append((backend.read(end.x), end.t, end.settled, end.rate))
+    np.testing.assert_array_equal(ends[0][0], ends[1][0])
+    np.testing.assert_equal(ends[0][1:], ends[1][1:])
+
+
+def test_by_name_and_by_way_of_run_transient() -> None:
+    x = np.random.default_rng(9).uniform(-1, 1, (20, 20))
+    ours = run_transient(Template(NINE), state=x, duration=2.0, backend="opencl", dtype="float64")
+    assert np.array_equal(ours.x, run_transient(Template(NINE), state=x, duration=2.0, backend="reference").x)
+    with pytest.raises(InputError, match="the adaptive scheme runs on the reference backend"):
+        run_transient(Template(NINE), state=x, duration=2.0, scheme="adaptive", backend="opencl")

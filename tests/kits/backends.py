@@ -1,0 +1,57 @@
+"""Every backend there is, in every dtype it computes in, OpenCL with both its families of kernels."""
+
+from functools import cache
+from typing import Any, NamedTuple, cast
+
+import pytest
+
+from cnnsim import backends
+from cnnsim.backends.base import Backend
+
+DTYPES = {"reference": ("float64",)}
+"""Of backends that do not compute in both float32 and float64."""
+
+FAMILIES = {"opencl": ("cpu", "gpu")}
+"""Of backends with several families of kernels."""
+
+TOLERANCE = {"float32": 1e-5, "float64": 1e-12}
+"""How far a state may be from the reference's, as a part of the largest state that the network can reach."""
+
+REFERENCE = backends.get("reference")
+
+
+class Variant(NamedTuple):
+    """One of the backends under test."""
+
+    name: str
+    family: str | None
+    dtype: str
+
+    def __str__(self) -> str:
+        return "-".join(filter(None, self))
+
+
+def variants(*names: str) -> list[Variant]:
+    """All of them, or those of the backends with these names."""
+    return [
+        Variant(name, family, dtype)
+        for name in names or backends.NAMES
+        for family in FAMILIES.get(name, (None,))
+        for dtype in DTYPES.get(name, ("float32", "float64"))
+    ]
+
+
+@cache
+def build(name: str, family: str | None, dtype: Any) -> Backend:
+    """One backend for all tests; they are skipped where it cannot be had."""
+    if name != "opencl":
+        return backends.get(name, dtype)
+    pytest.importorskip("pyopencl", reason="the opencl backend needs pyopencl")
+    from cnnsim.backends.opencl.backend import OpenCLBackend
+    from cnnsim.backends.opencl.device import choose_device, devices, has_float64, title
+
+    if not devices():
+        pytest.skip("there is no OpenCL device")
+    if dtype == "float64" and not has_float64(choose_device()):
+        pytest.skip(f"{title(choose_device())} has no float64")
+    return OpenCLBackend(dtype, family=cast(Any, family))

@@ -1,0 +1,15 @@
+"""The OpenCL backend for tests of its own; modules that import this are skipped where there is no device."""
+
+import pytest
+
+cl = pytest.importorskip("pyopencl", reason="the opencl backend needs pyopencl")
+
+from cnnsim.backends.opencl.backend import OpenCLBackend  # noqa: E402 - only where pyopencl is there
+from cnnsim.backends.opencl.device import Family, devices  # noqa: E402
+
+if not devices():
+    pytest.skip("there is no OpenCL device", allow_module_level=True)
+
+FAMILIES: tuple[Family, ...] = ("cpu", "gpu")
+
+__all__ = ["FAMILIES", "Family", "OpenCLBackend", "cl"]
