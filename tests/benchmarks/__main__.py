@@ -1,6 +1,7 @@
 """Measure everything, print one table, save it: ``python -m tests.benchmarks [-o FOLDER] [--rounds N]``."""
 
 import argparse
+import os
 from pathlib import Path
 
 from tests.benchmarks import dense, kinds, less, limits, peers, report, simulator, startup, touch
@@ -12,6 +13,7 @@ def main() -> None:
     parser.add_argument("-o", "--output", type=Path, default=Path("build"), help="where JSON and picture go")
     parser.add_argument("--rounds", type=int, default=5, help="the best of so many rounds counts")
     given = parser.parse_args()
+    os.environ.setdefault("CNNSIM_POCL_PROCESSOR", "auto")  # without it PoCL may build nothing
     n = given.rounds
     fma, triad = limits.measure(n)
     rows = [

@@ -5,7 +5,6 @@ from typing import Literal
 
 import pyopencl as cl
 
-from cnnsim.backends.opencl.pocl import name_processor
 from cnnsim.support.errors import InputError
 
 Family = Literal["cpu", "gpu"]
@@ -43,11 +42,8 @@ def choose_device(which: int | str | None = None) -> cl.Device:
         raise InputError(f"there is no OpenCL device; {CURE}")
     asked = which if which is not None else os.environ.get(VARIABLE, "").strip()
     if asked == "":
-        device = next((d for d in found if d.type & cl.device_type.GPU), found[0])
-    else:
-        device = _matching(found, asked, "" if which is not None else f" ({VARIABLE})")
-    name_processor(device)
-    return device
+        return next((d for d in found if d.type & cl.device_type.GPU), found[0])
+    return _matching(found, asked, "" if which is not None else f" ({VARIABLE})")
 
 
 def _matching(found: list[cl.Device], asked: int | str, source: str) -> cl.Device:

@@ -1,11 +1,16 @@
-"""PoCL 3.0 on processors newer than itself: give its compiler a processor name that it knows."""
+"""PoCL 3.0 on processors newer than itself: give its compiler, if asked to, a processor name that it knows."""
 
 import ctypes
+import os
 import platform
 from pathlib import Path
 
 import pyopencl as cl
 
+from cnnsim.support.errors import InputError
+
+VARIABLE = "CNNSIM_POCL_PROCESSOR"
+AUTO = "auto"
 _UNKNOWN = b"generic"
 _HASWELL = frozenset(
     ("avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe", "rdrand", "fsgsbase", "invpcid", "xsaveopt")
@@ -17,18 +22,28 @@ _FIELDS = 4096  # bytes of a device's record that are looked through
 
 
 def name_processor(device: cl.Device) -> None:
-    """Replace the processor name "generic" in the record of a PoCL device, where there is one.
+    """Replace the processor name "generic" in the record of a PoCL device by the one that CNNSIM_POCL_PROCESSOR says.
 
     PoCL 3.0 (the newest on PyPI) asks its LLVM 14 for the processor's name. For a processor younger than LLVM 14 the
-    answer is "generic", which that same LLVM then refuses for x86 ("unknown target CPU 'generic'"), so nothing could
+    answer is "generic", which that same LLVM then refuses for x86 ("unknown target CPU 'generic'"), so nothing can
     be built. No option of PoCL sets the name. It lies as a string of its own in the device's record, and is
-    overwritten there with the name of an older processor that can do no more than this one. Nothing is done on other
-    platforms, other processors, or where the string is not found.
+    overwritten there, which is another library's memory: so only if the variable is set, to a name that LLVM knows, or
+    to "auto" for that of an older processor that can do no more than this one. Nothing is done on other platforms,
+    other processors, or where the string is not found.
+
+    Raises:
+        InputError: a name that is too long for the place of the old one.
     """
-    if not (needs_name(device) and platform.machine() in ("x86_64", "AMD64") and Path("/proc/self/maps").exists()):
+    name = os.environ.get(VARIABLE, "").strip().encode()
+    if not (name and _may_be_named(device)):
         return
-    flags = _processor_flags()
-    name = next(name for name, wanted in _NAMES if flags >= wanted)
+    if name == AUTO.encode():
+        flags = _processor_flags()
+        name = next(known for known, wanted in _NAMES if flags >= wanted)
+    if len(name) > len(_UNKNOWN):
+        raise InputError(
+            f"{VARIABLE} is {name.decode()!r}; {AUTO!r} or a name of at most {len(_UNKNOWN)} letters wanted"
+        )
     ours = _writable_memory()
     for field in range(device.int_ptr, device.int_ptr + _FIELDS, 8):
         if not _within(ours, field, 8):
@@ -39,9 +54,20 @@ def name_processor(device: cl.Device) -> None:
             return
 
 
-def needs_name(device: cl.Device) -> bool:
+def remark(device: cl.Device) -> str:
+    """Return what to do about a device for which nothing can be built, or nothing where that is not known."""
+    if os.environ.get(VARIABLE, "").strip() or not _may_be_named(device):
+        return ""
+    return (
+        f"PoCL calls this processor 'generic', which its compiler may refuse; set the environment variable "
+        f"{VARIABLE}={AUTO}, which names it as an older one in PoCL's memory"
+    )
+
+
+def _may_be_named(device: cl.Device) -> bool:
     """Return whether a device is PoCL's and was given the name that its compiler refuses."""
-    return device.platform.name == "Portable Computing Language" and device.version.endswith("-generic")
+    unknown = device.platform.name == "Portable Computing Language" and device.version.endswith("-generic")
+    return unknown and platform.machine() in ("x86_64", "AMD64") and Path("/proc/self/maps").exists()
 
 
 def has_wide_vectors(device: cl.Device) -> bool:

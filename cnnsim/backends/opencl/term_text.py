@@ -13,11 +13,11 @@ LONG = 20
 """Taps times places of their table from which on taps are a loop."""
 
 
-def term_defines(parts: Sequence[TermTable], layers: int, shape: Function | None, dtype: np.dtype[Any]) -> Defines:
-    """Return the definitions of opencl_terms.cl: of each part in turn the terms of each layer, and the characteristic.
+def term_defines(parts: Sequence[TermTable], layers: int, output: Function | None, dtype: np.dtype[Any]) -> Defines:
+    """Return the definitions of terms.cl: of each part in turn the terms of each layer, and the characteristic.
 
     CASES(DO) names them all by number, TERMS_n adds those of number n to ``total``; of one more part there are none.
-    SHAPE(T) is the characteristic, SIGN whether it is that; TABLES is what stands outside all functions.
+    OUTPUT(T) is the ``output`` characteristic, CHARACTERISTIC its code; TABLES is what stands outside all functions.
     """
     texts, tables = [""] * (layers * (len(parts) + 1)), ""
     for part, terms in enumerate(parts):
@@ -29,8 +29,8 @@ def term_defines(parts: Sequence[TermTable], layers: int, shape: Function | None
         "CASES(DO)": " ".join(f"DO({number})" for number in range(len(texts))),
         **{f"TERMS_{number}": text for number, text in enumerate(texts)},
         "TABLES": tables,
-        "SIGN": int(shape is not None and shape.kind == FunctionCode.SIGN),
-        "SHAPE(T)": "" if shape is None else _function(shape[:4], shape.numbers, "T", dtype),
+        "CHARACTERISTIC": NOTHING if output is None else int(output.kind),
+        "OUTPUT(T)": "" if output is None else _function(output[:4], output.numbers, "T", dtype),
     }
 
 
@@ -40,16 +40,16 @@ def _term(terms: TermTable, link: list[int], name: str, dtype: np.dtype[Any]) ->
     Taps of short terms are written one by one, those of long ones as a loop: a compiler needs seconds for hundreds.
     """
     _, of, centre, times, times_centre, first, after, *function = link
-    text = "" if centre == NOTHING else f"const vec here{name} = HEARD({centre}, 0, 0); "
-    text += "" if times_centre == NOTHING else f"const vec factor{name} = HEARD({times_centre}, 0, 0); "
-    shaped = _function(function, terms.numbers, "vec", dtype)
+    text = "" if centre == NOTHING else f"const vec here{name} = NEIGHBOUR({centre}, 0, 0); "
+    text += "" if times_centre == NOTHING else f"const vec factor{name} = NEIGHBOUR({times_centre}, 0, 0); "
+    applied = _function(function, terms.numbers, "vec", dtype)
 
     def tap(k: Any, l: Any, weight: str) -> str:
         less = "" if centre == NOTHING else f" - here{name}"
-        body = f"{{ const vec v = HEARD({of}, {k}, {l}){less}; vec f = v; {shaped}"
+        body = f"{{ const vec v = NEIGHBOUR({of}, {k}, {l}){less}; vec f = v; {applied}"
         if times != NOTHING:
             less = "" if times_centre == NOTHING else f" - factor{name}"
-            body += f"f *= HEARD({times}, {k}, {l}){less}; "
+            body += f"f *= NEIGHBOUR({times}, {k}, {l}){less}; "
         return body + f"total += {weight} * f; }} "
 
     offsets = np.stack([terms.taps.k, terms.taps.l, terms.taps.plane], axis=1)[first:after].tolist()

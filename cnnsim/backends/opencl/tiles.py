@@ -5,9 +5,15 @@ from typing import Any, NamedTuple
 import numpy as np
 import pyopencl as cl
 
-from cnnsim.backends.opencl.build import Defines, Workshop
+from cnnsim.backends.codes import BoundaryCode
+from cnnsim.backends.opencl.build import Defines
+from cnnsim.backends.opencl.context import DeviceContext
 from cnnsim.backends.opencl.device import family_of
+from cnnsim.backends.opencl.stencil import DeviceGrid
+from cnnsim.planning.plan import Plan, radius_of
 
+TILED_BOUNDARIES = BoundaryCode.FIXED, BoundaryCode.ZERO_FLUX, BoundaryCode.PERIODIC
+"""Boundaries that the kernels of tiles (cpu.cl, gpu.cl, sleep.cl) know; with any other, steps go by stages."""
 TILE_BYTES = 2048
 """Length of a tile's row on a CPU. Measured: with 1 KiB and with 4 KiB the transient is some per cent slower."""
 SLEEPER = 64, 512
@@ -30,53 +36,69 @@ class Tiles(NamedTuple):
     local_size: tuple[int, int]
 
 
-def cut(shop: Workshop, shape: tuple[int, int, int], radius: int, periodic: bool, steps: int, sleep: bool) -> Tiles:
-    """Cut grids of a shape (n, rows, cols); ``steps`` that come at a stretch go in launches of about equal length.
+class TileTask(NamedTuple):
+    """What tiles are for: steps of taps of a radius on a ``torus`` or not, so many ``steps`` at a stretch.
 
     ``sleep``: tiles in which nothing moves are to be left out, so they should be small.
     """
-    most = _STEPS[shop.family][min(radius, 4)]
-    launches = -(-steps // most)
+
+    radius: int
+    torus: bool
+    steps: int
+    sleep: bool
+
+
+def tile_task(plan: Plan) -> TileTask:
+    """Return what tiles are for in a plan."""
+    stretch = min(plan.steps, plan.check_every) if plan.duration == "settled" else plan.steps
+    stretch = stretch if "blocking" in plan.savings else 1
+    torus = plan.boundary.kind == "periodic"
+    return TileTask(radius_of(plan.feedback_taps), torus, stretch, "sleep" in plan.savings)
+
+
+def cut(context: DeviceContext, grid: DeviceGrid, task: TileTask) -> Tiles:
+    """Cut grids into tiles; the steps of a stretch go in launches of about equal length."""
+    most = _STEPS[context.family][min(task.radius, 4)]
+    launches = -(-task.steps // most)
     if 0 < launches <= 4:  # later on a short last launch does not matter
-        most = -(-steps // launches)
-    if shop.family == "cpu":
-        widest = (SLEEPER[1] if sleep else TILE_BYTES) // shop.dtype.itemsize
-        return _bands(shop, *shape, radius, periodic, most, sleep, widest)
-    return _squares(shop, *shape, radius, most)
+        most = -(-task.steps // launches)
+    if context.family == "cpu":
+        widest = (SLEEPER[1] if task.sleep else TILE_BYTES) // context.dtype.itemsize
+        return _bands(context, grid, task, most, widest)
+    return _squares(context, grid, task.radius, most)
 
 
-def _bands(
-    shop: Workshop, grids: int, rows: int, cols: int, radius: int, periodic: bool, most: int, sleep: bool, widest: int
-) -> Tiles:
-    lanes, size = shop.lanes, shop.dtype.itemsize
+def _bands(context: DeviceContext, grid: DeviceGrid, task: TileTask, most: int, widest: int) -> Tiles:
+    (grids, rows, cols), (radius, torus, _, sleep) = grid, task
+    lanes, size = context.lanes, context.dtype.itemsize
     height = max(3, radius)  # rows of a block
     across = -(-cols // widest)
     if across == 1:  # the tile has all columns: nothing but virtual cells beside it
-        halo, shift, room = 0, lanes, lanes
-        while room < cols:
-            room *= 2  # few sizes, so that few kernels are built
-        stride = room + 2 * lanes
+        halo, shift, length = 0, lanes, lanes
+        while length < cols:
+            length *= 2  # few sizes, so that few kernels are built
+        stride = length + 2 * lanes
     else:
         halo = shift = -(-(lanes + (most - 1) * radius) // lanes) * lanes
         stride = widest + 2 * halo
     stride += 16  # rows that lie apart by a power of two would share cache sets
     width = cols if across == 1 else _whole(cols, across, lanes)
     across = -(-cols // width)
-    down = -(-8 * shop.cores // (grids * across))  # so many tiles that no core waits long for the last one
+    down = -(-8 * context.cores // (grids * across))  # so many tiles that no core waits long for the last one
     down = min(down, rows // (8 * most * max(1, radius)), rows * width // 16384)
-    if sleep:  # a band has at least the rows that one launch hears of the next
+    if sleep:  # a band has at least the rows that one launch reads of the next
         down = max(down, rows // max(SLEEPER[0], most * radius))
     down = max(1, down)
     band = _whole(rows, down, height)
     down = -(-rows // band)
     defines: dict[str, str | int] = {"R": height, "T": most, "HALO": halo, "SHIFT": shift, "STRIDE": stride}
-    if periodic and across > 1:
+    if torus and across > 1:
         defines["COPIES"] = ""
     scratch = ((3 * most + 1) + 3 * (most + 1)) * height * stride * size
-    if scratch > shop.device.local_mem_size:  # fewer steps a launch, but rather narrower tiles than fewer than four
+    if scratch > context.device.local_mem_size:  # fewer steps a launch, but rather narrower tiles than fewer than four
         narrower = most <= 4 and widest > 2 * lanes
         most, widest = (most, widest // 2) if narrower else (most - 1, widest)
-        return _bands(shop, grids, rows, cols, radius, periodic, most, sleep, widest)
+        return _bands(context, grid, task, most, widest)
     numbers = np.array([rows, cols, width, band, across, down], np.int32)
     return Tiles(
         most, defines, (cl.LocalMemory(scratch), *numbers), grids * across * down, (grids * across * down, 1), (1, 1)
@@ -88,18 +110,19 @@ def _whole(length: int, parts: int, unit: int) -> int:
     return -(-length // (parts * unit)) * unit
 
 
-def _squares(shop: Workshop, grids: int, rows: int, cols: int, radius: int, most: int) -> Tiles:
+def _squares(context: DeviceContext, grid: DeviceGrid, radius: int, most: int) -> Tiles:
+    grids, rows, cols = grid
     halo = most * radius
-    limit = min(LOCAL_BYTES, shop.device.local_mem_size)
+    limit = min(LOCAL_BYTES, context.device.local_mem_size)
     best: tuple[float, int, int] = (0.0, 0, 0)
-    on_gpu = family_of(shop.device) == "gpu"
+    on_gpu = family_of(context.device) == "gpu"
     for wide, high in ((64, 64), (64, 32), (32, 32)) if on_gpu else ((32, 16),):  # elsewhere to be tested: small
-        bytes_ = 2 * (wide + 2 * radius) * (high + 2 * radius) * shop.dtype.itemsize
+        bytes_ = 2 * (wide + 2 * radius) * (high + 2 * radius) * context.dtype.itemsize
         useful = (wide - 2 * halo) * (high - 2 * halo) / (wide * high) if high > 2 * halo else 0.0
         if bytes_ <= limit and useful > best[0]:
             best = useful, wide, high
     _, wide, high = best
-    items = min(512 if radius > 2 else 256 if on_gpu else 128, shop.device.max_work_group_size, high * wide)
+    items = min(512 if radius > 2 else 256 if on_gpu else 128, context.device.max_work_group_size, high * wide)
     column = high * wide // items  # cells of a work-item
     across, down = -(-cols // (wide - 2 * halo)), -(-rows // (high - 2 * halo))
     defines: dict[str, str | int] = {"R": column, "T": most, "HALO": halo, "WIDE": wide, "HIGH": high}

@@ -1,161 +1,156 @@
-"""The time loops of the OpenCL backend: they launch, the device computes, and only looks come back."""
+"""Steps of a linear template: dx/dt = -x + A*y + w by a Runge-Kutta scheme, many a launch where it has one stage."""
 
-import math
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import pyopencl as cl
 
-from cnnsim.backends.opencl.build import Workshop, boundary_defines, literal, radius_of, tap_defines
-from cnnsim.backends.opencl.settled import Buffer, Shape, Watch, stencil_arguments, walls
-from cnnsim.backends.opencl.tiles import cut
+from cnnsim.backends.base import Check, Stepper
+from cnnsim.backends.codes import boundary_code
+from cnnsim.backends.opencl.build import Defines, boundary_defines, cell_defines, literal, tap_defines
+from cnnsim.backends.opencl.context import Buffer, DeviceContext
+from cnnsim.backends.opencl.settled import StripedCheck
+from cnnsim.backends.opencl.stencil import DeviceGrid, LinearPlanes, grid_arguments, tap_arguments
+from cnnsim.backends.opencl.tiles import TILED_BOUNDARIES, cut, tile_task
 from cnnsim.planning.plan import Plan
 
 
-def drive(shop: Workshop, plan: Plan, shape: Shape, u: Buffer | None, bias: Buffer | None) -> Buffer:
-    """Return w = z + bias + B*u."""
-    grids, rows, cols = shape
-    heard = plan.template.control_taps if u is not None else ()
-    w = shop.buffer(grids * rows * cols * shop.dtype.itemsize)
-    shop.run(
-        shop.kernel("control", "stencil", {**boundary_defines(plan.boundary), "CONTROL": ""}), grids * rows * cols,
-        u, bias, w, shop.dtype.type(plan.template.z), np.int32(bias is not None),
-        *stencil_arguments(shop, heard, plan.boundary.u, shape),
-    )  # fmt: skip
-    return w
+def linear_steps(context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> Stepper:
+    """Return steps by tiles, where their kernels know the scheme and the boundary, or by stages."""
+    assert plan.scheme is not None
+    tiled = len(plan.scheme.b) == 1 and boundary_code(plan.boundary) in TILED_BOUNDARIES
+    return (TileSteps if tiled else StageSteps)(context, plan, grid, planes)
 
 
-def closed_form(shop: Workshop, plan: Plan, shape: Shape, x: Buffer, w: Buffer, held: Buffer | None) -> Buffer:
-    """Return the states of uncoupled cells at the end of the plan's duration."""
-    grids, rows, cols = shape
-    rest, number = plan.duration == "settled", shop.dtype.type
-    t = 0.0 if plan.duration == "settled" else plan.duration
-    out = shop.buffer(x.size)
-    shop.run(
-        shop.kernel("closed_form", "closed", walls(plan)), grids * rows * cols, x, w, held, out,
-        number(plan.template.self_feedback), number(t),
-        np.int32(rest), np.int32(held is not None), np.int64(grids * rows), np.int32(cols),
-    )  # fmt: skip
-    return out
-
-
-class Steps:
-    """Steps of a one-stage scheme from the state ``x``, which is left as it is: several a launch, ping and pong.
+class TileSteps:
+    """A `Stepper` for a one-stage scheme from a state, which is left as it is: several steps a launch, ping and pong.
 
     With the saving "sleep", tiles are left out in which the launch before, of as many steps, changed no bit (see
-    opencl_sleep.cl); the first two launches step all of them, since each plane has to be filled once.
+    sleep.cl); the first two launches step all of them, since each plane has to be filled once.
     """
 
-    def __init__(self, shop: Workshop, plan: Plan, shape: Shape, x: Buffer, w: Buffer, held: Buffer | None) -> None:
-        assert plan.scheme is not None
-        self.x, self._shop, self._w, self._held = x, shop, w, held
-        stretch = min(plan.steps, plan.check_every) if plan.duration == "settled" else plan.steps
-        stretch = stretch if "blocking" in plan.savings else 1
-        taps = tap_defines(plan.feedback_taps, plan.boundary, plan.boundary.y, shop.dtype)
-        sleep, torus = "sleep" in plan.savings, plan.boundary.kind == "periodic"
-        self._tiles = cut(shop, shape, radius_of(plan.feedback_taps), torus, stretch, sleep)
-        defines = {
-            **taps, **walls(plan), **_shared_sums(shop, plan), **({} if held is None else {"HELD": ""}),
-            **({"SLEEP": ""} if sleep else {}),
-            "GAIN": literal(plan.scheme.gain(plan.step) * plan.scheme.b[0], shop.dtype), **self._tiles.defines,
-        }  # fmt: skip
-        self._kernels = [shop.kernel("steps", f"sleep {shop.family}", defines, twin=twin) for twin in (0, 1)]
+    def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:
+        self._context, self._given = context, (context, plan, grid, planes)
+        self._x, self._w, self._mask = planes
+        self._tiles = cut(context, grid, tile_task(plan))
+        defines = {**_step_defines(context, plan, planes), **self._tiles.defines}
+        stems = f"boundary sleep {context.family}"
+        self._kernels = [context.kernel("steps", stems, defines, twin=twin) for twin in (0, 1)]
         self._planes: list[Buffer] = []
-        self._moved = [shop.buffer(self._tiles.groups) for _ in (0, 1)] if sleep else []
+        self._moved = [context.buffer(self._tiles.groups) for _ in (0, 1)] if "sleep" in plan.savings else []
         self._bound: list[tuple[Buffer, int, bool] | None] = [None, None]
         self._turn, self._launches, self._last = 0, 0, 0
 
-    def advance(self, steps: int) -> None:
-        """Go so many steps on."""
-        while steps > 0:
-            now = min(steps, self._tiles.most_steps)
+    def start_span(self, step: int) -> None:
+        """See `Stepper.start_span`: the input stands still for ever."""
+
+    @cached_property
+    def _check(self) -> StripedCheck:
+        return StripedCheck(*self._given)  # built where the transient is to settle
+
+    def check_settled(self, step: int, *, last: bool) -> Check:
+        """See `Stepper.check_settled`."""
+        return self._check.check(self._x, whole=last)
+
+    def advance(self, step: int, count: int) -> None:
+        """See `Stepper.advance`."""
+        while count > 0:
+            now = min(count, self._tiles.most_steps)
             turn = self._turn
             if len(self._planes) == turn:
-                self._planes.append(self._shop.buffer(self.x.size))
+                self._planes.append(self._context.buffer(self._x.size))
             fresh = self._launches < 2 or now != self._last
-            if self._bound[turn] != (self.x, now, fresh):
+            if self._bound[turn] != (self._x, now, fresh):
                 sleep: tuple[Any, ...] = (*self._moved[:: 2 * turn - 1], np.int32(fresh)) if self._moved else ()
                 self._kernels[turn].set_args(
-                    self.x, self._w, self._held, self._planes[turn], *self._tiles.arguments, np.int32(now), *sleep
+                    self._x, self._w, self._mask, self._planes[turn], *self._tiles.arguments, np.int32(now), *sleep
                 )
-                self._bound[turn] = self.x, now, fresh
+                self._bound[turn] = self._x, now, fresh
             cl.enqueue_nd_range_kernel(
-                self._shop.queue, self._kernels[turn], self._tiles.global_size, self._tiles.local_size
+                self._context.queue, self._kernels[turn], self._tiles.global_size, self._tiles.local_size
             )
-            self.x, self._turn = self._planes[turn], 1 - turn
+            self._x, self._turn = self._planes[turn], 1 - turn
             self._launches, self._last = self._launches + 1, now
-            steps -= now
+            count -= now
 
     def finish(self) -> Buffer:
-        """Return the last state; the other plane may be used for something else."""
-        self._shop.recycle(*(plane for plane in self._planes if plane is not self.x))
-        return self.x
+        """See `Stepper.finish`: the other plane may be used for something else."""
+        self._context.recycle(*(plane for plane in self._planes if plane is not self._x))
+        return self._x
 
 
-class Stages:
-    """Steps of a scheme of several stages: two launches a stage, one more a step."""
+class StageSteps:
+    """A `Stepper` for any scheme and boundary: two launches a stage, one more a step."""
 
-    def __init__(self, shop: Workshop, plan: Plan, shape: Shape, x: Buffer, w: Buffer, held: Buffer | None) -> None:
+    def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:
         assert plan.scheme is not None
-        grids, rows, cols = shape
-        self.x, self._shop, self._w, self._held, self._scheme = x, shop, w, held, plan.scheme
-        self._gain = plan.scheme.gain(plan.step)
-        self._cells = grids * rows * cols
-        self._lines = np.int64(grids * rows), np.int32(cols)
-        self._stencil = stencil_arguments(shop, plan.feedback_taps, plan.boundary.y, shape)
-        self._slope = shop.kernel("slope", "stencil", {**boundary_defines(plan.boundary), "SLOPE": ""})
-        self._update = shop.kernel("update", "update", walls(plan))
-        self._slopes = [shop.buffer(x.size) for _ in plan.scheme.b]
-        self._stage = shop.buffer(x.size)
-        self._mine = False  # whether x may be written over
+        self._context, self._given = context, (context, plan, grid, planes)
+        self._grid, self._limited = grid, np.int32(plan.cell == "full-range")
+        self._x, self._w, self._mask = planes
+        gain, number = plan.scheme.gain(plan.step), context.dtype.type
+        *self._rows, self._last = (
+            (np.int32(len(row)), context.table(np.array([gain * weight for weight in row] or [0.0], number)))
+            for row in (*plan.scheme.a, plan.scheme.b)
+        )
+        self._taps = *tap_arguments(context, plan.feedback_taps, plan.boundary.y), *grid_arguments(grid)
+        self._rate = context.kernel("rate", "boundary stencil", {**boundary_defines(plan.boundary), "RATE": ""})
+        self._sum = context.kernel("linear_stage", "stages", {})
+        self._rates = context.buffer(len(plan.scheme.b) * self._x.size)
+        self._stage = context.buffer(self._x.size)
+        self._own = False  # whether x may be written over
 
-    def advance(self, steps: int) -> None:
-        """Go so many steps on."""
-        for _ in range(steps):
-            for row, slope in zip(self._scheme.a, self._slopes, strict=True):
-                self._sum(row, self._stage, None)
-                self._shop.run(self._slope, self._cells, self._stage, self._w, slope, *self._stencil)
-            to = self.x if self._mine else self._shop.buffer(self.x.size)
-            self._sum(self._scheme.b, to, self._held)
-            self.x, self._mine = to, True
+    def start_span(self, step: int) -> None:
+        """See `Stepper.start_span`: the input stands still for ever."""
 
-    def finish(self) -> Buffer:
-        """Return the last state."""
-        return self.x
+    @cached_property
+    def _check(self) -> StripedCheck:
+        return StripedCheck(*self._given)  # built where the transient is to settle
 
-    def _sum(self, weights: tuple[float, ...], to: Buffer, held: Buffer | None) -> None:
-        """Write wall(x + sum of gain * weight * slope) to a plane."""
-        slopes = [*self._slopes[: len(weights)], *[None] * (4 - len(weights))]
-        factors = [self._shop.dtype.type(self._gain * weight) for weight in (*weights, 0.0, 0.0, 0.0, 0.0)[:4]]
-        self._shop.run(
-            self._update, self._cells, self.x, *slopes, held, to, *factors, np.int32(len(weights)),
-            np.int32(held is not None), *self._lines,
+    def check_settled(self, step: int, *, last: bool) -> Check:
+        """See `Stepper.check_settled`."""
+        return self._check.check(self._x, whole=last)
+
+    def advance(self, step: int, count: int) -> None:
+        """See `Stepper.advance`."""
+        launch, cells = self._context.launch, self._grid.cells
+        for _ in range(count):
+            for stage, row in enumerate(self._rows):
+                self._go(row, self._stage, None)
+                launch(self._rate, cells, self._stage, self._w, self._rates, np.int32(stage), *self._taps)
+            to = self._x if self._own else self._context.buffer(self._x.size)
+            self._go(self._last, to, self._mask)
+            self._x, self._own = to, True
+
+    def _go(self, row: tuple[np.int32, Buffer], to: Buffer, mask: Buffer | None) -> None:
+        """Write x + sum of gain * weight * rate to a plane."""
+        stages, weights = row
+        self._context.launch(
+            self._sum, self._grid.cells, self._x, self._rates, weights, stages, mask, to, np.int32(mask is not None),
+            self._limited, np.int32(self._grid.cols), np.int64(self._grid.cells),
         )  # fmt: skip
 
+    def finish(self) -> Buffer:
+        """See `Stepper.finish`."""
+        return self._x
 
-def stepped(
-    shop: Workshop, plan: Plan, shape: Shape, x: Buffer, w: Buffer, held: Buffer | None
-) -> tuple[Buffer, int, bool, float]:
-    """Return the state at the end, the steps taken, whether the network settled and the largest |dx/dt|."""
+
+def _step_defines(context: DeviceContext, plan: Plan, planes: LinearPlanes) -> Defines:
+    """Return what a program of tiled steps has built in, but for the tiles."""
     assert plan.scheme is not None
-    road: Steps | Stages = (Steps if len(plan.scheme.b) == 1 else Stages)(shop, plan, shape, x, w, held)
-    if plan.duration != "settled":
-        road.advance(plan.steps)
-        return road.finish(), plan.steps, False, math.nan
-    done, watch = 0, Watch(shop, plan, shape, w, held)
-    while True:
-        settled, steepest = watch.look(road.x, whole=done == plan.steps)
-        if settled or done == plan.steps:
-            return road.finish(), done, settled, steepest
-        now = min(plan.check_every, plan.steps - done)
-        road.advance(now)
-        done += now
+    return {
+        **tap_defines(plan.feedback_taps, plan.boundary, plan.boundary.y, context.dtype),
+        **cell_defines(plan, planes.mask),
+        **_shared_sums(context, plan),
+        **({"SLEEP": ""} if "sleep" in plan.savings else {}),
+        "GAIN": literal(plan.scheme.gain(plan.step) * plan.scheme.b[0], context.dtype),
+    }
 
 
-def _shared_sums(shop: Workshop, plan: Plan) -> dict[str, str | int]:
+def _shared_sums(context: DeviceContext, plan: Plan) -> Defines:
     """Definitions for isotropic templates of radius 1; not in float64, which keeps the reference's order of sums."""
-    if "shared sums" not in plan.savings or shop.family != "cpu" or shop.dtype != np.float32:
+    if "shared sums" not in plan.savings or context.family != "cpu" or context.dtype != np.float32:
         return {}
     names = {"CENTRE": (1, 1), "EDGE": (0, 1), "CORNER": (0, 0)}
     A: Any = plan.template.A
-    return {"SHARED_SUMS": "", **{name: literal(A[at], shop.dtype) for name, at in names.items()}}
+    return {"SHARED_SUMS": "", **{name: literal(A[at], context.dtype) for name, at in names.items()}}

@@ -13,7 +13,8 @@ cl = pytest.importorskip("pyopencl", reason="the opencl backend needs pyopencl")
 
 from cnnsim.backends.opencl import backend as opencl  # noqa: E402 - only where pyopencl is there
 from cnnsim.backends.opencl import device as opencl_device  # noqa: E402
-from cnnsim.backends.opencl.backend import DevicePlane, OpenCLBackend  # noqa: E402
+from cnnsim.backends.opencl.backend import OpenCLBackend  # noqa: E402
+from cnnsim.backends.opencl.planes import DevicePlane  # noqa: E402
 
 if not opencl_device.devices():
     pytest.skip("there is no OpenCL device", allow_module_level=True)

@@ -42,13 +42,14 @@ def test_shared_sums_stay_within_the_rounding_of_one_sum_a_step() -> None:
 @pytest.mark.parametrize("limit", [32 * 1024, 512 * 1024, 1024 * 1024])
 def test_tiles_fit_into_the_local_memory_there_is(limit: int) -> None:
     """A device that is given more than it has writes over whatever lies behind."""
-    from cnnsim.backends.opencl.tiles import cut
+    from cnnsim.backends.opencl.stencil import DeviceGrid
+    from cnnsim.backends.opencl.tiles import TileTask, cut
 
-    shop: Any = SimpleNamespace(
+    context: Any = SimpleNamespace(
         family="cpu", lanes=16, dtype=np.dtype("float64"), cores=2, device=SimpleNamespace(local_mem_size=limit)
     )
     for radius, shape in ((1, (1, 2048, 2048)), (1, (3, 40, 300)), (5, (1, 512, 512))):
-        tiles = cut(shop, shape, radius, False, 1000, False)
+        tiles = cut(context, DeviceGrid(*shape), TileTask(radius, torus=False, steps=1000, sleep=False))
         assert tiles.arguments[0].size <= limit
         assert 1 <= tiles.most_steps <= 24
 

@@ -1,12 +1,7 @@
-// The closed form of uncoupled cells: `cnnsim.cell.uncoupled_state`, one cell at a time. WALLS: the full-range cell.
+// The closed form of uncoupled cells: `cnnsim.network.cell.uncoupled_state`, one cell at a time. LIMITED is 1 for the
+// full-range cell.
 
-#ifdef WALLS
-#define WALLED 1
-#else
-#define WALLED 0
-#endif
-
-// Go from |x| <= 1 for the time t, into the saturation ahead (or up to the wall) if it is reached.
+// Go from |x| <= 1 for the time t, into the saturation ahead (or up to the limit) if it is reached.
 static inline real through_linear(real x, real s, real a, real t)
 {
     real rate = (a - 1) * x + s;
@@ -17,15 +12,15 @@ static inline real through_linear(real x, real s, real a, real t)
     rate *= ahead;
     if (a - 1 + s > 0) {
         const real until_one = a == 1 ? (1 - x) / rate : log1p((a - 1) * (1 - x) / rate) / (a - 1);
-        if (until_one <= t) return ahead * (WALLED ? 1 : (a + s) + (1 - a - s) * exp(-(t - until_one)));
+        if (until_one <= t) return ahead * (LIMITED ? 1 : (a + s) + (1 - a - s) * exp(-(t - until_one)));
     }
     const real moved = a == 1 ? rate * t : rate * expm1((a - 1) * t) / (a - 1);
     return ahead * (x + moved);
 }
 
-static inline real cell_at(real x, real s, real a, real t)
+static inline real state_at(real x, real s, real a, real t)
 {
-    if (WALLED || fabs(x) <= 1) return through_linear(x, s, a, t);
+    if (LIMITED || fabs(x) <= 1) return through_linear(x, s, a, t);
     const real side = x < 0 ? -1 : 1, size = x * side, push = s * side, target = a + push;
     if (target < 1) {
         const real until_one = log((size - target) / (1 - target));
@@ -41,11 +36,11 @@ static inline real cell_at(real x, real s, real a, real t)
         const type one = (type)1, side = x < (type)0 ? -one : one;                                      \
         const type start = FAR(x, one) ? side : x, rate = (a - 1) * start + s;                          \
         const type ahead = rate < (type)0 ? -one : one;                                                 \
-        const type moved = (a - 1) + s * ahead > (type)0 ? (WALLED ? ahead : a * ahead + s) : s / (1 - a); \
+        const type moved = (a - 1) + s * ahead > (type)0 ? (LIMITED ? ahead : a * ahead + s) : s / (1 - a); \
         const type there = rate == (type)0 ? start : moved;                                             \
         return FAR(x, one) & (a + s * side >= one) ? a * side + s : there;                              \
     }
-#if WALLED
+#if LIMITED
 #define FAR(x, one) ((x) != (x)) // no cell is
 #else
 #define FAR(x, one) (((x) > (one)) | ((x) < -(one)))
@@ -56,11 +51,11 @@ AT_REST(vec)
 #endif
 
 KERNEL void closed_form(__global const real *restrict x, __global const real *restrict w,
-                          __global const ulong *restrict held, __global real *restrict out, real a, real t, int rest,
-                          int has_held, long lines, int cols)
+                          __global const ulong *restrict mask, __global real *restrict out, real a, real t, int rest,
+                          int has_mask, long lines, int cols)
 {
 #if V > 1
-    if (rest && !has_held) {
+    if (rest && !has_mask) {
         const long count = lines * cols, stop = SHARE(count, get_global_id(0) + 1, get_global_size(0));
         long cell = SHARE(count, get_global_id(0), get_global_size(0));
         for (; cell + V <= stop; cell += V) {
@@ -74,9 +69,9 @@ KERNEL void closed_form(__global const real *restrict x, __global const real *re
     EACH(cell, lines * cols) {
         const real from = x[cell];
         const real flaw = from - from; // NaN if x is NaN or infinite: no comparison below may hide that
-        if (has_held && black(held, cell / cols, (int)(cell % cols), cols))
+        if (has_mask && black(mask, cell / cols, (int)(cell % cols), cols))
             out[cell] = from;
         else
-            out[cell] = flaw + (rest ? real_at_rest(from, w[cell], a) : cell_at(from, w[cell], a, t));
+            out[cell] = flaw + (rest ? real_at_rest(from, w[cell], a) : state_at(from, w[cell], a, t));
     }
 }

@@ -1,6 +1,7 @@
-// What every kernel file stands on: the number type, vectors, the output characteristic, and who does which cells.
+// The number type, vectors, the clipped output, and which work-item does which cells: the beginning of every program.
 //
-// The host defines REAL (float or double), V (numbers in a vector), CPU where a work-item is a core's share of work.
+// The host defines REAL (float or double), V (numbers in a vector), CPU where a work-item is a core's share of work,
+// and the codes of cnnsim/backends/codes.py: BOUNDARY_..., TASK_..., FUNCTION_..., NOTHING.
 
 #ifdef DOUBLE
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
@@ -54,14 +55,6 @@ typedef int sure_real;
     }                                                                                           \
     if (get_local_id(0) == 0) partial[get_group_id(0)] = parts[0];
 #endif
-
-static inline int wrap(int i, int n)
-{
-    i %= n;
-    return i < 0 ? i + n : i;
-}
-
-static inline int clamp_to(int i, int n) { return i < 0 ? 0 : i >= n ? n - 1 : i; }
 
 static inline int floor_div(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 

@@ -2,19 +2,16 @@
 //
 // A work-item owns a tile: `width` columns of one grid, `band` rows high. Blocks of R rows enter at level 0 and come
 // out at the last level, `steps` steps older; each level lags one block behind the level before it, because the last
-// row of a block hears RADIUS <= R rows below it. Beside its columns a tile holds HALO of its neighbours', and it
-// computes rows above and below its band, so that nothing is exchanged within a launch; where the grid ends, the
-// virtual cells are imposed anew at every level.
+// row of a block has neighbours in RADIUS <= R rows below it. Beside its columns a tile holds HALO of its neighbours',
+// and it computes rows above and below its band, so that nothing is exchanged within a launch; where the grid ends,
+// the virtual cells are imposed anew at every level.
 //
 // `scratch` holds rows STRIDE apart in blocks of R: the outputs of T levels, three blocks each; a block for outputs
-// that nobody reads; T + 1 blocks of states, as many of drives w and, with HELD, of gains (GAIN, or 0 in held cells).
+// that are not read again; T + 1 blocks of states, as many of drives w and, with MASK, of gains (GAIN, or 0 in masked
+// cells).
 //
 // The host defines besides: SHIFT, the columns of a tile left of its own ones; COPIES where the halo's columns are
 // cells like others (a torus of several tiles) and need no imposing.
-
-#define ZERO_FLUX 0
-#define FIXED 1
-#define PERIODIC 2
 
 #define BLOCK (R * STRIDE)
 #define VEC(type, at) (*(type vec *)(at))
@@ -34,10 +31,10 @@
 
 // Row q of the block (-R .. 2 R - 1: its neighbours' rows too), a vector of cells from column j + l on.
 #define ROW(q) ((q) < 0 ? above + ((q) + R) * STRIDE : (q) < R ? here + (q) * STRIDE : below + ((q) - R) * STRIDE)
-#define HEARD(q, l) VEC(const __local, ROW(q) + j + (l))
+#define NEIGHBOUR(q, l) VEC(const __local, ROW(q) + j + (l))
 
 // One step of a block's columns V .. end - 1: states in place, outputs to `fresh`. All rows are read before any is
-// written, so that the compiler may keep in registers what two of them hear.
+// written, so that the compiler may keep in registers what two of them read.
 static void step_block(const __local real *above, const __local real *here, const __local real *below,
                        __local real *x, const __local real *w, const __local real *gain, __local real *fresh, int end)
 {
@@ -45,23 +42,23 @@ static void step_block(const __local real *above, const __local real *here, cons
 #define START(q) vec s##q = VEC(const __local, x + (q) * STRIDE + j), d##q = VEC(const __local, w + (q) * STRIDE + j);
         EACH_ROW(START)
 #ifdef SHARED_SUMS
-#define SIDES(q) (HEARD(q, -1) + HEARD(q, 1))
+#define SIDES(q) (NEIGHBOUR(q, -1) + NEIGHBOUR(q, 1))
 #define DRIVE(q)                                                                                              \
-    d##q += (real)(CENTRE) * HEARD(q, 0);                                                                     \
-    d##q += (real)(EDGE) * (SIDES(q) + (HEARD(q - 1, 0) + HEARD(q + 1, 0)));                                  \
+    d##q += (real)(CENTRE) * NEIGHBOUR(q, 0);                                                                     \
+    d##q += (real)(EDGE) * (SIDES(q) + (NEIGHBOUR(q - 1, 0) + NEIGHBOUR(q + 1, 0)));                                  \
     d##q += (real)(CORNER) * (SIDES(q - 1) + SIDES(q + 1));
 #else
-#define TAP(q, k, l, weight) d##q += (real)(weight) * HEARD(q + (k), l);
+#define TAP(q, k, l, weight) d##q += (real)(weight) * NEIGHBOUR(q + (k), l);
 #define DRIVE(q) TAPS(TAP, q)
 #endif
         EACH_ROW(DRIVE)
-#ifdef HELD
+#ifdef MASK
 #define UPDATE(q) s##q += VEC(const __local, gain + (q) * STRIDE + j) * (d##q - s##q);
 #else
 #define UPDATE(q) s##q += (real)(GAIN) * (d##q - s##q);
 #endif
         EACH_ROW(UPDATE)
-#ifdef WALLS
+#if LIMITED
 #define KEEP(q) s##q = CLIP(vec, s##q); VEC(__local, x + (q) * STRIDE + j) = s##q;
 #else
 #define KEEP(q) VEC(__local, x + (q) * STRIDE + j) = s##q;
@@ -77,9 +74,9 @@ static void fix_columns(__local real *row, int left, int right)
 {
 #ifndef COPIES
     for (int q = 1; q <= RADIUS; q++) {
-#if BOUNDARY == FIXED
+#if BOUNDARY == BOUNDARY_FIXED
         const real before = CONSTANT, after = CONSTANT;
-#elif BOUNDARY == PERIODIC
+#elif BOUNDARY == BOUNDARY_PERIODIC
         const real before = row[left + wrap(-q, right - left)], after = row[left + (q - 1) % (right - left)];
 #else
         const real before = row[max(left, 0)], after = row[min(right, STRIDE) - 1];
@@ -93,7 +90,7 @@ static void fix_columns(__local real *row, int left, int right)
 static void fill_row(__local real *to, const __local real *from)
 {
     for (int j = 0; j + V <= STRIDE; j += V)
-#if BOUNDARY == FIXED
+#if BOUNDARY == BOUNDARY_FIXED
         VEC(__local, to + j) = (vec)CONSTANT;
 #else
         VEC(__local, to + j) = VEC(const __local, from + j);
@@ -103,7 +100,7 @@ static void fill_row(__local real *to, const __local real *from)
 // Impose the virtual rows that touch block b of a level, whose outputs begin at y. A torus has none.
 static void fix_rows(__local real *y, int b, int rows)
 {
-#if BOUNDARY != PERIODIC
+#if BOUNDARY != BOUNDARY_PERIODIC
     __local real *here = y + MODULO_3(b) * BLOCK, *before = y + MODULO_3(b - 1) * BLOCK;
     const int last = rows - 1 - b * R; // the grid's last row, counted in this block
     if (b == 0)
@@ -116,7 +113,7 @@ static void fix_rows(__local real *y, int b, int rows)
 }
 
 // Bring in one row: its states, its drives, its gains and its outputs at level 0.
-static void bring(__global const real *x, __global const real *w, __global const ulong *held, long line, int cols,
+static void bring(__global const real *x, __global const real *w, __global const ulong *mask, long line, int cols,
                   int start, int stop, __local real *xs, __local real *ws, __local real *gains, __local real *ys)
 {
     x += line * cols;
@@ -129,16 +126,16 @@ static void bring(__global const real *x, __global const real *w, __global const
         VEC(__local, ws + j) = VEC(const __global, w + start + j);
     }
     for (; j < stop; j++) {
-        const int c = BOUNDARY == PERIODIC ? wrap(start + j, cols) : clamp_to(start + j, cols);
+        const int c = BOUNDARY == BOUNDARY_PERIODIC ? wrap(start + j, cols) : clamp_to(start + j, cols);
         const real s = x[c];
         xs[j] = s;
         ys[j] = CLIP(real, s);
         ws[j] = w[c];
     }
-#ifdef HELD
+#ifdef MASK
     for (j = 0; j < stop; j++) {
-        const int c = BOUNDARY == PERIODIC ? wrap(start + j, cols) : clamp_to(start + j, cols);
-        gains[j] = black(held, line, c, cols) ? 0 : (real)(GAIN);
+        const int c = BOUNDARY == BOUNDARY_PERIODIC ? wrap(start + j, cols) : clamp_to(start + j, cols);
+        gains[j] = black(mask, line, c, cols) ? 0 : (real)(GAIN);
     }
 #endif
 }
@@ -156,7 +153,7 @@ static int differ(const __local real *a, __global const real *b, int start, int 
 }
 
 __attribute__((reqd_work_group_size(1, 1, 1)))
-__kernel void steps(__global const real *x, __global const real *w, __global const ulong *held, __global real *out,
+__kernel void steps(__global const real *x, __global const real *w, __global const ulong *mask, __global real *out,
                     __local real *scratch, int rows, int cols, int width, int band, int across, int down, int steps
                     SLEEP_ARGUMENTS)
 {
@@ -179,24 +176,24 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
     int slot = 0; // of block b in the rings of T + 1 blocks
     for (int b = floor_div(first_row - steps * RADIUS, R); b <= b_last; b++) {
         if (b * R < stop_row + steps * RADIUS) {
-            if (BOUNDARY == PERIODIC || (b >= 0 && b * R < rows))
+            if (BOUNDARY == BOUNDARY_PERIODIC || (b >= 0 && b * R < rows))
                 for (int q = 0; q < R; q++) {
-                    const int i = BOUNDARY == PERIODIC ? wrap(b * R + q, rows) : min(b * R + q, rows - 1);
+                    const int i = BOUNDARY == BOUNDARY_PERIODIC ? wrap(b * R + q, rows) : min(b * R + q, rows - 1);
                     const int at = slot * BLOCK + q * STRIDE;
                     __local real *ys = scratch + MODULO_3(b) * BLOCK + q * STRIDE;
-                    bring(x, w, held, top + i, cols, first_col - SHIFT, end + V, states + at, drives + at, gains + at, ys);
+                    bring(x, w, mask, top + i, cols, first_col - SHIFT, end + V, states + at, drives + at, gains + at, ys);
                     fix_columns(ys, left, right);
                 }
             fix_rows(scratch, b, rows);
         }
         int at = slot;
         for (int t = 1; t <= steps; t++) {
-            const int c = b - t, still = (steps - t) * RADIUS; // rows beyond the band that later levels hear
+            const int c = b - t, still = (steps - t) * RADIUS; // rows beyond the band that later levels read
             at = at ? at - 1 : T;
             if (c * R + R <= first_row - still || c * R >= stop_row + still) continue;
             const __local real *old = scratch + (t - 1) * 3 * BLOCK;
             __local real *level = scratch + t * 3 * BLOCK, *fresh = level + (t < steps ? MODULO_3(c) * BLOCK : 0);
-            if (BOUNDARY == PERIODIC || (c >= 0 && c * R < rows)) {
+            if (BOUNDARY == BOUNDARY_PERIODIC || (c >= 0 && c * R < rows)) {
                 step_block(old + MODULO_3(c - 1) * BLOCK, old + MODULO_3(c) * BLOCK, old + MODULO_3(c + 1) * BLOCK,
                            states + at * BLOCK, drives + at * BLOCK, gains + at * BLOCK, fresh, end);
                 for (int q = 0; t < steps && q < R; q++) fix_columns(fresh + q * STRIDE, left, right);

@@ -6,10 +6,6 @@
 // the other is written: one barrier a step. Where the grid ends, each real cell at the rim writes the virtual cells
 // that stand for it (or for a fixed boundary the virtual cells write their constant), at every step.
 
-#define ZERO_FLUX 0
-#define FIXED 1
-#define PERIODIC 2
-
 #define ROW_LENGTH (WIDE + 2 * RADIUS)
 #define PLACE(i, j) (((i) + RADIUS) * ROW_LENGTH + (j) + RADIUS)
 #define SIZE (ROW_LENGTH * (HIGH + 2 * RADIUS))
@@ -26,7 +22,7 @@ static inline void stand_in(__local real *y, int i, int j, int gi, int gj, int r
 }
 
 __attribute__((reqd_work_group_size(WIDE, HIGH / R, 1)))
-__kernel void steps(__global const real *x, __global const real *w, __global const ulong *held, __global real *out,
+__kernel void steps(__global const real *x, __global const real *w, __global const ulong *mask, __global real *out,
                     int rows, int cols, int across, int down, int steps SLEEP_ARGUMENTS)
 {
     __local real y[2 * SIZE];
@@ -34,8 +30,8 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
     const int gj = tile % across * (WIDE - 2 * HALO) - HALO + j;
     const int gi0 = tile / across % down * (HIGH - 2 * HALO) - HALO + i0;
     const long top = (long)(tile / across / down) * rows;
-    const int real_col = BOUNDARY == PERIODIC || (gj >= 0 && gj < cols);
-    const int col = BOUNDARY == PERIODIC ? wrap(gj, cols) : clamp_to(gj, cols);
+    const int real_col = BOUNDARY == BOUNDARY_PERIODIC || (gj >= 0 && gj < cols);
+    const int col = BOUNDARY == BOUNDARY_PERIODIC ? wrap(gj, cols) : clamp_to(gj, cols);
     real s[R], drive[R], gain[R];
 #ifdef SLEEP
     __local int changed;
@@ -46,18 +42,18 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
     if (steps >= 0) {
 #pragma unroll
         for (int q = 0; q < R; q++) {
-            const int gi = gi0 + q, row = BOUNDARY == PERIODIC ? wrap(gi, rows) : clamp_to(gi, rows);
+            const int gi = gi0 + q, row = BOUNDARY == BOUNDARY_PERIODIC ? wrap(gi, rows) : clamp_to(gi, rows);
             const long cell = (top + row) * cols + col;
             s[q] = x[cell];
             drive[q] = w[cell];
-#ifdef HELD
-            gain[q] = black(held, top + row, col, cols) ? 0 : (real)(GAIN);
+#ifdef MASK
+            gain[q] = black(mask, top + row, col, cols) ? 0 : (real)(GAIN);
 #else
             gain[q] = GAIN;
 #endif
         }
     }
-    // what lies around the tile is heard only by cells that nobody will use, but let it be numbers
+    // what lies around the tile is read for cells whose states are dropped, but let it be numbers
     for (int at = get_local_id(1) * WIDE + j; at < 2 * SIZE; at += WIDE * (HIGH / R)) y[at] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
 
@@ -65,13 +61,13 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
         __local real *now = y + (t & 1) * SIZE;
 #pragma unroll
         for (int q = 0; q < R; q++) {
-            const int real_cell = BOUNDARY == PERIODIC || (real_col && gi0 + q >= 0 && gi0 + q < rows);
+            const int real_cell = BOUNDARY == BOUNDARY_PERIODIC || (real_col && gi0 + q >= 0 && gi0 + q < rows);
             if (real_cell) now[PLACE(i0 + q, j)] = CLIP(real, s[q]);
-#if BOUNDARY == FIXED
+#if BOUNDARY == BOUNDARY_FIXED
             else now[PLACE(i0 + q, j)] = CONSTANT;
 #endif
         }
-#if BOUNDARY == ZERO_FLUX
+#if BOUNDARY == BOUNDARY_ZERO_FLUX
 #pragma unroll 1 // rare; and it reads back what it needs, so that s stays in registers
         for (int q = 0; real_col && q < R; q++) {
             const int gi = gi0 + q;
@@ -90,7 +86,7 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
 #pragma unroll
         for (int q = 0; q < R; q++) {
             s[q] += gain[q] * (d[q] - s[q]);
-#ifdef WALLS
+#if LIMITED
             s[q] = CLIP(real, s[q]);
 #endif
         }

@@ -1,22 +1,15 @@
-// ANDs and ORs of neighbours on LLM planes, 64 cells at a time; see `cnnsim.bitwise`.
+// ANDs (`conjunction`) and ORs of neighbours on LLM planes, 64 cells at a time; see `cnnsim.operations.bitwise`.
 //
-// A literal is (k, l, negated): the neighbour at (row + k, col + l). `outside` is what fixed virtual cells are.
-
-#define ZERO_FLUX 0
-#define FIXED 1
-#define PERIODIC 2
+// A literal is (k, l, negated): the neighbour at (row + k, col + l). `outside` is what fixed virtual cells are. Comes
+// after boundary.cl.
 
 // One cell of a row, which may be a virtual one.
 static inline ulong cell_of(__global const ulong *row, int j, int cols, int outside)
 {
-#if BOUNDARY == FIXED
-    return outside;
-#elif BOUNDARY == PERIODIC
-    j = wrap(j, cols);
-#else
-    j = clamp_to(j, cols);
-#endif
-    return row[j / 64] >> (j % 64) & 1;
+    const int q = cell_at(j, cols);
+    if (q == NOTHING) return outside;
+    const ulong black = row[q / 64] >> (q % 64) & 1;
+    return q == j ? black : virtual_bits(black) & 1;
 }
 
 // The cells l to the right of those of word c; only the few virtual ones among them are looked at one by one.
@@ -37,21 +30,19 @@ static inline ulong shifted(__global const ulong *row, int c, int l, int words, 
 }
 
 // What a rule makes of word c of row i.
-static inline ulong word_at(__global const ulong *grid, __global const int *literals, int count, int every, int outside,
-                            int i, int c, int rows, int words, int cols)
+static inline ulong word_at(__global const ulong *grid, __global const int *literals, int count, int conjunction,
+                            int outside, int i, int c, int rows, int words, int cols)
 {
-    ulong result = every ? ~(ulong)0 : 0;
+    ulong result = conjunction ? ~(ulong)0 : 0;
     for (int n = 0; n < count; n++) {
-        int p = i + literals[3 * n];
-        ulong seen;
-        if (BOUNDARY == FIXED && (p < 0 || p >= rows)) {
-            seen = outside ? ~(ulong)0 : 0;
-        } else {
-            p = BOUNDARY == PERIODIC ? wrap(p, rows) : clamp_to(p, rows);
+        const int there = i + literals[3 * n], p = cell_at(there, rows);
+        ulong seen = outside ? ~(ulong)0 : 0;
+        if (p != NOTHING) {
             seen = shifted(grid + (long)p * words, c, literals[3 * n + 1], words, cols, outside);
+            if (p != there) seen = virtual_bits(seen);
         }
         if (literals[3 * n + 2]) seen = ~seen;
-        result = every ? result & seen : result | seen;
+        result = conjunction ? result & seen : result | seen;
     }
     return result;
 }
@@ -61,10 +52,11 @@ static inline ulong word_at(__global const ulong *grid, __global const int *lite
 typedef ulong ulongs __attribute__((ext_vector_type(MANY), aligned(8)));
 #define WORDS(at) (*(__global const ulongs *)(at))
 
-// The same for MANY words at `here` that hear no virtual cell.
-static inline ulongs words_at(__global const ulong *here, __global const int *literals, int count, int every, int words)
+// The same for MANY words at `here` that have no virtual neighbours.
+static inline ulongs words_at(__global const ulong *here, __global const int *literals, int count, int conjunction,
+                              int words)
 {
-    ulongs result = every ? ~(ulongs)0 : (ulongs)0;
+    ulongs result = conjunction ? ~(ulongs)0 : (ulongs)0;
     for (int n = 0; n < count; n++) {
         __global const ulong *at = here + (long)literals[3 * n] * words;
         const int l = literals[3 * n + 1];
@@ -72,21 +64,21 @@ static inline ulongs words_at(__global const ulong *here, __global const int *li
         if (l > 0) seen = seen >> (ulong)l | WORDS(at + 1) << (ulong)(64 - l);
         if (l < 0) seen = seen << (ulong)-l | WORDS(at - 1) >> (ulong)(64 + l);
         if (literals[3 * n + 2]) seen = ~seen;
-        result = every ? result & seen : result | seen;
+        result = conjunction ? result & seen : result | seen;
     }
     return result;
 }
 #endif
 
 KERNEL void neighbourhood(__global const ulong *restrict plane, __global ulong *restrict out,
-                          __global const int *literals, int count, int every, int outside, int radius, long lines,
+                          __global const int *literals, int count, int conjunction, int outside, int radius, long lines,
                           int rows, int cols)
 {
     const int words = (cols + 63) / 64, rest = cols % 64;
     const ulong end = rest ? ((ulong)1 << rest) - 1 : ~(ulong)0;
 #define ONE_WORD(c)                                                                                     \
     {                                                                                                   \
-        const ulong word = word_at(grid, literals, count, every, outside, i, c, rows, words, cols);     \
+        const ulong word = word_at(grid, literals, count, conjunction, outside, i, c, rows, words, cols);     \
         to[c] = (c) == words - 1 ? word & end : word;                                                   \
     }
 #ifdef CPU
@@ -99,7 +91,8 @@ KERNEL void neighbourhood(__global const ulong *restrict plane, __global ulong *
             ONE_WORD(0)
             for (c = 1; c < words - 2; c += MANY) { // the last ones once more, where the words are no multiple
                 const int first = min(c, words - 2 - MANY);
-                *(__global ulongs *)(to + first) = words_at(grid + (long)i * words + first, literals, count, every, words);
+                *(__global ulongs *)(to + first) =
+                    words_at(grid + (long)i * words + first, literals, count, conjunction, words);
             }
             c = words - 2;
         }

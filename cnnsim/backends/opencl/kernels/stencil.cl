@@ -1,33 +1,22 @@
-// Single sums over a template's taps: B*u + z (CONTROL), a stage of a scheme of several (SLOPE), and the look at
-// dx/dt (LOOK). They run once, or once in many steps, so the taps are arguments: a build for each template would
-// cost more than it saves. One of the three is built at a time.
+// Single sums over a template's taps: B*u + z (CONTROL), the rate of a stage (RATE), and whether the network has
+// settled (SETTLED). They run once, or once in many steps, so the taps are arguments: a build for each template would
+// cost more than it saves. One of the three is built at a time. Comes after boundary.cl.
 //
-// B's taps hear the input as it is, A's the clipped state. `outside` is what a fixed virtual cell holds.
-
-#define ZERO_FLUX 0
-#define FIXED 1
-#define PERIODIC 2
+// B's taps weigh the input as it is, A's the clipped state. `outside` is what a fixed virtual cell holds.
 
 #ifdef CONTROL
-#define HEARD(type, v) (v)
+#define VALUE(type, v) (v)
 #else
-#define HEARD(type, v) CLIP(type, v)
+#define VALUE(type, v) CLIP(type, v)
 #endif
 
 // The value of one grid at a place that may be a virtual cell.
-static inline real heard_at(__global const real *grid, int i, int j, int rows, int cols, real outside)
+static inline real neighbour_at(__global const real *grid, int i, int j, int rows, int cols, real outside)
 {
-#if BOUNDARY == FIXED
-    if (i < 0 || i >= rows || j < 0 || j >= cols) return outside;
-#elif BOUNDARY == PERIODIC
-    i = wrap(i, rows);
-    j = wrap(j, cols);
-#else
-    i = clamp_to(i, rows);
-    j = clamp_to(j, cols);
-#endif
-    const real v = grid[(long)i * cols + j];
-    return HEARD(real, v);
+    const int p = cell_at(i, rows), q = cell_at(j, cols);
+    if (p == NOTHING || q == NOTHING) return outside;
+    const real v = grid[(long)p * cols + q];
+    return value_at(VALUE(real, v), i, p, j, q);
 }
 
 // What every kernel of this file takes: the taps, the value of fixed virtual cells and the shape.
@@ -35,7 +24,7 @@ static inline real heard_at(__global const real *grid, int i, int j, int rows, i
     __global const int2 *places, __global const real *weights, int taps, int radius, real outside,     \
     long lines, int rows, int cols
 
-#ifdef LOOK
+#ifdef SETTLED
 #define FIRST first
 #else
 #define FIRST 0
@@ -47,17 +36,17 @@ static inline real heard_at(__global const real *grid, int i, int j, int rows, i
 // Both add the taps to `total` in order; the second for vectors of cells `radius` or more away from the rim.
 #define ADD_real(plane, total)                                                                          \
     for (int tap = 0; tap < taps; tap++)                                                                \
-        total += weights[tap] * heard_at((plane) + (line - i) * cols, i + places[tap].x, j + places[tap].y, rows, cols, \
-                                         outside);
+        total += weights[tap] * neighbour_at((plane) + (line - i) * cols, i + places[tap].x, j + places[tap].y, rows,  \
+                                             cols, outside);
 #define ADD_vec(plane, total)                                                                           \
     for (int tap = 0; tap < taps; tap++) {                                                              \
         const vec v = *(__global const vec *)((plane) + cell + (long)places[tap].x * cols + places[tap].y); \
-        total += weights[tap] * HEARD(vec, v);                                                          \
+        total += weights[tap] * VALUE(vec, v);                                                          \
     }
 
 // Do DO(type) for each cell or vector of cells; i, j, line and `cell` say where it is.
 #ifdef CPU
-#ifdef HELD
+#ifdef MASK
 #define INNER 0 // masks are read cell by cell
 #else
 #define INNER (i >= radius && i < rows - radius)
@@ -94,40 +83,41 @@ KERNEL void control(__global const real *u, __global const real *bias, __global 
     EACH_CELL(DO_CONTROL)
 }
 
-#elif defined(SLOPE)
-// The slope of a stage: A*y + w - x.
-KERNEL void slope(__global const real *x, __global const real *w, __global real *out, ARGUMENTS)
+#elif defined(RATE)
+// The rate of a stage, A*y + w - x, into plane number `stage` of `rates`.
+KERNEL void rate(__global const real *x, __global const real *w, __global real *rates, int stage, ARGUMENTS)
 {
-#define DO_SLOPE(type)                                \
+    rates += stage * lines * cols;
+#define DO_RATE(type)                                 \
     type total = LOAD(type, w);                       \
     ADD_##type(x, total)                              \
-    STORE(type, out) = total - LOAD(type, x);
-    EACH_CELL(DO_SLOPE)
+    STORE(type, rates) = total - LOAD(type, x);
+    EACH_CELL(DO_RATE)
 }
 
-#else // LOOK
-// Two numbers a work-item (or, on a GPU, a work-group): the largest |dx/dt| of the free cells it looked at, and 1
-// if one of them is not saturated for good. They look at so many lines from line `first` on.
-KERNEL void look(__global const real *x, __global const real *w, __global const ulong *held,
-                   __global real *partial, long first, ARGUMENTS)
+#else // SETTLED
+// Two numbers a work-item (or, on a GPU, a work-group) for so many lines from line `first` on: the largest |dx/dt| of
+// its free cells, and 1 if one of them is not saturated for good.
+KERNEL void check_settled(__global const real *x, __global const real *w, __global const ulong *mask,
+                          __global real *partial, long first, ARGUMENTS)
 {
     real most_real = 0;
-    sure_real loose_real = 0;
+    sure_real unsaturated_real = 0;
 #if V > 1
     vec most_vec = (vec)0;
-    sure_vec loose_vec = (sure_vec)0;
+    sure_vec unsaturated_vec = (sure_vec)0;
 #endif
-#ifdef WALLS
+#if LIMITED
 #define STOPPED(type) rate = ((s >= (type)1) & (rate > (type)0)) | ((s <= (type)-1) & (rate < (type)0)) ? (type)0 : rate;
 #else
 #define STOPPED(type)
 #endif
-#ifdef HELD
-#define FREE !black(held, line, j, cols)
+#ifdef MASK
+#define FREE !black(mask, line, j, cols)
 #else
 #define FREE 1
 #endif
-#define DO_LOOK(type)                                                                                    \
+#define DO_CHECK(type)                                                                                   \
     if (FREE) {                                                                                          \
         const type s = LOAD(type, x);                                                                    \
         type drive = LOAD(type, w);                                                                      \
@@ -135,35 +125,35 @@ KERNEL void look(__global const real *x, __global const real *w, __global const 
         type rate = drive - s;                                                                           \
         STOPPED(type)                                                                                    \
         rate = rate < (type)0 ? -rate : rate;                                                            \
-        most_##type = (rate > most_##type) | (rate != rate) ? rate : most_##type; /* NaN comes through */ \
-        loose_##type |= !(((s >= (type)1) & (drive >= (type)1)) | ((s <= (type)-1) & (drive <= (type)-1))); \
+        most_##type = (rate > most_##type) | (rate != rate) ? rate : most_##type; /* NaN stays */       \
+        unsaturated_##type |= !(((s >= (type)1) & (drive >= (type)1)) | ((s <= (type)-1) & (drive <= (type)-1))); \
     }
-    EACH_CELL(DO_LOOK)
+    EACH_CELL(DO_CHECK)
 #if V > 1
     for (int v = 0; v < V; v++) {
         most_real = (most_vec[v] > most_real) | (most_vec[v] != most_vec[v]) ? most_vec[v] : most_real;
-        loose_real |= loose_vec[v] != 0;
+        unsaturated_real |= unsaturated_vec[v] != 0;
     }
 #endif
 #ifdef CPU
     partial[2 * get_global_id(0)] = most_real;
-    partial[2 * get_global_id(0) + 1] = loose_real;
+    partial[2 * get_global_id(0) + 1] = unsaturated_real;
 #else
-    __local real most[GROUP], loose[GROUP];
+    __local real most[GROUP], unsaturated[GROUP];
     const int me = get_local_id(0);
     most[me] = most_real;
-    loose[me] = loose_real;
+    unsaturated[me] = unsaturated_real;
     for (int half_way = GROUP / 2; half_way; half_way /= 2) {
         barrier(CLK_LOCAL_MEM_FENCE);
         if (me < half_way) {
             const real other = most[me + half_way];
             most[me] = (other > most[me]) | (other != other) ? other : most[me];
-            loose[me] = loose[me] + loose[me + half_way] > 0;
+            unsaturated[me] = unsaturated[me] + unsaturated[me + half_way] > 0;
         }
     }
     if (me == 0) {
         partial[2 * get_group_id(0)] = most[0];
-        partial[2 * get_group_id(0) + 1] = loose[0];
+        partial[2 * get_group_id(0) + 1] = unsaturated[0];
     }
 #endif
 }

@@ -1,15 +1,12 @@
-// The drives of the general road: terms of any kind over channels, see cnnsim/backends/wiring.py. Comes after
-// opencl_general.cl.
+// The drives of layers: terms of any kind over channels, see cnnsim/backends/term_table.py. Comes after boundary.cl.
 //
-// Planes are (n, layers, rows, cols). A channel is (n, rows + 2 radius, stride): with its virtual cells, and with room
+// Planes are (n, layers, rows, cols). A channel is (n, rows + 2 radius, stride): with its virtual cells, and with space
 // behind them for a whole vector, so that neighbours are loads like any others. All channels lie one after the other.
 //
-// The host writes the terms (cnnsim/backends/opencl_terms.py): CASES(DO), TERMS_n, SHAPE(T), SIGN, TABLES. BOUNDARY is 0 for
-// zero-flux, 1 for fixed, 2 for periodic.
+// The host writes the terms (cnnsim/backends/opencl/term_text.py): CASES(DO), TERMS_n, OUTPUT(T), TABLES, and
+// CHARACTERISTIC, the output characteristic's code.
 
 TABLES
-
-enum { DRIVE, SLOPE, STEP, DISCRETE };
 
 #ifdef DOUBLE
 #define TANH(T, f) { T p = f; f = TANH_OF_##T; }
@@ -39,22 +36,22 @@ static inline vec tanh_of_lanes(vec p)
     }
 #endif
 
-static inline real shape_of(real v)
+static inline real output_of(real v)
 {
     real f = v;
-    SHAPE(real)
+    OUTPUT(real)
     return f;
 }
 
 #if V > 1
-static inline vec shape_of_vec(vec v)
+static inline vec output_of_vec(vec v)
 {
     vec f = v;
-    SHAPE(vec)
+    OUTPUT(vec)
     return f;
 }
 #else
-#define shape_of_vec shape_of
+#define output_of_vec output_of
 #endif
 
 // The first m numbers of a vector; beyond them nothing is read or written.
@@ -77,59 +74,49 @@ static inline void store_part(__global real *to, vec v, int m)
     for (int q = 0; q < m; q++) to[q] = lanes[q];
 }
 
-// Which row or column a place stands for; -1 if it is a fixed virtual one.
-static inline int stands_for(int i, int n)
-{
-#if BOUNDARY == 1
-    return i < 0 || i >= n ? -1 : i;
-#elif BOUNDARY == 2
-    return wrap(i, n);
-#else
-    return clamp_to(i, n);
-#endif
-}
-
-// One layer of a state into a channel, through the characteristic if asked for; `count` rows of the channel, or cells.
-KERNEL void follow(__global const real *state, __global real *channels, int channel, int layer, int layers, int through,
-                   real outside, int radius, int stride, int rows, int cols, long all, long count)
+// One layer of a state into a channel, through the characteristic if it is to be `output`; `count` rows of the channel,
+// or cells.
+KERNEL void fill_channel(__global const real *state, __global real *channels, int channel, int layer, int layers,
+                         int output, real outside, int radius, int stride, int rows, int cols, long all, long count)
 {
     const int tall = rows + 2 * radius, wide = cols + 2 * radius;
     channels += channel * all;
 #ifdef CPU
     EACH(line, count) {
-        const int i = stands_for((int)(line % tall) - radius, rows);
+        const int i = (int)(line % tall) - radius, p = cell_at(i, rows);
         __global real *to = channels + line * stride + radius;
-        if (i < 0) {
+        if (p == NOTHING) {
             for (int j = -radius; j < cols + radius; j++) to[j] = outside;
             continue;
         }
-        __global const real *from = state + ((line / tall * layers + layer) * rows + i) * cols;
+        __global const real *from = state + ((line / tall * layers + layer) * rows + p) * cols;
         for (int j = 0; j < cols; j += V) {
             const vec v = load_part(from + j, cols - j);
-            store_part(to + j, through ? shape_of_vec(v) : v, cols - j);
+            store_part(to + j, output ? output_of_vec(v) : v, cols - j);
         }
-        for (int q = 1; q <= radius; q++) {
-            const int left = stands_for(-q, cols), right = stands_for(cols + q - 1, cols);
-            to[-q] = left < 0 ? outside : to[left];
-            to[cols + q - 1] = right < 0 ? outside : to[right];
+        for (int j = 0; p != i && j < cols; j++) to[j] = virtual_value(to[j]);
+        for (int j = 1; j <= radius; j++) {
+            const int west = cell_at(-j, cols), east = cell_at(cols + j - 1, cols);
+            to[-j] = west == NOTHING ? outside : virtual_value(to[west]);
+            to[cols + j - 1] = east == NOTHING ? outside : virtual_value(to[east]);
         }
     }
 #else
     EACH(cell, count) {
         const long line = cell / wide;
-        const int at = (int)(cell % wide);
-        const int i = stands_for((int)(line % tall) - radius, rows), j = stands_for(at - radius, cols);
+        const int i = (int)(line % tall) - radius, p = cell_at(i, rows);
+        const int j = (int)(cell % wide) - radius, q = cell_at(j, cols);
         real v = outside;
-        if (i >= 0 && j >= 0) {
-            v = state[((line / tall * layers + layer) * rows + i) * cols + j];
-            if (through) v = shape_of(v);
+        if (p != NOTHING && q != NOTHING) {
+            v = state[((line / tall * layers + layer) * rows + p) * cols + q];
+            v = value_at(output ? output_of(v) : v, i, p, j, q);
         }
-        channels[line * stride + at] = v;
+        channels[line * stride + radius + j] = v;
     }
 #endif
 }
 
-#define HEARD(channel, k, l) (*(__global const vec *)(own + (channel) * all + j + (k) * stride + (l)))
+#define NEIGHBOUR(channel, k, l) (*(__global const vec *)(own + (channel) * all + j + (k) * stride + (l)))
 #define WEIGHT(plane) (*(__global const vec *)(weights + (plane) * (long)rows * cols + j))
 
 #define CASE(number)                                                                            \
@@ -138,22 +125,23 @@ KERNEL void follow(__global const real *state, __global real *channels, int chan
         break;                                                                                  \
     }
 
-static inline vec keep(vec v, vec old, __global const ulong *held, long line, int j, int cols)
+static inline vec keep(vec v, vec old, __global const ulong *mask, long line, int j, int cols)
 {
     real lanes[V], before[V];
     *(vec *)lanes = v;
     *(vec *)before = old;
     for (int q = 0; q < V && j + q < cols; q++)
-        if (black(held, line, j + q, cols)) lanes[q] = before[q];
+        if (black(mask, line, j + q, cols)) lanes[q] = before[q];
     return *(const vec *)lanes;
 }
 
-// w plus all terms of part `part`: the drive; or less x the slope; or a step x + gain (drive - x), with walls; or the
-// output that it makes, where a sign of 0 is the old one. The last two leave held cells alone. `count` rows, or cells.
-KERNEL void advance(__global const real *x, __global const real *w, __global const ulong *held, __global real *out,
-                    __global const real *channels, __global const real *planes, __global const real *gains, int task,
-                    int part, int has_held, int wall, int layers, int radius, int stride, int rows, int cols, long all,
-                    long count)
+// w plus all terms of part `part`: the drive; or less x the rate; or a step x + gain (drive - x), perhaps limited; or
+// the output that it makes, where a sign of 0 is the old one. The last two leave masked cells alone. `count` rows, or
+// cells; the first goes to number `at` of `out`.
+KERNEL void add_terms(__global const real *x, __global const real *w, __global const ulong *mask, __global real *out,
+                      long at, __global const real *channels, __global const real *planes, __global const real *gains,
+                      int task, int part, int has_mask, int limited, int layers, int radius, int stride, int rows,
+                      int cols, long all, long count)
 {
     const int tall = rows + 2 * radius;
 #ifdef CPU
@@ -172,17 +160,20 @@ KERNEL void advance(__global const real *x, __global const real *w, __global con
         for (int j = from; j < to; j += V) {
             vec total = load_part(w + line * cols + j, cols - j);
             switch (part * layers + layer) { CASES(CASE) }
-            if (task != DRIVE) {
+            if (task != TASK_DRIVE) {
                 const vec s = load_part(x + line * cols + j, cols - j);
-                if (task == SLOPE) total -= s;
-                if (task == STEP) {
+                if (task == TASK_RATE) total -= s;
+                if (task == TASK_EULER) {
                     total = s + gain * (total - s);
-                    if (wall) total = CLIP(vec, total);
+                    if (limited) total = CLIP(vec, total);
                 }
-                if (task == DISCRETE) total = SIGN ? (total == (vec)0 ? s : shape_of_vec(total)) : shape_of_vec(total);
-                if (has_held && task != SLOPE) total = keep(total, s, held, line, j, cols);
+                if (task == TASK_DISCRETE) {
+                    const int sign = CHARACTERISTIC == FUNCTION_SIGN;
+                    total = sign ? (total == (vec)0 ? s : output_of_vec(total)) : output_of_vec(total);
+                }
+                if (has_mask && task != TASK_RATE) total = keep(total, s, mask, line, j, cols);
             }
-            store_part(out + line * cols + j, total, cols - j);
+            store_part(out + at + line * cols + j, total, cols - j);
         }
     }
 }

@@ -1,0 +1,121 @@
+"""A device's context: its queue, its buffers, its built programs and how a kernel is launched."""
+
+from functools import cache
+from threading import RLock
+from typing import Any
+
+import numpy as np
+import pyopencl as cl
+
+from cnnsim.backends.opencl.build import Defines, build, code_defines, define_lines, source
+from cnnsim.backends.opencl.device import Family
+from cnnsim.backends.opencl.pocl import has_wide_vectors
+
+Buffer = cl.Buffer
+
+GROUP = 256
+"""Work-items of a group in the kernels that go over cells one by one on a GPU."""
+
+LANES = 8
+"""Numbers in a vector on a CPU, at least the largest radius."""
+
+WIDE_LANES = 16
+"""float32 in a vector where registers are that wide: half as fast again. Where they are not, it is 5 % slower."""
+
+POOLED = 2
+"""Buffers kept for the next transient: its drive, and one of the two states between which steps go."""
+
+
+class DeviceContext:
+    """One device with its context, its queue and its built programs, for one dtype and one family of kernels.
+
+    Its kernels keep the arguments they were given last, so whoever launches holds the ``lock`` from the first argument
+    to the last launch: setting arguments is the one OpenCL call that threads may not make at once (OpenCL 1.2, app. A).
+    """
+
+    def __init__(self, device: cl.Device, family: Family, dtype: np.dtype[Any]) -> None:
+        self.device, self.family, self.dtype = device, family, dtype
+        self.lock = RLock()
+        self.context, self.queue = _context_and_queue(device)
+        wide = dtype == np.float32 and has_wide_vectors(device)
+        self.lanes = (WIDE_LANES if wide else LANES) if family == "cpu" else 1
+        self.cores = device.max_compute_units
+        kind: Defines = {"DOUBLE": "", "REAL": "double"} if dtype == np.float64 else {"REAL": "float"}
+        here: Defines = {"CPU": ""} if family == "cpu" else {"GROUP": GROUP}
+        self._basics = define_lines({**kind, **here, "V": self.lanes, **code_defines()})
+        self.partial = cl.Buffer(self.context, cl.mem_flags.READ_WRITE, 2 * 8 * self.most_parts)
+        self._pool: list[Buffer] = []
+        self._tables: dict[bytes, Buffer] = {}
+        self._programs: dict[tuple[str, ...], cl.Program] = {}
+        self._kernels: dict[tuple[str, ...], cl.Kernel] = {}
+
+    @property
+    def most_parts(self) -> int:
+        """The most parts that a sum over a plane comes back in."""
+        return 4 * self.cores if self.family == "cpu" else 4 * GROUP
+
+    def buffer(self, size: int) -> Buffer:
+        """Return a buffer of ``size`` bytes on the device."""
+        for pooled in self._pool:
+            if pooled.size == size:
+                self._pool.remove(pooled)
+                return pooled
+        self._pool.clear()
+        return cl.Buffer(self.context, cl.mem_flags.READ_WRITE, size)
+
+    def recycle(self, *buffers: Buffer) -> None:
+        """Take back buffers that nobody else knows: new memory costs more than a few steps of the time loop."""
+        self._pool = [*self._pool, *buffers][-POOLED:]
+
+    def table(self, numbers: np.ndarray[Any, Any]) -> Buffer:
+        """Return a few numbers on the device, to be read only; the same numbers are brought there once."""
+        key = numbers.tobytes()
+        if key not in self._tables:
+            flags = cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR
+            self._tables[key] = cl.Buffer(self.context, flags, hostbuf=numbers)
+        return self._tables[key]
+
+    def kernel(self, name: str, stems: str, defines: Defines, extra: str = "", twin: int = 0) -> cl.Kernel:
+        """Return a kernel of kernels/<stem>.cl (of several, one after the other, and ``extra``) with these definitions.
+
+        A kernel keeps its arguments, so those who need it with two sets of arguments ask for its ``twin`` as well.
+        """
+        lines = self._basics + define_lines(defines)
+        key = (stems, lines, extra, f"{name} {twin}")
+        if key not in self._kernels:
+            if key[:-1] not in self._programs:
+                text = lines + "".join(map(source, ["common", *stems.split()])) + extra
+                self._programs[key[:-1]] = build(self.context, self.device, text, stems or name)
+            self._kernels[key] = cl.Kernel(self._programs[key[:-1]], name)
+        return self._kernels[key]
+
+    def launch(self, kernel: cl.Kernel, work: int, *arguments: Any) -> int:
+        """Launch a kernel that deals out ``work`` cells or words itself; return how many parts its sums have."""
+        if self.family == "cpu":
+            parts = max(1, min(self.most_parts, work // 4096))
+            shape: tuple[tuple[int], tuple[int]] = (parts,), (1,)
+        else:
+            parts = max(1, min(self.most_parts, -(-work // GROUP)))
+            shape = (parts * GROUP,), (GROUP,)
+        kernel.set_args(*arguments)
+        cl.enqueue_nd_range_kernel(self.queue, kernel, *shape)
+        return parts
+
+    def parts(self, count: int, dtype: np.dtype[Any]) -> np.ndarray[Any, Any]:
+        """Read ``count`` numbers that a kernel left in ``partial``."""
+        numbers = np.empty(count, dtype)
+        cl.enqueue_copy(self.queue, numbers, self.partial)
+        return numbers
+
+
+@cache
+def _context_and_queue(device: cl.Device) -> tuple[cl.Context, cl.CommandQueue]:
+    """Return one context and queue a device, so that planes may go between backends on it."""
+    context = cl.Context([device])
+    return context, cl.CommandQueue(context)
+
+
+@cache
+def device_context(device: cl.Device, family: Family, dtype: np.dtype[Any]) -> DeviceContext:
+    """Return the context of a device: one for all backends that want the same."""
+    return DeviceContext(device, family, dtype)

@@ -1,0 +1,36 @@
+"""What drives a cell without a time loop: w = B*u + z with the bias map and the terms of the input."""
+
+import numpy as np
+
+from cnnsim.backends.codes import TaskCode
+from cnnsim.backends.opencl.build import boundary_defines
+from cnnsim.backends.opencl.channels import ChannelPlanes
+from cnnsim.backends.opencl.context import Buffer, DeviceContext
+from cnnsim.backends.opencl.stencil import DeviceGrid, grid_arguments, tap_arguments
+from cnnsim.backends.term_table import tabulate
+from cnnsim.planning.plan import Plan
+
+
+def control(context: DeviceContext, plan: Plan, grid: DeviceGrid, u: Buffer | None, bias: Buffer | None) -> Buffer:
+    """Return w = z + bias + terms of the input + B*u."""
+    template, boundary = plan.template, plan.boundary
+    if u is not None and template.control_terms:
+        bias = _control_terms(context, plan, grid, u, bias)
+    w = context.buffer(grid.cells * context.dtype.itemsize)
+    context.launch(
+        context.kernel("control", "boundary stencil", {**boundary_defines(boundary), "CONTROL": ""}), grid.cells,
+        u, bias, w, context.dtype.type(template.z), np.int32(bias is not None),
+        *tap_arguments(context, template.control_taps if u is not None else (), boundary.u), *grid_arguments(grid),
+    )  # fmt: skip
+    return w
+
+
+def _control_terms(context: DeviceContext, plan: Plan, grid: DeviceGrid, u: Buffer, bias: Buffer | None) -> Buffer:
+    """Return the bias map plus all terms of the input alone."""
+    table = tabulate(plan, [(0, term) for term in plan.template.control_terms], context.dtype)
+    channels = ChannelPlanes(context, plan, grid, [table], 0)
+    channels.fill(0, u)
+    out = context.buffer(grid.cells * context.dtype.itemsize)
+    channels.base(np.zeros(1), bias, out)
+    channels.add_terms(TaskCode.DRIVE, out, None, out)
+    return out
