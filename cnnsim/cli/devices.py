@@ -14,7 +14,8 @@ from cnnsim.support.command_line import examples, print_json
 def devices(as_json: bool) -> None:
     """List the OpenCL devices; the opencl backend takes the one marked *.
 
-    The environment variable CNNSIM_DEVICE, a number or part of a name, chooses another one.
+    The environment variable CNNSIM_DEVICE, a number or part of a name, chooses another one. PoCL 3.0 does not know
+    processors newer than itself; CNNSIM_POCL_PROCESSOR=auto names such a one as an older one, in PoCL's memory.
     """
     found = list_devices()
     if not found:
@@ -27,3 +28,5 @@ def devices(as_json: bool) -> None:
         mark = "*" if device.chosen else " "
         click.echo(f"{mark} {device.index}  {device.name}  ({device.platform})")
         click.echo(f"     {device.type}, {device.compute_units} compute units, {double}")
+        if device.remark:
+            click.echo(f"     {device.remark}")

@@ -14,7 +14,8 @@ from cnnsim.backends.codes import NOTHING, BoundaryCode, FunctionCode, TaskCode,
 from cnnsim.backends.opencl import pocl
 from cnnsim.network.boundary import Boundary
 from cnnsim.network.template import Tap
-from cnnsim.planning.plan import Plan, radius_of
+from cnnsim.network.weights import reach
+from cnnsim.planning.plan import Plan
 from cnnsim.support.errors import InputError
 
 Defines = Mapping[str, str | int]
@@ -79,8 +80,8 @@ def tap_defines(taps: Iterable[Tap], boundary: Boundary, constant: float, dtype:
     taps = tuple(taps)
     return {
         "TAPS(DO, a)": " ".join(f"DO(a, {k}, {l}, {literal(weight, dtype)})" for k, l, weight in taps),
-        "RADIUS": radius_of(taps),
-        "CONSTANT": literal(constant if boundary.kind == "fixed" else 0.0, dtype),
+        "RADIUS": reach((tap.k, tap.l) for tap in taps),
+        "CONSTANT": literal(constant, dtype),
         **boundary_defines(boundary),
     }
 

@@ -5,7 +5,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class OpenCLDevice:
-    """One OpenCL device; its ``index`` or a part of its ``name`` chooses it, ``chosen`` is the one taken unasked."""
+    """One OpenCL device; its ``index`` or a part of its ``name`` chooses it, ``chosen`` is the one taken unasked.
+
+    ``remark`` says what has to be set before it computes, if anything.
+    """
 
     index: int
     name: str
@@ -17,6 +20,7 @@ class OpenCLDevice:
     float64: bool
     family: str
     chosen: bool
+    remark: str
 
 
 def devices() -> list[OpenCLDevice]:
@@ -27,6 +31,7 @@ def devices() -> list[OpenCLDevice]:
     """
     try:
         from cnnsim.backends.opencl import device as opencl
+        from cnnsim.backends.opencl import pocl
     except ModuleNotFoundError as error:
         if error.name != "pyopencl":
             raise
@@ -45,6 +50,7 @@ def devices() -> list[OpenCLDevice]:
             opencl.has_float64(device),
             opencl.family_of(device),
             device == chosen,
+            pocl.remark(device),
         )
         for index, device in enumerate(found)
     ]

@@ -7,7 +7,7 @@ import numpy as np
 
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
 from cnnsim.network.template import Tap
-from cnnsim.planning.plan import radius_of
+from cnnsim.network.weights import reach
 
 
 class DeviceGrid(NamedTuple):
@@ -48,10 +48,10 @@ class LinearPlanes(NamedTuple):
 
 def tap_arguments(context: DeviceContext, taps: tuple[Tap, ...], outside: float) -> tuple[Any, ...]:
     """Return what a kernel of stencil.cl is told of its taps and of virtual cells that hold a constant."""
-    places = np.array([(tap.k, tap.l) for tap in taps] or [(0, 0)], np.int32)
+    places = [(tap.k, tap.l) for tap in taps]
     weights = np.array([tap.weight for tap in taps] or [0.0], context.dtype)
-    numbers = np.int32(len(taps)), np.int32(radius_of(taps)), context.dtype.type(outside)
-    return context.table(places), context.table(weights), *numbers
+    numbers = np.int32(len(taps)), np.int32(reach(places)), context.dtype.type(outside)
+    return context.table(np.array(places or [(0, 0)], np.int32)), context.table(weights), *numbers
 
 
 def grid_arguments(grid: DeviceGrid) -> tuple[Any, ...]:

@@ -10,7 +10,8 @@ from cnnsim.backends.opencl.build import Defines
 from cnnsim.backends.opencl.context import DeviceContext
 from cnnsim.backends.opencl.device import family_of
 from cnnsim.backends.opencl.stencil import DeviceGrid
-from cnnsim.planning.plan import Plan, radius_of
+from cnnsim.network.weights import reach
+from cnnsim.planning.plan import Plan
 
 TILED_BOUNDARIES = BoundaryCode.FIXED, BoundaryCode.ZERO_FLUX, BoundaryCode.PERIODIC
 """Boundaries that the kernels of tiles (cpu.cl, gpu.cl, sleep.cl) know; with any other, steps go by stages."""
@@ -53,7 +54,7 @@ def tile_task(plan: Plan) -> TileTask:
     stretch = min(plan.steps, plan.check_every) if plan.duration == "settled" else plan.steps
     stretch = stretch if "blocking" in plan.savings else 1
     torus = plan.boundary.kind == "periodic"
-    return TileTask(radius_of(plan.feedback_taps), torus, stretch, "sleep" in plan.savings)
+    return TileTask(reach((tap.k, tap.l) for tap in plan.feedback_taps), torus, stretch, "sleep" in plan.savings)
 
 
 def cut(context: DeviceContext, grid: DeviceGrid, task: TileTask) -> Tiles:

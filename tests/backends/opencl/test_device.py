@@ -1,6 +1,10 @@
 """The choice of an OpenCL device, and what is said where there is none."""
 
+import ctypes
+import platform
 import sys
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,11 +12,13 @@ from click.testing import CliRunner
 
 from cnnsim import InputError, backends
 from cnnsim.cli.devices import devices
+from cnnsim.operations.cellwise import Cellwise
 
 cl = pytest.importorskip("pyopencl", reason="the opencl backend needs pyopencl")
 
 from cnnsim.backends.opencl import backend as opencl  # noqa: E402 - only where pyopencl is there
 from cnnsim.backends.opencl import device as opencl_device  # noqa: E402
+from cnnsim.backends.opencl import pocl  # noqa: E402
 from cnnsim.backends.opencl.backend import OpenCLBackend  # noqa: E402
 from cnnsim.backends.opencl.planes import DevicePlane  # noqa: E402
 
@@ -67,3 +73,37 @@ def test_devices_are_listed(monkeypatch: pytest.MonkeyPatch) -> None:
     assert text.exit_code == data.exit_code == 0
     assert f"0  {opencl_device.devices()[0].name}" in text.output
     assert '"chosen": true' in data.output
+
+
+def test_pocl_is_told_a_processor_only_when_asked_to(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A device whose record lies in memory of our own: a field that points to the name, before it one that does not."""
+    name = ctypes.create_string_buffer(b"generic")
+    record = (ctypes.c_uint64 * 512)(0, ctypes.addressof(name))
+    text = SimpleNamespace(name="Portable Computing Language")
+    device: Any = SimpleNamespace(
+        platform=text, version="OpenCL 3.0 PoCL HSTR: pthread-x86_64-generic", int_ptr=ctypes.addressof(record)
+    )
+    monkeypatch.setattr(platform, "machine", lambda: "x86_64")
+    monkeypatch.delenv(pocl.VARIABLE, raising=False)
+    pocl.name_processor(device)
+    assert name.value == b"generic"
+    assert "CNNSIM_POCL_PROCESSOR=auto" in pocl.remark(device)
+    monkeypatch.setenv(pocl.VARIABLE, "a-long-name")
+    with pytest.raises(InputError, match="'auto' or a name of at most 7 letters"):
+        pocl.name_processor(device)
+    monkeypatch.setenv(pocl.VARIABLE, "auto")
+    assert not pocl.remark(device)
+    pocl.name_processor(device)
+    assert name.value in (b"skx", b"haswell", b"x86-64")
+    monkeypatch.setenv(pocl.VARIABLE, "znver3")
+    pocl.name_processor(device)
+    assert name.value in (b"skx", b"haswell", b"x86-64")
+
+
+def test_what_pocl_needs_is_said_where_nothing_builds(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pocl, "remark", lambda device: "set IT=auto")
+    backend = OpenCLBackend()
+    broken = Cellwise("broken", "", ("p",), ("q",), (), lambda p: (p,), opencl="q = nothing_of_this_name;")
+    with pytest.raises(InputError, match=r": set IT=auto$"):
+        backend.cellwise(broken, [backend.load(np.zeros((1, 1)), "lam")], ())
+    assert "set IT=auto" in CliRunner().invoke(devices).output
