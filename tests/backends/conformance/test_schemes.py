@@ -28,8 +28,6 @@ FEEDBACK = np.array([[0.1, 0.3, 0.1], [0.2, 1.4, -0.1], [0, 0.3, 0.1]])
 @pytest.mark.parametrize("cell", ["chua-yang", "full-range"])
 @pytest.mark.parametrize("scheme", ALL.values(), ids=list(ALL))
 def test_every_scheme(backend: Backend, scheme: Scheme, cell: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    if backend.name == "opencl" and len(scheme.b) > 4:
-        pytest.xfail("the OpenCL kernels take four stages at most")
     monkeypatch.setitem(SCHEMES, scheme.name, scheme)
     x = np.random.default_rng(2).uniform(-1, 1, (6, 9))
     for template in (Template(FEEDBACK, z=0.2), Template(0.5, z=0.2, terms=[Term(FEEDBACK, "x_kl")])):
