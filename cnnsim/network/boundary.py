@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cnnsim.support.errors import InputError
 
-Kind = Literal["fixed", "zero-flux", "periodic"]
+BoundaryKind = Literal["fixed", "zero-flux", "periodic"]
 
 
 @dataclass(frozen=True)
@@ -22,13 +22,13 @@ class Boundary:
         InputError: an unknown kind, or a fixed value that is not a number in [-1, 1].
     """
 
-    kind: Kind
+    kind: BoundaryKind
     y: float = 0.0
     u: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.kind not in get_args(Kind):
-            raise InputError(f"boundary {self.kind!r}; known are {', '.join(get_args(Kind))}")
+        if self.kind not in get_args(BoundaryKind):
+            raise InputError(f"boundary {self.kind!r}; known are {', '.join(get_args(BoundaryKind))}")
         for name in ("y", "u"):
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= 1:
@@ -74,7 +74,7 @@ def parse_boundary(value: Any) -> Boundary:
             raise InputError(
                 f"boundary {value!r}; 'fixed:v' or 'fixed:x,u' with numbers from -1 to 1 wanted"
             ) from error
-    if isinstance(value, str) and value in get_args(Kind) and value != "fixed":
+    if isinstance(value, str) and value in get_args(BoundaryKind) and value != "fixed":
         return Boundary(value)  # type: ignore[arg-type]  # just checked
     if isinstance(value, dict) and set(value) == {"fixed"}:
         inner = value["fixed"]

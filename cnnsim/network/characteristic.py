@@ -10,7 +10,7 @@ from cnnsim.network.cell import CellModel
 from cnnsim.network.table import Table, parse_table, table_value
 from cnnsim.support.errors import InputError
 
-Kind = Literal["clip", "sign", "tanh", "table"]
+CharacteristicKind = Literal["clip", "sign", "tanh", "table"]
 
 
 @dataclass(frozen=True)
@@ -24,13 +24,13 @@ class Characteristic:
         InputError: an unknown kind, a slope that is not positive, a table that leaves [-1, 1] or is not there.
     """
 
-    kind: Kind = "clip"
+    kind: CharacteristicKind = "clip"
     slope: float = 1.0
     table: Table | None = None
 
     def __post_init__(self) -> None:
-        if self.kind not in get_args(Kind):
-            raise InputError(f"characteristic {self.kind!r}; known are {', '.join(get_args(Kind))}")
+        if self.kind not in get_args(CharacteristicKind):
+            raise InputError(f"characteristic {self.kind!r}; known are {', '.join(get_args(CharacteristicKind))}")
         if not isinstance(self.slope, int | float) or not 0 < self.slope < np.inf:
             raise InputError(f"characteristic {self.kind}: slope {self.slope!r}; a positive number wanted")
         if (self.kind == "table") != (self.table is not None):

@@ -67,7 +67,7 @@ class Template:
 
     @property
     def linear(self) -> bool:
-        """True if A, B and z say all."""
+        """True if A, B and z are all, without terms."""
         return not self.terms
 
     @property

@@ -77,7 +77,7 @@ BUILT_IN = {
 def find(name: str) -> Cellwise:
     """Return the operation called ``name``: a built-in one, or one that an installed package announces.
 
-    Packages announce theirs under the entry-point group ``cnnsim.operations.cellwise``.
+    Packages announce theirs under the entry-point group ``cnnsim.cellwise``.
 
     Raises:
         InputError: no operation has the name.

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from cnnsim.program.program import Memory
+from cnnsim.program.program import ProgramMemory
 from cnnsim.support.errors import InputError
 from cnnsim.support.toml_file import in_range
 
@@ -15,8 +15,8 @@ class Names:
         InputError: something else than names, or one declared in two memories.
     """
 
-    def __init__(self, declared: Mapping[Memory, list[str]], parameters: Mapping[str, float]) -> None:
-        self.memory: dict[str, Memory] = {}
+    def __init__(self, declared: Mapping[ProgramMemory, list[str]], parameters: Mapping[str, float]) -> None:
+        self.memory: dict[str, ProgramMemory] = {}
         for kind, names in declared.items():
             if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
                 raise InputError(f"{kind} is {names!r}; a list of names wanted")
@@ -27,7 +27,7 @@ class Names:
         self.parameters = parameters
         self.written: set[str] = set()
 
-    def known(self, name: Any, where: str, *kinds: Memory) -> str:
+    def known(self, name: Any, where: str, *kinds: ProgramMemory) -> str:
         """Return a declared name of one of the kinds, or raise InputError."""
         if not isinstance(name, str) or name not in self.memory:
             raise InputError(f"{where}: {name!r} is not declared; declared are {', '.join(self.memory) or 'none'}")
@@ -35,14 +35,14 @@ class Names:
             raise InputError(f"{where}: {name!r} is in {self.memory[name]}; {' or '.join(kinds)} wanted")
         return name
 
-    def read(self, name: Any, where: str, *kinds: Memory) -> str:
+    def read(self, name: Any, where: str, *kinds: ProgramMemory) -> str:
         """Return a name that is read here, or raise InputError if nothing has been written to it."""
         name = self.known(name, where, *kinds)
         if name not in self.written:
             raise InputError(f"{where}: {name!r} is read before anything has been written to it")
         return name
 
-    def write(self, name: Any, where: str, *kinds: Memory) -> str:
+    def write(self, name: Any, where: str, *kinds: ProgramMemory) -> str:
         """Return a name that is written here."""
         name = self.known(name, where, *kinds)
         self.written.add(name)

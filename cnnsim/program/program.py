@@ -28,7 +28,7 @@ from cnnsim.operations.cellwise import Cellwise
 from cnnsim.operations.global_wire import Wire
 from cnnsim.planning.duration import Duration
 
-Memory = Literal["lam", "llm", "wire"]
+ProgramMemory = Literal["lam", "llm", "wire"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +174,7 @@ class Program:
 
     name: str
     summary: str
-    memory: Mapping[str, Memory]
+    memory: Mapping[str, ProgramMemory]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     keep: Mapping[str, float]

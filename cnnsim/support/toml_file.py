@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from cnnsim.support.errors import InputError
 
-Kind = TypeVar("Kind")
+ValueType = TypeVar("ValueType")
 REQUIRED = object()
 """The default of a key that must be there."""
 
@@ -66,7 +66,7 @@ def in_range(number: float) -> bool:
     return -sys.float_info.max <= number <= sys.float_info.max
 
 
-def take(table: Mapping[str, Any], key: str, kind: type[Kind], where: str, default: Any = REQUIRED) -> Kind:
+def take(table: Mapping[str, Any], key: str, kind: type[ValueType], where: str, default: Any = REQUIRED) -> ValueType:
     """Return the value of ``key``, a whole number standing for a float where a float is wanted.
 
     Raises:

@@ -11,8 +11,8 @@ from itertools import pairwise, product
 import numpy as np
 
 from cnnsim.prototyping.design.design import Design, DesignPart
-from cnnsim.prototyping.design.linear import Norm, Separator, Signs, separate
-from cnnsim.prototyping.design.rule import WindowRule
+from cnnsim.prototyping.design.linear import Norm, Separator, separate
+from cnnsim.prototyping.design.rule import Signs, WindowRule
 
 _MOST = 20_000
 

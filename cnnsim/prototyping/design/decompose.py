@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from cnnsim.prototyping.design.count_chain import count_chain
 from cnnsim.prototyping.design.design import Design, DesignPart
-from cnnsim.prototyping.design.linear import Certificate, Norm, Separator, Signs
-from cnnsim.prototyping.design.rule import WindowRule
+from cnnsim.prototyping.design.linear import Certificate, Norm, Separator
+from cnnsim.prototyping.design.rule import Signs, WindowRule
 from cnnsim.prototyping.design.separable import separable_design, separate_rule
 from cnnsim.prototyping.design.soft_margin import soft_margin_colours
 

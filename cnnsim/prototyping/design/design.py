@@ -6,8 +6,8 @@ from typing import Literal
 import numpy as np
 
 from cnnsim.network.template import Template
-from cnnsim.prototyping.design.linear import Certificate, Norm, Separator, Signs
-from cnnsim.prototyping.design.rule import WindowRule
+from cnnsim.prototyping.design.linear import Certificate, Norm, Separator
+from cnnsim.prototyping.design.rule import Signs, WindowRule
 
 StateSource = Literal["none", "state", "last"]
 """What the initial state of a template is: of no weight, the user's own plane, or the output of the template before."""

@@ -8,7 +8,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-Signs = NDArray[np.int8]
+from cnnsim.prototyping.design.rule import Signs
+
 Norm = Literal["sum", "largest"]
 """What the margin is compared with: the sum of all |weights| (and |z|), or the largest of them."""
 

@@ -14,6 +14,7 @@ NAMES = ("nw", "n", "ne", "w", "c", "e", "sw", "s", "se", "x")
 """The cells of a window, row by row; ``x`` is the cell's own initial state."""
 
 Signs = NDArray[np.int8]
+"""Cells as -1 and +1."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,8 +3,8 @@
 import numpy as np
 
 from cnnsim.prototyping.design.design import Design, DesignPart
-from cnnsim.prototyping.design.linear import Certificate, Norm, Separator, Signs, separate
-from cnnsim.prototyping.design.rule import WindowRule
+from cnnsim.prototyping.design.linear import Certificate, Norm, Separator, separate
+from cnnsim.prototyping.design.rule import Signs, WindowRule
 
 
 def separable_design(rule: WindowRule, norm: Norm = "sum") -> Design | Certificate:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.prototyping.design.linear import Signs
+from cnnsim.prototyping.design.rule import Signs
 
 
 def soft_margin_colours(rows: Signs, table: Signs, weights: NDArray[np.float64], hard: int = 0) -> Signs | None:

@@ -4,7 +4,6 @@ from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim import backends
 from cnnsim.library.entry import Example, LibraryEntry
@@ -13,9 +12,8 @@ from cnnsim.network.layers import AnyTemplate, layered
 from cnnsim.network.template import Tap, Template
 from cnnsim.prototyping.robust.margin import margin_of
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Array
 from cnnsim.transient import Task, make_task
-
-Array = NDArray[np.floating[Any]]
 
 MOST_WINDOWS = 4096
 _WAIT = 100.0
