@@ -105,7 +105,7 @@ def _write(imported: Imported, folder: Path, report: Diagnostics, replace: bool)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         target.write_text(imported.text(), encoding="utf-8")
-        load_file(target)  # what is written can be used
+        load_file(target)  # raises InputError if the written file cannot be used
     except OSError as error:
         report.error(None, f"{target}: {error.strerror}")
         return None

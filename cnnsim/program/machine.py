@@ -85,7 +85,7 @@ class UniversalMachine:
                 case TemplateStep(to=to, input=u):
                     rule = self._rule(program, step)
                     if rule is not None:
-                        planes[to] = backend.neighbourhood(rule, step.boundary, planes[u])  # type: ignore[index]  # then u is a plane
+                        planes[to] = backend.neighbourhood(rule, step.boundary, planes[u])  # type: ignore[index]  # a rule has an input plane
                         continue
                     x = self._transient(program, step, planes)
                     planes[to] = backend.output(x) if memory[to] == "lam" else backend.convert(x, "llm")

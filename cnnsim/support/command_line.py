@@ -35,7 +35,7 @@ class CommandGroup(click.Group):
 
 def console(width: int = 150) -> "Console":
     """The console of tables: as wide as the terminal, or ``width`` where the output is no terminal."""
-    from rich.console import Console  # only for people
+    from rich.console import Console  # slow to import, and only needed on a terminal
 
     terminal = Console()
     return terminal if terminal.is_terminal else Console(width=width)
@@ -45,7 +45,7 @@ def watched(items: Iterable[Item], what: str, total: float | None = None) -> Ite
     """Hand items on, with a bar on stderr that shows how far it is; only on a terminal."""
     if not sys.stderr.isatty():
         return items
-    from rich.console import Console  # only for people
+    from rich.console import Console  # slow to import, and only needed on a terminal
     from rich.progress import track  # the same
 
     return track(items, what, total=total, console=Console(stderr=True), transient=True)
@@ -54,7 +54,7 @@ def watched(items: Iterable[Item], what: str, total: float | None = None) -> Ite
 @contextmanager
 def progress(what: str) -> Iterator[Any]:
     """Give a function that goes through a list and shows how far it is, on stderr and only on a terminal."""
-    from rich.console import Console  # only for people
+    from rich.console import Console  # slow to import, and only needed on a terminal
     from rich.progress import Progress  # the same
 
     with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:

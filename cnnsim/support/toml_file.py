@@ -36,7 +36,7 @@ def parse_toml(text: str, where: str) -> dict[str, Any]:
     """
     try:
         return tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # whole numbers of 4300 digits, 1000 brackets in one another
+    except (ValueError, RecursionError) as error:  # RecursionError: hundreds of nested brackets
         raise InputError(f"{where}: not TOML: {error}") from error
 
 

@@ -135,7 +135,7 @@ class _Examples:
         try:
             y = self._output(task, template)
         except InputError:
-            return right.size  # it has blown up
+            return right.size  # the run diverged
         if example.tolerance is None:
             return int((y * right <= 0).sum())
         return int((np.abs(y - right) > _GREY).sum())
