@@ -36,7 +36,7 @@ def parse_toml(text: str, where: str) -> dict[str, Any]:
     """
     try:
         return tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # RecursionError: hundreds of nested brackets
+    except (ValueError, RecursionError) as error:  # numbers of 4300 digits; brackets nested 1000 deep
         raise InputError(f"{where}: not TOML: {error}") from error
 
 
