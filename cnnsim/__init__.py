@@ -21,7 +21,7 @@ from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import Program
 from cnnsim.program.run import run_program
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.support.picture import read_picture, write_picture
 from cnnsim.transient import NotSettledError, Result, run_transient, trajectory
 

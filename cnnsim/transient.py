@@ -16,7 +16,7 @@ from cnnsim.network.frames import Frames
 from cnnsim.network.layers import AnyTemplate
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.plan import Plan, make_plan
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 
 @dataclass(frozen=True)

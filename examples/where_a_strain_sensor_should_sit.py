@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.bump.body import Body
 from tactile.bump.kinematics import PRESSED, SHEARED
 from tactile.bump.law import Mixed

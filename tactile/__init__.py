@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # at run time a name is imported when it is first asked for: commands that need no machine start fast
-    from cnnsim.support.errors import InputError
+    from cnnsim.support import InputError
     from tactile.calibration.file import Calibration, load_calibration
     from tactile.core.frame import Frame, TaxelArray
     from tactile.core.source import Source

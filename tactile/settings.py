@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Self
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.calibration.gains import Gains
 from tactile.core.frame import TaxelArray
 from tactile.events.code import SIGN, Threshold

@@ -9,7 +9,7 @@ from importlib import import_module
 from numpy.typing import DTypeLike
 
 from cnnsim.backends.base import Backend
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 NAMES = ("reference", "cpu", "opencl")
 """Each is a folder of this package, whose module ``backend`` has the class as ``BACKEND``."""

@@ -10,7 +10,7 @@ from cnnsim.network.boundary import Boundary
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.planning.plan import SETTLED_RATE, Plan
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 Plane = Any
 """Opaque to everybody but its backend. A LAM plane holds real numbers, an LLM plane black and white. Grids are

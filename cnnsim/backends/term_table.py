@@ -15,7 +15,7 @@ from cnnsim.network.term import Argument, Term
 from cnnsim.network.weights import reach
 from cnnsim.planning.general import delays_of
 from cnnsim.planning.plan import Plan
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 
 class Channel(NamedTuple):

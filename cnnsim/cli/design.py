@@ -8,8 +8,8 @@ import click
 
 from cnnsim.cli.run import json_option
 from cnnsim.network.boundary import BOUNDARY_FORMS, parse_boundary
+from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, progress
-from cnnsim.support.errors import InputError
 
 _FILE = click.Path(path_type=Path)
 

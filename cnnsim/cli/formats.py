@@ -7,8 +7,8 @@ import click
 from cnnsim import library
 from cnnsim.formats.export import KEPT, WRITERS
 from cnnsim.formats.files import READERS, ImportedFile, import_file
+from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.errors import InputError
 
 
 @click.command(

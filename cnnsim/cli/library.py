@@ -6,8 +6,8 @@ from cnnsim import library
 from cnnsim.cli.run import json_option, without_option
 from cnnsim.library import folders
 from cnnsim.library.explain import explain as explanation
+from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.errors import InputError
 
 
 @click.command(

@@ -12,8 +12,8 @@ from cnnsim.library.entry import LibraryEntry
 from cnnsim.network.boundary import BOUNDARY_FORMS, parse_boundary
 from cnnsim.planning.savings import Saving
 from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
+from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, watched
-from cnnsim.support.errors import InputError
 from cnnsim.support.picture import read_picture, write_film, write_picture
 
 backend_option = click.option("--backend", type=click.Choice(backends.NAMES), default="cpu", show_default=True)

@@ -8,8 +8,8 @@ from cnnsim import backends, library
 from cnnsim.cli.run import backend_option, json_option, read_frames
 from cnnsim.network.boundary import BOUNDARY_FORMS, parse_boundary
 from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
+from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.errors import InputError
 from cnnsim.support.picture import read_picture, write_film
 
 _FILE = click.Path(path_type=Path)

@@ -11,8 +11,8 @@ from typing import Any
 from cnnsim.library.imported import Imported, assume_setting, library_name, plain
 from cnnsim.network.layers import AnyTemplate
 from cnnsim.network.template import Template
+from cnnsim.support import InputError
 from cnnsim.support.diagnostics import Diagnostics
-from cnnsim.support.errors import InputError
 
 _KNOWN = {"name", "feedback", "control", "bias", "initial_state", "description", "tags", "metadata"}
 _TURNED = "The sign of z is turned: black is -1 in celnn and +1 here."

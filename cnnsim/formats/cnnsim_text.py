@@ -9,8 +9,8 @@ from cnnsim.formats.candy.header import read_boundary
 from cnnsim.formats.candy.lines import decode
 from cnnsim.library.imported import Imported, assume_setting, library_name
 from cnnsim.network.template import Template
+from cnnsim.support import InputError
 from cnnsim.support.diagnostics import Diagnostics
-from cnnsim.support.errors import InputError
 from cnnsim.support.numbers import number
 
 _HEADS = ("A", "B", "Z", "C", "BOUNDARY")

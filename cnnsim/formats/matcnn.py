@@ -21,9 +21,8 @@ from cnnsim.library.imported import Imported, assume_setting, library_name
 from cnnsim.network.table import Table, from_pairs
 from cnnsim.network.template import Template
 from cnnsim.network.term import Argument, Quantity, Term
+from cnnsim.support import Floats, InputError
 from cnnsim.support.diagnostics import Diagnostics
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
 
 _CODES = {"a": 33, "b": 11}  # A: of y_kl - y_ij, B: of u_kl - u_ij; D says its own
 _QUANTITIES = {"1": "u", "2": "x", "3": "y"}

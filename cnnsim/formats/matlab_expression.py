@@ -10,9 +10,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from cnnsim.formats.matlab_tokens import Token
-from cnnsim.support.errors import InputError
+from cnnsim.support import Floats, InputError
 from cnnsim.support.numbers import number
-from cnnsim.support.types import Floats
 
 _DEEPEST = 40
 

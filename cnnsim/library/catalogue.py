@@ -14,7 +14,7 @@ from cnnsim.library.read import TEMPLATE_KEYS, read_pictures, read_template
 from cnnsim.network.boundary import parse_boundary
 from cnnsim.network.characteristic import parse_cell
 from cnnsim.network.layers import LayeredTemplate
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.support.toml_file import check_keys, read_toml
 from cnnsim.transient import Dtype, Result, TaskOptions, run_transient
 

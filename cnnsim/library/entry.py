@@ -16,7 +16,7 @@ from cnnsim.network.template import Template
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.plan import usual_limit
 from cnnsim.planning.step import DEFAULT_STEP
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.theory.running_time import RunningTime, guaranteed_time
 
 Role = Literal["picture", "given", "none", "any"] | float

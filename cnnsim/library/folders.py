@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 _own: tuple[Path, ...] = ()
 

@@ -8,8 +8,8 @@ from cnnsim.library.write import template_text
 from cnnsim.network.boundary import ZERO_FLUX, Boundary
 from cnnsim.network.layers import AnyTemplate
 from cnnsim.network.template import Template
+from cnnsim.support import InputError
 from cnnsim.support.diagnostics import Diagnostics
-from cnnsim.support.errors import InputError
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from cnnsim.network.layers import AnyTemplate, LayeredTemplate
 from cnnsim.network.table import parse_table
 from cnnsim.network.template import Template
 from cnnsim.network.term import Term
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.support.picture import parse_ascii
 from cnnsim.support.toml_file import check_keys, take_tables
 

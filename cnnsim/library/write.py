@@ -10,9 +10,9 @@ from cnnsim.library.entry import Example, LibraryEntry
 from cnnsim.library.write_terms import template_keys
 from cnnsim.network.boundary import boundary_value
 from cnnsim.network.characteristic import CHUA_YANG, cell_value
+from cnnsim.support import Floats
 from cnnsim.support.numbers import written
 from cnnsim.support.picture import to_ascii
-from cnnsim.support.types import Floats
 
 _TABLES = ("layer", "term")
 

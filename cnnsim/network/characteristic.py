@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cnnsim.network.cell import CellModel
 from cnnsim.network.table import Table, parse_table, table_value
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 CharacteristicKind = Literal["clip", "sign", "tanh", "table"]
 

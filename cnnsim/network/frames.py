@@ -7,7 +7,7 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 T = TypeVar("T")
 

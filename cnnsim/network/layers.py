@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cnnsim.network.template import Template
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 
 @dataclass(frozen=True, eq=False)

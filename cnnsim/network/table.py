@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.network.term import Term
 from cnnsim.network.weights import MAX_RADIUS, Tap, all_taps, checked_number, checked_weights, reach, taps_of
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 __all__ = ["MAX_RADIUS", "Tap", "Template", "all_taps"]
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.network.table import Table
 from cnnsim.network.weights import checked_number, checked_weights, reach
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 Quantity = Literal["x", "y", "u"]
 Range = tuple[float, float]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.support.toml_file import in_range
 
 MAX_RADIUS = 5

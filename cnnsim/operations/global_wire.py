@@ -5,7 +5,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 Wire = Literal["any", "all", "count"]
 Register = int | NDArray[np.int64]

@@ -12,7 +12,7 @@ from cnnsim.planning.network_modes import step_bound
 from cnnsim.planning.scheme import ADAPTIVE, EULER, Scheme, find_scheme
 from cnnsim.planning.stability import usual_scheme
 from cnnsim.planning.step import DEFAULT_STEP, check_whole_steps, divided, timed_step
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 
 def why_general(template: AnyTemplate, cell: Cell, periods: Sequence[float]) -> str:

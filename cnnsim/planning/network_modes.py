@@ -14,7 +14,7 @@ from cnnsim.network.term import Range, Term
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.scheme import Scheme
 from cnnsim.planning.stability import Modes, coupling, decaying, limit_of
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 
 _SHAPES = ((1, 1), (1, 2), (2, 1), (1, 10), (10, 1), (3, 3), (6, 6))
 _MOST_CELLS = 120

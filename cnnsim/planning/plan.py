@@ -20,7 +20,7 @@ from cnnsim.planning.savings import Saving, stepped_savings, steps_a_pass
 from cnnsim.planning.scheme import ADAPTIVE, Scheme, find_scheme
 from cnnsim.planning.stability import step_limit, usual_scheme
 from cnnsim.planning.step import DEFAULT_STEP, check_step, divided
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 Method = Literal["closed form", "stepped", "adaptive", "general"]
 

@@ -10,7 +10,7 @@ from cnnsim.network.boundary import Boundary, pad
 from cnnsim.network.template import Template
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.scheme import EULER, RK4, Scheme
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 
 Modes = NDArray[np.complex128]
 """Eigenvalues of the linear region, A - I, per time constant."""

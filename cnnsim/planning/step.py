@@ -6,7 +6,7 @@ from math import ceil, gcd, inf, lcm
 
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.scheme import Scheme
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 DEFAULT_STEP = 0.1
 

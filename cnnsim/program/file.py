@@ -11,7 +11,7 @@ from cnnsim.program.names import Names
 from cnnsim.program.program import Program
 from cnnsim.program.scope import LocalTemplate, Scope
 from cnnsim.program.steps import read_steps
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.support.toml_file import check_keys, read_toml
 
 _REQUIRED = ("name", "inputs", "outputs", "step")

@@ -29,7 +29,7 @@ from cnnsim.program.program import (
     UntilUnchangedStep,
     WireStep,
 )
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 _XOR = function_number("xor")
 

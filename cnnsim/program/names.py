@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from cnnsim.program.program import ProgramMemory
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.support.toml_file import in_range
 
 

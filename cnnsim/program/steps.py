@@ -21,7 +21,7 @@ from cnnsim.program.program import (
 )
 from cnnsim.program.scope import Scope
 from cnnsim.program.template_step import read_template_step
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.support.toml_file import check_keys
 
 

@@ -9,7 +9,7 @@ from cnnsim.network.template import Template
 from cnnsim.planning.duration import Duration
 from cnnsim.program.program import Step, TemplateStep
 from cnnsim.program.scope import Scope
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 
 def read_template_step(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from cnnsim.network.boundary import Boundary, pad
 from cnnsim.network.weights import Tap, reach
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 
 Pair = tuple[float, float]
 """(x(0), u) of one cell."""

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from cnnsim.network.boundary import Boundary
 from cnnsim.network.template import Template
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from cnnsim.theory import wave_time
 from cnnsim.theory.neighbourhood import Pair, neighbour_sum, pairs_of, too_many, weighted_sums
 

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.bump.body import Body
 from tactile.bump.kinematics import PLANE, PRESSED, SHEARED
 from tactile.bump.law import Mixed, PlaneStress

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from examples.paper.bump import CONTACT, CONTACTS, RUBBER, SENSOR, below, loaded
 from examples.paper.claims import Claim, alone
 from tactile.bump.body import Body

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.calibration.gains import Gains
 from tactile.core.frame import TaxelArray
 from tactile.inverse.taxel import invert_strain

@@ -7,7 +7,7 @@ from scipy.sparse.linalg import splu
 from skfem import Basis, ElementTetP1, ElementTetP2, ElementTriP1, ElementTriP2, ElementVector
 from skfem.mesh import Mesh
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.bump.kinematics import Kinematics
 from tactile.bump.law import Law, Mixed, stress, tangent
 

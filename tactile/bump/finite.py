@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 from tactile.bump.body import Body, Index, solve
 from tactile.bump.plate import Constraint
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.elastic.medium import Medium
 
 

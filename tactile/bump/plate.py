@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.bump.body import Body, Index, solve
 from tactile.bump.kinematics import SOLID
 from tactile.bump.shape import Shape

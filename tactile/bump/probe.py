@@ -7,7 +7,7 @@ from scipy.sparse.linalg import splu
 from skfem import Basis, MeshTet, MeshTri
 from skfem.models.poisson import mass
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.bump.body import ELEMENTS, Body
 
 

@@ -10,8 +10,7 @@ At small strain N is F times its value per newton; at finite strain N and S are 
 
 import numpy as np
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 from tactile.bump.body import Body
 from tactile.bump.kinematics import PRESSED, SHEARED
 from tactile.bump.law import Mixed

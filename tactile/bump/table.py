@@ -12,7 +12,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 
 VERSION = 1
 """Goes up when the same bump gets other numbers: older tables are then computed anew."""

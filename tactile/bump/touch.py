@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 from tactile.bump.body import Body, Index, solve
 from tactile.bump.finite import balance
 from tactile.bump.plate import plate_constraint

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import Delaunay, cKDTree
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 
 LARGEST = 0.75
 """Circumradius over wanted edge length above which a triangle gets a point; 0.58 is the equilateral triangle's."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.support.toml_file import check_keys, parse_toml, read_toml, take, take_numbers
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection

@@ -3,8 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 from tactile.calibration.file import Calibration
 from tactile.calibration.from_load import depth_from_speed, gains_from_load
 from tactile.calibration.gains import Gains

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.calibration.gains import Gains
 from tactile.core.frame import NORMAL, Frame, TaxelArray
 from tactile.events.code import CONTACT, SHEAR

@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 
 from cnnsim.operations.cellwise import Planes
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 from tactile.inverse.validity import Validity
 
 EVERYWHERE = 1.0

@@ -3,8 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 
 EXTREMA_RATIO = 25 * np.sqrt(5) / 24
 """|u_zz(x = 0)| / |u_xz(x = z / 2)| on the line y = 0 under a normal load: eq. (18)."""

@@ -5,8 +5,8 @@ from pathlib import Path
 import click
 import numpy as np
 
+from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.errors import InputError
 from tactile.calibration.tare import Tare
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.serial.time_slice import ask_for_short_slices
 
 if TYPE_CHECKING:

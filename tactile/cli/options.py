@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.wire.registry import NAMES
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import Any
 import click
 
 from cnnsim import backends
+from cnnsim.support import InputError
 from cnnsim.support.command_line import examples
-from cnnsim.support.errors import InputError
 from tactile.cli import console
 from tactile.cli.options import ARRAY, FILE, PROTOCOL, check_thresholds, chosen_description, kept_calibration, mcap_path
 

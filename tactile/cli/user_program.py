@@ -7,7 +7,7 @@ import numpy as np
 
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.events.code import CONTACT, SHEAR, Threshold, encode
 from tactile.pipeline import FrameReport
 

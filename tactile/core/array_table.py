@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, cast
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.support.toml_file import take
 from tactile.core.frame import Quantity, TaxelArray
 

@@ -6,8 +6,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 
 Quantity = Literal["strain", "stress", "force"]
 """What a taxel measures: strain (u_xz, u_yz, u_zz), stress [Pa] of the same components, or force [N]."""

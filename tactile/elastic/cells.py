@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.core.loads import COLUMNS, Q
 from tactile.elastic.halfspace import point_load, point_scale
 from tactile.elastic.medium import Medium

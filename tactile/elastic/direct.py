@@ -4,7 +4,7 @@ import numpy as np
 from numba import get_num_threads
 from numpy.typing import ArrayLike, NDArray
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.elastic.direct_numba import MANY, few_loads, few_loads_parallel, many_loads
 from tactile.elastic.halfspace import check_loads, point_scale
 from tactile.elastic.medium import Medium

@@ -3,8 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 from tactile.core.loads import FORCE, F, Q, R, X, Y
 from tactile.elastic.gauss import gauss
 from tactile.elastic.halfspace import check_loads, point_scale

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.core.loads import COLUMNS, F, Q, R, X, Y
 from tactile.elastic.medium import Medium
 

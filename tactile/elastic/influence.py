@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.core.loads import COLUMNS, PLACE, Q
 from tactile.elastic.halfspace import point_load
 from tactile.elastic.medium import Medium

@@ -7,8 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 from scipy.special import j0, j1
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 from tactile.core.loads import FORCE, PLACE, F, Q, R, X, Y
 from tactile.elastic.gauss import gauss
 from tactile.elastic.halfspace import check_loads, point_load

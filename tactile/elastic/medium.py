@@ -5,7 +5,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 Felt = Literal["strain", "stress"]
 """What a taxel inside the cover measures."""

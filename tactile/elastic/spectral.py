@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import fft
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.elastic.cells import point_cell, uniform_cell
 from tactile.elastic.medium import Medium
 

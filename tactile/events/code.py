@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim import InputError, Template
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.core.frame import NORMAL, Frame, Quantity
 
 _ARROWS = {

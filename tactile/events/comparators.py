@@ -4,7 +4,7 @@ import numpy as np
 
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 from tactile.events.code import Code, Threshold, decode
 
 SLACK = 1e-6

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.operations.cellwise import Planes
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 from tactile.inverse.validity import Validity
 
 SEEDS = 3

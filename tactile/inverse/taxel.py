@@ -20,7 +20,7 @@ from importlib.resources import files
 import numpy as np
 
 from cnnsim.operations.cellwise import Cellwise, Planes
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 from tactile.inverse.validity import FAR, Validity
 
 

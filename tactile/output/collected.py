@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y
 from tactile.events.event import Event
 from tactile.pipeline import FrameReport

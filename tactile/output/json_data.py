@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.core.frame import TaxelArray
 from tactile.events.event import Event
 from tactile.inverse.validity import Validity

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.core.frame import NORMAL, TaxelArray
 from tactile.events.contact_and_shear import TouchKind
 from tactile.events.event import Event, EventKind

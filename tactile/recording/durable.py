@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 
 class DurableFile:

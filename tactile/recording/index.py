@@ -7,7 +7,7 @@ from typing import Any
 from mcap.records import Attachment, Channel, Message, Metadata, Schema
 from mcap.writer import CompressionType, Writer
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.core.source import Source
 from tactile.recording.reader import open_recording, records
 from tactile.recording.writer import Recording

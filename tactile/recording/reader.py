@@ -13,7 +13,7 @@ from mcap.records import Attachment, Channel, Footer, Message, Metadata
 from mcap.stream_reader import CRCValidationError, StreamReader
 from zstandard import ZstdError
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.calibration.live_tare import LiveTare
 from tactile.core.frame import Frame, TaxelArray
 from tactile.recording import schema

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.serial.faults import Faults
 from tactile.wire.base import Encoder
 from tactile.wire.packets import TimedPacket

@@ -4,7 +4,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 
 @dataclass(frozen=True)

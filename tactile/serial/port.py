@@ -6,7 +6,7 @@ import os
 import select
 from typing import TYPE_CHECKING
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.wire.extras import need
 
 if TYPE_CHECKING:

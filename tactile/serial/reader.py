@@ -4,7 +4,7 @@ import threading
 import time
 from collections.abc import Callable
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.serial.port import open_port, take
 from tactile.serial.ring import Ring
 from tactile.wire.base import Talk

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 from tactile.bump.shape import Shape
 from tactile.bump.table import Response, remembered
 from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y, TaxelArray

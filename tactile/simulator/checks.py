@@ -2,7 +2,7 @@
 
 import math
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 
 def within(name: str, value: float, low: float = 0.0, high: float = math.inf) -> None:

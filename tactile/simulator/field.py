@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.core.frame import TaxelArray
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.loads import Loads

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import hertz_indentation
 

@@ -6,8 +6,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 from tactile.core.frame import TaxelArray
 from tactile.core.loads import FORCE, PLACE
 from tactile.elastic.direct import direct_sum

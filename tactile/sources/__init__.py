@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.core.source import Source
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.core.frame import Frame
 from tactile.core.source import Source
 from tactile.sources import open_source

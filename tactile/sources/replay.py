@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.core.source import Source
 from tactile.sources.replay_csv import read_csv
 from tactile.sources.replay_npz import read_npz

@@ -30,7 +30,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.support.toml_file import check_keys, parse_toml, take, take_numbers, take_tables
 from tactile.core.array_table import take_array
 from tactile.core.frame import Frame, TaxelArray

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.core.frame import Frame, TaxelArray
 
 PILLAR_PITCH = 7e-3

@@ -15,7 +15,7 @@ import numpy as np
 from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.typesys import Stores, get_typestore
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.core.frame import Frame, TaxelArray
 from tactile.sources.replay_npz import PILLAR_PITCH
 

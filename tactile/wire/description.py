@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.calibration.gains import Gains
 from tactile.core.frame import TaxelArray
 from tactile.wire.base import Options

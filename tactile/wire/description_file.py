@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.support.toml_file import check_keys, parse_toml, take, take_numbers, take_tables
 from tactile.calibration.gains import Gains
 from tactile.core.array_table import take_array

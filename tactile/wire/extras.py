@@ -3,7 +3,7 @@
 import importlib
 from types import ModuleType
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 INSTALL = "pip install 'cellular-wave-touch[serial]'"
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.wire.base import Decoder, Encoder, Options, Talk
 from tactile.wire.extras import need
 

@@ -12,7 +12,7 @@ from cnnsim.backends.base import Backend
 from cnnsim.network.boundary import fixed
 from cnnsim.network.template import Template
 from cnnsim.planning.plan import make_plan
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tests.benchmarks.peers import installed
 from tests.benchmarks.race import Row, race, versus
 

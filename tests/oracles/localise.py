@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.operations.cellwise import Planes
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.inverse.localise import RIVAL, SEEDS, Load
 from tactile.inverse.validity import Validity
 

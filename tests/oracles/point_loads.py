@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 
 
 def boussinesq(r: Floats, z: Floats, nu: float) -> Floats:

@@ -26,9 +26,8 @@ from cnnsim.network.boundary import Boundary, virtual_index
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.planning.plan import Plan
+from cnnsim.support import Array, InputError
 from cnnsim.support.compile_notice import announce
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Array
 
 announce(kept_in(cpu_kernels.clip.serial))
 

@@ -6,7 +6,7 @@ from numba import prange
 
 from cnnsim.backends.cpu.drive import control_row
 from cnnsim.backends.cpu.jit.compile import helper, twins
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 
 @helper

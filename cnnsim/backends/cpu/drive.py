@@ -9,7 +9,7 @@ from numba import prange, types
 
 from cnnsim.backends.cpu.jit.address import call, compiled_at
 from cnnsim.backends.cpu.jit.compile import helper, twins
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 FEW = 16
 """Rows that a thread does at a time."""

@@ -9,7 +9,7 @@ import numpy as np
 from numba import prange
 
 from cnnsim.backends.cpu.jit.compile import helper, twins
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 
 @helper

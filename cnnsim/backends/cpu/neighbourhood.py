@@ -7,7 +7,7 @@ from numba import prange
 
 from cnnsim.backends.cpu.bits import last_word
 from cnnsim.backends.cpu.jit.compile import helper, twins
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 
 @helper

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 MOST = 2
 """Planes kept: the drive of a transient, and one of the two planes between which its steps go."""

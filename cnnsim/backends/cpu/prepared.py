@@ -15,7 +15,7 @@ from cnnsim.backends.cpu.jit.loops import ANY, CROSS, ISOTROPIC, NINE, loop
 from cnnsim.network.boundary import Boundary, virtual_index
 from cnnsim.network.template import Tap
 from cnnsim.planning.plan import SETTLED_RATE, Plan
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 Taps = tuple[Array, Array, Array]
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from cnnsim.backends.cpu.euler.rows import BLOCK, STRIDE
 from cnnsim.backends.cpu.jit.compile import helper
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 STEEPEST, MOVING, RESTLESS, R0, R1, C0, C1 = range(7)
 """What a look puts down: the largest |dx/dt| (if it is measured), how many cells have |dx/dt| above the rest slope, how

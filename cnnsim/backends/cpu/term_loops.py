@@ -25,7 +25,7 @@ from cnnsim.backends.cpu.term_rows import (
     times_difference,
     times_row,
 )
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 IDENTITY, SIGN, STEP = int(FunctionCode.IDENTITY), int(FunctionCode.SIGN), int(FunctionCode.STEP)
 DRIVE, SLOPE, DISCRETE, EULER = range(4)

@@ -15,7 +15,7 @@ from numba import carray, types
 from cnnsim.backends.codes import FunctionCode
 from cnnsim.backends.cpu.jit.address import call, compiled_at, numbers_of, place
 from cnnsim.backends.cpu.jit.compile import helper
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 IDENTITY, LINEAR, _, CLIP, SIGN, TANH = map(int, FunctionCode)
 

@@ -18,8 +18,7 @@ from cnnsim.network.boundary import virtual_index
 from cnnsim.network.frames import Frames, at_step, spans
 from cnnsim.planning.general import delays_of
 from cnnsim.planning.plan import SETTLED_RATE, Plan
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Array
+from cnnsim.support import Array, InputError
 
 NOBODY = np.empty((1, 1, 1, 0), bool)
 """The mask that holds no cell."""

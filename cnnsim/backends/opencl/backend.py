@@ -24,8 +24,7 @@ from cnnsim.network.boundary import Boundary
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.planning.plan import Plan
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Array
+from cnnsim.support import Array, InputError
 
 
 class OpenCLBackend:

@@ -16,7 +16,7 @@ from cnnsim.network.boundary import Boundary
 from cnnsim.network.template import Tap
 from cnnsim.network.weights import reach
 from cnnsim.planning.plan import Plan
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 Defines = Mapping[str, str | int]
 

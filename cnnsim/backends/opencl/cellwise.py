@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.operations.cellwise import Cellwise
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 
 def text(operation: Cellwise) -> str:

@@ -5,7 +5,7 @@ from typing import Literal
 
 import pyopencl as cl
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 Family = Literal["cpu", "gpu"]
 """Two families of kernels: a few work-items with long vectors, or many work-items that share local memory."""

@@ -11,7 +11,7 @@ from cnnsim.backends.base import Memory
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.stencil import DeviceGrid
 from cnnsim.network.frames import Frames
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 _WORD = 64  # cells of an LLM plane in a word
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pyopencl as cl
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 VARIABLE = "CNNSIM_POCL_PROCESSOR"
 AUTO = "auto"

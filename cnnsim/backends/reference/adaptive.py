@@ -10,8 +10,7 @@ from cnnsim.backends.reference.terms import Network
 from cnnsim.backends.reference.transient import LinearSteps
 from cnnsim.network.cell import output, rate
 from cnnsim.planning.plan import Plan
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Array
+from cnnsim.support import Array, InputError
 
 
 def linear(plan: Plan, x: Array, w: Array, free: Array) -> Outcome:

@@ -20,8 +20,7 @@ from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.operations.logic import truth_table
 from cnnsim.planning.plan import Plan
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Array
+from cnnsim.support import Array, InputError
 
 
 class ReferenceBackend:

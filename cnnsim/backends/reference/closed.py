@@ -7,7 +7,7 @@ import numpy as np
 from cnnsim.backends.base import Outcome
 from cnnsim.network.cell import uncoupled_state
 from cnnsim.planning.plan import Plan
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 
 def closed_form(plan: Plan, x: Array, w: Array, free: Array) -> Outcome:

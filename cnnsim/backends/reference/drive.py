@@ -8,7 +8,7 @@ from cnnsim.backends.reference.terms import add_term
 from cnnsim.network.boundary import Boundary, pad
 from cnnsim.network.template import Tap
 from cnnsim.planning.plan import Plan
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 
 def correlate(plane: Array, taps: Sequence[Tap], boundary: Boundary, constant: float, start: Array) -> Array:

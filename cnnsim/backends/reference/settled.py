@@ -5,7 +5,7 @@ import numpy as np
 from cnnsim.backends.base import Check
 from cnnsim.network.cell import rate
 from cnnsim.planning.plan import Plan
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 
 def check(plan: Plan, x: Array, drive: Array, free: Array) -> Check:

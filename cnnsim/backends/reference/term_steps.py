@@ -6,7 +6,7 @@ import numpy as np
 
 from cnnsim.backends.base import Check
 from cnnsim.backends.reference.terms import Network
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 
 class TermSteps:

@@ -14,7 +14,7 @@ from cnnsim.network.frames import Frames, at_step
 from cnnsim.network.term import Argument, Quantity, Term
 from cnnsim.planning.general import delays_of
 from cnnsim.planning.plan import Plan
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 Look = Callable[[Quantity, int], Array]
 """What a term sees: (quantity, layer) -> (n, rows, cols), at the time the term looks at."""

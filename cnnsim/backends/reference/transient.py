@@ -7,7 +7,7 @@ from cnnsim.backends.reference.drive import correlate
 from cnnsim.backends.reference.settled import check
 from cnnsim.network.cell import output
 from cnnsim.planning.plan import Plan
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 
 class LinearSteps:

@@ -6,7 +6,7 @@ Source: the template files of the SzTAKI CNN simulators (CANDY, SimCNN, VisualMo
 from dataclasses import dataclass, field
 from typing import Literal
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 Operation = Literal[
     "feedback", "control", "nonlin_feedback", "nonlin_control", "nonlin_d", "delayed_feedback", "delayed_control"

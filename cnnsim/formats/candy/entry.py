@@ -5,7 +5,7 @@ from cnnsim.formats.candy.from_terms import template_section
 from cnnsim.library.entry import LibraryEntry, Role
 from cnnsim.network.boundary import Boundary
 from cnnsim.network.characteristic import Cell
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.support.numbers import written
 
 _BOUNDARIES = {"zero-flux": "Zero-flux", "periodic": "Periodic"}

@@ -13,7 +13,7 @@ from cnnsim.network.layers import AnyTemplate, layered
 from cnnsim.network.table import Table
 from cnnsim.network.template import Template
 from cnnsim.network.term import Argument, Term
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 _KINDS: dict[str, Operation] = {"y": "nonlin_feedback", "u": "nonlin_control"}
 

@@ -7,8 +7,8 @@ from cnnsim.formats.candy.content import TemFile
 from cnnsim.library.entry import Role
 from cnnsim.network.boundary import PERIODIC, ZERO_FLUX, Boundary, fixed
 from cnnsim.planning.duration import Duration
+from cnnsim.support import InputError
 from cnnsim.support.diagnostics import Diagnostics
-from cnnsim.support.errors import InputError
 from cnnsim.support.numbers import is_number, number
 
 _PART = re.compile(r"\s*([A-Za-z]\w*)\s*[:=]\s*([^,(]*(?:\([^)]*\))?[^,]*)(?:,|$)")

@@ -9,8 +9,8 @@ from cnnsim.library.imported import Imported, library_name
 from cnnsim.network.characteristic import Cell
 from cnnsim.network.layers import layered
 from cnnsim.network.template import Template
+from cnnsim.support import InputError
 from cnnsim.support.diagnostics import Diagnostics
-from cnnsim.support.errors import InputError
 
 _AFTER_DELAY = 10.0  # time constants in which a cell without neighbours is at rest
 

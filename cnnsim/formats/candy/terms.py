@@ -16,7 +16,7 @@ from cnnsim.network.layers import AnyTemplate, LayeredTemplate
 from cnnsim.network.table import Table, from_pairs
 from cnnsim.network.template import Template
 from cnnsim.network.term import Argument, Quantity, Term
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 _READS = {"feedback": "y", "control": "u"}
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.prototyping.design.rule import NAMES, WindowRule, windows
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 Values = NDArray[np.int64]
 

@@ -11,8 +11,7 @@ from cnnsim.library.write import template_text, toml_value
 from cnnsim.network.boundary import Boundary, boundary_value
 from cnnsim.prototyping.design.design import Design, DesignPart
 from cnnsim.prototyping.design.rule import WindowRule
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 
 
 def part_names(design: Design, name: str) -> list[str]:

@@ -18,7 +18,7 @@ from cnnsim.network.cell import output
 from cnnsim.network.template import Template
 from cnnsim.planning.step import DEFAULT_STEP
 from cnnsim.prototyping.design.rule_files import PicturePair
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.transient import make_task
 
 Symmetry = Literal["all", "mirror", "none"]

@@ -17,7 +17,7 @@ from cnnsim.prototyping.design.linear import Certificate, Norm
 from cnnsim.prototyping.design.rule import WindowRule, window_text
 from cnnsim.prototyping.design.rule_files import read_pairs, read_table, rule_of_pairs
 from cnnsim.prototyping.design.verify import wrong_windows
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 Facts = tuple[dict[str, Any], list[str]]
 

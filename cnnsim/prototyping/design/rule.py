@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.network.boundary import Boundary, pad
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 NAMES = ("nw", "n", "ne", "w", "c", "e", "sw", "s", "se", "x")
 """The cells of a window, row by row; ``x`` is the cell's own initial state."""

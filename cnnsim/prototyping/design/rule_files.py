@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cnnsim.network.boundary import Boundary
 from cnnsim.prototyping.design.rule import WindowRule, window_text, windows
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.support.picture import read_picture
 from cnnsim.support.toml_file import check_keys, read_toml
 

@@ -11,7 +11,7 @@ from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import Program
 from cnnsim.prototyping.design.design import Design
 from cnnsim.prototyping.design.rule import WindowRule
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from cnnsim.transient import run_transient
 
 

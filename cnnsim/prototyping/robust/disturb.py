@@ -8,7 +8,7 @@ import numpy as np
 
 from cnnsim.network.layers import AnyTemplate, LayeredTemplate
 from cnnsim.network.template import Template
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 
 
 def with_relative_errors(template: AnyTemplate, sigma: float, rng: np.random.Generator) -> AnyTemplate:

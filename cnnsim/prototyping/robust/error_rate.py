@@ -11,8 +11,7 @@ from cnnsim.network.frames import Frames
 from cnnsim.network.layers import AnyTemplate, layered
 from cnnsim.network.template import Tap, Template
 from cnnsim.prototyping.robust.margin import margin_of
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Array
+from cnnsim.support import Array, InputError
 from cnnsim.transient import Task, make_task
 
 MOST_WINDOWS = 4096

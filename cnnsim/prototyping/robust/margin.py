@@ -6,7 +6,7 @@ import numpy as np
 
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.network.template import Template
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from cnnsim.theory.neighbourhood import pairs_of, too_many, weighted_sums
 
 

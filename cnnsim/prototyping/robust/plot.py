@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim.prototyping.robust.robust import Curve, Robustness
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 
 def draw_robustness(found: Robustness, path: str | Path) -> None:

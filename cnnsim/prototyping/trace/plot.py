@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.prototyping.trace.trace import CellIndex, Trace
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 
 SHEET = 8
 """Pictures on the contact sheet."""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cnnsim.backends.base import Backend
 from cnnsim.planning.plan import make_plan
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.theory.running_time import time_of_picture
 from cnnsim.transient import Task
 

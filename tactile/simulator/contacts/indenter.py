@@ -5,8 +5,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import (
     FLAT_PUNCH,

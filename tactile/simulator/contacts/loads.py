@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.core.loads import COLUMNS, PLACE
 from tactile.elastic.profiles import Profile
 

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.core.loads import COLUMNS, PLACE, SHEAR, F, Q, R, X, Y
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.friction import FrictionState, load_to, untouched

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.core.loads import FORCE
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.loads import Loads, point_loads

@@ -5,8 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.loads import Loads, point_loads
 from tactile.simulator.contacts.materials import Material

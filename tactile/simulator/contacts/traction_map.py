@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 from tactile.core.loads import COLUMNS, FORCE, PLACE
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.loads import Loads

@@ -17,7 +17,7 @@ from typing import Any, ClassVar, Protocol, cast
 
 import numpy as np
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.support.toml_file import check_keys, take
 from tactile.simulator.batch import Batch
 from tactile.simulator.field import Field

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numba import njit
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.simulator.batch import Batch
 
 

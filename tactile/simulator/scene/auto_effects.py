@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.simulator.effects import ORDER, effect_class
 from tactile.simulator.scene.estimate import Named, Sample
 from tactile.simulator.scene.scene import Scene

@@ -6,7 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.support.toml_file import check_keys, take, take_numbers
 from tactile.simulator.contacts.indenter import ROUND, Indenter, ShapeName
 from tactile.simulator.contacts.materials import PRESETS

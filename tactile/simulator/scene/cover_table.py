@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Any
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.support.toml_file import take
 from tactile.bump.shape import Shape
 from tactile.core.frame import TaxelArray

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.simulator.batch import Batch
 from tactile.simulator.field import Field
 from tactile.simulator.scene.scene import Scene

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.support.toml_file import check_keys, read_toml, take, take_numbers, take_tables
 from tactile.core.array_table import take_array
 from tactile.core.frame import TaxelArray

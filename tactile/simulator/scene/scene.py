@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.loads import COLUMNS
 from tactile.elastic.medium import Felt, Medium

@@ -20,7 +20,7 @@ from operator import xor
 
 import numpy as np
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.wire.base import Decoder, Encoder, Found, Options, Reading, Taxels
 from tactile.wire.registry import Format
 

@@ -20,7 +20,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.wire.base import Decoder, Encoder, Found, Options, Reading, Taxels
 from tactile.wire.registry import Format
 

@@ -16,7 +16,7 @@ from cnnsim.network.boundary import PERIODIC, ZERO_FLUX, Boundary, fixed
 from cnnsim.network.template import Template
 from cnnsim.planning.plan import make_plan
 from cnnsim.planning.savings import MOST_HALO
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.transient import NotSettledError, Result, run_transient
 
 BACKENDS = {name: get("cpu", name) for name in ("float32", "float64")}

@@ -12,7 +12,7 @@ from cnnsim import library, write_picture
 from cnnsim.cli.design import design as design_command
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tests.oracles.pictures import plane
 from tests.oracles.wholes import fill_holes
 

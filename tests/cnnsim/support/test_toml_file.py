@@ -2,7 +2,7 @@
 
 import pytest
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.support.toml_file import numbers, parse_toml, take
 
 LONG = 10**400

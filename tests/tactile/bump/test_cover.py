@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 from tactile.bump import response, table
 from tactile.bump.body import Body
 from tactile.bump.kinematics import PRESSED

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from skfem import MeshTri
 from skfem.mesh import Mesh
 
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats
 from tactile.bump.body import Body, solve
 from tactile.bump.kinematics import HALF, PLANE, PRESSED, SHEARED, SOLID, Kinematics
 from tactile.bump.law import Displacement, Law, Mixed, PlaneStress

@@ -5,8 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 from tactile.bump.body import Body
 from tactile.bump.finite import balance, push_to
 from tactile.bump.kinematics import HALF, PLANE, PRESSED, SHEARED, SOLID, Kinematics

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.calibration.radial import RadialCorrection
 from tactile.cli.group import main
 from tactile.core.frame import TaxelArray

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from skfem import FacetBasis, LinearForm, MeshTri
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 from tactile.bump.body import Body, solve
 from tactile.bump.kinematics import HALF, PLANE, PRESSED, SHEARED, SOLID, Kinematics
 from tactile.bump.law import Mixed, PlaneStress

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 from tactile.calibration.from_load import depth_from_speed, gains_from_load
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection, radial_from_scan

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.types import Floats
+from cnnsim.support import Floats, InputError
 from tactile.calibration.file import Calibration, load_calibration, write_calibration
 from tactile.calibration.from_scan import calibrate
 from tactile.calibration.gains import Gains

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.calibration.gains import Gains
 from tactile.calibration.sensitivity import beta_from_scan
 from tactile.calibration.tare import Tare

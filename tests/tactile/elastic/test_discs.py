@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.elastic.discs import disc_load, twist_load
 from tactile.elastic.halfspace import point_load
 from tactile.elastic.lines import cylinder_half_width, cylinder_loads, edge_loads

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.elastic.halfspace import point_load_strain, point_load_stress
 from tests.oracles.boussinesq import strain_tensor, stress_tensor
 

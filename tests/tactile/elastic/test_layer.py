@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.elastic.halfspace import point_load
 from tactile.elastic.layer import periodic_field, transfer
 from tactile.elastic.layer_loads import layer_load, layer_term

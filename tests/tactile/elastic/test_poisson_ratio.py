@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.elastic.direct import direct_sum
 from tactile.elastic.halfspace import point_load, point_load_strain
 from tactile.elastic.layer import periodic_field

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.core.frame import TaxelArray
 from tactile.elastic.cells import point_cell, uniform_cell
 from tactile.elastic.direct import direct_sum

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.core.frame import TaxelArray
 from tactile.elastic.halfspace import point_load_strain, point_load_stress
 from tactile.inverse.localise import Load, localise, three_taxels

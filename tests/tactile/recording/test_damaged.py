@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.recording.reader import open_recording
 from tests.kits.paths import SCENES
 from tests.kits.serial import call

@@ -13,7 +13,7 @@ import pytest
 from mcap.reader import make_reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.core.frame import Frame
 from tactile.recording import schema
 from tactile.recording.reader import open_recording, records

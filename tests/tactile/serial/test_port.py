@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import serial
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.core.frame import Frame
 from tactile.serial.faults import Faults
 from tactile.serial.port import CURES, open_port

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.recording.reader import open_recording
 from tactile.sources import open_source
 from tactile.sources.convert import convert, open_any

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import Source
 from tactile.simulator.scene.file import read_scene, scene_from

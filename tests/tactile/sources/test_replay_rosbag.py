@@ -6,7 +6,7 @@ import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.sources.convert import open_any
 
 PILLAR = "float32 fX\nfloat32 fY\nfloat32 fZ\n"

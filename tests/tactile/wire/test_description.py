@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.wire.arrange import Arrange, back
 from tactile.wire.base import Reading
 from tactile.wire.description_file import default_description, parse_description

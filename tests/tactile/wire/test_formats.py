@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.wire.base import Options, Reading
 from tactile.wire.registry import NAMES, find_format
 from tests.kits.wire import SHAPES, VARIANTS, decoded, pair, stream

@@ -8,7 +8,7 @@ from cnnsim.backends.cpu.euler.tile import Rule, tile_area
 from cnnsim.backends.cpu.jit.address import call
 from cnnsim.backends.cpu.jit.compile import twins
 from cnnsim.backends.cpu.settled import MOVING, RESTLESS, look_at_nothing, steepest, total
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 
 @twins

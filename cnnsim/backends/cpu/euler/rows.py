@@ -13,7 +13,7 @@ column, which is room for the virtual cells on the left.
 import numpy as np
 
 from cnnsim.backends.cpu.jit.compile import fused, helper
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 BLOCK = 4
 """Rows done together: each row of y is loaded once for all the rows it is a neighbour of. The loops over a block are

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from cnnsim.backends.cpu.euler.rows import BLOCK, PAD, STRIDE
 from cnnsim.backends.cpu.jit.compile import helper
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 FIXED, ZERO_FLUX, PERIODIC = 0, 1, 2
 GROUP = 4 * BLOCK

@@ -16,7 +16,7 @@ from cnnsim.backends.cpu.euler.window import CATCH_UP, LOOK, shelve, window_cell
 from cnnsim.backends.cpu.jit.address import call
 from cnnsim.backends.cpu.jit.compile import helper, twins
 from cnnsim.backends.cpu.settled import C0, C1, MOVING, R0, R1, RESTLESS, look_at_nothing, steepest, total
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 HEIGHT, WIDTH = 32, 64
 """Cells of a tile: small enough to lie still as a whole, wide enough for the vectors."""

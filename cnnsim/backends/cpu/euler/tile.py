@@ -29,7 +29,7 @@ from cnnsim.backends.cpu.jit.address import compiled_at
 from cnnsim.backends.cpu.jit.compile import helper
 from cnnsim.backends.cpu.jit.loops import step_block
 from cnnsim.backends.cpu.settled import look_block
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 
 class Rule(NamedTuple):

@@ -10,7 +10,7 @@ from numba import carray, types
 from cnnsim.backends.cpu.euler.rows import any_taps, cross, isotropic, nine_taps
 from cnnsim.backends.cpu.jit.address import call, compiled_at, numbers_of, place
 from cnnsim.backends.cpu.jit.compile import helper
-from cnnsim.support.types import Array
+from cnnsim.support import Array
 
 
 def _nine_taps(

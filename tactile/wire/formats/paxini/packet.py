@@ -21,7 +21,7 @@ import struct
 
 import numpy as np
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.wire.base import Options, Taxels
 
 NEWTON = 0.1

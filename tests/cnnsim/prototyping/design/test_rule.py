@@ -10,7 +10,7 @@ from cnnsim.prototyping.design.expression import parse_rule
 from cnnsim.prototyping.design.rule import NAMES
 from cnnsim.prototyping.design.rule_files import read_table, rule_of_pairs
 from cnnsim.prototyping.design.separable import separable_design
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tests.kits.design import rule_of
 from tests.oracles.pictures import plane
 

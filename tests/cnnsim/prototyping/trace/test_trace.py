@@ -13,7 +13,7 @@ from cnnsim.cli.trace import trace
 from cnnsim.network.cell import output, uncoupled_state
 from cnnsim.prototyping.trace.plot import SHEET, sheet_frames
 from cnnsim.prototyping.trace.trace import Trace, parse_cell_index, record, representative_cells, watching_time
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from cnnsim.transient import Task, make_task, run_transient
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import hertz_radius
 from tactile.simulator.contacts.friction import FrictionState, load_to, untouched

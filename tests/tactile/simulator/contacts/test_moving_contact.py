@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import hertz_radius
 from tactile.simulator.contacts.indenter import Indenter

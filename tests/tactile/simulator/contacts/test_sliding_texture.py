@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.materials import PRESETS, Material
 from tactile.simulator.contacts.sliding_texture import SlidingTexture

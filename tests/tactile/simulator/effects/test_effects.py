@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.simulator.effects import ORDER, effect_class, read_effect, without
 from tactile.simulator.effects.dead_taxels import DeadTaxels
 from tactile.simulator.effects.finite_thickness import FiniteThickness

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.elastic.discs import disc_load
 from tactile.elastic.halfspace import point_load, point_load_strain
 from tactile.elastic.layer_loads import layer_load

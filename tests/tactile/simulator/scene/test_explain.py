@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.cli.explain import explain as command
 from tactile.core.frame import TaxelArray
 from tactile.simulator.contacts.moving_load import MovingLoad

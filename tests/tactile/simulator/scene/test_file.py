@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.elastic.halfspace import point_load_strain
 from tactile.simulator.effects import ORDER
 from tactile.simulator.scene.file import read_scene, scene_from

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cnnsim.support.errors import InputError
+from cnnsim.support import InputError
 from tactile.elastic.halfspace import point_load_strain, point_load_stress
 from tactile.inverse.localise import localise
 from tactile.inverse.taxel import invert_strain
