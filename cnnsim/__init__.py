@@ -10,13 +10,7 @@ from cnnsim import library
 from cnnsim.backends.opencl.devices import devices
 from cnnsim.library.catalogue import run
 from cnnsim.library.explain import explain
-from cnnsim.network.boundary import PERIODIC, ZERO_FLUX, Boundary, fixed
-from cnnsim.network.characteristic import Cell
-from cnnsim.network.frames import Frames
-from cnnsim.network.layers import LayeredTemplate
-from cnnsim.network.table import Table
-from cnnsim.network.template import Template
-from cnnsim.network.term import Term
+from cnnsim.network import PERIODIC, ZERO_FLUX, Boundary, Cell, Frames, LayeredTemplate, Table, Template, Term, fixed
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import Program

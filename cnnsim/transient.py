@@ -9,11 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cnnsim import backends
 from cnnsim.backends.base import Backend, Outcome
-from cnnsim.network.boundary import ZERO_FLUX, Boundary
-from cnnsim.network.cell import CellModel
-from cnnsim.network.characteristic import Cell
-from cnnsim.network.frames import Frames
-from cnnsim.network.layers import AnyTemplate
+from cnnsim.network import ZERO_FLUX, AnyTemplate, Boundary, Cell, CellModel, Frames
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.plan import Plan, make_plan
 from cnnsim.support import InputError

@@ -2,7 +2,7 @@
 
 from enum import IntEnum
 
-from cnnsim.network.boundary import Boundary
+from cnnsim.network import Boundary
 
 NOTHING = -1
 """No channel, no plane of weights."""

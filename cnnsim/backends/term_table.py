@@ -9,10 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cnnsim.backends.codes import NOTHING, FunctionCode
-from cnnsim.network.layers import LayeredTemplate
-from cnnsim.network.table import Table
-from cnnsim.network.term import Argument, Term
-from cnnsim.network.weights import reach
+from cnnsim.network import Argument, LayeredTemplate, Table, Term, reach
 from cnnsim.planning.general import delays_of
 from cnnsim.planning.plan import Plan
 from cnnsim.support import Array

@@ -7,7 +7,8 @@ from typing import Any
 import click
 
 from cnnsim.cli.run import json_option
-from cnnsim.network.boundary import BOUNDARY_FORMS, parse_boundary
+from cnnsim.network import parse_boundary
+from cnnsim.network.boundary import BOUNDARY_FORMS
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, progress
 

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from cnnsim import backends, library
 from cnnsim.library.entry import LibraryEntry
-from cnnsim.network.boundary import BOUNDARY_FORMS, parse_boundary
+from cnnsim.network import parse_boundary
+from cnnsim.network.boundary import BOUNDARY_FORMS
 from cnnsim.planning.savings import Saving
 from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
 from cnnsim.support import InputError

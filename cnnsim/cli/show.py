@@ -7,9 +7,7 @@ from numpy.typing import NDArray
 from cnnsim import library
 from cnnsim.cli.run import json_option
 from cnnsim.library.entry import Example, LibraryEntry
-from cnnsim.network.layers import layered
-from cnnsim.network.table import Table
-from cnnsim.network.template import Template
+from cnnsim.network import Table, Template, layered
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.picture import to_ascii
 

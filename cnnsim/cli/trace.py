@@ -6,7 +6,8 @@ import click
 
 from cnnsim import backends, library
 from cnnsim.cli.run import backend_option, json_option, read_frames
-from cnnsim.network.boundary import BOUNDARY_FORMS, parse_boundary
+from cnnsim.network import parse_boundary
+from cnnsim.network.boundary import BOUNDARY_FORMS
 from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json

@@ -9,8 +9,7 @@ import json
 from typing import Any
 
 from cnnsim.library.imported import Imported, assume_setting, library_name, plain
-from cnnsim.network.layers import AnyTemplate
-from cnnsim.network.template import Template
+from cnnsim.network import AnyTemplate, Template
 from cnnsim.support import InputError
 from cnnsim.support.diagnostics import Diagnostics
 

@@ -8,7 +8,7 @@ Source: the template files of github.com/H2CO3/CNNSim.
 from cnnsim.formats.candy.header import read_boundary
 from cnnsim.formats.candy.lines import decode
 from cnnsim.library.imported import Imported, assume_setting, library_name
-from cnnsim.network.template import Template
+from cnnsim.network import Template
 from cnnsim.support import InputError
 from cnnsim.support.diagnostics import Diagnostics
 from cnnsim.support.numbers import number

@@ -10,8 +10,7 @@ from cnnsim.formats.differences import number_differences
 from cnnsim.formats.known_defects import KNOWN
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.library.imported import Imported
-from cnnsim.network.layers import AnyTemplate
-from cnnsim.network.template import Template
+from cnnsim.network import AnyTemplate, Template
 
 _SMALL_MARGIN = 0.25  # what an analog chip of 7 or 8 bits cannot be trusted with
 

@@ -6,9 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.network.layers import AnyTemplate, layered
-from cnnsim.network.table import Table
-from cnnsim.network.template import Tap, Template
+from cnnsim.network import AnyTemplate, Table, Tap, Template, layered
 
 
 def number_differences(ours: AnyTemplate, theirs: AnyTemplate) -> Iterator[str]:

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from cnnsim.formats.candy.lines import decode, split
 from cnnsim.library.imported import Imported, assume_setting, library_name, plain
-from cnnsim.network.layers import AnyTemplate
-from cnnsim.network.template import Template
+from cnnsim.network import AnyTemplate, Template
 from cnnsim.support import InputError
 from cnnsim.support.diagnostics import Diagnostics
 from cnnsim.support.numbers import number, written

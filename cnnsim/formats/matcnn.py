@@ -18,9 +18,8 @@ from cnnsim.formats.candy.lines import decode, split
 from cnnsim.formats.matlab_expression import evaluate
 from cnnsim.formats.matlab_tokens import Token, statements
 from cnnsim.library.imported import Imported, assume_setting, library_name
-from cnnsim.network.table import Table, from_pairs
-from cnnsim.network.template import Template
-from cnnsim.network.term import Argument, Quantity, Term
+from cnnsim.network import Argument, Quantity, Table, Template, Term
+from cnnsim.network.table import from_pairs
 from cnnsim.support import Floats, InputError
 from cnnsim.support.diagnostics import Diagnostics
 

@@ -11,9 +11,8 @@ from cnnsim.backends.base import Backend
 from cnnsim.library.entry import Example, LibraryEntry, Role
 from cnnsim.library.folders import files, not_found
 from cnnsim.library.read import TEMPLATE_KEYS, read_pictures, read_template
-from cnnsim.network.boundary import parse_boundary
+from cnnsim.network import LayeredTemplate, parse_boundary
 from cnnsim.network.characteristic import parse_cell
-from cnnsim.network.layers import LayeredTemplate
 from cnnsim.support import InputError
 from cnnsim.support.toml_file import check_keys, read_toml
 from cnnsim.transient import Dtype, Result, TaskOptions, run_transient

@@ -8,11 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.library.folders import folder
-from cnnsim.network.boundary import ZERO_FLUX, Boundary
-from cnnsim.network.characteristic import CHUA_YANG, Cell
-from cnnsim.network.frames import Frames
-from cnnsim.network.layers import AnyTemplate, LayeredTemplate
-from cnnsim.network.template import Template
+from cnnsim.network import CHUA_YANG, ZERO_FLUX, AnyTemplate, Boundary, Cell, Frames, LayeredTemplate, Template
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.plan import usual_limit
 from cnnsim.planning.step import DEFAULT_STEP

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from cnnsim.library.catalogue import load
 from cnnsim.library.entry import LibraryEntry
-from cnnsim.network.layers import AnyTemplate, layered
+from cnnsim.network import AnyTemplate, layered
 from cnnsim.planning.plan import Plan, lines_of
 from cnnsim.theory.running_time import RunningTime
 from cnnsim.transient import TaskOptions, make_task

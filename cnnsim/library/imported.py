@@ -5,9 +5,7 @@ from dataclasses import dataclass, replace
 
 from cnnsim.library.entry import LibraryEntry, Role
 from cnnsim.library.write import template_text
-from cnnsim.network.boundary import ZERO_FLUX, Boundary
-from cnnsim.network.layers import AnyTemplate
-from cnnsim.network.template import Template
+from cnnsim.network import ZERO_FLUX, AnyTemplate, Boundary, Template
 from cnnsim.support import InputError
 from cnnsim.support.diagnostics import Diagnostics
 

@@ -19,10 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.network.layers import AnyTemplate, LayeredTemplate
+from cnnsim.network import AnyTemplate, LayeredTemplate, Template, Term
 from cnnsim.network.table import parse_table
-from cnnsim.network.template import Template
-from cnnsim.network.term import Term
 from cnnsim.support import InputError
 from cnnsim.support.picture import parse_ascii
 from cnnsim.support.toml_file import check_keys, take_tables

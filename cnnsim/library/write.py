@@ -8,8 +8,9 @@ import numpy as np
 
 from cnnsim.library.entry import Example, LibraryEntry
 from cnnsim.library.write_terms import template_keys
+from cnnsim.network import CHUA_YANG
 from cnnsim.network.boundary import boundary_value
-from cnnsim.network.characteristic import CHUA_YANG, cell_value
+from cnnsim.network.characteristic import cell_value
 from cnnsim.support import Floats
 from cnnsim.support.numbers import written
 from cnnsim.support.picture import to_ascii

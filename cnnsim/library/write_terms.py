@@ -5,10 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.network.layers import AnyTemplate, LayeredTemplate
-from cnnsim.network.table import Table, table_value
-from cnnsim.network.template import Template
-from cnnsim.network.term import Argument, Term
+from cnnsim.network import AnyTemplate, Argument, LayeredTemplate, Table, Template, Term
+from cnnsim.network.table import table_value
 
 
 def template_keys(template: AnyTemplate) -> dict[str, Any]:

@@ -7,10 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cnnsim.network.boundary import Boundary
+from cnnsim.network import Boundary, Template, reach
 from cnnsim.network.cell import uncoupled_state
-from cnnsim.network.template import Template
-from cnnsim.network.weights import reach
 
 MOST_NEIGHBOURS = 12
 """Templates that read more cells than this are not tried: the truth table has 2^n rows."""

@@ -5,8 +5,8 @@ from functools import partial
 
 import numpy as np
 
-from cnnsim.network.characteristic import CLIP, Cell, Characteristic
-from cnnsim.network.layers import AnyTemplate, LayeredTemplate, layered
+from cnnsim.network import AnyTemplate, Cell, Characteristic, LayeredTemplate, layered
+from cnnsim.network.characteristic import CLIP
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.network_modes import step_bound
 from cnnsim.planning.scheme import ADAPTIVE, EULER, Scheme, find_scheme

@@ -6,11 +6,8 @@ from itertools import product
 
 import numpy as np
 
-from cnnsim.network.boundary import fixed
-from cnnsim.network.characteristic import Characteristic
-from cnnsim.network.layers import LayeredTemplate
-from cnnsim.network.template import Template
-from cnnsim.network.term import Range, Term
+from cnnsim.network import Characteristic, LayeredTemplate, Template, Term, fixed
+from cnnsim.network.term import Range
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.scheme import Scheme
 from cnnsim.planning.stability import Modes, coupling, decaying, limit_of

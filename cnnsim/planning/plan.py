@@ -8,12 +8,20 @@ from typing import Any, Literal, get_args
 
 from numpy.typing import NDArray
 
-from cnnsim.network.boundary import Boundary
-from cnnsim.network.cell import CellModel
-from cnnsim.network.characteristic import CLIP, Cell, Characteristic, parse_cell
-from cnnsim.network.layers import AnyTemplate, LayeredTemplate, layered
-from cnnsim.network.template import Tap, Template, all_taps
-from cnnsim.network.weights import reach
+from cnnsim.network import (
+    AnyTemplate,
+    Boundary,
+    Cell,
+    CellModel,
+    Characteristic,
+    LayeredTemplate,
+    Tap,
+    Template,
+    layered,
+    reach,
+)
+from cnnsim.network.characteristic import CLIP, parse_cell
+from cnnsim.network.template import all_taps
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.general import check_grid, decide_general, why_general
 from cnnsim.planning.savings import Saving, stepped_savings, steps_a_pass

@@ -3,9 +3,7 @@
 import math
 from typing import Literal
 
-from cnnsim.network.cell import CellModel
-from cnnsim.network.template import Template
-from cnnsim.network.weights import reach
+from cnnsim.network import CellModel, Template, reach
 from cnnsim.planning.scheme import Scheme
 
 Saving = Literal["closed form", "sparse taps", "shared sums", "blocking", "sleep"]

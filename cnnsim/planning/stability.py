@@ -6,8 +6,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.network.boundary import Boundary, pad
-from cnnsim.network.template import Template
+from cnnsim.network import Boundary, Template, pad
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.scheme import EULER, RK4, Scheme
 from cnnsim.support import Floats

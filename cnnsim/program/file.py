@@ -5,8 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim.library.folders import program_file
-from cnnsim.network.boundary import parse_boundary
-from cnnsim.network.template import Template
+from cnnsim.network import Template, parse_boundary
 from cnnsim.program.names import Names
 from cnnsim.program.program import Program
 from cnnsim.program.scope import LocalTemplate, Scope

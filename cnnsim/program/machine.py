@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cnnsim import backends, library
 from cnnsim.backends.base import Backend, Plane
-from cnnsim.network.characteristic import CHUA_YANG
+from cnnsim.network import CHUA_YANG
 from cnnsim.operations.bitwise import BitRule, bit_rule
 from cnnsim.operations.global_wire import read_wire
 from cnnsim.operations.logic import function_number

@@ -21,9 +21,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from cnnsim.network.boundary import Boundary
-from cnnsim.network.characteristic import CHUA_YANG, Cell
-from cnnsim.network.template import Template
+from cnnsim.network import CHUA_YANG, Boundary, Cell, Template
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.operations.global_wire import Wire
 from cnnsim.planning.duration import Duration

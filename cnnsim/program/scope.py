@@ -3,8 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from cnnsim.network.boundary import Boundary
-from cnnsim.network.template import Template
+from cnnsim.network import Boundary, Template
 from cnnsim.planning.duration import Duration
 from cnnsim.program.names import Names
 

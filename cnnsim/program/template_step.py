@@ -3,9 +3,7 @@
 from typing import Any
 
 from cnnsim import library
-from cnnsim.network.boundary import Boundary, parse_boundary
-from cnnsim.network.characteristic import CHUA_YANG, Cell
-from cnnsim.network.template import Template
+from cnnsim.network import CHUA_YANG, Boundary, Cell, Template, parse_boundary
 from cnnsim.planning.duration import Duration
 from cnnsim.program.program import Step, TemplateStep
 from cnnsim.program.scope import Scope

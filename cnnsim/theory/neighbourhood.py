@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.network.boundary import Boundary, pad
-from cnnsim.network.weights import Tap, reach
+from cnnsim.network import Boundary, Tap, pad, reach
 from cnnsim.support import Floats
 
 Pair = tuple[float, float]

@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.network.boundary import Boundary
-from cnnsim.network.template import Template
+from cnnsim.network import Boundary, Template
 from cnnsim.support import Floats
 from cnnsim.theory import wave_time
 from cnnsim.theory.neighbourhood import Pair, neighbour_sum, pairs_of, too_many, weighted_sums

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.network.template import Template
+from cnnsim.network import Template
 
 _CROSS = {(-1, 0), (0, -1), (0, 1), (1, 0)}
 _RING = {(k, l) for k in (-1, 0, 1) for l in (-1, 0, 1)} - {(0, 0)}

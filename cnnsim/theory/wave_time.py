@@ -16,8 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.network.boundary import Boundary
-from cnnsim.network.template import Template
+from cnnsim.network import Boundary, Template
 from cnnsim.support import Floats
 from cnnsim.theory.neighbourhood import Pair, neighbour_sum, too_many, weighted_sums
 from cnnsim.theory.wave_path import longest_path

@@ -9,8 +9,7 @@ import numpy as np
 
 from cnnsim.backends import get
 from cnnsim.backends.base import Backend
-from cnnsim.network.boundary import fixed
-from cnnsim.network.template import Template
+from cnnsim.network import Template, fixed
 from cnnsim.planning.plan import make_plan
 from cnnsim.support import InputError
 from tests.benchmarks.peers import installed

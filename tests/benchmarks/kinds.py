@@ -7,11 +7,8 @@ import numpy as np
 
 from cnnsim import library
 from cnnsim.backends.base import Backend
-from cnnsim.network.boundary import fixed
-from cnnsim.network.layers import AnyTemplate, LayeredTemplate
+from cnnsim.network import AnyTemplate, LayeredTemplate, Template, Term, fixed
 from cnnsim.network.table import lines, steps
-from cnnsim.network.template import Template
-from cnnsim.network.term import Term
 from cnnsim.planning.plan import make_plan
 from tests.benchmarks.dense import NINE, H, backends
 from tests.benchmarks.race import Row, race

@@ -7,7 +7,7 @@ import numpy as np
 
 from cnnsim import library
 from cnnsim.backends.base import Backend, Plane
-from cnnsim.network.boundary import ZERO_FLUX
+from cnnsim.network import ZERO_FLUX
 from cnnsim.operations.bitwise import BitLiteral, BitRule
 from cnnsim.operations.logic import function_number
 from cnnsim.planning.plan import Plan, make_plan

@@ -5,8 +5,7 @@ import time
 import numpy as np
 from scipy.optimize import least_squares
 
-from cnnsim.network.boundary import ZERO_FLUX
-from cnnsim.network.template import Template
+from cnnsim.network import ZERO_FLUX, Template
 from cnnsim.operations.logic import function_number
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import CellwiseStep, LogicStep, Program, TemplateStep, WireStep

@@ -7,11 +7,8 @@ from hypothesis import strategies as st
 
 from cnnsim import PERIODIC, ZERO_FLUX, Template, fixed
 from cnnsim.backends.base import Backend, Outcome
-from cnnsim.network.characteristic import Cell, Characteristic
-from cnnsim.network.frames import Frames
-from cnnsim.network.layers import LayeredTemplate
-from cnnsim.network.table import Table, lines
-from cnnsim.network.term import Term
+from cnnsim.network import Cell, Characteristic, Frames, LayeredTemplate, Table, Term
+from cnnsim.network.table import lines
 from cnnsim.planning.scheme import SCHEMES
 from cnnsim.transient import Task
 from tests.kits.backends import REFERENCE, TOLERANCE

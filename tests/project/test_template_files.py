@@ -8,7 +8,7 @@ from typing import Any, get_args
 import pytest
 
 from cnnsim import InputError, library, load_program
-from cnnsim.network.cell import CellModel
+from cnnsim.network import CellModel
 from cnnsim.network.characteristic import parse_cell
 from cnnsim.operations.cellwise import BUILT_IN
 from cnnsim.operations.global_wire import Wire

@@ -22,7 +22,8 @@ from cnnsim.backends.cpu.jit.compile import THREADS_PAY_FROM, Kernel, kept_in
 from cnnsim.backends.cpu.neighbourhood import neighbourhood
 from cnnsim.backends.cpu.pool import Spare
 from cnnsim.backends.cpu.prepared import Prepared
-from cnnsim.network.boundary import Boundary, virtual_index
+from cnnsim.network import Boundary
+from cnnsim.network.boundary import virtual_index
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.planning.plan import Plan

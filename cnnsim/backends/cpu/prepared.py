@@ -12,8 +12,8 @@ from cnnsim.backends.cpu.euler.tile import Rule, streaming
 from cnnsim.backends.cpu.euler.window import window
 from cnnsim.backends.cpu.jit.compile import Kernel
 from cnnsim.backends.cpu.jit.loops import ANY, CROSS, ISOTROPIC, NINE, loop
-from cnnsim.network.boundary import Boundary, virtual_index
-from cnnsim.network.template import Tap
+from cnnsim.network import Boundary, Tap
+from cnnsim.network.boundary import virtual_index
 from cnnsim.planning.plan import SETTLED_RATE, Plan
 from cnnsim.support import Array
 

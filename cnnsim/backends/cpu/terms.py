@@ -14,8 +14,9 @@ from cnnsim.backends.base import Outcome, check_finite
 from cnnsim.backends.cpu import term_loops as kernels
 from cnnsim.backends.cpu.jit.compile import THREADS_PAY_FROM
 from cnnsim.backends.term_table import TermTable, characteristic, longest_delay, table_of, tabulate
+from cnnsim.network import Frames
 from cnnsim.network.boundary import virtual_index
-from cnnsim.network.frames import Frames, at_step, spans
+from cnnsim.network.frames import at_step, spans
 from cnnsim.planning.general import delays_of
 from cnnsim.planning.plan import SETTLED_RATE, Plan
 from cnnsim.support import Array, InputError

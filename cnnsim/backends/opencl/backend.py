@@ -20,7 +20,7 @@ from cnnsim.backends.opencl.stencil import DeviceGrid, LinearPlanes, grid_argume
 from cnnsim.backends.opencl.term_steps import DiscreteLayerSteps, LayerSteps
 from cnnsim.backends.opencl.terms import DeviceNetwork, LayerPlanes
 from cnnsim.backends.opencl.transient import linear_steps
-from cnnsim.network.boundary import Boundary
+from cnnsim.network import Boundary
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.planning.plan import Plan

@@ -12,9 +12,7 @@ import pyopencl as cl
 
 from cnnsim.backends.codes import NOTHING, BoundaryCode, FunctionCode, TaskCode, boundary_code
 from cnnsim.backends.opencl import pocl
-from cnnsim.network.boundary import Boundary
-from cnnsim.network.template import Tap
-from cnnsim.network.weights import reach
+from cnnsim.network import Boundary, Tap, reach
 from cnnsim.planning.plan import Plan
 from cnnsim.support import InputError
 

@@ -10,7 +10,7 @@ import pyopencl as cl
 from cnnsim.backends.base import Memory
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.stencil import DeviceGrid
-from cnnsim.network.frames import Frames
+from cnnsim.network import Frames
 from cnnsim.support import Array
 
 _WORD = 64  # cells of an LLM plane in a word

@@ -6,8 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
-from cnnsim.network.template import Tap
-from cnnsim.network.weights import reach
+from cnnsim.network import Tap, reach
 
 
 class DeviceGrid(NamedTuple):

@@ -10,7 +10,7 @@ from cnnsim.backends.opencl.build import Defines
 from cnnsim.backends.opencl.context import DeviceContext
 from cnnsim.backends.opencl.device import family_of
 from cnnsim.backends.opencl.stencil import DeviceGrid
-from cnnsim.network.weights import reach
+from cnnsim.network import reach
 from cnnsim.planning.plan import Plan
 
 TILED_BOUNDARIES = BoundaryCode.FIXED, BoundaryCode.ZERO_FLUX, BoundaryCode.PERIODIC

@@ -14,7 +14,7 @@ from cnnsim.backends.reference.drive import control
 from cnnsim.backends.reference.term_steps import DiscreteSteps, TermSteps
 from cnnsim.backends.reference.terms import Network
 from cnnsim.backends.reference.transient import LinearSteps
-from cnnsim.network.boundary import Boundary, pad
+from cnnsim.network import Boundary, pad
 from cnnsim.network.cell import output
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cnnsim.backends.reference.terms import add_term
-from cnnsim.network.boundary import Boundary, pad
-from cnnsim.network.template import Tap
+from cnnsim.network import Boundary, Tap, pad
 from cnnsim.planning.plan import Plan
 from cnnsim.support import Array
 

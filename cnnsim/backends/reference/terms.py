@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.network.boundary import Boundary, pad
-from cnnsim.network.frames import Frames, at_step
-from cnnsim.network.term import Argument, Quantity, Term
+from cnnsim.network import Argument, Boundary, Frames, Quantity, Term, pad
+from cnnsim.network.frames import at_step
 from cnnsim.planning.general import delays_of
 from cnnsim.planning.plan import Plan
 from cnnsim.support import Array

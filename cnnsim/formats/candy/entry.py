@@ -3,8 +3,7 @@
 from cnnsim.formats.candy.content import Header, Section, TemFile
 from cnnsim.formats.candy.from_terms import template_section
 from cnnsim.library.entry import LibraryEntry, Role
-from cnnsim.network.boundary import Boundary
-from cnnsim.network.characteristic import Cell
+from cnnsim.network import Boundary, Cell
 from cnnsim.support import InputError
 from cnnsim.support.numbers import written
 

@@ -9,10 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.formats.candy.content import Block, Call, FunctionLine, Layer, MatrixEntry, Operation, Section
-from cnnsim.network.layers import AnyTemplate, layered
-from cnnsim.network.table import Table
-from cnnsim.network.template import Template
-from cnnsim.network.term import Argument, Term
+from cnnsim.network import AnyTemplate, Argument, Table, Template, Term, layered
 from cnnsim.support import InputError
 
 _KINDS: dict[str, Operation] = {"y": "nonlin_feedback", "u": "nonlin_control"}

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from cnnsim.formats.candy.content import TemFile
 from cnnsim.library.entry import Role
-from cnnsim.network.boundary import PERIODIC, ZERO_FLUX, Boundary, fixed
+from cnnsim.network import PERIODIC, ZERO_FLUX, Boundary, fixed
 from cnnsim.planning.duration import Duration
 from cnnsim.support import InputError
 from cnnsim.support.diagnostics import Diagnostics

@@ -6,9 +6,7 @@ from cnnsim.formats.candy.content import Section, TemFile
 from cnnsim.formats.candy.header import Setting, read_setting
 from cnnsim.formats.candy.terms import section_template
 from cnnsim.library.imported import Imported, library_name
-from cnnsim.network.characteristic import Cell
-from cnnsim.network.layers import layered
-from cnnsim.network.template import Template
+from cnnsim.network import Cell, Template, layered
 from cnnsim.support import InputError
 from cnnsim.support.diagnostics import Diagnostics
 

@@ -12,10 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.formats.candy.content import Block, Call, Layer, Section
-from cnnsim.network.layers import AnyTemplate, LayeredTemplate
-from cnnsim.network.table import Table, from_pairs
-from cnnsim.network.template import Template
-from cnnsim.network.term import Argument, Quantity, Term
+from cnnsim.network import AnyTemplate, Argument, LayeredTemplate, Quantity, Table, Template, Term
+from cnnsim.network.table import from_pairs
 from cnnsim.support import InputError
 
 _READS = {"feedback": "y", "control": "u"}

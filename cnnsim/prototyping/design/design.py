@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from cnnsim.network.template import Template
+from cnnsim.network import Template
 from cnnsim.prototyping.design.linear import Certificate, Norm, Separator
 from cnnsim.prototyping.design.rule import Signs, WindowRule
 

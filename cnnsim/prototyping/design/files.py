@@ -8,7 +8,8 @@ import numpy as np
 
 from cnnsim.library.entry import Example, LibraryEntry
 from cnnsim.library.write import template_text, toml_value
-from cnnsim.network.boundary import Boundary, boundary_value
+from cnnsim.network import Boundary
+from cnnsim.network.boundary import boundary_value
 from cnnsim.prototyping.design.design import Design, DesignPart
 from cnnsim.prototyping.design.rule import WindowRule
 from cnnsim.support import Floats, InputError

@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim import backends
-from cnnsim.network.boundary import Boundary
+from cnnsim.network import Boundary, Template
 from cnnsim.network.cell import output
-from cnnsim.network.template import Template
 from cnnsim.planning.step import DEFAULT_STEP
 from cnnsim.prototyping.design.rule_files import PicturePair
 from cnnsim.support import InputError

@@ -7,7 +7,7 @@ from typing import Any
 from cnnsim import library
 from cnnsim.library.entry import Example, LibraryEntry, Role
 from cnnsim.library.write import template_text
-from cnnsim.network.boundary import Boundary
+from cnnsim.network import Boundary
 from cnnsim.prototyping.design.decompose import design_rule
 from cnnsim.prototyping.design.design import Design
 from cnnsim.prototyping.design.expression import parse_rule

@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.network.boundary import Boundary, pad
+from cnnsim.network import Boundary, pad
 from cnnsim.support import InputError
 
 NAMES = ("nw", "n", "ne", "w", "c", "e", "sw", "s", "se", "x")

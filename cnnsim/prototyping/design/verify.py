@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from cnnsim.backends.base import Backend
-from cnnsim.network.boundary import fixed
+from cnnsim.network import fixed
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import Program

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.network.layers import AnyTemplate, LayeredTemplate
-from cnnsim.network.template import Template
+from cnnsim.network import AnyTemplate, LayeredTemplate, Template
 from cnnsim.support import Floats
 
 

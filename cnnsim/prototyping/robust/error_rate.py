@@ -7,9 +7,7 @@ import numpy as np
 
 from cnnsim import backends
 from cnnsim.library.entry import Example, LibraryEntry
-from cnnsim.network.frames import Frames
-from cnnsim.network.layers import AnyTemplate, layered
-from cnnsim.network.template import Tap, Template
+from cnnsim.network import AnyTemplate, Frames, Tap, Template, layered
 from cnnsim.prototyping.robust.margin import margin_of
 from cnnsim.support import Array, InputError
 from cnnsim.transient import Task, make_task

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cnnsim.library.entry import LibraryEntry
-from cnnsim.network.template import Template
+from cnnsim.network import Template
 from cnnsim.support import Floats
 from cnnsim.theory.neighbourhood import pairs_of, too_many, weighted_sums
 

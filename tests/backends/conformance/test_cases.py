@@ -7,7 +7,7 @@ import pytest
 
 from cnnsim import PERIODIC, ZERO_FLUX, Frames, LayeredTemplate, Template, Term, fixed
 from cnnsim.backends.base import Backend
-from cnnsim.network.characteristic import Cell, Characteristic
+from cnnsim.network import Cell, Characteristic
 from cnnsim.network.table import lines, steps
 from cnnsim.transient import make_task
 from tests.kits.networks import assert_like_the_reference

@@ -5,7 +5,7 @@ import pytest
 
 from cnnsim import Cell, InputError, Template, run, run_transient
 from cnnsim.backends.base import Backend
-from cnnsim.network.characteristic import Characteristic
+from cnnsim.network import Characteristic
 from tests.kits.backends import REFERENCE
 
 

@@ -12,8 +12,7 @@ from cnnsim.backends import get
 from cnnsim.backends.cpu.backend import CpuBackend
 from cnnsim.backends.cpu.euler.rows import PAD, STRIDE
 from cnnsim.backends.cpu.prepared import TILE_COLS
-from cnnsim.network.boundary import PERIODIC, ZERO_FLUX, Boundary, fixed
-from cnnsim.network.template import Template
+from cnnsim.network import PERIODIC, ZERO_FLUX, Boundary, Template, fixed
 from cnnsim.planning.plan import make_plan
 from cnnsim.planning.savings import MOST_HALO
 from cnnsim.support import InputError

@@ -4,7 +4,7 @@ import pytest
 
 from cnnsim import Template, library
 from cnnsim.library.catalogue import run_example
-from cnnsim.network.characteristic import Cell
+from cnnsim.network import Cell
 from tests.kits.opencl import FAMILIES, Family, OpenCLBackend
 
 ENTRIES = [library.load(name) for name in library.names()]

@@ -15,7 +15,7 @@ from cnnsim.formats.candy.terms import section_template
 from cnnsim.formats.differences import number_differences
 from cnnsim.formats.files import import_file
 from cnnsim.library.imported import Imported
-from cnnsim.network.template import Template
+from cnnsim.network import Template
 from cnnsim.support.command_line import CommandGroup
 from cnnsim.support.diagnostics import Diagnostics
 from tests.kits.formats import HOLE

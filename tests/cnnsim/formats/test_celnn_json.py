@@ -10,8 +10,7 @@ from cnnsim.formats.celnn_json import celnn, read_celnn
 from cnnsim.formats.differences import number_differences
 from cnnsim.formats.gene import gene, read_gene
 from cnnsim.library.imported import plain
-from cnnsim.network.boundary import fixed
-from cnnsim.network.template import Template
+from cnnsim.network import Template, fixed
 from cnnsim.support.diagnostics import Diagnostics
 
 

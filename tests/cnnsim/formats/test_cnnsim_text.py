@@ -4,7 +4,7 @@ import pytest
 
 from cnnsim.formats.cnnsim_text import read_cnnsim
 from cnnsim.library.imported import plain
-from cnnsim.network.boundary import PERIODIC, ZERO_FLUX, fixed
+from cnnsim.network import PERIODIC, ZERO_FLUX, fixed
 from cnnsim.support.diagnostics import Diagnostics
 
 

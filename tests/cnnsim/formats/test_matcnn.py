@@ -5,9 +5,8 @@ import pytest
 
 from cnnsim.formats.matcnn import entry_template, matcnn_templates, read_matcnn
 from cnnsim.library.imported import Imported, plain
+from cnnsim.network import Template, Term
 from cnnsim.network.table import lines, steps
-from cnnsim.network.template import Template
-from cnnsim.network.term import Term
 from cnnsim.support.diagnostics import Diagnostics
 
 

@@ -10,7 +10,7 @@ from scipy import ndimage
 from cnnsim import library
 from cnnsim.backends import NAMES as BACKENDS
 from cnnsim.library.catalogue import run
-from cnnsim.network.boundary import fixed
+from cnnsim.network import fixed
 from tests.kits.library import ANSWERS, SHAPES, pictures
 from tests.oracles import binary, gray, wholes
 from tests.oracles.pictures import CROSS, SQUARE, Case, Picture, Plane, black, plane

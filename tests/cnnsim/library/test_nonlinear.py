@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from cnnsim import InputError, library, run
-from cnnsim.network.table import Table
-from cnnsim.network.term import Term
+from cnnsim.network import Table, Term
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from tests.oracles import kinds

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cnnsim import InputError, Template, fixed, run_transient
-from cnnsim.network.characteristic import Cell, Characteristic
+from cnnsim.network import Cell, Characteristic
 
 both = pytest.mark.parametrize("backend", ["reference", "cpu"])
 

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from cnnsim import InputError, Template, fixed, library, run, run_transient
-from cnnsim.network.frames import Frames
+from cnnsim.network import Frames, Term
 from cnnsim.network.table import lines
-from cnnsim.network.term import Term
 from cnnsim.planning.plan import make_plan
 
 both = pytest.mark.parametrize("backend", ["reference", "cpu"])

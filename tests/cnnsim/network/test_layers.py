@@ -7,8 +7,7 @@ import pytest
 from scipy import linalg, ndimage
 
 from cnnsim import PERIODIC, InputError, Template, fixed, library, run, run_transient
-from cnnsim.network.layers import LayeredTemplate
-from cnnsim.network.term import Term
+from cnnsim.network import LayeredTemplate, Term
 from tests.oracles import kinds
 from tests.oracles.pictures import black, plane
 

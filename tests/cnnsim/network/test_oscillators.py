@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from cnnsim import Template, fixed, run_transient
-from cnnsim.network.layers import LayeredTemplate
-from cnnsim.network.term import Term
+from cnnsim.network import LayeredTemplate, Term
 
 both = pytest.mark.parametrize("backend", ["reference", "cpu"])
 ZOU_NOSSEK = np.array([[1.25, -3.2, -3.2], [-3.2, 1.1, -4.4], [-3.2, 4.4, 1.0]])

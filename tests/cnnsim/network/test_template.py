@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from cnnsim import PERIODIC, ZERO_FLUX, Boundary, InputError, Template, fixed, run_transient
-from cnnsim.network.boundary import pad, parse_boundary
-from cnnsim.network.template import Tap
+from cnnsim.network import Tap, pad, parse_boundary
 
 
 @pytest.mark.parametrize(("a", "message"), [

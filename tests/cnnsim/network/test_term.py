@@ -9,9 +9,9 @@ import pytest
 from cnnsim import InputError, Template, fixed, run_transient
 from cnnsim.formats.candy.terms import from_candy
 from cnnsim.formats.matcnn import from_matcnn
-from cnnsim.network.characteristic import SIGN, TANH, Cell, Characteristic, parse_cell
+from cnnsim.network import Cell, Characteristic, Term
+from cnnsim.network.characteristic import SIGN, TANH, parse_cell
 from cnnsim.network.table import from_pairs, lines, parse_table, steps
-from cnnsim.network.term import Term
 from cnnsim.planning.plan import make_plan
 
 both = pytest.mark.parametrize("backend", ["reference", "cpu"])

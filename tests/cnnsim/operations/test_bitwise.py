@@ -5,8 +5,7 @@ import pytest
 
 from cnnsim import library
 from cnnsim.backends import get
-from cnnsim.network.boundary import PERIODIC, ZERO_FLUX, fixed
-from cnnsim.network.template import Template
+from cnnsim.network import PERIODIC, ZERO_FLUX, Template, fixed
 from cnnsim.operations.bitwise import BitLiteral, BitRule, bit_rule
 from cnnsim.transient import run_transient
 

@@ -6,8 +6,8 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from cnnsim import PERIODIC, InputError, Template, fixed, run_transient
+from cnnsim.network import Term
 from cnnsim.network.cell import uncoupled_state
-from cnnsim.network.term import Term
 from cnnsim.planning.plan import make_plan
 from cnnsim.planning.scheme import EULER, RK4, SCHEMES, Scheme
 from cnnsim.planning.stability import step_limit

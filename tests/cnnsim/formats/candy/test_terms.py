@@ -10,10 +10,8 @@ from cnnsim.formats.candy.parse import parse_tem
 from cnnsim.formats.candy.terms import section_template
 from cnnsim.formats.candy.write import write_tem
 from cnnsim.formats.differences import number_differences
-from cnnsim.network.layers import AnyTemplate, LayeredTemplate
-from cnnsim.network.table import Table, lines, steps
-from cnnsim.network.template import Template
-from cnnsim.network.term import Term
+from cnnsim.network import AnyTemplate, LayeredTemplate, Table, Template, Term
+from cnnsim.network.table import lines, steps
 from cnnsim.support.diagnostics import Diagnostics
 
 RING = "{0} {0} {0}\n{0} 0 {0}\n{0} {0} {0}\n"

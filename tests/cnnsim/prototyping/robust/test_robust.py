@@ -13,8 +13,8 @@ from PIL import Image
 
 from cnnsim import Template, library
 from cnnsim.cli.robust import robust
+from cnnsim.network import AnyTemplate, layered
 from cnnsim.network.cell import output, uncoupled_state
-from cnnsim.network.layers import AnyTemplate, layered
 from cnnsim.prototyping.robust.disturb import quantised, with_relative_errors
 from cnnsim.prototyping.robust.error_rate import error_rate_of, final_colour
 from cnnsim.prototyping.robust.margin import margin_of, tolerated_error
