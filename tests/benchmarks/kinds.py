@@ -56,11 +56,11 @@ def against_linear(rounds: int) -> list[Row]:
     """All kinds, in steps of a cell a second, as a share of the rate of nine linear taps."""
     rows = []
     for who, backend in backends().items():
-        every = {"nine taps": (Template(NINE), "chua-yang"), **{name: (t, cell) for name, t, cell in kinds()}}
-        seconds = race({name: transient(backend, *given) for name, given in every.items()}, rounds)
-        layers = {name: len(t.layers) if isinstance(t, LayeredTemplate) else 1 for name, (t, _) in every.items()}
-        rate = {name: 1e-9 * N * N * STEPS * layers[name] / seconds[name] for name in every}
-        for name in every:
+        races = {"nine taps": (Template(NINE), "chua-yang"), **{name: (t, cell) for name, t, cell in kinds()}}
+        seconds = race({name: transient(backend, *given) for name, given in races.items()}, rounds)
+        layers = {name: len(t.layers) if isinstance(t, LayeredTemplate) else 1 for name, (t, _) in races.items()}
+        rate = {name: 1e-9 * N * N * STEPS * layers[name] / seconds[name] for name in races}
+        for name in races:
             if name != "nine taps":
                 ratio = {"nine taps": rate[name] / rate["nine taps"]}
                 rows.append(Row(f"kinds {N}^2, {name}", who, rate[name], "Gcs", ">= 0.1 x nine taps", ratio))

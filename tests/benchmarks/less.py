@@ -34,11 +34,11 @@ def uncoupled(rounds: int) -> list[Row]:
     for who, backend in backends().items():
         planes = entry.planes(picture)
         x, u = backend.load(np.broadcast_to(planes["state"], picture.shape), "lam"), backend.load(picture, "lam")
-        roads: dict[str, tuple[Saving, ...]] = {
+        ways: dict[str, tuple[Saving, ...]] = {
             "closed form": (), "steps": ("closed form",), "plain steps": ("closed form", "blocking", "sparse taps"),
         }  # fmt: skip
-        plans = {road: make_plan(entry.template, (n, n), entry.boundary, without=w) for road, w in roads.items()}
-        seconds = race({road: partial(settle, backend, plan, x, u) for road, plan in plans.items()}, rounds)
+        plans = {way: make_plan(entry.template, (n, n), entry.boundary, without=w) for way, w in ways.items()}
+        seconds = race({way: partial(settle, backend, plan, x, u) for way, plan in plans.items()}, rounds)
         ratio = versus(seconds, "closed form")
         rows.append(Row("uncoupled 2048^2 to rest", who, 1e3 * seconds["closed form"], "ms", ">= 20 x steps", ratio))
     return rows

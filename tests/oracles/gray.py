@@ -138,11 +138,11 @@ def anchored_heat(case: Case) -> Plane:
 
 
 def membrane(weights: npt.ArrayLike, repeat_border: bool) -> Callable[[Case], Plane]:
-    """The rest of a linear relaxation 0 = L x + bias in which some cells are held."""
+    """The rest of a linear relaxation 0 = L x + bias in which masked cells keep theirs."""
 
     def solve(case: Case) -> Plane:
         x = case.start.astype(float).ravel().copy()
-        free = np.ones(x.size, dtype=bool) if case.held is None else ~case.held.ravel()
+        free = np.ones(x.size, dtype=bool) if case.mask is None else ~case.mask.ravel()
         load = np.zeros(x.size) if case.bias is None else case.bias.ravel()
         operator = coupling(weights, case.start.shape, repeat_border)
         known = operator[np.ix_(free, ~free)] @ x[~free] + load[free]
@@ -175,8 +175,8 @@ def one_way_trigger(case: Case) -> Plane:
 
 
 def nothing_left(case: Case) -> Plane:
-    """All white, but for held cells."""
-    kept = np.zeros_like(black(case.start)) if case.held is None else case.held
+    """All white, but for masked cells."""
+    kept = np.zeros_like(black(case.start)) if case.mask is None else case.mask
     return plane(black(case.start) & kept)
 
 

@@ -16,11 +16,11 @@ SQUARE: Picture = np.ones((3, 3), dtype=bool)
 
 @dataclass(frozen=True)
 class Case:
-    """What a worked example gives: the input, the initial state, the held cells and the bias map."""
+    """What a worked example gives: the input, the initial state, the mask and the bias map."""
 
     u: Plane | None = None
     x0: Plane | None = None
-    held: Picture | None = None
+    mask: Picture | None = None
     bias: Plane | None = None
 
     @property

@@ -76,8 +76,8 @@ def coherent_shear(
     answer: Answer = {"coherent": np.zeros_like(contact), "whole": 0}
     for name, strength in {"right": shear_x, "left": -shear_x, "down": shear_y, "up": -shear_y}.items():
         points = (strength > dead_band) & contact
-        heard = ndimage.correlate(points.astype(int), np.ones((3, 3), dtype=int), mode="constant")
-        answer[name] = (heard >= votes) & contact
+        votes_for = ndimage.correlate(points.astype(int), np.ones((3, 3), dtype=int), mode="constant")
+        answer[name] = (votes_for >= votes) & contact
         answer["coherent"] |= answer[name]
         answer["whole"] += int(2 * points.sum() > contact.sum())
     return answer

@@ -133,10 +133,10 @@ def horizontal_runs(picture: Picture) -> Picture:
 
 def _free(case: Case) -> Picture:
     start = black(case.start)
-    return np.ones_like(start) if case.held is None else ~case.held
+    return np.ones_like(start) if case.mask is None else ~case.mask
 
 
 def flood(case: Case) -> Picture:
-    """Black spreads over all free cells that it can reach, also diagonally; held cells keep their colour."""
+    """Black spreads over all free cells that it can reach, also diagonally; masked cells keep their colour."""
     start = black(case.start)
     return start | reconstruct(start, start | _free(case))

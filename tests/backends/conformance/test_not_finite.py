@@ -37,8 +37,8 @@ def test_a_state_that_overflows_is_reported(backend: Backend) -> None:
     where = r"\(1, 2\)" if backend.dtype == "float64" else ""  # its neighbours may have caught it
     with pytest.raises(NotFiniteError, match=r"state is (inf|nan) in cell " + where):
         run_transient(
-            Template([[0, 0, 0], [0, 1, 0], [0, 0, 0]]), state=x, bias=1.7 * x, duration=6.0, scheme="euler", step=1.9,
-            backend=backend,
+            Template([[0, 0, 0], [0, 1, 0], [0, 0, 0]], 1.5), state=x, input=x, bias=1.7 * x, duration=6.0,
+            scheme="euler", step=1.9, backend=backend,
         )  # fmt: skip
 
 

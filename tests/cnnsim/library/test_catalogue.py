@@ -30,8 +30,8 @@ def examples() -> list[tuple[str, int]]:
 
 
 def case_of(example: Example) -> Case:
-    held = None if example.mask is None else black(example.mask)
-    return Case(example.input, example.state, held, example.bias)
+    mask = None if example.mask is None else black(example.mask)
+    return Case(example.input, example.state, mask, example.bias)
 
 
 def test_the_library_is_there() -> None:

@@ -136,17 +136,17 @@ def test_diffusion_is_the_matrix_exponential(shape: tuple[int, int]) -> None:
 
 def anchors(shape: tuple[int, int], share: float) -> tuple[Plane, Picture]:
     rng = np.random.default_rng(shape)
-    held = np.asarray(rng.random(shape) < share)
-    held.flat[0] = True
-    return np.where(held, rng.uniform(-0.4, 0.4, shape), 0.0), held
+    mask = np.asarray(rng.random(shape) < share)
+    mask.flat[0] = True
+    return np.where(mask, rng.uniform(-0.4, 0.4, shape), 0.0), mask
 
 
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize(("name", "share"), [("laplace-solver", 0.2), ("surface-interpolation", 0.6)])
-def test_surfaces_through_held_cells(name: str, share: float, shape: tuple[int, int]) -> None:
-    start, held = anchors(shape, share)
-    y = run(name, start, mask=held).y
-    assert np.abs(y - ANSWERS[name](Case(x0=start, held=held))).max() < 5e-3
+def test_surfaces_through_masked_cells(name: str, share: float, shape: tuple[int, int]) -> None:
+    start, mask = anchors(shape, share)
+    y = run(name, start, mask=mask).y
+    assert np.abs(y - ANSWERS[name](Case(x0=start, mask=mask))).max() < 5e-3
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -35,7 +35,7 @@ def test_waves_reach_all_they_can_reach(shape: tuple[int, int]) -> None:
     rng = np.random.default_rng(shape)
     walls = rng.random(shape) < 0.4
     start = plane((rng.random(shape) < 0.1) & ~walls)
-    case = Case(x0=start, held=walls)
+    case = Case(x0=start, mask=walls)
     y = run("trigger-wave", start, mask=walls, duration="settled").y
     assert (y * ANSWERS["trigger-wave"](case) > 0.99).all()
     inverse = run("trigger-wave-white", -start, mask=walls, duration="settled").y

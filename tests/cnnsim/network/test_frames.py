@@ -77,8 +77,8 @@ def test_a_delayed_non_linear_difference_looks_back_as_a_whole(backend: str) -> 
     x = [np.array([[0.5, -0.5]])]
     for k in range(3):
         past, then = x[max(0, k - 1)], u.planes[max(0, k - 1)]
-        heard = np.array([[past[0, 1], 0.2]])
-        x.append((np.clip(heard, -1, 1) - then) / 2)
+        neighbour = np.array([[past[0, 1], 0.2]])
+        x.append((np.clip(neighbour, -1, 1) - then) / 2)
     end = run_transient(t, state=x[0], input=u, boundary=fixed(0.2), duration=3.0, scheme="euler", step=1.0,
                         backend=backend, dtype="float64").x  # fmt: skip
     assert np.abs(end - x[3]).max() < 1e-14

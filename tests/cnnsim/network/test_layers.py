@@ -27,14 +27,14 @@ def test_two_layers_in_the_linear_region_are_a_matrix_exponential(backend: str) 
 
 
 @both
-def test_layers_that_do_not_hear_each_other_are_two_networks(backend: str) -> None:
+def test_layers_without_coupling_are_two_networks(backend: str) -> None:
     rng = np.random.default_rng(1)
     parts = [Template(rng.normal(size=(3, 3)) * 0.3, rng.normal(size=(3, 3)), rng.normal()) for _ in range(2)]
     x, u = rng.uniform(-1, 1, (2, 2, 5, 6))
     task: dict[str, Any] = {"duration": 2.0, "scheme": "heun", "step": 0.1, "backend": backend, "dtype": "float64"}
     together = run_transient(LayeredTemplate(parts), state=x, input=u, boundary=fixed(0.3), **task).x
-    for part, x0, heard, end in zip(parts, x, u, together, strict=True):
-        alone = run_transient(part, state=x0, input=heard, boundary=fixed(0.3), **task).x
+    for part, x0, u0, end in zip(parts, x, u, together, strict=True):
+        alone = run_transient(part, state=x0, input=u0, boundary=fixed(0.3), **task).x
         assert np.abs(end - alone).max() < 1e-13
 
 

@@ -129,7 +129,7 @@ def test_final_output_rule_of_uncoupled_cells() -> None:
     assert end == pytest.approx(np.clip(s / 0.75, -1, 1))
 
 
-def test_ties_and_walls_give_numbers() -> None:
+def test_ties_and_limits_give_numbers() -> None:
     x = np.array([0.0, 1.0, -1.0, 0.5, 0.0])
     for a in (0.0, 1.0, 2.0):
         for s in (0.0, 1.0, -1.0, 1 - a):

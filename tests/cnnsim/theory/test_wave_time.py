@@ -119,7 +119,7 @@ to = "found"
         run_transient(entry.template, **task, limit=usual_limit((39, 40)))
 
 
-def test_a_mask_makes_walls() -> None:
+def test_masked_cells_stand_in_the_way() -> None:
     entry, corridor = library.load("trigger-wave"), serpentine(9, 10)
     start = np.full((9, 10), -1.0)
     start[0, 0] = 1.0

@@ -38,7 +38,7 @@ def test_transforms_are_the_direct_sum(
     assert np.abs(got - wanted).max() < 1e-10 * np.abs(wanted).max()
 
 
-def test_three_roads_one_number() -> None:
+def test_three_methods_one_number() -> None:
     array = TaxelArray("a", 26, 26, 1e-3, 1.3e-3)
     medium, corner = Medium(2.4e6, 0.48), array.positions()[0, 0]
     loads = np.empty((3, 30 * 28, 5))

@@ -181,7 +181,7 @@ def test_wrong_maps_and_too_wide_contacts_are_refused(tmp_path: Path) -> None:
         values(made(contact=[{**SPHERE, "shape": "disc", "radius_mm": 1e4}]))
 
 
-def test_roads_are_chosen_and_changed_freely() -> None:
+def test_methods_are_chosen_and_changed_freely() -> None:
     still = [{"finger": "left", "path": [[0.0, x, 0.1, 0.0, 0.1, 1.0]]} for x in (-1.0, 0.0, 0.5, 1.0, 1.5)]
     scene = made(load=still, duration_s=3.0)
     assert scene.method(0).name == "matrix"
