@@ -5,14 +5,14 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal, TypedDict, Unpack
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cnnsim import backends
 from cnnsim.backends.base import Backend, Outcome
 from cnnsim.network import ZERO_FLUX, AnyTemplate, Boundary, Cell, CellModel, Frames
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.plan import Plan, make_plan
-from cnnsim.support import InputError
+from cnnsim.support import Array, Flags, Floats, InputError
 
 
 @dataclass(frozen=True)
@@ -23,14 +23,14 @@ class Result:
     False. ``rate`` is the largest |dx/dt| at the end, NaN if it was not computed.
     """
 
-    x: NDArray[Any]
+    x: Array
     t: float
     settled: bool
     rate: float
     plan: Plan
 
     @property
-    def y(self) -> NDArray[Any]:
+    def y(self) -> Array:
         """The output: clip(x, -1, 1), or what the cell's characteristic makes of the state."""
         return self.plan.output(self.x)
 
@@ -48,12 +48,12 @@ class Task:
     """A template with its planes checked and its plan made, ready for any backend."""
 
     plan: Plan
-    state: NDArray[np.float64]
-    input: NDArray[np.float64] | Frames[NDArray[np.float64]] | None
-    bias: NDArray[np.float64] | Frames[NDArray[np.float64]] | None
-    mask: NDArray[np.bool_] | None
+    state: Floats
+    input: Floats | Frames[Floats] | None
+    bias: Floats | Frames[Floats] | None
+    mask: Flags | None
 
-    def start(self, backend: Backend, state: NDArray[Any] | None = None, plan: Plan | None = None) -> Outcome:
+    def start(self, backend: Backend, state: Array | None = None, plan: Plan | None = None) -> Outcome:
         """Load the planes and run; ``state`` and ``plan`` replace the task's own (to go on from an earlier end)."""
         return backend.transient(
             self.plan if plan is None else plan,
@@ -160,7 +160,7 @@ def trajectory(
     backend: str | Backend = "cpu",
     dtype: Dtype | None = None,
     **choices: Unpack[TaskOptions],
-) -> Iterator[tuple[float, NDArray[Any]]]:
+) -> Iterator[tuple[float, Array]]:
     """Yield (t, y) at ``frames`` + 1 evenly spaced times from 0 to ``until``, however long ``duration`` is.
 
     Arguments and errors: as `run_transient`.
@@ -197,7 +197,7 @@ def _planes(name: str, value: Any, shape: tuple[int, ...]) -> Any:
     return None if value is None else _plane(name, value, shape)
 
 
-def _plane(name: str, values: ArrayLike, shape: tuple[int, ...] | None) -> NDArray[np.float64]:
+def _plane(name: str, values: ArrayLike, shape: tuple[int, ...] | None) -> Floats:
     try:
         plane = np.array(values, dtype=np.float64)
     except (TypeError, ValueError) as error:

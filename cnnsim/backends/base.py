@@ -4,13 +4,12 @@ from collections.abc import Sequence
 from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.network import Boundary
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.planning.plan import SETTLED_RATE, Plan
-from cnnsim.support import InputError
+from cnnsim.support import Array, InputError, Integers
 
 Plane = Any
 """Opaque to everybody but its backend. A LAM plane holds real numbers, an LLM plane black and white. Grids are
@@ -37,10 +36,10 @@ class Backend(Protocol):
     name: str
     dtype: np.dtype[Any]
 
-    def load(self, values: NDArray[Any], memory: Memory) -> Plane:
+    def load(self, values: Array, memory: Memory) -> Plane:
         """Bring an array in; into an LLM everything above 0 is black."""
 
-    def read(self, plane: Plane) -> NDArray[Any]:
+    def read(self, plane: Plane) -> Array:
         """Bring a plane out as a new array: floats from a LAM, booleans (True is black) from an LLM."""
 
     def convert(self, plane: Plane, memory: Memory) -> Plane:
@@ -63,7 +62,7 @@ class Backend(Protocol):
     def neighbourhood(self, rule: BitRule, boundary: Boundary, plane: Plane) -> Plane:
         """Apply an AND or OR of neighbours (a `BitRule`) to an LLM plane; fixed virtual cells hold u > 0."""
 
-    def count(self, plane: Plane) -> int | NDArray[np.int64]:
+    def count(self, plane: Plane) -> int | Integers:
         """Count the black cells of an LLM plane, the global wire: a number, or (n,) numbers for n grids."""
 
 
@@ -104,7 +103,7 @@ class NotFiniteError(InputError):
     """A state came out as NaN or infinite."""
 
 
-def check_finite(x: NDArray[Any], t: float) -> None:
+def check_finite(x: Array, t: float) -> None:
     """Raise NotFiniteError if a state is not finite; the message names the first such cell."""
     if not np.isfinite(x).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(x))[0])

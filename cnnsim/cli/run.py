@@ -5,7 +5,6 @@ from typing import Any, get_args
 
 import click
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim import backends, library
 from cnnsim.library.entry import LibraryEntry
@@ -13,7 +12,7 @@ from cnnsim.network import parse_boundary
 from cnnsim.network.boundary import BOUNDARY_FORMS
 from cnnsim.planning.savings import Saving
 from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
-from cnnsim.support import InputError
+from cnnsim.support import Array, Floats, InputError
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.picture import read_picture, write_film, write_picture
 
@@ -95,7 +94,7 @@ def run(
         click.echo(f"{name}: {size} cells, {ended}, {black} black" + _arrow(output))
 
 
-def read_frames(entry: LibraryEntry, pictures: tuple[Path, ...], *, binary: bool) -> NDArray[np.float64]:
+def read_frames(entry: LibraryEntry, pictures: tuple[Path, ...], *, binary: bool) -> Floats:
     """Return the picture (rows, cols) for a template, or the sequence (frames, rows, cols) if it takes one.
 
     Raises:
@@ -173,7 +172,7 @@ def _number(name: str, text: str) -> float:
     return int(value) if value.is_integer() else value
 
 
-def _write(y: NDArray[Any], path: Path) -> None:
+def _write(y: Array, path: Path) -> None:
     """Write a picture; of several layers each its own, numbered."""
     for number, layer in enumerate(y if y.ndim == 3 else []):
         write_picture(layer, path.with_stem(f"{path.stem}-{number}"))

@@ -1,13 +1,12 @@
 """The command `show`: a template's numbers, its source and a worked example as text."""
 
 import click
-import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim import library
 from cnnsim.cli.run import json_option
 from cnnsim.library.entry import Example, LibraryEntry
 from cnnsim.network import Table, Template, layered
+from cnnsim.support import Floats
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.picture import to_ascii
 
@@ -91,7 +90,7 @@ def _drawn(example: Example) -> str:
     return _beside(blocks)
 
 
-def _matrix(matrix: NDArray[np.float64]) -> list[str]:
+def _matrix(matrix: Floats) -> list[str]:
     cells = [[f"{value:g}" for value in row] for row in matrix]
     width = max(len(cell) for row in cells for cell in row)
     return [" ".join(cell.rjust(width) for cell in row) for row in cells]

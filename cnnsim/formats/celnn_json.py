@@ -10,8 +10,7 @@ from typing import Any
 
 from cnnsim.library.imported import Imported, assume_setting, library_name, plain
 from cnnsim.network import AnyTemplate, Template
-from cnnsim.support import InputError
-from cnnsim.support.diagnostics import Diagnostics
+from cnnsim.support import Diagnostics, InputError
 
 _KNOWN = {"name", "feedback", "control", "bias", "initial_state", "description", "tags", "metadata"}
 _TURNED = "The sign of z is turned: black is -1 in celnn and +1 here."

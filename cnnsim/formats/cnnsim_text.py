@@ -9,8 +9,7 @@ from cnnsim.formats.candy.header import read_boundary
 from cnnsim.formats.candy.lines import decode
 from cnnsim.library.imported import Imported, assume_setting, library_name
 from cnnsim.network import Template
-from cnnsim.support import InputError
-from cnnsim.support.diagnostics import Diagnostics
+from cnnsim.support import Diagnostics, InputError
 from cnnsim.support.numbers import number
 
 _HEADS = ("A", "B", "Z", "C", "BOUNDARY")

@@ -14,8 +14,7 @@ from cnnsim.formats.matcnn import matcnn_templates, read_matcnn
 from cnnsim.library.catalogue import load_file
 from cnnsim.library.folders import folder as shipped_folder
 from cnnsim.library.imported import Imported
-from cnnsim.support import InputError
-from cnnsim.support.diagnostics import Diagnostics
+from cnnsim.support import Diagnostics, InputError
 
 
 def _tem(data: bytes, stem: str, report: Diagnostics) -> list[Imported]:

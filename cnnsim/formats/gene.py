@@ -7,13 +7,11 @@ number of lines, or one gene a line. Source: Chua's CNN genes; github.com/Michae
 import re
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.formats.candy.lines import decode, split
 from cnnsim.library.imported import Imported, assume_setting, library_name, plain
 from cnnsim.network import AnyTemplate, Template
-from cnnsim.support import InputError
-from cnnsim.support.diagnostics import Diagnostics
+from cnnsim.support import Diagnostics, Floats, InputError
 from cnnsim.support.numbers import number, written
 
 LENGTH = 19
@@ -61,7 +59,7 @@ def gene(template: AnyTemplate) -> str:
     return " ".join(map(written, [template.z, *b.ravel(), *a.ravel()])) + "\n"
 
 
-def _three(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+def _three(matrix: Floats) -> Floats:
     """Return the middle 3 x 3 entries, a smaller matrix with a rim of zeros."""
     r = matrix.shape[0] // 2
     return np.pad(matrix, 1) if r == 0 else matrix[r - 1 : r + 2, r - 1 : r + 2]

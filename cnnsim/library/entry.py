@@ -5,14 +5,14 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cnnsim.library.folders import folder
 from cnnsim.network import CHUA_YANG, ZERO_FLUX, AnyTemplate, Boundary, Cell, Frames, LayeredTemplate, Template
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.plan import usual_limit
 from cnnsim.planning.step import DEFAULT_STEP
-from cnnsim.support import InputError
+from cnnsim.support import Array, Floats, InputError
 from cnnsim.theory.running_time import RunningTime, guaranteed_time
 
 Role = Literal["picture", "given", "none", "any"] | float
@@ -22,14 +22,14 @@ Role = Literal["picture", "given", "none", "any"] | float
 class Example:
     """Planes in and the output that must come out (to ``tolerance``; None: a binary output, compared by sign)."""
 
-    input: NDArray[np.float64] | None
-    state: NDArray[np.float64] | None
-    output: NDArray[np.float64]
-    mask: NDArray[np.float64] | None = None
-    bias: NDArray[np.float64] | None = None
+    input: Floats | None
+    state: Floats | None
+    output: Floats
+    mask: Floats | None = None
+    bias: Floats | None = None
     tolerance: float | None = None
 
-    def holds(self, y: NDArray[Any]) -> bool:
+    def holds(self, y: Array) -> bool:
         """Return whether an output is the one that was worked out: right sign and |y| > 0.99, or within tolerance."""
         if self.tolerance is not None:
             return bool(np.abs(y - self.output).max() <= self.tolerance)
@@ -127,7 +127,7 @@ class LibraryEntry:
             raise InputError(f"template {self.name!r} takes one picture; a second one, as initial state, was given")
         first = np.asarray(picture)[0] if self.frame_time else picture
 
-        def start(role: Any) -> NDArray[np.float64]:
+        def start(role: Any) -> Floats:
             return np.asarray({"picture": first, "given": state, "any": 0.0}.get(str(role), role), dtype=np.float64)
 
         if len(roles) == 1:

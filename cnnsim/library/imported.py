@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 from cnnsim.library.entry import LibraryEntry, Role
 from cnnsim.library.write import template_text
 from cnnsim.network import ZERO_FLUX, AnyTemplate, Boundary, Template
-from cnnsim.support import InputError
-from cnnsim.support.diagnostics import Diagnostics
+from cnnsim.support import Diagnostics, InputError
 
 
 @dataclass(frozen=True)

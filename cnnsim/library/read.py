@@ -17,11 +17,10 @@ from dataclasses import fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.network import AnyTemplate, LayeredTemplate, Template, Term
 from cnnsim.network.table import parse_table
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError
 from cnnsim.support.picture import parse_ascii
 from cnnsim.support.toml_file import check_keys, take_tables
 
@@ -66,7 +65,7 @@ def _single_layer(data: dict[str, Any], name: str) -> Template:
     return Template(data["A"], data.get("B", 0.0), data["z"], name, terms)
 
 
-def read_pictures(value: Any) -> NDArray[np.float64]:
+def read_pictures(value: Any) -> Floats:
     """Return one picture (rows, cols), or a list of pictures as (planes, rows, cols).
 
     Raises:

@@ -4,9 +4,8 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import InputError
+from cnnsim.support import Array, InputError, Integers
 
 BoundaryKind = Literal["fixed", "zero-flux", "periodic"]
 
@@ -95,7 +94,7 @@ def boundary_value(boundary: Boundary) -> Any:
     return {"fixed": boundary.y if boundary.y == boundary.u else {"x": boundary.y, "u": boundary.u}}
 
 
-def virtual_index(cells: int, radius: int, boundary: Boundary) -> NDArray[np.int64]:
+def virtual_index(cells: int, radius: int, boundary: Boundary) -> Integers:
     """Return, for positions -radius .. cells + radius - 1 of one axis, the real cell each stands for (-1: a constant).
 
     Grids smaller than the radius are right as well: a torus wraps as often as it must.
@@ -108,7 +107,7 @@ def virtual_index(cells: int, radius: int, boundary: Boundary) -> NDArray[np.int
     return np.where((position >= 0) & (position < cells), position, -1)
 
 
-def pad(plane: NDArray[Any], radius: int, boundary: Boundary, constant: float) -> NDArray[Any]:
+def pad(plane: Array, radius: int, boundary: Boundary, constant: float) -> Array:
     """Return the plane(s) (..., rows, cols) with ``radius`` virtual cells all round; ``constant`` is for fixed ones."""
     rows = virtual_index(plane.shape[-2], radius, boundary)
     cols = virtual_index(plane.shape[-1], radius, boundary)

@@ -16,20 +16,21 @@ Time is counted in time constants. Cell models differ in what bounds them, and i
   networks", Int. J. Circuit Theory Appl. 20 (1992) 453.
 """
 
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+
+from cnnsim.support import Array
 
 CellModel = Literal["chua-yang", "full-range", "discrete-time"]
 
 
-def output(x: NDArray[Any]) -> NDArray[Any]:
+def output(x: Array) -> Array:
     """Return y = clip(x, -1, 1)."""
     return np.clip(x, x.dtype.type(-1), x.dtype.type(1))
 
 
-def rate(drive: NDArray[Any], x: NDArray[Any], model: CellModel) -> NDArray[Any]:
+def rate(drive: Array, x: Array, model: CellModel) -> Array:
     """Return dx/dt for the drive A*y + w; in the full-range model the limiter stops what pushes against it."""
     change = drive - x
     if model == "full-range":
@@ -38,7 +39,7 @@ def rate(drive: NDArray[Any], x: NDArray[Any], model: CellModel) -> NDArray[Any]
     return change
 
 
-def uncoupled_state(x0: NDArray[Any], s: NDArray[Any], a: float, t: float, model: CellModel) -> NDArray[Any]:
+def uncoupled_state(x0: Array, s: Array, a: float, t: float, model: CellModel) -> Array:
     """Return the exact state x(t) of cells without neighbours: dx/dt = -x + a f(x) + s. ``t`` may be infinite.
 
     One cell moves monotonically, so it meets at most three pieces: out of its saturation, through the linear piece
@@ -60,7 +61,7 @@ def uncoupled_state(x0: NDArray[Any], s: NDArray[Any], a: float, t: float, model
         return side * np.where((size > 1) & ~leaves, decayed, inside)
 
 
-def _through_linear(x: NDArray[Any], s: NDArray[Any], a: float, t: NDArray[Any], *, limited: bool) -> NDArray[Any]:
+def _through_linear(x: Array, s: Array, a: float, t: Array, *, limited: bool) -> Array:
     """Go from |x| <= 1 for the times t, into the saturation ahead (or up to the limit) if it is reached."""
     rate = (a - 1) * x + s
     ahead = np.where(rate < 0, -1.0, 1.0)

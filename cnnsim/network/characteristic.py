@@ -4,11 +4,10 @@ from dataclasses import dataclass
 from typing import Any, Literal, assert_never, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.network.cell import CellModel
 from cnnsim.network.table import Table, parse_table, table_value
-from cnnsim.support import InputError
+from cnnsim.support import Array, InputError
 
 CharacteristicKind = Literal["clip", "sign", "tanh", "table"]
 
@@ -40,7 +39,7 @@ class Characteristic:
         if self.table is not None and self.table.bound > 1:
             raise InputError(f"characteristic: its table reaches {self.table.bound:g}; values from -1 to 1 wanted")
 
-    def __call__(self, x: NDArray[Any]) -> NDArray[Any]:
+    def __call__(self, x: Array) -> Array:
         """Return y = f(x)."""
         match self.kind:
             case "clip":

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import InputError
+from cnnsim.support import Array, InputError
 
 
 @dataclass(frozen=True)
@@ -47,7 +46,7 @@ class Table:
                 f"table at {list(self.at)} with {list(self.values)}; finite numbers at growing places wanted"
             )
 
-    def __call__(self, v: NDArray[Any]) -> NDArray[Any]:
+    def __call__(self, v: Array) -> Array:
         """Return f(v), element by element."""
         if self.kind == "linear":
             return np.interp(v, self.at, self.values)

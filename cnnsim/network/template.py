@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cnnsim.network.term import Term
 from cnnsim.network.weights import MAX_RADIUS, Tap, all_taps, checked_number, checked_weights, reach, taps_of
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError
 
 __all__ = ["MAX_RADIUS", "Tap", "Template", "all_taps"]
 
@@ -27,8 +27,8 @@ class Template:
         InputError: a matrix that is not square, of even side, too large, or with an entry that is not finite.
     """
 
-    A: NDArray[np.float64] = field(repr=False)
-    B: NDArray[np.float64] = field(repr=False)
+    A: Floats = field(repr=False)
+    B: Floats = field(repr=False)
     z: float = 0.0
     name: str = "unnamed"
     terms: tuple[Term, ...] = ()

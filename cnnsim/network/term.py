@@ -10,11 +10,11 @@ from itertools import product
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cnnsim.network.table import Table
 from cnnsim.network.weights import checked_number, checked_weights, reach
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError
 
 Quantity = Literal["x", "y", "u"]
 Range = tuple[float, float]
@@ -65,7 +65,7 @@ class Term:
         InputError: weights that are no odd square, an unknown argument, a delay that is negative.
     """
 
-    weights: NDArray[np.float64] = field(repr=False)
+    weights: Floats = field(repr=False)
     of: Argument
     table: Table | None = None
     times: Argument | None = None

@@ -4,9 +4,9 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError
 from cnnsim.support.toml_file import in_range
 
 MAX_RADIUS = 5
@@ -20,7 +20,7 @@ class Tap(NamedTuple):
     weight: float
 
 
-def checked_weights(owner: str, which: str, entries: ArrayLike, *, varying: bool = False) -> NDArray[np.float64]:
+def checked_weights(owner: str, which: str, entries: ArrayLike, *, varying: bool = False) -> Floats:
     """Return entries as a read-only odd square matrix (side, side); a number is a 1 x 1 matrix.
 
     With ``varying`` the matrix may be (side, side, rows, cols): each entry a plane, a weight of its own in every cell.
@@ -61,13 +61,13 @@ def checked_number(owner: str, which: str, value: object) -> float:
     return float(number)
 
 
-def all_taps(matrix: NDArray[np.float64]) -> tuple[Tap, ...]:
+def all_taps(matrix: Floats) -> tuple[Tap, ...]:
     """Return every entry of a template matrix as a tap, row by row, zeros included."""
     r = matrix.shape[0] // 2
     return tuple(Tap(int(k) - r, int(l) - r, float(matrix[k, l])) for k, l in np.ndindex(matrix.shape))
 
 
-def taps_of(matrix: NDArray[np.float64]) -> tuple[Tap, ...]:
+def taps_of(matrix: Floats) -> tuple[Tap, ...]:
     """Return the entries that are not zero, row by row."""
     return tuple(tap for tap in all_taps(matrix) if tap.weight)
 

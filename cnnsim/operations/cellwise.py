@@ -2,14 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import InputError
+from cnnsim.support import Array, InputError
 
-Planes = tuple[NDArray[Any], ...]
+Planes = tuple[Array, ...]
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,11 @@
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import InputError
+from cnnsim.support import InputError, Integers
 
 Wire = Literal["any", "all", "count"]
-Register = int | NDArray[np.int64]
+Register = int | Integers
 
 
 def read_wire(wire: Wire, black: Register, cells: int) -> Register:

@@ -1,9 +1,8 @@
 """The local logic unit: the 16 functions of two black-and-white planes, by name and by truth table."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import InputError
+from cnnsim.support import Flags, InputError
 
 FUNCTIONS = (
     "white",         # nothing is black
@@ -37,6 +36,6 @@ def function_number(name: str) -> int:
     return FUNCTIONS.index(name)
 
 
-def truth_table(function: int) -> NDArray[np.bool_]:
+def truth_table(function: int) -> Flags:
     """Return the results for (p, q) = (0, 0), (0, 1), (1, 0), (1, 1)."""
     return np.array([function >> i & 1 for i in range(4)], dtype=bool)

@@ -4,9 +4,7 @@ import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Literal, get_args
-
-from numpy.typing import NDArray
+from typing import Literal, get_args
 
 from cnnsim.network import (
     AnyTemplate,
@@ -28,7 +26,7 @@ from cnnsim.planning.savings import Saving, stepped_savings, steps_a_pass
 from cnnsim.planning.scheme import ADAPTIVE, Scheme, find_scheme
 from cnnsim.planning.stability import step_limit, usual_scheme
 from cnnsim.planning.step import DEFAULT_STEP, check_step, divided
-from cnnsim.support import InputError
+from cnnsim.support import Array, InputError
 
 Method = Literal["closed form", "stepped", "adaptive", "general"]
 
@@ -69,7 +67,7 @@ class Plan:
         """The taps of A that are summed: those that are not zero, unless sparse taps are switched off."""
         return self.template.feedback_taps if "sparse taps" in self.savings else all_taps(self.template.A)
 
-    def output(self, x: NDArray[Any]) -> NDArray[Any]:
+    def output(self, x: Array) -> Array:
         """Return the output of a state (an array): discrete-time cells have it as their state."""
         return x if self.cell == "discrete-time" else self.characteristic(x)
 

@@ -4,9 +4,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError
 
 
 @dataclass(frozen=True)
@@ -46,7 +45,7 @@ class Scheme:
         )
 
     @cached_property
-    def matrix(self) -> NDArray[np.float64]:
+    def matrix(self) -> Floats:
         """The table a as a square matrix."""
         square = np.zeros((len(self.b), len(self.b)))
         for i, row in enumerate(self.a):

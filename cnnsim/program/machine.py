@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any, assert_never
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cnnsim import backends, library
 from cnnsim.backends.base import Backend, Plane
@@ -29,7 +29,7 @@ from cnnsim.program.program import (
     UntilUnchangedStep,
     WireStep,
 )
-from cnnsim.support import InputError
+from cnnsim.support import Array, InputError
 
 _XOR = function_number("xor")
 
@@ -170,12 +170,12 @@ class UniversalMachine:
                 return
         raise InputError(f"{step.where}: still changing after {step.limit} rounds")
 
-    def _constant(self, program: Program, name: str, value: float | NDArray[Any], shape: tuple[int, ...]) -> Plane:
+    def _constant(self, program: Program, name: str, value: float | Array, shape: tuple[int, ...]) -> Plane:
         each = value[:, None, None] if isinstance(value, np.ndarray) else value
         return self.backend.load(np.full(shape, each), program.memory[name])  # type: ignore[arg-type]  # planes only
 
 
-def _check(program: Program, inputs: dict[str, ArrayLike]) -> dict[str, NDArray[Any]]:
+def _check(program: Program, inputs: dict[str, ArrayLike]) -> dict[str, Array]:
     if set(inputs) != set(program.inputs):
         raise InputError(
             f"program {program.name!r} got {', '.join(inputs) or 'nothing'}; {', '.join(program.inputs)} wanted"

@@ -1,6 +1,7 @@
-"""What every folder needs: the array types of annotations and the error for wrong input."""
+"""What every folder needs: the array types of annotations, the error for wrong input, reports on files."""
 
+from cnnsim.support.diagnostics import Diagnostics
 from cnnsim.support.errors import InputError
-from cnnsim.support.types import Array, Floats
+from cnnsim.support.types import Array, Flags, Floats, Integers
 
-__all__ = ["Array", "Floats", "InputError"]
+__all__ = ["Array", "Diagnostics", "Flags", "Floats", "InputError", "Integers"]

@@ -2,19 +2,18 @@
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.types import Array, Floats
 
 _RAMP = ".:-=+*%#"
 """Characters from white to black."""
 
 
-def read_picture(path: str | Path, *, binary: bool = False) -> NDArray[np.float64]:
+def read_picture(path: str | Path, *, binary: bool = False) -> Floats:
     """Read any picture Pillow knows as CNN values (rows, cols); colours become grey, transparency white.
 
     ``binary`` makes everything darker than mid-grey +1 and the rest -1.
@@ -35,14 +34,14 @@ def read_picture(path: str | Path, *, binary: bool = False) -> NDArray[np.float6
     return np.where(values > 0, 1.0, -1.0) if binary else values
 
 
-def to_image(values: NDArray[Any], scale: int = 1) -> Image.Image:
+def to_image(values: Array, scale: int = 1) -> Image.Image:
     """Return CNN values (rows, cols) as a grey picture, each cell ``scale`` pixels wide; booleans: True is black."""
     values = np.where(values, 1.0, -1.0) if values.dtype == bool else np.clip(values, -1, 1)
     grey = np.rint((1.0 - values) * 127.5).astype(np.uint8)
     return Image.fromarray(np.kron(grey, np.ones((scale, scale), dtype=np.uint8)))
 
 
-def write_picture(values: NDArray[Any], path: str | Path, scale: int = 1) -> None:
+def write_picture(values: Array, path: str | Path, scale: int = 1) -> None:
     """Write CNN values as a picture; the format follows the name's ending.
 
     Raises:
@@ -54,7 +53,7 @@ def write_picture(values: NDArray[Any], path: str | Path, scale: int = 1) -> Non
         raise InputError(f"cannot write {path}: {getattr(error, 'strerror', None) or error}") from error
 
 
-def write_film(frames: Sequence[NDArray[Any]], path: str | Path, seconds: float = 3.0) -> None:
+def write_film(frames: Sequence[Array], path: str | Path, seconds: float = 3.0) -> None:
     """Write CNN values over time as an animated GIF that runs for about ``seconds`` and then stands a second.
 
     Raises:
@@ -71,7 +70,7 @@ def write_film(frames: Sequence[NDArray[Any]], path: str | Path, seconds: float 
         raise InputError(f"cannot write {path}: {error.strerror or error}") from error
 
 
-def parse_ascii(rows: Iterable[str | Sequence[float]]) -> NDArray[np.float64]:
+def parse_ascii(rows: Iterable[str | Sequence[float]]) -> Floats:
     """Read a picture drawn in text: ``#`` is +1, ``.`` is -1; a row of numbers stands for itself.
 
     Raises:
@@ -98,7 +97,7 @@ def parse_ascii(rows: Iterable[str | Sequence[float]]) -> NDArray[np.float64]:
     return np.array(values)
 
 
-def to_ascii(values: NDArray[Any]) -> list[str]:
+def to_ascii(values: Array) -> list[str]:
     """Draw CNN values as text, one string a row, from ``.`` (white) to ``#`` (black)."""
     values = np.where(values, 1.0, -1.0) if values.dtype == bool else np.clip(values, -1, 1)
     level = np.rint((values + 1) / 2 * (len(_RAMP) - 1)).astype(int)

@@ -10,3 +10,9 @@ Array = NDArray[Any]
 
 Floats = NDArray[np.float64]
 """An array of float64 numbers."""
+
+Integers = NDArray[np.int64]
+"""An array of whole numbers."""
+
+Flags = NDArray[np.bool_]
+"""An array of truth values."""

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.network import Boundary, Tap, pad, reach
 from cnnsim.support import Floats
@@ -31,7 +30,7 @@ def pairs_of(input: str | float, initial_state: str | float) -> list[Pair] | str
     return [(x0, u) for x0 in states for u in us]
 
 
-def weighted_sums(options: Sequence[Sequence[tuple[float, ...]]]) -> NDArray[np.float64] | None:
+def weighted_sums(options: Sequence[Sequence[tuple[float, ...]]]) -> Floats | None:
     """Return all different sums of one vector from each list, as rows; None if there are more than `MOST`.
 
     Sums that differ by less than 1e-9 count as one.

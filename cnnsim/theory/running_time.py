@@ -11,13 +11,11 @@ The times hold for the exact network and for Euler steps of the given length; ot
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.network import Boundary, Template
-from cnnsim.support import Floats
+from cnnsim.support import Array, Floats
 from cnnsim.theory import wave_time
 from cnnsim.theory.neighbourhood import Pair, neighbour_sum, pairs_of, too_many, weighted_sums
 
@@ -72,7 +70,7 @@ def guaranteed_time(
 
 def time_of_picture(
     template: Template, *, state: Floats, input: Floats | None = None, boundary: Boundary,  # noqa: A002 - u
-    bias: Floats | None = None, mask: NDArray[Any] | None = None, step: float = 0.1,
+    bias: Floats | None = None, mask: Array | None = None, step: float = 0.1,
 ) -> RunningTime:  # fmt: skip
     """Return the time after which every output is final, for these planes (rows, cols).
 

@@ -1,17 +1,13 @@
 """The longest path a trigger wave can take on a grid, through the worst maze where cells can be walls."""
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cnnsim.network import Template
+from cnnsim.support import Floats
 
 _CROSS = {(-1, 0), (0, -1), (0, 1), (1, 0)}
 _RING = {(k, l) for k in (-1, 0, 1) for l in (-1, 0, 1)} - {(0, 0)}
 
 
-def longest_path(
-    template: Template, shape: tuple[int, int], waiting: NDArray[np.float64], has_mask: bool
-) -> tuple[int, str]:
+def longest_path(template: Template, shape: tuple[int, int], waiting: Floats, has_mask: bool) -> tuple[int, str]:
     """Return the most cells a wave can visit one after the other, and in words why.
 
     ``waiting`` (n, 2) has, for every input that white cells can meet, s - (a - 1) among white neighbours and how much

@@ -14,10 +14,9 @@ black wave of the network with all signs turned.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.network import Boundary, Template
-from cnnsim.support import Floats
+from cnnsim.support import Flags, Floats
 from cnnsim.theory.neighbourhood import Pair, neighbour_sum, too_many, weighted_sums
 from cnnsim.theory.wave_path import longest_path
 
@@ -46,7 +45,7 @@ def switching_time(s: Floats, rest: Floats, a: float, step: float) -> Floats:
 
 
 def wave_of_picture(
-    template: Template, state: Floats, drive: Floats, masked: NDArray[np.bool_], boundary: Boundary, step: float
+    template: Template, state: Floats, drive: Floats, masked: Flags, boundary: Boundary, step: float
 ) -> Wave:
     """Return the time of the wave from a black-and-white ``state`` with B*u + z + bias = ``drive``: (rows, cols).
 
@@ -62,7 +61,7 @@ def wave_of_picture(
 
 
 def _follow(
-    template: Template, state: Floats, drive: Floats, masked: NDArray[np.bool_], outside: float, boundary: Boundary,
+    template: Template, state: Floats, drive: Floats, masked: Flags, outside: float, boundary: Boundary,
     step: float,
 ) -> Wave:  # fmt: skip
     a, y = template.self_feedback, state.copy()

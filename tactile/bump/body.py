@@ -1,17 +1,16 @@
 """A body of finite elements: its out-of-balance forces and their derivative, displacement with or without pressure."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 from skfem import Basis, ElementTetP1, ElementTetP2, ElementTriP1, ElementTriP2, ElementVector
 from skfem.mesh import Mesh
 
-from cnnsim.support import Floats
+from cnnsim.support import Floats, Integers
 from tactile.bump.kinematics import Kinematics
 from tactile.bump.law import Law, Mixed, stress, tangent
 
-Index = NDArray[np.int64]
+Index = Integers
 ELEMENTS = {(2, 1): ElementTriP1, (2, 2): ElementTriP2, (3, 1): ElementTetP1, (3, 2): ElementTetP2}
 
 

@@ -3,13 +3,13 @@
 import itertools
 
 import numpy as np
-from numpy.typing import NDArray
 from skfem import MeshTet, MeshTet2, MeshTri, MeshTri2
 
+from cnnsim.support import Floats, Integers
 from tactile.bump.shape import Shape
 from tactile.bump.triangulate import triangulate
 
-Index = NDArray[np.int64]
+Index = Integers
 FIRST = np.array(
     [
         (0, 1, 2, 3, 4, 5),
@@ -94,12 +94,12 @@ def quarter_solid(shape: Shape, fineness: float, sectors: int) -> MeshTet2:
     return MeshTet2(np.ascontiguousarray(doflocs), np.ascontiguousarray(fine.t))
 
 
-def _turned(radius: NDArray[np.float64], turn: NDArray[np.float64], z: NDArray[np.float64]) -> NDArray[np.float64]:
+def _turned(radius: Floats, turn: Floats, z: Floats) -> Floats:
     # the planes x = 0 and y = 0 exactly
     return np.stack([np.where(turn > 1.5707, 0, radius * np.cos(turn)), radius * np.sin(turn), z])
 
 
-def _onto_arc(doflocs: NDArray[np.float64], middle: Index, p: NDArray[np.float64], edges: Index, shape: Shape) -> None:
+def _onto_arc(doflocs: Floats, middle: Index, p: Floats, edges: Index, shape: Shape) -> None:
     """Move the middles of edges, both ends of which lie on the arc, onto it."""
     on = shape.curved(p.T)[edges].all(axis=0)
     at = middle[on]

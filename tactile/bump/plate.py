@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.support import Floats
 from tactile.bump.body import Body, Index, solve
@@ -54,9 +53,7 @@ def plate_constraint(body: Body, shape: Shape, push: Push, contact: float | None
     return Constraint(np.flatnonzero(fixed), rigid)
 
 
-def respond(
-    body: Body, constraint: Constraint, rest: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
-) -> Floats:
+def respond(body: Body, constraint: Constraint, rest: tuple[Floats, Floats] | None = None) -> Floats:
     """The state per metre that the plate moves, at small strain, about ``rest`` (nothing deformed unless given)."""
     matrix = body.stiffness(*(body.rest() if rest is None else rest))
     return solve(matrix, np.zeros(body.size), constraint.fixed, constraint.state(1.0))

@@ -4,9 +4,8 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import Floats, InputError
+from cnnsim.support import Flags, Floats, InputError
 
 
 @dataclass(frozen=True)
@@ -70,7 +69,7 @@ class Shape:
             *(np.linspace(start, stop, 400) for start, stop in (*lines, (corners[-1], (0.0, -self.radius)))),
         ]
 
-    def inside(self, points: Floats) -> NDArray[np.bool_]:
+    def inside(self, points: Floats) -> Flags:
         """Which points (n, 2) lie in the half x >= 0, the boundary left out."""
         x, z = points.T
         body = (x > 0) & (x < self.reach) & (z >= 0) & (z < self.thickness)
@@ -93,7 +92,7 @@ class Shape:
         wanted = np.minimum(finest + 0.2 * near[0], 0.05 * self.radius + 0.2 * near[1])
         return np.asarray(np.minimum(wanted, self.thickness / 4) / fineness)
 
-    def curved(self, points: Floats) -> NDArray[np.bool_]:
+    def curved(self, points: Floats) -> Flags:
         """Which points (n, 2) lie on the hemisphere's arc."""
         on = np.abs(np.hypot(*points.T) - self.radius) < 1e-9 * self.radius
         return np.asarray(on & (points[:, 1] < -self.fillet * (1 - 1e-9)))

@@ -4,9 +4,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import Floats, InputError
+from cnnsim.support import Flags, Floats, InputError
 from tactile.bump.body import Body, Index, solve
 from tactile.bump.finite import balance
 from tactile.bump.plate import plate_constraint
@@ -94,7 +93,7 @@ class _Nodes:
         on_plate = np.concatenate([self.side, self.down])
         self._base: Index = np.setdiff1d(plate_constraint(body, shape, "press", contact=0.0).fixed, on_plate)
 
-    def prescribed(self, sticking: NDArray[np.bool_], anchor: Floats, lowered: Floats) -> tuple[Index, Floats]:
+    def prescribed(self, sticking: Flags, anchor: Floats, lowered: Floats) -> tuple[Index, Floats]:
         """The prescribed unknowns and their values, where some nodes stick to a plate at ``lowered`` above them."""
         fixed = np.concatenate(
             [self._base, self.side[self.on_axis], self.side[sticking & ~self.on_axis], self.down[sticking]]

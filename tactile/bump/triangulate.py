@@ -3,18 +3,17 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import Delaunay, cKDTree
 
-from cnnsim.support import Floats
+from cnnsim.support import Flags, Floats, Integers
 
 LARGEST = 0.75
 """Circumradius over wanted edge length above which a triangle gets a point; 0.58 is the equilateral triangle's."""
 
 
 def triangulate(
-    outline: list[Floats], inside: Callable[[Floats], NDArray[np.bool_]], size: Callable[[Floats], Floats]
-) -> tuple[Floats, NDArray[np.int64]]:
+    outline: list[Floats], inside: Callable[[Floats], Flags], size: Callable[[Floats], Floats]
+) -> tuple[Floats, Integers]:
     """Points (n, 2) and triangles (m, 3) of the region within a closed outline.
 
     A new point lies at least its wanted edge length times 0.75 from all others, and so, with boundary points an edge
@@ -53,7 +52,7 @@ def _graded(line: Floats, size: Callable[[Floats], Floats]) -> Floats:
     return graded
 
 
-def _triangles(points: Floats, inside: Callable[[Floats], NDArray[np.bool_]]) -> NDArray[np.int64]:
+def _triangles(points: Floats, inside: Callable[[Floats], Flags]) -> Integers:
     triangles = Delaunay(points).simplices.astype(np.int64)
     a, b, c = (points[triangles[:, k]] for k in range(3))
     longest = np.max([((b - a) ** 2).sum(1), ((c - b) ** 2).sum(1), ((a - c) ** 2).sum(1)], axis=0)
@@ -61,7 +60,7 @@ def _triangles(points: Floats, inside: Callable[[Floats], NDArray[np.bool_]]) ->
     return triangles[(area > 1e-6 * longest) & inside((a + b + c) / 3)]  # points on a line make flat triangles
 
 
-def _circles(points: Floats, triangles: NDArray[np.int64]) -> tuple[Floats, Floats]:
+def _circles(points: Floats, triangles: Integers) -> tuple[Floats, Floats]:
     a = points[triangles[:, 0]]
     b, c = points[triangles[:, 1]] - a, points[triangles[:, 2]] - a
     twice = 2 * (b[:, 0] * c[:, 1] - b[:, 1] * c[:, 0])

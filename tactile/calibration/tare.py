@@ -3,9 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import Floats, InputError
+from cnnsim.support import Floats, InputError, Integers
 from tactile.core.frame import Frame
 
 
@@ -24,7 +23,7 @@ class Tare:
             raise InputError(f"tare over {frames} frames, 0 or more wanted")
         self._left = frames
         self._sum: Floats | float = 0.0
-        self._count: NDArray[np.int64] | int = 0
+        self._count: Integers | int = 0
         self._offset: Floats | float = 0.0
 
     @property

@@ -4,9 +4,8 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import Floats, InputError
+from cnnsim.support import Flags, Floats, InputError
 
 Quantity = Literal["strain", "stress", "force"]
 """What a taxel measures: strain (u_xz, u_yz, u_zz), stress [Pa] of the same components, or force [N]."""
@@ -70,7 +69,7 @@ class Frame:
     t: float
     sequence: int
     values: Floats
-    valid: NDArray[np.bool_]
+    valid: Flags
     t_device: float = float("nan")
 
     def __post_init__(self) -> None:

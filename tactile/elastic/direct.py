@@ -2,9 +2,9 @@
 
 import numpy as np
 from numba import get_num_threads
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError
 from tactile.elastic.direct_numba import MANY, few_loads, few_loads_parallel, many_loads
 from tactile.elastic.halfspace import check_loads, point_scale
 from tactile.elastic.medium import Medium
@@ -13,7 +13,7 @@ SERIAL_BELOW = 200_000
 """Fewer pairs than this are done before the threads have woken up, or soon after."""
 
 
-def direct_sum(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Medium) -> NDArray[np.float64]:
+def direct_sum(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Medium) -> Floats:
     """What the taxels feel in every frame: ``halfspace.point_load``, compiled.
 
     Arguments: ``positions`` (..., 2) taxel centres [m]; ``depth`` z [m]; ``loads`` (frames, n, 5), rows

@@ -1,16 +1,14 @@
 """Strain and stress under point loads on an elastic half-space, by the formulas of Boussinesq and Cerruti."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError
 from tactile.core.loads import COLUMNS, F, Q, R, X, Y
 from tactile.elastic.medium import Medium
 
 
-def point_load_strain(
-    positions: ArrayLike, depth: float, loads: ArrayLike, modulus: float, nu: float = 0.5
-) -> NDArray[np.float64]:
+def point_load_strain(positions: ArrayLike, depth: float, loads: ArrayLike, modulus: float, nu: float = 0.5) -> Floats:
     """Strain (u_xz, u_yz, u_zz) under point loads on a half-space of any Poisson's ratio.
 
     Each load adds, with (x, y, z) the taxel seen from it and r^2 = x^2 + y^2 + z^2,
@@ -30,7 +28,7 @@ def point_load_strain(
     return point_load(positions, depth, loads, Medium(modulus, nu))
 
 
-def point_load_stress(positions: ArrayLike, depth: float, loads: ArrayLike) -> NDArray[np.float64]:
+def point_load_stress(positions: ArrayLike, depth: float, loads: ArrayLike) -> Floats:
     """Stress (sigma_xz, sigma_yz, sigma_zz) [Pa] under point loads on a half-space of any Poisson's ratio.
 
     Each load adds, with (x, y, z) the taxel seen from it and r^2 = x^2 + y^2 + z^2,
@@ -47,7 +45,7 @@ def point_load_stress(positions: ArrayLike, depth: float, loads: ArrayLike) -> N
     return point_load(positions, depth, loads, Medium(1.0, quantity="stress"))
 
 
-def point_load(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Medium) -> NDArray[np.float64]:
+def point_load(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Medium) -> Floats:
     """Strain or stress, as the medium says, under point loads: the reference that the faster methods are held to.
 
     Arguments, shapes and errors: as ``point_load_strain``.
@@ -82,7 +80,7 @@ def point_scale(depth: float, medium: Medium) -> tuple[float, float]:
     return scale, 2 * trace
 
 
-def check_loads(loads: ArrayLike) -> NDArray[np.float64]:
+def check_loads(loads: ArrayLike) -> Floats:
     """Return loads as an array (..., n, 5) of finite numbers.
 
     Raises:

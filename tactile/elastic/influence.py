@@ -1,9 +1,9 @@
 """The influence matrix of loads that stay in place, put together once and multiplied with many frames."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError
 from tactile.core.loads import COLUMNS, PLACE, Q
 from tactile.elastic.halfspace import point_load
 from tactile.elastic.medium import Medium
@@ -32,7 +32,7 @@ class Influence:
             3 * len(where), -1
         )
 
-    def __call__(self, forces: ArrayLike) -> NDArray[np.float64]:
+    def __call__(self, forces: ArrayLike) -> Floats:
         """What the taxels feel under forces (frames, n, 3), components (Q, R, F) [N]: (frames, ..., 3).
 
         Raises:
@@ -43,5 +43,5 @@ class Influence:
             raise InputError(f"forces of shape {given.shape}, (frames, {len(self.matrix) // 3}, 3) wanted")
         if not np.isfinite(given).all():
             raise InputError("forces that are not finite, numbers (Q, R, F) wanted")
-        felt: NDArray[np.float64] = given.reshape(len(given), -1) @ self.matrix
+        felt: Floats = given.reshape(len(given), -1) @ self.matrix
         return felt.reshape(len(given), *self.shape, 3)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cnnsim.support import Floats, InputError
 from tactile.elastic.medium import Medium
@@ -78,9 +78,7 @@ def transfer(wavenumber: ArrayLike, depth: float, thickness: float, medium: Medi
     return Transfer(pressed[0], dragged[0], pressed[1], -dragged[1], -double * rim)
 
 
-def periodic_field(
-    traction: ArrayLike, pitch: float, depth: float, thickness: float, medium: Medium
-) -> NDArray[np.float64]:
+def periodic_field(traction: ArrayLike, pitch: float, depth: float, thickness: float, medium: Medium) -> Floats:
     """Strain or stress under a traction map (rows, cols, 3) [Pa] that repeats itself without end, at its own points.
 
     Raises:

@@ -3,7 +3,7 @@
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 from scipy.special import j0, j1
 
@@ -22,9 +22,7 @@ PANEL = 14.0
 """Phase of the fastest Bessel function over one panel of 16 Gauss nodes: good to 1e-10."""
 
 
-def layer_load(
-    positions: ArrayLike, depth: float, loads: ArrayLike, thickness: float, medium: Medium
-) -> NDArray[np.float64]:
+def layer_load(positions: ArrayLike, depth: float, loads: ArrayLike, thickness: float, medium: Medium) -> Floats:
     """Strain or stress, as the medium says, under point loads on a layer bonded to a rigid base.
 
     The half-space's closed form plus ``layer_term``. Arguments and errors: as these two.
@@ -32,9 +30,7 @@ def layer_load(
     return point_load(positions, depth, loads, medium) + layer_term(positions, depth, loads, thickness, medium)
 
 
-def layer_term(
-    positions: ArrayLike, depth: float, loads: ArrayLike, thickness: float, medium: Medium
-) -> NDArray[np.float64]:
+def layer_term(positions: ArrayLike, depth: float, loads: ArrayLike, thickness: float, medium: Medium) -> Floats:
     """Layer minus half-space under point loads.
 
     With N(k) the difference of the transfer functions, a load P = (Q, R, F) at distance rho = |(x, y)| adds

@@ -1,9 +1,9 @@
 """Contacts along a line, an edge or a lying cylinder, as point loads that taxels cannot tell from them."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError
 from tactile.core.loads import COLUMNS, FORCE, X, Y
 from tactile.elastic.gauss import gauss
 
@@ -11,7 +11,7 @@ MOST_NODES = 2000
 """Nodes along one direction; a longer contact, or a shallower taxel, is refused."""
 
 
-def edge_loads(load: ArrayLike, length: float, angle: float, depth: float) -> NDArray[np.float64]:
+def edge_loads(load: ArrayLike, length: float, angle: float, depth: float) -> Floats:
     """A straight edge that presses with the same force everywhere, as Gauss points along it.
 
     The nodes' number grows with length / depth so that the error stays below 1e-10 of the field at that depth.
@@ -26,9 +26,7 @@ def edge_loads(load: ArrayLike, length: float, angle: float, depth: float) -> ND
     return _spread(load, nodes * length / 2, np.zeros(1), weights / 2, np.ones(1), angle)
 
 
-def cylinder_loads(
-    load: ArrayLike, length: float, half_width: ArrayLike, angle: float, depth: float
-) -> NDArray[np.float64]:
+def cylinder_loads(load: ArrayLike, length: float, half_width: ArrayLike, angle: float, depth: float) -> Floats:
     """A lying cylinder: uniform along its axis, p ~ sqrt(1 - s^2 / b^2) across, as products of Gauss points.
 
     Arguments: ``half_width`` b (...) [m] from ``cylinder_half_width``; the others as ``edge_loads``. The ends carry
@@ -47,10 +45,10 @@ def cylinder_loads(
     return _spread(load, along * length / 2, width[..., None] * np.cos(turn), along_weights / 2, across_weights, angle)
 
 
-def cylinder_half_width(force: ArrayLike, length: float, radius: float, contact_modulus: float) -> NDArray[np.float64]:
+def cylinder_half_width(force: ArrayLike, length: float, radius: float, contact_modulus: float) -> Floats:
     """b = sqrt(4 P R / (pi E* L)) [m]. Source: Johnson, Contact Mechanics, eq. (4.43)."""
     pressing = np.maximum(np.asarray(force, dtype=np.float64), 0)
-    width: NDArray[np.float64] = np.sqrt(pressing) * np.sqrt(4 * radius / (np.pi * contact_modulus * length))
+    width: Floats = np.sqrt(pressing) * np.sqrt(4 * radius / (np.pi * contact_modulus * length))
     return width
 
 
@@ -66,12 +64,12 @@ def _count(half: float, depth: float) -> int:
 
 def _spread(
     load: ArrayLike,
-    along: NDArray[np.float64],
-    across: NDArray[np.float64],
-    along_weights: NDArray[np.float64],
-    across_weights: NDArray[np.float64],
+    along: Floats,
+    across: Floats,
+    along_weights: Floats,
+    across_weights: Floats,
     angle: float,
-) -> NDArray[np.float64]:
+) -> Floats:
     rows = np.asarray(load, dtype=np.float64)
     if rows.ndim < 1 or rows.shape[-1] != COLUMNS:
         raise InputError(f"load of shape {rows.shape}, (..., 5) rows (x, y, Q, R, F) wanted")

@@ -7,14 +7,14 @@ to rounding. Without padding it would be four times cheaper and wrong by about t
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import fft
 
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError
 from tactile.elastic.cells import point_cell, uniform_cell
 from tactile.elastic.medium import Medium
 
-CellResponse = Callable[[ArrayLike, ArrayLike, float, float, Medium], NDArray[np.float64]]
+CellResponse = Callable[[ArrayLike, ArrayLike, float, float, Medium], Floats]
 CELLS: dict[str, CellResponse] = {"point": point_cell, "uniform": uniform_cell}
 
 
@@ -54,7 +54,7 @@ class TractionTransform:
         kernel = response(offset[0] + cols[None, :] * pitch, offset[1] + rows[:, None] * pitch, depth, pitch, medium)
         self._transfer = fft.rfft2(np.moveaxis(kernel, (-2, -1), (0, 1)), workers=-1)
 
-    def __call__(self, traction: ArrayLike) -> NDArray[np.float64]:
+    def __call__(self, traction: ArrayLike) -> Floats:
         """What the taxels feel, (rows, cols, 3), under a traction map (map_rows, map_cols, 3) [Pa].
 
         Raises:
@@ -76,7 +76,7 @@ class TractionTransform:
         return np.ascontiguousarray(np.moveaxis(back, 0, -1))
 
 
-def map_loads(traction: ArrayLike, pitch: float, origin: tuple[float, float]) -> NDArray[np.float64]:
+def map_loads(traction: ArrayLike, pitch: float, origin: tuple[float, float]) -> Floats:
     """The point loads (cells, 5) of a map (rows, cols, 3) [Pa] whose first cell lies at ``origin`` [m]."""
     given = np.asarray(traction, dtype=np.float64)
     x = origin[0] + np.arange(given.shape[1]) * pitch

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim import InputError, Template
-from cnnsim.support import Floats
+from cnnsim.support import Flags, Floats
 from tactile.core.frame import NORMAL, Frame, Quantity
 
 _ARROWS = {
@@ -98,7 +98,7 @@ class Code:
 
     x: NDArray[np.int8]
     y: NDArray[np.int8]
-    contact: NDArray[np.bool_]
+    contact: Flags
 
     def arrows(self) -> str:
         """One arrow a taxel, row by row; rows are parted by a space."""
@@ -125,7 +125,7 @@ class Code:
         return int("".join("1" if bit else "0" for bit in bits.tolist()), 2)
 
 
-def decode(planes: dict[str, NDArray[np.bool_]]) -> Code:
+def decode(planes: dict[str, Flags]) -> Code:
     """Return the code of the comparators' planes x_plus, x_minus, y_plus, y_minus, contact."""
     x, y = (planes[f"{axis}_plus"].astype(np.int8) - planes[f"{axis}_minus"].astype(np.int8) for axis in "xy")
     return Code(x, y, planes["contact"])

@@ -2,9 +2,7 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from cnnsim.support import Flags, Floats, Integers
 from tactile.core.frame import TaxelArray
 
 
@@ -20,7 +18,7 @@ class Batch:
     array: TaxelArray
     unit: float
     full_scale: float
-    t: NDArray[np.float64]
-    sequence: NDArray[np.int64]
-    values: NDArray[np.float64]
-    valid: NDArray[np.bool_]
+    t: Floats
+    sequence: Integers
+    values: Floats
+    valid: Flags

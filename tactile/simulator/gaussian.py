@@ -6,6 +6,8 @@ import numpy as np
 from numba import get_num_threads, njit, prange
 from numpy.typing import NDArray
 
+from cnnsim.support import Floats
+
 BITS = 13
 """The table has 2^13 quantiles: 32 KiB, the first-level cache."""
 SERIAL_BELOW = 200_000
@@ -82,7 +84,7 @@ class GaussianNoise:
     def _draw(self) -> np.uint32:
         return np.uint32(self._random.integers(1 << 32))
 
-    def add(self, values: NDArray[np.float64], sigma: float) -> None:
+    def add(self, values: Floats, sigma: float) -> None:
         """Add the next ``values.size`` numbers times ``sigma`` to ``values`` (contiguous), in place."""
         flat = values.reshape(-1)
         assert np.shares_memory(flat, values) or not values.size  # a copy would be thrown away
@@ -104,7 +106,7 @@ class GaussianNoise:
             flat[-1] += self._pair(sigma)[0]
             self._count += 1
 
-    def _pair(self, sigma: float) -> NDArray[np.float64]:
+    def _pair(self, sigma: float) -> Floats:
         """The pair that the next number belongs to."""
         pair = np.zeros((1, 2))
         _add_pairs(pair, 0, 1, np.float64(sigma), self._key, np.uint32(self._count // 2), _quantiles())

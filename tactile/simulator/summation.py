@@ -4,9 +4,8 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import Floats, InputError
+from cnnsim.support import Floats, InputError, Integers
 from tactile.core.frame import TaxelArray
 from tactile.core.loads import FORCE, PLACE
 from tactile.elastic.direct import direct_sum
@@ -98,7 +97,7 @@ def _by_transforms(method: Summation, positions: Floats, depth: float, loads: Fl
     return values
 
 
-def _on_grid(positions: Floats, places: Floats) -> tuple[Floats, tuple[int, int], float, NDArray[np.int64]] | None:
+def _on_grid(positions: Floats, places: Floats) -> tuple[Floats, tuple[int, int], float, Integers] | None:
     """(first place, (rows, cols), pitch, index of each load) of loads that lie whole taxel pitches apart."""
     if positions.ndim != 3 or positions.shape[1] < 2:
         return None

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError, Integers
 from tactile.core.frame import Frame, TaxelArray
 
 PILLAR_PITCH = 7e-3
@@ -23,10 +22,10 @@ class NpzReplay:
 
     title: str
     arrays: tuple[TaxelArray, ...]
-    force: tuple[NDArray[np.float64], ...]
-    host_ns: tuple[NDArray[np.int64], ...]
-    sequence: tuple[NDArray[np.int64], ...]
-    device_us: tuple[NDArray[np.int64], ...]
+    force: tuple[Floats, ...]
+    host_ns: tuple[Integers, ...]
+    sequence: tuple[Integers, ...]
+    device_us: tuple[Integers, ...]
     modulus: None = None
 
     @property
@@ -82,9 +81,7 @@ def read_npz(path: Path) -> NpzReplay:
     return NpzReplay(path.stem, arrays, force, host, sequence, device)
 
 
-def _read_sensor(
-    file: "np.lib.npyio.NpzFile", name: str, where: str
-) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+def _read_sensor(file: "np.lib.npyio.NpzFile", name: str, where: str) -> tuple[Floats, Integers, Integers, Integers]:
     """Return (T, side, side, 3) forces, host stamps, sequence numbers, device stamps."""
     for wanted in ("t_ns", "seq", "tus"):
         if f"{name}_{wanted}" not in file.files:

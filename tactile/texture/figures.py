@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import Floats, InputError
+from cnnsim.support import Flags, Floats, InputError, Integers
 
 
 @dataclass(frozen=True)
@@ -14,7 +13,7 @@ class TextureFigures:
 
     friction: Floats
     roughness: Floats
-    valid: NDArray[np.bool_]
+    valid: Flags
 
 
 class Texture:
@@ -46,7 +45,7 @@ class Texture:
         self.window = window
         self.floor = floor
         self._head = 0  # frames in the growing block
-        self._streak: NDArray[np.int64] | None = None
+        self._streak: Integers | None = None
 
     def update(self, values: Floats) -> TextureFigures:
         """Take the next frame's values (rows, cols, 3) and return the figures of the window that ends with it.

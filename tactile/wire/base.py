@@ -9,10 +9,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
+from cnnsim.support import Floats
 
-Taxels = NDArray[np.float64]
+Taxels = Floats
 """(taxels, 3): readings in the device's order and unit, last axis (x, y, z) as the device names them."""
 
 

@@ -2,10 +2,7 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError, Integers
 from tactile.calibration.gains import Gains
 from tactile.core.frame import TaxelArray
 from tactile.wire.base import Options
@@ -21,9 +18,9 @@ class Board:
     """
 
     array: TaxelArray
-    turn: NDArray[np.float64]
+    turn: Floats
     gains: Gains | None
-    cells: NDArray[np.int64]
+    cells: Integers
 
     @property
     def chips(self) -> int:

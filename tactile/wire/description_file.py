@@ -23,9 +23,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError, Integers
 from cnnsim.support.toml_file import check_keys, parse_toml, take, take_numbers, take_tables
 from tactile.calibration.gains import Gains
 from tactile.core.array_table import take_array
@@ -122,7 +121,7 @@ def _board(table: dict[str, Any], wire: Format, where: str) -> Board:
     )
 
 
-def _turn(axes: list[Any], where: str) -> NDArray[np.float64]:
+def _turn(axes: list[Any], where: str) -> Floats:
     turn = np.zeros((3, 3))
     for row, axis in enumerate(axes):
         if not isinstance(axis, str) or axis.lstrip("+-") not in ("x", "y", "z") or len(axis) > 2 or row > 2:
@@ -133,7 +132,7 @@ def _turn(axes: list[Any], where: str) -> NDArray[np.float64]:
     return turn
 
 
-def _cells(table: dict[str, Any], array: TaxelArray, where: str) -> NDArray[np.int64]:
+def _cells(table: dict[str, Any], array: TaxelArray, where: str) -> Integers:
     if "cells" not in table:
         return np.arange(array.rows * array.cols).reshape(array.shape)
     cells = table["cells"]

@@ -2,7 +2,7 @@
 
 from cnnsim.formats.candy.content import TemFile
 from cnnsim.formats.candy.parse import parse_tem
-from cnnsim.support.diagnostics import Diagnostics
+from cnnsim.support import Diagnostics
 
 A = "FEEDBACK:\n0 0 0\n0 1 0\n0 0 0\n"
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import DTypeLike
 
 from cnnsim.backends import driver
 from cnnsim.backends.base import Memory, Outcome, check_finite
@@ -20,7 +20,7 @@ from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.operations.logic import truth_table
 from cnnsim.planning.plan import Plan
-from cnnsim.support import Array, InputError
+from cnnsim.support import Array, InputError, Integers
 
 
 class ReferenceBackend:
@@ -89,7 +89,7 @@ class ReferenceBackend:
         combine = np.logical_and if rule.conjunction else np.logical_or
         return combine.reduce(seen) if seen else np.full(plane.shape, rule.conjunction)
 
-    def count(self, plane: Array) -> int | NDArray[np.int64]:
+    def count(self, plane: Array) -> int | Integers:
         """See `Backend.count`."""
         black = np.count_nonzero(plane, axis=(-2, -1))
         return black if plane.ndim == 3 else int(black)

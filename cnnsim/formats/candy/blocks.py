@@ -6,8 +6,7 @@ from itertools import pairwise
 
 from cnnsim.formats.candy.content import Call, FunctionLine, MatrixEntry
 from cnnsim.formats.candy.lines import Line
-from cnnsim.support import InputError
-from cnnsim.support.diagnostics import Diagnostics
+from cnnsim.support import Diagnostics, InputError
 from cnnsim.support.numbers import is_number, number, whole
 
 _CALL = re.compile(r"([A-Za-z]+)([-0]?)")

@@ -6,11 +6,10 @@ from itertools import product
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.formats.candy.content import Block, Call, FunctionLine, Layer, MatrixEntry, Operation, Section
 from cnnsim.network import AnyTemplate, Argument, Table, Template, Term, layered
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError
 
 _KINDS: dict[str, Operation] = {"y": "nonlin_feedback", "u": "nonlin_control"}
 
@@ -72,9 +71,7 @@ def _layer(template: Template, number: int, several: bool) -> Layer:
     return Layer(number, tuple(blocks), tuple(functions), template.z)
 
 
-def _linear(
-    kind: Operation, weights: NDArray[np.float64], source: int | None, delay: float | None = None
-) -> list[Block]:
+def _linear(kind: Operation, weights: Floats, source: int | None, delay: float | None = None) -> list[Block]:
     if not weights.any():
         return []
     full = np.pad(weights, 1) if weights.shape[0] == 1 else weights

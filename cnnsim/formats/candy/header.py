@@ -7,8 +7,7 @@ from cnnsim.formats.candy.content import TemFile
 from cnnsim.library.entry import Role
 from cnnsim.network import PERIODIC, ZERO_FLUX, Boundary, fixed
 from cnnsim.planning.duration import Duration
-from cnnsim.support import InputError
-from cnnsim.support.diagnostics import Diagnostics
+from cnnsim.support import Diagnostics, InputError
 from cnnsim.support.numbers import is_number, number
 
 _PART = re.compile(r"\s*([A-Za-z]\w*)\s*[:=]\s*([^,(]*(?:\([^)]*\))?[^,]*)(?:,|$)")

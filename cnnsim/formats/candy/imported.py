@@ -7,8 +7,7 @@ from cnnsim.formats.candy.header import Setting, read_setting
 from cnnsim.formats.candy.terms import section_template
 from cnnsim.library.imported import Imported, library_name
 from cnnsim.network import Cell, Template, layered
-from cnnsim.support import InputError
-from cnnsim.support.diagnostics import Diagnostics
+from cnnsim.support import Diagnostics, InputError
 
 _AFTER_DELAY = 10.0  # time constants in which a cell without neighbours is at rest
 

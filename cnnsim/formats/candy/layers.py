@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 
 from cnnsim.formats.candy.content import Block, Call, FunctionLine, Layer, Section
 from cnnsim.formats.candy.lines import Line
-from cnnsim.support.diagnostics import Diagnostics
+from cnnsim.support import Diagnostics
 
 
 @dataclass

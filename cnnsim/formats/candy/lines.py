@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from cnnsim.formats.candy.content import Header
-from cnnsim.support.diagnostics import Diagnostics
+from cnnsim.support import Diagnostics
 
 KEYWORDS = (
     "NEIGHBORHOOD", "NEIGHBOURHOOD", "FEEDBACK", "CONTROL", "CURRENT", "NONLIN_FEEDBACK", "NONLIN_CONTROL", "NONLIN_D",

@@ -9,12 +9,12 @@ from dataclasses import replace
 from typing import cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cnnsim.formats.candy.content import Block, Call, Layer, Section
 from cnnsim.network import AnyTemplate, Argument, LayeredTemplate, Quantity, Table, Template, Term
 from cnnsim.network.table import from_pairs
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError
 
 _READS = {"feedback": "y", "control": "u"}
 
@@ -54,7 +54,7 @@ def _linear_part(block: Block) -> list[list[float]]:
     return [[0.0 if isinstance(entry, Call) else entry for entry in row] for row in block.rows]
 
 
-def _sum(matrices: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+def _sum(matrices: list[Floats]) -> Floats:
     """Return the sum of a linear and a non-linear block's numbers, which may differ in size."""
     side = max((matrix.shape[0] for matrix in matrices), default=1)
     total = np.zeros((side, side))

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.prototyping.design.count_chain import count_chain
 from cnnsim.prototyping.design.design import Design, DesignPart
@@ -19,11 +18,10 @@ from cnnsim.prototyping.design.linear import Certificate, Norm, Separator
 from cnnsim.prototyping.design.rule import Signs, WindowRule
 from cnnsim.prototyping.design.separable import separable_design, separate_rule
 from cnnsim.prototyping.design.soft_margin import soft_margin_colours
+from cnnsim.support import Flags
 
 _TRIES = 12
 """Random weightings of the windows that are tried for each template of a cover, and for a pair joined by xor."""
-
-Flags = NDArray[np.bool_]
 
 
 def design_rule(rule: WindowRule, norm: Norm = "sum") -> Design:

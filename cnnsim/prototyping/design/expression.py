@@ -13,12 +13,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.prototyping.design.rule import NAMES, WindowRule, windows
-from cnnsim.support import InputError
+from cnnsim.support import InputError, Integers
 
-Values = NDArray[np.int64]
+Values = Integers
 
 _TOKEN = re.compile(r"\s*(?:(\d+)|([A-Za-z_]\w*)|(<=|>=|==|!=|[-+*%()<>]))")
 _COMPARE: dict[str, Callable[[Any, Any], Any]] = {

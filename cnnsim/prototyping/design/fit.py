@@ -7,17 +7,16 @@ Chua, "Genetic algorithm for CNN template learning", IEEE Trans. CAS-I 40 (1993)
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim import backends
 from cnnsim.network import Boundary, Template
 from cnnsim.network.cell import output
 from cnnsim.planning.step import DEFAULT_STEP
 from cnnsim.prototyping.design.rule_files import PicturePair
-from cnnsim.support import InputError
+from cnnsim.support import Array, Floats, InputError
 from cnnsim.transient import make_task
 
 Symmetry = Literal["all", "mirror", "none"]
@@ -68,7 +67,7 @@ def fit(
     bounds[_SHARED[symmetry].index([4])] = (1.0, largest)
     count = iter(range(1, generations + 2))
 
-    def after(_best: NDArray[np.float64], convergence: float = 0.0) -> bool:
+    def after(_best: Floats, convergence: float = 0.0) -> bool:
         if report is not None:
             report(next(count), search.best)
         return search.best == 0
@@ -102,7 +101,7 @@ class _Search:
         self.cells = sum(pair[0].size for pair in pairs)
         self.runs, self.best = 0, np.inf
 
-    def template(self, numbers: NDArray[np.float64]) -> Template:
+    def template(self, numbers: Floats) -> Template:
         """Return the template for (A, B, z), each distinct entry once."""
         size = len(self.shared)
         matrices = np.zeros((2, 9))
@@ -110,11 +109,11 @@ class _Search:
             matrices[0, places], matrices[1, places] = numbers[number], numbers[size + number]
         return Template(matrices[0].reshape(3, 3), matrices[1].reshape(3, 3), float(numbers[-1]), self.name)
 
-    def wrong(self, numbers: NDArray[np.float64]) -> int:
+    def wrong(self, numbers: Floats) -> int:
         """Return how many cells come out wrong."""
         return sum(int((y * wanted <= 0).sum()) for y, wanted in self._outputs(numbers))
 
-    def share_of_wrong(self, numbers: NDArray[np.float64]) -> float:
+    def share_of_wrong(self, numbers: Floats) -> float:
         """Return the share of wrong cells; cells that are not quite black or white count a little."""
         total = 0.0
         for y, wanted in self._outputs(numbers):
@@ -122,7 +121,7 @@ class _Search:
         self.best = min(self.best, total / self.cells)
         return total / self.cells
 
-    def shortened(self, numbers: NDArray[np.float64], largest: float) -> NDArray[np.float64]:
+    def shortened(self, numbers: Floats, largest: float) -> Floats:
         """Return the numbers with as few digits, and as many zeros, as make the pairs no worse."""
         best, value = numbers, self.share_of_wrong(numbers)
         for digits in (3, 2, 1):
@@ -136,7 +135,7 @@ class _Search:
                 best = trial
         return best
 
-    def _outputs(self, numbers: NDArray[np.float64]) -> list[tuple[NDArray[Any], NDArray[Any]]]:
+    def _outputs(self, numbers: Floats) -> list[tuple[Array, Array]]:
         template, found = self.template(numbers), []
         # one plan for all templates, as a new one would cost more than a run; Gershgorin: no mode decays faster
         fastest = max(1.0, 1.0 - 2.0 * template.self_feedback + float(np.abs(template.A).sum()))

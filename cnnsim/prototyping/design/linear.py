@@ -6,9 +6,9 @@ from fractions import Fraction
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.prototyping.design.rule import Signs
+from cnnsim.support import Flags, Floats, Integers
 
 Norm = Literal["sum", "largest"]
 """What the margin is compared with: the sum of all |weights| (and |z|), or the largest of them."""
@@ -117,7 +117,7 @@ def certify(rows: Signs, table: Signs) -> Certificate:
     return certificate
 
 
-def _exact_separator(weights: NDArray[np.float64], rows: Signs, table: Signs) -> Separator | None:
+def _exact_separator(weights: Floats, rows: Signs, table: Signs) -> Separator | None:
     """Make weights rational, with denominators as small as keep the margin, and scale them to a margin of 1."""
     for denominator in (1, 2, 3, 4, 6, 12, 60, 1000, 10**6):
         near = [Fraction(float(w)).limit_denominator(denominator) for w in weights]
@@ -130,7 +130,7 @@ def _exact_separator(weights: NDArray[np.float64], rows: Signs, table: Signs) ->
     return None
 
 
-def _solve_exactly(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> list[Fraction]:
+def _solve_exactly(matrix: Floats, right: Floats) -> list[Fraction]:
     """Solve an overdetermined system of small whole numbers with independent columns by elimination of fractions."""
     table = [[Fraction(int(v)) for v in (*row, r)] for row, r in zip(matrix, right, strict=True)]
     size = matrix.shape[1]
@@ -148,7 +148,7 @@ def _solve_exactly(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> l
     return [table[i][-1] for i in range(size)]
 
 
-def _relevant(rows: Signs, table: Signs) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+def _relevant(rows: Signs, table: Signs) -> tuple[Integers, Flags]:
     """Return the numbers of rows that suffice, and which variables change an answer.
 
     Of variables that change nothing, only rows with -1 are needed. That applies to whole tables, whose row numbers are

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.network import Boundary, pad
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError, Integers
 
 NAMES = ("nw", "n", "ne", "w", "c", "e", "sw", "s", "se", "x")
 """The cells of a window, row by row; ``x`` is the cell's own initial state."""
@@ -59,9 +59,7 @@ class WindowRule:
                 found.append(variable)
         return tuple(found)
 
-    def codes(
-        self, picture: NDArray[np.float64], boundary: Boundary, state: NDArray[np.float64] | None
-    ) -> NDArray[np.int64]:
+    def codes(self, picture: Floats, boundary: Boundary, state: Floats | None) -> Integers:
         """Return the index of every cell's window (rows, cols); above 0 is black, also for the virtual cells."""
         around = pad(picture, 1, boundary, boundary.u) > 0
         rows, cols = picture.shape
@@ -74,9 +72,7 @@ class WindowRule:
             code = 2 * code + (state > 0)
         return code
 
-    def answer(
-        self, picture: NDArray[np.float64], boundary: Boundary, state: NDArray[np.float64] | None = None
-    ) -> NDArray[np.float64]:
+    def answer(self, picture: Floats, boundary: Boundary, state: Floats | None = None) -> Floats:
         """Return what the rule wants of a picture (rows, cols): +1, -1, or 0 where it leaves the answer open."""
         return self.table[self.codes(picture, boundary, state)].astype(np.float64)
 

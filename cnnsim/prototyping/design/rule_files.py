@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from cnnsim.network import Boundary
 from cnnsim.prototyping.design.rule import WindowRule, window_text, windows
-from cnnsim.support import InputError
+from cnnsim.support import Flags, Floats, InputError
 from cnnsim.support.picture import read_picture
 from cnnsim.support.toml_file import check_keys, read_toml
 
-PicturePair = tuple[NDArray[np.float64], NDArray[np.float64]]
+PicturePair = tuple[Floats, Floats]
 """An input picture and the output it should give, both -1 and +1."""
 
 _CODES = {".": (-1,), "#": (1,), "?": (-1, 1)}
@@ -57,7 +57,7 @@ def _table(data: dict[str, Any], text: str) -> WindowRule:
     return WindowRule(table, f"the truth table {Path(text).name}")
 
 
-def _matches(rows: NDArray[np.int8], window: list[Any]) -> NDArray[np.bool_]:
+def _matches(rows: NDArray[np.int8], window: list[Any]) -> Flags:
     shape = [len(row) if isinstance(row, str) else -1 for row in window]
     if shape not in ([3, 3, 3], [3, 3, 3, 1]):
         raise InputError(

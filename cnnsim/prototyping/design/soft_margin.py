@@ -1,12 +1,12 @@
 """Soft margin: a threshold for as many windows as possible, where none is right on all."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.prototyping.design.rule import Signs
+from cnnsim.support import Floats
 
 
-def soft_margin_colours(rows: Signs, table: Signs, weights: NDArray[np.float64], hard: int = 0) -> Signs | None:
+def soft_margin_colours(rows: Signs, table: Signs, weights: Floats, hard: int = 0) -> Signs | None:
     """Return the colours (n,) that a threshold gives which misses a table by little: least sum of weighted shortfalls.
 
     minimise sum c_i e_i under d_i (w . v_i + z) >= 1 - e_i, e_i >= 0 (Cortes and Vapnik, "Support-vector networks",

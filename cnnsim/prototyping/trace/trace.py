@@ -5,11 +5,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.backends.base import Backend
 from cnnsim.planning.plan import make_plan
-from cnnsim.support import InputError
+from cnnsim.support import Array, Floats, InputError
 from cnnsim.theory.running_time import time_of_picture
 from cnnsim.transient import Task
 
@@ -23,9 +22,9 @@ _UNKNOWN = 10.0
 class Trace:
     """States ``x`` and outputs ``y`` (frames, rows, cols) at the times ``t`` (frames,) [time constants], from 0 on."""
 
-    t: NDArray[np.float64]
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
+    t: Floats
+    x: Floats
+    y: Floats
 
 
 def record(task: Task, backend: Backend, duration: float, frames: int = 120, layer: int = 0) -> Trace:
@@ -48,7 +47,7 @@ def record(task: Task, backend: Backend, duration: float, frames: int = 120, lay
     return Trace(np.array(times), x, task.plan.output(x))
 
 
-def _states(task: Task, backend: Backend, duration: float, frames: int) -> Iterator[tuple[float, NDArray[Any]]]:
+def _states(task: Task, backend: Backend, duration: float, frames: int) -> Iterator[tuple[float, Array]]:
     old, x = task.plan, np.asarray(task.state)
     yield 0.0, x
     if old.method == "general":  # with delays and sequences a run cannot be cut in two, so each state has its own

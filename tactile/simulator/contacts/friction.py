@@ -4,11 +4,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError
 
-Vector = NDArray[np.float64]
+Vector = Floats
 MEMORY = 12
 """Rings remembered; older, inner ones are merged beyond that."""
 

@@ -4,13 +4,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import Floats
+from cnnsim.support import Floats, Integers
 from tactile.core.loads import COLUMNS, PLACE
 from tactile.elastic.profiles import Profile
 
-Index = NDArray[np.int64]
+Index = Integers
 
 
 @dataclass(frozen=True)

@@ -3,15 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import Floats
+from cnnsim.support import Flags, Floats
 from tactile.core.loads import FORCE
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.loads import Loads, point_loads
 
 
-def along_path(path: Floats, times: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+def along_path(path: Floats, times: Floats) -> tuple[Floats, Flags]:
     """The path's columns (n, columns - 1) at the times [s], and where it is not there.
 
     Between its rows a path changes linearly; before the first and after the last it is not there. With one row it

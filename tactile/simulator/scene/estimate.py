@@ -7,9 +7,8 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import Floats
+from cnnsim.support import Floats, Integers
 from tactile.simulator.batch import Batch
 from tactile.simulator.field import Field
 from tactile.simulator.scene.scene import Scene
@@ -26,7 +25,7 @@ class Sample:
     scene: Scene
 
     @cached_property
-    def numbers(self) -> NDArray[np.int64]:
+    def numbers(self) -> Integers:
         """Which frames: all of a short scene, else evenly spread ones, the first and the last among them."""
         count = min(self.scene.samples, FRAMES)
         return np.unique(np.linspace(0, self.scene.samples - 1, count).round().astype(np.int64))

@@ -3,9 +3,8 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError
 from cnnsim.support.toml_file import REQUIRED, numbers, take
 
 
@@ -33,7 +32,7 @@ def one_finger(table: dict[str, Any], names: list[str], where: str) -> int:
     return names.index(name)
 
 
-def keyframes(table: dict[str, Any], columns: str, where: str) -> NDArray[np.float64]:
+def keyframes(table: dict[str, Any], columns: str, where: str) -> Floats:
     """Take a path: rows of as many numbers as ``columns`` names, the first of which is a growing time.
 
     Raises:

@@ -18,9 +18,8 @@ Source: High-Resolution-Three-axis-Force-Sensing-for-Robotic-Fingertips, ``senso
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import InputError
+from cnnsim.support import InputError, Integers
 from tactile.wire.base import Decoder, Encoder, Found, Options, Reading, Taxels
 from tactile.wire.registry import Format
 
@@ -46,8 +45,8 @@ class LowiekDecoder(Decoder):
 
     def _restart(self) -> None:
         self._in_step = False
-        self._words: NDArray[np.int64] | None = None  # of the last frame
-        self._value: NDArray[np.int64] | None = None  # what the words stood for when last believed
+        self._words: Integers | None = None  # of the last frame
+        self._value: Integers | None = None  # what the words stood for when last believed
         self._doubted = np.zeros(3 * self._taxels, np.int64)
 
     def _next(self, over: bool) -> Found | None:
@@ -89,12 +88,12 @@ class LowiekDecoder(Decoder):
             words.insert(0, self._words)
         return float(sum(np.abs(_jump(a, b)).sum() for a, b in zip(words[1:], words, strict=False)))
 
-    def _read(self, at: int) -> NDArray[np.int64]:
+    def _read(self, at: int) -> Integers:
         """Return the words as the magnetometers gave them, or as sent where they are forces."""
         sent = np.frombuffer(bytes(self._buffer[at + 1 : at + self._length]), ">u2")
         return (sent if self._force else ~sent).astype(np.int64)
 
-    def _found(self, at: int, words: NDArray[np.int64]) -> Found:
+    def _found(self, at: int, words: Integers) -> Found:
         if self._force:
             values = (words.reshape(-1, 3) / 65535 * 2 - 1) * SPAN
         else:
@@ -102,7 +101,7 @@ class LowiekDecoder(Decoder):
         self._words = words
         return Found(at, self._length, Reading(values, self._begin + at + self._length))
 
-    def _unwrapped(self, words: NDArray[np.int64]) -> NDArray[np.int64]:
+    def _unwrapped(self, words: Integers) -> Integers:
         if self._value is None:
             self._value = words.astype(np.int16).astype(np.int64)
         change = _jump(words, self._value)
@@ -137,7 +136,7 @@ def force_mode(options: Options) -> bool:
     return bool(mode == "force")
 
 
-def _jump(now: NDArray[np.int64], before: NDArray[np.int64]) -> NDArray[np.int64]:
+def _jump(now: Integers, before: Integers) -> Integers:
     """Return the change of words around the circle of 2^16."""
     return (now - before + 2**15) % 2**16 - 2**15
 

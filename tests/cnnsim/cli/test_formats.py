@@ -16,8 +16,8 @@ from cnnsim.formats.differences import number_differences
 from cnnsim.formats.files import import_file
 from cnnsim.library.imported import Imported
 from cnnsim.network import Template
+from cnnsim.support import Diagnostics
 from cnnsim.support.command_line import CommandGroup
-from cnnsim.support.diagnostics import Diagnostics
 from tests.kits.formats import HOLE
 
 SIX = "neighborhood: 2\ncontrol:\n0 0 0 0 0\n0 0 0 0 0\n0 0 0 0 0 0\n0 0 0 0 0\n0 0 0 0 0\n"

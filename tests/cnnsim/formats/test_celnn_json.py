@@ -11,7 +11,7 @@ from cnnsim.formats.differences import number_differences
 from cnnsim.formats.gene import gene, read_gene
 from cnnsim.library.imported import plain
 from cnnsim.network import Template, fixed
-from cnnsim.support.diagnostics import Diagnostics
+from cnnsim.support import Diagnostics
 
 
 @pytest.mark.parametrize("name", library.names())

@@ -5,7 +5,7 @@ import pytest
 from cnnsim.formats.cnnsim_text import read_cnnsim
 from cnnsim.library.imported import plain
 from cnnsim.network import PERIODIC, ZERO_FLUX, fixed
-from cnnsim.support.diagnostics import Diagnostics
+from cnnsim.support import Diagnostics
 
 
 @pytest.mark.parametrize(

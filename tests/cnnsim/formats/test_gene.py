@@ -5,7 +5,7 @@ import pytest
 from cnnsim.formats.gene import gene, read_gene
 from cnnsim.library.imported import plain
 from cnnsim.network import Template
-from cnnsim.support.diagnostics import Diagnostics
+from cnnsim.support import Diagnostics
 
 GENE = "-1 " + " ".join(map(str, range(1, 10))) + " " + " ".join(map(str, range(11, 20)))
 

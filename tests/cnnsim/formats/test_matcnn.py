@@ -7,7 +7,7 @@ from cnnsim.formats.matcnn import entry_template, matcnn_templates, read_matcnn
 from cnnsim.library.imported import Imported, plain
 from cnnsim.network import Template, Term
 from cnnsim.network.table import lines, steps
-from cnnsim.support.diagnostics import Diagnostics
+from cnnsim.support import Diagnostics
 
 
 def matcnn(text: str) -> tuple[dict[str, Imported], Diagnostics]:

@@ -21,6 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cnnsim.support import Floats
+
 START, END = bytes.fromhex("55667788"), bytes.fromhex("aabbccdd")
 PILLAR = np.dtype([("kind", "<u2"), ("triples", "<f4", (2, 3))])
 WHOLE = np.dtype([("kind", "<u2"), ("force", "<f4", 3), ("torque", "<f4", 3)])
@@ -43,8 +45,8 @@ class Packet:
 
     counter: int
     micros: int
-    triples: NDArray[np.float64]
-    force: NDArray[np.float64] | None
+    triples: Floats
+    force: Floats | None
     entry: int | None
 
 

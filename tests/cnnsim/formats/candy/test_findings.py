@@ -11,7 +11,7 @@ from cnnsim.formats.candy.imported import tem_templates
 from cnnsim.formats.candy.write import write_tem
 from cnnsim.formats.differences import number_differences
 from cnnsim.network import PERIODIC, ZERO_FLUX, Template, fixed
-from cnnsim.support.diagnostics import Diagnostics
+from cnnsim.support import Diagnostics
 from tests.kits.tem import A, parse, remarks
 
 

@@ -6,7 +6,7 @@ from cnnsim.formats.candy.content import Block, Call, FunctionLine, Header, Laye
 from cnnsim.formats.candy.imported import tem_templates
 from cnnsim.formats.candy.parse import read_tem
 from cnnsim.library.imported import plain
-from cnnsim.support.diagnostics import Diagnostics
+from cnnsim.support import Diagnostics
 from tests.kits.tem import A, parse, remarks
 
 

@@ -11,7 +11,7 @@ from cnnsim.formats.candy.parse import read_tem
 from cnnsim.formats.candy.write import write_tem
 from cnnsim.formats.differences import number_differences
 from cnnsim.formats.files import READERS, import_file
-from cnnsim.support.diagnostics import Diagnostics
+from cnnsim.support import Diagnostics
 from tests.kits.formats import HOLE
 from tests.kits.paths import DATA
 

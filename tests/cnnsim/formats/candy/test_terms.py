@@ -12,7 +12,7 @@ from cnnsim.formats.candy.write import write_tem
 from cnnsim.formats.differences import number_differences
 from cnnsim.network import AnyTemplate, LayeredTemplate, Table, Template, Term
 from cnnsim.network.table import lines, steps
-from cnnsim.support.diagnostics import Diagnostics
+from cnnsim.support import Diagnostics
 
 RING = "{0} {0} {0}\n{0} 0 {0}\n{0} {0} {0}\n"
 WEIGHTS = [[1, 1, 1], [1, 0, 1], [1, 1, 1]]
