@@ -9,6 +9,7 @@ from numpy.typing import DTypeLike, NDArray
 from cnnsim.backends import driver
 from cnnsim.backends.base import Memory, Outcome, check_finite
 from cnnsim.backends.opencl import planes, pocl
+from cnnsim.backends.opencl.arguments import LinearPlanes
 from cnnsim.backends.opencl.build import boundary_defines
 from cnnsim.backends.opencl.cellwise import parameter_values, text
 from cnnsim.backends.opencl.closed import closed_form
@@ -16,7 +17,6 @@ from cnnsim.backends.opencl.context import device_context
 from cnnsim.backends.opencl.device import Family, choose_device, family_of, has_float64, title
 from cnnsim.backends.opencl.drive import control
 from cnnsim.backends.opencl.planes import DevicePlane, buffers, launch, new_plane
-from cnnsim.backends.opencl.stencil import DeviceGrid, LinearPlanes, grid_arguments
 from cnnsim.backends.opencl.term_steps import DiscreteLayerSteps, LayerSteps
 from cnnsim.backends.opencl.terms import DeviceNetwork, LayerPlanes
 from cnnsim.backends.opencl.transient import linear_steps
@@ -77,28 +77,25 @@ class OpenCLBackend:
     ) -> Outcome:
         """See `Backend.transient`."""
         _check_plan(plan)
-        with self._context.lock:
+        context, grid = self._context, x.grid
+        with context.lock:
             start = LayerPlanes(x.buffer, buffers(u), buffers(bias), buffers(mask))
             if plan.method == "general":
-                network = DeviceNetwork(self._context, plan, x.grid, start)
+                network = DeviceNetwork(context, plan, grid, start)
                 steps = DiscreteLayerSteps if plan.cell == "discrete-time" else LayerSteps
                 outcome = driver.run(plan, steps(network), network.spans())
             else:
-                outcome = self._linear(plan, x.grid, start)
+                w = control(context, plan, grid, start.u, start.bias)
+                given = LinearPlanes(start.x, w, start.mask)
+                if plan.method == "closed form":
+                    outcome = closed_form(context, plan, grid, given)
+                else:
+                    outcome = driver.run(plan, linear_steps(context, plan, grid, given))
+                context.recycle(w)
             state = DevicePlane(outcome.x, x.shape, "lam")
-            if not planes.all_finite(self._context, state):
+            if not planes.all_finite(context, state):
                 check_finite(self.read(state), outcome.t)
             return outcome._replace(x=state)
-
-    def _linear(self, plan: Plan, grid: DeviceGrid, start: LayerPlanes) -> Outcome:
-        w = control(self._context, plan, grid, start.u, start.bias)
-        given = LinearPlanes(start.x, w, start.mask)
-        if plan.method == "closed form":
-            outcome = closed_form(self._context, plan, grid, given)
-        else:
-            outcome = driver.run(plan, linear_steps(self._context, plan, grid, given))
-        self._context.recycle(w)
-        return outcome
 
     def cellwise(
         self, operation: Cellwise, planes: Sequence[DevicePlane], parameters: Sequence[float]
@@ -115,7 +112,7 @@ class OpenCLBackend:
     def logic(self, function: int, p: DevicePlane, q: DevicePlane) -> DevicePlane:
         """See `Backend.logic`."""
         with self._context.lock:
-            out, size = new_plane(self._context, p.shape, "llm"), p.grid.lines_and_cols
+            out, size = new_plane(self._context, p.shape, "llm"), p.grid.flat_arguments
             launch(self._context, "logic", p.words, p.buffer, q.buffer, out.buffer, np.int32(function), *size)
             return out
 
@@ -128,7 +125,7 @@ class OpenCLBackend:
                 self._context.kernel("neighbourhood", "boundary neighbourhood", boundary_defines(boundary)),
                 plane.words, plane.buffer, out.buffer, literals, np.int32(len(rule.literals)),
                 np.int32(rule.conjunction), np.int32(boundary.u > 0), np.int32(rule.radius),
-                *grid_arguments(plane.grid),
+                *plane.grid.arguments,
             )  # fmt: skip
             return out
 

@@ -7,9 +7,9 @@ import numpy as np
 import pyopencl as cl
 
 from cnnsim.backends.codes import TaskCode
+from cnnsim.backends.opencl.arguments import DeviceGrid
 from cnnsim.backends.opencl.build import boundary_defines, source
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
-from cnnsim.backends.opencl.stencil import DeviceGrid
 from cnnsim.backends.opencl.term_text import term_defines
 from cnnsim.backends.term_table import TermTable, characteristic
 from cnnsim.planning.plan import Plan

@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from cnnsim.backends.base import Outcome
+from cnnsim.backends.opencl.arguments import DeviceGrid, LinearPlanes
 from cnnsim.backends.opencl.build import cell_defines
 from cnnsim.backends.opencl.context import DeviceContext
-from cnnsim.backends.opencl.stencil import DeviceGrid, LinearPlanes
 from cnnsim.planning.plan import Plan
 
 
@@ -19,6 +19,6 @@ def closed_form(context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: Li
     context.launch(
         context.kernel("closed_form", "closed", cell_defines(plan, None)), grid.cells, *planes, out,
         number(plan.template.self_feedback), number(0.0 if settled else t),
-        np.int32(settled), np.int32(planes.mask is not None), *grid.lines_and_cols,
+        np.int32(settled), np.int32(planes.mask is not None), *grid.flat_arguments,
     )  # fmt: skip
     return Outcome(out, t, settled, 0.0 if settled else math.nan)

@@ -3,10 +3,10 @@
 import numpy as np
 
 from cnnsim.backends.codes import TaskCode
+from cnnsim.backends.opencl.arguments import DeviceGrid, tap_arguments
 from cnnsim.backends.opencl.build import boundary_defines
 from cnnsim.backends.opencl.channels import ChannelPlanes
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
-from cnnsim.backends.opencl.stencil import DeviceGrid, grid_arguments, tap_arguments
 from cnnsim.backends.term_table import tabulate
 from cnnsim.planning.plan import Plan
 
@@ -20,7 +20,7 @@ def control(context: DeviceContext, plan: Plan, grid: DeviceGrid, u: Buffer | No
     context.launch(
         context.kernel("control", "boundary stencil", {**boundary_defines(boundary), "CONTROL": ""}), grid.cells,
         u, bias, w, context.dtype.type(template.z), np.int32(bias is not None),
-        *tap_arguments(context, template.control_taps if u is not None else (), boundary.u), *grid_arguments(grid),
+        *tap_arguments(context, template.control_taps if u is not None else (), boundary.u), *grid.arguments,
     )  # fmt: skip
     return w
 

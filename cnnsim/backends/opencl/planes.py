@@ -8,8 +8,8 @@ import numpy as np
 import pyopencl as cl
 
 from cnnsim.backends.base import Memory
+from cnnsim.backends.opencl.arguments import DeviceGrid
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
-from cnnsim.backends.opencl.stencil import DeviceGrid
 from cnnsim.network import Frames
 from cnnsim.support import Array
 
@@ -72,7 +72,7 @@ def read(context: DeviceContext, plane: DevicePlane) -> Array:
 def convert(context: DeviceContext, plane: DevicePlane, memory: Memory) -> DevicePlane:
     """Return the plane for the other memory."""
     out = new_plane(context, plane.shape, memory)
-    launch(context, f"to_{memory}", plane.words * _WORD, plane.buffer, out.buffer, *plane.grid.lines_and_cols)
+    launch(context, f"to_{memory}", plane.words * _WORD, plane.buffer, out.buffer, *plane.grid.flat_arguments)
     return out
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 
 from cnnsim.backends.base import Check
+from cnnsim.backends.opencl.arguments import DeviceGrid, LinearPlanes, tap_arguments
 from cnnsim.backends.opencl.build import boundary_defines, cell_defines
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
-from cnnsim.backends.opencl.stencil import DeviceGrid, LinearPlanes, grid_arguments, tap_arguments
 from cnnsim.planning.plan import SETTLED_RATE, Plan
 
 STRIPES, STRIPE_CELLS = 16, 16_384
@@ -42,7 +42,7 @@ class StripedCheck:
 
     def _stripe(self, x: Buffer) -> tuple[float, bool]:
         first, end = self._ends[self._at : self._at + 2]
-        context, _, *size = self._context, *grid_arguments(self._grid)
+        context, _, *size = self._context, *self._grid.arguments
         parts = context.launch(
             self._kernel, (end - first) * self._grid.cols, x, self._w, self._mask, context.partial, np.int64(first),
             *self._taps, np.int64(end - first), *size,

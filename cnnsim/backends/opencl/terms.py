@@ -7,9 +7,9 @@ import numpy as np
 import pyopencl as cl
 
 from cnnsim.backends.codes import TaskCode
+from cnnsim.backends.opencl.arguments import DeviceGrid
 from cnnsim.backends.opencl.channels import ChannelPlanes
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
-from cnnsim.backends.opencl.stencil import DeviceGrid
 from cnnsim.backends.term_table import longest_delay, table_of
 from cnnsim.network.frames import at_step, spans
 from cnnsim.planning.general import delays_of

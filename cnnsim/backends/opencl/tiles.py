@@ -6,10 +6,10 @@ import numpy as np
 import pyopencl as cl
 
 from cnnsim.backends.codes import BoundaryCode
+from cnnsim.backends.opencl.arguments import DeviceGrid
 from cnnsim.backends.opencl.build import Defines
 from cnnsim.backends.opencl.context import DeviceContext
 from cnnsim.backends.opencl.device import family_of
-from cnnsim.backends.opencl.stencil import DeviceGrid
 from cnnsim.network import reach
 from cnnsim.planning.plan import Plan
 
@@ -37,40 +37,27 @@ class Tiles(NamedTuple):
     local_size: tuple[int, int]
 
 
-class TileTask(NamedTuple):
-    """What tiles are for: steps of taps of a radius on a ``torus`` or not, so many ``steps`` at a stretch.
+def cut(context: DeviceContext, grid: DeviceGrid, plan: Plan) -> Tiles:
+    """Cut grids into tiles; steps that come at a stretch go in launches of about equal length.
 
-    ``sleep``: tiles in which nothing moves are to be left out, so they should be small.
+    With the saving "sleep", tiles in which nothing moves are to be left out, so they should be small.
     """
-
-    radius: int
-    torus: bool
-    steps: int
-    sleep: bool
-
-
-def tile_task(plan: Plan) -> TileTask:
-    """Return what tiles are for in a plan."""
-    stretch = min(plan.steps, plan.check_every) if plan.duration == "settled" else plan.steps
-    stretch = stretch if "blocking" in plan.savings else 1
-    torus = plan.boundary.kind == "periodic"
-    return TileTask(reach((tap.k, tap.l) for tap in plan.feedback_taps), torus, stretch, "sleep" in plan.savings)
-
-
-def cut(context: DeviceContext, grid: DeviceGrid, task: TileTask) -> Tiles:
-    """Cut grids into tiles; the steps of a stretch go in launches of about equal length."""
-    most = _STEPS[context.family][min(task.radius, 4)]
-    launches = -(-task.steps // most)
+    radius, steps = reach((tap.k, tap.l) for tap in plan.feedback_taps), 1
+    if "blocking" in plan.savings:
+        steps = min(plan.steps, plan.check_every) if plan.duration == "settled" else plan.steps
+    most = _STEPS[context.family][min(radius, 4)]
+    launches = -(-steps // most)
     if 0 < launches <= 4:  # later on a short last launch does not matter
-        most = -(-task.steps // launches)
+        most = -(-steps // launches)
     if context.family == "cpu":
-        widest = (SLEEPER[1] if task.sleep else TILE_BYTES) // context.dtype.itemsize
-        return _bands(context, grid, task, most, widest)
-    return _squares(context, grid, task.radius, most)
+        widest = (SLEEPER[1] if "sleep" in plan.savings else TILE_BYTES) // context.dtype.itemsize
+        return _bands(context, grid, plan, most, widest)
+    return _squares(context, grid, radius, most)
 
 
-def _bands(context: DeviceContext, grid: DeviceGrid, task: TileTask, most: int, widest: int) -> Tiles:
-    (grids, rows, cols), (radius, torus, _, sleep) = grid, task
+def _bands(context: DeviceContext, grid: DeviceGrid, plan: Plan, most: int, widest: int) -> Tiles:
+    (grids, rows, cols), sleep = grid, "sleep" in plan.savings
+    radius = reach((tap.k, tap.l) for tap in plan.feedback_taps)
     lanes, size = context.lanes, context.dtype.itemsize
     height = max(3, radius)  # rows of a block
     across = -(-cols // widest)
@@ -93,13 +80,13 @@ def _bands(context: DeviceContext, grid: DeviceGrid, task: TileTask, most: int, 
     band = _whole(rows, down, height)
     down = -(-rows // band)
     defines: dict[str, str | int] = {"R": height, "T": most, "HALO": halo, "SHIFT": shift, "STRIDE": stride}
-    if torus and across > 1:
+    if plan.boundary.kind == "periodic" and across > 1:
         defines["COPIES"] = ""
     scratch = ((3 * most + 1) + 3 * (most + 1)) * height * stride * size
     if scratch > context.device.local_mem_size:  # fewer steps a launch, but rather narrower tiles than fewer than four
         narrower = most <= 4 and widest > 2 * lanes
         most, widest = (most, widest // 2) if narrower else (most - 1, widest)
-        return _bands(context, grid, task, most, widest)
+        return _bands(context, grid, plan, most, widest)
     numbers = np.array([rows, cols, width, band, across, down], np.int32)
     return Tiles(
         most, defines, (cl.LocalMemory(scratch), *numbers), grids * across * down, (grids * across * down, 1), (1, 1)

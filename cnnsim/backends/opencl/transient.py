@@ -8,11 +8,11 @@ import pyopencl as cl
 
 from cnnsim.backends.base import Check, Stepper
 from cnnsim.backends.codes import boundary_code
+from cnnsim.backends.opencl.arguments import DeviceGrid, LinearPlanes, tap_arguments
 from cnnsim.backends.opencl.build import Defines, boundary_defines, cell_defines, literal, tap_defines
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.settled import StripedCheck
-from cnnsim.backends.opencl.stencil import DeviceGrid, LinearPlanes, grid_arguments, tap_arguments
-from cnnsim.backends.opencl.tiles import TILED_BOUNDARIES, cut, tile_task
+from cnnsim.backends.opencl.tiles import TILED_BOUNDARIES, cut
 from cnnsim.planning.plan import Plan
 
 
@@ -33,7 +33,7 @@ class TileSteps:
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:
         self._context, self._given = context, (context, plan, grid, planes)
         self._x, self._w, self._mask = planes
-        self._tiles = cut(context, grid, tile_task(plan))
+        self._tiles = cut(context, grid, plan)
         defines = {**_step_defines(context, plan, planes), **self._tiles.defines}
         stems = f"boundary sleep {context.family}"
         self._kernels = [context.kernel("steps", stems, defines, twin=twin) for twin in (0, 1)]
@@ -93,7 +93,7 @@ class StageSteps:
             (np.int32(len(row)), context.table(np.array([gain * weight for weight in row] or [0.0], number)))
             for row in (*plan.scheme.a, plan.scheme.b)
         )
-        self._taps = *tap_arguments(context, plan.feedback_taps, plan.boundary.y), *grid_arguments(grid)
+        self._taps = *tap_arguments(context, plan.feedback_taps, plan.boundary.y), *grid.arguments
         self._rate = context.kernel("rate", "boundary stencil", {**boundary_defines(plan.boundary), "RATE": ""})
         self._sum = context.kernel("linear_stage", "stages", {})
         self._rates = context.buffer(len(plan.scheme.b) * self._x.size)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from cnnsim import PERIODIC, ZERO_FLUX, InputError, Template, fixed, library
+from cnnsim.planning.plan import make_plan
 from cnnsim.transient import make_task, run_transient
 from tests.kits.opencl import FAMILIES, Family, OpenCLBackend
 
@@ -28,6 +29,25 @@ def test_many_steps_a_launch_give_the_same_bits(boundary: Any, family: Family) -
         assert np.array_equal(backend.read(one), backend.read(many))
 
 
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("boundary", BOUNDARIES[:3], ids=str)
+def test_a_boundary_that_tiles_do_not_know_goes_by_stages(
+    boundary: Any, family: Family, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from cnnsim.backends.opencl import transient
+
+    backend, rng = OpenCLBackend("float64", family=family), np.random.default_rng(2)
+    task = make_task(
+        Template(NINE), state=rng.uniform(-1, 1, (2, 9, 11)), mask=rng.uniform(-1, 0.3, (2, 9, 11)),
+        boundary=boundary, duration="settled", limit=4.0, scheme="euler",
+    )  # fmt: skip
+    tiled = task.start(backend)
+    monkeypatch.setattr(transient, "TILED_BOUNDARIES", ())
+    staged = task.start(backend)
+    assert tiled[1:3] == staged[1:3]
+    assert np.array_equal(backend.read(tiled.x), backend.read(staged.x))
+
+
 def test_shared_sums_stay_within_the_rounding_of_one_sum_a_step() -> None:
     task = [
         make_task(Template([[0.1, 0.2, 0.1], [0.2, 0.3, 0.2], [0.1, 0.2, 0.1]]), state=x, duration=5.0, without=w)
@@ -42,14 +62,16 @@ def test_shared_sums_stay_within_the_rounding_of_one_sum_a_step() -> None:
 @pytest.mark.parametrize("limit", [32 * 1024, 512 * 1024, 1024 * 1024])
 def test_tiles_fit_into_the_local_memory_there_is(limit: int) -> None:
     """A device that is given more than it has writes over whatever lies behind."""
-    from cnnsim.backends.opencl.stencil import DeviceGrid
-    from cnnsim.backends.opencl.tiles import TileTask, cut
+    from cnnsim.backends.opencl.arguments import DeviceGrid
+    from cnnsim.backends.opencl.tiles import cut
 
     context: Any = SimpleNamespace(
         family="cpu", lanes=16, dtype=np.dtype("float64"), cores=2, device=SimpleNamespace(local_mem_size=limit)
     )
     for radius, shape in ((1, (1, 2048, 2048)), (1, (3, 40, 300)), (5, (1, 512, 512))):
-        tiles = cut(context, DeviceGrid(*shape), TileTask(radius, torus=False, steps=1000, sleep=False))
+        side = 2 * radius + 1
+        plan = make_plan(Template(np.ones((side, side)) / side**2), shape, ZERO_FLUX, duration=100.0)
+        tiles = cut(context, DeviceGrid(*shape), plan)
         assert tiles.arguments[0].size <= limit
         assert 1 <= tiles.most_steps <= 24
 

@@ -1,4 +1,4 @@
-"""Arguments of kernels in named groups: the grid, the planes of a linear template, the taps of a stencil."""
+"""Arguments of kernels in named groups: the grid, the planes of a linear template, its taps."""
 
 import math
 from typing import Any, NamedTuple
@@ -32,7 +32,12 @@ class DeviceGrid(NamedTuple):
         return self.lines * self.cols
 
     @property
-    def lines_and_cols(self) -> tuple[np.int64, np.int32]:
+    def arguments(self) -> tuple[np.int64, np.int32, np.int32]:
+        """What kernels with neighbours are told."""
+        return np.int64(self.lines), np.int32(self.rows), np.int32(self.cols)
+
+    @property
+    def flat_arguments(self) -> tuple[np.int64, np.int32]:
         """What kernels without neighbours are told."""
         return np.int64(self.lines), np.int32(self.cols)
 
@@ -51,8 +56,3 @@ def tap_arguments(context: DeviceContext, taps: tuple[Tap, ...], outside: float)
     weights = np.array([tap.weight for tap in taps] or [0.0], context.dtype)
     numbers = np.int32(len(taps)), np.int32(reach(places)), context.dtype.type(outside)
     return context.table(np.array(places or [(0, 0)], np.int32)), context.table(weights), *numbers
-
-
-def grid_arguments(grid: DeviceGrid) -> tuple[Any, ...]:
-    """Return what a kernel of stencil.cl is told of the grid: its last arguments."""
-    return np.int64(grid.lines), np.int32(grid.rows), np.int32(grid.cols)
