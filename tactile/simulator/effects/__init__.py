@@ -1,26 +1,23 @@
 """Effects of a scene: one file each, imported only when a scene names it. A new one is its file and its name in ORDER.
 
-An effect is a frozen value called with a stream (fields before the electronics, batches of frames after) and a random
-generator; it gives the stream back, changed. At strength zero it changes nothing. Its class says
+An effect is a frozen value made by ``effects.effect``, called with a stream (fields before the electronics, batches of
+frames after) and a random generator; it gives the stream back, changed. At strength zero it changes nothing. Its class
+says
 
     STAGE   "field" or "frames": where in the chain it acts
     RANDOM  whether it draws random numbers
     KEYS    the keys of its table in a scene: name -> (attribute, factor to SI units)
-    NONE    the attributes that make its strength zero
+    NONE    the attributes that make its strength zero, and their values then
 
 and its attributes' defaults are typical values, which estimates use where a scene does not give any.
 """
 
 import importlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any, ClassVar, Protocol, cast
-
-import numpy as np
 
 from cnnsim.support import InputError
 from cnnsim.support.toml_file import check_keys, take
-from tactile.simulator.batch import Batch
-from tactile.simulator.field import Field
 
 ORDER = (
     "needle_vibration",
@@ -50,18 +47,6 @@ class Effect(Protocol):
     RANDOM: ClassVar[bool]
     KEYS: ClassVar[Mapping[str, tuple[str, float]]]
     NONE: ClassVar[Mapping[str, Any]]
-
-
-class FieldEffect(Effect, Protocol):
-    """An effect that adds a term to the field."""
-
-    def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]: ...  # noqa: D102 - the module says it
-
-
-class FrameEffect(Effect, Protocol):
-    """An effect that changes frames."""
-
-    def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]: ...  # noqa: D102 - the same
 
 
 def effect_class(name: str) -> type[Effect]:

@@ -1,16 +1,15 @@
 """Crosstalk: a taxel's channels mix with each other and with those of its neighbours."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from tactile.simulator.batch import Batch
-from tactile.simulator.checks import within
+from tactile.simulator.effects.effect import effect, parameter
 
 
-@dataclass(frozen=True)
+@effect("frames")
 class Crosstalk:
     """Components gain ``cross_axis`` times the taxel's two others, then ``neighbour`` times the four neighbours'.
 
@@ -20,20 +19,8 @@ class Crosstalk:
     Source: cross-axis matrix and mechanical coupling as in Vasarhelyi, Fodor, Roska, sects 2 and 5.
     """
 
-    cross_axis: float = 0.01
-    neighbour: float = 0.005
-
-    STAGE: ClassVar[str] = "frames"
-    RANDOM: ClassVar[bool] = False
-    KEYS: ClassVar[Mapping[str, tuple[str, float]]] = {
-        "cross_axis": ("cross_axis", 1.0),
-        "neighbour": ("neighbour", 1.0),
-    }
-    NONE: ClassVar[Mapping[str, Any]] = {"cross_axis": 0.0, "neighbour": 0.0}
-
-    def __post_init__(self) -> None:
-        within("cross_axis", self.cross_axis, -1.0, 1.0)
-        within("neighbour", self.neighbour, -1.0, 1.0)
+    cross_axis: float = parameter(0.01, -1.0, 1.0, none=0.0)
+    neighbour: float = parameter(0.005, -1.0, 1.0, none=0.0)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Mixed frames."""

@@ -1,16 +1,15 @@
 """Drift: the zero of every channel wanders."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from tactile.simulator.batch import Batch
-from tactile.simulator.checks import within
+from tactile.simulator.effects.effect import effect, parameter
 
 
-@dataclass(frozen=True)
+@effect("frames", random=True)
 class Drift:
     """Adds full scale * (``rate`` * s_c * t + ``walk`` * W_c(t)) to channel c, t from the first frame.
 
@@ -19,23 +18,11 @@ class Drift:
     interval. ``rate`` [1/s], ``walk`` [1/sqrt(s)].
     """
 
-    rate: float = 2e-4
-    walk: float = 2e-4
-
-    STAGE: ClassVar[str] = "frames"
-    RANDOM: ClassVar[bool] = True
-    KEYS: ClassVar[Mapping[str, tuple[str, float]]] = {"rate_per_s": ("rate", 1.0), "walk_per_sqrt_s": ("walk", 1.0)}
-    NONE: ClassVar[Mapping[str, Any]] = {"rate": 0.0, "walk": 0.0}
-
-    def __post_init__(self) -> None:
-        within("rate", self.rate)
-        within("walk", self.walk)
+    rate: float = parameter(2e-4, key="rate_per_s", none=0.0)
+    walk: float = parameter(2e-4, key="walk_per_sqrt_s", none=0.0)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames with wandering zeros."""
-        if self.rate == 0 and self.walk == 0:
-            yield from stream
-            return
         slope, walked, start, last = np.zeros(0), np.zeros(0), 0.0, 0.0
         for batch in stream:
             shape = batch.values.shape[1:]

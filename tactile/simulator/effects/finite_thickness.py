@@ -1,17 +1,16 @@
 """Finite thickness: the cover is an elastic layer bonded to the rigid chip."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from tactile.elastic.layer_loads import layer_term
-from tactile.simulator.checks import within
+from tactile.simulator.effects.effect import effect, parameter
 from tactile.simulator.field import Field
 
 
-@dataclass(frozen=True)
+@effect("field")
 class FiniteThickness:
     """The cover is a layer ``thickness`` [m] thick, infinite for the half-space; None: twice the taxels' depth.
 
@@ -24,24 +23,12 @@ class FiniteThickness:
     Source: ``tactile.elastic.layer_loads``; Vasarhelyi, Fodor, Roska, sects 3 and 4.1.
     """
 
-    thickness: float | None = None
-
-    STAGE: ClassVar[str] = "field"
-    RANDOM: ClassVar[bool] = False
-    KEYS: ClassVar[Mapping[str, tuple[str, float]]] = {"thickness_mm": ("thickness", 1e-3)}
-    NONE: ClassVar[Mapping[str, Any]] = {"thickness": np.inf}
-
-    def __post_init__(self) -> None:
-        if self.thickness is not None:
-            within("thickness", self.thickness, 1e-12)
+    thickness: float | None = parameter(None, 1e-12, key="thickness_mm", unit=1e-3, none=np.inf)
 
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields in the layer."""
         for field in stream:
             thickness = 2 * field.array.depth if self.thickness is None else self.thickness
-            if np.isinf(thickness):
-                yield field
-                continue
             loads = np.concatenate([field.loads.points, *(disc.loads for disc in field.loads.discs)], axis=1)
             term = layer_term(field.array.positions(), field.array.depth, loads[:, None, None], thickness, field.medium)
             yield replace(field, values=field.values + term)

@@ -1,8 +1,7 @@
 """Finite tip: the hemisphere at the needle's end spreads the load over a circle."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,11 +9,11 @@ from tactile.core.loads import F
 from tactile.elastic.discs import disc_load
 from tactile.elastic.halfspace import point_load
 from tactile.elastic.profiles import ROUND_TIP, round_tip_radius
-from tactile.simulator.checks import within
+from tactile.simulator.effects.effect import effect, parameter
 from tactile.simulator.field import Field
 
 
-@dataclass(frozen=True)
+@effect("field")
 class FiniteTip:
     """Point loads are pressed by a rigid hemisphere of ``radius`` [m]; 0 leaves them points.
 
@@ -24,15 +23,7 @@ class FiniteTip:
     Source: Sneddon (1965); Vasarhelyi, Fodor, Roska, sects 4 and 4.1 (a needle of 100 um).
     """
 
-    radius: float = 50e-6
-
-    STAGE: ClassVar[str] = "field"
-    RANDOM: ClassVar[bool] = False
-    KEYS: ClassVar[Mapping[str, tuple[str, float]]] = {"radius_um": ("radius", 1e-6)}
-    NONE: ClassVar[Mapping[str, Any]] = {"radius": 0.0}
-
-    def __post_init__(self) -> None:
-        within("radius", self.radius)
+    radius: float = parameter(50e-6, key="radius_um", unit=1e-6, none=0.0)
 
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields under tips."""
@@ -40,7 +31,7 @@ class FiniteTip:
             owner = field.loads.owner
             points = np.bincount(owner)[owner] == 1 if owner.size else np.zeros(0, bool)
             loads = field.loads.points[:, points][:, None, None]
-            if self.radius == 0 or not loads.size:
+            if not loads.size:
                 yield field
                 continue
             radii = round_tip_radius(loads[..., F], self.radius, field.medium.contact_modulus)

@@ -1,16 +1,15 @@
 """Frame timing: frames come early or late, twice, or not at all."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from tactile.simulator.batch import Batch
-from tactile.simulator.checks import within
+from tactile.simulator.effects.effect import effect, parameter
 
 
-@dataclass(frozen=True)
+@effect("frames", random=True)
 class FrameTiming:
     """Host times are off by a normal ``jitter`` [s]; frames repeat the one before, or get lost, at random.
 
@@ -19,23 +18,9 @@ class FrameTiming:
     backwards: a frame that would overtake the one before gets its time. The first frame is neither repeated nor lost.
     """
 
-    jitter: float = 1e-4
-    repeats: float = 0.001
-    drops: float = 0.001
-
-    STAGE: ClassVar[str] = "frames"
-    RANDOM: ClassVar[bool] = True
-    KEYS: ClassVar[Mapping[str, tuple[str, float]]] = {
-        "jitter_ms": ("jitter", 1e-3),
-        "repeats": ("repeats", 1.0),
-        "drops": ("drops", 1.0),
-    }
-    NONE: ClassVar[Mapping[str, Any]] = {"jitter": 0.0, "repeats": 0.0, "drops": 0.0}
-
-    def __post_init__(self) -> None:
-        within("jitter", self.jitter)
-        within("repeats", self.repeats, 0.0, 1.0)
-        within("drops", self.drops, 0.0, 1.0)
+    jitter: float = parameter(1e-4, key="jitter_ms", unit=1e-3, none=0.0)
+    repeats: float = parameter(0.001, 0.0, 1.0, none=0.0)
+    drops: float = parameter(0.001, 0.0, 1.0, none=0.0)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames as they arrive."""

@@ -1,19 +1,18 @@
 """Hysteresis: readings depend on whether the load grows or falls."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 from numba import njit
 
 from tactile.simulator.batch import Batch
-from tactile.simulator.checks import within
+from tactile.simulator.effects.effect import effect, parameter
 
 PLAYS = 4
 
 
-@dataclass(frozen=True)
+@effect("frames")
 class Hysteresis:
     """y = x + weight (mean of p_k - x), p_k a play of half-width k ``width`` / 4 of full scale, k = 1 .. 4.
 
@@ -24,25 +23,13 @@ class Hysteresis:
     Source: Prandtl and Ishlinskii; Krasnoselskii and Pokrovskii, Systems with Hysteresis (1989).
     """
 
-    weight: float = 0.2
-    width: float = 0.05
-
-    STAGE: ClassVar[str] = "frames"
-    RANDOM: ClassVar[bool] = False
-    KEYS: ClassVar[Mapping[str, tuple[str, float]]] = {"weight": ("weight", 1.0), "width": ("width", 1.0)}
-    NONE: ClassVar[Mapping[str, Any]] = {"weight": 0.0}
-
-    def __post_init__(self) -> None:
-        within("weight", self.weight, 0.0, 1.0)
-        within("width", self.width)
+    weight: float = parameter(0.2, 0.0, 1.0, none=0.0)
+    width: float = parameter(0.05)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames that lag."""
         plays = np.zeros((0, 0))
         for batch in stream:
-            if self.weight == 0:
-                yield batch
-                continue
             flat = batch.values.reshape(len(batch.t), -1)
             if not plays.size:
                 plays = np.zeros((PLAYS, flat.shape[1]))

@@ -1,16 +1,15 @@
 """Motor noise: the stepper motor's magnetic field, bursts of a high-frequency tone in all channels."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from tactile.simulator.batch import Batch
-from tactile.simulator.checks import within
+from tactile.simulator.effects.effect import effect, parameter
 
 
-@dataclass(frozen=True)
+@effect("frames", random=True)
 class MotorNoise:
     """A tone of ``frequency`` [Hz] and ``amplitude`` (of full scale) that comes and goes in bursts.
 
@@ -21,30 +20,14 @@ class MotorNoise:
     Source: Vasarhelyi, Fodor, Roska, sect. 4.1; 0.5 mm/s at 320 steps a millimetre are 160 steps a second.
     """
 
-    amplitude: float = 0.005
-    frequency: float = 1600.0
-    duty: float = 0.2
-    burst: float = 0.1
-
-    STAGE: ClassVar[str] = "frames"
-    RANDOM: ClassVar[bool] = True
-    KEYS: ClassVar[Mapping[str, tuple[str, float]]] = {
-        "amplitude": ("amplitude", 1.0),
-        "frequency_hz": ("frequency", 1.0),
-        "duty": ("duty", 1.0),
-        "burst_s": ("burst", 1.0),
-    }
-    NONE: ClassVar[Mapping[str, Any]] = {"amplitude": 0.0}
-
-    def __post_init__(self) -> None:
-        within("amplitude", self.amplitude)
-        within("frequency", self.frequency)
-        within("duty", self.duty, 0.0, 1.0)
-        within("burst", self.burst, 1e-6)
+    amplitude: float = parameter(0.005, none=0.0)
+    frequency: float = parameter(1600.0, key="frequency_hz")
+    duty: float = parameter(0.2, 0.0, 1.0)
+    burst: float = parameter(0.1, 1e-6, key="burst_s")
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames with the tone."""
-        if self.amplitude == 0 or self.duty == 0:
+        if self.duty == 0:
             yield from stream
             return
         phase = random.uniform(0, 2 * np.pi)

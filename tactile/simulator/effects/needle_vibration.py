@@ -1,18 +1,17 @@
 """Needle vibration: the needle's place and its height over the cover tremble."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from tactile.core.loads import F
-from tactile.simulator.checks import within
+from tactile.simulator.effects.effect import effect, parameter
 from tactile.simulator.field import Field, field_at
 from tactile.simulator.held_needle import force_factor
 
 
-@dataclass(frozen=True)
+@effect("field", random=True)
 class NeedleVibration:
     """Every frame all contacts of a finger are displaced together, x and y by ``lateral`` and z by ``vertical`` [m].
 
@@ -23,31 +22,14 @@ class NeedleVibration:
     Source: Vasarhelyi, Fodor, Roska, sect. 4.1.
     """
 
-    lateral: float = 1e-6
-    vertical: float = 0.5e-6
-    tip_radius: float = 50e-6
-
-    STAGE: ClassVar[str] = "field"
-    RANDOM: ClassVar[bool] = True
-    KEYS: ClassVar[Mapping[str, tuple[str, float]]] = {
-        "lateral_um": ("lateral", 1e-6),
-        "vertical_um": ("vertical", 1e-6),
-        "tip_radius_um": ("tip_radius", 1e-6),
-    }
-    NONE: ClassVar[Mapping[str, Any]] = {"lateral": 0.0, "vertical": 0.0}
-
-    def __post_init__(self) -> None:
-        within("lateral", self.lateral)
-        within("vertical", self.vertical)
-        within("tip_radius", self.tip_radius, 1e-12)
+    lateral: float = parameter(1e-6, key="lateral_um", unit=1e-6, none=0.0)
+    vertical: float = parameter(0.5e-6, key="vertical_um", unit=1e-6, none=0.0)
+    tip_radius: float = parameter(50e-6, 1e-12, key="tip_radius_um", unit=1e-6)
 
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields with the contacts where the rig has them."""
         for field in stream:
             moves = random.standard_normal((len(field.times), 1, 3)) * (self.lateral, self.lateral, self.vertical)
-            if not moves.any():
-                yield field
-                continue
             forces = field.loads.totals[..., F]
             shift = np.broadcast_to(moves[..., :2], (*forces.shape, 2))
             factor = force_factor(forces, np.broadcast_to(moves[..., 2], forces.shape), self.tip_radius, field.medium)

@@ -1,16 +1,15 @@
 """Poisson's ratio below 1/2: rubber is nearly, not quite, incompressible."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from tactile.simulator.checks import within
+from tactile.simulator.effects.effect import effect, parameter
 from tactile.simulator.field import Field, field_at
 
 
-@dataclass(frozen=True)
+@effect("field")
 class PoissonRatio:
     """The cover's Poisson's ratio ``nu``; 1/2 is the paper's model and changes nothing.
 
@@ -20,22 +19,11 @@ class PoissonRatio:
     Source: Johnson, Contact Mechanics, eqs (3.18), (3.75); Vasarhelyi, Fodor, Roska, sect. 4.1.
     """
 
-    nu: float = 0.49
-
-    STAGE: ClassVar[str] = "field"
-    RANDOM: ClassVar[bool] = False
-    KEYS: ClassVar[Mapping[str, tuple[str, float]]] = {"nu": ("nu", 1.0)}
-    NONE: ClassVar[Mapping[str, Any]] = {"nu": 0.5}
-
-    def __post_init__(self) -> None:
-        within("nu", self.nu, 0.0, 0.5)
+    nu: float = parameter(0.49, 0.0, 0.5, none=0.5)
 
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields in the compressible cover."""
         for field in stream:
-            if self.nu == field.medium.nu:
-                yield field
-                continue
             medium = replace(field.medium, nu=self.nu)
             at, depth = field.array.positions(), field.array.depth
             term = field_at(at, depth, field.loads, medium) - field_at(at, depth, field.loads, field.medium)

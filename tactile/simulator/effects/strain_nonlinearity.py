@@ -1,17 +1,16 @@
 """Strain nonlinearity: rubber stiffens when pressed and softens when pulled."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactile.simulator.batch import Batch
-from tactile.simulator.checks import within
+from tactile.simulator.effects.effect import effect, parameter
 
 
-@dataclass(frozen=True)
+@effect("frames")
 class StrainNonlinearity:
     """Normal readings follow neo-Hookean rubber in uniaxial load, by ``strength`` from 0 (linear) to 1.
 
@@ -23,22 +22,11 @@ class StrainNonlinearity:
     Source: Treloar, The Physics of Rubber Elasticity; Vasarhelyi, Fodor, Roska, sect. 4.1.
     """
 
-    strength: float = 1.0
-
-    STAGE: ClassVar[str] = "frames"
-    RANDOM: ClassVar[bool] = False
-    KEYS: ClassVar[Mapping[str, tuple[str, float]]] = {"strength": ("strength", 1.0)}
-    NONE: ClassVar[Mapping[str, Any]] = {"strength": 0.0}
-
-    def __post_init__(self) -> None:
-        within("strength", self.strength, 0.0, 1.0)
+    strength: float = parameter(1.0, 0.0, 1.0, none=0.0)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames of rubber."""
         for batch in stream:
-            if self.strength == 0:
-                yield batch
-                continue
             linear = batch.values[..., 2] / batch.unit
             values = batch.values.copy()
             values[..., 2] += self.strength * batch.unit * (stretch(linear) - 1 - linear)

@@ -1,20 +1,19 @@
 """Surface waviness: a held needle meets hills and valleys of the cover."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from tactile.core.loads import PLACE, F
-from tactile.simulator.checks import within
+from tactile.simulator.effects.effect import effect, parameter
 from tactile.simulator.field import Field, field_at
 from tactile.simulator.held_needle import force_factor
 
 WAVES = 32
 
 
-@dataclass(frozen=True)
+@effect("field", random=True)
 class SurfaceWaviness:
     """A random surface of standard deviation ``rms`` [m] over hills ``wavelength`` [m] apart.
 
@@ -25,23 +24,9 @@ class SurfaceWaviness:
     Source: Vasarhelyi, Fodor, Roska, sect. 4.1.
     """
 
-    rms: float = 0.5e-6
-    wavelength: float = 1e-3
-    tip_radius: float = 50e-6
-
-    STAGE: ClassVar[str] = "field"
-    RANDOM: ClassVar[bool] = True
-    KEYS: ClassVar[Mapping[str, tuple[str, float]]] = {
-        "rms_um": ("rms", 1e-6),
-        "wavelength_mm": ("wavelength", 1e-3),
-        "tip_radius_um": ("tip_radius", 1e-6),
-    }
-    NONE: ClassVar[Mapping[str, Any]] = {"rms": 0.0}
-
-    def __post_init__(self) -> None:
-        within("rms", self.rms)
-        within("wavelength", self.wavelength, 1e-9)
-        within("tip_radius", self.tip_radius, 1e-12)
+    rms: float = parameter(0.5e-6, key="rms_um", unit=1e-6, none=0.0)
+    wavelength: float = parameter(1e-3, 1e-9, key="wavelength_mm", unit=1e-3)
+    tip_radius: float = parameter(50e-6, 1e-12, key="tip_radius_um", unit=1e-6)
 
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields with the forces that the surface makes of the contacts."""
@@ -50,9 +35,6 @@ class SurfaceWaviness:
         waves = 2 * np.pi / length * np.stack([np.cos(turn), np.sin(turn)])
         phase = random.uniform(0, 2 * np.pi, WAVES)
         for field in stream:
-            if self.rms == 0:
-                yield field
-                continue
             totals = field.loads.totals
             height = self.rms * np.sqrt(2 / WAVES) * np.cos(totals[..., PLACE] @ waves + phase).sum(axis=-1)
             factor = force_factor(totals[..., F], height, self.tip_radius, field.medium)

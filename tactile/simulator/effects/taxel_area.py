@@ -1,19 +1,18 @@
 """Taxel area: a taxel feels the mean over its area."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from tactile.elastic.gauss import gauss
-from tactile.simulator.checks import within
+from tactile.simulator.effects.effect import effect, parameter
 from tactile.simulator.field import Field, field_at
 
 MOST = 40
 
 
-@dataclass(frozen=True)
+@effect("field")
 class TaxelArea:
     """Square taxels ``width`` [m] wide that average over their area; 0 for points.
 
@@ -23,22 +22,11 @@ class TaxelArea:
     Source: Vasarhelyi, Fodor, Roska, sect. 2 (300 um) and 4.1.
     """
 
-    width: float = 300e-6
-
-    STAGE: ClassVar[str] = "field"
-    RANDOM: ClassVar[bool] = False
-    KEYS: ClassVar[Mapping[str, tuple[str, float]]] = {"width_um": ("width", 1e-6)}
-    NONE: ClassVar[Mapping[str, Any]] = {"width": 0.0}
-
-    def __post_init__(self) -> None:
-        within("width", self.width)
+    width: float = parameter(300e-6, key="width_um", unit=1e-6, none=0.0)
 
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields as areas feel them."""
         for field in stream:
-            if self.width == 0:
-                yield field
-                continue
             at, depth = field.array.positions(), field.array.depth
             # Gauss converges like exp(-2 n asinh(z / half width)): 7 is half of ln(1e6)
             count = min(MOST, int(np.ceil(7 / np.arcsinh(2 * depth / self.width))) + 1)

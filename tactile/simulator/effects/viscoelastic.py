@@ -1,17 +1,17 @@
 """Viscoelasticity: a Prony series between the elastic field and the readings."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 from numba import njit
 
 from cnnsim.support import InputError
 from tactile.simulator.batch import Batch
+from tactile.simulator.effects.effect import effect, parameter
 
 
-@dataclass(frozen=True)
+@effect("frames")
 class Viscoelastic:
     """Relaxation y = x - sum of g_i (x - h_i), or creep y = x + the same sum.
 
@@ -31,13 +31,8 @@ class Viscoelastic:
     Source: Prony series of linear viscoelasticity; Taylor, Pister, Goudreau (1970) for the recursion.
     """
 
-    parts: tuple[tuple[float, float], ...] = ((0.04, 0.1), (0.04, 2.0))
-    creep: bool = False
-
-    STAGE: ClassVar[str] = "frames"
-    RANDOM: ClassVar[bool] = False
-    KEYS: ClassVar[Mapping[str, tuple[str, float]]] = {"parts": ("parts", 1.0), "creep": ("creep", 1.0)}
-    NONE: ClassVar[Mapping[str, Any]] = {"parts": ()}
+    parts: tuple[tuple[float, float], ...] = parameter(((0.04, 0.1), (0.04, 2.0)), none=())
+    creep: bool = parameter(False)
 
     def __post_init__(self) -> None:
         try:
@@ -53,9 +48,6 @@ class Viscoelastic:
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames with memory."""
-        if not self.parts:
-            yield from stream
-            return
         shares, times = np.array(self.parts).T
         shares = -shares if self.creep else shares
         before, inner, last = np.zeros(0), np.zeros((0, 0)), 0.0

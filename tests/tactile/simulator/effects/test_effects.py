@@ -65,13 +65,11 @@ def test_every_effect_says_what_it_is(name: str) -> None:
 
 
 def test_effects_read_their_tables() -> None:
-    tip: Any = read_effect("finite_tip", {"radius_um": 20}, "here")
-    assert tip.radius == pytest.approx(20e-6)
-    assert read_effect("viscoelastic", {"parts": [[0.1, 2]], "creep": True}, "here") == Viscoelastic(
-        ((0.1, 2.0),), True
-    )
-    assert read_effect("finite_thickness", {"thickness_mm": 0.5}, "here") == FiniteThickness(0.5e-3)
-    assert read_effect("quantisation", {"bits": 10}, "here") == Quantisation(10)
+    read: Any = read_effect
+    assert read("finite_tip", {"radius_um": 20}, "here").radius == pytest.approx(20e-6)
+    assert read("viscoelastic", {"parts": [[0.1, 2]], "creep": True}, "here") == Viscoelastic(((0.1, 2.0),), True)
+    assert read("finite_thickness", {"thickness_mm": 0.5}, "here") == FiniteThickness(0.5e-3)
+    assert read("quantisation", {"bits": 10}, "here") == Quantisation(10)
     wrong: tuple[tuple[str, dict[str, Any], str], ...] = (
         ("read_nose", {}, "unknown key 'read_nose'; did you mean 'read_noise'"),
         ("read_noise", {"rsm": 0.1}, "here: unknown key 'rsm'; did you mean 'rms'"),
