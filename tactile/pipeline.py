@@ -1,13 +1,13 @@
 """The tactile pipeline: frames are calibrated, located, watched for events, and reported. Start reading here."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
 
 from tactile.core.frame import Frame, TaxelArray
-from tactile.core.source import Source
+from tactile.core.source import FrameStream, Source
 from tactile.events.code import Code, hand_code
 from tactile.events.event import Event
 from tactile.finger import Finger
@@ -42,11 +42,14 @@ def run(source: Source, settings: Settings, sinks: Iterable[Sink]) -> None:
         load = finger.locate(frame)
         happened = finger.notice(frame, load)
         texture = finger.feel(frame)
-        code = finger.taxels.code
+        array, code = finger.array, finger.taxels.code
         hand = hand_code([one.taxels.code for one in fingers]) if happened else 0
         latency = perf_counter() - arrived
-        events = tuple(Event.of(frame, finger.array, code, hand, what, latency, load) for what in happened)
-        report = FrameReport(finger.array, frame, code, load, texture, events)
+        events = tuple(
+            Event(frame.t, array.name, frame.sequence, kind, data, code.arrows(), code.ternary(), hand, latency, load)
+            for kind, data in happened
+        )
+        report = FrameReport(array, frame, code, load, texture, events)
         for sink in sinks:
             sink(report)
 
@@ -55,18 +58,9 @@ def warm_up(
     arrays: tuple[TaxelArray, ...], modulus: float | None, settings: Settings, sinks: Iterable[Sink] = ()
 ) -> None:
     """Run on a made-up firm touch of every array, so that nothing is compiled or refused once real frames arrive."""
-    run(_MadeUp(arrays, modulus), replace(settings, tare=0), sinks)
-
-
-class _MadeUp:
-    """A source of two frames of every array, the same reading in all components of all taxels."""
-
-    title, frames = "made up", None
-
-    def __init__(self, arrays: tuple[TaxelArray, ...], modulus: float | None) -> None:
-        self.arrays, self.modulus = arrays, modulus
-
-    def __iter__(self) -> Iterator[Frame]:
-        for finger, array in enumerate(self.arrays):
-            for n in range(2):
-                yield Frame(finger, 0.0, n, np.full((*array.shape, 3), 0.01), np.ones(array.shape, bool))
+    touch = [
+        Frame(finger, 0.0, n, np.full((*array.shape, 3), 0.01), np.ones(array.shape, bool))
+        for finger, array in enumerate(arrays)
+        for n in range(2)
+    ]
+    run(FrameStream("made up", arrays, modulus, len(touch), touch), replace(settings, tare=0), sinks)

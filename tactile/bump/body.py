@@ -10,7 +10,6 @@ from cnnsim.support import Floats, Integers
 from tactile.bump.kinematics import Kinematics
 from tactile.bump.law import Law, Mixed, stress, tangent
 
-Index = Integers
 ELEMENTS = {(2, 1): ElementTriP1, (2, 2): ElementTriP2, (3, 1): ElementTetP1, (3, 2): ElementTetP2}
 
 
@@ -46,7 +45,7 @@ class Body:
             * law.medium.shear_modulus
             * float((np.abs(self.slopes).sum((2, 3)) * self.weight).sum())
         )
-        self.dofs: Index = self.basis.element_dofs.T
+        self.dofs: Integers = self.basis.element_dofs.T
         if law.mixed:
             line = ELEMENTS[mesh.dim(), 1]
             self.pressures = Basis(mesh, line(), quadrature=self.basis.quadrature)
@@ -105,7 +104,7 @@ class Body:
         return out, matrix.tocsc()
 
 
-def solve(matrix: sparse.csc_matrix, load: Floats, fixed: Index, values: Floats) -> Floats:
+def solve(matrix: sparse.csc_matrix, load: Floats, fixed: Integers, values: Floats) -> Floats:
     """The state of a linear body with some unknowns given: direct, the matrix scaled to a diagonal near one."""
     state = np.zeros(matrix.shape[0])
     state[fixed] = values

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from cnnsim.support import Floats, InputError
-from tactile.bump.body import Body, Index, solve
+from cnnsim.support import Floats, InputError, Integers
+from tactile.bump.body import Body, solve
 from tactile.bump.plate import Constraint
 
 TOLERANCE = 1e-9
@@ -11,7 +11,7 @@ TOLERANCE = 1e-9
 ITERATIONS = 15
 
 
-def balance(body: Body, start: Floats, fixed: Index, values: Floats) -> Floats | None:
+def balance(body: Body, start: Floats, fixed: Integers, values: Floats) -> Floats | None:
     """The state in balance with the unknowns ``fixed`` at ``values``, None if Newton does not get there from ``start``.
 
     The first step is the linear answer about the start; steps that turn an element inside out are refused.

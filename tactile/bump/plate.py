@@ -5,8 +5,8 @@ from typing import Literal
 
 import numpy as np
 
-from cnnsim.support import Floats
-from tactile.bump.body import Body, Index, solve
+from cnnsim.support import Floats, Integers
+from tactile.bump.body import Body, solve
 from tactile.bump.kinematics import SOLID
 from tactile.bump.shape import Shape
 
@@ -18,7 +18,7 @@ Push = Literal["press", "shift"]
 class Constraint:
     """The prescribed unknowns of a body: those at ``fixed`` are the plate's displacement times ``rigid``."""
 
-    fixed: Index
+    fixed: Integers
     rigid: Floats
 
     def state(self, displacement: float) -> Floats:

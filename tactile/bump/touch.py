@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cnnsim.support import Flags, Floats, InputError
-from tactile.bump.body import Body, Index, solve
+from cnnsim.support import Flags, Floats, InputError, Integers
+from tactile.bump.body import Body, solve
 from tactile.bump.finite import balance
 from tactile.bump.plate import plate_constraint
 from tactile.bump.shape import Shape
@@ -84,16 +84,16 @@ class _Nodes:
         x, z = body.place
         arc = shape.curved(np.stack([np.abs(x), z], axis=-1))
         side, down = (np.flatnonzero(arc & (body.component == k)) for k in (0, 1))
-        self.side: Index = side[np.lexsort((z[side], x[side]))]
-        self.down: Index = down[np.lexsort((z[down], x[down]))]
+        self.side: Integers = side[np.lexsort((z[side], x[side]))]
+        self.down: Integers = down[np.lexsort((z[down], x[down]))]
         assert np.allclose(body.place[:, self.side], body.place[:, self.down])
         self.x = np.abs(x[self.down])
         self.gap = z[self.down] + shape.radius
         self.on_axis = self.x <= 1e-9 * shape.radius
         on_plate = np.concatenate([self.side, self.down])
-        self._base: Index = np.setdiff1d(plate_constraint(body, shape, "press", contact=0.0).fixed, on_plate)
+        self._base: Integers = np.setdiff1d(plate_constraint(body, shape, "press", contact=0.0).fixed, on_plate)
 
-    def prescribed(self, sticking: Flags, anchor: Floats, lowered: Floats) -> tuple[Index, Floats]:
+    def prescribed(self, sticking: Flags, anchor: Floats, lowered: Floats) -> tuple[Integers, Floats]:
         """The prescribed unknowns and their values, where some nodes stick to a plate at ``lowered`` above them."""
         fixed = np.concatenate(
             [self._base, self.side[self.on_axis], self.side[sticking & ~self.on_axis], self.down[sticking]]

@@ -26,11 +26,6 @@ class Tare:
         self._count: Integers | int = 0
         self._offset: Floats | float = 0.0
 
-    @property
-    def ready(self) -> bool:
-        """Whether the mean is complete."""
-        return self._left == 0
-
     def __call__(self, frame: Frame) -> Frame:
         """Return the frame less the mean, or with no valid taxel while the mean is being made."""
         if self._left == 0:

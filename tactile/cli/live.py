@@ -81,7 +81,8 @@ class LiveMonitor:
         self.newest: dict[str, FrameReport] = {}
         self.tared: dict[str, dict[str, Any]] = {}
         self.happened = 0
-        self._source, self._say, self._now, self._note = source, say, now, note
+        self._source, self._say, self._now = source, say, now
+        self._note = note or (lambda topic, t, data: None)
         self._counts = counts or (lambda: source.counts)
         self._next = STATUS
 
@@ -94,23 +95,20 @@ class LiveMonitor:
             self.happened += 1
             line = {"type": "event"} | event_data(event)
             self._say(line)
-            if self._note is not None:
-                self._note("/events", arrival, line)
+            self._note("/events", arrival, line)
         for tared in self._source.notes():
             line = tare_line(tared, self._source.arrays[tared.finger].name)
             self.tared[line["finger"]] = line
             self._say(line)
-            if self._note is not None:
-                offset = None if tared.offset is None else [finite(v) for v in tared.offset.ravel().tolist()]
-                self._note("/tare", arrival, line | {"offset": offset})
+            offset = None if tared.offset is None else [finite(v) for v in tared.offset.ravel().tolist()]
+            self._note("/tare", arrival, line | {"offset": offset})
         now = arrival if self._now is None else self._now()
         self.meter.add((now - arrival) * 1e-9, now * 1e-9)
         if arrival >= self._next:
             self._next = arrival + STATUS
             status = self.status()
             self._say(status)
-            if self._note is not None:
-                self._note("/counts", arrival, status)
+            self._note("/counts", arrival, status)
 
     def status(self) -> dict[str, Any]:
         """Return counters, rates, latencies and the clock's line as plain data."""

@@ -11,6 +11,7 @@ from cnnsim.support.command_line import examples, print_json, watched
 from tactile.calibration.gains import Gains
 from tactile.cli.options import check_thresholds
 from tactile.core.frame import TaxelArray
+from tactile.core.source import FrameStream
 from tactile.settings import PipelineOptions, Settings
 from tactile.sources import open_source
 
@@ -70,7 +71,8 @@ def run(
         settings, note = _on_bumps(settings, frames.arrays, bumps)
     pipeline.warm_up(frames.arrays, frames.modulus, settings)  # else the first latencies are the compiler's
     collected = Collected()
-    passed = _Watched(frames, watched(frames, "touch", frames.frames))
+    seen = watched(frames, "touch", frames.frames)
+    passed = FrameStream(frames.title, frames.arrays, frames.modulus, frames.frames, seen)
     if output is None:
         pipeline.run(passed, settings, [collected])
     else:
@@ -110,14 +112,3 @@ def _on_bumps(settings: Settings, arrays: tuple[TaxelArray, ...], bumps: "Bumps"
         return settings, f"forces are a flat cover's; times so much they are right for a load on one bump: {each}"
     said = f"forces are {factor:.3g} times a flat cover's: right for a load on one bump, not between bumps"
     return replace(settings, radial=RadialCorrection.constant(factor)), said
-
-
-class _Watched:
-    """A source whose frames pass a progress bar."""
-
-    def __init__(self, source: Any, frames: Any) -> None:
-        self._frames = frames
-        self.arrays, self.modulus, self.frames, self.title = source.arrays, source.modulus, source.frames, source.title
-
-    def __iter__(self) -> Any:
-        return iter(self._frames)

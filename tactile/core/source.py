@@ -1,6 +1,7 @@
-"""Sources of frames: what live, recorded and simulated ones have in common."""
+"""Sources of frames: what live, recorded and simulated ones have in common, and one of given frames."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from typing import Protocol
 
 from tactile.core.frame import Frame, TaxelArray
@@ -23,3 +24,17 @@ class Source(Protocol):
     @property
     def frames(self) -> int | None: ...  # noqa: D102
     def __iter__(self) -> Iterator[Frame]: ...
+
+
+@dataclass(frozen=True)
+class FrameStream:
+    """A source of given frames, as often as ``stream`` can be gone through; the others as in ``Source``."""
+
+    title: str
+    arrays: tuple[TaxelArray, ...]
+    modulus: float | None
+    frames: int | None
+    stream: Iterable[Frame]
+
+    def __iter__(self) -> Iterator[Frame]:
+        return iter(self.stream)

@@ -76,27 +76,3 @@ def transfer(wavenumber: ArrayLike, depth: float, thickness: float, medium: Medi
     dragged = reading(-2 * top[0, 1] / determinant, 2 * top[0, 0] / determinant)
     rim = np.exp(-kz) * (1 + np.exp(-2 * np.maximum(ky, 0))) / (1 + base**2)
     return Transfer(pressed[0], dragged[0], pressed[1], -dragged[1], -double * rim)
-
-
-def periodic_field(traction: ArrayLike, pitch: float, depth: float, thickness: float, medium: Medium) -> Floats:
-    """Strain or stress under a traction map (rows, cols, 3) [Pa] that repeats itself without end, at its own points.
-
-    Raises:
-        InputError: as ``transfer``, or a map of another shape.
-    """
-    given = np.asarray(traction, dtype=np.float64)
-    if given.ndim != 3 or given.shape[2] != 3:
-        raise InputError(f"traction map of shape {given.shape}, (rows, cols, 3) wanted")
-    rows, cols = given.shape[:2]
-    k_y = 2 * np.pi * np.fft.fftfreq(rows, pitch)[:, None]
-    k_x = 2 * np.pi * np.fft.rfftfreq(cols, pitch)[None, :]
-    k = np.hypot(k_x, k_y)
-    c, s = np.where(k > 0, k_x, 1) / np.where(k > 0, k, 1), k_y / np.where(k > 0, k, 1)
-    waves = np.fft.rfft2(given, axes=(0, 1))
-    along, across = c * waves[..., 0] + s * waves[..., 1], -s * waves[..., 0] + c * waves[..., 1]
-    by = transfer(k, depth, thickness, medium)
-    sz = 1j * by.shear_normal * waves[..., 2] + by.shear * along
-    tz = by.across * across
-    zz = by.normal * waves[..., 2] + 1j * by.normal_shear * along
-    felt = np.stack([c * sz - s * tz, s * sz + c * tz, zz], axis=-1)
-    return np.fft.irfft2(felt, s=(rows, cols), axes=(0, 1))

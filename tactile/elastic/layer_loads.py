@@ -22,14 +22,6 @@ PANEL = 14.0
 """Phase of the fastest Bessel function over one panel of 16 Gauss nodes: good to 1e-10."""
 
 
-def layer_load(positions: ArrayLike, depth: float, loads: ArrayLike, thickness: float, medium: Medium) -> Floats:
-    """Strain or stress, as the medium says, under point loads on a layer bonded to a rigid base.
-
-    The half-space's closed form plus ``layer_term``. Arguments and errors: as these two.
-    """
-    return point_load(positions, depth, loads, medium) + layer_term(positions, depth, loads, thickness, medium)
-
-
 def layer_term(positions: ArrayLike, depth: float, loads: ArrayLike, thickness: float, medium: Medium) -> Floats:
     """Layer minus half-space under point loads.
 

@@ -3,10 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
-from typing import Self
 
-from tactile.core.frame import Frame, TaxelArray
-from tactile.events.code import Code
 from tactile.inverse.localise import Load
 
 Data = Mapping[str, str | int | float]
@@ -45,14 +42,6 @@ class Event:
     hand: int
     latency: float
     load: Load | None
-
-    @classmethod
-    def of(
-        cls, frame: Frame, array: TaxelArray, code: Code, hand: int, what: Happening, latency: float, load: Load | None
-    ) -> Self:
-        """Return the event that ``what`` happened in this frame."""
-        kind, data = what
-        return cls(frame.t, array.name, frame.sequence, kind, data, code.arrows(), code.ternary(), hand, latency, load)
 
     @property
     def words(self) -> str:

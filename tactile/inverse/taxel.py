@@ -14,7 +14,7 @@ u_zz < 0 means inside; for s < 0 (a pull, or strong shear) azimuth and region sw
 sign of sigma_zz is that of -s, and there is one candidate only.
 """
 
-from collections.abc import Callable
+from importlib import import_module
 from importlib.resources import files
 
 import numpy as np
@@ -126,18 +126,6 @@ def _answer(
     )
 
 
-def _strain_kernel() -> Callable[..., None]:
-    from tactile.inverse.taxel_numba import strain_inverse
-
-    return strain_inverse
-
-
-def _stress_kernel() -> Callable[..., None]:
-    from tactile.inverse.taxel_numba import stress_inverse
-
-    return stress_inverse
-
-
 def _opencl(name: str, letter: str) -> str:
     parts = [(files("tactile.inverse") / f"{part}.cl").read_text(encoding="utf-8") for part in ("scaled", name)]
     inputs = ", ".join(f"in_{axis} = {letter}_{axis}" for axis in ("xz", "yz", "zz"))
@@ -151,7 +139,7 @@ STRAIN_INVERSE = Cellwise(
     ("dx", "dy", "force", "validity"),
     ("depth", "modulus", "floor", "pressing"),
     invert_strain,
-    _strain_kernel,
+    lambda: import_module("tactile.inverse.taxel_numba").strain_inverse,
     _opencl("strain", "u"),
 )
 STRESS_INVERSE = Cellwise(
@@ -161,6 +149,6 @@ STRESS_INVERSE = Cellwise(
     ("dx", "dy", "force", "validity"),
     ("depth", "floor"),
     invert_stress,
-    _stress_kernel,
+    lambda: import_module("tactile.inverse.taxel_numba").stress_inverse,
     _opencl("stress", "s"),
 )

@@ -14,7 +14,6 @@ from mcap.stream_reader import CRCValidationError, StreamReader
 from zstandard import ZstdError
 
 from cnnsim.support import InputError
-from tactile.calibration.live_tare import LiveTare
 from tactile.core.frame import Frame, TaxelArray
 from tactile.recording import schema
 from tactile.wire.description import Description
@@ -66,11 +65,9 @@ class Recorded:
                     note = json.loads(message.data)
                 yield note
 
-    def source(self, tares: tuple[LiveTare, ...] = ()) -> "WireSource | StoredSource":
-        """Return the frames as a ``Source``: decoded anew from the bytes where there are any."""
-        if self.has_wire:
-            return WireSource(self.description, self.chunks(), tares)
-        return StoredSource(self, tares)
+    def source(self) -> "WireSource | StoredSource":
+        """Return the frames before their tare as a ``Source``: decoded anew from the bytes where there are any."""
+        return WireSource(self.description, self.chunks()) if self.has_wire else StoredSource(self)
 
     def _messages(self) -> Iterator[tuple[str, Message]]:
         topics: dict[int, str] = {}
@@ -84,15 +81,14 @@ class Recorded:
 class StoredSource:
     """The stored frames of a recording without bytes, as a ``Source``."""
 
-    def __init__(self, recorded: Recorded, tares: tuple[LiveTare, ...] = ()) -> None:
-        self._recorded, self._tares = recorded, tares
+    def __init__(self, recorded: Recorded) -> None:
+        self._recorded = recorded
         self.title = recorded.description.title
         self.arrays: tuple[TaxelArray, ...] = recorded.description.arrays
         self.modulus, self.frames = recorded.description.modulus, None
 
     def __iter__(self) -> Iterator[Frame]:
-        for frame in self._recorded.stored_frames():
-            yield self._tares[frame.finger](frame) if self._tares else frame
+        return self._recorded.stored_frames()
 
 
 @contextmanager

@@ -16,7 +16,6 @@ class Ring:
 
     def __init__(self, capacity: int = CAPACITY) -> None:
         self.overflowed = 0
-        self.highest = 0
         self._capacity, self._used = capacity, 0
         self._chunks: deque[Chunk] = deque()
         self._wake = threading.Condition()
@@ -31,7 +30,6 @@ class Ring:
                 return False
             self._chunks.append(chunk)
             self._used += cost
-            self.highest = max(self.highest, self._used)
             self._wake.notify()
         return True
 

@@ -31,7 +31,7 @@ class Session:
         self, port: str, description: Description, recording: Recording | None = None, tares: tuple[LiveTare, ...] = (),
         seconds: float | None = None, once: bool = False,
     ) -> None:  # fmt: skip
-        self._recording, self._description = recording, description
+        self._recording = recording
         self._came = Ring()
         self._ready = self._came if recording is None else Ring()
         self._unparsed = 0
@@ -50,11 +50,6 @@ class Session:
         counts = self.source.counts
         counts.overflowed = self._came.overflowed + self._unparsed
         return counts
-
-    @property
-    def behind(self) -> int:
-        """Most bytes that ever waited to be parsed or recorded."""
-        return max(self._came.highest, self._ready.highest)
 
     def now(self) -> int:
         """Return [ns] since the stream began."""

@@ -51,9 +51,3 @@ def field_at(positions: Floats, depth: float, loads: Loads, medium: Medium, meth
             medium,
         )
     return values
-
-
-def field_of(array: TaxelArray, medium: Medium, times: Floats, first: int, loads: Loads, method: Summation) -> Field:
-    """The field of the loads on a finger, without effects."""
-    values = field_at(array.positions(), array.depth, loads, medium, method)
-    return Field(array, medium, times, first, loads, values)

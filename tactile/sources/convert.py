@@ -8,7 +8,7 @@ import numpy as np
 
 from cnnsim.support import InputError
 from tactile.core.frame import Frame
-from tactile.core.source import Source
+from tactile.core.source import FrameStream, Source
 from tactile.sources import open_source
 from tactile.sources.replay_csv import write_csv
 from tactile.wire.extras import need
@@ -20,9 +20,6 @@ def open_any(path: Path) -> Source:
     Raises:
         InputError: no such file, or what its reader finds wrong.
     """
-    if path.suffix == ".mcap":
-        source: Source = need("tactile.recording.reader", "an MCAP recording").open_recording(path).source()
-        return source
     if path.suffix in (".bag", ".db3") or path.is_dir():
         bag: Source = need("tactile.sources.replay_rosbag", "a ROS bag").read_bag(path)
         return bag
@@ -39,28 +36,23 @@ def convert(source: Path, target: Path) -> int:
         raise InputError(f"{target}: suffix {target.suffix!r}, one of {', '.join(WRITERS)} wanted")
     if target.exists() and target.samefile(source):
         raise InputError(f"{target} is the recording itself; another name wanted")
-    counted = _Counted(open_any(source))
+    opened, count = open_any(source), 0
+
+    def counted() -> Iterator[Frame]:
+        nonlocal count
+        for frame in opened:
+            count += 1
+            yield frame
+
     try:
         if target.suffix == ".mcap" and source.suffix == ".mcap":
             need("tactile.recording.index", "an MCAP recording").write_indexed(source, target)
-            return sum(1 for _ in counted)
-        WRITERS[target.suffix](target, counted)
+            return sum(1 for _ in opened)
+        frames = FrameStream(opened.title, opened.arrays, opened.modulus, opened.frames, counted())
+        WRITERS[target.suffix](target, frames)
     except OSError as error:
         raise InputError(f"{target}: cannot be written: {error.strerror or error}") from error
-    return counted.count
-
-
-class _Counted:
-    """A source that counts its frames."""
-
-    def __init__(self, source: Source) -> None:
-        self._source, self.count = source, 0
-        self.title, self.arrays, self.modulus, self.frames = source.title, source.arrays, source.modulus, source.frames
-
-    def __iter__(self) -> Iterator[Frame]:
-        for frame in self._source:
-            self.count += 1
-            yield frame
+    return count
 
 
 def _npz(path: Path, source: Source) -> None:

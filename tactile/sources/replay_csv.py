@@ -25,41 +25,22 @@ empty or NaN cell makes the taxel invalid; ``t_device_s`` is empty where the dev
 import csv
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from cnnsim.support import InputError
-from cnnsim.support.toml_file import check_keys, parse_toml, take, take_numbers, take_tables
+from cnnsim.support.toml_file import check_keys, parse_toml, take, take_tables
 from tactile.core.array_table import take_array
 from tactile.core.frame import Frame, TaxelArray
-from tactile.core.source import Source
+from tactile.core.source import FrameStream, Source
 
 FIXED_COLUMNS = ("t_s", "t_device_s", "finger", "sequence")
 HEADER_KEYS = ("tactile_recording", "title", "youngs_modulus_pa", "finger")
 FINGER_KEYS = ("name", "rows", "cols", "pitch_m", "depth_m", "origin_m", "quantity")
 
 
-@dataclass(frozen=True)
-class CsvReplay:
-    """A recording read from CSV, as a ``Source``."""
-
-    title: str
-    arrays: tuple[TaxelArray, ...]
-    modulus: float | None
-    recorded: tuple[Frame, ...]
-
-    @property
-    def frames(self) -> int:
-        """Number of frames over all fingers."""
-        return len(self.recorded)
-
-    def __iter__(self) -> Iterator[Frame]:
-        return iter(self.recorded)
-
-
-def read_csv(path: Path) -> CsvReplay:
+def read_csv(path: Path) -> FrameStream:
     """Read a whole recording.
 
     Raises:
@@ -86,7 +67,7 @@ def read_csv(path: Path) -> CsvReplay:
         frames.append(frame)
     if not frames:
         raise InputError(f"{path}: no frames after the column names, at least one wanted")
-    return CsvReplay(title, arrays, modulus, tuple(frames))
+    return FrameStream(title, arrays, modulus, len(frames), frames)
 
 
 def write_csv(path: Path, source: Source) -> None:
@@ -149,16 +130,7 @@ def _read_header(text: str, where: str) -> tuple[str, float | None, tuple[TaxelA
     for number, finger in enumerate(take_tables(table, "finger", where), 1):
         place = f"{where}: finger {number}"
         check_keys(finger, FINGER_KEYS, place)
-        arrays.append(
-            take_array(
-                finger,
-                pitch=take(finger, "pitch_m", float, place),
-                depth=take(finger, "depth_m", float, place),
-                origin=take_numbers(finger, "origin_m", 2, place, [0.0, 0.0]),
-                quantity=take(finger, "quantity", str, place),
-                where=place,
-            )
-        )
+        arrays.append(take_array(finger, "m", place))
     if not arrays or len({array.name for array in arrays}) < len(arrays):
         names = [array.name for array in arrays]
         raise InputError(f"{where}: fingers {names}, at least one [[finger]] and no name twice wanted")

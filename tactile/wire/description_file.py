@@ -107,14 +107,7 @@ def _toml(value: Any) -> str:
 
 def _board(table: dict[str, Any], wire: Format, where: str) -> Board:
     check_keys(table, FINGER_KEYS, where)
-    array = take_array(
-        table,
-        pitch=take(table, "pitch_mm", float, where) * 1e-3,
-        depth=take(table, "depth_mm", float, where) * 1e-3,
-        origin=[x * 1e-3 for x in take_numbers(table, "origin_mm", 2, where, [0.0, 0.0])],
-        quantity=take(table, "quantity", str, where),
-        where=where,
-    )
+    array = take_array(table, "mm", where)
     gains = Gains(*take_numbers(table, "gains", 2, where)) if "gains" in table else None
     return Board(
         array, _turn(take(table, "axes", list, where, ["x", "y", "z"]), where), gains, _cells(table, array, where)

@@ -22,20 +22,17 @@ NAMES = {
 
 @dataclass(frozen=True)
 class Format:
-    """A wire format: ``unit`` of its readings, ``baudrate`` where the user gives none, ``keys`` its own options.
+    """A wire format: ``baudrate`` where the user gives none, ``keys`` its own options.
 
-    ``checked`` says whether a checksum guards the frames; ``strong`` is a reading that a firm touch may give, for
-    emulators of devices that nobody has calibrated, None where firmware sends the quantity itself; ``pushes``: z is
-    positive when pressed and cannot be negative; ``calibrated``: the readings are the quantity as they come;
-    ``single``: it carries one array; ``blanks``: a reading may be NaN; ``fingers``: their tables where the device has
-    only one form.
+    ``strong`` is a reading that a firm touch may give, for emulators of devices that nobody has calibrated, None where
+    firmware sends the quantity itself; ``pushes``: z is positive when pressed and cannot be negative; ``calibrated``:
+    the readings are the quantity as they come; ``single``: it carries one array; ``blanks``: a reading may be NaN;
+    ``fingers``: their tables where the device has only one form.
     """
 
     name: str
     summary: str
-    unit: str
     baudrate: int
-    checked: bool
     strong: float | None
     decoder: Callable[[Options], Decoder]
     encoder: Callable[[Options], Encoder]

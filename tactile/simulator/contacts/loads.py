@@ -9,8 +9,6 @@ from cnnsim.support import Floats, Integers
 from tactile.core.loads import COLUMNS, PLACE
 from tactile.elastic.profiles import Profile
 
-Index = Integers
-
 
 @dataclass(frozen=True)
 class Disc:
@@ -20,7 +18,7 @@ class Disc:
     radii: Floats
     lam: Floats
     profile: Profile
-    owner: Index
+    owner: Integers
 
 
 @dataclass(frozen=True)
@@ -29,7 +27,7 @@ class Twist:
 
     twists: Floats
     radii: Floats
-    owner: Index
+    owner: Integers
 
 
 @dataclass(frozen=True)
@@ -42,14 +40,14 @@ class Loads:
 
     totals: Floats
     points: Floats
-    owner: Index
+    owner: Integers
     discs: tuple[Disc, ...] = ()
     twists: tuple[Twist, ...] = ()
 
     def moved(self, shift: Floats, factor: Floats) -> "Loads":
         """Contacts displaced by ``shift`` (frames, contacts, 2) [m], forces times ``factor`` (frames, contacts)."""
 
-        def shifted(rows: Floats, owner: Index) -> Floats:
+        def shifted(rows: Floats, owner: Integers) -> Floats:
             return np.concatenate(
                 [rows[..., PLACE] + shift[:, owner], rows[..., PLACE.stop :] * factor[:, owner, None]], axis=-1
             )

@@ -1,8 +1,8 @@
 """Effects of a scene: one file each, imported only when a scene names it. A new one is its file and its name in ORDER.
 
-An effect is a frozen value made by ``effects.effect``, called with a stream (fields before the electronics, batches of
-frames after) and a random generator; it gives the stream back, changed. At strength zero it changes nothing. Its class
-says
+An effect is a frozen value as ``simulator.effect`` makes them, called with a stream (fields before the electronics,
+batches of frames after) and a random generator; it gives the stream back, changed. At strength zero it changes
+nothing. Its class says
 
     STAGE   "field" or "frames": where in the chain it acts
     RANDOM  whether it draws random numbers
@@ -66,7 +66,6 @@ def read_effect(name: str, table: Mapping[str, Any], where: str) -> Effect:
     Raises:
         InputError: an unknown effect or key, a value of a wrong type or out of range.
     """
-    check_keys({name: None}, ORDER, f"{where}: effect")
     kind = effect_class(name)
     check_keys(table, tuple(kind.KEYS), where)
     typical = kind()

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from tactile.elastic.layer_loads import layer_term
-from tactile.simulator.effects.effect import effect, parameter
+from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
 
 

@@ -9,7 +9,7 @@ from tactile.core.loads import F
 from tactile.elastic.discs import disc_load
 from tactile.elastic.halfspace import point_load
 from tactile.elastic.profiles import ROUND_TIP, round_tip_radius
-from tactile.simulator.effects.effect import effect, parameter
+from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
 
 

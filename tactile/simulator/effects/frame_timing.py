@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from tactile.simulator.batch import Batch
-from tactile.simulator.effects.effect import effect, parameter
+from tactile.simulator.effect import effect, parameter
 
 
 @effect("frames", random=True)

@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 
 from tactile.simulator.batch import Batch
-from tactile.simulator.effects.effect import effect, parameter
+from tactile.simulator.effect import effect, parameter
 
 PLAYS = 4
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tactile.simulator.effects.effect import effect, parameter
+from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field, field_at
 
 

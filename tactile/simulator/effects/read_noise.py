@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from tactile.simulator.batch import Batch
-from tactile.simulator.effects.effect import effect, parameter
+from tactile.simulator.effect import effect, parameter
 from tactile.simulator.gaussian import GaussianNoise
 
 

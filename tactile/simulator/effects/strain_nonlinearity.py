@@ -4,10 +4,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cnnsim.support import Floats
 from tactile.simulator.batch import Batch
-from tactile.simulator.effects.effect import effect, parameter
+from tactile.simulator.effect import effect, parameter
 
 
 @effect("frames")
@@ -33,7 +33,7 @@ class StrainNonlinearity:
             yield replace(batch, values=values)
 
 
-def stretch(linear: NDArray[np.float64]) -> NDArray[np.float64]:
+def stretch(linear: Floats) -> Floats:
     """Solve l - 1 / l^2 = 3 e for l > 0. Newton from below: the left side is concave, so it never overshoots."""
     stretched = np.where(linear < 0, 1 / np.sqrt(1 - 3 * np.minimum(linear, 0)), 1.0)
     for _ in range(40):

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from tactile.core.loads import PLACE, F
-from tactile.simulator.effects.effect import effect, parameter
+from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field, field_at
 from tactile.simulator.held_needle import force_factor
 

@@ -8,7 +8,7 @@ from numba import njit
 
 from cnnsim.support import InputError
 from tactile.simulator.batch import Batch
-from tactile.simulator.effects.effect import effect, parameter
+from tactile.simulator.effect import effect, parameter
 
 
 @effect("frames")

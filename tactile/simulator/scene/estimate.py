@@ -1,7 +1,7 @@
 """Size and cost of effects, measured on a sample of a scene's frames."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from time import perf_counter
 from typing import Any
@@ -59,22 +59,14 @@ class Sample:
         """The sample's frames of every finger through a chain of effects, ending with batches."""
         chosen, frames = list(effects), []
         for finger in range(len(self.scene.arrays)):
-            stream: Any = iter(self.fields[finger])
-            for name, effect in chosen:
-                if effect.STAGE == "field":
-                    stream = effect(stream, self.scene.random(name, finger))
-            batches: Any = (self._batch(finger, field) for field in stream)
-            for name, effect in chosen:
-                if effect.STAGE == "frames":
-                    batches = effect(batches, self.scene.random(name, finger))
-            frames.append(list(batches))
+            fields = self.scene.affected(self.fields[finger], "field", chosen, finger)
+            batches = [self._batch(finger, field) for field in fields]
+            frames.append(list(self.scene.affected(batches, "frames", chosen, finger)))
         return frames
 
     def _batch(self, finger: int, field: Field) -> Batch:
         batch = self.scene.batch(finger, field)
-        return Batch(
-            batch.array, batch.unit, batch.full_scale, batch.t, batch.sequence, batch.values.copy(), batch.valid
-        )
+        return replace(batch, values=batch.values.copy())
 
     def gap(self, one: list[list[Batch]], other: list[list[Batch]]) -> float:
         """Largest difference of two runs relative to the peak, each read at the sample's times.

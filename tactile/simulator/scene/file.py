@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim.support import InputError
-from cnnsim.support.toml_file import check_keys, read_toml, take, take_numbers, take_tables
+from cnnsim.support.toml_file import check_keys, read_toml, take, take_tables
 from tactile.core.array_table import take_array
 from tactile.core.frame import TaxelArray
 from tactile.simulator.contacts.moving_load import MovingLoad
@@ -74,6 +74,11 @@ def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tupl
         raise InputError(
             f"{where}: a scene without loads, at least one [[load]] wanted (or [[contact]], [[texture]], [[map]])"
         )
+    bumps = None
+    if bumpy:
+        from tactile.simulator.scene.cover_table import read_bumps  # only where called for
+
+        bumps = read_bumps(cover, arrays, f"{where}: [cover]")
     scene = Scene(
         title=take(table, "title", str, where),
         rate=positive(table, "rate_hz", where),
@@ -85,7 +90,7 @@ def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tupl
         effects=_effects(table, where),
         full_scale=positive(cover, "full_scale", f"{where}: [cover]", FULL_SCALE),
         seed=take(table, "seed", int, where, 0),
-        bumps=_bumps(cover, arrays, f"{where}: [cover]") if bumpy else None,
+        bumps=bumps,
     )
     if scene.bumps is not None:
         by_depth = [n for n, contact in enumerate(contacts, 1) if getattr(contact, "given_depth", False)]
@@ -125,22 +130,9 @@ def _is_bumpy(cover: dict[str, Any], where: str) -> bool:
     return True
 
 
-def _bumps(cover: dict[str, Any], arrays: tuple[TaxelArray, ...], where: str) -> Any:
-    from tactile.simulator.scene.cover_table import read_bumps  # only where called for
-
-    return read_bumps(cover, arrays, where)
-
-
 def _finger(table: dict[str, Any], quantity: str, where: str) -> TaxelArray:
     check_keys(table, FINGER_KEYS, where)
-    return take_array(
-        table,
-        pitch=take(table, "pitch_mm", float, where) * 1e-3,
-        depth=take(table, "depth_mm", float, where) * 1e-3,
-        origin=[x * 1e-3 for x in take_numbers(table, "origin_mm", 2, where, [0.0, 0.0])],
-        quantity=quantity,
-        where=where,
-    )
+    return take_array(table, "mm", where, quantity)
 
 
 def _load(table: dict[str, Any], names: list[str], where: str) -> MovingLoad:

@@ -5,7 +5,7 @@ import zlib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 
 import numpy as np
 
@@ -16,12 +16,13 @@ from tactile.elastic.medium import Felt, Medium
 from tactile.simulator.batch import Batch
 from tactile.simulator.contacts.loads import Loads, together
 from tactile.simulator.contacts.moving_load import MovingLoad
-from tactile.simulator.field import Field, field_of
-from tactile.simulator.summation import Summation, choose_method, moving
+from tactile.simulator.field import Field, field_at
+from tactile.simulator.summation import DIRECT, Summation, choose_method, moving
 
 if TYPE_CHECKING:
     from tactile.simulator.bump_cover import Bumps
 
+Item = TypeVar("Item")
 CHUNK = 512
 """Frames computed at once: those of 8 x 8 taxels stay in the second-level cache from effect to effect."""
 LOADS_AT_ONCE = 1 << 22
@@ -112,11 +113,12 @@ class Scene:
         for first, piece in times:
             loads, method = self.finger_loads(finger, piece), self.method(finger)
             if self.bumps is not None:
-                yield Field(array, medium, piece, first, loads, self.bumps.readings(array, medium, loads))
-                continue
-            if method.name != "direct" and moving(loads.points):
-                method = Summation("direct", "moves after all")
-            yield field_of(array, medium, piece, first, loads, method)
+                values = self.bumps.readings(array, medium, loads)
+            else:
+                if method.name != "direct" and moving(loads.points):
+                    method = DIRECT
+                values = field_at(array.positions(), array.depth, loads, medium, method)
+            yield Field(array, medium, piece, first, loads, values)
 
     def pieces(self, finger: int) -> Iterator[tuple[int, Floats]]:
         """(first frame, times) of the pieces in which a finger's frames are computed."""
@@ -134,15 +136,17 @@ class Scene:
 
     def batches(self, finger: int) -> Iterator[Batch]:
         """The frames of one finger, many at a time: field, effects on it, effects on frames."""
-        fields = self.fields(finger, self.pieces(finger))
-        before = [(name, effect) for name, effect in self.effects if effect.STAGE == "field"]
-        after = [(name, effect) for name, effect in self.effects if effect.STAGE == "frames"]
-        for name, effect in before:
-            fields = effect(fields, self.random(name, finger))
-        batches: Iterator[Batch] = (self.batch(finger, field) for field in fields)
-        for name, effect in after:
-            batches = effect(batches, self.random(name, finger))
-        return batches
+        fields = self.affected(self.fields(finger, self.pieces(finger)), "field", self.effects, finger)
+        return self.affected((self.batch(finger, field) for field in fields), "frames", self.effects, finger)
+
+    def affected(
+        self, stream: Iterable[Item], stage: str, effects: Iterable[tuple[str, Any]], finger: int
+    ) -> Iterator[Item]:
+        """The fields or batches of one finger after those of the effects that act at this stage."""
+        for name, effect in effects:
+            if stage == effect.STAGE:
+                stream = effect(stream, self.random(name, finger))
+        return iter(stream)
 
     def batch(self, finger: int, field: Field) -> Batch:
         """The field as frames."""

@@ -105,9 +105,7 @@ FORMATS = {
     "csv": Format(
         "csv",
         "text lines of numbers",
-        "as the firmware says",
         115200,
-        False,
         None,
         CsvDecoder,
         CsvEncoder,

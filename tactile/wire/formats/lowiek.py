@@ -145,9 +145,7 @@ FORMATS = {
     "lowiek": Format(
         "lowiek",
         "LowiekVDS magnetic fingertip arrays, 2 x 2 and 4 x 8",
-        "uT",
         400000,
-        False,
         1000.0,
         LowiekDecoder,
         LowiekEncoder,

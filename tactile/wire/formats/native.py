@@ -102,9 +102,7 @@ FORMATS = {
     "native": Format(
         "native",
         "COBS frames with CRC-16, sequence number and device time, for firmware of one's own",
-        "as the firmware says",
         921600,
-        True,
         None,
         NativeDecoder,
         NativeEncoder,

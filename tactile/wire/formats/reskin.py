@@ -88,9 +88,7 @@ FORMATS = {
     "reskin": Format(
         "reskin",
         "ReSkin / AnySkin magnetometer boards",
-        "uT",
         115200,
-        False,
         1000.0,
         ReskinDecoder,
         ReskinEncoder,

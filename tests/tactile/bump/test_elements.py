@@ -12,12 +12,13 @@ from cnnsim.support import Floats
 from tactile.bump.body import Body, solve
 from tactile.bump.kinematics import HALF, PLANE, PRESSED, SHEARED, SOLID, Kinematics
 from tactile.bump.law import Displacement, Law, Mixed, PlaneStress
-from tactile.bump.mesh import half_section, plane_mesh, quarter_solid, whole_section
+from tactile.bump.mesh import half_section, plane_mesh, whole_section
 from tactile.bump.plate import plate_constraint, respond, stiffness
 from tactile.bump.probe import Probe
 from tactile.bump.shape import Shape
 from tactile.elastic.medium import Medium
 from tests.oracles.point_loads import boussinesq, cerruti
+from tests.oracles.quarter_solid import quarter_solid
 
 random = np.random.default_rng(3)
 

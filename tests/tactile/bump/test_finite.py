@@ -10,11 +10,12 @@ from tactile.bump.body import Body
 from tactile.bump.finite import balance, push_to
 from tactile.bump.kinematics import HALF, PLANE, PRESSED, SHEARED, SOLID, Kinematics
 from tactile.bump.law import Displacement, Law, Mixed, PlaneStress, stress, tangent
-from tactile.bump.mesh import half_section, quarter_solid, whole_section
+from tactile.bump.mesh import half_section, whole_section
 from tactile.bump.plate import Push, plate_constraint, respond, stiffness
 from tactile.bump.shape import Shape
 from tactile.bump.touch import lower
 from tactile.elastic.medium import Medium
+from tests.oracles.quarter_solid import quarter_solid
 from tests.tactile.bump.test_elements import on_boundary, shaken
 
 LAWS = (Mixed, Displacement, PlaneStress)

@@ -12,16 +12,17 @@ from cnnsim.support import Floats, InputError
 from tactile.bump.body import Body, solve
 from tactile.bump.kinematics import HALF, PLANE, PRESSED, SHEARED, SOLID, Kinematics
 from tactile.bump.law import Mixed, PlaneStress
-from tactile.bump.mesh import half_section, quarter_solid, whole_section
+from tactile.bump.mesh import half_section, whole_section
 from tactile.bump.plate import Push, plate_constraint, respond, stiffness
 from tactile.bump.probe import Probe
 from tactile.bump.shape import Shape
 from tactile.bump.touch import lower
 from tactile.bump.triangulate import triangulate
 from tactile.elastic.gauss import gauss
-from tactile.elastic.layer_loads import layer_load
 from tactile.elastic.medium import Felt, Medium
 from tactile.elastic.profiles import hertz_radius
+from tests.oracles.layer import layer_load
+from tests.oracles.quarter_solid import quarter_solid
 
 ALONG: tuple[tuple[Push, int], ...] = ("press", 0), ("shift", 1)
 """What the plate does, and the component across it."""

@@ -9,9 +9,10 @@ from scipy.linalg import expm
 
 from cnnsim.support import InputError
 from tactile.elastic.halfspace import point_load
-from tactile.elastic.layer import periodic_field, transfer
-from tactile.elastic.layer_loads import layer_load, layer_term
+from tactile.elastic.layer import transfer
+from tactile.elastic.layer_loads import layer_term
 from tactile.elastic.medium import Felt, Medium
+from tests.oracles.layer import layer_load, periodic_field
 
 random = np.random.default_rng(11)
 

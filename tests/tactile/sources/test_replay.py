@@ -10,10 +10,10 @@ import pytest
 
 from cnnsim.support import InputError
 from tactile.core.frame import Frame, TaxelArray
-from tactile.core.source import Source
+from tactile.core.source import FrameStream, Source
 from tactile.simulator.scene.file import read_scene, scene_from
-from tactile.sources.replay import read_recording
-from tactile.sources.replay_csv import CsvReplay, read_csv, write_csv
+from tactile.sources import open_source
+from tactile.sources.replay_csv import read_csv, write_csv
 from tactile.sources.replay_npz import read_npz
 from tests.kits.paths import DATA
 from tests.kits.source import GRIP, parsed
@@ -30,7 +30,7 @@ def same(a: Frame, b: Frame) -> bool:
     )
 
 
-def mixed() -> CsvReplay:
+def mixed() -> FrameStream:
     """Fingers of different sizes and quantities, a device clock, hard numbers and an invalid taxel."""
     random = np.random.default_rng(0)
     arrays = (
@@ -42,14 +42,14 @@ def mixed() -> CsvReplay:
         values = random.normal(size=(*arrays[k % 2].shape, 3)) * 10.0 ** random.uniform(-300, 300)
         values[0, 0, 1] = np.nan if k == 3 else -0.0
         frames.append(Frame(k % 2, k / 7, 100 + k, values, np.isfinite(values).all(-1), k / 3 if k else np.nan))
-    return CsvReplay('a "title" # with\nlines', arrays, 2.4e6 / 7, tuple(frames))
+    return FrameStream('a "title" # with\nlines', arrays, 2.4e6 / 7, len(frames), frames)
 
 
 @pytest.mark.parametrize("make", [mixed, lambda: read_scene(GRIP)], ids=["mixed", "grip"])
 def test_csv_round_trip_is_exact(tmp_path: Path, make: Callable[[], Source]) -> None:
     source, path = make(), tmp_path / "r.csv"
     write_csv(path, source)
-    back = read_recording(path)
+    back = open_source(path)
     assert (back.title, back.arrays, back.modulus, back.frames) == (
         source.title,
         source.arrays,
@@ -99,7 +99,7 @@ def test_broken_csv_names_file_and_line(
 
 def test_empty_and_nan_cells_are_invalid_taxels(tmp_path: Path) -> None:
     path = broken(tmp_path, 14, lambda line: ",".join([*line.split(",")[:4], "", *line.split(",")[5:-1], "NaN"]))
-    frame = read_csv(path).recorded[1]
+    frame = list(read_csv(path))[1]
     assert frame.valid.tolist() == [[False, True, True], [True, True, False]]
 
 
@@ -110,9 +110,10 @@ def test_csv_without_frames_or_file(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no frames"):
         read_csv(path)
     with pytest.raises(InputError, match=r"nothing\.csv"):
-        read_recording(tmp_path / "nothing.csv")
+        open_source(tmp_path / "nothing.csv")
     with pytest.raises(InputError, match=r"'.bag', a recording in .csv or .npz"):
-        read_recording(tmp_path / "r.bag")
+        (tmp_path / "r.bag").touch()
+        open_source(tmp_path / "r.bag")
 
 
 @dataclass
@@ -182,7 +183,7 @@ def test_npz_of_something_else_is_refused(tmp_path: Path) -> None:
 @pytest.mark.skipif(not RECORDINGS, reason="the recordings of shared/data/papillarray are not here")
 def test_real_recordings() -> None:
     for path in RECORDINGS[:2] + RECORDINGS[-2:]:
-        source = read_recording(path)
+        source = open_source(path)
         frames = list(source)
         assert len(frames) == source.frames
         assert len(source.arrays) == (1 if path.name.startswith("rigid") else 2)

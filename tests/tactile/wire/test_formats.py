@@ -94,7 +94,7 @@ def test_a_lost_byte_costs_two_frames_at_most(name: str, extra: dict[str, Any]) 
         wrong = sum(reading.values.tobytes() not in truth for reading in got)
         assert len(got) - wrong >= len(clean) - (2 if name != "native" else 1)
         # without a checksum, a frame that lost a byte can still look like one, but only that frame
-        assert wrong <= (0 if find_format(name).checked or extra.get("check") else 1)
+        assert wrong <= (1 if name in ("reskin", "lowiek", "csv") and not extra.get("check") else 0)
 
 
 def test_sequence_numbers_are_counted() -> None:

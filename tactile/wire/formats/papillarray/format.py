@@ -123,9 +123,7 @@ FORMATS = {
     "papillarray": Format(
         "papillarray",
         "Contactile PapillArray hubs, PTSCOM 2.0",
-        "N",
         9600,
-        True,
         1.0,
         PapillarrayDecoder,
         PapillarrayEncoder,

@@ -132,9 +132,7 @@ FORMATS = {
     "paxini-fast": Format(
         "paxini-fast",
         "Paxini PX-6AX GEN3 on the high-speed board",
-        "N",
         921600,
-        True,
         5.0,
         PushDecoder,
         PushEncoder,
@@ -145,9 +143,7 @@ FORMATS = {
     "paxini-serial": Format(
         "paxini-serial",
         "Paxini PX-6AX GEN3 on the serial converter board",
-        "N",
         921600,
-        True,
         5.0,
         AnswerDecoder,
         AnswerEncoder,

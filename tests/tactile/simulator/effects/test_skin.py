@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from cnnsim.support import InputError
 from tactile.elastic.discs import disc_load
 from tactile.elastic.halfspace import point_load, point_load_strain
-from tactile.elastic.layer_loads import layer_load
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import ROUND_TIP, hertz_indentation, round_tip_radius
 from tactile.simulator.contacts.moving_load import MovingLoad
@@ -23,17 +22,20 @@ from tactile.simulator.effects.strain_nonlinearity import StrainNonlinearity, st
 from tactile.simulator.effects.surface_waviness import SurfaceWaviness
 from tactile.simulator.effects.taxel_area import TaxelArea
 from tactile.simulator.effects.viscoelastic import Viscoelastic
-from tactile.simulator.field import Field, field_of
+from tactile.simulator.field import Field, field_at
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.summation import DIRECT
 from tests.kits.effects import ARRAY, FULL, scene, through
+from tests.oracles.layer import layer_load
 
 
 def fields(of: Scene, cut: int = 10**9) -> Iterator[Field]:
     times = np.arange(of.samples) / of.rate
     for start in range(0, of.samples, cut):
         here = times[start : start + cut]
-        yield field_of(ARRAY, of.medium(0), here, start, of.finger_loads(0, here), DIRECT)
+        loads, medium = of.finger_loads(0, here), of.medium(0)
+        values = field_at(ARRAY.positions(), ARRAY.depth, loads, medium, DIRECT)
+        yield Field(ARRAY, medium, here, start, loads, values)
 
 
 def term(effect: Any, seed: int = 1, of: Scene | None = None) -> tuple[NDArray[np.float64], Field]:
