@@ -64,7 +64,7 @@ class DeviceContext:
         return cl.Buffer(self.context, cl.mem_flags.READ_WRITE, size)
 
     def recycle(self, *buffers: Buffer) -> None:
-        """Take back buffers that nobody else knows: new memory costs more than a few steps of the time loop."""
+        """Take back buffers that nothing else refers to: new memory costs more than a few steps of the time loop."""
         self._pool = [*self._pool, *buffers][-POOLED:]
 
     def table(self, numbers: np.ndarray[Any, Any]) -> Buffer:

@@ -45,7 +45,7 @@ def test_planes_stay_on_the_device_during_a_program(tmp_path: Path, monkeypatch:
 
 def test_memory_of_a_dense_transient(monkeypatch: pytest.MonkeyPatch) -> None:
     backend = OpenCLBackend()
-    rows = 997  # a size that no other test leaves spare planes of
+    rows = 997  # a size that no other test leaves planes of in the pool
     x = np.zeros((rows, 16), np.float32)
     task = make_task(Template(NINE, NINE), state=x, input=x, duration=10.0)
     planes = 0
