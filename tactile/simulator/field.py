@@ -1,6 +1,6 @@
 """The strain or stress field at the taxels of one finger over some frames, before any electronics."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cnnsim.support import Floats
 from tactile.core.frame import TaxelArray
@@ -22,6 +22,12 @@ class Field:
     first: int
     loads: Loads
     values: Floats
+
+    def under(self, loads: Loads, medium: Medium) -> "Field":
+        """The same with other loads or another medium: what ideal taxels then feel, less what they felt, is added."""
+        at, depth = self.array.positions(), self.array.depth
+        term = field_at(at, depth, loads, medium) - field_at(at, depth, self.loads, self.medium)
+        return replace(self, loads=loads, medium=medium, values=self.values + term)
 
 
 def field_at(positions: Floats, depth: float, loads: Loads, medium: Medium, method: Summation | None = None) -> Floats:

@@ -1,13 +1,12 @@
 """Needle vibration: the needle's place and its height over the cover tremble."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
 from tactile.core.loads import F
 from tactile.simulator.effect import effect, parameter
-from tactile.simulator.field import Field, field_at
+from tactile.simulator.field import Field
 from tactile.simulator.held_needle import force_factor
 
 
@@ -33,7 +32,4 @@ class NeedleVibration:
             forces = field.loads.totals[..., F]
             shift = np.broadcast_to(moves[..., :2], (*forces.shape, 2))
             factor = force_factor(forces, np.broadcast_to(moves[..., 2], forces.shape), self.tip_radius, field.medium)
-            loads = field.loads.moved(shift, factor)
-            at, depth = field.array.positions(), field.array.depth
-            term = field_at(at, depth, loads, field.medium) - field_at(at, depth, field.loads, field.medium)
-            yield replace(field, loads=loads, values=field.values + term)
+            yield field.under(field.loads.moved(shift, factor), field.medium)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from tactile.simulator.effect import effect, parameter
-from tactile.simulator.field import Field, field_at
+from tactile.simulator.field import Field
 
 
 @effect("field")
@@ -24,7 +24,4 @@ class PoissonRatio:
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields in the compressible cover."""
         for field in stream:
-            medium = replace(field.medium, nu=self.nu)
-            at, depth = field.array.positions(), field.array.depth
-            term = field_at(at, depth, field.loads, medium) - field_at(at, depth, field.loads, field.medium)
-            yield replace(field, medium=medium, values=field.values + term)
+            yield field.under(field.loads, replace(field.medium, nu=self.nu))

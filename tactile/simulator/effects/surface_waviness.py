@@ -1,13 +1,12 @@
 """Surface waviness: a held needle meets hills and valleys of the cover."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
 from tactile.core.loads import PLACE, F
 from tactile.simulator.effect import effect, parameter
-from tactile.simulator.field import Field, field_at
+from tactile.simulator.field import Field
 from tactile.simulator.held_needle import force_factor
 
 WAVES = 32
@@ -38,7 +37,4 @@ class SurfaceWaviness:
             totals = field.loads.totals
             height = self.rms * np.sqrt(2 / WAVES) * np.cos(totals[..., PLACE] @ waves + phase).sum(axis=-1)
             factor = force_factor(totals[..., F], height, self.tip_radius, field.medium)
-            loads = field.loads.moved(np.zeros((*factor.shape, 2)), factor)
-            at, depth = field.array.positions(), field.array.depth
-            term = field_at(at, depth, loads, field.medium) - field_at(at, depth, field.loads, field.medium)
-            yield replace(field, loads=loads, values=field.values + term)
+            yield field.under(field.loads.moved(np.zeros((*factor.shape, 2)), factor), field.medium)
