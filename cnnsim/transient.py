@@ -63,6 +63,23 @@ class Task:
             None if self.mask is None else backend.load(self.mask, "llm"),
         )
 
+    def states(self, backend: Backend, until: float, frames: int, *, first: int = 0) -> Iterator[tuple[float, Array]]:
+        """Yield (t, x) at ``frames`` evenly spaced times up to ``until``; with terms after ``first`` steps or more."""
+        old, x = self.plan, self.state
+        if old.method == "general":  # with delays and sequences a run cannot be cut in two, so each state has its own
+            for frame in range(1, frames + 1):
+                t = max(first, round(frame * until / frames / old.step)) * old.step
+                yield t, backend.read(self.start(backend, plan=replace(old, duration=t)).x)
+            return
+        scheme = old.scheme.name if old.scheme is not None else None
+        plan = make_plan(
+            old.template, old.shape, old.boundary, duration=until / frames, cell=old.cell,
+            scheme="adaptive" if old.method == "adaptive" else scheme, step=old.step if scheme else None,
+        )  # fmt: skip
+        for frame in range(1, frames + 1):
+            x = backend.read(self.start(backend, x, plan).x)
+            yield frame * until / frames, x
+
 
 Dtype = Literal["float32", "float64"]
 
@@ -167,22 +184,9 @@ def trajectory(
     """
     task = make_task(template, state=state, **choices)
     where = backends.get(backend, dtype) if isinstance(backend, str) else backend
-    old = task.plan
-    x = where.load(task.state, "lam")
-    yield 0.0, old.output(where.read(x))
-    if old.method == "general":  # with delays and sequences a run cannot be cut in two, so each picture has its own
-        for frame in range(1, frames + 1):
-            t = round(frame * until / frames / old.step) * old.step
-            yield t, old.output(where.read(task.start(where, plan=replace(old, duration=t)).x))
-        return
-    scheme = old.scheme.name if old.scheme is not None else None
-    plan = make_plan(
-        old.template, old.shape, old.boundary, duration=until / frames, cell=old.cell,
-        scheme="adaptive" if old.method == "adaptive" else scheme, step=old.step if scheme else None,
-    )  # fmt: skip
-    for frame in range(1, frames + 1):
-        x = task.start(where, where.read(x), plan).x
-        yield frame * until / frames, old.output(where.read(x))
+    yield 0.0, task.plan.output(where.read(where.load(task.state, "lam")))
+    for t, x in task.states(where, until, frames):
+        yield t, task.plan.output(x)
 
 
 def _load(backend: Backend, value: Any) -> Any:

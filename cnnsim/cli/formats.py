@@ -7,7 +7,7 @@ import click
 from cnnsim import library
 from cnnsim.formats.export import KEPT, WRITERS
 from cnnsim.formats.files import READERS, ImportedFile, import_file
-from cnnsim.support import InputError
+from cnnsim.support import InputError, naming
 from cnnsim.support.command_line import examples, print_json
 
 
@@ -85,10 +85,8 @@ def export(names: tuple[str, ...], kind: str, output: Path, replace: bool) -> No
     texts: dict[Path, str] = {}
     for name in names:
         target = output / f"{name}.{kind}"
-        try:
+        with naming(f"{name} as {kind}"):
             texts[target] = WRITERS[kind](library.load(name))
-        except InputError as error:
-            raise InputError(f"{name} as {kind}: {error}") from error
         if target.exists() and not replace:
             raise InputError(f"{target} is there already; --replace would write over it")
     output.mkdir(parents=True, exist_ok=True)

@@ -8,6 +8,8 @@ Source: celnn 1.0.0, Template.to_dict.
 import json
 from typing import Any
 
+import numpy as np
+
 from cnnsim.library.imported import Imported, assume_setting, library_name, plain
 from cnnsim.network import AnyTemplate, Template
 from cnnsim.support import Diagnostics, InputError
@@ -84,16 +86,10 @@ def celnn(template: AnyTemplate, summary: str, tags: tuple[str, ...]) -> str:
     """
     template = plain(template, "celnn's JSON")
     side = max(template.A.shape[0], template.B.shape[0], 3)
-    a, b = (_in_frame(matrix.tolist(), side) for matrix in (template.A, template.B))
+    a, b = (np.pad(matrix, (side - len(matrix)) // 2).tolist() for matrix in (template.A, template.B))
     data = {
         "name": template.name, "feedback": a, "control": b, "bias": -template.z if template.z else 0.0,
         "initial_state": None, "description": summary, "tags": list(tags),
         "metadata": {"source": "exported for black = -1: the sign of the bias is turned"},
     }  # fmt: skip
     return json.dumps(data, indent=2, ensure_ascii=False) + "\n"
-
-
-def _in_frame(rows: list[list[float]], side: int) -> list[list[float]]:
-    rim = (side - len(rows)) // 2
-    empty = [[0.0] * side for _ in range(rim)]
-    return [*empty, *([0.0] * rim + row + [0.0] * rim for row in rows), *empty]

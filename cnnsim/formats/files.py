@@ -22,20 +22,12 @@ def _tem(data: bytes, stem: str, report: Diagnostics) -> list[Imported]:
     return [] if report.failed else tem_templates(tem, stem, report)
 
 
-def _matcnn(data: bytes, stem: str, report: Diagnostics) -> list[Imported]:
-    return matcnn_templates(read_matcnn(data, report), report)
-
-
-def _celnn(data: bytes, stem: str, report: Diagnostics) -> list[Imported]:
-    return read_celnn(data, report)
-
-
 READERS: dict[str, Callable[[bytes, str, Diagnostics], list[Imported]]] = {
     "tem": _tem,
-    "matcnn": _matcnn,
+    "matcnn": lambda data, _, report: matcnn_templates(read_matcnn(data, report), report),
     "cnnsim": read_cnnsim,
     "gene": read_gene,
-    "json": _celnn,
+    "json": lambda data, _, report: read_celnn(data, report),
 }
 _SUFFIXES = {".tem": "tem", ".m": "matcnn", ".cnnsim": "cnnsim", ".gene": "gene", ".json": "json"}
 _SYSTEMS = {"tem": "CANDY", "matcnn": "MATCNN", "cnnsim": "CNNSim", "gene": "M.Teti", "json": "celnn"}

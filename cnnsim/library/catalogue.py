@@ -13,7 +13,7 @@ from cnnsim.library.folders import files, not_found
 from cnnsim.library.read import TEMPLATE_KEYS, read_pictures, read_template
 from cnnsim.network import LayeredTemplate, parse_boundary
 from cnnsim.network.characteristic import parse_cell
-from cnnsim.support import InputError
+from cnnsim.support import InputError, naming
 from cnnsim.support.toml_file import check_keys, read_toml
 from cnnsim.transient import Dtype, Result, TaskOptions, run_transient
 
@@ -74,13 +74,11 @@ def load_file(path: Path) -> LibraryEntry:
         InputError: what is wrong, with the file's name.
     """
     data = read_toml(path, "template file")
-    try:
+    with naming(path):
         entry = replace(_entry(data, path.stem), file=path)
         if entry.shipped and not entry.examples:
             raise InputError("no worked example; at least one [[example]] wanted")
         return entry
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
 
 
 def _entry(data: dict[str, Any], stem: str) -> LibraryEntry:

@@ -20,7 +20,7 @@ import numpy as np
 
 from cnnsim.network import AnyTemplate, LayeredTemplate, Template, Term
 from cnnsim.network.table import parse_table
-from cnnsim.support import Floats, InputError
+from cnnsim.support import Floats, InputError, naming
 from cnnsim.support.picture import parse_ascii
 from cnnsim.support.toml_file import check_keys, take_tables
 
@@ -43,10 +43,8 @@ def read_template(data: dict[str, Any], name: str) -> AnyTemplate:
     layers = []
     for number, table in enumerate(take_tables(data, "layer", "template")):
         check_keys(table, _LAYER_KEYS, f"layer {number}")
-        try:
+        with naming(f"layer {number}"):
             layers.append(_single_layer(table, f"{name}, layer {number}"))
-        except InputError as error:
-            raise InputError(f"layer {number}: {error}") from error
     return LayeredTemplate(layers, [table.get("time_constant", 1.0) for table in data["layer"]], name)
 
 
@@ -57,11 +55,9 @@ def _single_layer(data: dict[str, Any], name: str) -> Template:
     terms = []
     for number, table in enumerate(take_tables(data, "term", "template")):
         check_keys(table, _TERM_KEYS, f"term {number}")
-        try:
+        with naming(f"term {number}"):
             values = table if "table" not in table else table | {"table": parse_table(table["table"])}
             terms.append(Term(**{"weights": None, **values}))
-        except InputError as error:
-            raise InputError(f"term {number}: {error}") from error
     return Template(data["A"], data.get("B", 0.0), data["z"], name, terms)
 
 

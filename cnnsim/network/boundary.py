@@ -1,10 +1,12 @@
 """Boundary: what the virtual cells around the grid of cells hold, and which real cells they repeat."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
 
+from cnnsim.network.weights import Tap, reach
 from cnnsim.support import Array, InputError, Integers
 
 BoundaryKind = Literal["fixed", "zero-flux", "periodic"]
@@ -115,3 +117,13 @@ def pad(plane: Array, radius: int, boundary: Boundary, constant: float) -> Array
     padded[..., rows < 0, :] = constant
     padded[..., :, cols < 0] = constant
     return padded
+
+
+def correlate(plane: Array, taps: Sequence[Tap], boundary: Boundary, constant: float, start: Array) -> Array:
+    """Return start + sum over the taps of weight * plane(row + k, col + l), added in the order of the taps."""
+    total, r = start.copy(), reach((k, l) for k, l, _ in taps)
+    around = pad(plane, r, boundary, constant)
+    rows, cols = plane.shape[-2:]
+    for k, l, weight in taps:
+        total += weight * around[..., r + k : r + k + rows, r + l : r + l + cols]
+    return total

@@ -58,11 +58,6 @@ class Table:
         return Table(self.kind, at, values, "left" if self.closed == "right" else "right")
 
     @property
-    def even(self) -> bool:
-        """True if f(-v) = f(v), edges of steps aside."""
-        return self.mirrored().at == self.at and self.mirrored().values == self.values
-
-    @property
     def bound(self) -> float:
         """The largest |f|."""
         return max(map(abs, self.values))

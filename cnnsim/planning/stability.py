@@ -6,7 +6,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.network import Boundary, Template, pad
+from cnnsim.network import Boundary, Template
+from cnnsim.network.boundary import correlate
+from cnnsim.network.weights import taps_of
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.scheme import EULER, RK4, Scheme
 from cnnsim.support import Floats
@@ -54,16 +56,9 @@ def _on_grids(entries: bytes, side: int, boundary: Boundary) -> Modes:
 
 def coupling(A: Floats, shape: tuple[int, int], boundary: Boundary) -> Floats:
     """Return the matrix (cells, cells) of A on a grid, whose virtual cells follow the boundary, constants left out."""
-    rows, cols = shape
-    r = A.shape[0] // 2
-    around = pad(np.eye(rows * cols).reshape(-1, rows, cols), r, boundary, 0.0)
-    total = sum(
-        A[r + k, r + l] * around[:, r + k : r + k + rows, r + l : r + l + cols]
-        for k in range(-r, r + 1)
-        for l in range(-r, r + 1)
-        if A[r + k, r + l]
-    )
-    return np.reshape(total + np.zeros((rows * cols, rows, cols)), (rows * cols, -1)).T
+    cells = shape[0] * shape[1]
+    each = np.eye(cells).reshape(-1, *shape)
+    return correlate(each, taps_of(A), boundary, 0.0, np.zeros_like(each)).reshape(cells, cells).T
 
 
 def step_limit(template: Template, boundary: Boundary, duration: Duration, scheme: Scheme) -> float:

@@ -6,11 +6,10 @@ from typing import Any
 
 from cnnsim.library.folders import program_file
 from cnnsim.network import Template, parse_boundary
-from cnnsim.program.names import Names
+from cnnsim.program.names import LocalTemplate, Names
 from cnnsim.program.program import Program
-from cnnsim.program.scope import LocalTemplate, Scope
 from cnnsim.program.steps import read_steps
-from cnnsim.support import InputError
+from cnnsim.support import InputError, naming
 from cnnsim.support.toml_file import check_keys, read_toml
 
 _REQUIRED = ("name", "inputs", "outputs", "step")
@@ -35,10 +34,8 @@ def load_program(
     if not file.suffix:
         file = program_file(str(path))
     data = read_toml(file, "program file")
-    try:
+    with naming(file):
         return _program(data, templates or {}, parameters or {}, file)
-    except InputError as error:
-        raise InputError(f"{file}: {error}") from error
 
 
 def _program(
@@ -49,12 +46,12 @@ def _program(
     local = {name: _local_template(name, table) for name, table in data.get("templates", {}).items()}
     _replaced("template", local, templates)
     local.update({name: (template, *local[name][1:]) for name, template in templates.items()})
-    names = Names({kind: data.get(kind, []) for kind in ("lam", "llm", "wire")}, numbers)
+    names = Names({kind: data.get(kind, []) for kind in ("lam", "llm", "wire")}, numbers, local)
     keep: dict[str, float] = dict(data.get("keep", {}))
     for name in (*data["inputs"], *keep):
         names.known(name, "inputs and keep", "lam", "llm")
     names.written |= {*data["inputs"], *keep}
-    steps = read_steps(data["step"], "step ", Scope(names, local))
+    steps = read_steps(data["step"], "step ", names)
     for name in data["outputs"]:
         names.read(name, "outputs", "lam", "llm", "wire")
     return Program(
@@ -77,9 +74,7 @@ def _replaced(what: str, defined: Mapping[str, Any], given: Mapping[str, Any]) -
 
 
 def _local_template(name: str, table: dict[str, Any]) -> LocalTemplate:
-    try:
+    with naming(f"templates.{name}"):
         check_keys(table, ("A", "B", "z", "boundary", "duration"), required=("A",))
         template = Template(table["A"], table.get("B", 0.0), table.get("z", 0.0), name)
         return template, parse_boundary(table.get("boundary", "zero-flux")), table.get("duration", "settled")
-    except InputError as error:
-        raise InputError(f"templates.{name}: {error}") from error

@@ -29,7 +29,7 @@ from cnnsim.program.program import (
     UntilUnchangedStep,
     WireStep,
 )
-from cnnsim.support import Array, InputError
+from cnnsim.support import Array, InputError, naming
 
 _XOR = function_number("xor")
 
@@ -150,10 +150,8 @@ class UniversalMachine:
         mask = None if step.mask is None else planes[step.mask]
         if step.mask is not None and program.memory[step.mask] == "lam":
             mask = self.backend.convert(mask, "llm")
-        try:
+        with naming(step.where):
             outcome = self.backend.transient(plan, plane(step.state), plane(step.input), plane(step.bias), mask)
-        except InputError as error:
-            raise InputError(f"{step.where}: {error}") from error
         if step.duration == "settled" and not outcome.settled:
             raise InputError(
                 f"{step.where}: has not settled after {outcome.t:g} time constants; |dx/dt| {outcome.rate:.3g}"

@@ -1,21 +1,28 @@
-"""Names of a program file while it is read: the memory of each, and whether it has been written yet."""
+"""Names of a program file while it is read: the memory of each, whether it has been written yet, and its templates."""
 
 from collections.abc import Mapping
 from typing import Any
 
+from cnnsim.network import Boundary, Template
+from cnnsim.planning.duration import Duration
 from cnnsim.program.program import ProgramMemory
 from cnnsim.support import InputError
 from cnnsim.support.toml_file import in_range
 
+LocalTemplate = tuple[Template, Boundary, Duration]
+
 
 class Names:
-    """Declared names, those written so far, and the numbers that parameters stand for.
+    """Declared names, those written so far, the numbers that parameters stand for, and the program's own templates.
 
     Raises:
         InputError: something else than names, or one declared in two memories.
     """
 
-    def __init__(self, declared: Mapping[ProgramMemory, list[str]], parameters: Mapping[str, float]) -> None:
+    def __init__(
+        self, declared: Mapping[ProgramMemory, list[str]], parameters: Mapping[str, float],
+        templates: Mapping[str, LocalTemplate],
+    ) -> None:  # fmt: skip
         self.memory: dict[str, ProgramMemory] = {}
         for kind, names in declared.items():
             if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
@@ -24,7 +31,7 @@ class Names:
                 if name in self.memory:
                     raise InputError(f"{name!r} is declared as {self.memory[name]} and as {kind}; one memory wanted")
                 self.memory[name] = kind
-        self.parameters = parameters
+        self.parameters, self.templates = parameters, templates
         self.written: set[str] = set()
 
     def known(self, name: Any, where: str, *kinds: ProgramMemory) -> str:

@@ -6,6 +6,7 @@ from typing import Any
 from cnnsim.operations import cellwise
 from cnnsim.operations.global_wire import check_wire
 from cnnsim.operations.logic import function_number
+from cnnsim.program.names import Names
 from cnnsim.program.program import (
     ARITHMETIC,
     BranchStep,
@@ -19,13 +20,12 @@ from cnnsim.program.program import (
     UntilUnchangedStep,
     WireStep,
 )
-from cnnsim.program.scope import Scope
 from cnnsim.program.template_step import read_template_step
-from cnnsim.support import InputError
+from cnnsim.support import InputError, naming
 from cnnsim.support.toml_file import check_keys
 
 
-def read_steps(tables: Any, prefix: str, scope: Scope) -> tuple[Step, ...]:
+def read_steps(tables: Any, prefix: str, names: Names) -> tuple[Step, ...]:
     """Turn a list of tables into steps; ``prefix`` leads their numbers in messages.
 
     Raises:
@@ -33,10 +33,10 @@ def read_steps(tables: Any, prefix: str, scope: Scope) -> tuple[Step, ...]:
     """
     if not isinstance(tables, list) or not tables or not all(isinstance(table, dict) for table in tables):
         raise InputError(f"{prefix.strip()}: no steps; one table or more wanted")
-    return tuple(_step(table, f"{prefix}{i}", scope) for i, table in enumerate(tables, start=1))
+    return tuple(_step(table, f"{prefix}{i}", names) for i, table in enumerate(tables, start=1))
 
 
-def _step(table: dict[str, Any], number: str, scope: Scope) -> Step:
+def _step(table: dict[str, Any], number: str, names: Names) -> Step:
     kinds = [key for key in _READERS if key in table]
     if len(kinds) != 1:
         raise InputError(f"{number}: has {' and '.join(kinds) or 'none'} of {', '.join(_READERS)}; exactly one wanted")
@@ -45,14 +45,12 @@ def _step(table: dict[str, Any], number: str, scope: Scope) -> Step:
     if kinds[0] not in ("fill", "repeat") and not isinstance(table[kinds[0]], str):
         raise InputError(f"{where}: a name wanted")
     check_keys(table, (kinds[0], *required, *optional), where, required)
-    return read(table, where, number, scope)
+    return read(table, where, number, names)
 
 
-def _cellwise(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
-    try:
+def _cellwise(table: dict[str, Any], where: str, _number: str, names: Names) -> Step:
+    with naming(where):
         operation = cellwise.find(table["cellwise"])
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from error
     of, to, numbers = _list(table["of"]), _list(table["to"]), _list(table.get("parameters", []))
     for what, given, wanted in (
         ("inputs", of, operation.inputs),
@@ -61,80 +59,75 @@ def _cellwise(table: dict[str, Any], where: str, _number: str, scope: Scope) -> 
     ):
         if len(given) != len(wanted):
             raise InputError(f"{where}: {len(given)} {what}; {len(wanted)} wanted: {', '.join(wanted) or 'none'}")
-    planes = tuple(scope.names.read(name, where, "lam") for name in of)
-    results = tuple(scope.names.write(name, where, "lam") for name in to)
-    return CellwiseStep(where, operation, planes, results, tuple(scope.names.number(value, where) for value in numbers))
+    planes = tuple(names.read(name, where, "lam") for name in of)
+    results = tuple(names.write(name, where, "lam") for name in to)
+    return CellwiseStep(where, operation, planes, results, tuple(names.number(value, where) for value in numbers))
 
 
-def _logic(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
+def _logic(table: dict[str, Any], where: str, _number: str, names: Names) -> Step:
     of = _list(table["of"])
     if len(of) not in (1, 2):
         raise InputError(f"{where}: {len(of)} planes; one or two wanted")
-    p, q = (scope.names.read(name, where, "llm") for name in (of[0], of[-1]))
-    try:
+    p, q = (names.read(name, where, "llm") for name in (of[0], of[-1]))
+    with naming(where):
         function = function_number(table["logic"])
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from error
-    return LogicStep(where, function, p, q, scope.names.write(table["to"], where, "llm"))
+    return LogicStep(where, function, p, q, names.write(table["to"], where, "llm"))
 
 
-def _copy(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
-    source = scope.names.read(table["copy"], where, "lam", "llm")
-    return CopyStep(where, source, scope.names.write(table["to"], where, "lam", "llm"))
+def _copy(table: dict[str, Any], where: str, _number: str, names: Names) -> Step:
+    source = names.read(table["copy"], where, "lam", "llm")
+    return CopyStep(where, source, names.write(table["to"], where, "lam", "llm"))
 
 
-def _fill(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
-    names, value = scope.names, table["fill"]
+def _fill(table: dict[str, Any], where: str, _number: str, names: Names) -> Step:
+    value = table["fill"]
     if isinstance(table["to"], str) and names.memory.get(table["to"]) == "wire":
-        return FillStep(where, _integer(value, where, scope), names.write(table["to"], where, "wire"))
+        return FillStep(where, _integer(value, where, names), names.write(table["to"], where, "wire"))
     from_wire = isinstance(value, str) and names.memory.get(value) == "wire"
     number = names.read(value, where, "wire") if from_wire else names.number(value, where)
     return FillStep(where, number, names.write(table["to"], where, "lam", "llm"))
 
 
-def _wire(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
-    of = scope.names.read(table["of"], where, "llm")
-    try:
+def _wire(table: dict[str, Any], where: str, _number: str, names: Names) -> Step:
+    of = names.read(table["of"], where, "llm")
+    with naming(where):
         wire = check_wire(table["wire"])
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from error
-    return WireStep(where, wire, of, scope.names.write(table["to"], where, "wire"))
+    return WireStep(where, wire, of, names.write(table["to"], where, "wire"))
 
 
-def _arithmetic(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
+def _arithmetic(table: dict[str, Any], where: str, _number: str, names: Names) -> Step:
     function, of = table["number"], _list(table["of"])
     if function not in ARITHMETIC:
         raise InputError(f"{where}: number function {function!r}; known are {', '.join(ARITHMETIC)}")
     if len(of) != 2:
         raise InputError(f"{where}: of {len(of)} numbers; two wanted")
-    p, q = (_register_or_number(value, where, scope) for value in of)
-    return NumberStep(where, function, (p, q), scope.names.write(table["to"], where, "wire"))
+    p, q = (_register_or_number(value, where, names) for value in of)
+    return NumberStep(where, function, (p, q), names.write(table["to"], where, "wire"))
 
 
-def _register_or_number(value: Any, where: str, scope: Scope) -> int | str:
-    if isinstance(value, str) and value in scope.names.memory:
-        return scope.names.read(value, where, "wire")
-    return _integer(value, where, scope)
+def _register_or_number(value: Any, where: str, names: Names) -> int | str:
+    if isinstance(value, str) and value in names.memory:
+        return names.read(value, where, "wire")
+    return _integer(value, where, names)
 
 
-def _repeat(table: dict[str, Any], where: str, number: str, scope: Scope) -> Step:
-    times = _whole(table["repeat"], "times", where, scope)
-    return RepeatStep(where, times, read_steps(table["do"], f"{number}.", scope))
+def _repeat(table: dict[str, Any], where: str, number: str, names: Names) -> Step:
+    times = _whole(table["repeat"], "times", where, names)
+    return RepeatStep(where, times, read_steps(table["do"], f"{number}.", names))
 
 
-def _until_unchanged(table: dict[str, Any], where: str, number: str, scope: Scope) -> Step:
-    plane = scope.names.read(table["until_unchanged"], where, "llm")
-    limit = _whole(table.get("limit", 10_000), "limit", where, scope)
-    return UntilUnchangedStep(where, plane, limit, read_steps(table["do"], f"{number}.", scope))
+def _until_unchanged(table: dict[str, Any], where: str, number: str, names: Names) -> Step:
+    plane = names.read(table["until_unchanged"], where, "llm")
+    limit = _whole(table.get("limit", 10_000), "limit", where, names)
+    return UntilUnchangedStep(where, plane, limit, read_steps(table["do"], f"{number}.", names))
 
 
-def _when(table: dict[str, Any], where: str, number: str, scope: Scope) -> Step:
-    names = scope.names
+def _when(table: dict[str, Any], where: str, number: str, names: Names) -> Step:
     register = names.read(table["when"], where, "wire")
     before = set(names.written)
-    do = read_steps(table["do"], f"{number}.", scope)
+    do = read_steps(table["do"], f"{number}.", names)
     after_do, names.written = names.written, before
-    otherwise = read_steps(table["otherwise"], f"{number} otherwise ", scope) if "otherwise" in table else ()
+    otherwise = read_steps(table["otherwise"], f"{number} otherwise ", names) if "otherwise" in table else ()
     names.written &= after_do  # only what both ways write can be read from here on
     return BranchStep(where, register, do, otherwise)
 
@@ -143,21 +136,21 @@ def _list(value: Any) -> list[Any]:
     return value if isinstance(value, list) else [value]
 
 
-def _integer(value: Any, where: str, scope: Scope) -> int:
-    number = scope.names.number(value, where)
+def _integer(value: Any, where: str, names: Names) -> int:
+    number = names.number(value, where)
     if not number.is_integer():
         raise InputError(f"{where}: {number:g}; a whole number wanted")
     return int(number)
 
 
-def _whole(value: Any, what: str, where: str, scope: Scope) -> int:
-    value = scope.names.number(value, where) if isinstance(value, str) else value
+def _whole(value: Any, what: str, where: str, names: Names) -> int:
+    value = names.number(value, where) if isinstance(value, str) else value
     if isinstance(value, bool) or not isinstance(value, int | float) or not 1 <= value < 1e9 or value % 1:
         raise InputError(f"{where}: {what} {value!r}; a whole number from 1 wanted")
     return int(value)
 
 
-_Reader = Callable[[dict[str, Any], str, str, Scope], Step]
+_Reader = Callable[[dict[str, Any], str, str, Names], Step]
 
 _READERS: dict[str, tuple[tuple[str, ...], tuple[str, ...], _Reader]] = {
     "template": (("to",), ("input", "state", "bias", "mask", "boundary", "duration"), read_template_step),

@@ -5,30 +5,26 @@ from typing import Any
 from cnnsim import library
 from cnnsim.network import CHUA_YANG, Boundary, Cell, Template, parse_boundary
 from cnnsim.planning.duration import Duration
+from cnnsim.program.names import Names
 from cnnsim.program.program import Step, TemplateStep
-from cnnsim.program.scope import Scope
-from cnnsim.support import InputError
+from cnnsim.support import InputError, naming
 
 
-def read_template_step(table: dict[str, Any], where: str, _number: str, scope: Scope) -> Step:
+def read_template_step(table: dict[str, Any], where: str, _number: str, names: Names) -> Step:
     """Return the step of a table with the key ``template``.
 
     Raises:
         InputError: no such template, or no plane where it needs one.
     """
-    names = scope.names
-    template, boundary, duration, u, x0 = _find_template(table["template"], where, scope)
-    cell, step = _cell_and_step(table["template"], scope)
+    template, boundary, duration, u, x0, cell, step = _find_template(table["template"], where, names)
     u = table.get("input", u)
     if template.reads_input and u is None:
         raise InputError(f"{where}: the template has a B, so 'input' must name a plane")
     x0 = table.get("state", u if x0 == "picture" else None if x0 == "given" else x0)
     if x0 is None:
         raise InputError(f"{where}: 'state' must name the plane, or be the number, that x(0) is")
-    try:
+    with naming(where):
         boundary = parse_boundary(table.get("boundary", boundary))
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from error
     return TemplateStep(
         where,
         template,
@@ -41,29 +37,24 @@ def read_template_step(table: dict[str, Any], where: str, _number: str, scope: S
         names.write(table["to"], where, "lam", "llm"),
         cell,
         step,
-        "" if table["template"] in scope.templates else table["template"],
+        "" if table["template"] in names.templates else table["template"],
     )
 
 
-def _cell_and_step(name: str, scope: Scope) -> tuple[Cell, float | None]:
-    """Return what a template of the library asks for; a program's own templates are Chua-Yang cells."""
-    if name in scope.templates:
-        return CHUA_YANG, None
-    entry = library.load(name)
-    return entry.cell, entry.step
+def _find_template(
+    name: str, where: str, names: Names
+) -> tuple[Template, Boundary, Duration, Any, Any, Cell, float | None]:
+    """Return template, boundary, duration, what u and x(0) are if the step does not say (None: it must), cell, step.
 
-
-def _find_template(name: str, where: str, scope: Scope) -> tuple[Template, Boundary, Duration, Any, Any]:
-    """Return template, boundary, duration, and what u and x(0) are if the step does not say (None: it must)."""
-    if name in scope.templates:
-        return (*scope.templates[name], None, None)
-    try:
+    A program's own templates are Chua-Yang cells.
+    """
+    if name in names.templates:
+        return (*names.templates[name], None, None, CHUA_YANG, None)
+    with naming(where):
         entry = library.load(name)
         template = entry.template
         if entry.frame_time:
             raise InputError(f"template {name!r} takes a sequence of pictures, a step has one")
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from error
     u = entry.input if isinstance(entry.input, int | float) else None
     x0 = 0.0 if entry.initial_state == "any" else entry.initial_state
-    return template, entry.boundary, entry.duration, u, x0
+    return template, entry.boundary, entry.duration, u, x0, entry.cell, entry.step

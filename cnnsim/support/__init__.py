@@ -1,7 +1,7 @@
 """What every folder needs: the array types of annotations, the error for wrong input, reports on files."""
 
 from cnnsim.support.diagnostics import Diagnostics
-from cnnsim.support.errors import InputError
+from cnnsim.support.errors import InputError, naming
 from cnnsim.support.types import Array, Flags, Floats, Integers
 
-__all__ = ["Array", "Diagnostics", "Flags", "Floats", "InputError", "Integers"]
+__all__ = ["Array", "Diagnostics", "Flags", "Floats", "InputError", "Integers", "naming"]

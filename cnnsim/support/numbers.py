@@ -6,8 +6,6 @@ from cnnsim.support.errors import InputError
 
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
-Matrix = tuple[tuple[float, ...], ...]
-
 
 def is_number(word: str) -> bool:
     """Return whether a word is a decimal number: ``1``, ``-.5``, ``2.``, ``1e-3``; not ``nan``, ``inf`` or ``1_0``."""

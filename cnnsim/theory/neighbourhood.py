@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cnnsim.network import Boundary, Tap, pad, reach
 from cnnsim.support import Floats
 
 Pair = tuple[float, float]
@@ -43,17 +42,6 @@ def weighted_sums(options: Sequence[Sequence[tuple[float, ...]]]) -> Floats | No
         if len(sums) > MOST:
             return None
     return sums
-
-
-def neighbour_sum(plane: Floats, taps: Sequence[Tap], boundary: Boundary, constant: float, start: Floats) -> Floats:
-    """Return start + sum of weight * plane(row + k, col + l); ``constant`` is what a fixed boundary holds."""
-    r = reach((k, l) for k, l, _ in taps)
-    around = pad(plane, r, boundary, constant)
-    rows, cols = plane.shape
-    total = start.copy()
-    for k, l, weight in taps:
-        total += weight * around[r + k : r + k + rows, r + l : r + l + cols]
-    return total
 
 
 def too_many(taps: int) -> str:

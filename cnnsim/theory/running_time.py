@@ -15,9 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from cnnsim.network import Boundary, Template
+from cnnsim.network.boundary import correlate
 from cnnsim.support import Array, Floats
 from cnnsim.theory import wave_time
-from cnnsim.theory.neighbourhood import Pair, neighbour_sum, pairs_of, too_many, weighted_sums
+from cnnsim.theory.neighbourhood import Pair, pairs_of, too_many, weighted_sums
 
 TOLERANCE = 0.01
 """An output that only comes nearer and nearer to its final value counts as final from this distance on."""
@@ -82,7 +83,7 @@ def time_of_picture(
         return contraction
     drive = np.full(state.shape, template.z) + (0.0 if bias is None else bias)
     if input is not None:
-        drive = neighbour_sum(input, template.control_taps, boundary, boundary.u, drive)
+        drive = correlate(input, template.control_taps, boundary, boundary.u, drive)
     masked = np.zeros(state.shape, dtype=bool) if mask is None else mask > 0
     if np.abs(state[~masked]).max(initial=0.0) > 1:
         return RunningTime(None, "a state lies outside [-1, 1]")

@@ -16,8 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from cnnsim.network import Boundary, Template
+from cnnsim.network.boundary import correlate
 from cnnsim.support import Flags, Floats
-from cnnsim.theory.neighbourhood import Pair, neighbour_sum, too_many, weighted_sums
+from cnnsim.theory.neighbourhood import Pair, too_many, weighted_sums
 from cnnsim.theory.wave_path import longest_path
 
 _TIE = 1e-9
@@ -148,7 +149,7 @@ def _refusal(template: Template, step: float) -> str | None:
 def _neighbours(template: Template, y: Floats, boundary: Boundary, outside: float) -> Floats:
     """A*y without the cell itself."""
     taps = [tap for tap in template.feedback_taps if (tap.k, tap.l) != (0, 0)]
-    return neighbour_sum(y, taps, boundary, outside, np.zeros_like(y))
+    return correlate(y, taps, boundary, outside, np.zeros_like(y))
 
 
 def _both_weights(template: Template) -> dict[tuple[int, int], tuple[float, float]]:

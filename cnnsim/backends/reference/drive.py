@@ -1,24 +1,11 @@
-"""What drives a cell without a time loop: weighted sums over neighbours, and w = B*u + z with the bias map."""
-
-from collections.abc import Sequence
+"""What drives a cell without a time loop: w = B*u + z with the bias map and the terms of the input."""
 
 import numpy as np
 
 from cnnsim.backends.reference.terms import add_term
-from cnnsim.network import Boundary, Tap, pad
+from cnnsim.network.boundary import correlate
 from cnnsim.planning.plan import Plan
 from cnnsim.support import Array
-
-
-def correlate(plane: Array, taps: Sequence[Tap], boundary: Boundary, constant: float, start: Array) -> Array:
-    """Return start + sum over the taps of weight * plane(row + k, col + l), added in the order of the taps."""
-    total = start.copy()
-    r = max((max(abs(tap.k), abs(tap.l)) for tap in taps), default=0)
-    around = pad(plane, r, boundary, constant)
-    rows, cols = plane.shape[-2:]
-    for k, l, weight in taps:
-        total += weight * around[..., r + k : r + k + rows, r + l : r + l + cols]
-    return total
 
 
 def control(plan: Plan, x: Array, u: Array | None, bias: Array | None) -> Array:

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from cnnsim.backends.term_table import longest_delay
 from cnnsim.network import Argument, Boundary, Frames, Quantity, Term, pad
 from cnnsim.network.frames import at_step
-from cnnsim.planning.general import delays_of
 from cnnsim.planning.plan import Plan
 from cnnsim.support import Array
 
@@ -47,10 +47,7 @@ class Network:
         self.x = x.reshape(self.shape)
         self.u, self.bias = self._planes(u), self._planes(bias)
         self.free = np.ones(self.x.shape, dtype=bool) if mask is None else ~mask.reshape(self.shape)
-        self.delays = delays_of(plan.network)
-        self.past: deque[Array] = deque(
-            [self.x], maxlen=1 + max((round(d / plan.step) for d in self.delays), default=0)
-        )
+        self.past: deque[Array] = deque([self.x], maxlen=1 + longest_delay(plan, plan.network))
         self.rates = 1 / np.array(plan.network.time_constants).reshape(-1, 1, 1)
         self.terms = [
             (Term(layer.B, "u_kl"), *layer.control_terms, Term(layer.A, "y_kl"), *layer.feedback_terms)

@@ -3,8 +3,8 @@
 import numpy as np
 
 from cnnsim.backends.base import Check
-from cnnsim.backends.reference.drive import correlate
 from cnnsim.backends.reference.settled import check
+from cnnsim.network.boundary import correlate
 from cnnsim.network.cell import output
 from cnnsim.planning.plan import Plan
 from cnnsim.support import Array

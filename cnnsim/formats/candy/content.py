@@ -54,16 +54,6 @@ class Block:
     delay: float | None = None
     line: int = field(default=0, compare=False)
 
-    @property
-    def linear(self) -> bool:
-        """True if every entry is a number."""
-        return not any(isinstance(entry, Call) for row in self.rows for entry in row)
-
-    @property
-    def numbers(self) -> list[list[float]]:
-        """The entries of a linear block."""
-        return [[entry for entry in row if not isinstance(entry, Call)] for row in self.rows]
-
 
 @dataclass(frozen=True)
 class Layer:

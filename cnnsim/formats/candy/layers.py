@@ -65,13 +65,12 @@ class LayerBuilder:
             for letter in _letters(block):
                 if all(function.letter != letter for function in self.functions):
                     self._borrow(letter, block, elsewhere)
-        if any(block.operation.startswith("delayed") and block.delay is None for block in self.blocks):
-            late = [block for block in self.blocks if block.operation.startswith("delayed") and block.delay is None]
-            if self.delay is None:
-                self.report.error(late[0].line, f"{late[0].operation.upper()} without a DELAY")
-            else:
-                self.report.warning(late[0].line, f"the DELAY {self.delay:g} stands after its block")
-                self.blocks = [replace(block, delay=self.delay) if block in late else block for block in self.blocks]
+        late = [block for block in self.blocks if block.operation.startswith("delayed") and block.delay is None]
+        if late and self.delay is None:
+            self.report.error(late[0].line, f"{late[0].operation.upper()} without a DELAY")
+        elif late:
+            self.report.warning(late[0].line, f"the DELAY {self.delay:g} stands after its block")
+            self.blocks = [replace(block, delay=self.delay) if block in late else block for block in self.blocks]
         if self.current is None and self.has_content:
             self.report.note(self.line or None, "no CURRENT: z = 0")
         used = {letter for block in self.blocks for letter in _letters(block)}

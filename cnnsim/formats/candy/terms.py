@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from cnnsim.formats.candy.content import Block, Call, Layer, Section
 from cnnsim.network import AnyTemplate, Argument, LayeredTemplate, Quantity, Table, Template, Term
 from cnnsim.network.table import from_pairs
-from cnnsim.support import Floats, InputError
+from cnnsim.support import Floats, InputError, naming
 
 _READS = {"feedback": "y", "control": "u"}
 
@@ -35,8 +35,7 @@ def layer_template(layer: Layer, name: str) -> Template:
     """Return the template of one layer; its coupling to other layers are terms with ``layer`` set."""
     _refuse_doubles(layer)
     matrices = {
-        kind: [np.array(_linear_part(block)) for block in layer.blocks if _plain(block, layer) == kind]
-        for kind in _READS
+        kind: [_linear_part(block) for block in layer.blocks if _plain(block, layer) == kind] for kind in _READS
     }
     a, b = (_sum(matrices[kind]) for kind in ("feedback", "control"))
     terms = [term for block in layer.blocks for term in _terms(block, layer)]
@@ -50,8 +49,8 @@ def _plain(block: Block, layer: Layer) -> str:
     return kind if own and kind in _READS else ""
 
 
-def _linear_part(block: Block) -> list[list[float]]:
-    return [[0.0 if isinstance(entry, Call) else entry for entry in row] for row in block.rows]
+def _linear_part(block: Block) -> Floats:
+    return np.array([[0.0 if isinstance(entry, Call) else entry for entry in row] for row in block.rows])
 
 
 def _sum(matrices: list[Floats]) -> Floats:
@@ -59,14 +58,13 @@ def _sum(matrices: list[Floats]) -> Floats:
     side = max((matrix.shape[0] for matrix in matrices), default=1)
     total = np.zeros((side, side))
     for matrix in matrices:
-        rim = (side - matrix.shape[0]) // 2
-        total += np.pad(matrix, rim)
+        total += np.pad(matrix, (side - matrix.shape[0]) // 2)
     return total
 
 
 def _terms(block: Block, layer: Layer) -> Iterator[Term]:
     """Yield the terms of a block: its numbers, unless they are in A or B, and one a function."""
-    numbers = np.array(_linear_part(block))
+    numbers = _linear_part(block)
     reads = _READS.get(block.operation.split("_")[-1], "")
     source = None if block.source in (None, layer.number) else (block.source or 1) - 1
     if block.operation == "nonlin_d" and numbers.any():
@@ -106,10 +104,8 @@ def _from_centre_minus_neighbour(text: str) -> tuple[Argument, int]:
 
 def _table(layer: Layer, letter: str) -> Table:
     function = layer.function(letter)
-    try:
+    with naming(f"function {letter!r} of line {function.line}"):
         return from_pairs(int(function.linear), function.points)
-    except InputError as error:
-        raise InputError(f"function {letter!r} of line {function.line}: {error}") from error
 
 
 def _refuse_doubles(layer: Layer) -> None:

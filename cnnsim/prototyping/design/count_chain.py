@@ -12,7 +12,7 @@ import numpy as np
 
 from cnnsim.prototyping.design.design import Design, DesignPart
 from cnnsim.prototyping.design.linear import Norm, Separator, separate
-from cnnsim.prototyping.design.rule import Signs, WindowRule
+from cnnsim.prototyping.design.rule import Signs, WindowRule, window_numbers
 
 _MOST = 20_000
 
@@ -57,12 +57,11 @@ def _counts(rule: WindowRule) -> list[tuple[Signs, list[tuple[int, int]]]]:
 def _alike(rule: WindowRule) -> list[list[int]]:
     """Group the variables the rule depends on: two of a group can be exchanged and no answer changes."""
     groups: list[list[int]] = []
-    powers = 1 << np.arange(rule.rows.shape[1])[::-1]
     for variable in rule.looks_at:
         for group in groups:
             order = np.arange(rule.rows.shape[1])
             order[[variable, group[0]]] = group[0], variable
-            if np.array_equal(rule.table[(rule.rows[:, order] > 0) @ powers], rule.table):
+            if np.array_equal(rule.table[window_numbers(rule.rows[:, order])], rule.table):
                 group.append(variable)
                 break
         else:

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from cnnsim.prototyping.design.count_chain import count_chain
-from cnnsim.prototyping.design.design import Design, DesignPart
+from cnnsim.prototyping.design.design import Design, DesignPart, part_of
 from cnnsim.prototyping.design.linear import Certificate, Norm, Separator
 from cnnsim.prototyping.design.rule import Signs, WindowRule
 from cnnsim.prototyping.design.separable import separable_design, separate_rule
@@ -53,13 +53,6 @@ def decompose(rule: WindowRule, certificate: Certificate, norm: Norm = "sum") ->
     return result
 
 
-def _part(rule: WindowRule, separator: Separator) -> DesignPart:
-    """A threshold as a part; a tenth weight, of the initial state, is kept if it is not zero."""
-    if len(separator.weights) == 10 and separator.weights[9]:
-        return DesignPart(separator, "state")
-    return DesignPart(Separator(separator.weights[:9], separator.bias))
-
-
 def _xor(rule: WindowRule, norm: Norm) -> Design | None:
     rng, best = np.random.default_rng(0), None
     for trial in range(_TRIES):
@@ -72,7 +65,7 @@ def _xor(rule: WindowRule, norm: Norm) -> Design | None:
             continue
         one, two = separate_rule(rule, first, norm), separate_rule(rule, difference, norm)
         if isinstance(one, Separator) and isinstance(two, Separator):
-            design = Design(rule, (_part(rule, one), _part(rule, two)), "xor")
+            design = Design(rule, (part_of(one), part_of(two)), "xor")
             if best is None or design.relative_margin(norm) > best.relative_margin(norm):
                 best = design
     return best
@@ -95,7 +88,7 @@ def _cover(rule: WindowRule, join: Literal["or", "and"], norm: Norm, most: int) 
         found = separate_rule(rule, (wanted * colour).astype(np.int8), norm)
         assert isinstance(found, Separator)
         left = left & (found.colours(rule.rows) * colour < 0)
-        parts.append(_part(rule, found))
+        parts.append(part_of(found))
     return Design(rule, tuple(parts), join)
 
 

@@ -38,6 +38,13 @@ class DesignPart:
         return Template(feedback, b, float(self.separator.bias), name)
 
 
+def part_of(separator: Separator) -> DesignPart:
+    """Return a threshold as a part; a tenth weight, of the initial state, is kept if it is not zero."""
+    if len(separator.weights) == 10 and separator.weights[9]:
+        return DesignPart(separator, "state")
+    return DesignPart(Separator(separator.weights[:9], separator.bias))
+
+
 @dataclass(frozen=True)
 class Design:
     """Templates run one after the other and the logic function that joins their outputs.

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from cnnsim.prototyping.design.rule import Signs
+from cnnsim.prototyping.design.rule import Signs, window_numbers
 from cnnsim.support import Flags, Floats, Integers
 
 Norm = Literal["sum", "largest"]
@@ -134,17 +134,15 @@ def _solve_exactly(matrix: Floats, right: Floats) -> list[Fraction]:
     """Solve an overdetermined system of small whole numbers with independent columns by elimination of fractions."""
     table = [[Fraction(int(v)) for v in (*row, r)] for row, r in zip(matrix, right, strict=True)]
     size = matrix.shape[1]
-    for done in range(size):
-        column = done
-        pivot = next((i for i in range(done, len(table)) if table[i][column]), None)
+    for column in range(size):
+        pivot = next((i for i in range(column, len(table)) if table[i][column]), None)
         if pivot is None:
             raise ArithmeticError("the solution is not a vertex")
-        table[done], table[pivot] = table[pivot], table[done]
-        table[done] = [v / table[done][column] for v in table[done]]
-        for i in range(len(table)):
-            if i != done and table[i][column]:
-                factor = table[i][column]
-                table[i] = [a - factor * b for a, b in zip(table[i], table[done], strict=True)]
+        table[column], table[pivot] = table[pivot], table[column]
+        table[column] = [v / table[column][column] for v in table[column]]
+        for i, row in enumerate(table):
+            if i != column and row[column]:
+                table[i] = [a - row[column] * b for a, b in zip(row, table[column], strict=True)]
     return [table[i][-1] for i in range(size)]
 
 
@@ -157,7 +155,7 @@ def _relevant(rows: Signs, table: Signs) -> tuple[Integers, Flags]:
     size, index = rows.shape[1], np.arange(len(rows))
     counts = np.ones(size, dtype=bool)
     kept = table != 0
-    if len(rows) == 1 << size and np.array_equal((rows > 0) @ (1 << np.arange(size)[::-1]), index):
+    if len(rows) == 1 << size and np.array_equal(window_numbers(rows), index):
         for variable in range(size):
             bit = 1 << (size - 1 - variable)
             if np.array_equal(table, table[index & ~bit]):

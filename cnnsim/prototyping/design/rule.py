@@ -83,6 +83,11 @@ def windows(variables: int) -> Signs:
     return np.stack([2 * (count >> (variables - 1 - i) & 1) - 1 for i in range(variables)], axis=1).astype(np.int8)
 
 
+def window_numbers(rows: Signs) -> Integers:
+    """Return the index of each window (n, variables) in the order of `windows`."""
+    return (rows > 0) @ (1 << np.arange(rows.shape[1])[::-1])
+
+
 def window_text(row: Signs) -> str:
     """Draw one window as text: its three rows and, if there is one, the initial state."""
     cells = "".join("#" if value > 0 else "." for value in row)

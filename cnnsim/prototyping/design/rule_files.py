@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cnnsim.network import Boundary
 from cnnsim.prototyping.design.rule import WindowRule, window_text, windows
-from cnnsim.support import Flags, Floats, InputError
+from cnnsim.support import Flags, Floats, InputError, naming
 from cnnsim.support.picture import read_picture
 from cnnsim.support.toml_file import check_keys, read_toml
 
@@ -30,10 +30,8 @@ def read_table(path: str | Path) -> WindowRule:
     """
     data = read_toml(Path(path), "truth table")
     check_keys(data, ("black", "white", "default"), str(path))
-    try:
+    with naming(path):
         return _table(data, str(path))
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
 
 
 def _table(data: dict[str, Any], text: str) -> WindowRule:

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from cnnsim.prototyping.design.design import Design, DesignPart
+from cnnsim.prototyping.design.design import Design, part_of
 from cnnsim.prototyping.design.linear import Certificate, Norm, Separator, separate
-from cnnsim.prototyping.design.rule import Signs, WindowRule
+from cnnsim.prototyping.design.rule import Signs, WindowRule, window_numbers
 
 
 def separable_design(rule: WindowRule, norm: Norm = "sum") -> Design | Certificate:
@@ -12,9 +12,7 @@ def separable_design(rule: WindowRule, norm: Norm = "sum") -> Design | Certifica
     found = separate_rule(rule, rule.table, norm)
     if isinstance(found, Certificate):
         return found
-    result = Design(rule, (DesignPart(found, "state" if rule.with_state and found.weights[9] else "none"),), "last")
-    if result.parts[0].state == "none":
-        result = Design(rule, (DesignPart(Separator(found.weights[:9], found.bias)),), "last")
+    result = Design(rule, (part_of(found),), "last")
     assert result.right()
     return result
 
@@ -31,13 +29,7 @@ def separate_rule(rule: WindowRule, table: Signs, norm: Norm = "sum") -> Separat
     grid = np.arange(9).reshape(3, 3)
     turned = [np.rot90(flip, k).ravel() for flip in (grid, grid.T) for k in range(4)]
     places = [np.concatenate([turn, np.arange(9, count)]) for turn in turned]
-    same = [place for place in places if np.array_equal(table[_index(rule.rows[:, place])], table)]
+    same = [place for place in places if np.array_equal(table[window_numbers(rule.rows[:, place])], table)]
     weights = tuple(sum((found.weights[place[i]] for place in same), 0 * found.bias) / len(same) for i in range(count))
     mean = Separator(weights, found.bias)
     return mean if mean.relative_margin(norm) >= found.relative_margin(norm) else found
-
-
-def _index(rows: Signs) -> "np.ndarray[tuple[int], np.dtype[np.int64]]":
-    powers = 1 << np.arange(rows.shape[1])[::-1]
-    found: np.ndarray[tuple[int], np.dtype[np.int64]] = (rows > 0).astype(np.int64) @ powers
-    return found

@@ -1,14 +1,12 @@
 """Records a transient: the states of a whole plane at evenly spaced times."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from cnnsim.backends.base import Backend
-from cnnsim.planning.plan import make_plan
-from cnnsim.support import Array, Floats, InputError
+from cnnsim.support import Floats, InputError
 from cnnsim.theory.running_time import time_of_picture
 from cnnsim.transient import Task
 
@@ -42,27 +40,10 @@ def record(task: Task, backend: Backend, duration: float, frames: int = 120, lay
         raise InputError(f"planes of shape {task.state.shape}; a trace is of one grid, not of a batch")
     if not 0 <= layer < layers:
         raise InputError(f"layer {layer}; 0 to {layers - 1} are there")
-    times, states = zip(*_states(task, backend, duration, frames), strict=True)
+    later = task.states(backend, duration, frames, first=1)
+    times, states = zip((0.0, task.state), *later, strict=True)
     x = np.array([state.reshape(-1, *state.shape[-2:])[layer] for state in states], dtype=np.float64)
     return Trace(np.array(times), x, task.plan.output(x))
-
-
-def _states(task: Task, backend: Backend, duration: float, frames: int) -> Iterator[tuple[float, Array]]:
-    old, x = task.plan, np.asarray(task.state)
-    yield 0.0, x
-    if old.method == "general":  # with delays and sequences a run cannot be cut in two, so each state has its own
-        for frame in range(1, frames + 1):
-            t = max(1, round(frame * duration / frames / old.step)) * old.step
-            yield t, backend.read(task.start(backend, plan=replace(old, duration=t)).x)
-        return
-    scheme = old.scheme.name if old.scheme is not None else None
-    plan = make_plan(
-        old.template, old.shape, old.boundary, duration=duration / frames, cell=old.cell,
-        scheme="adaptive" if old.method == "adaptive" else scheme, step=old.step if scheme else None,
-    )  # fmt: skip
-    for frame in range(1, frames + 1):
-        x = backend.read(task.start(backend, x, plan).x)
-        yield frame * duration / frames, x
 
 
 def watching_time(task: Task, backend: Backend) -> float:

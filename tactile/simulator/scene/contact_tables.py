@@ -6,7 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from cnnsim.support import InputError
+from cnnsim.support import InputError, naming
 from cnnsim.support.toml_file import check_keys, take, take_numbers
 from tactile.simulator.contacts.indenter import ROUND, Indenter, ShapeName
 from tactile.simulator.contacts.materials import PRESETS
@@ -39,15 +39,13 @@ def read_contact(table: dict[str, Any], names: list[str], where: str, _folder: P
     twisted = table.get("twist", False)
     if not isinstance(twisted, bool):
         raise InputError(f"{where}: twist = {twisted!r}, true or false wanted")
-    try:
+    with naming(where):
         indenter = Indenter(
             cast(ShapeName, take(table, "shape", str, where)),
             take(table, "radius_mm", float, where, 0.0) * 1e-3,
             take(table, "length_mm", float, where, 0.0) * 1e-3,
             float(np.deg2rad(take(table, "angle_deg", float, where, 0.0))),
         )
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from error
     if twisted and indenter.shape not in ROUND:
         raise InputError(f"{where}: a twisted {indenter.shape}, one of {', '.join(ROUND)} wanted")
     by_depth = given == "indentation"
