@@ -7,37 +7,33 @@ from weakref import WeakKeyDictionary
 
 import numba
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import DTypeLike
 
+from cnnsim.backends import driver
 from cnnsim.backends.base import Memory, Outcome, check_finite
-from cnnsim.backends.cpu import bits as cpu_bits
-from cnnsim.backends.cpu import closed as cpu_closed
-from cnnsim.backends.cpu import kernels as cpu_kernels
-from cnnsim.backends.cpu import terms as cpu_general
+from cnnsim.backends.cpu import bits as packed
+from cnnsim.backends.cpu import closed, planes
 from cnnsim.backends.cpu.bits import Bits
+from cnnsim.backends.cpu.boundary import virtual_cells
 from cnnsim.backends.cpu.drive import control, controlling
-from cnnsim.backends.cpu.euler.dense import dense
-from cnnsim.backends.cpu.euler.sleep import sleeping
-from cnnsim.backends.cpu.jit.compile import THREADS_PAY_FROM, Kernel, kept_in
-from cnnsim.backends.cpu.neighbourhood import neighbourhood
-from cnnsim.backends.cpu.pool import Spare
+from cnnsim.backends.cpu.jit.compile import Kernel, cache_folder
+from cnnsim.backends.cpu.neighbourhood import literals, neighbourhood
+from cnnsim.backends.cpu.planes import grids
+from cnnsim.backends.cpu.pool import Pool
 from cnnsim.backends.cpu.prepared import Prepared
+from cnnsim.backends.cpu.term_steps import DiscreteSteps, TermSteps
+from cnnsim.backends.cpu.terms import Network, with_control_terms
+from cnnsim.backends.cpu.transient import LinearSteps, fused_euler
 from cnnsim.network import Boundary
-from cnnsim.network.boundary import virtual_index
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.planning.plan import Plan
-from cnnsim.support import Array, InputError
+from cnnsim.support import Array, InputError, Integers
 from cnnsim.support.compile_notice import announce
 
-announce(kept_in(cpu_kernels.clip.serial))
+announce(cache_folder(planes.clip.serial))
 
 _NO_MASK = np.empty((1, 1, 0), dtype=bool)
-
-
-def _grids(plane: Array) -> Array:
-    """View (rows, cols) as one grid of a batch, and the layers of a batch as grids."""
-    return plane if plane.ndim == 3 else plane.reshape(-1, *plane.shape[-2:])
 
 
 class CpuBackend:
@@ -52,7 +48,7 @@ class CpuBackend:
         self._prepared: WeakKeyDictionary[Plan, Prepared] = WeakKeyDictionary()
         self._rules: dict[tuple[BitRule, Boundary, tuple[int, ...]], tuple[Any, ...]] = {}
         self._kernels: dict[str, Kernel] = {}
-        self._spare = Spare()
+        self._pool = Pool()
         self._nothing = np.empty((1, 1, 0), self.dtype)
         self._one, self._minus_one = self.dtype.type(1), self.dtype.type(-1)
 
@@ -71,76 +67,63 @@ class CpuBackend:
         return self._pack(plane) if memory == "llm" else self._unpack(plane, self.dtype)
 
     def _pack(self, values: Array) -> Bits:
-        bits = cpu_bits.empty(values.shape)
-        cpu_bits.pack.for_work(values.size)(_grids(values), bits.words)
+        bits = packed.empty(values.shape)
+        packed.pack.for_work(values.size)(grids(values), bits.words)
         return bits
 
     def _unpack(self, bits: Bits, dtype: np.dtype[Any]) -> Array:
         values = np.empty(bits.shape, dtype)
         black, white = (self._one, self._minus_one) if dtype == self.dtype else (np.True_, np.False_)
-        cpu_bits.unpack.for_work(values.size)(bits.words, _grids(values), black, white)
+        packed.unpack.for_work(values.size)(bits.words, grids(values), black, white)
         return values
 
     def output(self, x: Array) -> Array:
         """See `Backend.output`."""
         y = np.empty_like(x)
-        cpu_kernels.clip.for_work(x.size)(_grids(x), _grids(y))
+        planes.clip.for_work(x.size)(grids(x), grids(y))
         return y
 
     def transient(
         self, plan: Plan, x: Array, u: Array | None, bias: Array | None = None, mask: Bits | None = None
     ) -> Outcome:
         """See `Backend.transient`."""
-        if plan.method == "general":
-            return cpu_general.transient(plan, x, u, bias, None if mask is None else self._unpack(mask, np.dtype(bool)))
-        bias = cpu_general.with_control_terms(plan, u, bias)
-        ready = self._prepared.get(plan)
-        if ready is None:
-            ready = self._prepared[plan] = Prepared(plan, self.dtype, numba.get_num_threads())
-        free = _NO_MASK if mask is None else _grids(self._unpack(mask, np.dtype(bool)))
-        drive = (
-            ready.z, self._nothing if bias is None else _grids(bias), _grids(x if u is None else u),
-            *ready.control, *ready.around_u,
-        )  # fmt: skip
-        work = x.size * max(1, ready.control[0].size)
-        if plan.method == "closed form":
-            end = np.empty_like(x)
-            cpu_closed.closed_form.for_work(work)(_grids(x), _grids(end), free, ready.a, ready.t, ready.walls, *drive)
-            outcome = Outcome(end, ready.t, ready.settles, 0.0 if ready.settles else math.nan)
-        elif plan.method == "stepped":
-            w = self._spare.plane(x)
-            control.for_work(work)(controlling(self.dtype).address, _grids(w), *drive)
-            outcome = self._stepped(plan, ready, x, w, free)
-            self._spare.keep(w)
-        else:
+        general = plan.method == "general"
+        if plan.method == "adaptive" or (general and plan.cell != "discrete-time" and plan.scheme is None):
             raise InputError(
                 "the adaptive scheme runs on the reference backend; choose --backend reference or a fixed-step scheme"
             )
-        if not cpu_kernels.all_finite.for_work(x.size)(_grids(outcome.x)):
+        cells = _NO_MASK if mask is None else grids(self._unpack(mask, np.dtype(bool)))
+        if general:
+            network = Network(plan, x, u, bias, cells)
+            with np.errstate(over="ignore", invalid="ignore"):  # what overflows is found and reported below
+                steps = DiscreteSteps(network) if plan.cell == "discrete-time" else TermSteps(network)
+                outcome = driver.run(plan, steps, network.spans())
+        else:
+            ready = self._ready(plan)
+            bias = with_control_terms(plan, u, bias)
+            given = ready.z, self._nothing if bias is None else grids(bias), grids(x if u is None else u), ready.control
+            work = x.size * max(1, ready.control.size)
+            if plan.method == "closed form":
+                end = np.empty_like(x)
+                closed.closed_form.for_work(work)(grids(x), grids(end), cells, ready.cell, given, ready.around_u)
+                outcome = Outcome(end, ready.t, ready.settles, 0.0 if ready.settles else math.nan)
+            else:
+                w = self._pool.plane(x)
+                control.for_work(work)(controlling(self.dtype).address, grids(w), given, ready.around_u)
+                if ready.fused_euler and mask is None:
+                    outcome = fused_euler(plan, ready, x, w, self._pool)
+                else:
+                    outcome = driver.run(plan, LinearSteps(plan, ready, x, w, cells))
+                self._pool.keep(w)
+        if not planes.all_finite.for_work(x.size)(grids(outcome.x)):
             check_finite(outcome.x, outcome.t)
         return outcome
 
-    def _stepped(self, plan: Plan, ready: Prepared, x: Array, w: Array, mask: Array) -> Outcome:
-        work = x.size * len(plan.feedback_taps)
-        if len(ready.hb) == 1 and not mask.size and not ready.walls:
-            threads = numba.get_num_threads() if work >= THREADS_PAY_FROM else 1
-            planes = x, self._spare.plane(x), self._spare.plane(x)
-            given = (*map(_grids, planes), _grids(w), ready.rule, plan.depth)
-            if "sleep" in plan.savings:
-                done, settled, slope, where = sleeping.for_work(work)(*given, ready.tile_at, threads, *ready.steps[:3])
-            else:
-                done, settled, slope, where = dense.for_work(work)(
-                    *given, ready.tile_at, *ready.tile, threads, *ready.steps
-                )
-            end = x.copy() if where == 0 else planes[where]
-            self._spare.keep(*(plane for plane in planes[1:] if plane is not end))
-        else:
-            end = x.copy()
-            done, settled, slope = cpu_kernels.stepped.for_work(work)(
-                _grids(end), _grids(w), mask, *ready.feedback, *ready.around_y, ready.ha, ready.hb, *ready.steps,
-                ready.walls,
-            )  # fmt: skip
-        return Outcome(end, done * plan.step if ready.settles else ready.t, bool(settled), float(slope))
+    def _ready(self, plan: Plan) -> Prepared:
+        ready = self._prepared.get(plan)
+        if ready is None:
+            ready = self._prepared[plan] = Prepared(plan, self.dtype, numba.get_num_threads())
+        return ready
 
     def cellwise(self, operation: Cellwise, planes: Sequence[Array], parameters: Sequence[float]) -> tuple[Array, ...]:
         """See `Backend.cellwise`."""
@@ -155,26 +138,25 @@ class CpuBackend:
 
     def logic(self, function: int, p: Bits, q: Bits) -> Bits:
         """See `Backend.logic`."""
-        out = cpu_bits.empty(p.shape)
-        cpu_bits.logic.for_work(out.words.size // 64)(function, p.words, q.words, out.words, p.shape[-1])
+        out = packed.empty(p.shape)
+        packed.logic.for_work(out.words.size // 64)(function, p.words, q.words, out.words, p.shape[-1])
         return out
 
     def neighbourhood(self, rule: BitRule, boundary: Boundary, plane: Bits) -> Bits:
         """See `Backend.neighbourhood`."""
         key = rule, boundary, plane.shape[-2:]
         if key not in self._rules:
-            k, l, negated = (np.array([literal[i] for literal in rule.literals], np.int64) for i in range(3))
-            rows, cols = (virtual_index(n, rule.radius, boundary) for n in plane.shape[-2:])
-            self._rules[key] = k, l, negated > 0, rule.conjunction, rows, cols, rule.radius, int(boundary.u > 0)
-        out = cpu_bits.empty(plane.shape)
+            around = virtual_cells(plane.shape, rule.radius, boundary, int(boundary.u > 0))
+            self._rules[key] = literals(rule), rule.conjunction, around
+        out = packed.empty(plane.shape)
         kernel = neighbourhood.for_work(out.words.size * len(rule.literals) // 64)
         kernel(plane.words, out.words, plane.shape[-1], *self._rules[key])
         return out
 
-    def count(self, plane: Bits) -> int | NDArray[np.int64]:
+    def count(self, plane: Bits) -> int | Integers:
         """See `Backend.count`."""
         totals = np.empty(plane.words.shape[0], np.int64)
-        cpu_bits.count.for_work(plane.words.size // 64)(plane.words, totals)
+        packed.count.for_work(plane.words.size // 64)(plane.words, totals)
         return totals if len(plane.shape) == 3 else int(totals[0])
 
 

@@ -10,8 +10,8 @@ WORTH_KEEPING = 1 << 20
 """Bytes of a plane from which memory that the system has to hand out anew costs more than a step of the time loop."""
 
 
-class Spare:
-    """At most ``MOST`` large planes of one shape that nobody refers to any more."""
+class Pool:
+    """At most ``MOST`` large planes of one shape that are in use no more."""
 
     def __init__(self) -> None:
         self._planes: list[Array] = []
@@ -25,6 +25,6 @@ class Spare:
         return np.empty_like(like)
 
     def keep(self, *planes: Array) -> None:
-        """Take planes that nobody else will use."""
+        """Take planes that are in use no more."""
         self._planes += [plane for plane in planes if plane.nbytes >= WORTH_KEEPING]
         del self._planes[:-MOST]

@@ -1,31 +1,17 @@
-"""Rows of the CPU backend's general road: what a term costs is paid here, a vector of cells at a time.
+"""Rows of a network of terms: differences, products and weighted sums of neighbours, a vector of cells at a time.
 
-Every loop runs along one row and is free of branches, so that it becomes vector code: a table is a chain of comparisons
-that each keep the value or replace it, a step after a step. Rows are given as a flat array and where they begin;
-what is worked on lies in ``room``, three rows that stay in the first-level cache: a drive, arguments, function values.
+Rows are given as a flat array and where they begin; what is worked on lies in ``scratch``, three rows that stay in the
+first-level cache: a drive, arguments, values.
 """
 
-import math
-from functools import cache
 from typing import Any
 
-import numpy as np
-from numba import carray, types
-
 from cnnsim.backends.codes import FunctionCode
-from cnnsim.backends.cpu.jit.address import call, compiled_at, numbers_of, place
+from cnnsim.backends.cpu.function_rows import copy_row, function_row
 from cnnsim.backends.cpu.jit.compile import helper
 from cnnsim.support import Array
 
-IDENTITY, LINEAR, _, CLIP, SIGN, TANH = map(int, FunctionCode)
-
-
-@helper
-def copy_row(out: Array, at_out: int, v: Array, at_v: int, n: int) -> None:
-    """Write v."""
-    out, v = out[at_out : at_out + n], v[at_v : at_v + n]
-    for j in range(n):
-        out[j] = v[j]
+IDENTITY, STEP = int(FunctionCode.IDENTITY), int(FunctionCode.STEP)
 
 
 @helper
@@ -81,167 +67,56 @@ def add_one_step(
 
 
 @helper
-def _four_steps(
-    out: Array, at_out: int, v: Array, at_v: int, n: int, fresh: bool, start: float, e0: float, e1: float, e2: float,
-    e3: float, f0: float, f1: float, f2: float, f3: float,
+def add_terms(
+    function: int, scratch: Array, at: tuple[int, int, int], padded: Array, shape: Any, r: int, terms: Array,
+    taps: Array, planes: Array, numbers: Array,
 ) -> None:  # fmt: skip
-    """Replace what is there (``fresh``: start) by f0 .. f3 where v is beyond e0 .. e3, which grow."""
-    out, v = out[at_out : at_out + n], v[at_v : at_v + n]
-    for j in range(n):
-        p, f = v[j], start if fresh else out[j]
-        f = f0 if p > e0 else f
-        f = f1 if p > e1 else f
-        f = f2 if p > e2 else f
-        out[j] = f3 if p > e3 else f
+    """Add all terms of a layer to a row of its drive, the first cells of ``scratch``, which has three rows.
 
-
-@helper
-def _five_lines(
-    out: Array, at_out: int, v: Array, at_v: int, n: int, fresh: bool, start: float, e0: float, e1: float, e2: float,
-    e3: float, e4: float, f0: float, f1: float, f2: float, f3: float, f4: float, r0: float, r1: float, r2: float,
-    r3: float, r4: float,
-) -> None:  # fmt: skip
-    """Replace what is there (``fresh``: start) by f0 + r0 (v - e0) where v is beyond e0, and so on."""
-    out, v = out[at_out : at_out + n], v[at_v : at_v + n]
-    for j in range(n):
-        p, f = v[j], start if fresh else out[j]
-        f = f0 + r0 * (p - e0) if p > e0 else f
-        f = f1 + r1 * (p - e1) if p > e1 else f
-        f = f2 + r2 * (p - e2) if p > e2 else f
-        f = f3 + r3 * (p - e3) if p > e3 else f
-        out[j] = f4 + r4 * (p - e4) if p > e4 else f
-
-
-@helper
-def _step(places: int, at: int, values: int, s: int, numbers: Array) -> Any:
-    """Return place s and the value beyond it; NaN, beyond which nothing is, if there is none."""
-    if s >= places:
-        return numbers.dtype.type(math.nan), numbers.dtype.type(0)
-    return numbers[at + s], numbers[values + s + 1]
-
-
-@helper
-def _line(places: int, at: int, values: int, s: int, numbers: Array) -> Any:
-    """Return place s, the value there and the slope from there on; NaN, beyond which nothing is, if there is none."""
-    zero = numbers.dtype.type(0)
-    if s >= places:
-        return numbers.dtype.type(math.nan), zero, zero
-    e, f = numbers[at + s], numbers[values + s]
-    if s + 1 == places:
-        return e, f, zero
-    return e, f, (numbers[values + s + 1] - f) / (numbers[at + s + 1] - e)
-
-
-@helper
-def _steps_row(
-    out: Array, at_out: int, v: Array, at_v: int, n: int, places: int, at: int, values: int, numbers: Array
-) -> None:
-    for s in range(0, max(places, 1), 4):
-        e0, f0 = _step(places, at, values, s, numbers)
-        e1, f1 = _step(places, at, values, s + 1, numbers)
-        e2, f2 = _step(places, at, values, s + 2, numbers)
-        e3, f3 = _step(places, at, values, s + 3, numbers)
-        _four_steps(out, at_out, v, at_v, n, s == 0, numbers[values], e0, e1, e2, e3, f0, f1, f2, f3)
-
-
-@helper
-def _lines_row(
-    out: Array, at_out: int, v: Array, at_v: int, n: int, places: int, at: int, values: int, numbers: Array
-) -> None:
-    for s in range(0, places, 5):
-        e0, f0, r0 = _line(places, at, values, s, numbers)
-        e1, f1, r1 = _line(places, at, values, s + 1, numbers)
-        e2, f2, r2 = _line(places, at, values, s + 2, numbers)
-        e3, f3, r3 = _line(places, at, values, s + 3, numbers)
-        e4, f4, r4 = _line(places, at, values, s + 4, numbers)
-        _five_lines(out, at_out, v, at_v, n, s == 0, numbers[values], e0, e1, e2, e3, e4, f0, f1, f2, f3, f4, r0, r1,
-                    r2, r3, r4)  # fmt: skip
-
-
-@helper
-def _clip_row(out: Array, at_out: int, v: Array, at_v: int, n: int, slope: float) -> None:
-    out, v = out[at_out : at_out + n], v[at_v : at_v + n]
-    one = v.dtype.type(1)
-    for j in range(n):
-        p = v[j] * slope
-        p = one if p > one else p
-        out[j] = -one if p < -one else p
-
-
-@helper
-def _sign_row(out: Array, at_out: int, v: Array, at_v: int, n: int) -> None:
-    out, v = out[at_out : at_out + n], v[at_v : at_v + n]
-    zero, one = v.dtype.type(0), v.dtype.type(1)
-    for j in range(n):
-        p = one if v[j] > zero else v[j]
-        out[j] = -one if p < zero else p
-
-
-@helper
-def _tanh_row(out: Array, at_out: int, v: Array, at_v: int, n: int, slope: float) -> None:
-    out, v = out[at_out : at_out + n], v[at_v : at_v + n]
-    for j in range(n):
-        out[j] = math.tanh(v[j] * slope)
-
-
-@helper
-def _tanh_row_single(out: Array, at_out: int, v: Array, at_v: int, n: int, slope: float) -> None:
-    """Write tanh within 2e-7 without a call: Lambert's fraction at a quarter of the argument, doubled twice."""
-    out, v = out[at_out : at_out + n], v[at_v : at_v + n]
-    top, quarter, one = np.float32(9.2), np.float32(0.25), np.float32(1)
-    a0, a1, a2 = np.float32(135135), np.float32(17325), np.float32(378)
-    b1, b2, b3 = np.float32(62370), np.float32(3150), np.float32(28)
-    for j in range(n):
-        p = v[j] * slope
-        p = top if p > top else p  # tanh is 1 in single precision from here on
-        p = (-top if p < -top else p) * quarter
-        q = p * p
-        t = p * (((q + a2) * q + a1) * q + a0) / (((b3 * q + b2) * q + b1) * q + a0)
-        t = (t + t) / (one + t * t)
-        t = (t + t) / (one + t * t)
-        out[j] = one if t > one else -one if t < -one else t
-
-
-@helper
-def _function_row(
-    out: Array, at_out: int, v: Array, at_v: int, n: int, kind: int, places: int, at: int, values: int, numbers: Array
-) -> None:
-    """Write a function of a row, which must be another one; see `term_table.Function`."""
-    if kind == IDENTITY:
-        copy_row(out, at_out, v, at_v, n)
-    elif kind == CLIP:
-        _clip_row(out, at_out, v, at_v, n, numbers[at])
-    elif kind == SIGN:
-        _sign_row(out, at_out, v, at_v, n)
-    elif kind == TANH:
-        if numbers.itemsize == 4:
-            _tanh_row_single(out, at_out, v, at_v, n, numbers[at])
-        else:
-            _tanh_row(out, at_out, v, at_v, n, numbers[at])
-    elif kind == LINEAR:
-        _lines_row(out, at_out, v, at_v, n, places, at, values, numbers)
-    else:
-        _steps_row(out, at_out, v, at_v, n, places, at, values, numbers)
-
-
-def _function_row_at(
-    out: Any, at_out: int, v: Any, at_v: int, n: int, kind: int, places: int, at: int, values: int, numbers: Any
-) -> None:
-    _function_row(carray(out, (at_out + n,)), at_out, carray(v, (at_v + n,)), at_v, n, kind, places, at, values,
-                  carray(numbers, (values + places + 1,)))  # fmt: skip
-
-
-@cache
-def functions(dtype: np.dtype[Any]) -> Any:
-    """Return what `function_row` calls, compiled for a dtype."""
-    cells, integer = numbers_of(dtype), types.int64
-    return compiled_at(_function_row_at, types.void(cells, integer, cells, integer, *5 * [integer], cells))
-
-
-@helper
-def function_row(
-    function: int, out: Array, at_out: int, v: Array, at_v: int, n: int, kind: int, places: int, at: int, values: int,
-    numbers: Array,
-) -> None:  # fmt: skip
-    """Write a function of a row by what lies at an address, `functions`: all kinds are long to compile."""
-    call(function, (place(out), at_out, place(v), at_v, n, kind, places, at, values, place(numbers)))
+    ``at`` is (grid, layer, row). ``padded`` and ``planes`` are flat; ``shape`` is what ``padded`` was.
+    """
+    g, layer, i = at
+    _, grids, height, width = shape
+    n = width - 2 * r
+    v, f, row_of_plane = n, 2 * n, (height - 2 * r) * n
+    own = (i + r) * width + r
+    for t in range(terms.size):
+        term = terms[t]
+        if term["layer"] != layer:
+            continue
+        neighbour, centre, kind, places = term["neighbour"], term["centre"], term["kind"], term["places"]
+        times_neighbour, times_centre = term["times_neighbour"], term["times_centre"]
+        at_places, values = term["at"], term["values"]
+        here = (centre * grids + g) * height * width + own
+        factor_here = (times_centre * grids + g) * height * width + own
+        for tap in range(term["first_tap"], term["end_tap"]):
+            away = own + taps[tap]["k"] * width + taps[tap]["l"]
+            there = (neighbour * grids + g) * height * width + away
+            weight, plane = taps[tap]["weight"], taps[tap]["plane"]
+            if times_neighbour < 0 <= centre and plane < 0 and kind == STEP and places == 1:
+                add_one_step(scratch, 0, weight, padded, there, padded, here, n, numbers[at_places], numbers[values],
+                             numbers[values + 1])  # fmt: skip
+                continue
+            argument, at_argument = padded, there
+            if centre >= 0:
+                difference(scratch, v, padded, there, padded, here, n)
+                argument, at_argument = scratch, v
+            result, at_result = argument, at_argument
+            if kind != IDENTITY:
+                function_row(function, scratch, f, argument, at_argument, n, kind, places, at_places, values, numbers)
+                result, at_result = scratch, f
+            if times_neighbour >= 0:
+                if kind == IDENTITY:
+                    copy_row(scratch, f, argument, at_argument, n)
+                    result, at_result = scratch, f
+                factor = (times_neighbour * grids + g) * height * width + away
+                if times_neighbour == neighbour and times_centre == centre:
+                    times_row(scratch, f, argument, at_argument, n)
+                elif times_centre >= 0:
+                    times_difference(scratch, f, padded, factor, padded, factor_here, n)
+                else:
+                    times_row(scratch, f, padded, factor, n)
+            if plane >= 0:
+                add_product(scratch, 0, planes, plane * row_of_plane + i * n, result, at_result, n)
+            else:
+                add_weighted(scratch, 0, weight, result, at_result, n)

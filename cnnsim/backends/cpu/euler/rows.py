@@ -1,11 +1,11 @@
 """One Euler step of a block of rows, its data in the first-level cache: the innermost loops of the CPU backend.
 
-Everything lies in one flat array, ``room``; x, w, y and ``out`` say where a block begins, and row q of it begins at
+Everything lies in one flat array, ``scratch``; x, w, y and ``out`` say where a block begins, and row q of it begins at
 q * STRIDE. With a stride known to the compiler, all rows of a block are one memory range to it, so that few checks for
 overlap are left and the loops become vector code. One array, because every slice that is handed to another function
 costs two atomic instructions for its reference count; it is handed over once for each of its uses, because parts of
 one array are not checked for overlap but taken to overlap. Rows of outputs ``y`` begin PAD cells before their first
-column, which is room for the virtual cells on the left.
+column, where the virtual cells on the left fit in.
 
     total = w + sum of the taps in their order,    x <- x + h (total - x),    new y = clip(x, -1, 1)
 """
@@ -168,25 +168,23 @@ def isotropic(
             outs[i + 3 * STRIDE] = min_max(x3, one)
 
 
-def _drive_row(
-    room: Array, at_w: int, at_y: int, k: Array, l: Array, weight: Array, r: int, at_total: int, n: int
-) -> None:
+def _drive_row(scratch: Array, at_w: int, at_y: int, taps: Array, r: int, at_total: int, n: int) -> None:
     """Write w + A*y of one row, where ``at_y`` is the row r above it."""
-    total, row = room[at_total : at_total + n], room[at_w : at_w + n]
+    total, row = scratch[at_total : at_total + n], scratch[at_w : at_w + n]
     for j in range(n):
         total[j] = row[j]
-    for tap in range(weight.size):
-        first = at_y + (r + k[tap]) * STRIDE + PAD + l[tap]
-        line = room[first : first + n]
-        c = weight[tap]
+    for tap in range(taps.size):
+        first = at_y + (r + taps[tap]["k"]) * STRIDE + PAD + taps[tap]["l"]
+        line = scratch[first : first + n]
+        c = taps[tap]["weight"]
         for j in range(n):
             total[j] += c * line[j]
 
 
-def _finish_row(room: Array, at_x: int, at_total: int, at_out: int, n: int, h: float) -> None:
+def _finish_row(scratch: Array, at_x: int, at_total: int, at_out: int, n: int, h: float) -> None:
     """Go from A*y + w to the new state and its output."""
-    x, total, out = room[at_x : at_x + n], room[at_total : at_total + n], room[at_out : at_out + n]
-    one = room.dtype.type(1)
+    x, total, out = scratch[at_x : at_x + n], scratch[at_total : at_total + n], scratch[at_out : at_out + n]
+    one = scratch.dtype.type(1)
     for j in range(n):
         x[j] += h * (total[j] - x[j])
     for j in range(n):
@@ -199,23 +197,23 @@ drive_row_exact, finish_row_exact = helper(_drive_row), helper(_finish_row)
 
 @helper
 def any_taps(
-    room: Array, at_x: int, at_w: int, at_y: int, at_out: int, n: int, k: Array, l: Array, weight: Array, r: int,
-    at_row: int, h: float, blocks: int,
+    scratch: Array, at_x: int, at_w: int, at_y: int, at_out: int, n: int, taps: Array, r: int, at_row: int, h: float,
+    blocks: int,
 ) -> None:  # fmt: skip
     """Step ``blocks`` blocks by any taps of radius r; in float64 rounded like the reference, in float32 with FMA."""
     for q in range(blocks * BLOCK):
         o = q * STRIDE
-        if room.itemsize == 4:
-            drive_row_fused(room, at_w + o, at_y + o, k, l, weight, r, at_row, n)
-            finish_row_fused(room, at_x + o, at_row, at_out + o + PAD, n, h)
+        if scratch.itemsize == 4:
+            drive_row_fused(scratch, at_w + o, at_y + o, taps, r, at_row, n)
+            finish_row_fused(scratch, at_x + o, at_row, at_out + o + PAD, n, h)
         else:
-            drive_row_exact(room, at_w + o, at_y + o, k, l, weight, r, at_row, n)
-            finish_row_exact(room, at_x + o, at_row, at_out + o + PAD, n, h)
+            drive_row_exact(scratch, at_w + o, at_y + o, taps, r, at_row, n)
+            finish_row_exact(scratch, at_x + o, at_row, at_out + o + PAD, n, h)
 
 
-def _catch_up_row(room: Array, at_x: int, at_drive: int, n: int, h: float, steps: int) -> None:
+def _catch_up_row(scratch: Array, at_x: int, at_drive: int, n: int, h: float, steps: int) -> None:
     """Take so many steps towards a drive that stays: x <- x + h (drive - x), until no bit changes any more."""
-    x, drive = room[at_x : at_x + n], room[at_drive : at_drive + n]
+    x, drive = scratch[at_x : at_x + n], scratch[at_drive : at_drive + n]
     for _ in range(steps):
         changes = np.int32(0)
         for j in range(n):
@@ -230,10 +228,10 @@ catch_up_row_fused, catch_up_row_exact = fused(_catch_up_row), helper(_catch_up_
 
 
 @helper
-def catch_up_block(room: Array, at_x: int, at_drive: int, n: int, h: float, steps: int) -> None:
+def catch_up_block(scratch: Array, at_x: int, at_drive: int, n: int, h: float, steps: int) -> None:
     """Take the steps that a block has slept through, with the rounding of every single one."""
     for q in range(BLOCK):
-        if room.itemsize == 4:
-            catch_up_row_fused(room, at_x + q * STRIDE, at_drive + q * STRIDE, n, h, steps)
+        if scratch.itemsize == 4:
+            catch_up_row_fused(scratch, at_x + q * STRIDE, at_drive + q * STRIDE, n, h, steps)
         else:
-            catch_up_row_exact(room, at_x + q * STRIDE, at_drive + q * STRIDE, n, h, steps)
+            catch_up_row_exact(scratch, at_x + q * STRIDE, at_drive + q * STRIDE, n, h, steps)

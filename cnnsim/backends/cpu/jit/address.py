@@ -22,14 +22,14 @@ def compiled_at(function: Kernel, signature: Any) -> Any:
     return numba.cfunc(signature, cache=True, error_model="numpy", nopython=True)(named(function, "_at"))
 
 
-def numbers_of(dtype: np.dtype[Any]) -> Any:
-    """Return the type of a place in memory where numbers begin."""
+def pointer_type(dtype: np.dtype[Any]) -> Any:
+    """Return the type of the address at which values of a dtype begin."""
     return CPointer(numba.from_dtype(dtype))
 
 
 @intrinsic  # type: ignore[untyped-decorator]
 def call(_typing: Any, _address: int, given: Any) -> Any:
-    """Call what lies at an address with numbers and places, exactly of the types it was compiled for."""
+    """Call what lies at an address with numbers and addresses, exactly of the types it was compiled for."""
 
     def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         address, arguments = values[0], cgutils.unpack_tuple(builder, values[1])
@@ -42,8 +42,8 @@ def call(_typing: Any, _address: int, given: Any) -> Any:
 
 
 @intrinsic  # type: ignore[untyped-decorator]
-def place(_typing: Any, array: NDArray[Any]) -> Any:
-    """Return where an array's numbers begin, without a reference that would be counted."""
+def pointer(_typing: Any, array: NDArray[Any]) -> Any:
+    """Return the address at which an array's values begin, without a reference that would be counted."""
 
     def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         return context.make_array(signature.args[0])(context, builder, values[0]).data

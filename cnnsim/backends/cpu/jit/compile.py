@@ -30,6 +30,11 @@ class Twins(NamedTuple):
         return self.threaded if cells >= THREADS_PAY_FROM else self.serial
 
 
+def threads_for(cells: int) -> int:
+    """Return how many threads share this much work, in the version that `Twins.for_work` gives for it."""
+    return numba.get_num_threads() if cells >= THREADS_PAY_FROM else 1
+
+
 _FILES = sorted(Path(__file__).parents[1].rglob("*.py"))
 _DIGEST = sha256(b"".join(path.read_bytes() for path in _FILES)).hexdigest()[:8]
 
@@ -61,7 +66,7 @@ def _compiled(function: Kernel, kind: str, **options: Any) -> Kernel:
     return jitted
 
 
-def kept_in(jitted: Any) -> str:
+def cache_folder(jitted: Any) -> str:
     """Return the folder of the disk cache."""
     return str(jitted.stats.cache_path)
 

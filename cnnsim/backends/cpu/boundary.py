@@ -1,0 +1,68 @@
+"""Virtual cells in compiled loops: no other file of this folder knows what lies around a grid.
+
+The fast loops of `euler` set the virtual cells of the boundaries that they know by themselves (`euler.boundary`).
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cnnsim.backends.cpu.jit.compile import helper
+from cnnsim.network import Boundary
+from cnnsim.network.boundary import virtual_index
+from cnnsim.support import Array
+
+
+class VirtualCells(NamedTuple):
+    """What lies around a grid, up to ``r`` cells away.
+
+    ``rows`` and ``cols`` are the real row and column that positions -r, -r + 1, ... stand for (-1: ``constant``).
+    """
+
+    rows: Array
+    cols: Array
+    r: int
+    constant: Any
+
+
+def virtual_cells(shape: tuple[int, ...], r: int, boundary: Boundary, constant: Any) -> Any:
+    """Return the `VirtualCells` of a grid as compiled loops take them; ``constant`` in the type of the cells."""
+    rows, cols = (virtual_index(cells, r, boundary) for cells in shape[-2:])
+    return tuple(VirtualCells(rows, cols, r, constant))
+
+
+@helper
+def real_row(i: int, virtual: VirtualCells) -> Any:
+    """Return which real row is the same as row i of the grid, -1 if none is and its cells are looked up one by one."""
+    rows, _, r, _ = virtual
+    return rows[i + r]
+
+
+@helper
+def cell(grid: Array, i: int, j: int, virtual: VirtualCells) -> Any:
+    """Return a cell of a grid, real or virtual."""
+    rows, cols, r, constant = virtual
+    p, q = rows[i + r], cols[j + r]
+    return constant if p < 0 or q < 0 else grid[p, q]
+
+
+@helper
+def packed_cell(grid: Array, i: int, j: int, virtual: VirtualCells) -> Any:
+    """Return a cell of a packed grid, real or virtual, as a word that is 0 or 1."""
+    rows, cols, r, constant = virtual
+    p, q = rows[i + r], cols[j + r]
+    if p < 0 or q < 0:
+        return np.uint64(constant)
+    return (grid[p, q // 64] >> np.uint64(q % 64)) & np.uint64(1)
+
+
+@helper
+def fill_virtual(padded: Array, virtual: VirtualCells) -> None:
+    """Set the r virtual cells all round one padded grid, whose real cells are there."""
+    rows, cols, r, _ = virtual
+    grid = padded[r : r + rows.size - 2 * r, r : r + cols.size - 2 * r]
+    for p in range(rows.size):
+        real = grid.shape[1] if r <= p < rows.size - r else 0
+        for q in range(cols.size - real):
+            at = q if q < r else q + real
+            padded[p, at] = cell(grid, p - r, at - r, virtual)

@@ -1,0 +1,73 @@
+"""Planes (n, rows, cols) as a whole: the output, whether all cells are finite; and what loops over rows share.
+
+Plain loops for what NumPy does in a word: each of its words takes numba up to two seconds to compile.
+"""
+
+import numpy as np
+from numba import prange
+
+from cnnsim.backends.cpu.jit.compile import helper, twins
+from cnnsim.support import Array
+
+
+def grids(plane: Array) -> Array:
+    """View (rows, cols) as one grid of a batch, and the layers of a batch as grids."""
+    return plane if plane.ndim == 3 else plane.reshape(-1, *plane.shape[-2:])
+
+
+@helper
+def copy_row(row: Array, out: Array) -> None:
+    """Copy a row."""
+    for j in range(row.size):
+        out[j] = row[j]
+
+
+@helper
+def largest_of(values: Array) -> float:
+    """Return the largest value; NaN if there is one."""
+    largest = values[0]
+    for value in values:
+        if not value <= largest:
+            largest = value
+    return largest
+
+
+@helper
+def all_true(values: Array) -> bool:
+    """Return whether all are true."""
+    count = 0
+    for value in values:
+        count += value
+    return count == values.size
+
+
+@helper
+def clip_row(row: Array, out: Array) -> None:
+    """Write clip(row, -1, 1); NaN stays NaN."""
+    one = row.dtype.type(1)
+    for j in range(row.size):
+        v = row[j]
+        v = one if v > one else v
+        out[j] = -one if v < -one else v
+
+
+@twins
+def all_finite(x: Array) -> bool:
+    """Return whether no value is NaN or infinite: x * 0 is 0 exactly for finite x."""
+    n = x.shape[0] * x.shape[1]
+    fine = np.empty(n, np.bool_)
+    zero = x.dtype.type(0)
+    for line in prange(n):
+        row = x[line // x.shape[1], line % x.shape[1]]
+        total = zero
+        for j in range(row.size):
+            total += row[j] * zero
+        fine[line] = total == zero
+    return all_true(fine)
+
+
+@twins
+def clip(x: Array, out: Array) -> None:
+    """Write the output characteristic of x."""
+    for line in prange(x.shape[0] * x.shape[1]):
+        clip_row(x[line // x.shape[1], line % x.shape[1]], out[line // x.shape[1], line % x.shape[1]])

@@ -1,0 +1,85 @@
+"""Steps of a network of terms: by a Runge-Kutta scheme of any stages, or in discrete time."""
+
+import numpy as np
+
+from cnnsim.backends.base import Check
+from cnnsim.backends.cpu import term_loops as loops
+from cnnsim.backends.cpu.term_loops import DISCRETE, DRIVE, EULER, NO_MASK, RATE
+from cnnsim.backends.cpu.terms import Network
+from cnnsim.support import Array
+
+
+class TermSteps:
+    """A `Stepper` for dx/dt = (drive - x) / T; in the full-range model every stage ends within +-1."""
+
+    def __init__(self, network: Network) -> None:
+        scheme, dtype = network.plan.scheme, network.dtype
+        assert scheme is not None
+        self._network, self._x, self.start_span = network, network.x.copy(), network.start_span
+        self._a, self._b = [np.array(row, dtype) for row in scheme.a], np.array(scheme.b, dtype)
+        self._ahead = [round(sum(row)) for row in scheme.a]
+        self._stage, self._rates = np.empty_like(self._x), np.empty((len(scheme.b), *network.shape), dtype)
+        self._combine = loops.combine.for_work(self._x.size)
+        gains, _, self._limited = network.cells
+        self._unmasked = gains, NO_MASK, self._limited
+
+    def check_settled(self, step: int, *, last: bool) -> Check:
+        """See `Stepper.check_settled`."""
+        network, drive, x = self._network, self._rates[0], self._x
+        network.advance((drive, network.largest, x, network.w, network.past), (DRIVE, step, 1))
+        cells = network.rates.astype(network.dtype), network.mask, self._limited
+        return Check(loops.largest_rate.for_work(x.size)(drive, x, cells))
+
+    def advance(self, step: int, count: int) -> None:
+        """See `Stepper.advance`."""
+        network, x, rates = self._network, self._x, self._rates
+        if len(self._b) == 1:
+            network.advance((rates[0], network.largest, x, network.w, network.past), (EULER, step, count))
+            return
+        for number in range(step, step + count):
+            network.past[number % len(network.past)] = x
+            for s, (row, ahead) in enumerate(zip(self._a, self._ahead, strict=True)):
+                self._combine(self._stage, x, rates, row, self._unmasked)
+                planes = rates[s], network.largest, self._stage, network.w, network.past
+                network.advance(planes, (RATE, number + ahead, 1))
+            self._combine(x, x, rates, self._b, network.cells)
+
+    def finish(self) -> Array:
+        """See `Stepper.finish`."""
+        return self._network.end(self._x)
+
+
+class DiscreteSteps:
+    """A `Stepper` for y(k + 1) = f(drive); where f is the sign, a drive of 0 keeps the output."""
+
+    def __init__(self, network: Network) -> None:
+        self._network, self.start_span = network, network.start_span
+        y = network.plan.characteristic(network.x)
+        self._y = np.where(network.mask, network.x, y) if network.mask.size else y
+        self._before, self._after, self._checked = np.empty_like(y), np.empty_like(y), False
+        network.past[:] = self._y
+
+    def check_settled(self, step: int, *, last: bool) -> Check:
+        """See `Stepper.check_settled`."""
+        self._take(step)
+        self._checked = True
+        repeats = step > 0 and np.array_equal(self._after, self._before)
+        return Check(float(self._network.largest.max()), repeats=repeats)
+
+    def advance(self, step: int, count: int) -> None:
+        """See `Stepper.advance`."""
+        for number in range(step, step + count):
+            if not self._checked:
+                self._take(number)
+            self._before, self._y, self._after = self._y, self._after, self._before
+            self._checked = False
+
+    def _take(self, number: int) -> None:
+        network = self._network
+        network.past[number % len(network.past)] = self._y
+        planes = self._after, network.largest, self._y, network.w, network.past
+        network.advance(planes, (DISCRETE, number, 1))
+
+    def finish(self) -> Array:
+        """See `Stepper.finish`."""
+        return self._network.end(self._y)

@@ -1,0 +1,160 @@
+"""Steps of a linear template: by a Runge-Kutta scheme of any stages, masks and limits, or by the fused Euler method.
+
+Where the fused Euler method (`euler`) does not apply, the padded outputs of each stage are summed row by row.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import prange
+
+from cnnsim.backends.base import Check, Outcome
+from cnnsim.backends.cpu.boundary import VirtualCells, fill_virtual
+from cnnsim.backends.cpu.euler.dense import dense
+from cnnsim.backends.cpu.euler.sleep import sleeping
+from cnnsim.backends.cpu.jit.compile import helper, threads_for, twins
+from cnnsim.backends.cpu.planes import all_true, clip_row, copy_row, grids, largest_of
+from cnnsim.backends.cpu.pool import Pool
+from cnnsim.backends.cpu.prepared import Prepared
+from cnnsim.backends.cpu.settled import check_row
+from cnnsim.planning.plan import Plan
+from cnnsim.support import Array
+
+
+class Scheme(NamedTuple):
+    """A scheme's table times its gain, ``a`` (stages, stages) and ``b``; ``limited``: stages end within +-1."""
+
+    a: Array
+    b: Array
+    limited: bool
+
+
+class Scratch(NamedTuple):
+    """Planes of the stages: outputs with virtual cells, the stage, the rates of all stages; and a check, row by row."""
+
+    padded: Array
+    stage: Array
+    rates: Array
+    largest: Array
+    saturated: Array
+
+
+@helper
+def add_taps(total: Array, padded: Array, taps: Array, i: int, r: int) -> None:
+    """Add the taps' weighted neighbours of row i of one grid to ``total``."""
+    cols = total.size
+    for tap in range(taps.size):
+        first = r + taps[tap]["l"]
+        line = padded[i + r + taps[tap]["k"], first : first + cols]
+        c = taps[tap]["weight"]
+        for j in range(cols):
+            total[j] += c * line[j]
+
+
+@twins
+def run_stages(
+    planes: tuple[Array, Array, Array], taps: Array, virtual: VirtualCells, scheme: Scheme, scratch: Scratch,
+    count: int, checked: bool,
+) -> tuple[float, bool]:  # fmt: skip
+    """Take ``count`` steps on x in place; for 0 steps check x, and leave the rates of the first stage.
+
+    ``planes`` are x, w and the mask (no cells: none); ``checked``: the rates of the first stage are there. Returns the
+    largest |dx/dt|, and whether all cells are saturated. One loop for steps and checks, because it is long to compile.
+    """
+    x, w, mask = planes
+    ha, hb, limited = scheme
+    padded, stage, rates, largest, saturated = scratch
+    n, height, width = x.shape
+    r = virtual[2]
+    for number in range(max(count, 1)):
+        for i in range(1 if checked and number == 0 else 0, hb.size if count else 1):
+            for line in prange(n * height):
+                g, p = line // height, line % height
+                row = stage[g, p]
+                copy_row(x[g, p], row)
+                for earlier in range(i):
+                    c = ha[i, earlier]
+                    for j in range(width):
+                        row[j] += c * rates[earlier, g, p, j]
+                if limited:
+                    clip_row(row, row)
+                clip_row(row, padded[g, p + r, r : r + width])
+            for g in prange(n):
+                fill_virtual(padded[g], virtual)
+            for line in prange(n * height):
+                g, p = line // height, line % height
+                row = rates[i, g, p]
+                copy_row(w[g, p], row)
+                add_taps(row, padded[g], taps, p, r)
+                if count == 0:
+                    of_row = mask[g, p] if mask.size else mask[0, 0]
+                    largest[line], saturated[line] = check_row(row, x[g, p], of_row, limited)
+                for j in range(width):
+                    row[j] -= stage[g, p, j]
+        if count == 0:
+            break
+        for line in prange(n * height):
+            g, p = line // height, line % height
+            row = x[g, p]
+            if mask.size:
+                for j in range(width):
+                    if not mask[g, p, j]:
+                        v = row[j]
+                        for i in range(hb.size):
+                            v += hb[i] * rates[i, g, p, j]
+                        row[j] = v
+            else:
+                for i in range(hb.size):
+                    c = hb[i]
+                    for j in range(width):
+                        row[j] += c * rates[i, g, p, j]
+            if limited:
+                clip_row(row, row)
+    return largest_of(largest), all_true(saturated)
+
+
+class LinearSteps:
+    """A `Stepper`; in the full-range model every stage ends within +-1. A mask without cells holds none."""
+
+    def __init__(self, plan: Plan, ready: Prepared, x: Array, w: Array, mask: Array) -> None:
+        self._x, self._saturation_ends, self._checked = x.copy(), plan.saturation_ends, False
+        self._run = run_stages.for_work(x.size * len(plan.feedback_taps))
+        r, (n, rows, cols) = ready.around_y[2], grids(x).shape
+        stages, lines = len(ready.scheme[1]), n * rows
+        scratch = Scratch(
+            np.empty((n, rows + 2 * r, cols + 2 * r), x.dtype), np.empty((n, rows, cols), x.dtype),
+            np.empty((stages, n, rows, cols), x.dtype), np.zeros(lines, x.dtype), np.zeros(lines, bool),
+        )  # fmt: skip
+        planes = grids(self._x), grids(w), mask
+        self._given = planes, ready.feedback_taps, ready.around_y, ready.scheme, tuple(scratch)
+
+    def start_span(self, step: int) -> None:
+        """See `Stepper.start_span`: the input stands still for ever."""
+
+    def check_settled(self, step: int, *, last: bool) -> Check:
+        """See `Stepper.check_settled`."""
+        rate, saturated = self._run(*self._given, 0, False)
+        self._checked = True
+        return Check(float(rate), self._saturation_ends and bool(saturated))
+
+    def advance(self, step: int, count: int) -> None:
+        """See `Stepper.advance`."""
+        self._run(*self._given, count, self._checked)
+        self._checked = False
+
+    def finish(self) -> Array:
+        """See `Stepper.finish`."""
+        return self._x
+
+
+def fused_euler(plan: Plan, ready: Prepared, x: Array, w: Array, pool: Pool) -> Outcome:
+    """Run a transient by Euler steps, several a pass over the grid."""
+    work = x.size * len(plan.feedback_taps)
+    planes = x, pool.plane(x), pool.plane(x)
+    run = sleeping if "sleep" in plan.savings else dense
+    done, settled, rate, where = run.for_work(work)(
+        (*map(grids, planes), grids(w)), ready.feedback, (*ready.tiles, threads_for(work)), ready.schedule
+    )
+    end = x.copy() if where == 0 else planes[where]
+    pool.keep(*(plane for plane in planes[1:] if plane is not end))
+    return Outcome(end, done * plan.step if ready.settles else ready.t, bool(settled), float(rate))
