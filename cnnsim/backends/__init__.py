@@ -1,8 +1,9 @@
 """Where transients are computed: `get` finds a backend by its name.
 
 From `cnnsim.run_transient` to the innermost loop are five calls at most: the backend's ``transient``, the time loop
-(`driver.run`), the stepper's ``advance``, on the CPU the compiled loop over tiles, and in it the loop over rows; with
-OpenCL the launch of a kernel.
+(`driver.run`), the stepper's ``advance``, on the CPU the compiled loop over steps, and in it the loop over rows; with
+OpenCL the launch of a kernel. The fused Euler steps of the CPU check in their compiled loop: ``transient``,
+``fused_euler``, `dense` or `sleeping`, a tile, its rows.
 """
 
 from importlib import import_module
