@@ -21,9 +21,9 @@ from cnnsim.backends.cpu.neighbourhood import literals, neighbourhood
 from cnnsim.backends.cpu.planes import grids
 from cnnsim.backends.cpu.pool import Pool
 from cnnsim.backends.cpu.prepared import Prepared
-from cnnsim.backends.cpu.term_steps import DiscreteSteps, TermSteps
-from cnnsim.backends.cpu.terms import Network, with_control_terms
-from cnnsim.backends.cpu.transient import LinearSteps, fused_euler
+from cnnsim.backends.cpu.term_steps import CompiledDiscreteSteps, CompiledTermSteps
+from cnnsim.backends.cpu.terms import CompiledNetwork, with_control_terms
+from cnnsim.backends.cpu.transient import CompiledSteps, fused_euler
 from cnnsim.network import Boundary
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
@@ -94,9 +94,9 @@ class CpuBackend:
             )
         cells = _NO_MASK if mask is None else grids(self._unpack(mask, np.dtype(bool)))
         if general:
-            network = Network(plan, x, u, bias, cells)
+            network = CompiledNetwork(plan, x, u, bias, cells)
             with np.errstate(over="ignore", invalid="ignore"):  # what overflows is found and reported below
-                steps = DiscreteSteps(network) if plan.cell == "discrete-time" else TermSteps(network)
+                steps = CompiledDiscreteSteps(network) if plan.cell == "discrete-time" else CompiledTermSteps(network)
                 outcome = driver.run(plan, steps, network.spans())
         else:
             ready = self._ready(plan)
@@ -113,7 +113,7 @@ class CpuBackend:
                 if ready.fused_euler and mask is None:
                     outcome = fused_euler(plan, ready, x, w, self._pool)
                 else:
-                    outcome = driver.run(plan, LinearSteps(plan, ready, x, w, cells))
+                    outcome = driver.run(plan, CompiledSteps(plan, ready, x, w, cells))
                 self._pool.keep(w)
         if not planes.all_finite.for_work(x.size)(grids(outcome.x)):
             check_finite(outcome.x, outcome.t)

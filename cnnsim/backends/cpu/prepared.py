@@ -72,7 +72,7 @@ class Prepared:
 
     @cached_property
     def tiles(self) -> tuple[int, ...]:
-        """Return `Tiles` less the threads; at their address is `stream`, or `step_window` where tiles sleep."""
+        """Return `Tiling` less the threads; at their address is `stream`, or `step_window` where tiles sleep."""
         compiled = (window if self._sleeps else streaming)(numba.typeof(self.feedback))
         return int(compiled.address), *self._tile
 

@@ -27,7 +27,7 @@ NO_MASK = np.empty((1, 1, 1, 0), bool)
 # Groups of parameters; Python hands them over as bare tuples (see `prepared`).
 
 
-class Field(NamedTuple):
+class TermArrays(NamedTuple):
     """Terms and what they are of: ``padded`` (channels, n, rows + 2 r, cols + 2 r) is every channel with its
     `VirtualCells`; ``terms`` and ``taps`` are the records of a `TermTable`, ``planes`` and ``numbers`` its own.
     """
@@ -117,7 +117,7 @@ def fill_channels(
 
 
 def run_rows(
-    function: int, task: int, planes: Planes, cells: Cells, characteristic: Any, field: Field, r: int,
+    function: int, task: int, planes: Planes, cells: Cells, characteristic: Any, field: TermArrays, r: int,
     scratch: Array, threads: int, thread: int,
 ) -> None:  # fmt: skip
     """Do a task of `advance` with a thread's share of the rows."""
@@ -184,7 +184,7 @@ def called(dtype: np.dtype[Any]) -> tuple[Any, Any, Any]:
 
 @twins
 def advance(
-    run: tuple[int, int, int, int], cells: Cells, following: Array, characteristic: Any, field: Field,
+    run: tuple[int, int, int, int], cells: Cells, following: Array, characteristic: Any, field: TermArrays,
     virtual: VirtualCells, planes: Planes, job: tuple[int, int, int],
 ) -> None:  # fmt: skip
     """Do a task with the drives of all layers in the state x, in each step of the ``job`` (task, first, count).

@@ -5,14 +5,14 @@ import numpy as np
 from cnnsim.backends.base import Check
 from cnnsim.backends.cpu import term_loops as loops
 from cnnsim.backends.cpu.term_loops import DISCRETE, DRIVE, EULER, NO_MASK, RATE
-from cnnsim.backends.cpu.terms import Network
+from cnnsim.backends.cpu.terms import CompiledNetwork
 from cnnsim.support import Array
 
 
-class TermSteps:
+class CompiledTermSteps:
     """A `Stepper` for dx/dt = (drive - x) / T; in the full-range model every stage ends within +-1."""
 
-    def __init__(self, network: Network) -> None:
+    def __init__(self, network: CompiledNetwork) -> None:
         scheme, dtype = network.plan.scheme, network.dtype
         assert scheme is not None
         self._network, self._x, self.start_span = network, network.x.copy(), network.start_span
@@ -49,10 +49,10 @@ class TermSteps:
         return self._network.end(self._x)
 
 
-class DiscreteSteps:
+class CompiledDiscreteSteps:
     """A `Stepper` for y(k + 1) = f(drive); where f is the sign, a drive of 0 keeps the output."""
 
-    def __init__(self, network: Network) -> None:
+    def __init__(self, network: CompiledNetwork) -> None:
         self._network, self.start_span = network, network.start_span
         y = network.plan.characteristic(network.x)
         self._y = np.where(network.mask, network.x, y) if network.mask.size else y

@@ -32,7 +32,7 @@ def tables_of(plan: Plan, dtype: np.dtype[Any]) -> tuple[TermTable, TermTable]:
     return tables[dtype]
 
 
-class Field:
+class Channels:
     """The channels of a table of terms with their virtual cells."""
 
     def __init__(self, plan: Plan, table: TermTable, grids: int, dtype: np.dtype[Any]) -> None:
@@ -72,13 +72,13 @@ def with_control_terms(plan: Plan, u: Array | None, bias: Array | None) -> Array
     rows, cols = u.shape[-2:]
     total = np.zeros(u.shape, u.dtype) if bias is None else bias.copy()
     table = tabulate(plan, [(0, term) for term in terms], u.dtype)
-    field = Field(plan, table, total.size // (rows * cols), u.dtype)
+    field = Channels(plan, table, total.size // (rows * cols), u.dtype)
     field.fill(0, u.reshape(-1, rows, cols))
     field.add_to(total.reshape(-1, 1, rows, cols))
     return total
 
 
-class Network:
+class CompiledNetwork:
     """The planes of a run, its past, and what drives each layer; ``u`` and ``bias`` may be `Frames`.
 
     ``advance`` is `term_loops.advance` but for its planes and job; a ``mask`` without cells holds none.
@@ -93,7 +93,7 @@ class Network:
         self._u, self._bias = self._planes(u), self._planes(bias)
         self.mask = mask.reshape(self.shape) if mask.size else NO_MASK
         self._z = np.array([layer.z for layer in layers], x.dtype).reshape(-1, 1, 1)
-        self._still, self._moving = (Field(plan, t, self.shape[0], x.dtype) for t in tables_of(plan, x.dtype))
+        self._still, self._moving = (Channels(plan, t, self.shape[0], x.dtype) for t in tables_of(plan, x.dtype))
         follow = [(number, *c) for number, c in enumerate(self._moving.channels) if c.quantity != "u"]
         following = loops.Following(
             np.array([number for number, *_ in follow], np.int64),

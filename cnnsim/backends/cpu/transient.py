@@ -21,7 +21,7 @@ from cnnsim.planning.plan import Plan
 from cnnsim.support import Array
 
 
-class Scheme(NamedTuple):
+class SchemeTable(NamedTuple):
     """A scheme's table times its gain, ``a`` (stages, stages) and ``b``; ``limited``: stages end within +-1."""
 
     a: Array
@@ -53,7 +53,7 @@ def add_taps(total: Array, padded: Array, taps: Array, i: int, r: int) -> None:
 
 @twins
 def run_stages(
-    planes: tuple[Array, Array, Array], taps: Array, virtual: VirtualCells, scheme: Scheme, scratch: Scratch,
+    planes: tuple[Array, Array, Array], taps: Array, virtual: VirtualCells, scheme: SchemeTable, scratch: Scratch,
     count: int, checked: bool,
 ) -> tuple[float, bool]:  # fmt: skip
     """Take ``count`` steps on x in place; for 0 steps check x, and leave the rates of the first stage.
@@ -113,7 +113,7 @@ def run_stages(
     return largest_of(largest), all_true(saturated)
 
 
-class LinearSteps:
+class CompiledSteps:
     """A `Stepper`; in the full-range model every stage ends within +-1. A mask without cells holds none."""
 
     def __init__(self, plan: Plan, ready: Prepared, x: Array, w: Array, mask: Array) -> None:

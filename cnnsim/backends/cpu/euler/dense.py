@@ -3,7 +3,7 @@
 import numpy as np
 from numba import prange
 
-from cnnsim.backends.cpu.euler.grid import Feedback, Schedule, Tiles, steps_of_pass, tile_area, tile_count
+from cnnsim.backends.cpu.euler.grid import Feedback, Schedule, Tiling, steps_of_pass, tile_area, tile_count
 from cnnsim.backends.cpu.euler.scratch import tile_cells, tile_layout
 from cnnsim.backends.cpu.euler.settled import MOVING, UNSATURATED, largest_rate, start_check, total
 from cnnsim.backends.cpu.jit.address import call
@@ -13,7 +13,7 @@ from cnnsim.support import Array
 
 @twins
 def dense(
-    planes: tuple[Array, Array, Array, Array], feedback: Feedback, tiles: Tiles, schedule: Schedule
+    planes: tuple[Array, Array, Array, Array], feedback: Feedback, tiles: Tiling, schedule: Schedule
 ) -> tuple[int, bool, float, int]:
     """Run the transient of n grids; ``planes`` (n, rows, cols) are x, two between which the steps go by turns, and w.
 

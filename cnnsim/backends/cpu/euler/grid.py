@@ -37,7 +37,7 @@ class Feedback(NamedTuple):
     constant: Any
 
 
-class Tiles(NamedTuple):
+class Tiling(NamedTuple):
     """How a grid is worked through: the address of what steps a tile, steps a pass, rows and columns, threads."""
 
     address: int

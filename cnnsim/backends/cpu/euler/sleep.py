@@ -10,7 +10,7 @@ import numpy as np
 from numba import prange
 
 from cnnsim.backends.cpu.euler.boundary import is_periodic
-from cnnsim.backends.cpu.euler.grid import Feedback, Schedule, Tiles, steps_of_pass, tile_area, tile_count
+from cnnsim.backends.cpu.euler.grid import Feedback, Schedule, Tiling, steps_of_pass, tile_area, tile_count
 from cnnsim.backends.cpu.euler.scratch import move
 from cnnsim.backends.cpu.euler.settled import C0, C1, MOVING, R0, R1, UNSATURATED, largest_rate, start_check, total
 from cnnsim.backends.cpu.euler.window import CATCH_UP, CHECK, window_cells, window_layout
@@ -79,7 +79,7 @@ def arrived(chosen: Array, step: int, upto: Array, found: Array) -> float:
 
 @twins
 def sleeping(
-    planes: tuple[Array, Array, Array, Array], feedback: Feedback, tiles: Tiles, schedule: Schedule
+    planes: tuple[Array, Array, Array, Array], feedback: Feedback, tiles: Tiling, schedule: Schedule
 ) -> tuple[int, bool, float, int]:
     """Run the transient of n grids until all have settled; everything as in `dense.dense`.
 
