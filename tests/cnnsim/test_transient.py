@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 
 from cnnsim import PERIODIC, ZERO_FLUX, Template, fixed, run_transient
 from cnnsim.network.cell import output
+from cnnsim.planning.scheme import EULER
+from cnnsim.planning.stability import step_limit
 
 seeds = st.integers(0, 2**32)
 both = pytest.mark.parametrize("backend", ["reference", "cpu"])
@@ -26,9 +28,10 @@ def _random(seed: int, scale: float = 1.0) -> tuple[np.random.Generator, Templat
 @given(seed=seeds, h=st.floats(0.1, 1.0))
 def test_the_state_never_leaves_the_chua_yang_bound(backend: str, seed: int, h: float) -> None:
     rng, t, x, u = _random(seed)
-    limit = min(1.0, 2 / (1 + np.abs(t.A).sum()))
     for duration in (0.5, 4.0, 20.0):
-        end = run_transient(t, state=x, input=u, boundary=fixed(rng.uniform(-1, 1)), duration=duration, scheme="euler",
+        boundary = fixed(rng.uniform(-1, 1))
+        limit = min(1.0, 2 / (1 + np.abs(t.A).sum()), step_limit(t, boundary, duration, EULER))
+        end = run_transient(t, state=x, input=u, boundary=boundary, duration=duration, scheme="euler",
                             step=h * limit, backend=backend)  # fmt: skip
         assert np.abs(end.x).max() <= max(1.0, t.state_bound()) * (1 + 1e-6)
 

@@ -6,7 +6,7 @@ import pytest
 from cnnsim import PERIODIC, Boundary, InputError, LayeredTemplate, Template, Term, fixed, run_transient
 from cnnsim.planning.plan import make_plan
 from cnnsim.planning.scheme import EULER, SCHEMES, Scheme
-from cnnsim.planning.stability import step_limit
+from cnnsim.planning.stability import limit_of, step_limit
 
 TURNING = [[0, 0, 0], [-3, 0, 3], [0, 0, 0]]
 """Not symmetric: the modes of a row are -1 + 6 i cos(...)."""
@@ -60,3 +60,8 @@ def test_a_mode_that_hardly_decays_does_not_forbid_a_short_run() -> None:
     template = Template([[0.0, 0.0, 0.0], [-1.0, 0.99, 1.0], [0.0, 0.0, 0.0]])
     long, short = (step_limit(template, fixed(0), duration, EULER) for duration in ("settled", 2.0))
     assert long < 0.01 < 0.1 < short
+
+
+def test_a_mode_that_stands_still_limits_nothing() -> None:
+    """Modes of +-1e-9 i beside the saturated cells' -1."""
+    assert limit_of(np.array([-1e-9 + 1e-9j, -1.0]), "settled", EULER) == pytest.approx(2.0)
