@@ -87,7 +87,8 @@ class Stepper(Protocol):
     """Steps of one transient on a backend; `driver.run` says when to take and to check them."""
 
     def start_span(self, step: int) -> None:
-        """Take input and bias as they are from this step on."""
+        """Take input and bias as they are from this step on; nothing to do where both stand still for ever."""
+        return
 
     def check_settled(self, step: int, *, last: bool) -> Check:
         """Check the state before this step; only the ``last`` check must measure the rate of a network that moves."""

@@ -9,16 +9,14 @@ from numpy.typing import DTypeLike, NDArray
 from cnnsim.backends import driver
 from cnnsim.backends.base import Memory, Outcome, check_finite
 from cnnsim.backends.opencl import planes, pocl
-from cnnsim.backends.opencl.arguments import LinearPlanes
 from cnnsim.backends.opencl.build import boundary_defines
-from cnnsim.backends.opencl.cellwise import parameter_values, text
+from cnnsim.backends.opencl.cellwise import text
 from cnnsim.backends.opencl.closed import closed_form
 from cnnsim.backends.opencl.context import device_context
 from cnnsim.backends.opencl.device import Family, choose_device, family_of, has_float64, title
 from cnnsim.backends.opencl.drive import control
-from cnnsim.backends.opencl.planes import DevicePlane, buffers, launch, new_plane
-from cnnsim.backends.opencl.term_steps import DiscreteLayerSteps, LayerSteps
-from cnnsim.backends.opencl.terms import DeviceNetwork, LayerPlanes
+from cnnsim.backends.opencl.planes import DevicePlane, LinearPlanes, buffers, launch, new_plane
+from cnnsim.backends.opencl.term_steps import term_steps
 from cnnsim.backends.opencl.transient import linear_steps
 from cnnsim.network import Boundary
 from cnnsim.operations.bitwise import BitRule
@@ -79,14 +77,13 @@ class OpenCLBackend:
         _check_plan(plan)
         context, grid = self._context, x.grid
         with context.lock:
-            start = LayerPlanes(x.buffer, buffers(u), buffers(bias), buffers(mask))
+            u, bias, black = buffers(u), buffers(bias), buffers(mask)
             if plan.method == "general":
-                network = DeviceNetwork(context, plan, grid, start)
-                steps = DiscreteLayerSteps if plan.cell == "discrete-time" else LayerSteps
-                outcome = driver.run(plan, steps(network), network.spans())
+                steps = term_steps(context, plan, grid, x.buffer, u, bias, black)
+                outcome = driver.run(plan, steps, steps.spans())
             else:
-                w = control(context, plan, grid, start.u, start.bias)
-                given = LinearPlanes(start.x, w, start.mask)
+                w = control(context, plan, grid, u, bias)
+                given = LinearPlanes(x.buffer, w, black)
                 if plan.method == "closed form":
                     outcome = closed_form(context, plan, grid, given)
                 else:
@@ -105,8 +102,8 @@ class OpenCLBackend:
             kernel = self._context.kernel("cellwise", "", {}, extra=text(operation))
             outputs = tuple(new_plane(self._context, planes[0].shape, "lam") for _ in operation.outputs)
             given = [plane.buffer for plane in (*planes, *outputs)]
-            cells = planes[0].grid.cells
-            self._context.launch(kernel, cells, *given, *parameter_values(parameters, self.dtype), np.int64(cells))
+            cells, number = planes[0].grid.cells, self._context.dtype.type
+            self._context.launch(kernel, cells, *given, *map(number, parameters), np.int64(cells))
             return outputs
 
     def logic(self, function: int, p: DevicePlane, q: DevicePlane) -> DevicePlane:

@@ -1,10 +1,5 @@
 """Per-cell operations as OpenCL kernels: the operation's text inside a loop over the cells."""
 
-from collections.abc import Sequence
-from typing import Any
-
-import numpy as np
-
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.support import InputError
 
@@ -28,8 +23,3 @@ def text(operation: Cellwise) -> str:
     stores = [f"out_{name}[cell] = {name};" for name in operation.outputs]
     body = "\n".join((*lines, operation.opencl, *stores))
     return f"KERNEL void cellwise({', '.join(arguments)})\n{{\nEACH(cell, count) {{\n{body}\n}}\n}}\n"
-
-
-def parameter_values(parameters: Sequence[float], dtype: np.dtype[Any]) -> list[Any]:
-    """Return the parameters as the device takes them."""
-    return [dtype.type(value) for value in parameters]

@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import pyopencl as cl
 
 from cnnsim.backends.codes import TaskCode
-from cnnsim.backends.opencl.arguments import DeviceGrid
 from cnnsim.backends.opencl.build import boundary_defines, source
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
+from cnnsim.backends.opencl.planes import DeviceGrid
 from cnnsim.backends.opencl.term_text import term_defines
 from cnnsim.backends.term_table import TermTable, characteristic
 from cnnsim.planning.plan import Plan
@@ -24,7 +23,7 @@ class ChannelPlanes:
 
     def __init__(
         self, context: DeviceContext, plan: Plan, grid: DeviceGrid, tables: Sequence[TermTable], part: int,
-        gains: np.ndarray[Any, Any] | None = None, mask: Buffer | None = None,
+        gains: Sequence[float] = (1.0,), mask: Buffer | None = None,
     ) -> None:  # fmt: skip
         self.context, self.plan, self.grid, self.table, self.mask = context, plan, grid, tables[part], mask
         self.layers = len(plan.network.layers) if plan.network else 1
@@ -34,26 +33,26 @@ class ChannelPlanes:
         size = self._tall * stride
         self._channels = context.buffer(max(1, len(self.table.channels)) * size * context.dtype.itemsize)
         self._weights = context.table(np.append(self.table.planes.ravel(), np.zeros(lanes, context.dtype)))
-        self._gains = context.table(np.ones(self.layers, context.dtype) if gains is None else gains)
+        self.gains = context.table(np.array(gains, context.dtype))
         self._last = (*map(np.int32, (r, stride, grid.rows, grid.cols)), np.int64(size))
         self._part, self._none = np.int32(part), np.int32(len(tables))
         output = characteristic(plan, context.dtype) if plan.method == "general" else None
-        self._defines = {
+        defines = {
             **term_defines(tables, self.layers, output, context.dtype),
             **boundary_defines(plan.boundary),
         }
-        self._fill, self._add_terms = self._kernel("fill_channel"), self._kernel("add_terms")
+        self._fill, self._add_terms = (
+            context.kernel(name, "boundary", defines, source("terms")) for name in ("fill_channel", "add_terms")
+        )
 
-    def _kernel(self, name: str) -> cl.Kernel:
-        return self.context.kernel(name, "boundary", self._defines, source("terms"))
-
-    def base(self, z: np.ndarray[Any, Any], bias: Buffer | None, out: Buffer) -> None:
-        """Write z of each layer plus the bias map."""
+    def drive(self, z: Sequence[float], bias: Buffer | None, out: Buffer) -> None:
+        """Write z of each layer plus the bias map plus all terms."""
         self.context.launch(
             self.context.kernel("base", "stages layers", {}), self.grid.cells,
-            self.context.table(z.astype(self.context.dtype)), bias, out, np.int32(bias is not None),
+            self.context.table(np.array(z, self.context.dtype)), bias, out, np.int32(bias is not None),
             *self.layer_arguments,
         )  # fmt: skip
+        self.add_terms(TaskCode.DRIVE, out, out, out)
 
     @property
     def layer_arguments(self) -> tuple[Any, ...]:
@@ -70,14 +69,12 @@ class ChannelPlanes:
             *map(np.int32, (channel, seen.layer, self.layers, output)), outside, *self._last, np.int64(work),
         )  # fmt: skip
 
-    def add_terms(
-        self, task: TaskCode, w: Buffer, x: Buffer | None, out: Buffer, *, at: int = 0, terms: bool = True
-    ) -> None:
+    def add_terms(self, task: TaskCode, w: Buffer, x: Buffer, out: Buffer, *, at: int = 0, terms: bool = True) -> None:
         """Do a task with the drives of a state ``x``, w plus all terms; the result begins at cell ``at`` of ``out``."""
         work = self.grid.lines if self.context.family == "cpu" else self.grid.cells
         self.context.launch(
-            self._add_terms, self.grid.cells, w if x is None else x, w, self.mask, out, np.int64(at), self._channels,
-            self._weights, self._gains, np.int32(task), self._part if terms else self._none,
+            self._add_terms, self.grid.cells, x, w, self.mask, out, np.int64(at), self._channels,
+            self._weights, self.gains, np.int32(task), self._part if terms else self._none,
             np.int32(self.mask is not None), np.int32(self.plan.cell == "full-range"), np.int32(self.layers),
             *self._last, np.int64(work),
         )  # fmt: skip

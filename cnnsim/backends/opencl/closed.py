@@ -5,16 +5,16 @@ import math
 import numpy as np
 
 from cnnsim.backends.base import Outcome
-from cnnsim.backends.opencl.arguments import DeviceGrid, LinearPlanes
 from cnnsim.backends.opencl.build import cell_defines
 from cnnsim.backends.opencl.context import DeviceContext
+from cnnsim.backends.opencl.planes import DeviceGrid, LinearPlanes
 from cnnsim.planning.plan import Plan
 
 
 def closed_form(context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> Outcome:
     """Return the end of uncoupled cells, at the plan's duration or at rest."""
     settled, number = plan.duration == "settled", context.dtype.type
-    t = math.inf if plan.duration == "settled" else float(plan.duration)
+    t = math.inf if settled else float(plan.duration)
     out = context.buffer(planes.x.size)
     context.launch(
         context.kernel("closed_form", "closed", cell_defines(plan, None)), grid.cells, *planes, out,

@@ -43,7 +43,7 @@ class DeviceContext:
         kind: Defines = {"DOUBLE": "", "REAL": "double"} if dtype == np.float64 else {"REAL": "float"}
         here: Defines = {"CPU": ""} if family == "cpu" else {"GROUP": GROUP}
         self._basics = define_lines({**kind, **here, "V": self.lanes, **code_defines()})
-        self.partial = cl.Buffer(self.context, cl.mem_flags.READ_WRITE, 2 * 8 * self.most_parts)
+        self.partial = self.new(2 * 8 * self.most_parts)
         self._pool: list[Buffer] = []
         self._tables: dict[bytes, Buffer] = {}
         self._programs: dict[tuple[str, ...], cl.Program] = {}
@@ -54,14 +54,18 @@ class DeviceContext:
         """The most parts that a sum over a plane comes back in."""
         return 4 * self.cores if self.family == "cpu" else 4 * GROUP
 
+    def new(self, size: int) -> Buffer:
+        """Return a new buffer of ``size`` bytes on the device."""
+        return cl.Buffer(self.context, cl.mem_flags.READ_WRITE, size)
+
     def buffer(self, size: int) -> Buffer:
-        """Return a buffer of ``size`` bytes on the device."""
+        """Return a new buffer of ``size`` bytes, or one that was given back."""
         for pooled in self._pool:
             if pooled.size == size:
                 self._pool.remove(pooled)
                 return pooled
         self._pool.clear()
-        return cl.Buffer(self.context, cl.mem_flags.READ_WRITE, size)
+        return self.new(size)
 
     def recycle(self, *buffers: Buffer) -> None:
         """Take back buffers that nothing else refers to: new memory costs more than a few steps of the time loop."""
@@ -115,7 +119,5 @@ def _context_and_queue(device: cl.Device) -> tuple[cl.Context, cl.CommandQueue]:
     return context, cl.CommandQueue(context)
 
 
-@cache
-def device_context(device: cl.Device, family: Family, dtype: np.dtype[Any]) -> DeviceContext:
-    """Return the context of a device: one for all backends that want the same."""
-    return DeviceContext(device, family, dtype)
+device_context = cache(DeviceContext)
+"""The context of a device: one for all backends that want the same."""

@@ -1,13 +1,15 @@
 """What drives a cell without a time loop: w = B*u + z with the bias map and the terms of the input."""
 
+from typing import Any
+
 import numpy as np
 
-from cnnsim.backends.codes import TaskCode
-from cnnsim.backends.opencl.arguments import DeviceGrid, tap_arguments
 from cnnsim.backends.opencl.build import boundary_defines
 from cnnsim.backends.opencl.channels import ChannelPlanes
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
+from cnnsim.backends.opencl.planes import DeviceGrid
 from cnnsim.backends.term_table import tabulate
+from cnnsim.network import Tap, reach
 from cnnsim.planning.plan import Plan
 
 
@@ -31,6 +33,13 @@ def _control_terms(context: DeviceContext, plan: Plan, grid: DeviceGrid, u: Buff
     channels = ChannelPlanes(context, plan, grid, [table], 0)
     channels.fill(0, u)
     out = context.buffer(grid.cells * context.dtype.itemsize)
-    channels.base(np.zeros(1), bias, out)
-    channels.add_terms(TaskCode.DRIVE, out, None, out)
+    channels.drive([0.0], bias, out)
     return out
+
+
+def tap_arguments(context: DeviceContext, taps: tuple[Tap, ...], outside: float) -> tuple[Any, ...]:
+    """Return what a kernel of stencil.cl is told of its taps and of virtual cells that hold a constant."""
+    places = [(tap.k, tap.l) for tap in taps]
+    weights = np.array([tap.weight for tap in taps] or [0.0], context.dtype)
+    numbers = np.int32(len(taps)), np.int32(reach(places)), context.dtype.type(outside)
+    return context.table(np.array(places or [(0, 0)], np.int32)), context.table(weights), *numbers

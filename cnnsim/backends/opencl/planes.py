@@ -2,18 +2,53 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyopencl as cl
 
 from cnnsim.backends.base import Memory
-from cnnsim.backends.opencl.arguments import DeviceGrid
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
 from cnnsim.network import Frames
 from cnnsim.support import Array
 
 _WORD = 64  # cells of an LLM plane in a word
+
+
+class DeviceGrid(NamedTuple):
+    """The shape of planes: ``grids`` of rows x cols cells."""
+
+    grids: int
+    rows: int
+    cols: int
+
+    @property
+    def lines(self) -> int:
+        """Rows of all grids."""
+        return self.grids * self.rows
+
+    @property
+    def cells(self) -> int:
+        """Cells of all grids."""
+        return self.lines * self.cols
+
+    @property
+    def arguments(self) -> tuple[np.int64, np.int32, np.int32]:
+        """What kernels with neighbours are told."""
+        return np.int64(self.lines), np.int32(self.rows), np.int32(self.cols)
+
+    @property
+    def flat_arguments(self) -> tuple[np.int64, np.int32]:
+        """What kernels without neighbours are told."""
+        return np.int64(self.lines), np.int32(self.cols)
+
+
+class LinearPlanes(NamedTuple):
+    """State, drive of the input (w = B*u + z + bias) and mask of a linear template."""
+
+    x: Buffer
+    w: Buffer
+    mask: Buffer | None
 
 
 @dataclass(frozen=True)
@@ -27,7 +62,7 @@ class DevicePlane:
     @property
     def grid(self) -> DeviceGrid:
         """The shape as a batch."""
-        return DeviceGrid.of(self.shape)
+        return DeviceGrid(math.prod(self.shape[:-2]), *self.shape[-2:])
 
     @property
     def words(self) -> int:

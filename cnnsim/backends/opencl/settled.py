@@ -3,9 +3,10 @@
 import numpy as np
 
 from cnnsim.backends.base import Check
-from cnnsim.backends.opencl.arguments import DeviceGrid, LinearPlanes, tap_arguments
 from cnnsim.backends.opencl.build import boundary_defines, cell_defines
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
+from cnnsim.backends.opencl.drive import tap_arguments
+from cnnsim.backends.opencl.planes import DeviceGrid, LinearPlanes
 from cnnsim.planning.plan import SETTLED_RATE, Plan
 
 STRIPES, STRIPE_CELLS = 16, 16_384

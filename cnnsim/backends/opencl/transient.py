@@ -8,9 +8,10 @@ import pyopencl as cl
 
 from cnnsim.backends.base import Check, Stepper
 from cnnsim.backends.codes import boundary_code
-from cnnsim.backends.opencl.arguments import DeviceGrid, LinearPlanes, tap_arguments
 from cnnsim.backends.opencl.build import Defines, boundary_defines, cell_defines, literal, tap_defines
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
+from cnnsim.backends.opencl.drive import tap_arguments
+from cnnsim.backends.opencl.planes import DeviceGrid, LinearPlanes
 from cnnsim.backends.opencl.settled import StripedCheck
 from cnnsim.backends.opencl.tiles import TILED_BOUNDARIES, cut
 from cnnsim.planning.plan import Plan
@@ -20,19 +21,36 @@ def linear_steps(context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: L
     """Return steps by tiles, where their kernels know the scheme and the boundary, or by stages."""
     assert plan.scheme is not None
     tiled = len(plan.scheme.b) == 1 and boundary_code(plan.boundary) in TILED_BOUNDARIES
-    return (TileSteps if tiled else StageSteps)(context, plan, grid, planes)
+    return (_TileSteps if tiled else _StageSteps)(context, plan, grid, planes)
 
 
-class TileSteps:
-    """A `Stepper` for a one-stage scheme from a state, which is left as it is: several steps a launch, ping and pong.
+class _LinearSteps(Stepper):
+    """The planes, and the check of the state."""
+
+    def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:
+        self._context, self._given = context, (context, plan, grid, planes)
+        self._x, self._w, self._mask = planes
+
+    @cached_property
+    def _check(self) -> StripedCheck:
+        return StripedCheck(*self._given)  # built where the transient is to settle
+
+    def check_settled(self, step: int, *, last: bool) -> Check:
+        return self._check.check(self._x, whole=last)
+
+    def finish(self) -> Buffer:
+        return self._x
+
+
+class _TileSteps(_LinearSteps):
+    """Steps of a one-stage scheme from a state, which is left as it is: several steps a launch, ping and pong.
 
     With the saving "sleep", tiles are left out in which the launch before, of as many steps, changed no bit (see
     sleep.cl); the first two launches step all of them, since each plane has to be filled once.
     """
 
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:
-        self._context, self._given = context, (context, plan, grid, planes)
-        self._x, self._w, self._mask = planes
+        super().__init__(context, plan, grid, planes)
         self._tiles = cut(context, grid, plan)
         defines = {**_step_defines(context, plan, planes), **self._tiles.defines}
         stems = f"boundary sleep {context.family}"
@@ -42,19 +60,7 @@ class TileSteps:
         self._bound: list[tuple[Buffer, int, bool] | None] = [None, None]
         self._turn, self._launches, self._last = 0, 0, 0
 
-    def start_span(self, step: int) -> None:
-        """See `Stepper.start_span`: the input stands still for ever."""
-
-    @cached_property
-    def _check(self) -> StripedCheck:
-        return StripedCheck(*self._given)  # built where the transient is to settle
-
-    def check_settled(self, step: int, *, last: bool) -> Check:
-        """See `Stepper.check_settled`."""
-        return self._check.check(self._x, whole=last)
-
     def advance(self, step: int, count: int) -> None:
-        """See `Stepper.advance`."""
         while count > 0:
             now = min(count, self._tiles.most_steps)
             turn = self._turn
@@ -75,64 +81,60 @@ class TileSteps:
             count -= now
 
     def finish(self) -> Buffer:
-        """See `Stepper.finish`: the other plane may be used for something else."""
         self._context.recycle(*(plane for plane in self._planes if plane is not self._x))
         return self._x
 
 
-class StageSteps:
-    """A `Stepper` for any scheme and boundary: two launches a stage, one more a step."""
+class _StageSteps(_LinearSteps):
+    """Steps of any scheme with any boundary: two launches a stage, one more a step."""
 
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:
+        super().__init__(context, plan, grid, planes)
         assert plan.scheme is not None
-        self._context, self._given = context, (context, plan, grid, planes)
-        self._grid, self._limited = grid, np.int32(plan.cell == "full-range")
-        self._x, self._w, self._mask = planes
-        gain, number = plan.scheme.gain(plan.step), context.dtype.type
-        *self._rows, self._last = (
-            (np.int32(len(row)), context.table(np.array([gain * weight for weight in row] or [0.0], number)))
-            for row in (*plan.scheme.a, plan.scheme.b)
-        )
+        self._cells, self._stages = grid.cells, len(plan.scheme.a)
+        gain = plan.scheme.gain(plan.step)
+        self._sums = StageSums(context, plan, grid, "linear_stage", gain, (np.int64(grid.cells),))
         self._taps = *tap_arguments(context, plan.feedback_taps, plan.boundary.y), *grid.arguments
         self._rate = context.kernel("rate", "boundary stencil", {**boundary_defines(plan.boundary), "RATE": ""})
-        self._sum = context.kernel("linear_stage", "stages", {})
-        self._rates = context.buffer(len(plan.scheme.b) * self._x.size)
         self._stage = context.buffer(self._x.size)
         self._own = False  # whether x may be written over
 
-    def start_span(self, step: int) -> None:
-        """See `Stepper.start_span`: the input stands still for ever."""
-
-    @cached_property
-    def _check(self) -> StripedCheck:
-        return StripedCheck(*self._given)  # built where the transient is to settle
-
-    def check_settled(self, step: int, *, last: bool) -> Check:
-        """See `Stepper.check_settled`."""
-        return self._check.check(self._x, whole=last)
-
     def advance(self, step: int, count: int) -> None:
-        """See `Stepper.advance`."""
-        launch, cells = self._context.launch, self._grid.cells
         for _ in range(count):
-            for stage, row in enumerate(self._rows):
-                self._go(row, self._stage, None)
-                launch(self._rate, cells, self._stage, self._w, self._rates, np.int32(stage), *self._taps)
+            for stage in range(self._stages):
+                self._sums.write(stage, self._x, self._stage)
+                self._context.launch(
+                    self._rate, self._cells, self._stage, self._w, self._sums.rates, np.int32(stage), *self._taps
+                )
             to = self._x if self._own else self._context.buffer(self._x.size)
-            self._go(self._last, to, self._mask)
+            self._sums.write(-1, self._x, to, self._mask)
             self._x, self._own = to, True
 
-    def _go(self, row: tuple[np.int32, Buffer], to: Buffer, mask: Buffer | None) -> None:
-        """Write x + sum of gain * weight * rate to a plane."""
-        stages, weights = row
-        self._context.launch(
-            self._sum, self._grid.cells, self._x, self._rates, weights, stages, mask, to, np.int32(mask is not None),
-            self._limited, np.int32(self._grid.cols), np.int64(self._grid.cells),
-        )  # fmt: skip
 
-    def finish(self) -> Buffer:
-        """See `Stepper.finish`."""
-        return self._x
+class StageSums:
+    """Where a stage, or a step, of a Runge-Kutta scheme leads: x + gain * sum of weight * rate; see stages.cl.
+
+    ``rates`` has a plane for each stage; ``sizes`` are what the ``kernel`` is told last.
+    """
+
+    def __init__(
+        self, context: DeviceContext, plan: Plan, grid: DeviceGrid, kernel: str, gain: float, sizes: tuple[Any, ...]
+    ) -> None:
+        assert plan.scheme is not None
+        self._context, self._grid, self._kernel = context, grid, context.kernel(kernel, "stages", {})
+        self._rows = [
+            (context.table(np.array([gain * weight for weight in row] or [0.0], context.dtype)), np.int32(len(row)))
+            for row in (*plan.scheme.a, plan.scheme.b)
+        ]
+        self._last = np.int32(plan.cell == "full-range"), np.int32(grid.cols), *sizes
+        self.rates = context.new(len(plan.scheme.b) * grid.cells * context.dtype.itemsize)
+
+    def write(self, row: int, x: Buffer, to: Buffer, mask: Buffer | None = None) -> None:
+        """Write the state that begins stage ``row``, or with -1 that after the step."""
+        self._context.launch(
+            self._kernel, self._grid.cells, x, self.rates, *self._rows[row], mask, to, np.int32(mask is not None),
+            *self._last,
+        )  # fmt: skip
 
 
 def _step_defines(context: DeviceContext, plan: Plan, planes: LinearPlanes) -> Defines:

@@ -62,7 +62,7 @@ def test_shared_sums_stay_within_the_rounding_of_one_sum_a_step() -> None:
 @pytest.mark.parametrize("limit", [32 * 1024, 512 * 1024, 1024 * 1024])
 def test_tiles_fit_into_the_local_memory_there_is(limit: int) -> None:
     """A device that is given more than it has writes over whatever lies behind."""
-    from cnnsim.backends.opencl.arguments import DeviceGrid
+    from cnnsim.backends.opencl.planes import DeviceGrid
     from cnnsim.backends.opencl.tiles import cut
 
     context: Any = SimpleNamespace(
