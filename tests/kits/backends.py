@@ -48,9 +48,9 @@ def build(name: str, family: str | None, dtype: Any) -> Backend:
         return backends.get(name, dtype)
     pytest.importorskip("pyopencl", reason="the opencl backend needs pyopencl")
     from cnnsim.backends.opencl.backend import OpenCLBackend
-    from cnnsim.backends.opencl.device import choose_device, devices, has_float64, title
+    from cnnsim.backends.opencl.devices import all_devices, choose_device, has_float64, title
 
-    if not devices():
+    if not all_devices():
         pytest.skip("there is no OpenCL device")
     if dtype == "float64" and not has_float64(choose_device()):
         pytest.skip(f"{title(choose_device())} has no float64")

@@ -13,7 +13,7 @@ from cnnsim.backends.opencl.build import boundary_defines
 from cnnsim.backends.opencl.cellwise import text
 from cnnsim.backends.opencl.closed import closed_form
 from cnnsim.backends.opencl.context import device_context
-from cnnsim.backends.opencl.device import Family, choose_device, family_of, has_float64, title
+from cnnsim.backends.opencl.devices import Family, choose_device, family_of, has_float64, title
 from cnnsim.backends.opencl.drive import control
 from cnnsim.backends.opencl.planes import DevicePlane, LinearPlanes, buffers, launch, new_plane
 from cnnsim.backends.opencl.term_steps import term_steps

@@ -8,7 +8,7 @@ import numpy as np
 import pyopencl as cl
 
 from cnnsim.backends.opencl.build import Defines, build, code_defines, define_lines, source
-from cnnsim.backends.opencl.device import Family
+from cnnsim.backends.opencl.devices import Family
 from cnnsim.backends.opencl.pocl import has_wide_vectors
 
 Buffer = cl.Buffer

@@ -8,7 +8,7 @@ import pyopencl as cl
 from cnnsim.backends.codes import BoundaryCode
 from cnnsim.backends.opencl.build import Defines
 from cnnsim.backends.opencl.context import DeviceContext
-from cnnsim.backends.opencl.device import family_of
+from cnnsim.backends.opencl.devices import family_of
 from cnnsim.backends.opencl.planes import DeviceGrid
 from cnnsim.network import reach
 from cnnsim.planning.plan import Plan

@@ -17,12 +17,12 @@ from cnnsim.operations.cellwise import Cellwise
 cl = pytest.importorskip("pyopencl", reason="the opencl backend needs pyopencl")
 
 from cnnsim.backends.opencl import backend as opencl  # noqa: E402 - only where pyopencl is there
-from cnnsim.backends.opencl import device as opencl_device  # noqa: E402
+from cnnsim.backends.opencl import devices as opencl_devices  # noqa: E402
 from cnnsim.backends.opencl import pocl  # noqa: E402
 from cnnsim.backends.opencl.backend import OpenCLBackend  # noqa: E402
 from cnnsim.backends.opencl.planes import DevicePlane  # noqa: E402
 
-if not opencl_device.devices():
+if not opencl_devices.all_devices():
     pytest.skip("there is no OpenCL device", allow_module_level=True)
 
 
@@ -36,17 +36,17 @@ def test_float64_needs_a_device_that_has_it(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_a_device_is_chosen_by_number_name_or_variable(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv(opencl_device.VARIABLE, raising=False)
-    first = opencl_device.devices()[0]
-    assert opencl_device.choose_device(0) == first
-    assert opencl_device.choose_device(first.name[1:5].swapcase()) is not None
+    monkeypatch.delenv(opencl_devices.VARIABLE, raising=False)
+    first = opencl_devices.all_devices()[0]
+    assert opencl_devices.choose_device(0) == first
+    assert opencl_devices.choose_device(first.name[1:5].swapcase()) is not None
     with pytest.raises(InputError, match=r"no OpenCL device 99; there are 0: "):
-        opencl_device.choose_device(99)
+        opencl_devices.choose_device(99)
     with pytest.raises(InputError, match=r"no OpenCL device is called 'zx81'; there are 0: "):
-        opencl_device.choose_device("zx81")
-    monkeypatch.setenv(opencl_device.VARIABLE, "0")
+        opencl_devices.choose_device("zx81")
+    monkeypatch.setenv(opencl_devices.VARIABLE, "0")
     assert OpenCLBackend().device == first
-    monkeypatch.setenv(opencl_device.VARIABLE, "zx81")
+    monkeypatch.setenv(opencl_devices.VARIABLE, "zx81")
     with pytest.raises(InputError, match=r"'zx81' \(CNNSIM_DEVICE\)"):
         backends.get("opencl")
 
@@ -54,7 +54,7 @@ def test_a_device_is_chosen_by_number_name_or_variable(monkeypatch: pytest.Monke
 def test_without_a_platform_the_message_has_the_cure(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cl, "get_platforms", list)
     with pytest.raises(InputError, match=r'no OpenCL device; pip install "pyopencl\[pocl\]"'):
-        opencl_device.choose_device()
+        opencl_devices.choose_device()
 
 
 def test_without_pyopencl_the_message_has_the_cure(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -68,10 +68,10 @@ def test_without_pyopencl_the_message_has_the_cure(monkeypatch: pytest.MonkeyPat
 
 
 def test_devices_are_listed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv(opencl_device.VARIABLE, raising=False)
+    monkeypatch.delenv(opencl_devices.VARIABLE, raising=False)
     text, data = CliRunner().invoke(devices), CliRunner().invoke(devices, ["--json"])
     assert text.exit_code == data.exit_code == 0
-    assert f"0  {opencl_device.devices()[0].name}" in text.output
+    assert f"0  {opencl_devices.all_devices()[0].name}" in text.output
     assert '"chosen": true' in data.output
 
 
