@@ -4,18 +4,19 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import pyopencl as cl
 from numpy.typing import DTypeLike, NDArray
 
 from cnnsim.backends import driver
 from cnnsim.backends.base import Memory, Outcome, check_finite
-from cnnsim.backends.opencl import planes, pocl
+from cnnsim.backends.opencl import pocl
 from cnnsim.backends.opencl.build import boundary_defines
 from cnnsim.backends.opencl.cellwise import text
 from cnnsim.backends.opencl.closed import closed_form
 from cnnsim.backends.opencl.context import device_context
 from cnnsim.backends.opencl.devices import Family, choose_device, family_of, has_float64, title
 from cnnsim.backends.opencl.drive import control
-from cnnsim.backends.opencl.planes import DevicePlane, LinearPlanes, buffers, launch, new_plane
+from cnnsim.backends.opencl.planes import WORD, DevicePlane, LinearPlanes, buffers, launch, new_plane, words_of
 from cnnsim.backends.opencl.term_steps import term_steps
 from cnnsim.backends.opencl.transient import linear_steps
 from cnnsim.network import Boundary
@@ -50,18 +51,32 @@ class OpenCLBackend:
 
     def load(self, values: Array, memory: Memory) -> DevicePlane:
         """See `Backend.load`."""
-        return planes.load(self._context, np.asarray(values), memory)
+        values = np.asarray(values)
+        if memory == "lam":
+            host: Array = np.ascontiguousarray(values, dtype=self.dtype)
+        else:
+            host = np.zeros((*values.shape[:-1], words_of(values.shape[-1]) * 8), np.uint8)
+            packed = np.packbits(values > 0, axis=-1, bitorder="little")
+            host[..., : packed.shape[-1]] = packed
+        flags = cl.mem_flags.READ_WRITE | cl.mem_flags.COPY_HOST_PTR
+        return DevicePlane(cl.Buffer(self._context.context, flags, hostbuf=host), values.shape, memory)
 
     def read(self, plane: DevicePlane) -> Array:
         """See `Backend.read`."""
-        return planes.read(self._context, plane)
+        words = plane.memory == "llm"
+        row = words_of(plane.shape[-1]) * 8 if words else plane.shape[-1]
+        host = np.empty((*plane.shape[:-1], row), np.uint8 if words else self.dtype)
+        cl.enqueue_copy(self._context.queue, host, plane.buffer)
+        return np.unpackbits(host, axis=-1, count=plane.shape[-1], bitorder="little").astype(bool) if words else host
 
     def convert(self, plane: DevicePlane, memory: Memory) -> DevicePlane:
         """See `Backend.convert`."""
         if plane.memory == memory:
             return plane
         with self._context.lock:
-            return planes.convert(self._context, plane, memory)
+            out, size = new_plane(self._context, plane.shape, memory), plane.grid.flat_arguments
+            launch(self._context, f"to_{memory}", plane.words * WORD, plane.buffer, out.buffer, *size)
+            return out
 
     def output(self, x: DevicePlane) -> DevicePlane:
         """See `Backend.output`."""
@@ -74,7 +89,11 @@ class OpenCLBackend:
         self, plan: Plan, x: DevicePlane, u: Any, bias: Any = None, mask: DevicePlane | None = None
     ) -> Outcome:
         """See `Backend.transient`."""
-        _check_plan(plan)
+        continuous = plan.method == "general" and plan.cell != "discrete-time"
+        if plan.method == "adaptive" or (continuous and plan.scheme is None):  # there is no kernel of it
+            raise InputError(
+                "the adaptive scheme runs on the reference backend; choose --backend reference or a fixed-step scheme"
+            )
         context, grid = self._context, x.grid
         with context.lock:
             u, bias, black = buffers(u), buffers(bias), buffers(mask)
@@ -90,7 +109,8 @@ class OpenCLBackend:
                     outcome = driver.run(plan, linear_steps(context, plan, grid, given))
                 context.recycle(w)
             state = DevicePlane(outcome.x, x.shape, "lam")
-            if not planes.all_finite(context, state):
+            parts = launch(context, "finite", grid.cells, state.buffer, context.partial, np.int64(grid.cells))
+            if context.parts(parts, context.dtype).any():
                 check_finite(self.read(state), outcome.t)
             return outcome._replace(x=state)
 
@@ -128,16 +148,16 @@ class OpenCLBackend:
 
     def count(self, plane: DevicePlane) -> int | NDArray[np.int64]:
         """See `Backend.count`."""
-        with self._context.lock:
-            return planes.count(self._context, plane)
-
-
-def _check_plan(plan: Plan) -> None:
-    """Refuse what has no OpenCL kernel, rather than leave a part of it out."""
-    if plan.method == "adaptive" or (plan.method == "general" and plan.cell != "discrete-time" and plan.scheme is None):
-        raise InputError(
-            "the adaptive scheme runs on the reference backend; choose --backend reference or a fixed-step scheme"
-        )
+        context, words = self._context, plane.words
+        with context.lock:
+            if len(plane.shape) == 3:
+                grids = plane.shape[0]
+                totals, each = np.empty(grids, np.int64), context.buffer(8 * grids)
+                launch(context, "count_each", words, plane.buffer, each, np.int64(grids), np.int32(words // grids))
+                cl.enqueue_copy(context.queue, totals, each)
+                return totals
+            parts = launch(context, "count_black", words, plane.buffer, context.partial, np.int64(words))
+            return int(context.parts(parts, np.dtype(np.uint64)).sum())
 
 
 BACKEND = OpenCLBackend

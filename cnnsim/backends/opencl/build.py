@@ -1,7 +1,7 @@
 """OpenCL programs: put together from .cl files and definitions, and built."""
 
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from enum import IntEnum
 from functools import cache
 from importlib.resources import files
@@ -73,9 +73,8 @@ def cell_defines(plan: Plan, mask: cl.Buffer | None) -> dict[str, str | int]:
     return {"LIMITED": int(plan.cell == "full-range"), **({} if mask is None else {"MASK": ""})}
 
 
-def tap_defines(taps: Iterable[Tap], boundary: Boundary, constant: float, dtype: np.dtype[Any]) -> Defines:
+def tap_defines(taps: tuple[Tap, ...], boundary: Boundary, constant: float, dtype: np.dtype[Any]) -> Defines:
     """Return the definitions that say which neighbours count how much, and what lies around the grid."""
-    taps = tuple(taps)
     return {
         "TAPS(DO, a)": " ".join(f"DO(a, {k}, {l}, {literal(weight, dtype)})" for k, l, weight in taps),
         "RADIUS": reach((tap.k, tap.l) for tap in taps),

@@ -1,7 +1,6 @@
 """Channels of terms on the device, with their virtual cells, and the kernels that fill and weigh them."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -27,6 +26,8 @@ class ChannelPlanes:
     ) -> None:  # fmt: skip
         self.context, self.plan, self.grid, self.table, self.mask = context, plan, grid, tables[part], mask
         self.layers = len(plan.network.layers) if plan.network else 1
+        # what kernels of layers.cl end with: layers, cells of a layer, cells in all
+        self.layer_arguments = np.int32(self.layers), np.int64(grid.rows * grid.cols), np.int64(grid.cells)
         r, lanes = self.table.radius, context.lanes
         self._tall, self._wide = grid.grids // self.layers * (grid.rows + 2 * r), grid.cols + 2 * r
         stride = -(-(self._wide + lanes) // lanes) * lanes
@@ -53,11 +54,6 @@ class ChannelPlanes:
             *self.layer_arguments,
         )  # fmt: skip
         self.add_terms(TaskCode.DRIVE, out, out, out)
-
-    @property
-    def layer_arguments(self) -> tuple[Any, ...]:
-        """What kernels of layers.cl end with: layers, cells of a layer, cells in all."""
-        return np.int32(self.layers), np.int64(self.grid.rows * self.grid.cols), np.int64(self.grid.cells)
 
     def fill(self, channel: int, state: Buffer, *, output: bool = False) -> None:
         """Bring a plane's layer into a channel, perhaps through the output characteristic."""

@@ -43,16 +43,12 @@ class DeviceContext:
         kind: Defines = {"DOUBLE": "", "REAL": "double"} if dtype == np.float64 else {"REAL": "float"}
         here: Defines = {"CPU": ""} if family == "cpu" else {"GROUP": GROUP}
         self._basics = define_lines({**kind, **here, "V": self.lanes, **code_defines()})
-        self.partial = self.new(2 * 8 * self.most_parts)
+        self._most_parts = 4 * (self.cores if family == "cpu" else GROUP)  # of a sum over a plane
+        self.partial = self.new(2 * 8 * self._most_parts)
         self._pool: list[Buffer] = []
         self._tables: dict[bytes, Buffer] = {}
         self._programs: dict[tuple[str, ...], cl.Program] = {}
         self._kernels: dict[tuple[str, ...], cl.Kernel] = {}
-
-    @property
-    def most_parts(self) -> int:
-        """The most parts that a sum over a plane comes back in."""
-        return 4 * self.cores if self.family == "cpu" else 4 * GROUP
 
     def new(self, size: int) -> Buffer:
         """Return a new buffer of ``size`` bytes on the device."""
@@ -96,10 +92,10 @@ class DeviceContext:
     def launch(self, kernel: cl.Kernel, work: int, *arguments: Any) -> int:
         """Launch a kernel that deals out ``work`` cells or words itself; return how many parts its sums have."""
         if self.family == "cpu":
-            parts = max(1, min(self.most_parts, work // 4096))
+            parts = max(1, min(self._most_parts, work // 4096))
             shape: tuple[tuple[int], tuple[int]] = (parts,), (1,)
         else:
-            parts = max(1, min(self.most_parts, -(-work // GROUP)))
+            parts = max(1, min(self._most_parts, -(-work // GROUP)))
             shape = (parts * GROUP,), (GROUP,)
         kernel.set_args(*arguments)
         cl.enqueue_nd_range_kernel(self.queue, kernel, *shape)

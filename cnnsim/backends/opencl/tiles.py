@@ -51,13 +51,12 @@ def cut(context: DeviceContext, grid: DeviceGrid, plan: Plan) -> Tiles:
         most = -(-steps // launches)
     if context.family == "cpu":
         widest = (SLEEPER[1] if "sleep" in plan.savings else TILE_BYTES) // context.dtype.itemsize
-        return _bands(context, grid, plan, most, widest)
+        return _bands(context, grid, plan, radius, most, widest)
     return _squares(context, grid, radius, most)
 
 
-def _bands(context: DeviceContext, grid: DeviceGrid, plan: Plan, most: int, widest: int) -> Tiles:
+def _bands(context: DeviceContext, grid: DeviceGrid, plan: Plan, radius: int, most: int, widest: int) -> Tiles:
     (grids, rows, cols), sleep = grid, "sleep" in plan.savings
-    radius = reach((tap.k, tap.l) for tap in plan.feedback_taps)
     lanes, size = context.lanes, context.dtype.itemsize
     height = max(3, radius)  # rows of a block
     across = -(-cols // widest)
@@ -86,7 +85,7 @@ def _bands(context: DeviceContext, grid: DeviceGrid, plan: Plan, most: int, wide
     if scratch > context.device.local_mem_size:  # fewer steps a launch, but rather narrower tiles than fewer than four
         narrower = most <= 4 and widest > 2 * lanes
         most, widest = (most, widest // 2) if narrower else (most - 1, widest)
-        return _bands(context, grid, plan, most, widest)
+        return _bands(context, grid, plan, radius, most, widest)
     numbers = np.array([rows, cols, width, band, across, down], np.int32)
     return Tiles(
         most, defines, (cl.LocalMemory(scratch), *numbers), grids * across * down, (grids * across * down, 1), (1, 1)

@@ -1,18 +1,17 @@
 """Steps of a linear template: dx/dt = -x + A*y + w by a Runge-Kutta scheme, many a launch where it has one stage."""
 
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 import pyopencl as cl
 
-from cnnsim.backends.base import Check, Stepper
+from cnnsim.backends.base import Stepper
 from cnnsim.backends.codes import boundary_code
 from cnnsim.backends.opencl.build import Defines, boundary_defines, cell_defines, literal, tap_defines
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.drive import tap_arguments
 from cnnsim.backends.opencl.planes import DeviceGrid, LinearPlanes
-from cnnsim.backends.opencl.settled import StripedCheck
+from cnnsim.backends.opencl.settled import LinearSteps
 from cnnsim.backends.opencl.tiles import TILED_BOUNDARIES, cut
 from cnnsim.planning.plan import Plan
 
@@ -24,25 +23,7 @@ def linear_steps(context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: L
     return (_TileSteps if tiled else _StageSteps)(context, plan, grid, planes)
 
 
-class _LinearSteps(Stepper):
-    """The planes, and the check of the state."""
-
-    def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:
-        self._context, self._given = context, (context, plan, grid, planes)
-        self._x, self._w, self._mask = planes
-
-    @cached_property
-    def _check(self) -> StripedCheck:
-        return StripedCheck(*self._given)  # built where the transient is to settle
-
-    def check_settled(self, step: int, *, last: bool) -> Check:
-        return self._check.check(self._x, whole=last)
-
-    def finish(self) -> Buffer:
-        return self._x
-
-
-class _TileSteps(_LinearSteps):
+class _TileSteps(LinearSteps):
     """Steps of a one-stage scheme from a state, which is left as it is: several steps a launch, ping and pong.
 
     With the saving "sleep", tiles are left out in which the launch before, of as many steps, changed no bit (see
@@ -52,7 +33,15 @@ class _TileSteps(_LinearSteps):
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:
         super().__init__(context, plan, grid, planes)
         self._tiles = cut(context, grid, plan)
-        defines = {**_step_defines(context, plan, planes), **self._tiles.defines}
+        assert plan.scheme is not None
+        defines = {
+            **tap_defines(plan.feedback_taps, plan.boundary, plan.boundary.y, context.dtype),
+            **cell_defines(plan, planes.mask),
+            **_shared_sums(context, plan),
+            **({"SLEEP": ""} if "sleep" in plan.savings else {}),
+            "GAIN": literal(plan.scheme.gain(plan.step) * plan.scheme.b[0], context.dtype),
+            **self._tiles.defines,
+        }
         stems = f"boundary sleep {context.family}"
         self._kernels = [context.kernel("steps", stems, defines, twin=twin) for twin in (0, 1)]
         self._planes: list[Buffer] = []
@@ -85,16 +74,16 @@ class _TileSteps(_LinearSteps):
         return self._x
 
 
-class _StageSteps(_LinearSteps):
+class _StageSteps(LinearSteps):
     """Steps of any scheme with any boundary: two launches a stage, one more a step."""
 
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:
         super().__init__(context, plan, grid, planes)
         assert plan.scheme is not None
-        self._cells, self._stages = grid.cells, len(plan.scheme.a)
+        self._stages = len(plan.scheme.a)
         gain = plan.scheme.gain(plan.step)
         self._sums = StageSums(context, plan, grid, "linear_stage", gain, (np.int64(grid.cells),))
-        self._taps = *tap_arguments(context, plan.feedback_taps, plan.boundary.y), *grid.arguments
+        self._around = *tap_arguments(context, plan.feedback_taps, plan.boundary.y), *grid.arguments
         self._rate = context.kernel("rate", "boundary stencil", {**boundary_defines(plan.boundary), "RATE": ""})
         self._stage = context.buffer(self._x.size)
         self._own = False  # whether x may be written over
@@ -104,7 +93,7 @@ class _StageSteps(_LinearSteps):
             for stage in range(self._stages):
                 self._sums.write(stage, self._x, self._stage)
                 self._context.launch(
-                    self._rate, self._cells, self._stage, self._w, self._sums.rates, np.int32(stage), *self._taps
+                    self._rate, self._grid.cells, self._stage, self._w, self._sums.rates, np.int32(stage), *self._around
                 )
             to = self._x if self._own else self._context.buffer(self._x.size)
             self._sums.write(-1, self._x, to, self._mask)
@@ -135,18 +124,6 @@ class StageSums:
             self._kernel, self._grid.cells, x, self.rates, *self._rows[row], mask, to, np.int32(mask is not None),
             *self._last,
         )  # fmt: skip
-
-
-def _step_defines(context: DeviceContext, plan: Plan, planes: LinearPlanes) -> Defines:
-    """Return what a program of tiled steps has built in, but for the tiles."""
-    assert plan.scheme is not None
-    return {
-        **tap_defines(plan.feedback_taps, plan.boundary, plan.boundary.y, context.dtype),
-        **cell_defines(plan, planes.mask),
-        **_shared_sums(context, plan),
-        **({"SLEEP": ""} if "sleep" in plan.savings else {}),
-        "GAIN": literal(plan.scheme.gain(plan.step) * plan.scheme.b[0], context.dtype),
-    }
 
 
 def _shared_sums(context: DeviceContext, plan: Plan) -> Defines:
