@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from cnnsim.backends import driver
-from cnnsim.backends.base import Memory, Outcome, check_finite
+from cnnsim.backends.base import Backend, Memory, Outcome, check_finite
 from cnnsim.backends.cpu import bits as packed
 from cnnsim.backends.cpu import closed, planes
 from cnnsim.backends.cpu.bits import Bits
@@ -36,7 +36,7 @@ announce(cache_folder(planes.clip.serial))
 _NO_MASK = np.empty((1, 1, 0), dtype=bool)
 
 
-class CpuBackend:
+class CpuBackend(Backend):
     """LAM planes are contiguous NumPy arrays in ``dtype``, LLM planes are `Bits`."""
 
     name = "cpu"
@@ -53,17 +53,14 @@ class CpuBackend:
         self._one, self._minus_one = self.dtype.type(1), self.dtype.type(-1)
 
     def load(self, values: Array, memory: Memory) -> Any:
-        """See `Backend.load`."""
         if memory == "llm":
             return self._pack(np.ascontiguousarray(values))
         return np.array(values, dtype=self.dtype, order="C")
 
     def read(self, plane: Any) -> Array:
-        """See `Backend.read`."""
         return self._unpack(plane, np.dtype(bool)) if isinstance(plane, Bits) else plane.copy()
 
     def convert(self, plane: Any, memory: Memory) -> Any:
-        """See `Backend.convert`."""
         return self._pack(plane) if memory == "llm" else self._unpack(plane, self.dtype)
 
     def _pack(self, values: Array) -> Bits:
@@ -78,7 +75,6 @@ class CpuBackend:
         return values
 
     def output(self, x: Array) -> Array:
-        """See `Backend.output`."""
         y = np.empty_like(x)
         planes.clip.for_work(x.size)(grids(x), grids(y))
         return y
@@ -86,7 +82,6 @@ class CpuBackend:
     def transient(
         self, plan: Plan, x: Array, u: Array | None, bias: Array | None = None, mask: Bits | None = None
     ) -> Outcome:
-        """See `Backend.transient`."""
         general = plan.method == "general"
         if plan.method == "adaptive" or (general and plan.cell != "discrete-time" and plan.scheme is None):
             raise InputError(
@@ -126,7 +121,6 @@ class CpuBackend:
         return ready
 
     def cellwise(self, operation: Cellwise, planes: Sequence[Array], parameters: Sequence[float]) -> tuple[Array, ...]:
-        """See `Backend.cellwise`."""
         if operation.compiled is None:
             return operation.array(*planes, *parameters)
         if operation.name not in self._kernels:
@@ -137,13 +131,11 @@ class CpuBackend:
         return outputs
 
     def logic(self, function: int, p: Bits, q: Bits) -> Bits:
-        """See `Backend.logic`."""
         out = packed.empty(p.shape)
         packed.logic.for_work(out.words.size // 64)(function, p.words, q.words, out.words, p.shape[-1])
         return out
 
     def neighbourhood(self, rule: BitRule, boundary: Boundary, plane: Bits) -> Bits:
-        """See `Backend.neighbourhood`."""
         key = rule, boundary, plane.shape[-2:]
         if key not in self._rules:
             around = virtual_cells(plane.shape, rule.radius, boundary, int(boundary.u > 0))
@@ -154,7 +146,6 @@ class CpuBackend:
         return out
 
     def count(self, plane: Bits) -> int | Integers:
-        """See `Backend.count`."""
         totals = np.empty(plane.words.shape[0], np.int64)
         packed.count.for_work(plane.words.size // 64)(plane.words, totals)
         return totals if len(plane.shape) == 3 else int(totals[0])

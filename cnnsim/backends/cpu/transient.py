@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from cnnsim.backends.base import Check, Outcome
+from cnnsim.backends.base import Check, Outcome, Stepper
 from cnnsim.backends.cpu.boundary import VirtualCells, fill_virtual
 from cnnsim.backends.cpu.euler.dense import dense
 from cnnsim.backends.cpu.euler.sleep import sleeping
@@ -113,8 +113,8 @@ def run_stages(
     return largest_of(largest), all_true(saturated)
 
 
-class CompiledSteps:
-    """A `Stepper`; in the full-range model every stage ends within +-1. A mask without cells holds none."""
+class CompiledSteps(Stepper):
+    """Steps of a linear template; the full-range model ends every stage within +-1. A mask without cells holds none."""
 
     def __init__(self, plan: Plan, ready: Prepared, x: Array, w: Array, mask: Array) -> None:
         self._x, self._saturation_ends, self._checked = x.copy(), plan.saturation_ends, False
@@ -127,9 +127,6 @@ class CompiledSteps:
         )  # fmt: skip
         planes = grids(self._x), grids(w), mask
         self._given = planes, ready.feedback_taps, ready.around_y, ready.scheme, tuple(scratch)
-
-    def start_span(self, step: int) -> None:
-        """See `Stepper.start_span`: the input stands still for ever."""
 
     def check_settled(self, step: int, *, last: bool) -> Check:
         """See `Stepper.check_settled`."""

@@ -8,7 +8,7 @@ import pyopencl as cl
 from numpy.typing import DTypeLike, NDArray
 
 from cnnsim.backends import driver
-from cnnsim.backends.base import Memory, Outcome, check_finite
+from cnnsim.backends.base import Backend, Memory, Outcome, check_finite
 from cnnsim.backends.opencl import pocl
 from cnnsim.backends.opencl.build import boundary_defines
 from cnnsim.backends.opencl.cellwise import text
@@ -26,7 +26,7 @@ from cnnsim.planning.plan import Plan
 from cnnsim.support import Array, InputError
 
 
-class OpenCLBackend:
+class OpenCLBackend(Backend):
     """Computes on one OpenCL device, in float32 or float64; one thread at a time launches (see `DeviceContext`).
 
     Arguments: ``device`` as in `choose_device`; ``family`` of kernels, None for the device's own.
@@ -50,7 +50,6 @@ class OpenCLBackend:
         self._context = device_context(self.device, family or family_of(self.device), self.dtype)
 
     def load(self, values: Array, memory: Memory) -> DevicePlane:
-        """See `Backend.load`."""
         values = np.asarray(values)
         if memory == "lam":
             host: Array = np.ascontiguousarray(values, dtype=self.dtype)
@@ -62,7 +61,6 @@ class OpenCLBackend:
         return DevicePlane(cl.Buffer(self._context.context, flags, hostbuf=host), values.shape, memory)
 
     def read(self, plane: DevicePlane) -> Array:
-        """See `Backend.read`."""
         words = plane.memory == "llm"
         row = words_of(plane.shape[-1]) * 8 if words else plane.shape[-1]
         host = np.empty((*plane.shape[:-1], row), np.uint8 if words else self.dtype)
@@ -70,7 +68,6 @@ class OpenCLBackend:
         return np.unpackbits(host, axis=-1, count=plane.shape[-1], bitorder="little").astype(bool) if words else host
 
     def convert(self, plane: DevicePlane, memory: Memory) -> DevicePlane:
-        """See `Backend.convert`."""
         if plane.memory == memory:
             return plane
         with self._context.lock:
@@ -79,7 +76,6 @@ class OpenCLBackend:
             return out
 
     def output(self, x: DevicePlane) -> DevicePlane:
-        """See `Backend.output`."""
         with self._context.lock:
             y, cells = new_plane(self._context, x.shape, "lam"), x.grid.cells
             launch(self._context, "clipped", cells, x.buffer, y.buffer, np.int64(cells))
@@ -88,7 +84,6 @@ class OpenCLBackend:
     def transient(
         self, plan: Plan, x: DevicePlane, u: Any, bias: Any = None, mask: DevicePlane | None = None
     ) -> Outcome:
-        """See `Backend.transient`."""
         continuous = plan.method == "general" and plan.cell != "discrete-time"
         if plan.method == "adaptive" or (continuous and plan.scheme is None):  # there is no kernel of it
             raise InputError(
@@ -117,7 +112,6 @@ class OpenCLBackend:
     def cellwise(
         self, operation: Cellwise, planes: Sequence[DevicePlane], parameters: Sequence[float]
     ) -> tuple[DevicePlane, ...]:
-        """See `Backend.cellwise`."""
         with self._context.lock:
             kernel = self._context.kernel("cellwise", "", {}, extra=text(operation))
             outputs = tuple(new_plane(self._context, planes[0].shape, "lam") for _ in operation.outputs)
@@ -127,14 +121,12 @@ class OpenCLBackend:
             return outputs
 
     def logic(self, function: int, p: DevicePlane, q: DevicePlane) -> DevicePlane:
-        """See `Backend.logic`."""
         with self._context.lock:
             out, size = new_plane(self._context, p.shape, "llm"), p.grid.flat_arguments
             launch(self._context, "logic", p.words, p.buffer, q.buffer, out.buffer, np.int32(function), *size)
             return out
 
     def neighbourhood(self, rule: BitRule, boundary: Boundary, plane: DevicePlane) -> DevicePlane:
-        """See `Backend.neighbourhood`."""
         with self._context.lock:
             out = new_plane(self._context, plane.shape, "llm")
             literals = self._context.table(np.array(rule.literals or [(0, 0, 0)], np.int32))
@@ -147,7 +139,6 @@ class OpenCLBackend:
             return out
 
     def count(self, plane: DevicePlane) -> int | NDArray[np.int64]:
-        """See `Backend.count`."""
         context, words = self._context, plane.words
         with context.lock:
             if len(plane.shape) == 3:

@@ -16,7 +16,7 @@ STRIPES, STRIPE_CELLS = 16, 16_384
 """The most stripes that a check may take one by one, and the fewest cells in one."""
 
 
-class LinearSteps(Stepper):
+class CheckedSteps(Stepper):
     """Steps that are checked stripe by stripe of lines, until one shows that the network has not settled.
 
     The next check begins where the last one ended: what moved there will mostly be moving still.

@@ -19,12 +19,12 @@ from cnnsim.planning.plan import Plan
 
 def term_steps(
     context: DeviceContext, plan: Plan, grid: DeviceGrid, x: Buffer, u: Any, bias: Any, mask: Buffer | None
-) -> "_TermSteps":
+) -> "_NetworkSteps":
     """Return the steps of a network of terms from a state; ``u`` and ``bias`` may be `Frames` of buffers."""
-    return (_DiscreteSteps if plan.cell == "discrete-time" else _LayerSteps)(context, plan, grid, x, u, bias, mask)
+    return (_DiscreteLayerSteps if plan.cell == "discrete-time" else _LayerSteps)(context, plan, grid, x, u, bias, mask)
 
 
-class _TermSteps(Stepper):
+class _NetworkSteps(Stepper):
     """The channels of a network of terms, its drive of the input, its state and past states."""
 
     def __init__(
@@ -71,7 +71,7 @@ class _TermSteps(Stepper):
         return self._x
 
 
-class _LayerSteps(_TermSteps):
+class _LayerSteps(_NetworkSteps):
     """Steps of dx/dt = (drive - x) / T; in the full-range model every stage ends within +-1."""
 
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, *planes: Any) -> None:
@@ -108,7 +108,7 @@ class _LayerSteps(_TermSteps):
             self._x = after
 
 
-class _DiscreteSteps(_TermSteps):
+class _DiscreteLayerSteps(_NetworkSteps):
     """Steps of y(k + 1) = f(drive); where f is the sign, a drive of 0 keeps the output."""
 
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, x: Buffer, *planes: Any) -> None:

@@ -11,7 +11,7 @@ from cnnsim.backends.opencl.build import Defines, boundary_defines, cell_defines
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.drive import tap_arguments
 from cnnsim.backends.opencl.planes import DeviceGrid, LinearPlanes
-from cnnsim.backends.opencl.settled import LinearSteps
+from cnnsim.backends.opencl.settled import CheckedSteps
 from cnnsim.backends.opencl.tiles import TILED_BOUNDARIES, cut
 from cnnsim.planning.plan import Plan
 
@@ -23,7 +23,7 @@ def linear_steps(context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: L
     return (_TileSteps if tiled else _StageSteps)(context, plan, grid, planes)
 
 
-class _TileSteps(LinearSteps):
+class _TileSteps(CheckedSteps):
     """Steps of a one-stage scheme from a state, which is left as it is: several steps a launch, ping and pong.
 
     With the saving "sleep", tiles are left out in which the launch before, of as many steps, changed no bit (see
@@ -74,7 +74,7 @@ class _TileSteps(LinearSteps):
         return self._x
 
 
-class _StageSteps(LinearSteps):
+class _StageSteps(CheckedSteps):
     """Steps of any scheme with any boundary: two launches a stage, one more a step."""
 
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:

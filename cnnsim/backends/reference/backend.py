@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from cnnsim.backends import driver
-from cnnsim.backends.base import Memory, Outcome, check_finite
+from cnnsim.backends.base import Backend, Memory, Outcome, check_finite
 from cnnsim.backends.reference import adaptive
 from cnnsim.backends.reference.closed import closed_form
 from cnnsim.backends.reference.drive import control
@@ -23,7 +23,7 @@ from cnnsim.planning.plan import Plan
 from cnnsim.support import Array, InputError, Integers
 
 
-class ReferenceBackend:
+class ReferenceBackend(Backend):
     """Planes are NumPy arrays, float64 for LAM and bool for LLM."""
 
     name = "reference"
@@ -34,25 +34,20 @@ class ReferenceBackend:
             raise InputError(f"the reference backend computes in float64, not in {self.dtype}")
 
     def load(self, values: Array, memory: Memory) -> Array:
-        """See `Backend.load`."""
         return np.array(values, dtype=np.float64) if memory == "lam" else np.asarray(values) > 0
 
     def read(self, plane: Array) -> Array:
-        """See `Backend.read`."""
         return plane.copy()
 
     def convert(self, plane: Array, memory: Memory) -> Array:
-        """See `Backend.convert`."""
         return plane > 0 if memory == "llm" else np.where(plane, 1.0, -1.0)
 
     def output(self, x: Array) -> Array:
-        """See `Backend.output`."""
         return output(x)
 
     def transient(
         self, plan: Plan, x: Array, u: Array | None, bias: Array | None = None, mask: Array | None = None
     ) -> Outcome:
-        """See `Backend.transient`."""
         with np.errstate(over="ignore", invalid="ignore"):  # what overflows is found and reported below
             outcome = self._run(plan, x, u, bias, mask)
         outcome = outcome._replace(x=outcome.x.reshape(x.shape))
@@ -74,15 +69,12 @@ class ReferenceBackend:
         return driver.run(plan, LinearSteps(plan, x, w, free))
 
     def cellwise(self, operation: Cellwise, planes: Sequence[Array], parameters: Sequence[float]) -> tuple[Array, ...]:
-        """See `Backend.cellwise`."""
         return operation.array(*planes, *parameters)
 
     def logic(self, function: int, p: Array, q: Array) -> Array:
-        """See `Backend.logic`."""
         return truth_table(function)[2 * p.astype(int) + q.astype(int)]
 
     def neighbourhood(self, rule: BitRule, boundary: Boundary, plane: Array) -> Array:
-        """See `Backend.neighbourhood`."""
         r, (rows, cols) = rule.radius, plane.shape[-2:]
         around = pad(plane, r, boundary, boundary.u > 0)
         seen = [around[..., r + k : r + k + rows, r + l : r + l + cols] != negated for k, l, negated in rule.literals]
@@ -90,7 +82,6 @@ class ReferenceBackend:
         return combine.reduce(seen) if seen else np.full(plane.shape, rule.conjunction)
 
     def count(self, plane: Array) -> int | Integers:
-        """See `Backend.count`."""
         black = np.count_nonzero(plane, axis=(-2, -1))
         return black if plane.ndim == 3 else int(black)
 

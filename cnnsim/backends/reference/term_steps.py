@@ -4,13 +4,13 @@ from collections import deque
 
 import numpy as np
 
-from cnnsim.backends.base import Check
+from cnnsim.backends.base import Check, Stepper
 from cnnsim.backends.reference.terms import Network
 from cnnsim.support import Array
 
 
-class TermSteps:
-    """A `Stepper` for dx/dt = (drive - x) / T; in the full-range model every stage ends within +-1."""
+class TermSteps(Stepper):
+    """Steps of dx/dt = (drive - x) / T; in the full-range model every stage ends within +-1."""
 
     def __init__(self, network: Network) -> None:
         plan = network.plan
@@ -19,9 +19,6 @@ class TermSteps:
         self._limited = plan.cell == "full-range"
         gains = [plan.scheme.gain(plan.step * rate) for rate in network.rates.ravel()]
         self._gains = np.array(gains).reshape(network.rates.shape)
-
-    def start_span(self, step: int) -> None:
-        """See `Stepper.start_span`: the drive looks every input up itself."""
 
     def check_settled(self, step: int, *, last: bool) -> Check:
         """See `Stepper.check_settled`."""
@@ -51,16 +48,13 @@ class TermSteps:
         return self._x
 
 
-class DiscreteSteps:
-    """A `Stepper` for y(k + 1) = f(drive); where f is the sign, a drive of 0 keeps the output."""
+class DiscreteSteps(Stepper):
+    """Steps of y(k + 1) = f(drive); where f is the sign, a drive of 0 keeps the output."""
 
     def __init__(self, network: Network) -> None:
         self._network, self._f = network, network.plan.characteristic
         self._y = self._before = np.where(network.free, self._f(network.x), network.x)
         network.past = deque([self._y], maxlen=network.past.maxlen)
-
-    def start_span(self, step: int) -> None:
-        """See `Stepper.start_span`: the drive looks every input up itself."""
 
     def check_settled(self, step: int, *, last: bool) -> Check:
         """See `Stepper.check_settled`."""

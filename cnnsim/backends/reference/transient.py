@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cnnsim.backends.base import Check
+from cnnsim.backends.base import Check, Stepper
 from cnnsim.backends.reference.settled import check
 from cnnsim.network.boundary import correlate
 from cnnsim.network.cell import output
@@ -10,15 +10,12 @@ from cnnsim.planning.plan import Plan
 from cnnsim.support import Array
 
 
-class LinearSteps:
-    """A `Stepper`; in the full-range model every stage ends within +-1."""
+class LinearSteps(Stepper):
+    """Steps of a linear template; in the full-range model every stage ends within +-1."""
 
     def __init__(self, plan: Plan, x: Array, w: Array, free: Array) -> None:
         self._plan, self._x, self._w, self._free = plan, x, w, free
         self._limit = output if plan.cell == "full-range" else np.positive
-
-    def start_span(self, step: int) -> None:
-        """See `Stepper.start_span`: the input stands still for ever."""
 
     def drive(self, x: Array) -> Array:
         """Return A*y + w."""
