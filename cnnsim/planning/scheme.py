@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from cnnsim.support import Floats, InputError
+from cnnsim.support import Array, Floats, InputError
 
 
 @dataclass(frozen=True)
@@ -62,20 +62,33 @@ class Scheme:
         bounded = np.abs(1 + np.array(self.b) @ stages) <= 1 + 1e-9
         return float(size[np.argmin(bounded) - 1])
 
-    def gain_limit(self, mode: complex) -> float:
-        """Return the gain from which on a mode that turns while it decays grows: the first g with |R(g mode)| > 1.
+    def gain_limit(self, modes: Array) -> float:
+        """Return the gain from which on one of some modes grows that turn while they decay: where |R(g mode)| > 1.
 
-        R(z) = 1 + sum over j of b a^(j-1) 1 z^j, so |R|^2 - 1 along a ray is a polynomial in |z|.
+        Where a ray leaves the region |R(z)| <= 1 depends on its angle alone. A table of angles finds the modes that
+        come first, for which the place is then computed.
+        """
+        angles, sizes = self._rays
+        first = np.argsort(np.interp(np.angle(modes), angles, sizes) / np.abs(modes))[:8]
+        return min((self._ray(float(np.angle(mode))) / float(abs(mode)) for mode in modes[first]), default=np.inf)
+
+    @cached_property
+    def _rays(self) -> tuple[Floats, Floats]:
+        angles = np.linspace(np.pi / 2 + 1e-6, np.pi, 181)  # on the axis itself nothing decays
+        return angles, np.minimum([self._ray(angle) for angle in angles], 1e3)
+
+    def _ray(self, angle: float) -> float:
+        """Return |z| where a ray leaves |R(z)| <= 1: R(z) = 1 + sum over j of b a^(j-1) 1 z^j, so |R|^2 - 1 along it is
+        a polynomial in |z|, of which a factor |z| is taken out.
         """
         powers, ones = [1.0], np.ones(len(self.b))
         for _ in self.b:
             powers.append(float(np.array(self.b) @ ones))
             ones = self.matrix @ ones
-        along = np.array(powers) * np.exp(1j * np.angle(mode) * np.arange(len(powers)))
-        size = np.convolve(along, along.conj()).real[1:]  # |R|^2 - 1, a factor |z| taken out
-        roots = np.roots(size[::-1])
+        along = np.array(powers) * np.exp(1j * angle * np.arange(len(powers)))
+        roots = np.roots(np.convolve(along, along.conj()).real[:0:-1])
         crossings = roots.real[(np.abs(roots.imag) < 1e-9 * (1 + np.abs(roots))) & (roots.real > 0)]
-        return float(crossings.min(initial=np.inf) / abs(mode))
+        return float(crossings.min(initial=np.inf))
 
     def gain(self, h: float) -> float:
         """Return the h that enters the table: h itself, or 1 - exp(-h) for an exponential scheme."""

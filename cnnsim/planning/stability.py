@@ -76,8 +76,7 @@ def limit_of(modes: Modes, duration: Duration, scheme: Scheme) -> float:
     """
     allowed = 0.0 if duration == "settled" or not duration else 1 / duration
     real, turning = modes.real[modes.imag == 0], np.unique(np.round(modes[modes.imag > 0] - allowed, 6))
-    limits = (scheme.gain_limit(complex(mode)) for mode in turning[turning != 0])
-    gain = min(scheme.real_limit / -real.min(), *limits, np.inf)
+    gain = min(scheme.real_limit / -real.min(), scheme.gain_limit(turning[turning != 0]))
     if not scheme.exponential:
         return float(gain)
     return float(-np.log1p(-gain)) if gain < 1 else float("inf")
