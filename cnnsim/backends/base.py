@@ -67,7 +67,7 @@ class Backend(Protocol):
 
 
 class Check(NamedTuple):
-    """What a look at the step that would come found.
+    """What a check of the step that would come found.
 
     ``rate``: the largest |dx/dt| of the free cells (in discrete time, the largest change to come); ``saturated``:
     whether no output can change any more (see `Plan`); ``repeats``: the state of two steps ago would come again.

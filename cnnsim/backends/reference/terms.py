@@ -15,11 +15,11 @@ from cnnsim.network.frames import at_step
 from cnnsim.planning.plan import Plan
 from cnnsim.support import Array
 
-Look = Callable[[Quantity, int], Array]
-"""What a term sees: (quantity, layer) -> (n, rows, cols), at the time the term looks at."""
+Lookup = Callable[[Quantity, int], Array]
+"""What a term reads: (quantity, layer) -> (n, rows, cols), at the time the term looks at."""
 
 
-def add_term(total: Array, term: Term, own: int, look: Look, boundary: Boundary) -> None:
+def add_term(total: Array, term: Term, own: int, lookup: Lookup, boundary: Boundary) -> None:
     """Add one term to the drive (n, rows, cols) of layer ``own``."""
     rows, cols = total.shape[-2:]
     r = term.radius
@@ -27,9 +27,9 @@ def add_term(total: Array, term: Term, own: int, look: Look, boundary: Boundary)
 
     def value(argument: Argument, k: int, l: int) -> Array:
         constant = boundary.u if argument.neighbour == "u" else boundary.y
-        around = pad(look(argument.neighbour, other), r, boundary, constant)
+        around = pad(lookup(argument.neighbour, other), r, boundary, constant)
         there = around[..., r + k : r + k + rows, r + l : r + l + cols]
-        return there if argument.centre is None else there - look(argument.centre, own)
+        return there if argument.centre is None else there - lookup(argument.centre, own)
 
     for k, l, weight in term.taps:
         v = value(term.of, k, l)
@@ -67,11 +67,11 @@ class Network:
             if self.bias is not None:
                 part += at_step(self.bias, number, self.plan.step)[:, index]
             for term in self.terms[index]:
-                add_term(part, term, index, self._look(now, number, ahead, term.delay), self.plan.boundary)
+                add_term(part, term, index, self._lookup(now, number, ahead, term.delay), self.plan.boundary)
             total[:, index] = part
         return total
 
-    def _look(self, now: Array, number: int, ahead: int, delay: float) -> Look:
+    def _lookup(self, now: Array, number: int, ahead: int, delay: float) -> Lookup:
         ago = round(delay / self.plan.step)
         # A step sees the input of its start to its end; before t = 0 the state was x(0) and the input the first.
         state = now if not ago else self.past[max(-len(self.past), ahead - 1 - ago)]
