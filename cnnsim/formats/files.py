@@ -11,9 +11,9 @@ from cnnsim.formats.cnnsim_text import read_cnnsim
 from cnnsim.formats.defects import defects
 from cnnsim.formats.gene import read_gene
 from cnnsim.formats.matcnn import matcnn_templates, read_matcnn
-from cnnsim.library.catalogue import load_file
 from cnnsim.library.folders import folder as shipped_folder
 from cnnsim.library.imported import Imported
+from cnnsim.library.read import load_file
 from cnnsim.support import Diagnostics, InputError
 
 

@@ -1,80 +1,68 @@
-"""Reads the numbers of a template file: A, B, z, terms, layers, and pictures in several planes.
+"""Reads a template file: the whole of it, checked, as an entry of the library. Its keys: templates/README.md."""
 
-A file has ``A``, ``B``, ``z`` and perhaps ``[[term]]`` tables, or ``[[layer]]`` tables that have them::
-
-    [[term]]
-    weights = [[...]]             # like A; the neighbour at offset (k, l)
-    of      = "u_kl - u_ij"       # what the table is applied to: neighbour kl minus centre ij, or "y_kl"
-    table   = { linear = [[-2, 2], [0, 0], [2, 2]] }        # or { step = { at = [0.2], values = [-1, 1] } }
-    times   = "x_kl - x_ij"       # D type: a factor
-    delay   = 10                  # time constants
-    layer   = 0                   # whose neighbour, counted from 0; the own one if left out
-
-Pictures of several planes (layers, or frames that follow one another) are lists of pictures.
-"""
-
-from dataclasses import fields
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
-import numpy as np
+from cnnsim.library.entry import Example, LibraryEntry, Role
+from cnnsim.library.read_network import TEMPLATE_KEYS, read_pictures, read_template
+from cnnsim.network import LayeredTemplate, parse_boundary
+from cnnsim.network.characteristic import parse_cell
+from cnnsim.support import InputError, naming
+from cnnsim.support.toml_file import check_keys, read_toml
 
-from cnnsim.network import AnyTemplate, LayeredTemplate, Template, Term
-from cnnsim.network.table import parse_table
-from cnnsim.support import Floats, InputError, naming
-from cnnsim.support.picture import parse_ascii
-from cnnsim.support.toml_file import check_keys, take_tables
-
-TEMPLATE_KEYS = ("A", "B", "z", "term", "layer")
-_LAYER_KEYS = ("A", "B", "z", "term", "time_constant")
-_TERM_KEYS = tuple(part.name for part in fields(Term))
-
-
-def read_template(data: dict[str, Any], name: str) -> AnyTemplate:
-    """Return the template of a file, of whatever kind.
-
-    Raises:
-        InputError: what is wrong, with the number of the layer or term.
-    """
-    if "layer" not in data:
-        return _single_layer(data, name)
-    extra = {"A", "B", "z", "term"} & data.keys()
-    if extra:
-        raise InputError(f"layers and {', '.join(sorted(extra))}: with layers, each has its own A, B, z and terms")
-    layers = []
-    for number, table in enumerate(take_tables(data, "layer", "template")):
-        check_keys(table, _LAYER_KEYS, f"layer {number}")
-        with naming(f"layer {number}"):
-            layers.append(_single_layer(table, f"{name}, layer {number}"))
-    return LayeredTemplate(layers, [table.get("time_constant", 1.0) for table in data["layer"]], name)
+_REQUIRED = ("name", "summary", "reference", "input", "initial_state", "boundary", "duration")
+_OPTIONAL = ("tags", "margin", "note", "aliases", "example", "cell", "step", "frame_time", *TEMPLATE_KEYS)
+_PLANES = ("input", "state", "output", "mask", "bias")
 
 
-def _single_layer(data: dict[str, Any], name: str) -> Template:
-    for key in ("A", "z"):
-        if key not in data:
-            raise InputError(f"no {key!r}")
-    terms = []
-    for number, table in enumerate(take_tables(data, "term", "template")):
-        check_keys(table, _TERM_KEYS, f"term {number}")
-        with naming(f"term {number}"):
-            values = table if "table" not in table else table | {"table": parse_table(table["table"])}
-            terms.append(Term(**{"weights": None, **values}))
-    return Template(data["A"], data.get("B", 0.0), data["z"], name, terms)
-
-
-def read_pictures(value: Any) -> Floats:
-    """Return one picture (rows, cols), or a list of pictures as (planes, rows, cols).
+def load_file(path: Path) -> LibraryEntry:
+    """Read and check one template file. A shipped one has a worked example; a user's own may do without.
 
     Raises:
-        InputError: no picture, or pictures of different size.
+        InputError: what is wrong, with the file's name.
     """
-    if not isinstance(value, list):
-        raise InputError(f"a picture is {value!r}; a list of rows wanted")
-    first = value[0] if value else None
-    if not (isinstance(first, list) and first and isinstance(first[0], str | list)):
-        return parse_ascii(value)
-    if not all(isinstance(plane, list) for plane in value):
-        raise InputError(f"{value!r}: a list of pictures, each a list of rows, wanted")
-    planes = [parse_ascii(plane) for plane in value]
-    if len({plane.shape for plane in planes}) > 1:
-        raise InputError(f"pictures of different size in one list: {[plane.shape for plane in planes]}")
-    return np.array(planes)
+    data = read_toml(path, "template file")
+    with naming(path):
+        entry = replace(_entry(data, path.stem), file=path)
+        if entry.shipped and not entry.examples:
+            raise InputError("no worked example; at least one [[example]] wanted")
+        return entry
+
+
+def _entry(data: dict[str, Any], stem: str) -> LibraryEntry:
+    check_keys(data, (*_REQUIRED, *_OPTIONAL), required=_REQUIRED)
+    if data["name"] != stem:
+        raise InputError(f"the name is {data['name']!r}, the file is {stem}.toml; one name wanted")
+    template, roles = read_template(data, data["name"]), data["initial_state"]
+    words = ("picture", "given", "any")
+    entry = LibraryEntry(
+        data["name"], data["summary"], data["reference"], template, _role("input", data["input"], ("picture", "none")),
+        tuple(_role("initial_state", role, words) for role in roles) if isinstance(roles, list)
+        else _role("initial_state", roles, words),
+        parse_boundary(data["boundary"]), data["duration"], tuple(data.get("tags", ())), data.get("margin"),
+        data.get("note", ""), tuple(data.get("aliases", ())), tuple(_example(item) for item in data.get("example", ())),
+        cell=parse_cell(data.get("cell", "chua-yang")), step=data.get("step"), frame_time=data.get("frame_time"),
+    )  # fmt: skip
+    if template.reads_input and entry.input == "none":
+        raise InputError("B is not zero, or a term reads u, but input is 'none'")
+    if isinstance(roles, list) and not (isinstance(template, LayeredTemplate) and len(roles) == len(template.layers)):
+        raise InputError(f"{len(roles)} initial states; one, or one a layer, wanted")
+    return entry
+
+
+def _role(key: str, value: Any, words: tuple[str, ...]) -> Role:
+    if value in words or (isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= 1):
+        return value
+    raise InputError(f"{key} is {value!r}; one of {', '.join(map(repr, words))} or a number from -1 to 1 wanted")
+
+
+def _example(data: dict[str, Any]) -> Example:
+    check_keys(data, (*_PLANES, "tolerance"), required=("output",))
+    planes = {key: read_pictures(data[key]) if key in data else None for key in _PLANES}
+    if planes["input"] is None and planes["state"] is None:
+        raise InputError("an example without input and without state; at least one of them wanted")
+    shapes = {key: plane.shape[-2:] for key, plane in planes.items() if plane is not None}
+    if len(set(shapes.values())) > 1:
+        raise InputError(f"an example's planes have different shapes: {shapes}")
+    return Example(**planes, tolerance=data.get("tolerance"))  # type: ignore[arg-type]  # output is required above

@@ -1,4 +1,4 @@
-"""Writes an entry of the library as a template file (TOML): the reverse of `catalogue.load_file`."""
+"""Writes an entry of the library as a template file (TOML): the reverse of `read.load_file`."""
 
 import json
 from collections.abc import Iterator, Mapping

@@ -28,5 +28,5 @@ class Detector(Protocol):
     """Recognises events of one finger; it may remember what it has seen of earlier frames."""
 
     def detect(self, seen: Observation) -> list[Happening]:
-        """Return what has happened in this frame, each time as a kind and its data."""
+        """Return what has happened in this frame, each as a kind and its data; `pipeline.run` makes events of them."""
         ...

@@ -1,4 +1,4 @@
-"""Slip: a located load that travels over the skin while it presses."""
+"""Slip events: a located load that travels over the skin while it presses (`pipeline.run` makes the `Event`)."""
 
 from math import hypot
 

@@ -10,9 +10,9 @@ from tactile.wire.extras import need
 
 NAMES = {
     "reskin": "reskin",
-    "papillarray": "papillarray.format",
-    "paxini-fast": "paxini.format",
-    "paxini-serial": "paxini.format",
+    "papillarray": "papillarray.decoder",
+    "paxini-fast": "paxini.decoder",
+    "paxini-serial": "paxini.decoder",
     "lowiek": "lowiek",
     "native": "native",
     "csv": "csv_text",

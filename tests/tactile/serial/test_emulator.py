@@ -8,7 +8,7 @@ import pytest
 
 from tactile.serial.port import open_port, take
 from tactile.wire.base import Options
-from tactile.wire.formats.papillarray.format import FORMATS
+from tactile.wire.formats.papillarray.decoder import FORMATS
 from tactile.wire.formats.paxini import packet as px
 from tactile.wire.packets import emulated_description, packets
 from tests.kits.serial import device, grip
