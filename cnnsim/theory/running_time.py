@@ -23,6 +23,9 @@ from cnnsim.theory.neighbourhood import Pair, pairs_of, too_many, weighted_sums
 TOLERANCE = 0.01
 """An output that only comes nearer and nearer to its final value counts as final from this distance on."""
 
+PROVED = ("fixed", "zero-flux", "periodic")
+"""Boundaries whose virtual cells are constants or copies of real cells, as the proofs take them to be."""
+
 _TIE = 1e-9
 _TERMS = "it has non-linear, delayed or space-variant terms"
 
@@ -50,6 +53,8 @@ def guaranteed_time(
     Arguments: ``input`` and ``initial_state`` say what u and x(0) are, in the words of a template file; ``step`` is
     the longest Euler step it has to hold for; ``has_mask`` says that there is a mask.
     """
+    if boundary.kind not in PROVED:
+        return RunningTime(None, f"no theory here of a {boundary} boundary")
     if not template.linear:
         return RunningTime(None, _TERMS)
     if contraction := _contraction(template):
@@ -77,6 +82,8 @@ def time_of_picture(
 
     ``state`` within [-1, 1], and black and white for templates with neighbours; ``input`` may be grey.
     """
+    if boundary.kind not in PROVED:
+        return RunningTime(None, f"no theory here of a {boundary} boundary")
     if not template.linear:
         return RunningTime(None, _TERMS)
     if contraction := _contraction(template):

@@ -1,7 +1,7 @@
 """From our templates to the blocks of a ``.tem`` file: the reverse of `terms`, where the format has the words."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from itertools import product
 from typing import Literal
 
@@ -26,6 +26,10 @@ class _Matrix:
         return tuple(tuple(self.entries.get((k, l), 0.0) for l in span) for k in span)
 
 
+_WRITTEN = {"weights", "of", "table", "times", "delay", "layer"}
+"""All that a term says; a key that comes later is refused until it is written here."""
+
+
 def template_section(template: AnyTemplate) -> Section:
     """Return the section of a template.
 
@@ -45,6 +49,8 @@ def _layer(template: Template, number: int, several: bool) -> Layer:
     blocks = [*_linear("feedback", template.A, own), *_linear("control", template.B, own)]
     functions: list[FunctionLine] = []
     matrices: dict[tuple[Operation, int | None, str, str], _Matrix] = {}
+    if unwritten := {part.name for part in fields(Term)} - _WRITTEN:
+        raise InputError(f"terms have {', '.join(sorted(unwritten))}, which is not written here")
     for term in template.terms:
         if term.weights.ndim != 2:
             raise InputError("weights that differ from cell to cell: a .tem file has none")

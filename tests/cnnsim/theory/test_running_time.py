@@ -7,6 +7,7 @@ import pytest
 
 from cnnsim import ZERO_FLUX, Template, fixed, library
 from cnnsim.network.cell import output, uncoupled_state
+from cnnsim.theory import running_time
 from cnnsim.theory.running_time import TOLERANCE, cell_time, guaranteed_time, time_of_picture
 from cnnsim.transient import run_transient
 from tests.kits.time import final, guaranteed, pictures
@@ -103,3 +104,11 @@ def test_a_contraction_is_known_by_its_norm() -> None:
     schemes: tuple[dict[str, Any], ...] = ({}, EULER)
     for scheme in schemes:
         assert np.abs(run_transient(template, **task, **scheme, duration=time).y - rest).max() <= TOLERANCE
+
+
+def test_a_boundary_that_no_proof_covers_has_no_guarantee(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert guaranteed_time(library.load("shadow-left").template, (8, 9), ZERO_FLUX).time is not None
+    monkeypatch.setattr(running_time, "PROVED", ("fixed",))
+    assert "no theory here of a zero-flux boundary" in str(
+        guaranteed_time(library.load("shadow-left").template, (8, 9), ZERO_FLUX)
+    )
