@@ -17,6 +17,7 @@ from cnnsim.program.program import Program
 from cnnsim.program.run import run_program
 from cnnsim.support import InputError
 from cnnsim.support.picture import read_picture, write_picture
+from cnnsim.support.values import from_gray, to_planes
 from cnnsim.transient import NotSettledError, Result, run_transient, trajectory
 
 __version__ = "0.1.0"
@@ -40,12 +41,14 @@ __all__ = [
     "devices",
     "explain",
     "fixed",
+    "from_gray",
     "library",
     "load_program",
     "read_picture",
     "run",
     "run_program",
     "run_transient",
+    "to_planes",
     "trajectory",
     "write_picture",
 ]

@@ -13,6 +13,7 @@ from cnnsim.network import ZERO_FLUX, AnyTemplate, Boundary, Cell, CellModel, Fr
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.plan import Plan, make_plan
 from cnnsim.support import Array, Flags, Floats, InputError
+from cnnsim.support.values import as_numbers
 
 
 @dataclass(frozen=True)
@@ -202,10 +203,7 @@ def _planes(name: str, value: Any, shape: tuple[int, ...]) -> Any:
 
 
 def _plane(name: str, values: ArrayLike, shape: tuple[int, ...] | None) -> Floats:
-    try:
-        plane = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{name} is no rectangular array of numbers") from error
+    plane = np.array(as_numbers(name, values, levels=name == "bias"), dtype=np.float64)
     if plane.ndim == 0 and shape is not None:
         plane = np.full(shape, plane)
     if shape is not None and len(shape) > 2 and plane.shape == shape[-2:]:

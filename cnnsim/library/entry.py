@@ -13,6 +13,7 @@ from cnnsim.planning.duration import Duration
 from cnnsim.planning.plan import usual_limit
 from cnnsim.planning.step import DEFAULT_STEP
 from cnnsim.support import Array, Floats, InputError
+from cnnsim.support.values import as_picture
 from cnnsim.theory.running_time import RunningTime, guaranteed_time
 
 Role = Literal["picture", "given", "none", "any"] | float
@@ -114,18 +115,21 @@ class LibraryEntry:
     def planes(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, Any]:
         """Return the planes ``input`` and ``state`` that the picture (and the second one) stand for.
 
+        A picture beyond [-1, 1] is warned of: the field's theory, and its templates' margins, end there.
+
         Raises:
-            InputError: a second picture is missing, or there is no use for it.
+            InputError: a second picture is missing, or there is no use for it; whole numbers as of grey levels.
         """
+        picture, state = as_picture("picture", picture), None if state is None else as_picture("state", state)
         roles = self.initial_state if isinstance(self.initial_state, tuple) else (self.initial_state,)
         layers = len(self.network.layers) if isinstance(self.network, LayeredTemplate) else 0
-        shape = (layers, *np.shape(picture)[-2:]) if layers else np.shape(picture)
+        shape = (layers, *picture.shape[-2:]) if layers else picture.shape
         shape = shape[-2:] if self.frame_time else shape
         if state is None and "given" in roles:
             raise InputError(f"template {self.name!r} takes a second picture, as initial state, and none was given")
         if state is not None and "given" not in roles:
             raise InputError(f"template {self.name!r} takes one picture; a second one, as initial state, was given")
-        first = np.asarray(picture)[0] if self.frame_time else picture
+        first = picture[0] if self.frame_time else picture
 
         def start(role: Any) -> Floats:
             return np.asarray({"picture": first, "given": state, "any": 0.0}.get(str(role), role), dtype=np.float64)
@@ -135,6 +139,6 @@ class LibraryEntry:
         else:
             planes = {"state": np.array([np.broadcast_to(start(role), shape[-2:]) for role in roles])}
         if self.input != "none":
-            picture_or_frames = Frames(list(np.asarray(picture)), self.frame_time) if self.frame_time else picture
+            picture_or_frames = Frames(list(picture), self.frame_time) if self.frame_time else picture
             planes["input"] = picture_or_frames if self.input == "picture" else np.full(shape, self.input)
         return planes

@@ -1,4 +1,4 @@
-"""Pictures and CNN values: black is +1, white is -1, a grey level g of 0..255 is 1 - 2 g / 255."""
+"""Picture files read and written as CNN values."""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -8,6 +8,7 @@ from PIL import Image, UnidentifiedImageError
 
 from cnnsim.support.errors import InputError
 from cnnsim.support.types import Array, Floats
+from cnnsim.support.values import from_gray
 
 _RAMP = ".:-=+*%#"
 """Characters from white to black."""
@@ -30,7 +31,7 @@ def read_picture(path: str | Path, *, binary: bool = False) -> Floats:
         raise InputError(f"no picture {path}") from error
     except (UnidentifiedImageError, OSError) as error:
         raise InputError(f"{path} is no picture that Pillow can read: {error}") from error
-    values = 1.0 - grey * (2.0 / 255.0)
+    values = from_gray(grey)
     return np.where(values > 0, 1.0, -1.0) if binary else values
 
 

@@ -1,0 +1,69 @@
+"""CNN values from arrays: black is +1, white is -1, a grey level g of 0..255 is 1 - 2 g / 255."""
+
+import warnings
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cnnsim.support.errors import InputError
+from cnnsim.support.types import Array, Floats
+
+
+def from_gray(levels: ArrayLike, top: float = 255.0) -> Floats:
+    """Return grey levels from 0 (black) to ``top`` (white) as CNN values, 1 - 2 g / top.
+
+    Raises:
+        InputError: levels outside that range.
+    """
+    grey = np.asarray(levels, np.float64)
+    if not ((grey >= 0) & (grey <= top)).all():
+        raise InputError(f"grey levels from {grey.min():g} to {grey.max():g}; 0 to {top:g} wanted, or another top")
+    return 1.0 - grey * (2.0 / top)
+
+
+def to_planes(colours: ArrayLike, top: float = 255.0) -> Floats:
+    """Return a colour picture (rows, cols, 3 or 4) as CNN values (3, rows, cols), transparency over white.
+
+    Raises:
+        InputError: an array of another shape, or levels outside 0 to ``top``.
+    """
+    levels = np.asarray(colours, np.float64)
+    if levels.ndim != 3 or levels.shape[-1] not in (3, 4):
+        raise InputError(f"colours of shape {levels.shape}; (rows, cols, 3 or 4) wanted")
+    cover = levels[..., 3:] / top if levels.shape[-1] == 4 else 1.0
+    return np.moveaxis(from_gray(top + (levels[..., :3] - top) * cover, top), -1, 0)
+
+
+def as_numbers(name: str, values: ArrayLike, *, levels: bool = False) -> Array:
+    """Return a plane as an array of numbers: booleans become black and white; ``levels``: any whole number will do.
+
+    Raises:
+        InputError: what is no array of numbers, or whole numbers that look like grey levels or colours.
+    """
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise InputError(f"{name} is no rectangular array of numbers") from error
+    if array.dtype == bool:
+        return np.where(array, 1.0, -1.0)
+    if array.dtype.kind == "f" or (levels and array.dtype.kind in "iu"):
+        return array
+    if array.dtype.kind not in "iu":
+        raise InputError(f"{name} is no rectangular array of numbers")
+    if array.dtype.kind == "u" or (np.abs(array) > 1).any():
+        colours = array.ndim == 3 and array.shape[-1] in (3, 4)
+        cure = "to_planes(values), a plane a colour" if colours else "from_gray(values)"
+        raise InputError(
+            f"{name} holds whole numbers from {array.min()} to {array.max()}, shape {array.shape}; CNN values from -1 "
+            f"(white) to 1 (black) wanted: cnnsim.{cure}"
+        )
+    return array
+
+
+def as_picture(name: str, values: ArrayLike) -> Array:
+    """Return a picture as `as_numbers`; one that leaves [-1, 1] is warned of."""
+    array = as_numbers(name, values)
+    most = np.abs(array).max(initial=0.0)
+    if 1 < most < np.inf:
+        warnings.warn(f"{name} reaches {most:g}; CNN values lie from -1 (white) to 1 (black)", stacklevel=4)
+    return array
