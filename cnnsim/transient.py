@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from cnnsim import backends
 from cnnsim.backends.base import Backend, Outcome
 from cnnsim.network import ZERO_FLUX, AnyTemplate, Boundary, Cell, CellModel, Frames
+from cnnsim.network.boundary import parse_boundary
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.plan import Plan, make_plan
 from cnnsim.support import Array, Flags, Floats, InputError
@@ -91,7 +92,7 @@ class TaskOptions(TypedDict, total=False):
     input: ArrayLike | Frames[Any] | None
     bias: ArrayLike | Frames[Any] | None
     mask: ArrayLike | None
-    boundary: Boundary
+    boundary: Boundary | str
     duration: Duration
     cell: CellModel | Cell
     scheme: str | None
@@ -107,7 +108,7 @@ def make_task(
     input: ArrayLike | Frames[Any] | None = None,  # noqa: A002 - the field's word for u
     bias: ArrayLike | Frames[Any] | None = None,
     mask: ArrayLike | None = None,
-    boundary: Boundary = ZERO_FLUX,
+    boundary: Boundary | str = ZERO_FLUX,
     duration: Duration = "settled",
     cell: CellModel | Cell = "chua-yang",
     scheme: str | None = None,
@@ -131,8 +132,8 @@ def make_task(
     if u is None and template.reads_input:
         raise InputError(f"template {template.name!r} has a B, or a term of u, so it needs an input plane")
     plan = make_plan(
-        template, x.shape, boundary, duration=duration, cell=cell, scheme=scheme, step=step, limit=limit,
-        without=without, periods=[value.period for value in (u, w) if isinstance(value, Frames)],
+        template, x.shape, parse_boundary(boundary), duration=duration, cell=cell, scheme=scheme, step=step,
+        limit=limit, without=without, periods=[value.period for value in (u, w) if isinstance(value, Frames)],
     )  # fmt: skip
     if plan.cell == "full-range" and np.abs(x).max() > 1:
         raise InputError(f"state reaches {np.abs(x).max():g}; the full-range model keeps it from -1 to 1")

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from cnnsim.network import Boundary
 from cnnsim.operations.bitwise import BitRule
@@ -98,6 +99,18 @@ class Stepper(Protocol):
 
     def finish(self) -> Plane:
         """Return the plane of the state."""
+
+
+def parse_dtype(dtype: DTypeLike) -> np.dtype[Any]:
+    """Return a dtype by its name.
+
+    Raises:
+        InputError: there is none of that name.
+    """
+    try:
+        return np.dtype(dtype)
+    except TypeError as error:
+        raise InputError(f"dtype {dtype!r}; float32 or float64 wanted") from error
 
 
 class NotFiniteError(InputError):

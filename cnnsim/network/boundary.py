@@ -8,6 +8,7 @@ import numpy as np
 
 from cnnsim.network.weights import Tap, reach
 from cnnsim.support import Array, InputError, Integers
+from cnnsim.support.values import is_number
 
 BoundaryKind = Literal["fixed", "zero-flux", "periodic"]
 
@@ -32,7 +33,7 @@ class Boundary:
             raise InputError(f"boundary {self.kind!r}; known are {', '.join(get_args(BoundaryKind))}")
         for name in ("y", "u"):
             value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= 1:
+            if not is_number(value) or not abs(value) <= 1:
                 raise InputError(f"fixed boundary value of {name} is {value!r}; a number from -1 to 1 wanted")
 
     @property

@@ -8,6 +8,7 @@ import numpy as np
 from cnnsim.network.cell import CellModel
 from cnnsim.network.table import Table, parse_table, table_value
 from cnnsim.support import Array, InputError
+from cnnsim.support.values import is_number
 
 CharacteristicKind = Literal["clip", "sign", "tanh", "table"]
 
@@ -30,7 +31,7 @@ class Characteristic:
     def __post_init__(self) -> None:
         if self.kind not in get_args(CharacteristicKind):
             raise InputError(f"characteristic {self.kind!r}; known are {', '.join(get_args(CharacteristicKind))}")
-        if not isinstance(self.slope, int | float) or not 0 < self.slope < np.inf:
+        if not is_number(self.slope) or not 0 < self.slope < np.inf:
             raise InputError(f"characteristic {self.kind}: slope {self.slope!r}; a positive number wanted")
         if (self.kind == "table") != (self.table is not None):
             raise InputError(

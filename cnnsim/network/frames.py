@@ -8,6 +8,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from cnnsim.support import InputError
+from cnnsim.support.values import is_number
 
 T = TypeVar("T")
 
@@ -30,7 +31,7 @@ class Frames(Generic[T]):
         object.__setattr__(self, "period", period)
         if not self.planes:
             raise InputError("a sequence of planes without a plane; one or more wanted")
-        if isinstance(period, bool) or not isinstance(period, int | float) or not 0 < period < np.inf:
+        if not is_number(period) or not 0 < period < np.inf:
             raise InputError(f"a plane every {period!r}; a positive number of time constants wanted")
 
     def map(self, function: Callable[[T], Any]) -> "Frames[Any]":

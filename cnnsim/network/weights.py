@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from cnnsim.support import Floats, InputError
 from cnnsim.support.toml_file import in_range
+from cnnsim.support.values import is_number
 
 MAX_RADIUS = 5
 
@@ -56,7 +57,7 @@ def checked_number(owner: str, which: str, value: object) -> float:
         InputError: anything else.
     """
     number = value.item() if isinstance(value, np.number) else value
-    if isinstance(number, bool) or not isinstance(number, int | float) or not in_range(number):
+    if not is_number(number) or not in_range(number):
         raise InputError(f"{owner}: {which} is {value!r}, a finite number wanted")
     return float(number)
 

@@ -25,8 +25,9 @@ from cnnsim.planning.general import check_grid, decide_general, why_general
 from cnnsim.planning.savings import Saving, stepped_savings, steps_a_pass
 from cnnsim.planning.scheme import ADAPTIVE, Scheme, find_scheme
 from cnnsim.planning.stability import step_limit, usual_scheme
-from cnnsim.planning.step import DEFAULT_STEP, check_step, divided
+from cnnsim.planning.step import DEFAULT_STEP, check_count, check_step, divided
 from cnnsim.support import Array, InputError
+from cnnsim.support.values import is_number
 
 Method = Literal["closed form", "stepped", "adaptive", "general"]
 
@@ -131,12 +132,12 @@ def make_plan(
             name.
     """
     kind = parse_cell(cell)
-    if duration != "settled" and not (isinstance(duration, int | float) and 0 <= duration < math.inf):
+    if duration != "settled" and not (is_number(duration) and 0 <= duration < math.inf):
         raise InputError(f"duration {duration!r}; 'settled' or a number of time constants >= 0 wanted")
     network = layered(template)
     grid = _grid(shape, len(network.layers))
     limit = usual_limit(grid) if limit is None else limit
-    if not 0 <= limit < math.inf:
+    if not is_number(limit) or not 0 <= limit < math.inf:
         raise InputError(f"limit {limit!r}; a number of time constants >= 0 wanted")
     for name in without:
         if name not in get_args(Saving):
@@ -145,6 +146,7 @@ def make_plan(
     decisions = [_control_decision(first)]
 
     def plan(method: Method, table: Scheme | None, h: float, savings: Collection[Saving] = ()) -> Plan:
+        check_count(limit if duration == "settled" else duration, h)
         return Plan(
             first, grid, boundary, kind.model, method, duration, limit, table, h, frozenset(savings), tuple(decisions),
             network if method == "general" else None, kind.output,

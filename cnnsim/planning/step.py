@@ -7,21 +7,33 @@ from math import ceil, gcd, inf, lcm
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.scheme import Scheme
 from cnnsim.support import InputError
+from cnnsim.support.values import is_number
 
 DEFAULT_STEP = 0.1
+
+
+MOST_STEPS = 10**12
+"""Steps of a transient: more would take years on the smallest of grids."""
+
+
+def check_count(time: float, h: float) -> None:
+    """Raise InputError if a time takes more steps of length ``h`` than can be counted or waited for."""
+    if time > MOST_STEPS * h:
+        raise InputError(f"{time:g} time constants in steps of {h:g}; at most {MOST_STEPS:.0e} steps wanted")
 
 
 def divided(duration: Duration, h: float) -> float:
     """Shorten the step a little where the duration is no multiple of it, so that the last step ends on time."""
     if duration == "settled" or duration == 0:
         return h
+    check_count(duration, h)
     steps = max(1, ceil(duration / h - 1e-9))
     return h if abs(steps * h - duration) <= 1e-9 * duration else duration / steps
 
 
 def check_step(step: float, longest: float, scheme: Scheme, verdict: str) -> None:
     """Raise InputError for a step that is not positive, or longer than ``longest``: it then ``verdict``."""
-    if not 0 < step < inf:
+    if not is_number(step) or not 0 < step < inf:
         raise InputError(f"step {step!r}; a positive number of time constants wanted")
     if step > longest * (1 + 1e-9):
         raise InputError(f"step {step:g} {verdict}: {scheme.name} on this template needs a step below {longest:.6g}")

@@ -1,12 +1,19 @@
 """CNN values from arrays: black is +1, white is -1, a grey level g of 0..255 is 1 - 2 g / 255."""
 
 import warnings
+from numbers import Real
+from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.support.errors import InputError
 from cnnsim.support.types import Array, Floats
+
+
+def is_number(value: Any) -> TypeGuard[float]:
+    """Return whether a value is a real number, of Python's own types or of NumPy's; a boolean is none."""
+    return isinstance(value, Real) and not isinstance(value, bool)
 
 
 def from_gray(levels: ArrayLike, top: float = 255.0) -> Floats:
@@ -40,6 +47,8 @@ def as_numbers(name: str, values: ArrayLike, *, levels: bool = False) -> Array:
     Raises:
         InputError: what is no array of numbers, or whole numbers that look like grey levels or colours.
     """
+    if isinstance(values, np.ndarray) and values.dtype.kind == "f":
+        return values
     try:
         array = np.asarray(values)
     except ValueError as error:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from cnnsim.backends import driver
-from cnnsim.backends.base import Backend, Memory, Outcome, check_finite
+from cnnsim.backends.base import Backend, Memory, Outcome, check_finite, parse_dtype
 from cnnsim.backends.cpu import bits as packed
 from cnnsim.backends.cpu import closed, planes
 from cnnsim.backends.cpu.bits import Bits
@@ -42,7 +42,7 @@ class CpuBackend(Backend):
     name = "cpu"
 
     def __init__(self, dtype: DTypeLike | None = None) -> None:
-        self.dtype = np.dtype(np.float32 if dtype is None else dtype)
+        self.dtype = parse_dtype(np.float32 if dtype is None else dtype)
         if self.dtype not in (np.float32, np.float64):
             raise InputError(f"the cpu backend computes in float32 or float64, not in {self.dtype}")
         self._prepared: WeakKeyDictionary[Plan, Prepared] = WeakKeyDictionary()

@@ -8,7 +8,7 @@ import pyopencl as cl
 from numpy.typing import DTypeLike, NDArray
 
 from cnnsim.backends import driver
-from cnnsim.backends.base import Backend, Memory, Outcome, check_finite
+from cnnsim.backends.base import Backend, Memory, Outcome, check_finite, parse_dtype
 from cnnsim.backends.opencl import pocl
 from cnnsim.backends.opencl.build import boundary_defines
 from cnnsim.backends.opencl.cellwise import text
@@ -40,7 +40,7 @@ class OpenCLBackend(Backend):
     def __init__(
         self, dtype: DTypeLike | None = None, device: int | str | None = None, family: Family | None = None
     ) -> None:
-        self.dtype = np.dtype(np.float32 if dtype is None else dtype)
+        self.dtype = parse_dtype(np.float32 if dtype is None else dtype)
         if self.dtype not in (np.float32, np.float64):
             raise InputError(f"the opencl backend computes in float32 or float64, not in {self.dtype}")
         self.device = choose_device(device)

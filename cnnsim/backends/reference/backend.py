@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from cnnsim.backends import driver
-from cnnsim.backends.base import Backend, Memory, Outcome, check_finite
+from cnnsim.backends.base import Backend, Memory, Outcome, check_finite, parse_dtype
 from cnnsim.backends.reference import adaptive
 from cnnsim.backends.reference.closed import closed_form
 from cnnsim.backends.reference.drive import control
@@ -29,7 +29,7 @@ class ReferenceBackend(Backend):
     name = "reference"
 
     def __init__(self, dtype: DTypeLike | None = None) -> None:
-        self.dtype = np.dtype(np.float64 if dtype is None else dtype)
+        self.dtype = parse_dtype(np.float64 if dtype is None else dtype)
         if self.dtype != np.float64:
             raise InputError(f"the reference backend computes in float64, not in {self.dtype}")
 
