@@ -65,6 +65,8 @@ def explain(name: str, size: str, without: tuple[str, ...], as_json: bool) -> No
     """Print what the plan decides for a template, and why."""
     try:
         rows, cols = (int(part) for part in size.lower().split("x"))
+        if min(rows, cols) < 1:
+            raise ValueError
     except ValueError as error:
         raise InputError(f"size {size!r}; ROWSxCOLS wanted, such as 64x64") from error
     found = explanation(name, (rows, cols), without=without)

@@ -46,10 +46,16 @@ def load(name: str) -> LibraryEntry:
     Raises:
         InputError: there is none (the message has the nearest names), or its file is wrong.
     """
-    path = files().get(name)
+    path = files().get(name) or _by_alias(name)
     if path is None:
         raise not_found("template", name, names(), "cnnsim list")
     return _load_once(path, path.stat().st_mtime_ns)
+
+
+def _by_alias(alias: str) -> Path | None:
+    """Return the file of the template that goes by another name as well, in capitals or not."""
+    named = (path for path in files().values() if alias.lower() in map(str.lower, load(path.stem).aliases))
+    return next(named, None)
 
 
 @cache

@@ -129,6 +129,8 @@ class LibraryEntry:
             raise InputError(f"template {self.name!r} takes a second picture, as initial state, and none was given")
         if state is not None and "given" not in roles:
             raise InputError(f"template {self.name!r} takes one picture; a second one, as initial state, was given")
+        if state is not None and state.ndim and picture.ndim and state.shape[-2:] != picture.shape[-2:]:
+            raise InputError(f"the second picture has shape {state.shape}, the first {picture.shape}; one shape wanted")
         first = picture[0] if self.frame_time else picture
 
         def start(role: Any) -> Floats:

@@ -9,7 +9,7 @@ from cnnsim.library.read_network import TEMPLATE_KEYS, read_pictures, read_templ
 from cnnsim.network import LayeredTemplate, parse_boundary
 from cnnsim.network.characteristic import parse_cell
 from cnnsim.support import InputError, naming
-from cnnsim.support.toml_file import check_keys, read_toml
+from cnnsim.support.toml_file import check_keys, read_toml, take, take_tables
 
 _REQUIRED = ("name", "summary", "reference", "input", "initial_state", "boundary", "duration")
 _OPTIONAL = ("tags", "margin", "note", "aliases", "example", "cell", "step", "frame_time", *TEMPLATE_KEYS)
@@ -40,15 +40,28 @@ def _entry(data: dict[str, Any], stem: str) -> LibraryEntry:
         data["name"], data["summary"], data["reference"], template, _role("input", data["input"], ("picture", "none")),
         tuple(_role("initial_state", role, words) for role in roles) if isinstance(roles, list)
         else _role("initial_state", roles, words),
-        parse_boundary(data["boundary"]), data["duration"], tuple(data.get("tags", ())), data.get("margin"),
-        data.get("note", ""), tuple(data.get("aliases", ())), tuple(_example(item) for item in data.get("example", ())),
-        cell=parse_cell(data.get("cell", "chua-yang")), step=data.get("step"), frame_time=data.get("frame_time"),
+        parse_boundary(data["boundary"]), data["duration"], _words(data, "tags"), _number(data, "margin"),
+        take(data, "note", str, "template", ""), _words(data, "aliases"),
+        tuple(_example(item) for item in take_tables(data, "example", "template")),
+        cell=parse_cell(data.get("cell", "chua-yang")), step=_number(data, "step"),
+        frame_time=_number(data, "frame_time"),
     )  # fmt: skip
     if template.reads_input and entry.input == "none":
         raise InputError("B is not zero, or a term reads u, but input is 'none'")
     if isinstance(roles, list) and not (isinstance(template, LayeredTemplate) and len(roles) == len(template.layers)):
         raise InputError(f"{len(roles)} initial states; one, or one a layer, wanted")
     return entry
+
+
+def _number(data: dict[str, Any], key: str) -> float | None:
+    return take(data, key, float, "template") if key in data else None
+
+
+def _words(data: dict[str, Any], key: str) -> tuple[str, ...]:
+    found = take(data, key, list, "template", [])
+    if not all(isinstance(word, str) for word in found):
+        raise InputError(f"template: {key} = {found!r}, a list of texts wanted")
+    return tuple(found)
 
 
 def _role(key: str, value: Any, words: tuple[str, ...]) -> Role:

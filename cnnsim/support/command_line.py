@@ -4,6 +4,7 @@ import json
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from errno import EPIPE
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -22,7 +23,7 @@ class _Mistake(click.ClickException):
 
 
 class CommandGroup(click.Group):
-    """A click group that turns `InputError` into one clear line instead of a traceback."""
+    """A click group that turns wrong input, and what the system refuses, into one line instead of a traceback."""
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command."""
@@ -31,6 +32,12 @@ class CommandGroup(click.Group):
             return super().invoke(ctx)
         except InputError as error:
             raise _Mistake(" ".join(str(error).split())) from error
+        except OSError as error:
+            if error.errno == EPIPE:  # whoever read our output has gone: click leaves in silence
+                raise
+            raise _Mistake(f"{error.filename or 'the system'}: {error.strerror or error}") from error
+        except (MemoryError, OverflowError, RecursionError) as error:
+            raise _Mistake(f"too large: {' '.join(str(error).split()) or type(error).__name__}") from error
 
 
 def console(width: int = 150) -> "Console":

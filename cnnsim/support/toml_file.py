@@ -43,7 +43,7 @@ def parse_toml(text: str, where: str) -> dict[str, Any]:
 def check_keys(
     table: Mapping[str, Any], known: Collection[str], where: str = "", required: Collection[str] = ()
 ) -> None:
-    """Refuse keys that are not known, naming the nearest one that is read, and tables without a required one.
+    """Refuse keys that are not known, naming the nearest ones, and tables without required ones: all at once.
 
     Raises:
         InputError: no table, an unknown key, or a missing one.
@@ -51,14 +51,17 @@ def check_keys(
     lead = f"{where}: " if where else ""
     if not isinstance(table, Mapping):
         raise InputError(f"{lead}{table!r}, a table wanted")
+    found: list[str] = []
     for key in table:
         if key not in known:
             near = get_close_matches(key, known, 1)
             hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}"
-            raise InputError(f"{lead}unknown key {key!r}; {hint}")
+            found.append(f"unknown key {key!r}; {hint}")
     missing = [key for key in required if key not in table]
     if missing:
-        raise InputError(f"{lead}no {missing[0]!r}")
+        found.append(f"no {', '.join(map(repr, missing))}")
+    if found:
+        raise InputError(f"{lead}{'; '.join(found)}")
 
 
 def in_range(number: float) -> bool:

@@ -1,0 +1,73 @@
+"""What users get wrong ends in one line and exit code 2, whatever the library below would have raised."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cnnsim import write_picture
+from cnnsim.cli.group import main
+from cnnsim.support.toml_file import check_keys
+from tests.kits.paths import ROOT
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    for name, n in (("one.png", 16), ("small.png", 9)):
+        write_picture(np.where(np.random.default_rng(n).random((n, n)) > 0.5, 1.0, -1.0), tmp_path / name)
+    (tmp_path / "file").write_text("")
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        ("run hole-filler one.png --time 1e18", "1e+18 time constants in steps of 0.1; at most 1e+12 steps wanted"),
+        ("run hole-filler one.png --step 1e-300", "in steps of 1e-300; at most 1e+12 steps wanted"),
+        ("run hole-filler one.png --time 1e308 --step 1e-3", "at most 1e+12 steps wanted"),
+        ("run recall one.png --state small.png", "second picture has shape (9, 9), the first (16, 16)"),
+        ("explain edge --size -3x4", "size '-3x4'; ROWSxCOLS wanted"),
+        ("explain edge --size 1000000x1000000", "too large: Unable to allocate"),
+        ("program skeleton --input picture=one.png -o file", "file: File exists"),
+    ],
+)
+def test_one_line(folder: Path, command: str, message: str) -> None:
+    done = CliRunner().invoke(main, command.split())
+    assert done.exit_code == 2
+    assert message in done.output
+    assert len(done.output.strip().splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ('step = "x"', "step = 'x', a finite number wanted"),
+        ("margin = true", "margin = True, a finite number wanted"),
+        ("tags = 3", "tags = 3, a list wanted"),
+        ("aliases = [1]", "aliases = [1], a list of texts wanted"),
+        ("example = 1", "example = 1"),
+        ("note = 2", "note = 2, a text wanted"),
+    ],
+)
+def test_keys_of_another_kind_in_a_template_file(folder: Path, line: str, message: str) -> None:
+    keep = ("summary", "reference", "A ", "B ", "z ", "input", "initial_state", "boundary", "duration")
+    source = (ROOT / "templates" / "dilation-cross.toml").read_text()
+    lines = [text for text in source.splitlines() if text.startswith(keep)]
+    (folder / "lib").mkdir()
+    (folder / "lib" / "mine.toml").write_text("\n".join(['name = "mine"', line, *lines]))
+    done = CliRunner().invoke(main, ["--library", "lib", "run", "mine", "one.png"])
+    assert done.exit_code == 2, done.output
+    assert message in done.output
+
+
+def test_all_that_is_wrong_with_a_table_is_told_at_once() -> None:
+    with pytest.raises(ValueError, match=r"x: unknown key 'nmae'; did you mean 'name'\?; no 'name', 'size'"):
+        check_keys({"nmae": 1}, ("name", "size"), "x", ("name", "size"))
+
+
+def test_an_alias_is_a_name() -> None:
+    for name in ("FIGDEL", "figdel"):
+        done = CliRunner().invoke(main, ["show", name])
+        assert done.exit_code == 0, done.output
