@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cnnsim import InputError, Result, fixed, run
+from cnnsim import Boundary, InputError, Result, fixed, run
 
+MINUS_ONE: Any = np.int64(-1)
 PICTURE = np.where(np.random.default_rng(0).random((8, 8)) > 0.5, 1.0, -1.0)
 
 
@@ -18,7 +19,7 @@ def ended(**changes: Any) -> Result:
     ("loose", "strict"),
     [
         ({"boundary": "fixed:-1"}, {"boundary": fixed(-1)}),
-        ({"boundary": fixed(np.int64(-1))}, {"boundary": fixed(-1)}),
+        ({"boundary": Boundary("fixed", MINUS_ONE, MINUS_ONE)}, {"boundary": fixed(-1)}),
         ({"duration": np.int64(3)}, {"duration": 3.0}),
         ({"duration": np.float32(3)}, {"duration": 3.0}),
         ({"limit": np.int32(50)}, {"limit": 50.0}),

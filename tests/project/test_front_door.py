@@ -13,6 +13,7 @@ from tests.kits.paths import ROOT
 
 OFFERED = {
     "run", "run_program", "run_transient", "trajectory", "UniversalMachine", "load_program", "Program", "Template",
+    "from_gray", "to_planes",
     "Term", "LayeredTemplate", "Table", "Cell", "Frames", "Boundary", "fixed", "ZERO_FLUX", "PERIODIC", "explain",
     "library", "devices", "read_picture", "write_picture", "Result", "InputError", "NotSettledError", "__version__",
 }  # fmt: skip

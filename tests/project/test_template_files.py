@@ -49,7 +49,7 @@ def _refused(path: Path, text: str) -> str:
 
 def _known(message: str) -> set[str]:
     """The keys that a reader names when it meets one that it does not know."""
-    return set(re.findall(r"known are (.*)$", message)[0].split(", "))
+    return set(re.findall(r"known are (.*?)(?:;|$)", message)[0].split(", "))
 
 
 @pytest.mark.parametrize(

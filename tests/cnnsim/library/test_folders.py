@@ -63,7 +63,7 @@ def test_shipped_templates_have_worked_examples_and_own_ones_may_do_without(tmp_
     ("[[example]]\ninput = [[]]\noutput = ['#']", "a picture without cells"),
     ("[[example]]\ninput = [['#'], 5]\noutput = ['#']", "a list of pictures, each a list of rows"),
     (f"B = 1{'0' * 400}", "B is no rectangular matrix of numbers"),
-    ("example = [5]", "5, a table wanted"),
+    ("example = [5]", r"\[5\], \[\[example\]\] tables wanted"),
 ])  # fmt: skip
 def test_entries_of_a_wrong_kind_are_named(text: str, message: str, tmp_path: Path) -> None:
     own(tmp_path, "mine", "not right")
