@@ -10,7 +10,7 @@ from cnnsim.program.names import LocalTemplate, Names
 from cnnsim.program.program import Program
 from cnnsim.program.steps import read_steps
 from cnnsim.support import InputError, naming
-from cnnsim.support.toml_file import check_keys, read_toml
+from cnnsim.support.toml_file import check_keys, read_toml, take
 
 _REQUIRED = ("name", "inputs", "outputs", "step")
 _OPTIONAL = ("summary", "reference", "lam", "llm", "wire", "keep", "parameters", "templates")
@@ -42,24 +42,27 @@ def _program(
     data: dict[str, Any], templates: Mapping[str, Template], parameters: Mapping[str, float], path: Path
 ) -> Program:
     check_keys(data, (*_REQUIRED, *_OPTIONAL), required=_REQUIRED)
-    numbers = _replaced("parameter", data.get("parameters", {}), parameters)
-    local = {name: _local_template(name, table) for name, table in data.get("templates", {}).items()}
+    inputs, outputs = (take(data, key, list, "program") for key in ("inputs", "outputs"))
+    numbers = _replaced("parameter", take(data, "parameters", dict, "program", {}), parameters)
+    local = {name: _local_template(name, table) for name, table in take(data, "templates", dict, "program", {}).items()}
     _replaced("template", local, templates)
     local.update({name: (template, *local[name][1:]) for name, template in templates.items()})
     names = Names({kind: data.get(kind, []) for kind in ("lam", "llm", "wire")}, numbers, local)
-    keep: dict[str, float] = dict(data.get("keep", {}))
-    for name in (*data["inputs"], *keep):
+    keep = {
+        name: names.number(value, f"keep: {name}") for name, value in take(data, "keep", dict, "program", {}).items()
+    }
+    for name in (*inputs, *keep):
         names.known(name, "inputs and keep", "lam", "llm")
-    names.written |= {*data["inputs"], *keep}
+    names.written |= {*inputs, *keep}
     steps = read_steps(data["step"], "step ", names)
-    for name in data["outputs"]:
+    for name in outputs:
         names.read(name, "outputs", "lam", "llm", "wire")
     return Program(
-        data["name"],
-        data.get("summary", ""),
+        take(data, "name", str, "program"),
+        take(data, "summary", str, "program", ""),
         names.memory,
-        tuple(data["inputs"]),
-        tuple(data["outputs"]),
+        tuple(inputs),
+        tuple(outputs),
         keep,
         steps,
         path,

@@ -36,7 +36,11 @@ def read_picture(path: str | Path, *, binary: bool = False) -> Floats:
 
 
 def to_image(values: Array, scale: int = 1) -> Image.Image:
-    """Return CNN values (rows, cols) as a grey picture, each cell ``scale`` pixels wide; booleans: True is black."""
+    """Return CNN values (rows, cols) as a grey picture, each cell ``scale`` pixels wide; booleans: True is black.
+
+    Planes (layers, rows, cols) lie side by side.
+    """
+    values = np.concatenate(list(values), axis=1) if values.ndim == 3 else values
     values = np.where(values, 1.0, -1.0) if values.dtype == bool else np.clip(values, -1, 1)
     grey = np.rint((1.0 - values) * 127.5).astype(np.uint8)
     return Image.fromarray(np.kron(grey, np.ones((scale, scale), dtype=np.uint8)))

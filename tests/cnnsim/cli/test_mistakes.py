@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from PIL import Image
 
 from cnnsim import write_picture
 from cnnsim.cli.group import main
@@ -60,6 +61,34 @@ def test_keys_of_another_kind_in_a_template_file(folder: Path, line: str, messag
     done = CliRunner().invoke(main, ["--library", "lib", "run", "mine", "one.png"])
     assert done.exit_code == 2, done.output
     assert message in done.output
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("inputs = 3", "inputs = 3, a list wanted"),
+        ("outputs = 3", "outputs = 3, a list wanted"),
+        ('keep = "x"', "keep = 'x', a table wanted"),
+        ("keep = { opened = true }", "keep: opened: True is no finite number"),
+        ("templates = 3", "templates = 3, a table wanted"),
+        ("parameters = 3", "parameters = 3, a table wanted"),
+        ("summary = 3", "summary = 3, a text wanted"),
+    ],
+)
+def test_keys_of_another_kind_in_a_program_file(folder: Path, line: str, message: str) -> None:
+    source = (ROOT / "templates" / "programs" / "opening.toml").read_text()
+    lines = [text for text in source.splitlines() if not text.startswith(line.split()[0])]
+    (folder / "mine.toml").write_text("\n".join([line, *lines]))
+    done = CliRunner().invoke(main, ["program", "mine.toml", "--input", "picture=one.png"])
+    assert done.exit_code == 2, done.output
+    assert message in done.output
+
+
+def test_a_film_of_two_layers_shows_them_side_by_side(folder: Path) -> None:
+    done = CliRunner().invoke(main, ["run", "autowave", "one.png", "--trajectory", "film.gif"])
+    assert done.exit_code == 0, done.output
+    with Image.open(folder / "film.gif") as film:
+        assert film.width == 2 * film.height
 
 
 def test_all_that_is_wrong_with_a_table_is_told_at_once() -> None:
