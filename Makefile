@@ -36,9 +36,9 @@ $(VENV)/.run: pyproject.toml constraints.txt | $(BIN)/python
 	touch $@
 
 $(VENV)/.test: pyproject.toml constraints.txt | $(BIN)/python
-	$(PIP) -e '.[test,opencl,serial,fem]'
+	$(PIP) -e '.[test,opencl,serial,fem,video,texture]'
 	touch $@ $(VENV)/.run
 
 $(VENV)/.bench: $(VENV)/.test
-	$(PIP) -e '.[test,opencl,serial,fem,bench]'
+	$(PIP) -e '.[test,opencl,serial,fem,video,texture,bench]'
 	touch $@
