@@ -11,6 +11,8 @@ from typing import Any
 
 from cnnsim.support import Floats
 
+NEXT = 1024
+"""A sequence number less than this after another goes on from it, whatever was lost between: a second of frames."""
 Taxels = Floats
 """(taxels, 3): readings in the device's order and unit, last axis (x, y, z) as the device names them."""
 
@@ -48,7 +50,8 @@ class Reading:
 
     ``values`` (taxels, 3); ``device`` which of the boards on this wire, None where one frame holds all of them one
     after the other; ``sequence`` the device's count, None where it has none; ``t_device`` [s], NaN where it has no
-    clock; ``end`` the number of bytes of the stream up to the end of this frame.
+    clock; ``end`` the number of bytes of the stream up to the end of this frame; ``checked`` whether a checksum covers
+    the frame and so its sequence number.
     """
 
     values: Taxels
@@ -56,6 +59,7 @@ class Reading:
     device: int | None = None
     sequence: int | None = None
     t_device: float = float("nan")
+    checked: bool = True
 
 
 @dataclass(frozen=True)
@@ -75,6 +79,7 @@ class Decoder(ABC):
         self._buffer = bytearray()
         self._begin = 0  # the place of buffer[0] in the stream
         self._last: dict[int | None, int] = {}
+        self._leapt: dict[int | None, int] = {}  # a number that leapt in a frame without a checksum
 
     def feed(self, data: bytes) -> list[Reading]:
         """Take the next bytes of the stream, however cut, and return the readings that they complete."""
@@ -120,17 +125,40 @@ class Decoder(ABC):
         """Count what the sequence number says; a step back or over half the range is a device that began anew."""
         if reading.sequence is None:
             return True
-        last = self._last.get(reading.device)
-        self._last[reading.device] = reading.sequence
-        if last is None:
+        if reading.device not in self._last:
+            self._last[reading.device] = reading.sequence
             return True
-        step = (reading.sequence - last) % 2**32
-        if step == 0:
+        step = (reading.sequence - self._last[reading.device]) % 2**32
+        if step == 0 or reading.sequence == self._leapt.get(reading.device):
             self.counts.repeated += 1
             return False
+        if step == 1 or reading.checked:
+            self._believe(reading.device, reading.sequence, step)
+        else:
+            self._weigh(reading.device, reading.sequence, step)
+        return True
+
+    def _weigh(self, device: int | None, sequence: int, step: int) -> None:
+        """Believe a leap of a number that no checksum covers when the next frame goes on from there.
+
+        Where the next frame goes on from the number before, the one between was that frame, its number changed.
+        """
+        doubted = self._leapt.get(device)
+        if doubted is None:
+            self._leapt[device] = sequence
+        elif step < NEXT:
+            self._believe(device, sequence, step - 1)
+        elif (onward := (sequence - doubted) % 2**32) < NEXT:
+            self._believe(device, doubted, (doubted - self._last[device]) % 2**32)
+            self._believe(device, sequence, onward)
+        else:
+            self._leapt[device] = sequence
+
+    def _believe(self, device: int | None, sequence: int, step: int) -> None:
+        self._last[device] = sequence
+        self._leapt.pop(device, None)
         if step < 2**31:
             self.counts.missing += step - 1
-        return True
 
 
 class Encoder(ABC):

@@ -9,7 +9,7 @@ checked. Lines that begin with ``#``, and other text, are passed over. The first
 lost its beginning.
 
 A line without HH whose digits are changed into digits goes unseen; bytes at random have no line with the right number
-of columns.
+of columns. A sequence number that leaps in such a line counts when the next line goes on from it.
 """
 
 import math
@@ -24,7 +24,8 @@ from cnnsim.support import InputError
 from tactile.wire.base import Decoder, Encoder, Found, Options, Reading, Taxels
 from tactile.wire.registry import Format
 
-LONGEST = 65536
+LONGEST, CELL = 65536, 32
+"""Bytes of a line that is waited for: at least so many, and so many for each number."""
 SPLIT = re.compile(rb"[ \t]*[,;][ \t]*|[ \t]+")
 NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?|[nN][aA][nN]")
 SECONDS = {"t_us": 1e-6, "t_ms": 1e-3, "t_s": 1.0}
@@ -37,15 +38,21 @@ class CsvDecoder(Decoder):
     def __init__(self, options: Options) -> None:
         super().__init__()
         self._before, self._taxels = columns_before(options), sum(options.taxels)
-        self._first = True
+        self._longest = max(LONGEST, CELL * (len(self._before) + 3 * self._taxels + 1))
+        self._restart()
 
     def _restart(self) -> None:
         self._first = True
+        self._searched = 0  # bytes of the buffer in which no line ends
 
     def _next(self, over: bool) -> Found | None:
-        end = self._buffer.find(b"\n", 0, LONGEST)
+        end = self._buffer.find(b"\n", self._searched, self._longest)
+        self._searched = 0
         if end < 0:
-            return Found(LONGEST) if len(self._buffer) >= LONGEST else None
+            if len(self._buffer) >= self._longest:
+                return Found(self._longest)
+            self._searched = len(self._buffer)
+            return None
         line, first = bytes(self._buffer[:end]).strip(), self._first
         self._first = False
         if first or not line or line.startswith(b"#"):
@@ -60,9 +67,12 @@ class CsvDecoder(Decoder):
         if len(cells) != len(self._before) + 3 * self._taxels:
             self.counts.unfit += 1
             return Found(end + 1)
-        return self._found(end + 1, [float(cell) for cell in cells])
+        numbers = [float(cell) for cell in cells]
+        if not math.isfinite(sum(numbers)) and math.inf in map(abs, numbers):  # such as 1e999
+            return Found(end + 1)
+        return self._found(end + 1, numbers, bool(star))
 
-    def _found(self, length: int, cells: list[float]) -> Found:
+    def _found(self, length: int, cells: list[float], checked: bool) -> Found:
         head = dict(zip(self._before, cells, strict=False))
         seconds = next((head[name] * scale for name, scale in SECONDS.items() if name in head), math.nan)
         sequence = head.get("sequence")
@@ -70,7 +80,7 @@ class CsvDecoder(Decoder):
             return Found(length)
         values = np.array(cells[len(self._before) :]).reshape(-1, 3)
         count = None if sequence is None else int(sequence)
-        return Found(0, length, Reading(values, self._begin + length, None, count, seconds))
+        return Found(0, length, Reading(values, self._begin + length, None, count, seconds, checked))
 
 
 class CsvEncoder(Encoder):

@@ -8,8 +8,10 @@ no offset. With option ``mode = "force"`` a word is a force instead: x, y from -
 
 Out of step, the frames' phase is found from five frames: of the offsets where AA stands five times a frame apart, the
 one at which the words change least, since out of phase low bytes become high ones. In step, a frame that changes
-little is given out at once; one that jumps waits for the start byte of the next. So a lost byte costs a frame or two
-and no false wrap. Bytes at random pass once in 2^40 offsets.
+little is given out at once; one that jumps waits for the start byte of the next, and for five frames where another
+phase has start bytes, too. So a lost byte costs a frame or two and no false wrap. Bytes at random pass once in 2^40
+offsets. A byte of a word that stays AA looks like a start in every frame: of such phases the one at which the words
+change less wins, also later. Nobody can tell a first word that stays AAAA from a last one that does.
 
 Source: High-Resolution-Three-axis-Force-Sensing-for-Robotic-Fingertips, ``sensor-readout/src/main.cpp``,
 ``notebooks/tools/sensor_reader.py``; the host there counts words from 0 to 65 535, here they have a sign.
@@ -32,6 +34,8 @@ LEAP, LASTING = 2**14, 3
 """A change of a word from one frame to the next that is doubted, and the frames after which it is believed."""
 SMOOTH = 2**11
 """A word that changes by less from one frame to the next is no sign of a lost byte (307 uT)."""
+CLEAR = 2
+"""A phase at which the words change so many times less than at the one in use takes its place."""
 
 
 class LowiekDecoder(Decoder):
@@ -48,14 +52,14 @@ class LowiekDecoder(Decoder):
         self._words: Integers | None = None  # of the last frame
         self._value: Integers | None = None  # what the words stood for when last believed
         self._doubted = np.zeros(3 * self._taxels, np.int64)
+        self._past = b""  # the last frames in step
 
     def _next(self, over: bool) -> Found | None:
         if not self._in_step:
             return self._search(over)
         data, length = self._buffer, self._length
         if data[0] != START:
-            self._in_step = False
-            return Found(0)
+            return self._out_of_step(0)
         if len(data) < length:
             return None
         words = self._read(0)
@@ -63,9 +67,42 @@ class LowiekDecoder(Decoder):
             if len(data) == length:
                 return self._found(0, words) if over else None
             if data[length] != START:
-                self._in_step = False
-                return Found(1)
+                return self._out_of_step(1)
+            if not over and self._rivalled():
+                if len(data) < (PROOF + 1) * length - 1:
+                    return None
+                starts = self._starts(range(length), PROOF)
+                if starts and (at := self._best(starts, PROOF)):
+                    return self._out_of_step(at)
+        self._past = self._past[-PROOF * length :] + bytes(data[:length])
+        if data.find(START, 1, length) >= 0 and (better := self._better_phase()) is not None:
+            self._words = self._value = None
+            return self._out_of_step(better)
         return self._found(0, words)
+
+    def _out_of_step(self, skip: int) -> Found:
+        self._in_step, self._past = False, b""
+        return Found(skip)
+
+    def _rivalled(self) -> bool:
+        """Return whether another phase can have a start byte in this frame and, as far as it is here, in the next."""
+        data, length = self._buffer, self._length
+        at = data.find(START, 1, length)
+        while at >= 0 and data[at + length : at + length + 1] not in (b"", bytes([START])):
+            at = data.find(START, at + 1, length)
+        return at >= 0
+
+    def _better_phase(self) -> int | None:
+        """Return the offset in a frame at which the last frames looked clearly more like frames, None if none did."""
+        past, length = self._past, self._length
+        if len(past) <= PROOF * length:
+            return None
+        starts = np.flatnonzero((np.frombuffer(past, np.uint8).reshape(-1, length) == START).all(0)).tolist()
+        if len(starts) == 1:
+            return None
+        changes = {at: sum(_changes([self._words_in(past, at + n * length) for n in range(PROOF)])) for at in starts}
+        best = min(starts, key=changes.__getitem__)
+        return best if CLEAR * changes[best] < changes[0] else None
 
     def _search(self, over: bool) -> Found | None:
         """Find the phase and skip what is before it; at the stream's end fewer frames have to do."""
@@ -76,21 +113,36 @@ class LowiekDecoder(Decoder):
         if (starts < length and not over) or (over and proof < LAST_PROOF and not (proof and alone)):
             return None
         tries = range(min(length, starts))
-        found = [at for at in tries if all(data[at + n * length] == START for n in range(proof))]
+        found = self._starts(tries, proof)
         if not found:
             return Found(len(tries))
-        self._in_step = True
-        return Found(min(found, key=lambda at: self._roughness(at, proof)))
+        at = self._best(found, proof)
+        self._in_step, self._past, self._words = True, b"", None  # the first frame is not doubted again
+        return Found(at)
+
+    def _starts(self, tries: range, proof: int) -> list[int]:
+        """Return the offsets at which so many frames could begin."""
+        data, length = self._buffer, self._length
+        return [at for at in tries if all(data[at + n * length] == START for n in range(proof))]
+
+    def _best(self, starts: list[int], proof: int) -> int:
+        """Return the first of the offsets at which the words do not change clearly more than at another."""
+        changes = [self._roughness(at, proof) for at in starts]
+        return next(at for at, change in zip(starts, changes, strict=True) if change <= CLEAR * min(changes))
 
     def _roughness(self, at: int, proof: int) -> float:
         words = [self._read(at + n * self._length) for n in range(proof)]
-        if self._words is not None:
-            words.insert(0, self._words)
-        return float(sum(np.abs(_jump(a, b)).sum() for a, b in zip(words[1:], words, strict=False)))
+        if self._words is None:
+            return float(sum(_changes(words)))
+        known = np.minimum(np.abs(_jump(words[0], self._words)), SMOOTH)  # that may have been a false frame
+        return float(sum(_changes(words)) + known.sum())
 
     def _read(self, at: int) -> Integers:
+        return self._words_in(self._buffer, at)
+
+    def _words_in(self, data: bytes | bytearray, at: int) -> Integers:
         """Return the words as the magnetometers gave them, or as sent where they are forces."""
-        sent = np.frombuffer(bytes(self._buffer[at + 1 : at + self._length]), ">u2")
+        sent = np.frombuffer(bytes(data[at + 1 : at + self._length]), ">u2")
         return (sent if self._force else ~sent).astype(np.int64)
 
     def _found(self, at: int, words: Integers) -> Found:
@@ -139,6 +191,11 @@ def force_mode(options: Options) -> bool:
 def _jump(now: Integers, before: Integers) -> Integers:
     """Return the change of words around the circle of 2^16."""
     return (now - before + 2**15) % 2**16 - 2**15
+
+
+def _changes(words: list[Integers]) -> list[int]:
+    """Return how much the words change from each frame to the next."""
+    return [int(np.abs(_jump(a, b)).sum()) for a, b in zip(words[1:], words, strict=False)]
 
 
 FORMATS = {

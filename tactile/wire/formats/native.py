@@ -2,7 +2,7 @@
 
 One frame is the COBS code of the packet below, then one zero byte. Little endian, no padding:
 
-    u8   version, 1           u8   board, from 0         u8 rows      u8 cols
+    u8   version, 1           u8   board, from 0         u8 rows      u8 cols      so 255 x 255 taxels at most
     u8   kind of value: 0 = int16, 1 = float32
     u32  sequence number of this board, one more each frame
     u64  device time [us]
@@ -28,9 +28,10 @@ HEADER = struct.Struct("<BBBBBIQ")
 CRC = struct.Struct("<H")
 VERSION = 1
 KINDS = (np.dtype("<i2"), np.dtype("<f4"))
-LARGEST = HEADER.size + 64 * 64 * 3 * 4 + CRC.size
-LONGEST = LARGEST + LARGEST // 254 + 2
-"""Bytes of the longest frame that is waited for: 64 x 64 taxels of float32 and the overhead of COBS."""
+SIDE, BOARDS = 255, 256
+"""Most rows, columns and boards that the header can say."""
+USUAL = 64 * 64
+"""Taxels of a frame that is waited for though the description has smaller ones, to say that it is unfit."""
 
 
 class NativeDecoder(Decoder):
@@ -39,11 +40,26 @@ class NativeDecoder(Decoder):
     def __init__(self, options: Options) -> None:
         super().__init__()
         self._shapes = options.shapes
+        if len(self._shapes) > BOARDS or max(map(max, self._shapes)) > SIDE:
+            rows, cols = max(self._shapes, key=max)
+            raise InputError(
+                f"native: {len(self._shapes)} boards of up to {rows} x {cols} taxels; {BOARDS} boards of"
+                f" {SIDE} x {SIDE} at most wanted, since a frame's header has one byte for each"
+            )
+        self._longest = _longest(max(USUAL, *options.taxels))
+        self._restart()
+
+    def _restart(self) -> None:
+        self._searched = 0  # bytes of the buffer without a zero
 
     def _next(self, over: bool) -> Found | None:
-        end = self._buffer.find(0, 0, LONGEST)
+        end = self._buffer.find(0, self._searched, self._longest)
+        self._searched = 0
         if end < 0:
-            return Found(LONGEST) if len(self._buffer) >= LONGEST else None
+            if len(self._buffer) >= self._longest:
+                return Found(self._longest)
+            self._searched = len(self._buffer)
+            return None
         if end == 0:  # a device may send a zero first, to end whatever noise came before
             return Found(0, 1)
         try:
@@ -96,6 +112,12 @@ class NativeEncoder(Encoder):
         head = HEADER.pack(VERSION, board, rows, cols, self._kind, sequence % 2**32, micros)
         packet = head + values.astype(kind).tobytes()
         return cobs.encode(packet + CRC.pack(binascii.crc_hqx(packet, 0xFFFF))) + b"\0"
+
+
+def _longest(taxels: int) -> int:
+    """Return the bytes of a frame of so many taxels in float32 with the overhead of COBS."""
+    packet = HEADER.size + taxels * 3 * 4 + CRC.size
+    return packet + packet // 254 + 2
 
 
 FORMATS = {

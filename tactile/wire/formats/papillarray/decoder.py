@@ -15,13 +15,25 @@ from typing import Any
 
 import numpy as np
 
+from cnnsim.support import InputError
 from tactile.wire.base import Decoder, Found, Options, Reading, Talk
 from tactile.wire.formats.papillarray.device import PapillarrayEncoder
-from tactile.wire.formats.papillarray.packet import END, START, Packet, WrongPacketError, read_packet
+from tactile.wire.formats.papillarray.packet import (
+    END,
+    HUB,
+    PILLAR,
+    START,
+    WHOLE,
+    Packet,
+    WrongPacketError,
+    read_packet,
+)
 from tactile.wire.registry import Format
 
 LONGEST = 16384
-"""Bytes from start to end marker; two sensors of nine pillars need 817."""
+"""Bytes from start to end marker that are waited for, or twice a larger device's; two sensors of nine need 817."""
+LARGEST = 2**16
+"""Bytes of a packet whose offsets have 16 bits, as hubs send them."""
 SHORTEST = 4 + 1 + 2 + 2 + 4
 NEAR, FAR = 0.05, 0.5
 """[N] The right triple's sum is this near to the sensor's force, the wrong one's this far, where the order shows."""
@@ -34,6 +46,7 @@ class PapillarrayDecoder(Decoder):
     def __init__(self, options: Options) -> None:
         super().__init__()
         self._taxels = options.taxels
+        self._longest = max(LONGEST, 2 * _packet_size(options))
         self._searched = 0  # in the buffer: end markers before this place have been tried
         self._order: int | None = None
         self._entry: int | None = None
@@ -58,7 +71,7 @@ class PapillarrayDecoder(Decoder):
     def _ending_at(self, mark: int) -> Found | None:
         """Return the packet whose end marker is at ``mark``, if any of the start markers before begins it."""
         data, end = self._buffer, mark + len(END)
-        start = data.find(START, max(0, end - LONGEST), mark)
+        start = data.find(START, max(0, end - self._longest), mark)
         if start < 0:
             return None
         wanted = int.from_bytes(data[mark - 2 : mark], "little")
@@ -87,7 +100,7 @@ class PapillarrayDecoder(Decoder):
     def _stale(self) -> Found | None:
         """Drop what can be in no packet any more: all before the first start marker that is not too old."""
         data = self._buffer
-        oldest = max(0, len(data) - LONGEST + 1)
+        oldest = max(0, len(data) - self._longest + 1)
         keep = data.find(START, oldest)
         if keep < 0:
             tails = (len(data) - n for n in range(min(3, len(data) - oldest), 0, -1) if data.endswith(START[:n]))
@@ -112,6 +125,27 @@ def _packet(payload: bytes) -> Packet | None:
         return read_packet(payload)
     except WrongPacketError:
         return None
+
+
+def _packet_size(options: Options) -> int:
+    """Return the bytes of a packet from this device, offsets of 2 bytes.
+
+    Raises:
+        InputError: sensors of different shapes, or more pillars than 16 bits can point at.
+    """
+    if len(set(options.shapes)) > 1:
+        shapes = ", ".join(f"{rows} x {cols}" for rows, cols in options.shapes)
+        raise InputError(f"papillarray: sensors of {shapes} pillars; all of one shape wanted")
+    block = 2 + 2  # a block's count of sensors, a sensor's offset in it
+    pillar = 2 + PILLAR.itemsize + 2 + 2 + 1 + 4
+    sensor = 4 * block + 2 * 2 + WHOLE.itemsize + 2 + 1 + 4 + 4 + pillar * options.taxels[0]
+    size = SHORTEST + 6 * 4 + HUB.size + len(options.shapes) * sensor
+    if size > LARGEST:
+        raise InputError(
+            f"papillarray: {len(options.shapes)} sensors of {options.taxels[0]} pillars make packets of {size} bytes;"
+            f" {LARGEST} at most wanted"
+        )
+    return size
 
 
 def _talk(options: Options) -> Talk:

@@ -11,6 +11,7 @@ from abc import abstractmethod
 
 import numpy as np
 
+from cnnsim.support import InputError
 from tactile.wire.base import Decoder, Found, Options, Reading, Talk, Taxels
 from tactile.wire.formats.paxini import packet as px
 from tactile.wire.formats.paxini.device import AnswerEncoder, PushEncoder
@@ -66,6 +67,10 @@ class PushDecoder(PaxiniDecoder):
     def __init__(self, options: Options) -> None:
         super().__init__()
         self._taxels, self._resultant = options.taxels, px.RESULTANT * px.resultant(options)
+        if len(self._taxels) > px.SLOTS:
+            raise InputError(f"paxini-fast: {len(self._taxels)} modules; the board has slots for {px.SLOTS}")
+        self._bytes = sum(3 * count + self._resultant for count in self._taxels)
+        self._longest = px.longest(self._bytes)
 
     def _length(self, head: bytes) -> int | None:
         if len(head) < 3:
@@ -82,14 +87,14 @@ class PushDecoder(PaxiniDecoder):
         if len(head) < 5:
             return 0
         (length,) = struct.unpack_from("<H", head, 3)
-        return length + 6 if 1 <= length <= px.LONGEST else None
+        return length + 6 if 1 <= length <= self._longest else None
 
     def _carries(self, packet: bytes) -> bool:
         return packet[:2] == px.PUSH and len(packet) > 7  # a write to the push register is answered by an empty push
 
     def _values(self, packet: bytes) -> Taxels | None:
         data, at, boards = packet[6:-1], 0, []
-        if len(data) != sum(3 * count + self._resultant for count in self._taxels):
+        if len(data) != self._bytes:
             return None
         for count in self._taxels:
             at += self._resultant
@@ -106,13 +111,14 @@ class AnswerDecoder(PaxiniDecoder):
     def __init__(self, options: Options) -> None:
         super().__init__()
         self._taxels = px.one_module(options)
+        self._longest = px.longest(3 * self._taxels)
 
     def _length(self, head: bytes) -> int | None:
         if len(head) < 13:
             return 0
         length, *fixed, dlen = px.SLOW.unpack(head[2:])
         wanted = (1, 0, px.READ_FORCE, px.POINTS_ADDRESS)
-        return length + 5 if tuple(fixed) == wanted and length == dlen + 10 <= px.LONGEST else None
+        return length + 5 if tuple(fixed) == wanted and length == dlen + 10 <= self._longest else None
 
     def _values(self, packet: bytes) -> Taxels | None:
         return px.points(packet, self._taxels, 14) if len(packet) == 15 + 3 * self._taxels else None

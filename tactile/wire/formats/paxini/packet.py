@@ -39,6 +39,9 @@ MODULES, DATA_TYPE, AUTO_PUSH, POINT_COUNTS, ZERO = 0x0010, 0x0016, 0x0017, 0x00
 POINTS_ADDRESS, ZERO_ADDRESS = 0x40E, 0x03
 """Addresses of the serial converter board."""
 LONGEST = 2048
+"""Bytes of data that are waited for though the modules have fewer, to say that they are unfit."""
+SLOTS, LARGEST = 28, 2**16 - 16
+"""Modules of the high-speed board; most bytes of data, whose length has 16 bits."""
 
 
 def lrc(data: bytes | bytearray) -> int:
@@ -81,6 +84,17 @@ def resultant(options: Options) -> bool:
     if not isinstance(found, bool):
         raise InputError(f"paxini-fast: resultant = {found!r}, true or false wanted")
     return found
+
+
+def longest(data: int) -> int:
+    """Return the largest length to wait for where the modules send ``data`` bytes.
+
+    Raises:
+        InputError: more than a packet can hold.
+    """
+    if data > LARGEST:
+        raise InputError(f"paxini: {data} bytes of points in a packet; {LARGEST} at most wanted: fewer taxels")
+    return max(LONGEST, data + 16)
 
 
 def one_module(options: Options) -> int:
