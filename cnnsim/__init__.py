@@ -17,6 +17,7 @@ from cnnsim.program.program import Program
 from cnnsim.program.run import run_program
 from cnnsim.support import InputError
 from cnnsim.support.picture import read_picture, write_picture
+from cnnsim.support.sequences import read_pictures
 from cnnsim.support.values import from_gray, to_planes
 from cnnsim.transient import NotSettledError, Result, run_transient, trajectory
 
@@ -45,6 +46,7 @@ __all__ = [
     "library",
     "load_program",
     "read_picture",
+    "read_pictures",
     "run",
     "run_program",
     "run_transient",

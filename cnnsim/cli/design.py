@@ -39,10 +39,11 @@ _FILE = click.Path(path_type=Path)
               help="For --coupled: entries that are equal in all directions, left and right, or none.")  # fmt: skip
 @click.option("--generations", type=click.IntRange(1), default=60, show_default=True, help="For --coupled.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="For --coupled.")
+@click.option("--replace", is_flag=True, help="Write over files that are there already.")
 @json_option
 def design(
     text: str | None, table: Path | None, pairs: tuple[str, ...], name: str, output: Path, boundary: str,
-    coupled: bool, as_json: bool, **options: Any,
+    coupled: bool, replace: bool, as_json: bool, **options: Any,
 ) -> None:  # fmt: skip
     """Find templates for a rule over the 3 x 3 window, and write them with worked examples.
 
@@ -61,9 +62,9 @@ def design(
         if not pairs:
             raise InputError("--coupled fits a template to pictures: give --pair INPUT=OUTPUT")
         with progress(name) as track:
-            facts, lines = report.fitted(pairs, name, output, around, options, track)
+            facts, lines = report.fitted(pairs, name, output, around, options, track, replace=replace)
     else:
-        facts, lines = report.designed(text, table, pairs, name, output, around, options["norm"])
+        facts, lines = report.designed(text, table, pairs, name, output, around, options["norm"], replace=replace)
     if as_json:
         print_json(facts)
     else:

@@ -9,6 +9,7 @@ from cnnsim.formats.export import KEPT, WRITERS
 from cnnsim.formats.files import READERS, ImportedFile, import_file
 from cnnsim.support import InputError, naming
 from cnnsim.support.command_line import examples, print_json
+from cnnsim.support.files import write_text
 
 
 @click.command(
@@ -80,17 +81,26 @@ def _summary(results: list[ImportedFile]) -> str:
 @click.option("--format", "kind", type=click.Choice(list(WRITERS)), required=True, help="Format to write.")
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), required=True, help="Folder.")
 @click.option("--replace", is_flag=True, help="Write over files that are there already.")
-def export(names: tuple[str, ...], kind: str, output: Path, replace: bool) -> None:
-    """Write templates NAMES of the library as CANDY .tem, as 19-number genes, or as JSON for celnn."""
-    texts: dict[Path, str] = {}
+@click.pass_context
+def export(context: click.Context, names: tuple[str, ...], kind: str, output: Path, replace: bool) -> None:
+    """Write templates NAMES of the library as CANDY .tem, as 19-number genes, or as JSON for celnn.
+
+    One that the format cannot hold does not stop the others: it is named, and makes the exit code 2.
+    """
+    failed = 0
     for name in names:
         target = output / f"{name}.{kind}"
-        with naming(f"{name} as {kind}"):
-            texts[target] = WRITERS[kind](library.load(name))
-        if target.exists() and not replace:
-            raise InputError(f"{target} is there already; --replace would write over it")
-    output.mkdir(parents=True, exist_ok=True)
-    for target, text in texts.items():
-        target.write_text(text, encoding="utf-8")
-        click.echo(f"{target.stem} -> {target}")
-    click.echo(f"kept: {KEPT[kind]}")
+        try:
+            with naming(f"{name} as {kind}"):
+                text = WRITERS[kind](library.load(name))
+            write_text(target, text, replace=replace)
+        except InputError as error:
+            click.echo(f"Error: {error}", err=True)
+            failed += 1
+            continue
+        click.echo(f"{name} -> {target}")
+    if failed < len(names):
+        click.echo(f"kept: {KEPT[kind]}")
+    if failed:
+        click.echo(f"{len(names) - failed} of {len(names)} templates written", err=True)
+        context.exit(2)

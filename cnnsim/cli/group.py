@@ -9,8 +9,9 @@ from cnnsim.cli.design import design
 from cnnsim.cli.devices import devices
 from cnnsim.cli.formats import export, import_
 from cnnsim.cli.library import explain, list_
+from cnnsim.cli.program import program
 from cnnsim.cli.robust import robust
-from cnnsim.cli.run import program, run
+from cnnsim.cli.run import run
 from cnnsim.cli.show import show
 from cnnsim.cli.trace import trace
 from cnnsim.support.command_line import CommandGroup

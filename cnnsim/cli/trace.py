@@ -5,13 +5,15 @@ from pathlib import Path
 import click
 
 from cnnsim import backends, library
-from cnnsim.cli.run import backend_option, json_option, read_frames
+from cnnsim.cli.pictures import binary_option, picture_argument, range_option, read_beside, read_for
+from cnnsim.cli.run import backend_option, json_option
 from cnnsim.network import parse_boundary
 from cnnsim.network.boundary import BOUNDARY_FORMS
 from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.picture import read_picture, write_film
+from cnnsim.support.film import write_film
+from cnnsim.support.picture_sequence import Reading
 
 _FILE = click.Path(path_type=Path)
 
@@ -25,14 +27,15 @@ _FILE = click.Path(path_type=Path)
     )
 )
 @click.argument("name")
-@click.argument("pictures", type=_FILE, nargs=-1, required=True, metavar="PICTURE...")
+@picture_argument
 @click.option("-o", "--output", type=_FILE, help="Where the plot goes (PNG, SVG, PDF).")
 @click.option("--cell", "cells", multiple=True, metavar="ROW,COL", help="A cell to follow; else representative ones.")
-@click.option("--film", type=_FILE, help="Also write the output over time as a GIF.")
+@click.option("--film", type=_FILE, help="Also write the output over time as a film (.gif, .mp4).")
 @click.option("--frames", type=click.IntRange(1, 2000), default=120, show_default=True, help="Times that are kept.")
 @click.option("--layer", type=click.IntRange(0), default=0, show_default=True, help="Of a network of layers.")
 @click.option("--state", type=_FILE, help="The second picture, for templates that take one.")
-@click.option("--binary", is_flag=True, help="Make the pictures black and white before the run.")
+@binary_option
+@range_option
 @click.option("--boundary", help=f"{BOUNDARY_FORMS} instead of the template's own.")
 @click.option("--time", "duration", type=float, help="Watch this many time constants instead of until it settles.")
 @click.option("--scheme", type=click.Choice([*SCHEMES, ADAPTIVE]), help="Integration scheme instead of the plan's.")
@@ -40,12 +43,12 @@ _FILE = click.Path(path_type=Path)
 @json_option
 def trace(
     name: str, pictures: tuple[Path, ...], output: Path | None, cells: tuple[str, ...], film: Path | None, frames: int,
-    layer: int, state: Path | None, binary: bool, boundary: str | None, duration: float | None, scheme: str | None,
-    backend: str, as_json: bool,
+    layer: int, state: Path | None, binary: bool, levels: tuple[float, float] | None, boundary: str | None,
+    duration: float | None, scheme: str | None, backend: str, as_json: bool,
 ) -> None:  # fmt: skip
     """Record the transient of template NAME on PICTURE: states and outputs over time, and the pictures.
 
-    Templates for moving pictures take several, one a frame.
+    Templates for moving pictures take several: files, a folder, a GIF, a video, .npy or .npz.
     """
     from cnnsim.prototyping.trace.trace import parse_cell_index, record, representative_cells, watching_time
     from cnnsim.transient import make_task
@@ -53,12 +56,13 @@ def trace(
     if output is None and film is None and not as_json:
         raise InputError("nothing to do: give -o for a plot, --film for a film, or --json")
     entry = library.load(name)
-    second = None if state is None else read_picture(state, binary=binary)
-    given = entry.task(read_frames(entry, pictures, binary=binary), second)
+    where = backends.get(backend)
+    reading = Reading(binary, levels, where.dtype)
+    shown = read_for(entry, pictures, reading, batch=False)
+    given = entry.task(shown, read_beside(state, "--state", shown, reading))
     if boundary is not None:
         given["boundary"] = parse_boundary(boundary)
     chosen = [parse_cell_index(cell, given["state"].shape[-2:]) for cell in cells]
-    where = backends.get(backend)
     if scheme is not None:
         given.pop("step", None)  # it was meant for another scheme
     if duration is not None:

@@ -15,6 +15,7 @@ from cnnsim.library.folders import folder as shipped_folder
 from cnnsim.library.imported import Imported
 from cnnsim.library.read import load_file
 from cnnsim.support import Diagnostics, InputError
+from cnnsim.support.files import check_free, make_folder, writing
 
 
 def _tem(data: bytes, stem: str, report: Diagnostics) -> list[Imported]:
@@ -87,21 +88,23 @@ def _with_defects(imported: Imported, stem: str, kind: str, report: Diagnostics)
 
 def _write(imported: Imported, folder: Path, report: Diagnostics, replace: bool) -> Path | None:
     target = folder / f"{imported.name}.toml"
-    if target.exists() and not replace:
-        report.error(None, f"{target} is there already; --replace would write over it")
+    try:
+        check_free(target, replace=replace)
+    except InputError as error:
+        report.error(None, str(error))
         return None
     if (shipped_folder() / target.name).is_file():
         text = f"where {folder} is searched this hides the shipped template of that name"
         report.warning(None, f"{imported.name}: {text}")
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        target.write_text(imported.text(), encoding="utf-8")
-        load_file(target)  # raises InputError if the written file cannot be used
-    except OSError as error:
-        report.error(None, f"{target}: {error.strerror}")
-        return None
+        make_folder(folder)
+        with writing(target) as beside:
+            beside.write_text(imported.text(), encoding="utf-8")
+            try:
+                load_file(beside)
+            except InputError as error:  # what was written cannot be used, so it is not kept
+                raise InputError(str(error).replace(str(beside), str(target))) from error
     except InputError as error:
-        target.unlink()
         report.error(None, str(error))
         return None
     return target

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim.library.entry import Example, LibraryEntry, Role
-from cnnsim.library.read_network import TEMPLATE_KEYS, read_pictures, read_template
+from cnnsim.library.read_network import TEMPLATE_KEYS, parse_pictures, read_template
 from cnnsim.network import LayeredTemplate, parse_boundary
 from cnnsim.network.characteristic import parse_cell
 from cnnsim.support import InputError, naming
@@ -72,7 +72,7 @@ def _role(key: str, value: Any, words: tuple[str, ...]) -> Role:
 
 def _example(data: dict[str, Any]) -> Example:
     check_keys(data, (*_PLANES, "tolerance"), required=("output",))
-    planes = {key: read_pictures(data[key]) if key in data else None for key in _PLANES}
+    planes = {key: parse_pictures(data[key]) if key in data else None for key in _PLANES}
     if planes["input"] is None and planes["state"] is None:
         raise InputError("an example without input and without state; at least one of them wanted")
     shapes = {key: plane.shape[-2:] for key, plane in planes.items() if plane is not None}

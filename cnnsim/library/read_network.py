@@ -61,7 +61,7 @@ def _single_layer(data: dict[str, Any], name: str) -> Template:
     return Template(data["A"], data.get("B", 0.0), data["z"], name, terms)
 
 
-def read_pictures(value: Any) -> Floats:
+def parse_pictures(value: Any) -> Floats:
     """Return one picture (rows, cols), or a list of pictures as (planes, rows, cols).
 
     Raises:

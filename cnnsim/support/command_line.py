@@ -5,12 +5,14 @@ import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from errno import EPIPE
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 from cnnsim.support.compile_notice import Terminal
 from cnnsim.support.errors import InputError
+from cnnsim.support.files import Replaced
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -28,6 +30,7 @@ class CommandGroup(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command."""
         Terminal.wanted = sys.stderr.isatty()
+        Replaced.tell = _tell_replaced
         try:
             return super().invoke(ctx)
         except InputError as error:
@@ -38,6 +41,10 @@ class CommandGroup(click.Group):
             raise _Mistake(f"{error.filename or 'the system'}: {error.strerror or error}") from error
         except (MemoryError, OverflowError, RecursionError) as error:
             raise _Mistake(f"too large: {' '.join(str(error).split()) or type(error).__name__}") from error
+
+
+def _tell_replaced(path: Path) -> None:
+    click.echo(f"replaced {path}", err=True)
 
 
 def console(width: int = 150) -> "Console":

@@ -1,38 +1,103 @@
-"""Picture files read and written as CNN values."""
+"""Picture files read and written as CNN values, and pictures drawn in text."""
 
-from collections.abc import Iterable, Sequence
+import struct
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from threading import Lock
+from typing import Any
 
 import numpy as np
 from PIL import Image, UnidentifiedImageError
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.files import writing
+from cnnsim.support.memory import check_memory
+from cnnsim.support.pixels import Levels, pixel_bytes, values_of
 from cnnsim.support.types import Array, Floats
-from cnnsim.support.values import from_gray
 
 _RAMP = ".:-=+*%#"
 """Characters from white to black."""
+_MORE_THAN_PICTURES = {"MPO", "PSD"}
+"""Formats whose further frames are no pictures of a sequence: a camera's previews, the layers of a drawing."""
+_BROKEN = UnidentifiedImageError, OSError, SyntaxError, ValueError, EOFError, struct.error
+"""What Pillow raises for files that are no pictures, or broken."""
+_TOO_LARGE = "cut it into tiles, make it smaller, or use a machine with more memory"
 
 
-def read_picture(path: str | Path, *, binary: bool = False) -> Floats:
+def read_picture(
+    path: str | Path, *, binary: bool = False, levels: Levels | None = None, dtype: Any = np.float64
+) -> Array:
     """Read any picture Pillow knows as CNN values (rows, cols); colours become grey, transparency white.
 
-    ``binary`` makes everything darker than mid-grey +1 and the rest -1.
+    Arguments: ``binary`` makes everything darker than mid-grey +1 and the rest -1; ``levels`` (black, white) are the
+    numbers that stand for them in a grey picture whose file does not say it; ``dtype`` of the array.
 
     Raises:
-        InputError: the file is missing or no picture.
+        InputError: the file is missing or no picture, holds several, has a range that is not known (see
+            `cnnsim.support.pixels`), or does not fit into memory.
+    """
+    with opened(path) as image:
+        if pictures_in(image) > 1:
+            raise InputError(f"{path} holds {pictures_in(image)} pictures; one wanted (read_pictures reads all)")
+        check_size(image, str(path), np.dtype(dtype).itemsize)
+        return values_of(image, str(path), binary=binary, levels=levels, dtype=dtype)
+
+
+@contextmanager
+def opened(path: str | Path) -> Iterator[Image.Image]:
+    """Open a picture file of any size; nothing but its head is read as yet.
+
+    Raises:
+        InputError: the file is missing or no picture, also where that shows only later.
     """
     try:
-        with Image.open(path) as image:
-            over_white = Image.new("RGBA", image.size, "white")
-            over_white.alpha_composite(image.convert("RGBA"))
-            grey = np.asarray(over_white.convert("L"), dtype=np.float64)
+        with _AnySize(), Image.open(path) as image:
+            yield image
+    except InputError:
+        raise
     except FileNotFoundError as error:
         raise InputError(f"no picture {path}") from error
-    except (UnidentifiedImageError, OSError) as error:
+    except _BROKEN as error:
         raise InputError(f"{path} is no picture that Pillow can read: {error}") from error
-    values = from_gray(grey)
-    return np.where(values > 0, 1.0, -1.0) if binary else values
+
+
+def pictures_in(image: Image.Image) -> int:
+    """Return how many pictures follow one another in a file."""
+    return 1 if image.format in _MORE_THAN_PICTURES else int(getattr(image, "n_frames", 1))
+
+
+def check_size(image: Image.Image, name: str, cell_bytes: int) -> None:
+    """Refuse a picture that does not fit into the memory that is free, before its pixels are read.
+
+    Raises:
+        InputError: both sizes, and what to do.
+    """
+    cols, rows = image.size
+    what = f"{name}: reading {rows} x {cols} pixels"
+    check_memory(what, rows * cols * (pixel_bytes(image.mode) + cell_bytes), _TOO_LARGE)
+
+
+class _AnySize:
+    """Sets Pillow's own limit aside while pictures are read, in whatever thread; `check_size` takes its place.
+
+    That limit is a number for all machines: it knows nothing of the memory that is free.
+    """
+
+    _lock, _open = Lock(), 0
+    _usual: int | None = None
+
+    def __enter__(self) -> None:
+        with _AnySize._lock:
+            if not _AnySize._open:
+                _AnySize._usual, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None
+            _AnySize._open += 1
+
+    def __exit__(self, *_: object) -> None:
+        with _AnySize._lock:
+            _AnySize._open -= 1
+            if not _AnySize._open:
+                Image.MAX_IMAGE_PIXELS = _AnySize._usual
 
 
 def to_image(values: Array, scale: int = 1) -> Image.Image:
@@ -41,9 +106,10 @@ def to_image(values: Array, scale: int = 1) -> Image.Image:
     Planes (layers, rows, cols) lie side by side.
     """
     values = np.concatenate(list(values), axis=1) if values.ndim == 3 else values
-    values = np.where(values, 1.0, -1.0) if values.dtype == bool else np.clip(values, -1, 1)
-    grey = np.rint((1.0 - values) * 127.5).astype(np.uint8)
-    return Image.fromarray(np.kron(grey, np.ones((scale, scale), dtype=np.uint8)))
+    grey = np.empty(values.shape, np.uint8)
+    for row, out in zip(values, grey, strict=True):  # row by row: a whole plane in between would cost memory
+        out[:] = np.where(row, 0, 255) if row.dtype == bool else np.rint((1.0 - np.clip(row, -1, 1)) * 127.5)
+    return Image.fromarray(grey if scale == 1 else np.kron(grey, np.ones((scale, scale), dtype=np.uint8)))
 
 
 def write_picture(values: Array, path: str | Path, scale: int = 1) -> None:
@@ -52,27 +118,8 @@ def write_picture(values: Array, path: str | Path, scale: int = 1) -> None:
     Raises:
         InputError: Pillow does not know the ending, or the file cannot be written.
     """
-    try:
-        to_image(values, scale).save(path)
-    except (ValueError, OSError) as error:
-        raise InputError(f"cannot write {path}: {getattr(error, 'strerror', None) or error}") from error
-
-
-def write_film(frames: Sequence[Array], path: str | Path, seconds: float = 3.0) -> None:
-    """Write CNN values over time as an animated GIF that runs for about ``seconds`` and then stands a second.
-
-    Raises:
-        InputError: another ending than .gif, or the file cannot be written.
-    """
-    if Path(path).suffix.lower() != ".gif":
-        raise InputError(f"cannot write {path}: a film is an animated GIF, .gif wanted")
-    scale = max(1, 256 // max(frames[0].shape))
-    images = [to_image(frame, scale) for frame in frames]
-    lasting = [max(20, round(1000 * seconds / len(images)))] * (len(images) - 1) + [1000]
-    try:
-        images[0].save(path, format="GIF", save_all=True, append_images=images[1:], duration=lasting, loop=0)
-    except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror or error}") from error
+    with writing(path) as beside:
+        to_image(values, scale).save(beside)
 
 
 def parse_ascii(rows: Iterable[str | Sequence[float]]) -> Floats:

@@ -15,7 +15,8 @@ OFFERED = {
     "run", "run_program", "run_transient", "trajectory", "UniversalMachine", "load_program", "Program", "Template",
     "from_gray", "to_planes",
     "Term", "LayeredTemplate", "Table", "Cell", "Frames", "Boundary", "fixed", "ZERO_FLUX", "PERIODIC", "explain",
-    "library", "devices", "read_picture", "write_picture", "Result", "InputError", "NotSettledError", "__version__",
+    "library", "devices", "read_picture", "read_pictures", "write_picture",
+    "Result", "InputError", "NotSettledError", "__version__",
 }  # fmt: skip
 
 SQUARE = -np.ones((7, 7))

@@ -12,7 +12,8 @@ from cnnsim.network import Boundary
 from cnnsim.network.boundary import boundary_value
 from cnnsim.prototyping.design.design import Design, DesignPart
 from cnnsim.prototyping.design.rule import WindowRule
-from cnnsim.support import Floats, InputError
+from cnnsim.support import Floats
+from cnnsim.support.files import check_free, write_text
 
 
 def part_names(design: Design, name: str) -> list[str]:
@@ -21,14 +22,15 @@ def part_names(design: Design, name: str) -> list[str]:
 
 
 def write_design(
-    design: Design, name: str, boundary: Boundary, folder: Path, pictures: Sequence[Floats] = ()
-) -> list[Path]:
+    design: Design, name: str, boundary: Boundary, folder: Path, pictures: Sequence[Floats] = (), *,
+    replace: bool = False,
+) -> list[Path]:  # fmt: skip
     """Write the template files and, of more than a single template, the program under ``programs``; return their paths.
 
     ``pictures`` are worked examples; without any, random ones are taken whose windows the rule all knows.
 
     Raises:
-        InputError: the folder cannot be written.
+        InputError: a file is there and not to be replaced (then none is written), or the folder cannot be written.
     """
     tables = [design.rule.table] if design.one_template else design.outputs()
     names = part_names(design, name)
@@ -38,14 +40,11 @@ def write_design(
     }
     if not design.one_template:
         texts[f"programs/{name}.toml"] = program_text(design, name, boundary)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for file, text in texts.items():
-            (folder / file).parent.mkdir(exist_ok=True)
-            (folder / file).write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"cannot write {folder}: {error}") from error
-    return [folder / file for file in texts]
+    paths = [folder / file for file in texts]
+    check_free(*paths, replace=replace)
+    for path, text in zip(paths, texts.values(), strict=True):
+        write_text(path, text, replace=replace)
+    return paths
 
 
 def program_text(design: Design, name: str, boundary: Boundary) -> str:

@@ -18,17 +18,19 @@ from cnnsim.prototyping.design.rule import WindowRule, window_text
 from cnnsim.prototyping.design.rule_files import read_pairs, read_table, rule_of_pairs
 from cnnsim.prototyping.design.verify import wrong_windows
 from cnnsim.support import InputError
+from cnnsim.support.files import check_free, write_text
 
 Facts = tuple[dict[str, Any], list[str]]
 
 
 def designed(
-    text: str | None, table: Path | None, pairs: Sequence[str], name: str, folder: Path, boundary: Boundary, norm: Norm
-) -> Facts:
+    text: str | None, table: Path | None, pairs: Sequence[str], name: str, folder: Path, boundary: Boundary,
+    norm: Norm, *, replace: bool = False,
+) -> Facts:  # fmt: skip
     """Design templates for a rule, write them, run them on every window, and report.
 
     Raises:
-        InputError: the rule is wrong, or the folder cannot be written.
+        InputError: the rule is wrong, files are there and not to be replaced, or the folder cannot be written.
     """
     pictures = read_pairs(pairs)
     if text is not None:
@@ -38,7 +40,7 @@ def designed(
     else:
         rule = rule_of_pairs(pictures, boundary)
     found = design_rule(rule, norm)
-    paths = write_design(found, name, boundary, folder, [picture for picture, _ in pictures])
+    paths = write_design(found, name, boundary, folder, [picture for picture, _ in pictures], replace=replace)
     program = None if found.one_template else paths[-1]
     wrong = wrong_windows(found, program)
     if wrong:
@@ -104,14 +106,16 @@ def _windows(rule: WindowRule, known: int) -> str:
 
 def fitted(
     texts: Sequence[str], name: str, folder: Path, boundary: Boundary, options: dict[str, Any],
-    track: Callable[[Iterable[Any]], Iterable[Any]],
+    track: Callable[[Iterable[Any]], Iterable[Any]], *, replace: bool = False,
 ) -> Facts:  # fmt: skip
     """Fit a coupled template to pairs of pictures, write it with the pairs as its examples, and report.
 
     Raises:
-        InputError: pictures that cannot be read, a state that is neither "picture" nor a number from -1 to 1, or no
-            template that gives the pairs.
+        InputError: pictures that cannot be read, a state that is neither "picture" nor a number from -1 to 1, a file
+            that is there and not to be replaced, or no template that gives the pairs.
     """
+    path = folder / f"{name}.toml"
+    check_free(path, replace=replace)  # before the minutes that the search takes
     pairs = read_pairs(texts)
     state = _state(options["state"])
     bar = iter(track(range(options["generations"] + 1)))
@@ -132,12 +136,7 @@ def fitted(
         tags=("fitted", "uncoupled" if t.uncoupled else "coupled", "binary"),
         note="What it does to other pictures is not known.", examples=tuple(Example(u, None, y) for u, y in pairs),
     ))  # fmt: skip
-    path = folder / f"{name}.toml"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"cannot write {folder}: {error}") from error
+    write_text(path, text, replace=replace)
     for example in (entry := library.load_file(path)).examples:
         assert example.holds(library.run_example(entry, example, limit=500.0).y)
     facts = {"name": name, "A": t.A.tolist(), "B": t.B.tolist(), "z": t.z, "initial_state": state, "wrong": 0,

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim.prototyping.robust.robust import Curve, Robustness
-from cnnsim.support import InputError
+from cnnsim.support.files import writing
 
 
 def draw_robustness(found: Robustness, path: str | Path) -> None:
@@ -35,10 +35,8 @@ def draw_robustness(found: Robustness, path: str | Path) -> None:
     _draw(noise, found.noise, 1.0, "noise on the picture, σ (black to white: 2)", found.draws)
     entries.set_ylabel("wrong cells [%]")
     figure.text(0.995, 0.005, f"shares of {found.judged_on}; seed {found.seed}", ha="right", va="bottom", fontsize=8)
-    try:
-        figure.savefig(path, dpi=120)
-    except (ValueError, OSError) as error:
-        raise InputError(f"cannot write {path}: {error}") from error
+    with writing(path) as beside:
+        figure.savefig(beside, dpi=120)
 
 
 def _draw(axes: Any, curve: Curve, scale: float, label: str, draws: int | None) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.prototyping.trace.trace import CellIndex, Trace
-from cnnsim.support import InputError
+from cnnsim.support.files import writing
 
 SHEET = 8
 """Pictures on the contact sheet."""
@@ -34,10 +34,8 @@ def draw_trace(trace: Trace, cells: Sequence[CellIndex], title: str, path: str |
     _states(axes["x"], trace, colours)
     _outputs(axes["y"], trace, colours)
     _sheet(below, trace)
-    try:
-        figure.savefig(path, dpi=120)
-    except (ValueError, OSError) as error:
-        raise InputError(f"cannot write {path}: {error}") from error
+    with writing(path) as beside:
+        figure.savefig(beside, dpi=120)
 
 
 def sheet_frames(trace: Trace) -> list[int]:

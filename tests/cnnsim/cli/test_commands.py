@@ -124,7 +124,7 @@ def test_explain_says_what_was_decided() -> None:
     (("run", "edge", __file__), "is no picture"),
     (("run", "edge", "BLOBS", "-o", "out.xyz"), "cannot write out.xyz"),
     (("run", "edge", "BLOBS", "-o", "none/out.png"), "cannot write none/out.png: No such file"),
-    (("run", "edge", "BLOBS", "--trajectory", "wave.mp4"), "wave.mp4: a film is an animated GIF"),
+    (("run", "edge", "BLOBS", "--trajectory", "wave.webp"), "wave.webp: a film is one of .gif, .mp4"),
     (("run", "edge", "BLOBS", "--boundary", "torus"), "boundary 'torus'"),
     (("run", "edge", "BLOBS", "--time", "-1"), "duration -1.0"),
     (("run", "laplace-solver", "BLOBS", "--step", "0.3", "--time", "1"), "step 0.3 cannot be stable"),

@@ -170,8 +170,29 @@ def test_export_and_import_again(tmp_path: Path) -> None:
     ("name", "kind", "words"),
     [("muller-lyer", "gene", "3 x 3 only"), ("laplace-solver", "gene", ""), ("edgy", "json", "did you mean")],
 )
-def test_export_errors_write_nothing(tmp_path: Path, name: str, kind: str, words: str) -> None:
-    result = call("export", "edge", name, "--format", kind, "-o", tmp_path / "out")
-    assert result.exit_code == (2 if words else 0)
-    assert words in plain(result.output)
-    assert (tmp_path / "out").exists() == (not words)
+def test_export_writes_what_can_be_written_and_names_the_rest(tmp_path: Path, name: str, kind: str, words: str) -> None:
+    for order in (("edge", name), (name, "edge")):
+        result = call("export", *order, "--format", kind, "-o", tmp_path / order[0])
+        assert result.exit_code == (2 if words else 0)
+        assert words in plain(result.stderr)
+        assert ("1 of 2 templates written" in result.stderr) == bool(words)
+        written = {path.name for path in (tmp_path / order[0]).iterdir()}
+        assert written == {f"edge.{kind}"} | (set() if words else {f"{name}.{kind}"})
+
+
+def test_an_export_of_nothing_makes_no_folder(tmp_path: Path) -> None:
+    assert call("export", "autowave", "--format", "gene", "-o", tmp_path / "out").exit_code == 2
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_import_that_fails_leaves_what_it_was_to_replace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "HOLE.tem").write_text(HOLE)
+    words = ("import", tmp_path / "HOLE.tem", "-o", tmp_path, "--replace")
+    assert call(*words).exit_code == 0
+    before = (tmp_path / "hole.toml").read_text()
+    monkeypatch.setattr(Imported, "text", lambda _: 'name = "hole"')
+    again = call(*words)
+    assert again.exit_code == 2
+    assert f"{tmp_path / 'hole.toml'}: no 'summary'" in again.output
+    assert (tmp_path / "hole.toml").read_text() == before
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["HOLE.tem", "hole.toml"]

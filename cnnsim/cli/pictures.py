@@ -1,0 +1,110 @@
+"""Pictures of the commands: options that say how they are read; results as a file, as numbered files, as a film."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from cnnsim.library.entry import LibraryEntry
+from cnnsim.network import LayeredTemplate
+from cnnsim.support import Array, InputError
+from cnnsim.support.film import filming, is_film
+from cnnsim.support.picture import write_picture
+from cnnsim.support.picture_sequence import Reading
+from cnnsim.support.sequences import read_pictures
+
+FRAME_RATE = 10.0
+"""Pictures a second of a film of results, where the pictures that came in do not say it."""
+
+picture_argument = click.argument(
+    "pictures", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="PICTURE..."
+)
+binary_option = click.option("--binary", is_flag=True, help="Make the pictures black and white before the run.")
+range_option = click.option(
+    "--range", "levels", metavar="BLACK,WHITE", callback=lambda _context, _option, text: parse_levels(text),
+    help="The numbers of black and white, for grey pictures whose file does not tell: 0,4095.",
+)  # fmt: skip
+
+
+def parse_levels(text: str | None) -> tuple[float, float] | None:
+    """Read "BLACK,WHITE" as two numbers.
+
+    Raises:
+        InputError: something else.
+    """
+    if text is None:
+        return None
+    try:
+        black, white = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise InputError(f"range {text!r}; BLACK,WHITE wanted, such as 0,4095") from error
+    return black, white
+
+
+def read_for(entry: LibraryEntry, paths: Sequence[Path], reading: Reading, *, batch: bool) -> Array:
+    """Return the picture (rows, cols) for a template, or the sequence (n, rows, cols) if it takes one.
+
+    With ``batch`` a template for one picture takes several as well: n grids that know nothing of each other.
+
+    Raises:
+        InputError: several pictures for a template that takes one; pictures of different sizes.
+    """
+    planes = read_pictures(*paths, binary=reading.binary, levels=reading.levels, dtype=reading.dtype)
+    if entry.frame_time is not None:
+        return planes
+    if len(planes) > 1 and (not batch or isinstance(entry.network, LayeredTemplate)):
+        raise InputError(f"template {entry.name!r} takes one picture, {len(planes)} were given")
+    return planes if len(planes) > 1 else planes[0]
+
+
+def read_beside(path: Path | None, what: str, pictures: Array, reading: Reading) -> Array | None:
+    """Return a second picture, for all of a batch or one for each of it.
+
+    Raises:
+        InputError: another number of them, or as `read_pictures`.
+    """
+    if path is None:
+        return None
+    planes = read_pictures(path, binary=reading.binary, levels=reading.levels, dtype=reading.dtype)
+    if len(planes) == 1:
+        return planes[0]
+    count = len(pictures) if pictures.ndim == 3 else 1
+    if len(planes) != count:
+        raise InputError(f"{what}: {len(planes)} pictures for {count}; one, or as many, wanted")
+    return planes
+
+
+def write_planes(y: Array, path: Path, *, film: bool) -> list[Path]:
+    """Write a picture, or several: each its own, numbered; ``film`` says that they follow one another."""
+    if y.ndim == 2:
+        write_picture(y, path)
+        return [path]
+    if film and is_film(path):
+        with filming(path, FRAME_RATE) as add:
+            for picture in y:
+                add(picture)
+        return [path]
+    paths = [path.with_stem(f"{path.stem}-{number}") for number in range(len(y))]
+    for picture, target in zip(y, paths, strict=True):
+        write_picture(picture, target)
+    return paths
+
+
+def arrow(paths: Sequence[Any]) -> str:
+    """Return where something was written, as lines of the commands end: the first and the last of many files."""
+    if not paths:
+        return ""
+    return f" -> {paths[0]}" + (f" to {paths[-1]}" if len(paths) > 1 else "")
+
+
+def as_map(values: Array, what: str, pictures: Array) -> Any:
+    """Check a map (mask, bias) against the pictures it lies over.
+
+    Raises:
+        InputError: both sizes.
+    """
+    if values.shape[-2:] != pictures.shape[-2:]:
+        raise InputError(f"{what} has shape {values.shape}, the picture {pictures.shape}; one shape wanted")
+    return np.broadcast_to(values, (*pictures.shape[:-2], *values.shape[-2:])) if pictures.ndim == 3 else values

@@ -1,0 +1,171 @@
+"""The command `program`: an analogic program run on pictures, or step by step on sequences of pictures."""
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import click
+
+from cnnsim import backends
+from cnnsim.cli.pictures import FRAME_RATE, arrow, binary_option, range_option
+from cnnsim.cli.run import backend_option, device_option, json_option
+from cnnsim.support import Array, InputError
+from cnnsim.support.command_line import examples, print_json, watched
+from cnnsim.support.files import make_folder
+from cnnsim.support.film import filming, is_film
+from cnnsim.support.picture import write_picture
+from cnnsim.support.picture_sequence import PictureSequence, Reading
+from cnnsim.support.sequences import sequence_of
+
+_SHOWN = 10
+"""Steps of which each number is printed; of more, the least and the most."""
+
+
+@click.command(
+    epilog=examples(
+        "cnnsim program opening --input picture=scan.png -o out/",
+        "cnnsim program gray-opening --input picture=photo.png --set radius=2 -o out/",
+        "cnnsim program motion-detection --input frame=f1.png --input frame=f2.png -o out/",
+        "cnnsim program motion-detection --input frame=walk.mp4 --binary -o moving.gif",
+        "cnnsim program my-program.toml --input a=left/ --input b=right/ --still mask=mask.png -o out/ --json",
+    )
+)
+@click.argument("file")
+@click.option(
+    "--input", "pairs", multiple=True, metavar="NAME=PICTURES",
+    help="A picture for an input plane; repeated, a folder, a GIF, a video, .npy or .npz: a sequence.",
+)  # fmt: skip
+@click.option("--still", "stills", multiple=True, metavar="NAME=PICTURE",
+              help="One picture for an input plane, the same in all steps.")  # fmt: skip
+@click.option("--set", "settings", multiple=True, metavar="NAME=NUMBER", help="A number for one of its parameters.")
+@click.option("-o", "--output", type=click.Path(path_type=Path),
+              help="Folder for the output planes, a PNG each and for each step; or a film (.gif, .mp4).")  # fmt: skip
+@binary_option
+@range_option
+@backend_option
+@device_option
+@json_option
+def program(
+    file: str, pairs: tuple[str, ...], stills: tuple[str, ...], settings: tuple[str, ...], output: Path | None,
+    binary: bool, levels: tuple[float, float] | None, backend: str, device: str | None, as_json: bool,
+) -> None:  # fmt: skip
+    """Run an analogic program: FILE is a TOML file, or the name of a program of the library.
+
+    On sequences it runs once for each picture, in order, and what it keeps goes on from step to step. Of several
+    inputs all have as many pictures.
+    """
+    from cnnsim.program.file import load_program
+    from cnnsim.program.machine import UniversalMachine
+
+    parsed = load_program(file, parameters={key: _number(key, text) for key, text in _pairs("--set", settings)})
+    where = backends.get(backend, device=device)
+    reading = Reading(binary, levels, where.dtype)
+    inputs = _sequences(_pairs("--input", pairs), _pairs("--still", stills), reading)
+    steps = _steps(inputs, {key for key, _ in _pairs("--still", stills)})
+    machine = UniversalMachine(where)
+    film = output is not None and is_film(output)
+    numbers: dict[str, list[Any]] = {name: [] for name in parsed.outputs}
+    files: dict[str, list[Path]] = {name: [] for name in parsed.outputs}
+    planes = [name for name in parsed.outputs if parsed.memory[name] != "wire"]
+    rate = next((sequence.rate for sequence in inputs.values() if sequence.rate), FRAME_RATE)
+    with ExitStack() as films:
+        adding = {}
+        if film and output is not None:
+            for name in planes:
+                path = output if len(planes) == 1 else output.with_stem(f"{output.stem}-{name}")
+                adding[name], files[name] = films.enter_context(filming(path, rate)), [path]
+        several = steps != 1
+        for number, pictures in enumerate(watched(_pictures(inputs, steps), parsed.name, steps)):
+            for name, value in machine.run(parsed, **pictures).items():
+                if isinstance(value, int):
+                    numbers[name].append(value)
+                    continue
+                numbers[name].append({"black": int((value > 0).sum()), "shape": value.shape})
+                if name in adding:
+                    adding[name](value)
+                elif output is not None:
+                    make_folder(output)
+                    files[name].append(output / (f"{name}-{number:04d}.png" if several else f"{name}.png"))
+                    write_picture(value, files[name][-1])
+    _report(parsed.name, numbers, files, several, as_json)
+
+
+def _sequences(
+    pairs: list[tuple[str, str]], stills: list[tuple[str, str]], reading: Reading
+) -> dict[str, PictureSequence]:
+    given: dict[str, list[str]] = {}
+    for key, path in pairs:
+        given.setdefault(key, []).append(path)
+    for key, path in stills:
+        if key in given:
+            raise InputError(
+                f"--still {key}={path}: {key} is given already; one picture, or --input for several, wanted"
+            )
+        given[key] = [path]
+    return {key: sequence_of(paths, reading, key) for key, paths in given.items()}
+
+
+def _steps(inputs: dict[str, PictureSequence], stills: set[str]) -> int | None:
+    """Return how many steps there are, None if that is not known before the end of a video."""
+    for key in stills:
+        if (count := inputs[key].count()) != 1:
+            raise InputError(f"--still {key}: {count} pictures; a single one wanted")
+    moving = {key: sequence for key, sequence in inputs.items() if key not in stills}
+    if not moving:
+        return 1
+    if len(moving) == 1 and next(iter(moving.values())).long:
+        return None
+    counts = {key: sequence.count() for key, sequence in moving.items()}
+    if len(set(counts.values())) > 1:
+        told = ", ".join(f"{key} has {count} picture{'s' * (count != 1)}" for key, count in counts.items())
+        raise InputError(f"sequences of different lengths: {told}; as many of each wanted (--still: one for all steps)")
+    return next(iter(counts.values()))
+
+
+def _pictures(inputs: dict[str, PictureSequence], steps: int | None) -> Iterator[dict[str, Array]]:
+    """Yield what the inputs are in each step; a still one stays what it is."""
+    going = {key: sequence.pictures() for key, sequence in inputs.items()}
+    held: dict[str, Array] = {}
+    number = 0
+    while number != steps:
+        for key, pictures in going.items():
+            picture = next(pictures, None)
+            if picture is None and (steps is None or key not in held):
+                return
+            if picture is not None:
+                held[key] = picture
+        yield dict(held)
+        number += 1
+
+
+def _report(
+    name: str, numbers: dict[str, list[Any]], files: dict[str, list[Path]], several: bool, as_json: bool
+) -> None:
+    steps = max(map(len, numbers.values()), default=0)
+    if as_json:
+        found: dict[str, Any] = numbers if several else {key: values[0] for key, values in numbers.items()}
+        print_json({"program": name} | ({"steps": steps} if several else {}) | {"outputs": found})
+        return
+    if several:
+        click.echo(f"{name}: {steps} steps")
+    for key, values in numbers.items():
+        plane = isinstance(values[0], dict)
+        counts = [value["black"] if plane else value for value in values]
+        shown = " ".join(map(str, counts)) if steps <= _SHOWN else f"{min(counts)} to {max(counts)}"
+        click.echo(f"{key}: {shown}{' black cells' if plane else ''}" + arrow(files[key]))
+
+
+def _pairs(option: str, pairs: tuple[str, ...]) -> list[tuple[str, str]]:
+    for pair in pairs:
+        if "=" not in pair:
+            raise InputError(f"{option} {pair!r}; NAME=VALUE wanted")
+    return [(key, value) for key, _, value in (pair.partition("=") for pair in pairs)]
+
+
+def _number(name: str, text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError as error:
+        raise InputError(f"--set {name}={text}; a number wanted") from error
+    return int(value) if value.is_integer() else value

@@ -1,0 +1,81 @@
+"""Files written whole or not at all: beside the target first, then renamed; what was replaced is told."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from cnnsim.support.errors import InputError
+
+
+class Replaced:
+    """Who is told of files that were written over: nobody in Python, stderr where a command line sets ``tell``."""
+
+    tell: Callable[[Path], None] | None = None
+
+
+@contextmanager
+def writing(path: str | Path, *, replace: bool = True) -> Iterator[Path]:
+    """Give the path to write under; when the block ends well the file is renamed to ``path``, else it is gone.
+
+    It stands in a folder of its own beside the target, under the target's name: the ending decides the format. The
+    target's folders are made. A device or a pipe is written to as it is.
+
+    Raises:
+        InputError: the file is there and not to be replaced, or cannot be written.
+    """
+    target = Path(path)
+    check_free(target, replace=replace)
+    try:
+        if target.exists() and not target.is_file():
+            yield target
+            return
+        there = target.exists()
+        place = target.resolve()  # a link stays one
+        with TemporaryDirectory(prefix=f".{target.stem[:40]}-", dir=place.parent) as folder:
+            beside = Path(folder) / target.name
+            yield beside
+            if there:
+                beside.chmod(place.stat().st_mode & 0o777)
+            beside.replace(place)
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:  # a ValueError: an ending that the writer does not know
+        raise InputError(f"cannot write {path}: {getattr(error, 'strerror', None) or error}") from error
+    if there and Replaced.tell is not None:
+        Replaced.tell(target)
+
+
+def check_free(*paths: Path, replace: bool) -> None:
+    """Refuse before any work is done what `writing` would refuse after it.
+
+    Raises:
+        InputError: some of the files are there and not to be replaced.
+    """
+    there = [] if replace else [str(path) for path in paths if path.exists()]
+    if there:
+        verb = "is" if len(there) == 1 else "are"
+        raise InputError(f"{', '.join(there)} {verb} there already; --replace would write over it")
+
+
+def write_text(path: str | Path, text: str, *, replace: bool = True) -> None:
+    """Write a text file (UTF-8) as `writing` does, with the folders that lead to it.
+
+    Raises:
+        InputError: as `writing`.
+    """
+    make_folder(Path(path).parent)
+    with writing(path, replace=replace) as beside:
+        beside.write_text(text, encoding="utf-8")
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder and those that lead to it.
+
+    Raises:
+        InputError: it cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot make the folder {folder}: {error.strerror or error}") from error

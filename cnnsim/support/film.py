@@ -1,0 +1,100 @@
+"""Films of CNN values over time: an animated GIF, or a video (MP4 and others, by PyAV), written picture by picture."""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cnnsim.support.errors import InputError
+from cnnsim.support.files import writing
+from cnnsim.support.picture import to_image
+from cnnsim.support.types import Array
+
+_CODECS = {".mp4": "libx264", ".mkv": "libx264", ".mov": "libx264", ".avi": "mpeg4"}
+VIDEO_ENDINGS = (*_CODECS, ".webm", ".m4v", ".mpg", ".mpeg", ".ogv", ".wmv", ".flv", ".ts", ".y4m")
+"""Names of videos that PyAV reads; it writes the first of them."""
+FILM_ENDINGS = (".gif", *_CODECS)
+"""Names of films that can be written."""
+_WIDE = 256
+"""Pixels to which a small picture is enlarged."""
+_PAUSE = 1000
+"""Milliseconds for which the last picture of a GIF stands before it begins anew."""
+
+
+def is_film(path: str | Path) -> bool:
+    """Return whether a name is that of a film that can be written."""
+    return Path(path).suffix.lower() in FILM_ENDINGS
+
+
+@contextmanager
+def filming(path: str | Path, rate: float) -> Iterator[Callable[[Array], None]]:
+    """Give a function that adds a picture (rows, cols) of CNN values to a film of ``rate`` pictures a second.
+
+    Small pictures are enlarged. A GIF shows equal pictures that follow one another as one that stands longer.
+
+    Raises:
+        InputError: an ending of no film, a video without PyAV, or the file cannot be written.
+    """
+    if not is_film(path):
+        raise InputError(f"cannot write {path}: a film is one of {', '.join(FILM_ENDINGS)}")
+    with writing(path) as beside:
+        yield from (_gif if beside.suffix.lower() == ".gif" else _video)(beside, rate)
+
+
+def write_film(frames: Sequence[Array], path: str | Path, seconds: float = 3.0) -> None:
+    """Write CNN values over time as a film that runs for about ``seconds``.
+
+    Raises:
+        InputError: as `filming`.
+    """
+    with filming(path, len(frames) / seconds) as add:
+        for frame in frames:
+            add(frame)
+
+
+def video_library(path: str | Path) -> Any:
+    """Return PyAV.
+
+    Raises:
+        InputError: it is not installed.
+    """
+    try:
+        import av  # heavy, and of an extra
+    except ImportError as error:
+        raise InputError(f"{path}: a video needs PyAV: pip install av (or this package's extra [video])") from error
+    return av
+
+
+def _gif(path: Path, rate: float) -> Iterator[Callable[[Array], None]]:
+    images: list[Any] = []
+    yield lambda values: images.append(to_image(values, _scale(values)))
+    if not images:
+        raise InputError(f"cannot write {path.name}: a film without a picture")
+    lasting = [max(20, round(1000 / rate))] * (len(images) - 1) + [_PAUSE]
+    images[0].save(path, format="GIF", save_all=True, append_images=images[1:], duration=lasting, loop=0)
+
+
+def _video(path: Path, rate: float) -> Iterator[Callable[[Array], None]]:
+    av = video_library(path)
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream(_CODECS[path.suffix.lower()], rate=Fraction(rate).limit_denominator(1000))
+        stream.pix_fmt = "yuv420p"
+
+        def add(values: Array) -> None:
+            grey = np.asarray(to_image(values, _scale(values)))
+            grey = np.pad(grey, [(0, size % 2) for size in grey.shape], mode="edge")  # the codec takes even sizes only
+            if not stream.codec_context.is_open:
+                stream.height, stream.width = grey.shape
+            for packet in stream.encode(av.VideoFrame.from_ndarray(grey, format="gray")):
+                container.mux(packet)
+
+        yield add
+        for packet in stream.encode():
+            container.mux(packet)
+
+
+def _scale(values: Array) -> int:
+    return max(1, _WIDE // max(values.shape))

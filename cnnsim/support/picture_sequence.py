@@ -1,0 +1,112 @@
+"""PictureSequence: pictures of one size that follow one another, of a file that Pillow reads or of a video."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from cnnsim.support.errors import InputError
+from cnnsim.support.film import video_library
+from cnnsim.support.picture import check_size, opened, pictures_in
+from cnnsim.support.pixels import Levels, values_of
+from cnnsim.support.types import Array
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How pictures are turned into CNN values, see `cnnsim.support.picture.read_picture`."""
+
+    binary: bool = False
+    levels: Levels | None = None
+    dtype: Any = np.float64
+
+    def values(self, image: Image.Image, name: str) -> Array:
+        """Return the CNN values of a picture."""
+        return values_of(image, name, binary=self.binary, levels=self.levels, dtype=self.dtype)
+
+
+@dataclass(frozen=True)
+class PictureSequence:
+    """Pictures of one ``shape`` (rows, cols), read when they are asked for; ``rate`` a second, if the file knows it.
+
+    ``count()`` is how many there are; a ``long`` one, a video, has to be gone through for that.
+    """
+
+    name: str
+    shape: tuple[int, int]
+    count: Callable[[], int]
+    pictures: Callable[[], Iterator[Array]]
+    rate: float | None = None
+    long: bool = False
+
+
+def of_file(path: Path, reading: Reading) -> PictureSequence:
+    """Return the pictures of a file that Pillow reads, most often a single one.
+
+    Raises:
+        InputError: no picture, one that does not fit into memory, or pictures of different sizes.
+    """
+    with opened(path) as image:
+        check_size(image, str(path), np.dtype(reading.dtype).itemsize)
+        count, (cols, rows) = pictures_in(image), image.size
+        for number in range(1, count):
+            image.seek(number)
+            if image.size != (cols, rows):
+                other = image.size[1], image.size[0]
+                raise InputError(
+                    f"pictures of different sizes: {path} begins with {size_text((rows, cols))}, its "
+                    f"picture {number} is {size_text(other)}"
+                )
+        lasting = image.info.get("duration", 0)
+
+    def pictures() -> Iterator[Array]:
+        with opened(path) as image:
+            for number in range(count):
+                if count > 1:
+                    image.seek(number)
+                yield reading.values(image, str(path))
+
+    rate = 1000 / lasting if count > 1 and lasting else None
+    return PictureSequence(str(path), (rows, cols), lambda: count, pictures, rate)
+
+
+def of_video(path: Path, reading: Reading) -> PictureSequence:
+    """Return the pictures of a video.
+
+    Raises:
+        InputError: no such file, PyAV is not installed or cannot read it.
+    """
+    if not path.exists():
+        raise InputError(f"no video {path}")
+    av = video_library(path)
+
+    def decoded() -> Iterator[Any]:
+        try:
+            with av.open(str(path)) as container:
+                if not container.streams.video:
+                    raise InputError(f"{path} holds no pictures; a video wanted")
+                yield from container.decode(video=0)
+        except av.FFmpegError as error:
+            raise InputError(f"{path} is no video that PyAV can read: {error.strerror or error}") from error
+
+    def pictures() -> Iterator[Array]:
+        for frame in decoded():
+            yield reading.values(Image.fromarray(frame.to_ndarray(format="gray")), str(path))
+
+    first = next(decoded(), None)
+    if first is None:
+        raise InputError(f"{path} holds no pictures; a video wanted")
+    with av.open(str(path)) as container:
+        rate = container.streams.video[0].average_rate
+    return PictureSequence(
+        str(path), (first.height, first.width), lambda: sum(1 for _ in decoded()), pictures, float(rate or 0) or None,
+        long=True,
+    )  # fmt: skip
+
+
+def size_text(shape: tuple[int, int]) -> str:
+    """Return a size as messages have it."""
+    return f"{shape[0]} x {shape[1]}"

@@ -1,0 +1,116 @@
+"""Pixels of a picture file turned into CNN values, a rule for every kind: bits, palette, colours, 16 bits, floats.
+
+* 1 bit, 8 bit grey, palette, RGB, CMYK and the like: their grey level of 0 (black) to 255 (white);
+* with transparency: over white;
+* 16 bit grey: 0 to 65535 (a TIFF of 12 bits: 0 to 4095);
+* floats: 0 (black) to 1 (white) if they lie in [0, 1]; CNN values, black 1, if they lie in [-1, 1];
+* ``levels`` (black, white), where given, say it for pictures in grey; without, what has no range is refused.
+"""
+
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from cnnsim.support.errors import InputError
+from cnnsim.support.types import Array
+from cnnsim.support.values import from_gray
+
+Levels = tuple[float, float]
+"""The numbers that stand for black and for white."""
+
+_BITS_PER_SAMPLE, _PHOTOMETRIC, _WHITE_IS_ZERO = 258, 262, 0  # tags of TIFF
+_STRIP = 1 << 20
+"""Pixels that are worked on at a time: what is needed in between stays small."""
+
+
+def pixel_bytes(mode: str) -> int:
+    """Return how many bytes a pixel of a Pillow mode takes, at the most, while it becomes a CNN value."""
+    if mode in ("1", "L"):
+        return 3  # the picture, its bytes, and the pieces these are joined from
+    return 6 if mode.startswith("I;16") else 14
+
+
+def values_of(
+    image: Image.Image, name: str, *, binary: bool = False, levels: Levels | None = None, dtype: Any = np.float64
+) -> Array:
+    """Return the CNN values (rows, cols) of a picture; ``binary`` makes what is darker than mid-grey +1, the rest -1.
+
+    Raises:
+        InputError: floats or whole numbers whose range is not known, or that leave the range given.
+    """
+    transparent = image.has_transparency_data
+    if image.mode.startswith("I;16") or image.mode in ("I", "F"):
+        values = _numbers(image, name, levels, dtype)
+        if transparent and isinstance(clear := image.info["transparency"], int):
+            values[np.asarray(image) == clear] = -1
+        return _black_or_white(values) if binary else values
+    if levels is not None and (transparent or image.mode not in ("1", "L")):
+        raise InputError(f"{name} is a picture of mode {image.mode}; a range of levels goes with grey pictures")
+    if levels is not None:
+        values = from_levels(np.asarray(image.convert("L")), name, levels, dtype)
+        return _black_or_white(values) if binary else values
+    if image.mode != "L" or transparent:
+        image = _over_white(image) if transparent else image.convert("RGB").convert("L")
+    table = from_gray(np.arange(256))
+    return (np.where(table > 0, 1.0, -1.0) if binary else table).astype(dtype)[np.asarray(image)]
+
+
+def from_levels(numbers: Array, name: str, levels: Levels, dtype: Any = np.float64) -> Array:
+    """Return numbers as CNN values, those of ``levels`` being black (+1) and white (-1), a strip at a time.
+
+    Raises:
+        InputError: numbers outside that range, or a range of no length.
+    """
+    black, white = levels
+    if not (np.isfinite(levels).all() and black != white):
+        raise InputError(f"black is {black:g} and white {white:g}; two different numbers wanted")
+    least, most = float(numbers.min()), float(numbers.max())
+    if not min(levels) <= least <= most <= max(levels):
+        raise InputError(f"{name} holds numbers from {least:g} to {most:g}; {black:g} (black) to {white:g} wanted")
+    values = np.empty(numbers.shape, dtype)
+    flat, source = values.reshape(-1), numbers.reshape(-1)
+    for first in range(0, flat.size, _STRIP):
+        part = source[first : first + _STRIP].astype(np.float64)
+        flat[first : first + _STRIP] = 1.0 - (part - black) * (2.0 / (white - black))
+    return values
+
+
+def range_of(numbers: Array, name: str) -> Levels:
+    """Return the levels that numbers of a kind without a range can be meant in: [0, 1] as grey, [-1, 1] as CNN values.
+
+    Raises:
+        InputError: they are in neither.
+    """
+    least, most = float(numbers.min()), float(numbers.max())
+    if 0 <= least <= most <= 1:
+        return 0.0, 1.0
+    if -1 <= least <= most <= 1:
+        return 1.0, -1.0
+    raise InputError(
+        f"{name} holds numbers from {least:g} to {most:g} and does not say which are black and white; 0 to 1 (grey), "
+        "-1 to 1 (CNN values), or the range (--range BLACK,WHITE; levels=(black, white)) wanted"
+    )
+
+
+def _numbers(image: Image.Image, name: str, levels: Levels | None, dtype: Any) -> Array:
+    numbers, tags = np.asarray(image), getattr(image, "tag_v2", {})
+    if levels is None and (image.mode.startswith("I;16") or image.format in ("PNG", "PPM")):
+        top = float(2 ** int(tags.get(_BITS_PER_SAMPLE, (16,))[0]) - 1)
+        levels = (top, 0.0) if tags.get(_PHOTOMETRIC) == _WHITE_IS_ZERO else (0.0, top)
+    if levels is None and image.mode == "I":
+        raise InputError(
+            f"{name} holds whole numbers of 32 bits from {numbers.min()} to {numbers.max()} and does not say which are "
+            "black and white; the range (--range BLACK,WHITE; levels=(black, white)) wanted"
+        )
+    return from_levels(numbers, name, range_of(numbers, name) if levels is None else levels, dtype)
+
+
+def _black_or_white(values: Array) -> Array:
+    return np.where(values > 0, values.dtype.type(1), values.dtype.type(-1))
+
+
+def _over_white(image: Image.Image) -> Image.Image:
+    over_white = Image.new("RGBA", image.size, "white")
+    over_white.alpha_composite(image.convert("RGBA"))
+    return over_white.convert("L")

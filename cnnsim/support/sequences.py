@@ -1,0 +1,83 @@
+"""Sequences of pictures read one after the other: files, a folder, an animation, a video, or arrays of NumPy."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from cnnsim.support.array_pictures import of_array
+from cnnsim.support.errors import InputError
+from cnnsim.support.film import VIDEO_ENDINGS
+from cnnsim.support.memory import check_memory
+from cnnsim.support.picture_sequence import PictureSequence, Reading, of_file, of_video, size_text
+from cnnsim.support.pixels import Levels
+from cnnsim.support.types import Array
+
+
+def read_pictures(
+    *paths: str | Path, binary: bool = False, levels: Levels | None = None, dtype: Any = np.float64
+) -> Array:
+    """Read pictures that follow one another as CNN values (n, rows, cols).
+
+    Arguments: ``paths`` picture files, a folder of them (in the order of their names, numbers as numbers), an
+    animation (GIF, TIFF, ...), a video (with PyAV), or an .npy or .npz file of one plane or (n, rows, cols) planes; the
+    rest as in `read_picture`.
+
+    Raises:
+        InputError: as `read_picture`; pictures of different sizes, none, or more than the memory holds.
+    """
+    whole = sequence_of(list(paths), Reading(binary, levels, dtype))
+    count, (rows, cols) = whole.count(), whole.shape
+    size = count * rows * cols * np.dtype(dtype).itemsize
+    check_memory(f"{whole.name}: reading {count} pictures of {rows} x {cols}", size, "give fewer or smaller ones")
+    found = np.empty((count, rows, cols), dtype)
+    for plane, values in zip(found, whole.pictures(), strict=True):
+        plane[:] = values
+    return found
+
+
+def sequence_of(paths: Sequence[str | Path], reading: Reading, key: str = "") -> PictureSequence:
+    """Return all pictures of some files as one sequence; of an .npz file the array ``key``, or its only one.
+
+    Raises:
+        InputError: as `read_pictures`.
+    """
+    parts = [_part(Path(path), reading, key) for path in paths]
+    if not parts:
+        raise InputError("no picture; one or more wanted")
+    first = parts[0]
+    for part in parts:
+        if part.shape != first.shape:
+            raise InputError(
+                f"pictures of different sizes: {first.name} is {size_text(first.shape)}, "
+                f"{part.name} {size_text(part.shape)}"
+            )
+    if len(parts) == 1:
+        return first
+    return PictureSequence(
+        f"{first.name} to {parts[-1].name}", first.shape, lambda: sum(part.count() for part in parts),
+        lambda: (picture for part in parts for picture in part.pictures()), first.rate,
+        any(part.long for part in parts),
+    )  # fmt: skip
+
+
+def _part(path: Path, reading: Reading, key: str) -> PictureSequence:
+    if path.is_dir():
+        known = Image.registered_extensions()
+        files = [file for file in path.iterdir() if file.suffix.lower() in known and not file.name.startswith(".")]
+        if not files:
+            raise InputError(f"the folder {path} holds no picture; files such as 1.png, 2.png, ... wanted")
+        return sequence_of([path / name for name in sorted((file.name for file in files), key=_in_order)], reading)
+    if path.suffix.lower() in (".npy", ".npz"):
+        return of_array(path, reading, key)
+    if path.suffix.lower() in VIDEO_ENDINGS:
+        return of_video(path, reading)
+    return of_file(path, reading)
+
+
+def _in_order(name: str) -> list[Any]:
+    """Sort 2.png before 10.png."""
+    return [int(part) if part.isdigit() else part.lower() for part in re.split(r"([0-9]+)", name)]
