@@ -127,5 +127,6 @@ def take_tables(table: Mapping[str, Any], key: str, where: str) -> list[dict[str
 
 
 def _named(kind: type) -> str:
-    names = {float: "a finite number", int: "a whole number", str: "a text", list: "a list", dict: "a table"}
+    names = {float: "a finite number", int: "a whole number", str: "a text", list: "a list", dict: "a table",
+             bool: "true or false"}  # fmt: skip
     return names[kind]

@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from tactile.wire.description import Description
 
 
+ENDS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+"""Signals that end a reader in good order; Windows lacks the last."""
+
+
 def warm_up(description: "Description", options: "LiveOptions") -> None:
     """Compile and refuse whatever there is to it before the port is opened."""
     from tactile import pipeline  # the machine is loaded only when it runs
@@ -29,23 +33,13 @@ def warm_up(description: "Description", options: "LiveOptions") -> None:
     pipeline.warm_up(description.arrays, description.modulus, settings, own)
 
 
-def opened(make: "Callable[[], Session]", recording: Any) -> "Session":
-    """Open the session; a port that does not open leaves a recording that says so by being empty but whole."""
-    try:
-        return make()
-    except InputError:
-        if recording is not None:
-            recording.close({})
-        raise
-
-
 @contextlib.contextmanager
 def stopping(stop: Callable[[], None]) -> Iterator[None]:
-    """Let Ctrl-C and SIGTERM call ``stop`` instead of breaking off."""
+    """Let Ctrl-C, SIGTERM and the end of the terminal call ``stop`` instead of breaking off."""
     if threading.current_thread() is not threading.main_thread():  # signals reach only that one
         yield
         return
-    before = {kind: signal.signal(kind, lambda *_: stop()) for kind in (signal.SIGINT, signal.SIGTERM)}
+    before = {kind: signal.signal(kind, lambda *_: stop()) for kind in ENDS}
     try:
         yield
     finally:
@@ -54,8 +48,9 @@ def stopping(stop: Callable[[], None]) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def closing(session: "Session", recording: Any, as_json: bool, monitor: Any = None) -> Iterator[None]:
+def closing(session: "Session", as_json: bool, monitor: Any = None) -> Iterator[None]:
     """Close port and recording whatever happens, and print the counters; those of a ``monitor``, too."""
+    recording = session.recording
     try:
         yield
     finally:
@@ -87,7 +82,7 @@ def closing(session: "Session", recording: Any, as_json: bool, monitor: Any = No
             for name, value in settled.items():
                 click.echo(f"{name.replace('_', ' ')}: {'not told by the data' if value is None else value}")
     if recording is not None and recording.failed:
-        raise InputError(recording.failed)
+        raise InputError(recording.ended)
 
 
 @contextlib.contextmanager

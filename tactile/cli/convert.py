@@ -11,8 +11,9 @@ from tactile.cli.options import FILE
 @click.command(epilog=examples("tactile convert hand.mcap hand.csv", "tactile convert grasp.npz grasp.mcap"))
 @click.argument("source", type=FILE)
 @click.argument("target", type=FILE)
-def convert(source: Path, target: Path) -> None:
+@click.option("--overwrite", is_flag=True, help="Replace TARGET if there is one.")
+def convert(source: Path, target: Path, overwrite: bool) -> None:
     """Write the frames of SOURCE (.mcap, .npz, .csv, .bag, .toml) as TARGET (.csv, .npz, .parquet, .mcap)."""
     from tactile.sources.convert import convert as write  # only here
 
-    click.echo(f"wrote {write(source, target)} frames to {target}")
+    click.echo(f"wrote {write(source, target, overwrite)} frames to {target}")

@@ -1,16 +1,22 @@
 """Commands for devices on serial ports: ports, emulate."""
 
+import contextlib
 import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
+from cnnsim.support.own_file import lock, open_shut
 from tactile.cli.console import be_steady, stopping
-from tactile.cli.options import ARRAY, FILE, PROTOCOL, chosen_description, write_text
+from tactile.cli.options import ARRAY, FILE, PROTOCOL, chosen_description, write_new_text
+
+if TYPE_CHECKING:
+    from tactile.serial.emulator import Emulator
 
 
 @click.command(epilog=examples("tactile ports"))
@@ -65,10 +71,13 @@ def emulate(
     if (scene is None) == (recording is None):
         raise click.UsageError("either --scene or --recording wanted")
     stream: Iterator[tuple[float, bytes]]
+    kept = contextlib.ExitStack()
     if recording is not None:
         from tactile.recording.reader import open_recording  # the same
 
         recorded = open_recording(recording)
+        if not lock(kept.enter_context(open_shut(recording)), shared=True):
+            raise InputError(f"{recording}: it is still being recorded")
         description = recorded.description
         encoder = description.wire.encoder(description.options)
         stream = ((chunk.t * 1e-9, chunk.data) for chunk in recorded.chunks() if chunk.note != UNPLUGGED)
@@ -80,16 +89,22 @@ def emulate(
         description = chosen_description(protocol, array) if array else emulated_description(str(protocol), source)
         encoder = description.wire.encoder(description.options)
         stream = packets(description, source, loop, encoder)
-    if write_array is not None:
-        write_text(write_array, description.text)
-    device = Emulator(Faults(**faults), link, encoder, seed)
+    stop = threading.Event()
+    be_steady()
+    with kept, stopping(stop.set):
+        device = Emulator(Faults(**faults), link, encoder, seed)
+        kept.callback(device.pull)
+        if write_array is not None:
+            write_new_text(write_array, description.text)
+        _introduce(device, array or write_array)
+        device.run(stream, stop)
+    click.echo(f"sent {device.sent} packets, lost {device.lost} for want of room", err=True)
+
+
+def _introduce(device: "Emulator", array: Path | None) -> None:
+    """Say where the device is, and to people what reads it."""
     click.echo(device.port)
     sys.stdout.flush()
     if sys.stderr.isatty():
-        form = array or write_array or "FILE, which --write-array FILE writes"
+        form = array or "FILE, which --write-array FILE writes"
         click.echo(f"waiting for a reader: tactile live -p {device.port} -a {form}", err=True)
-    stop = threading.Event()
-    be_steady()
-    with stopping(stop.set):
-        device.run(stream, stop)
-    click.echo(f"sent {device.sent} packets, lost {device.lost} for want of room", err=True)

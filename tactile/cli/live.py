@@ -4,9 +4,12 @@ import json
 import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
 
+from cnnsim import backends
+from cnnsim.support import InputError
+from cnnsim.support.toml_file import check_keys, take
 from tactile import pipeline
 from tactile.calibration.live_tare import LiveTare, TareNote
 from tactile.cli.meter import Meter
@@ -58,6 +61,29 @@ class LiveOptions(PipelineOptions):
     def text(self) -> str:
         """Return all as JSON."""
         return json.dumps(asdict(self))
+
+
+def recorded_options(text: str, where: str) -> LiveOptions:
+    """Return the options that a recording keeps as JSON.
+
+    Raises:
+        InputError: no JSON, an option that this version does not know, or a value of another kind.
+    """
+    kinds = {"window": int, "sign_code": bool, "dead_band": float, "hysteresis": float, "floor": float}
+    lead = f"{where}: choices of the live run"
+    try:
+        found = json.loads(text)
+    except ValueError as error:
+        raise InputError(f"{lead}: damaged: {error}") from error
+    check_keys(found, [field.name for field in fields(LiveOptions)], lead)
+    for name, value in found.items():
+        optional = LiveOptions.__dataclass_fields__[name].default is None
+        if not (optional and value is None):
+            take(found, name, kinds.get(name, str), lead)
+    for name, known in (("tare", (AUTO, MANUAL, OFF)), ("backend", backends.NAMES)):
+        if found.get(name, known[0]) not in known:
+            raise InputError(f"{lead}: {name} = {found[name]!r}; one of {', '.join(known)} wanted")
+    return LiveOptions(**found)
 
 
 def tare_line(note: TareNote, finger: str) -> dict[str, Any]:

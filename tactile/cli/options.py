@@ -1,11 +1,13 @@
 """Options that several commands share, and what they name: array descriptions, calibrations, files to write."""
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from cnnsim.support import InputError
+from cnnsim.support.own_file import refuse_existing, written_beside
 from tactile.wire.registry import NAMES
 
 if TYPE_CHECKING:
@@ -49,25 +51,31 @@ def kept_calibration(path: Path | None, description: "Description") -> str | Non
     return path.read_text(encoding="utf-8")
 
 
-def mcap_path(path: Path) -> Path:
+def new_mcap(path: Path, overwrite: bool) -> Path:
     """Return the path of a recording to write.
 
     Raises:
-        InputError: another suffix than .mcap.
+        InputError: another suffix than .mcap, or a name that is taken.
     """
     if path.suffix != ".mcap":
         raise InputError(f"{path}: suffix {path.suffix!r}, .mcap wanted")
+    refuse_existing(path, overwrite)
     return path
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write a small file.
+def write_new_text(path: Path, text: str) -> None:
+    """Write a small file; one that says the same already is left as it is.
 
     Raises:
-        InputError: it cannot be written.
+        InputError: it cannot be written, or something else of that name is there.
     """
     try:
-        path.write_text(text, encoding="utf-8")
+        if path.is_file() and path.read_bytes() == text.encode():
+            return
+        if os.path.lexists(path):
+            raise InputError(f"{path}: there is something else of that name; another name wanted")
+        with written_beside(path) as beside:
+            beside.write_bytes(text.encode())
     except OSError as error:
         raise InputError(f"cannot write {path}: {error.strerror}") from error
 

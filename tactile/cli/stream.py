@@ -2,6 +2,7 @@
 
 import sys
 import threading
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,12 @@ from cnnsim import backends
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples
 from tactile.cli import console
-from tactile.cli.options import ARRAY, FILE, PROTOCOL, check_thresholds, chosen_description, kept_calibration, mcap_path
+from tactile.cli.options import ARRAY, FILE, PROTOCOL, check_thresholds, chosen_description, kept_calibration, new_mcap
 
 PORT = click.option("--port", "-p", required=True, help="Port to read; `tactile ports` lists them.")
 SECONDS = click.option("--seconds", type=click.FloatRange(0, min_open=True), help="Stop after this time [s].")
 ONCE = click.option("--once", is_flag=True, help="Stop when the port is unplugged instead of waiting for it.")
+OVERWRITE = click.option("--overwrite", is_flag=True, help="Replace the recording if there is one of that name.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON lines for other programs.")
 
 
@@ -26,26 +28,30 @@ JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON lines fo
 @click.option("-o", "--output", type=FILE, required=True, help="Recording to write (.mcap).")
 @SECONDS
 @ONCE
+@OVERWRITE
 @JSON
 def record(
-    port: str, protocol: str | None, array: Path | None, output: Path, seconds: float | None, once: bool, as_json: bool
-) -> None:
+    port: str, protocol: str | None, array: Path | None, output: Path, seconds: float | None, once: bool,
+    overwrite: bool, as_json: bool,
+) -> None:  # fmt: skip
     """Record bytes and frames of a port until Ctrl-C, without interpreting them."""
     from tactile.recording.writer import Recording  # only here
     from tactile.serial.session import Session  # the same
 
     description = chosen_description(protocol, array)
-    recording = Recording(mcap_path(output), description, {"port": port})
+    into = partial(Recording, new_mcap(output, overwrite), description, {"port": port}, overwrite=overwrite)
     console.be_steady()
-    session = console.opened(lambda: Session(port, description, recording, seconds=seconds, once=once), recording)
-    with console.stopping(session.stop), console.closing(session, recording, as_json):
-        following = 10**9
-        for _ in session.source:
-            if session.source.arrival >= following:
-                following = session.source.arrival + 10**9
-                recording.note("/counts", session.source.arrival, {"counts": session.counts.plain()})
-                if sys.stderr.isatty() and not as_json:
-                    click.echo(f"\r{session.counts} ", nl=False, err=True)
+    ending = threading.Event()
+    with console.stopping(ending.set):
+        session = Session(port, description, into, seconds=seconds, once=once, stopped=ending)
+        with console.closing(session, as_json):
+            following = 10**9
+            for _ in session.source:
+                if session.source.arrival >= following:
+                    following = session.source.arrival + 10**9
+                    session.note("/counts", session.source.arrival, {"counts": session.counts.plain()})
+                    if sys.stderr.isatty() and not as_json:
+                        click.echo(f"\r{session.counts} ", nl=False, err=True)
 
 
 @click.command(
@@ -72,10 +78,11 @@ def record(
 @click.option("--backend", type=click.Choice(backends.NAMES), default="cpu", show_default=True)
 @SECONDS
 @ONCE
+@OVERWRITE
 @JSON
 def live(
     port: str, protocol: str | None, array: Path | None, output: Path | None, seconds: float | None, once: bool,
-    as_json: bool, calibration: Path | None, **chosen: Any,
+    overwrite: bool, as_json: bool, calibration: Path | None, **chosen: Any,
 ) -> None:  # fmt: skip
     """Run the pipeline on frames as they arrive. Typing t and Return asks for a tare, q or Ctrl-C ends."""
     from tactile.cli.live import LiveMonitor, LiveOptions, print_line  # the same
@@ -85,25 +92,22 @@ def live(
     check_thresholds(chosen)
     description = chosen_description(protocol, array)
     options = LiveOptions(calibration=kept_calibration(calibration, description), **chosen)
-    console.warm_up(description, options)
-    recording = None
+    into = None
     if output is not None:
-        recording = Recording(mcap_path(output), description, {"port": port, "choices": options.text()})
+        origin = {"port": port, "choices": options.text()}
+        into = partial(Recording, new_mcap(output, overwrite), description, origin, overwrite=overwrite)
+    console.warm_up(description, options)
     tares = options.tares(description.arrays)
     console.be_steady()
-    session = console.opened(lambda: Session(port, description, recording, tares, seconds, once), recording)
     view = sys.stdout.isatty() and not as_json
     say = print_line if as_json else console.nothing if view else console.tell
-    monitor = LiveMonitor(
-        session.source, say, session.now, recording.note if recording else None, lambda: session.counts
-    )
-    threading.Thread(target=console.listen, args=(session,), daemon=True).start()
-    with (
-        console.stopping(session.stop),
-        console.closing(session, recording, as_json, monitor),
-        console.viewing(monitor, session, port, view),
-    ):
-        monitor.run(options)
+    ending = threading.Event()
+    with console.stopping(ending.set):
+        session = Session(port, description, into, tares, seconds, once, ending)
+        monitor = LiveMonitor(session.source, say, session.now, session.note, lambda: session.counts)
+        threading.Thread(target=console.listen, args=(session,), daemon=True).start()
+        with console.closing(session, as_json, monitor), console.viewing(monitor, session, port, view):
+            monitor.run(options)
 
 
 @click.command(epilog=examples("tactile replay hand.mcap", "tactile replay hand.mcap --paced --json"))
@@ -113,10 +117,9 @@ def live(
 @JSON
 def replay(recording: Path, paced: bool, speed: float | None, as_json: bool) -> None:
     """Run the pipeline on a recording (.mcap): byte for byte through the decoder, with the settings of the live run."""
-    import json  # only here
-    import time
+    import time  # only here
 
-    from tactile.cli.live import LiveMonitor, LiveOptions, print_line  # the same
+    from tactile.cli.live import LiveMonitor, print_line, recorded_options  # the same
     from tactile.cli.live import paced as at_its_time
     from tactile.recording.reader import open_recording  # the same
     from tactile.wire.source import WireSource  # the same
@@ -126,7 +129,7 @@ def replay(recording: Path, paced: bool, speed: float | None, as_json: bool) -> 
         raise InputError(
             f"{recording}: holds no bytes of a wire; `tactile run` takes its frames after `tactile convert`"
         )
-    options = LiveOptions(**json.loads(recorded.made.get("choices", "{}")))
+    options = recorded_options(recorded.made.get("choices", "{}"), str(recording))
     if options.calibration is None:
         recorded.description.check_calibrated()
     chunks = recorded.chunks()
@@ -137,8 +140,8 @@ def replay(recording: Path, paced: bool, speed: float | None, as_json: bool) -> 
     monitor = LiveMonitor(source, say)
     monitor.run(options)
     if as_json:
-        print_line(monitor.status() | {"type": "end", "complete": recorded.complete})
+        print_line(monitor.status() | {"type": "end", "complete": recorded.complete, "state": recorded.state})
         return
     click.echo(f"{monitor.meter.frames} frames, {monitor.happened} events; {source.counts}")
-    if not recorded.complete:
-        click.echo("the recording was not closed in good order; it ends where its writer was stopped")
+    if recorded.state:
+        click.echo(f"{recording}: {recorded.state}")

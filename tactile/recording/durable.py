@@ -4,23 +4,26 @@ import os
 from pathlib import Path
 
 from cnnsim.support import InputError
+from cnnsim.support.own_file import NewFile
 
 
 class DurableFile:
     """Collects bytes and hands them to the operating system in pushes, each of which is there or is not.
 
     What has been pushed survives the end of the program. A push that fails, as on a full disk, is taken back, so that
-    the file ends where the last good one did; ``failed`` says why, and nothing is written any more.
+    the file ends where the last good one did; ``failed`` says why, and nothing is written any more. No file that was
+    there is touched, unless it is to ``overwrite``: then it is replaced when this one `settle`s. While it is open,
+    other programs of this kind leave it alone.
 
     Raises:
-        InputError: the file cannot be made.
+        InputError: the file cannot be made, or something of that name is there.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, overwrite: bool = False) -> None:
         self.failed = ""
         self._path, self._pending, self._whole = path, bytearray(), 0
         try:
-            self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+            self._file = NewFile(path, overwrite)
         except OSError as error:
             raise InputError(f"cannot write the recording {path}: {error.strerror}") from error
 
@@ -46,15 +49,34 @@ class DurableFile:
         done = 0
         try:
             while done < len(data):
-                done += os.write(self._file, data[done:])
+                done += os.write(self._file.number, data[done:])
         except OSError as error:
-            self.failed = f"recording {self._path} ended: {error.strerror}; what was written until then can be read"
+            self.failed = error.strerror or str(error)
             if done:
-                os.ftruncate(self._file, self._whole)
+                os.ftruncate(self._file.number, self._whole)
             return
         self._whole += len(data)
+
+    def settle(self) -> None:
+        """Push for the first time, and only then take the place of a file that is overwritten.
+
+        Raises:
+            InputError: not even that can be written; nothing is left of it.
+        """
+        self.push()
+        try:
+            if not self.failed:
+                self._file.settle()
+                return
+        except OSError as error:
+            self.failed = error.strerror or str(error)
+        except InputError:
+            self._file.discard()
+            raise
+        self._file.discard()
+        raise InputError(f"cannot write the recording {self._path}: {self.failed}")
 
     def close(self) -> None:
         """Push and close."""
         self.push()
-        os.close(self._file)
+        os.close(self._file.number)

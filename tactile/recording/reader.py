@@ -1,81 +1,101 @@
-"""Reading of MCAP recordings, whole ones and those whose writer was killed."""
+"""Reading of recordings, whole ones, those whose writer was killed, and damaged ones."""
 
 import json
 import struct
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from mcap.exceptions import McapError
-from mcap.records import Attachment, Channel, Footer, Message, Metadata
-from mcap.stream_reader import CRCValidationError, StreamReader
-from zstandard import ZstdError
+from mcap.records import Attachment, Channel, Message, Metadata
 
 from cnnsim.support import InputError
 from tactile.core.frame import Frame, TaxelArray
 from tactile.recording import schema
+from tactile.recording.records import Closed, Damage, records
 from tactile.wire.description import Description
 from tactile.wire.description_file import parse_description
-from tactile.wire.source import Chunk, WireSource
+from tactile.wire.source import DAMAGED, Chunk, WireSource
 
 
 @dataclass
 class Recorded:
     """A recording on disk, read again from the beginning each time.
 
-    ``made``: with what it was made; ``counts``: the counters, None where it was not closed in good order.
+    ``made``: with what it was made; ``start`` [ns] since 1970, from which times count; ``counts``: the counters, None
+    where it was not closed in good order; ``damage``: what could not be read, in words; ``complete``: it was closed in
+    good order and every check sum is right; ``topics`` of the channels.
     """
 
     path: Path
     description: Description
     made: dict[str, str]
+    start: int
     counts: dict[str, Any] | None = None
-    has_wire: bool = False
+    damage: tuple[str, ...] = ()
     complete: bool = False
     messages: dict[str, int] = field(default_factory=dict)
+    topics: dict[int, str] = field(default_factory=dict)
+
+    @property
+    def has_wire(self) -> bool:
+        """Whether it holds what came over a wire."""
+        return "/wire" in self.messages
+
+    @property
+    def state(self) -> str:
+        """What is wrong with it and what helps, in a line; empty if it is complete."""
+        if self.damage:
+            more = f", and {len(self.damage) - 1} places more" if len(self.damage) > 1 else ""
+            return f"damaged: {self.damage[0]}{more}; what is given out is what could still be checked"
+        if not self.complete:
+            whole = f"`tactile convert {self.path.name} whole.mcap` makes one that every viewer can index"
+            return f"not closed in good order: it ends where its writer was stopped; {whole}"
+        return ""
 
     def chunks(self) -> Iterator[Chunk]:
-        """Yield what came over the wire, as the reader that recorded it gave it on."""
-        start = int(self.made["start_ns"])
-        for topic, message in self._messages():
+        """Yield what came over the wire, as the reader that recorded it gave it on, and where something is missing."""
+        t = 0
+        for record in records(self.path):
+            if isinstance(record, Damage):
+                yield Chunk(t, note=DAMAGED)
+                continue
+            topic = self._topic(record)
             with readable(self.path):
                 if topic == "/wire":
-                    chunk = Chunk(message.log_time - start, schema.unpack_wire(message.data))
+                    chunk = Chunk(record.log_time - self.start, schema.unpack_wire(record.data))
                 elif topic == "/port":
-                    chunk = Chunk(message.log_time - start, note=json.loads(message.data)["note"])
+                    chunk = Chunk(record.log_time - self.start, note=json.loads(record.data)["note"])
                 else:
                     continue
+            t = chunk.t
             yield chunk
 
     def stored_frames(self) -> Iterator[Frame]:
         """Yield the frames as they were written, before their tare."""
-        for topic, message in self._messages():
-            if topic.startswith("/frames/"):
+        for record in records(self.path):
+            if self._topic(record).startswith("/frames/"):
                 with readable(self.path):
-                    frame = schema.unpack_frame(message.data)
+                    frame = schema.unpack_frame(record.data)
                 yield frame
 
     def notes(self, topic: str) -> Iterator[dict[str, Any]]:
         """Yield the JSON objects of a topic."""
-        for name, message in self._messages():
-            if name == topic:
+        for record in records(self.path):
+            if self._topic(record) == topic:
                 with readable(self.path):
-                    note = json.loads(message.data)
+                    note = json.loads(record.data)
                 yield note
 
     def source(self) -> "WireSource | StoredSource":
         """Return the frames before their tare as a ``Source``: decoded anew from the bytes where there are any."""
         return WireSource(self.description, self.chunks()) if self.has_wire else StoredSource(self)
 
-    def _messages(self) -> Iterator[tuple[str, Message]]:
-        topics: dict[int, str] = {}
-        for record in records(self.path):
-            if isinstance(record, Channel):
-                topics[record.id] = record.topic
-            elif isinstance(record, Message):
-                yield topics[record.channel_id], record
+    def _topic(self, record: Any) -> str:
+        """Return the topic of a message, nothing for other records and where nothing describes its channel."""
+        return self.topics.get(record.channel_id, "") if isinstance(record, Message) else ""
 
 
 class StoredSource:
@@ -100,49 +120,55 @@ def readable(path: Path) -> Iterator[None]:
         raise InputError(f"{path}: damaged: {error}") from error
 
 
-def records(path: Path) -> Iterator[Any]:
-    """Yield the records of an MCAP file up to its end or the place where it breaks off."""
-    channels = set()
-    try:
-        with path.open("rb") as file:
-            for record in StreamReader(file, record_size_limit=2**28).records:
-                if isinstance(record, Channel):
-                    channels.add(record.id)
-                elif isinstance(record, Message) and record.channel_id not in channels:
-                    return  # damaged here
-                yield record
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
-    except (McapError, CRCValidationError, ZstdError, struct.error, ValueError, OverflowError, MemoryError):
-        return  # the writer was stopped here, or a length is damaged
-
-
 def open_recording(path: Path) -> Recorded:
     """Look through a recording.
 
     Raises:
-        InputError: no such file, or nothing that `tactile record` or `tactile live` wrote.
+        InputError: no such file, nothing that `tactile record` or `tactile live` wrote, one of a newer version, or one
+            whose head is damaged.
     """
     made: dict[str, str] = {}
-    counts, text, complete = None, None, False
+    counts, data, closed = None, None, False
     topics: dict[int, str] = {}
-    messages: dict[str, int] = {}
+    numbers: dict[int, int] = {}
+    damage = []
     for record in records(path):
         if isinstance(record, Message):
-            topic = topics[record.channel_id]
-            messages[topic] = messages.get(topic, 0) + 1
+            numbers[record.channel_id] = numbers.get(record.channel_id, 0) + 1
         elif isinstance(record, Channel):
-            topics[record.id] = record.topic
+            topics.setdefault(record.id, record.topic)
         elif isinstance(record, Metadata) and record.name == "tactile":
-            made = record.metadata
+            made = made or record.metadata
         elif isinstance(record, Metadata) and record.name == "counts":
             with readable(path):
                 counts = {name: json.loads(value) for name, value in record.metadata.items()}
-        elif isinstance(record, Attachment) and record.name == "array.toml":
-            with readable(path):
-                text = record.data.decode()
-        complete = complete or isinstance(record, Footer)
-    if text is None or "start_ns" not in made:
+        elif isinstance(record, Attachment) and record.name == "array.toml" and data is None:
+            data = record.data
+        elif isinstance(record, Damage):
+            damage.append(record.what)
+        closed = closed or isinstance(record, Closed)
+    if data is None or not made:
         raise InputError(f"{path}: not a recording of this program: an MCAP file with array.toml attached wanted")
+    start, text = _checked(path, made, data)
+    unknown = sum(count for number, count in numbers.items() if number not in topics)
+    if unknown:
+        damage.append(f"{unknown} messages are of channels that nothing describes any more")
+    messages = {topics[number]: count for number, count in numbers.items() if number in topics}
     description = parse_description(text, f"{path}: array.toml")
-    return Recorded(path, description, made, counts, "/wire" in messages, complete, messages)
+    whole = closed and not damage
+    return Recorded(path, description, made, start, counts, tuple(damage), whole, messages, topics)
+
+
+def _checked(path: Path, made: dict[str, str], array: bytes) -> tuple[int, str]:
+    """Return the start [ns] and the array description after a look at the sums that cover them."""
+    told, written = made.get(schema.SUM), made.get("version")
+    if told != schema.sum_of({name: value for name, value in made.items() if name != schema.SUM}):
+        raise InputError(
+            f"{path}: damaged, or of no version that is known: the record of how it was made is not in order"
+        )
+    if written != schema.VERSION:
+        raise InputError(f"{path}: a recording of version {written}; this program reads version {schema.VERSION}")
+    if made.get("array_crc32") != f"{zlib.crc32(array):08x}":
+        raise InputError(f"{path}: damaged: the array description is not what was written")
+    with readable(path):
+        return int(made["start_ns"]), array.decode()

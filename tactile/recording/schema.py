@@ -8,12 +8,17 @@ Source: OMG Common Data Representation, DDS-XTypes 1.3, section 7.4.1 (version 1
 
 import json
 import struct
+import zlib
 from typing import Any
 
 import numpy as np
 
 from tactile.core.frame import Frame
 
+VERSION = "1"
+"""Of the topics, records and messages of a recording; a reader of version 1 cannot know what a higher one means."""
+SUM = "crc32"
+"""The entry of the metadata record ``tactile`` with `sum_of` the others."""
 HEAD = b"\0\1\0\0"
 WIRE_NAME, WIRE = "tactile/msg/Wire", "uint8[] data\n"
 FRAME_NAME = "tactile/msg/Frame"
@@ -82,6 +87,11 @@ def log_line(topic: str, note: dict[str, Any], ns: int) -> dict[str, Any] | None
     level = WARNING if message == "unplugged" or note.get("taken") is False else INFO
     time = {"sec": ns // 10**9, "nsec": ns % 10**9}
     return {"timestamp": time, "level": level, "message": message, "name": name, "file": "", "line": 0}
+
+
+def sum_of(made: dict[str, str]) -> str:
+    """Return the CRC-32, in hexadecimal, of a metadata record's entries: MCAP has no sum for these."""
+    return f"{zlib.crc32(json.dumps(sorted(made.items())).encode()):08x}"
 
 
 def pack_wire(data: bytes) -> bytes:

@@ -6,58 +6,66 @@ Topics: ``/wire`` bytes as they arrived, ``/wire/unparsed`` those for which the 
 ``array.toml``; the metadata record ``tactile`` says with what the file was made, ``counts`` is there if it was closed
 in good order.
 
-Messages are written one by one and not in compressed chunks, since an unfinished chunk would be lost with the program.
-`tactile convert a.mcap b.mcap` makes the indexed and compressed form.
+What came within a tenth of a second is a chunk with its check sum, not compressed; an unfinished one is lost with the
+program. `tactile convert a.mcap b.mcap` makes the compressed form, and a whole one of a recording that was broken off.
 """
 
 import json
 import platform
 import threading
 import time
+import zlib
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from mcap.writer import CompressionType, IndexType, Writer
+from mcap.writer import CompressionType, Writer
 
+from tactile.core.epoch import Epoch
 from tactile.core.frame import Frame
 from tactile.recording import schema
 from tactile.recording.durable import DurableFile
 from tactile.wire.description import Description
 from tactile.wire.source import Chunk
 
-PUSH = 0.1
-"""[s] after which what was recorded is handed to the operating system."""
+PUSH = 0.08
+"""[s] after which what was recorded is handed to the operating system; with the wait for a turn still below 0.1 s."""
 
 
 class Recording:
     """A recording that is being written. Two threads may write; a full disk only sets ``failed``.
 
+    ``epoch``: the instant from which the times of all that is written count; ``compressed``: in larger chunks, for what
+    can be made again; ``overwrite``: replace a recording of that name.
+
     Raises:
-        InputError: the file cannot be made.
+        InputError: the file cannot be made, or something of that name is there.
     """
 
-    def __init__(self, path: Path, description: Description, origin: dict[str, str], indexed: bool = False) -> None:
-        self._file = DurableFile(path)
+    def __init__(
+        self, path: Path, description: Description, origin: dict[str, str], epoch: Epoch,
+        compressed: bool = False, overwrite: bool = False,
+    ) -> None:  # fmt: skip
+        self._path, self._file = path, DurableFile(path, overwrite)
         self._lock = threading.Lock()
-        self._start, self._pushed = time.time_ns(), 0.0
+        self._start, self._pushed, self._compressed = epoch.unix, time.monotonic(), compressed
         self._writer = Writer(
             self._file,  # type: ignore[arg-type]  # write, tell and flush are all that it uses
             chunk_size=2**20,
-            compression=CompressionType.ZSTD if indexed else CompressionType.NONE,
-            use_chunking=indexed,
-            index_types=IndexType.ALL if indexed else IndexType.ATTACHMENT | IndexType.METADATA,
+            compression=CompressionType.ZSTD if compressed else CompressionType.NONE,
+            enable_data_crcs=True,
         )
         self._writer.start("", f"cellular-wave-touch {version('cellular-wave-touch')}")
-        made = {"start_ns": str(self._start), "title": description.title, "protocol": description.wire.name}
+        text = description.text.encode()
+        made = {"version": schema.VERSION, "start_ns": str(self._start), "array_crc32": f"{zlib.crc32(text):08x}"}
+        made |= {"title": description.title, "protocol": description.wire.name}
         made |= {"python": platform.python_version(), "machine": platform.machine(), "system": platform.system()}
         made |= {"written": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(self._start // 10**9))}
-        self._writer.add_metadata("tactile", made | origin)
-        self._writer.add_attachment(
-            self._start, self._start, "array.toml", "application/toml", description.text.encode()
-        )
+        made |= origin
+        self._writer.add_metadata("tactile", made | {schema.SUM: schema.sum_of(made)})
+        self._writer.add_attachment(self._start, self._start, "array.toml", "application/toml", text)
         self._topics(description)
-        self._file.push()
+        self._file.settle()
 
     def _topics(self, description: Description) -> None:
         register = self._writer.register_channel
@@ -73,8 +81,15 @@ class Recording:
 
     @property
     def failed(self) -> str:
-        """Why nothing is written any more; empty while all is well."""
+        """Why nothing is written any more, as the system says it; empty while all is well."""
         return self._file.failed
+
+    @property
+    def ended(self) -> str:
+        """That nothing is written any more, why, and what is left of it, for people; empty while all is well."""
+        if not self.failed:
+            return ""
+        return f"recording {self._path} ended: {self.failed}; what was written until then can be read"
 
     def chunk(self, chunk: Chunk, parsed: bool = True) -> None:
         """Write what came over the wire, or a note about it."""
@@ -107,6 +122,8 @@ class Recording:
         """Hand what was written to the operating system if the last time is long enough ago."""
         if now or time.monotonic() - self._pushed >= PUSH:
             with self._lock:
+                if not self._compressed:
+                    self._writer.flush()  # type: ignore[no-untyped-call]  # ends the chunk; the library left its types out
                 self._file.push()
             self._pushed = time.monotonic()
 

@@ -40,6 +40,10 @@ class Emulator:
 
     ``device``: what obeys the host and answers it; nobody if None. After `run`, ``sent`` is the number of packets that
     went out or were spoilt on purpose, ``lost`` of those for which there was no room.
+
+    Raises:
+        InputError: the link cannot be made, or something of that name is there; a link that leads nowhere any more, as
+            an emulator that was killed leaves it, is replaced.
     """
 
     def __init__(
@@ -61,18 +65,27 @@ class Emulator:
         self._poll.register(self._master, select.POLLHUP)
         if self._link is not None:
             try:
-                self._link.unlink(missing_ok=True)
+                if self._links_here(self._link) or (self._link.is_symlink() and not self._link.exists()):
+                    self._link.unlink()
                 self._link.symlink_to(self.port)
+            except FileExistsError as error:
+                os.close(self._master)
+                raise InputError(f"link {self._link}: there is something of that name; another name wanted") from error
             except OSError as error:
                 os.close(self._master)
                 raise InputError(f"link {self._link}: cannot be made: {error.strerror}") from error
             self.port = str(self._link)
 
-    def _pull(self) -> None:
+    def _links_here(self, link: Path) -> bool:
+        """Return whether the link is this emulator's, or an old one whose terminal's name is ours now."""
+        return link.is_symlink() and str(link.readlink()) == self._terminal
+
+    def pull(self) -> None:
+        """Take the port away, and its link."""
         if self._master == AWAY:
             return
-        if self._link is not None:
-            self._link.unlink(missing_ok=True)
+        if self._link is not None and self._links_here(self._link):
+            self._link.unlink()
         os.close(self._master)
         self._master = AWAY
         self._pending.clear()
@@ -92,7 +105,7 @@ class Emulator:
                 while not stop.is_set() and (wait := start + t - time.monotonic()) > 0:
                     self._serve(wait)
                 if faults.in_spell(t, faults.unplug, faults.unplug_for):
-                    self._pull()
+                    self.pull()
                     continue
                 if self._master == AWAY:
                     self.unplugged += 1
@@ -105,7 +118,7 @@ class Emulator:
                     self._send(packet)
             self._flush(stop)
         finally:
-            self._pull()
+            self.pull()
 
     def _hung_up(self) -> bool:
         """Return whether nobody has the port open."""

@@ -2,22 +2,22 @@
 
 import threading
 import time
-from collections.abc import Callable
 
 from cnnsim.support import InputError
+from tactile.core.epoch import Epoch
 from tactile.serial.port import open_port, take
 from tactile.serial.ring import Ring
 from tactile.wire.base import Talk
 from tactile.wire.source import PLUGGED, TARE, UNPLUGGED, Chunk
 
-FIRST_PAUSE, LONGEST_PAUSE = 0.1, 5.0
+FIRST_PAUSE, LONGEST_PAUSE = 0.1, 0.5
 """[s] between tries to open a port that was unplugged: doubled each time."""
 WAIT = 0.05
 """[s] after which a thread that reads nothing looks whether it is to stop."""
 
 
 class PortReader:
-    """Reads a port into a ring from the moment it is made; chunks count nanoseconds from ``origin``.
+    """Opens a port when it is made and reads it into a ring after `start`; chunks count nanoseconds from ``epoch``.
 
     A bad frame is not its business: only a port that fails is closed, and opened again, later and later, until it is
     back; ``once``: it stays closed. ``why`` says why it is not open just now.
@@ -26,18 +26,18 @@ class PortReader:
         InputError: the port cannot be opened the first time.
     """
 
-    def __init__(
-        self, name: str, baudrate: int, talk: Talk, ring: Ring, once: bool = False,
-        clock: Callable[[], int] = time.monotonic_ns,
-    ) -> None:  # fmt: skip
-        self.origin = clock()
+    def __init__(self, name: str, baudrate: int, talk: Talk, ring: Ring, once: bool = False) -> None:
         self.unplugged = 0
         self.why = ""
-        self._name, self._baudrate, self._talk, self._ring, self._clock = name, baudrate, talk, ring, clock
+        self._name, self._baudrate, self._talk, self._ring = name, baudrate, talk, ring
         self._once = once
         self._stop = threading.Event()
         self._port = open_port(name, baudrate)
+        self.epoch = Epoch.now()
         self._thread = threading.Thread(target=self._run, name=f"port {name}", daemon=True)
+
+    def start(self) -> None:
+        """Begin to read."""
         self._thread.start()
 
     def ask_tare(self) -> None:
@@ -47,10 +47,13 @@ class PortReader:
     def close(self) -> None:
         """Stop reading and let go of the port; the ring is closed after the last chunk."""
         self._stop.set()
-        self._thread.join()
+        if self._thread.ident is None:  # it never began
+            self._port.close()
+        else:
+            self._thread.join()
 
     def _note(self, text: str) -> None:
-        self._ring.put(Chunk(self._clock() - self.origin, note=text))
+        self._ring.put(Chunk(time.monotonic_ns() - self.epoch.monotonic, note=text))
 
     def _run(self) -> None:
         try:
@@ -78,12 +81,12 @@ class PortReader:
             port.write(talk.hello)
         asked = 0
         while not self._stop.is_set():
-            if talk.poll and self._clock() - asked >= talk.period * 1e9:
-                asked = self._clock()
+            if talk.poll and time.monotonic_ns() - asked >= talk.period * 1e9:
+                asked = time.monotonic_ns()
                 port.write(talk.poll)
             data = take(port, wait)
             if data:
-                self._ring.put(Chunk(self._clock() - self.origin, data))
+                self._ring.put(Chunk(time.monotonic_ns() - self.epoch.monotonic, data))
 
     def _reopen(self) -> None:
         pause = FIRST_PAUSE

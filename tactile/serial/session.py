@@ -2,9 +2,11 @@
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any
 
 from tactile.calibration.live_tare import LiveTare
+from tactile.core.epoch import Epoch
 from tactile.core.frame import Frame
 from tactile.recording.writer import Recording
 from tactile.serial.reader import PortReader
@@ -20,29 +22,40 @@ NAP = 0.1
 class Session:
     """Reads a port until `stop`, for ``seconds``, or ``once`` until it is unplugged; records before anyone looks.
 
+    ``record`` makes the ``recording`` once the port is open, given the instant from which all times count. ``stopped``:
+    what `stop` sets, where that has to be known before the port is open.
+
     port thread -> ring -> recording thread -> ring -> whoever iterates over ``source``. Without a recording the first
     ring is the only one. Bytes for which the second ring has no room are recorded all the same, as unparsed.
 
     Raises:
-        InputError: the port cannot be opened.
+        InputError: the port cannot be opened, or the recording not be made.
     """
 
     def __init__(
-        self, port: str, description: Description, recording: Recording | None = None, tares: tuple[LiveTare, ...] = (),
-        seconds: float | None = None, once: bool = False,
+        self, port: str, description: Description, record: Callable[[Epoch], Recording] | None = None,
+        tares: tuple[LiveTare, ...] = (), seconds: float | None = None, once: bool = False,
+        stopped: threading.Event | None = None,
     ) -> None:  # fmt: skip
-        self._recording = recording
         self._came = Ring()
-        self._ready = self._came if recording is None else Ring()
         self._unparsed = 0
-        self._stopped = threading.Event()
-        self._until = float("inf") if seconds is None else time.monotonic() + seconds
-        self.source = WireSource(description, self._chunks(), tares, None if recording is None else self._keep)
+        self._stopped = stopped or threading.Event()
         talk = description.wire.talk(description.options)
         self.reader = PortReader(port, description.baudrate, talk, self._came, once)
+        self.recording: Recording | None = None
+        if record is not None:
+            try:
+                self.recording = record(self.reader.epoch)
+            except BaseException:
+                self.reader.close()
+                raise
+        self._ready = self._came if self.recording is None else Ring()
+        self._until = float("inf") if seconds is None else time.monotonic() + seconds
+        self.source = WireSource(description, self._chunks(), tares, None if self.recording is None else self._keep)
         self._logger = threading.Thread(target=self._log, name="recording", daemon=True)
-        if recording is not None:
+        if self.recording is not None:
             self._logger.start()
+        self.reader.start()
 
     @property
     def counts(self) -> Counts:
@@ -53,7 +66,12 @@ class Session:
 
     def now(self) -> int:
         """Return [ns] since the stream began."""
-        return time.monotonic_ns() - self.reader.origin
+        return time.monotonic_ns() - self.reader.epoch.monotonic
+
+    def note(self, topic: str, t: int, data: dict[str, Any]) -> None:
+        """Write a JSON object into the recording, if there is one."""
+        if self.recording is not None:
+            self.recording.note(topic, t, data)
 
     def stop(self) -> None:
         """Let the frames end; what has arrived by now still comes. May be called from a signal handler."""
@@ -63,7 +81,7 @@ class Session:
         """Let go of the port and finish the recording's thread."""
         self.stop()
         self.reader.close()
-        if self._recording is not None:
+        if self.recording is not None:
             self._logger.join()
 
     def _chunks(self) -> Iterator[Chunk]:
@@ -79,25 +97,25 @@ class Session:
                 closing = True
 
     def _failed(self) -> bool:
-        return self._recording is not None and bool(self._recording.failed)
+        return self.recording is not None and bool(self.recording.failed)
 
     def _log(self) -> None:
-        assert self._recording is not None
+        assert self.recording is not None
         while True:
             closed = self._came.closed
             chunks = self._came.get(NAP)
             for chunk in chunks:
                 room = self._ready.has_room(chunk)
-                self._recording.chunk(chunk, room)
+                self.recording.chunk(chunk, room)
                 if room:
                     self._ready.put(chunk)
                 else:
                     self._unparsed += len(chunk.data)
-            self._recording.push()
+            self.recording.push()
             if closed and not chunks:
                 break
         self._ready.close()
 
     def _keep(self, frame: Frame) -> None:
-        assert self._recording is not None
-        self._recording.frame(frame, self.source.arrival)
+        assert self.recording is not None
+        self.recording.frame(frame, self.source.arrival)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import InputError
+from cnnsim.support.own_file import written_beside
 from tactile.core.frame import Frame
 from tactile.core.source import FrameStream, Source
 from tactile.sources import open_source
@@ -26,11 +27,14 @@ def open_any(path: Path) -> Source:
     return open_source(path)
 
 
-def convert(source: Path, target: Path) -> int:
+def convert(source: Path, target: Path, overwrite: bool = False) -> int:
     """Write the frames of ``source`` as ``target``, in the form its suffix names, and return how many there were.
 
+    Nothing is there under that name until all is written.
+
     Raises:
-        InputError: an unknown suffix, a full disk, or what reader or writer find wrong.
+        InputError: an unknown suffix, a name that is taken (unless to ``overwrite``), a full disk, or what reader or
+            writer find wrong.
     """
     if target.suffix not in WRITERS:
         raise InputError(f"{target}: suffix {target.suffix!r}, one of {', '.join(WRITERS)} wanted")
@@ -45,11 +49,12 @@ def convert(source: Path, target: Path) -> int:
             yield frame
 
     try:
-        if target.suffix == ".mcap" and source.suffix == ".mcap":
-            need("tactile.recording.index", "an MCAP recording").write_indexed(source, target)
-            return sum(1 for _ in opened)
-        frames = FrameStream(opened.title, opened.arrays, opened.modulus, opened.frames, counted())
-        WRITERS[target.suffix](target, frames)
+        with written_beside(target, overwrite) as beside:
+            if target.suffix == ".mcap" and source.suffix == ".mcap":
+                need("tactile.recording.index", "an MCAP recording").write_indexed(source, beside)
+                return sum(1 for _ in opened)
+            frames = FrameStream(opened.title, opened.arrays, opened.modulus, opened.frames, counted())
+            WRITERS[target.suffix](beside, frames)
     except OSError as error:
         raise InputError(f"{target}: cannot be written: {error.strerror or error}") from error
     return count

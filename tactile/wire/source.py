@@ -11,8 +11,8 @@ from tactile.wire.base import Counts, Reading
 from tactile.wire.clock import ClockLine
 from tactile.wire.description import Description
 
-PLUGGED, UNPLUGGED, TARE = "plugged", "unplugged", "tare"
-"""What a chunk without bytes can say."""
+PLUGGED, UNPLUGGED, TARE, DAMAGED = "plugged", "unplugged", "tare", "damaged"
+"""What a chunk without bytes can say; damaged: of a recording, what came here is lost."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class WireSource:
             if chunk.note == TARE:
                 for tare in self._tares:
                     tare.ask()
-            readings = self.decoder.finish() if chunk.note == UNPLUGGED else self.decoder.feed(chunk.data)
+            readings = self.decoder.finish() if chunk.note in (UNPLUGGED, DAMAGED) else self.decoder.feed(chunk.data)
             for reading in readings:
                 yield from self._frames(reading)
         for reading in self.decoder.finish():

@@ -178,7 +178,7 @@ def kill(times: int, hz: float, seed: int) -> None:
             killed = time.time_ns()
             process.communicate()
             recorded = open_recording(path)
-            last = int(recorded.made["start_ns"]) + [chunk.t for chunk in recorded.chunks() if chunk.data][-1]
+            last = recorded.start + [chunk.t for chunk in recorded.chunks() if chunk.data][-1]
             frames, stored = list(recorded.source()), list(recorded.stored_frames())
             steps = np.diff([frame.sequence for frame in frames])
             missing = (killed - last) * 1e-9

@@ -1,41 +1,189 @@
-"""Recordings with bytes changed, lost or added: what can be read is read, the rest is an InputError."""
+"""Recordings with bits changed, bytes lost or added: what is read is what was written, and damage is told."""
 
 from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
+from mcap.records import Attachment, Channel, Message, Metadata
+from mcap.writer import Writer
 
 from cnnsim.support import InputError
-from tactile.recording.reader import open_recording
+from tactile.cli.live import LiveOptions
+from tactile.core.epoch import Epoch
+from tactile.core.frame import Frame
+from tactile.recording import schema
+from tactile.recording.reader import Recorded, open_recording
+from tactile.recording.records import records
+from tactile.recording.writer import Recording
+from tactile.wire.source import DAMAGED
 from tests.kits.paths import SCENES
-from tests.kits.serial import call
+from tests.kits.serial import call, sent
+from tests.tactile.recording.test_reader import recorded, same
 
 SCENE = SCENES / "needle.toml"
+KINDS = ["live", "broken off", "converted", "frames"]
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
-    file = tmp_path_factory.mktemp("damaged") / "whole.mcap"
-    call("convert", SCENE, file)
-    return file.read_bytes()
+def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """A closed live recording of a format without check sums, the same broken off, its copy, and frames of a scene."""
+    folder = tmp_path_factory.mktemp("damaged")
+    recorded(folder / "live.mcap", "reskin", 0.12)
+    recorded(folder / "broken off.mcap", "reskin", 0.12, close=False)
+    call("convert", folder / "live.mcap", folder / "converted.mcap")
+    call("convert", SCENE, folder / "frames.mcap")
+    return {name: (folder / f"{name}.mcap").read_bytes() for name in KINDS}
 
 
-def read(file: Path) -> int:
-    """Return how many frames there are."""
-    return sum(1 for _ in open_recording(file).source())
+def read(file: Path) -> list[Frame]:
+    return list(open_recording(file).source())
 
 
 @pytest.mark.parametrize("kind", ["changed", "lost", "added"])
-def test_damage_is_no_crash(whole: bytes, tmp_path: Path, kind: str) -> None:
-    file, random = tmp_path / "damaged.mcap", np.random.default_rng(1)
+@pytest.mark.parametrize("name", KINDS)
+def test_damage_is_no_crash(files: dict[str, bytes], tmp_path: Path, name: str, kind: str) -> None:
+    file, random, whole = tmp_path / "damaged.mcap", np.random.default_rng(1), files[name]
     file.write_bytes(whole)
-    frames = read(file)
+    frames = len(read(file))
     assert frames > 20
-    places = [*range(8, 2500, 23), *random.integers(2500, len(whole), 60).tolist()]
+    places = [*range(8, 2500, 97), *random.integers(2500, len(whole), 15).tolist()]
     for place in places:
         old = whole[place : place + 1]
         middle = {"changed": bytes([old[0] ^ 0x81]), "lost": b"", "added": old + b"\x9c"}[kind]
         file.write_bytes(whole[:place] + middle + whole[place + 1 :])
         with suppress(InputError):
-            assert read(file) <= frames
+            assert len(read(file)) <= frames
+
+
+def flip(whole: bytes, bit: int) -> bytes:
+    data = bytearray(whole)
+    data[bit // 8] ^= 1 << bit % 8
+    return bytes(data)
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_no_changed_bit_gives_wrong_readings(files: dict[str, bytes], tmp_path: Path, name: str) -> None:
+    """300 bits, many of the first and some of the last bytes among them: no reading that is left is another than was
+    written, and no file is called complete."""
+    file, whole = tmp_path / "flipped.mcap", files[name]
+    file.write_bytes(whole)
+    truth = {(frame.finger, frame.values.tobytes()) for frame in read(file)}
+    stored = {(frame.finger, frame.t, frame.values.tobytes()) for frame in open_recording(file).stored_frames()}
+    assert open_recording(file).complete == (name != "broken off")
+    bits = np.random.default_rng(2).choice(8 * len(whole), 240 if name == "live" else 60, replace=False).tolist()
+    bits += range(8 * len(whole) - 8 * 12, 8 * len(whole), 8)
+    bits += np.random.default_rng(3).integers(0, 8 * 1200, 60).tolist()  # how it was made, the description
+    left, errors = [], 0
+    for bit in bits:
+        file.write_bytes(flip(whole, bit))
+        try:
+            again = open_recording(file)
+            got = list(again.source())
+        except InputError as error:
+            assert "damaged" in str(error) or "not a recording" in str(error) or "version" in str(error)
+            errors += 1
+            continue
+        assert not again.complete, bit
+        assert again.state, bit
+        assert {(frame.finger, frame.values.tobytes()) for frame in got} <= truth, bit
+        assert {(frame.finger, frame.t, frame.values.tobytes()) for frame in again.stored_frames()} <= stored, bit
+        left.append(len(got))
+    assert errors < 90
+    assert np.mean(left) > len(truth) / 3  # what is whole is still given out
+
+
+def damaged_in_the_middle(tmp_path: Path) -> tuple[list[Frame], Recorded]:
+    """A recording of many chunks, one bit of those in the middle that hold bytes of the wire changed."""
+    recorded(tmp_path / "r.mcap", "native", 0.5)
+    with (tmp_path / "r.mcap").open("rb") as file:
+        summary = make_reader(file).get_summary()
+    assert summary is not None
+    wire = [index.chunk_start_offset for index in summary.chunk_indexes if 1 in index.message_index_offsets]
+    whole = (tmp_path / "r.mcap").read_bytes()
+    (tmp_path / "d.mcap").write_bytes(flip(whole, 8 * (wire[len(wire) // 2] + 100)))
+    return read(tmp_path / "r.mcap"), open_recording(tmp_path / "d.mcap")
+
+
+def test_what_is_left_out_is_told(tmp_path: Path) -> None:
+    frames, again = damaged_in_the_middle(tmp_path)
+    assert not again.complete
+    assert any("the chunk at byte" in what for what in again.damage)
+    assert [chunk.note for chunk in again.chunks()].count(DAMAGED) >= 1
+    got = list(again.source())
+    assert 0 < len(got) < len(frames)
+    assert again.counts is not None  # it was closed
+    said = call("replay", tmp_path / "d.mcap")
+    assert "damaged: the chunk at byte" in said.stdout
+    call("convert", tmp_path / "d.mcap", tmp_path / "healed.mcap")
+    healed = open_recording(tmp_path / "healed.mcap")
+    assert healed.complete
+    same(list(healed.source()), got)
+
+
+def test_what_a_killed_recording_needs_is_told(files: dict[str, bytes], tmp_path: Path) -> None:
+    file = tmp_path / "killed.mcap"
+    file.write_bytes(files["broken off"])
+    replayed = call("replay", file)
+    assert "not closed in good order" in replayed.stdout, replayed.output
+    assert "`tactile convert killed.mcap whole.mcap`" in replayed.stdout
+    call("convert", file, tmp_path / "whole.mcap")
+    whole = open_recording(tmp_path / "whole.mcap")
+    assert whole.complete
+    same(list(whole.source()), read(file))
+
+
+def changed(tmp_path: Path, **made: str | None) -> Path:
+    """A recording whose record of how it was made says something else, its sum right again."""
+    source, target = tmp_path / "source.mcap", tmp_path / "changed.mcap"
+    description, _ = sent("native", 0.1)
+    Recording(source, description, {"choices": LiveOptions().text()}, Epoch.now(), overwrite=True).close({})
+    with target.open("wb") as file:
+        writer = Writer(file, enable_data_crcs=True)
+        writer.start()
+        for record in records(source):
+            if isinstance(record, Metadata) and record.name == "tactile":
+                table = {name: value for name, value in (record.metadata | made).items() if value is not None}
+                table.pop(schema.SUM)
+                writer.add_metadata("tactile", table | {schema.SUM: schema.sum_of(table)})
+            elif isinstance(record, Attachment):
+                writer.add_attachment(0, 0, record.name, record.media_type, record.data)
+        writer.add_message(writer.register_channel("/wire", "cdr", 0), 1, schema.pack_wire(b"x"), 1)
+        writer.finish()  # type: ignore[no-untyped-call]
+    return target
+
+
+@pytest.mark.parametrize(("made", "message"), [
+    ({"start_ns": "soon"}, "damaged: invalid literal"),
+    ({"start_ns": None}, "damaged: 'start_ns'"),
+    ({"version": "2"}, "a recording of version 2; this program reads version 1"),
+    ({"version": None}, "a recording of version None"),
+    ({"choices": "{"}, "choices of the live run: damaged"),
+    ({"choices": "[1]"}, "a table wanted"),
+    ({"choices": '{"tare": "auto", "gravity": 9.81}'}, "unknown key 'gravity'"),
+    ({"choices": '{"tare": "sometimes"}'}, "tare = 'sometimes'; one of auto, manual, off wanted"),
+    ({"choices": '{"window": "128"}'}, "window = '128', a whole number wanted"),
+    ({"choices": '{"dead_band": NaN}'}, "dead_band = nan, a finite number wanted"),
+    ({"choices": '{"sign_code": 1}'}, "sign_code = 1, true or false wanted"),
+    ({"choices": '{"backend": "abacus"}'}, "backend = 'abacus'"),
+])  # fmt: skip
+def test_what_is_not_understood_is_told(tmp_path: Path, made: dict[str, str | None], message: str) -> None:
+    result = call("replay", changed(tmp_path, **made))
+    assert result.exit_code == 2, result.output
+    assert message in result.stderr
+    assert result.stderr.count("\n") <= 1
+    assert call("replay", changed(tmp_path)).exit_code == 0
+
+
+def test_messages_that_nothing_describes_are_counted(tmp_path: Path) -> None:
+    """The first chunk, in which the channels are told, is gone from a recording that was broken off."""
+    recorded(tmp_path / "r.mcap", "native", 0.5, close=False)
+    whole = (tmp_path / "r.mcap").read_bytes()
+    first = next(n for n, record in enumerate(records(tmp_path / "r.mcap")) if isinstance(record, Channel))
+    assert first > 1
+    (tmp_path / "d.mcap").write_bytes(flip(whole, 8 * whole.index(b"tactile/msg/Wire")))
+    again = open_recording(tmp_path / "d.mcap")
+    assert any("messages are of channels that nothing describes" in what for what in again.damage)
+    assert sum(isinstance(record, Message) for record in records(tmp_path / "d.mcap")) > 100
+    assert list(again.source()) == []

@@ -4,7 +4,8 @@ import errno
 import os
 import random
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +15,11 @@ from mcap.reader import make_reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from cnnsim.support import InputError
+from tactile.core.epoch import Epoch
 from tactile.core.frame import Frame
 from tactile.recording import schema
-from tactile.recording.reader import open_recording, records
+from tactile.recording.reader import open_recording
+from tactile.recording.records import records
 from tactile.recording.writer import Recording
 from tactile.serial.ring import Ring
 from tactile.serial.session import Session
@@ -30,7 +33,7 @@ TARED = {"type": "tare", "t_s": 0.25, "finger": "left", "taken": True, "why": "i
 def recorded(path: Path, protocol: str = "native", seconds: float = 0.5, close: bool = True) -> Description:
     """Record a device's packets, a note, a tare and the frames, as a session would."""
     description, stream = sent(protocol, seconds)
-    recording = Recording(path, description, {"port": "here"})
+    recording = Recording(path, description, {"port": "here"}, Epoch.now())
 
     def chunks() -> Iterator[Chunk]:
         for n, (t, data) in enumerate(stream):
@@ -48,6 +51,10 @@ def recorded(path: Path, protocol: str = "native", seconds: float = 0.5, close: 
     if close:
         recording.close({"counts": source.counts.plain()})
     return description
+
+
+def into(path: Path, description: Description) -> Callable[[Epoch], Recording]:
+    return partial(Recording, path, description, {})
 
 
 def same(got: list[Frame], wanted: list[Frame]) -> None:
@@ -158,20 +165,23 @@ def test_a_full_disk_ends_the_recording_with_a_message(tmp_path: Path, monkeypat
     assert 15_000 < (tmp_path / "r.mcap").stat().st_size <= 20_000
 
 
-def test_a_full_disk_stops_the_session(tmp_path: Path) -> None:
+def test_a_full_disk_stops_the_session(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(file: int, data: bytes) -> int:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
     description, stream = sent("native", 0.4)
-    if not Path("/dev/full").exists():
-        pytest.skip("no /dev/full here")
     with device(stream) as emulator:
-        recording = Recording(Path("/dev/full"), description, {})
-        assert recording.failed.startswith("recording /dev/full ended: No space left on device")
-        session = Session(emulator.port, description, recording, seconds=20)
+        session = Session(emulator.port, description, into(tmp_path / "r.mcap", description), seconds=20)
+        assert session.recording is not None
+        monkeypatch.setattr("tactile.recording.durable.os.write", full)
         assert sum(1 for _ in session.source) < 200  # it ends by itself, and early
-        recording.close({})
+        session.recording.close({})
+        monkeypatch.undo()
+    assert session.recording.ended.startswith(f"recording {tmp_path / 'r.mcap'} ended: No space left on device; what")
     result = call("record", "-p", emulator.port, "-a", tmp_path / "none.toml", "-o", tmp_path / "x.mcap")
     assert result.exit_code == 2
     with pytest.raises(InputError, match="cannot write the recording"):
-        Recording(tmp_path / "no" / "r.mcap", description, {})
+        into(tmp_path / "no" / "r.mcap", description)(Epoch.now())
 
 
 def test_bytes_without_room_are_recorded_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -184,8 +194,7 @@ def test_bytes_without_room_are_recorded_apart(tmp_path: Path, monkeypatch: pyte
 
     monkeypatch.setattr("tactile.serial.session.Ring", small)
     with device(stream) as emulator:
-        recording = Recording(tmp_path / "r.mcap", description, {})
-        session = Session(emulator.port, description, recording)
+        session = Session(emulator.port, description, into(tmp_path / "r.mcap", description))
         frames = iter(session.source)
         live = [next(frames)]
         until = time.monotonic() + 20
@@ -193,7 +202,8 @@ def test_bytes_without_room_are_recorded_apart(tmp_path: Path, monkeypatch: pyte
             time.sleep(0.01)  # nobody takes frames, so the ring fills
         session.stop()
         live += frames
-        recording.close({})
+        assert session.recording is not None
+        session.recording.close({})
     again = open_recording(tmp_path / "r.mcap")
     assert session.counts.overflowed == session._unparsed > 0
     assert again.messages["/wire/unparsed"] >= 1

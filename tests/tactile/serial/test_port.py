@@ -184,6 +184,7 @@ def test_what_is_said_to_a_device_arrives() -> None:
     with device(say(), device=Ear()) as emulator:
         ring = Ring()
         reader = PortReader(emulator.port, 115200, Talk(b"hello", b"?", 0.05), ring)
+        reader.start()
         until = time.monotonic() + LIMIT
         while said.count(b"?") < 3 and time.monotonic() < until:
             time.sleep(0.01)

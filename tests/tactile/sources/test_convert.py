@@ -42,10 +42,10 @@ def test_recordings_of_other_kinds_become_mcap_and_come_back(tmp_path: Path) -> 
     npz = pillars().save(tmp_path / "run.npz")
     for source in (npz, GRIP):
         frames = list(open_source(source))
-        assert convert(source, tmp_path / "r.mcap") == len(frames)
+        assert convert(source, tmp_path / "r.mcap", overwrite=True) == len(frames)
         got = list(open_any(tmp_path / "r.mcap"))
         same(got, frames)
-    convert(npz, tmp_path / "r.mcap")
+    convert(npz, tmp_path / "r.mcap", overwrite=True)
     convert(tmp_path / "r.mcap", tmp_path / "again.npz")
     same(list(open_any(tmp_path / "again.npz")), [*open_source(npz)])
     write_csv(tmp_path / "g.csv", grip(0.1))

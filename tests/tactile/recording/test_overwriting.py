@@ -1,0 +1,170 @@
+"""Nothing that is there is lost: recordings, links and descriptions are made new, or replaced on request and whole."""
+
+import os
+import signal
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import Result
+
+from tactile.recording.reader import open_recording
+from tactile.serial.emulator import Emulator
+from tactile.wire.packets import packets
+from tests.kits.serial import GRIP, call, device, grip, sent
+from tests.tactile.cli.test_live import start, write_array
+from tests.tactile.recording.test_reader import recorded
+
+TAKEN = "there is something of that name; another name or --overwrite wanted"
+IN_USE = "another program is writing or sending it; another name wanted"
+
+
+def refused(result: Result, message: str, path: Path, before: bytes) -> None:
+    assert result.exit_code == 2, result.output
+    assert message in result.stderr
+    assert path.read_bytes() == before
+    assert [other.name for other in path.parent.iterdir() if other.name.startswith(".")] == []
+
+
+@pytest.fixture
+def kept(tmp_path: Path) -> Path:
+    recorded(tmp_path / "kept.mcap", seconds=0.1)
+    return tmp_path / "kept.mcap"
+
+
+@pytest.mark.parametrize(("command", "option"), [("record", "-o"), ("live", "--record")])
+def test_a_recording_is_not_lost_to_another(tmp_path: Path, kept: Path, command: str, option: str) -> None:
+    before = kept.read_bytes()
+    description, stream = sent("native", 0.2)
+    array = write_array(tmp_path, description.text)
+    with device(stream) as emulator:
+        refused(call(command, "-p", emulator.port, "-a", array, option, kept), TAKEN, kept, before)
+    for more in ((), ("--overwrite",)):  # a port that does not open
+        result = call(command, "-p", tmp_path / "none", "-a", array, option, kept, *more)
+        refused(result, "there is no such port" if more else TAKEN, kept, before)
+    new = tmp_path / "new.mcap"
+    assert call(command, "-p", tmp_path / "none", "-a", array, option, new).exit_code == 2
+    assert not new.exists()
+    with device(stream) as emulator:
+        done = call(command, "-p", emulator.port, "-a", array, option, kept, "--once", "--overwrite")
+    assert done.exit_code == 0, done.output
+    again = open_recording(kept)
+    assert (again.complete, again.messages["/frames/left"]) == (True, 40)
+    assert [other.name for other in tmp_path.iterdir() if other.name.startswith(".")] == []
+
+
+def test_what_cannot_begin_leaves_the_old_one(tmp_path: Path, kept: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A disk on which not even the head finds room."""
+    before = kept.read_bytes()
+    description, stream = sent("native", 0.2)
+    array = write_array(tmp_path, description.text)
+
+    def full(file: int, data: bytes) -> int:
+        raise OSError(28, "No space left on device")
+
+    with device(stream) as emulator:
+        monkeypatch.setattr("tactile.recording.durable.os.write", full)
+        result = call("record", "-p", emulator.port, "-a", array, "-o", kept, "--overwrite")
+        refused(result, f"cannot write the recording {kept}: No space left on device", kept, before)
+        result = call("record", "-p", emulator.port, "-a", array, "-o", tmp_path / "new.mcap")
+        assert result.exit_code == 2
+        assert not (tmp_path / "new.mcap").exists()
+
+
+def test_a_running_recording_and_one_that_is_sent_are_locked(tmp_path: Path, kept: Path) -> None:
+    description, _ = sent("native", 0.1)
+    array, running, link = write_array(tmp_path, description.text), tmp_path / "running.mcap", tmp_path / "skin"
+    with device(packets(description, grip(4.0), loop=True)) as emulator:
+        recorder = start("record", "-p", emulator.port, "-a", array, "-o", running)
+        try:
+            wait(lambda: running.exists() and running.stat().st_size > 20_000)
+            os.kill(recorder.pid, signal.SIGSTOP)  # so that the file stays as it is
+            before = running.read_bytes()
+            refused(call("convert", kept, running, "--overwrite"), IN_USE, running, before)
+            with device([]) as other:
+                again = call("record", "-p", other.port, "-a", array, "-o", running, "--overwrite")
+            refused(again, IN_USE, running, before)
+            sending = call("emulate", "--recording", running)
+            assert (sending.exit_code, "still being recorded" in sending.stderr) == (2, True)
+        finally:
+            recorder.kill()
+            recorder.communicate()
+    before = kept.read_bytes()
+    sender = start("emulate", "--recording", kept, "--link", link)
+    try:
+        wait(lambda: link.is_symlink())
+        refused(call("record", "-p", link, "-a", array, "-o", kept, "--overwrite"), IN_USE, kept, before)
+    finally:
+        sender.kill()
+        sender.communicate()
+
+
+def wait(happened: Any) -> None:
+    until = time.monotonic() + 20
+    while not happened():
+        assert time.monotonic() < until
+        time.sleep(0.01)
+
+
+def test_a_link_replaces_only_what_an_emulator_left(tmp_path: Path) -> None:
+    taken = "there is something of that name; another name wanted"
+    notes, folder = tmp_path / "notes.txt", tmp_path / "folder"
+    notes.write_text("mine")
+    folder.mkdir()
+    pointer = tmp_path / "pointer"
+    pointer.symlink_to(notes)
+    for path in (notes, folder, pointer):
+        result = call("emulate", "--protocol", "native", "--scene", GRIP, "--link", path, "--write-array",
+                      tmp_path / "a.toml")  # fmt: skip
+        assert (result.exit_code, taken in result.stderr) == (2, True), result.output
+        assert not (tmp_path / "a.toml").exists()
+    assert (notes.read_text(), folder.is_dir(), pointer.readlink()) == ("mine", True, notes)
+    left = tmp_path / "left"
+    left.symlink_to("/dev/pts/none-any-more")
+    first = Emulator(link=left)
+    with pytest.raises(Exception, match=taken):
+        Emulator(link=left)  # of one that runs
+    left.unlink()
+    left.write_text("somebody's since")
+    first.pull()
+    assert left.read_text() == "somebody's since"
+
+
+def test_a_description_is_not_written_over_another_file(tmp_path: Path) -> None:
+    array, link = tmp_path / "a.toml", tmp_path / "skin"
+    array.write_text("mine")
+    result = call("emulate", "--protocol", "native", "--scene", GRIP, "--link", link, "--write-array", array)
+    assert (result.exit_code, "something else of that name" in result.stderr) == (2, True)
+    assert array.read_text() == "mine"
+    assert not os.path.lexists(link)
+    array.unlink()
+    for _ in range(2):  # the second time it says the same already
+        emulator = start("emulate", "--protocol", "csv", "--scene", GRIP, "--link", link, "--write-array", array)
+        wait(lambda: os.path.lexists(link))  # from here on it ends in good order
+        emulator.send_signal(signal.SIGTERM)
+        assert "sent 0 packets" in emulator.communicate(timeout=20)[1]
+        assert not os.path.lexists(link)
+        assert "csv" in array.read_text()
+
+
+def test_conversions_leave_what_is_there_and_nothing_half_done(
+    tmp_path: Path, kept: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("r.csv", "r.npz", "r.parquet", "r.mcap"):
+        target = tmp_path / name
+        target.write_bytes(b"mine")
+        refused(call("convert", kept, target), TAKEN, target, b"mine")
+        assert call("convert", kept, target, "--overwrite").exit_code == 0
+        assert target.read_bytes() != b"mine"
+    (tmp_path / "folder.csv").mkdir()
+    result = call("convert", kept, tmp_path / "folder.csv", "--overwrite")
+    assert (result.exit_code, "no plain file" in result.stderr) == (2, True)
+
+    def broken(*_: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("tactile.sources.convert.write_csv", broken)
+    monkeypatch.setitem(__import__("tactile.sources.convert", fromlist=["x"]).WRITERS, ".csv", broken)
+    before = (tmp_path / "r.csv").read_bytes()
+    refused(call("convert", kept, tmp_path / "r.csv", "--overwrite"), "No space left", tmp_path / "r.csv", before)
