@@ -4,16 +4,28 @@ from pathlib import Path
 
 import click
 
-from cnnsim.support.command_line import examples
+from cnnsim.support.command_line import examples, watched
 from tactile.cli.options import FILE
 
 
-@click.command(epilog=examples("tactile convert hand.mcap hand.csv", "tactile convert grasp.npz grasp.mcap"))
+@click.command(
+    epilog=examples(
+        "tactile convert hand.mcap hand.csv", "tactile convert grasp.npz grasp.mcap",
+        "tactile convert examples/scenes/grip.toml grip.npz",
+    )
+)  # fmt: skip
 @click.argument("source", type=FILE)
 @click.argument("target", type=FILE)
 @click.option("--overwrite", is_flag=True, help="Replace TARGET if there is one.")
 def convert(source: Path, target: Path, overwrite: bool) -> None:
-    """Write the frames of SOURCE (.mcap, .npz, .csv, .bag, .toml) as TARGET (.csv, .npz, .parquet, .mcap)."""
+    """Write the frames of SOURCE as TARGET (.csv, .npz, .parquet, .mcap), to the last bit.
+
+    SOURCE is what `tactile run` takes: a recording (.mcap, .npz, .csv, .parquet), a ROS bag (.bag, .db3 or a folder)
+    or a scene (.toml). What TARGET cannot hold is said on stderr.
+    """
     from tactile.sources.convert import convert as write  # only here
 
-    click.echo(f"wrote {write(source, target, overwrite)} frames to {target}")
+    done = write(source, target, overwrite, lambda frames, total: watched(frames, "frames", total))
+    for note in done.notes:
+        click.echo(note, err=True)
+    click.echo(f"wrote {done.frames} frames to {target}")

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cnnsim import backends
+from cnnsim import InputError, backends
 from cnnsim.support.command_line import examples, print_json, watched
 from tactile.calibration.gains import Gains
 from tactile.cli.options import check_thresholds
 from tactile.core.frame import TaxelArray
-from tactile.core.source import FrameStream
+from tactile.core.source import FrameStream, provenance
 from tactile.settings import PipelineOptions, Settings
 from tactile.sources import open_source
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from tactile.simulator.bump_cover import Bumps
 
 TARE = 100
-"""Frames averaged away at the start of a recording unless the user says otherwise; simulated frames have no offset."""
+"""Frames averaged away at the start of a device's readings unless the user says otherwise; others have no offset."""
 
 
 @click.command(
@@ -38,7 +38,7 @@ TARE = 100
 @click.option("--sign-code", is_flag=True, help="The paper's code: the bare signs, no dead band.")
 @click.option("--window", type=int, default=128, show_default=True, help="Frames a texture figure averages.")
 @click.option("--floor", type=float, help="Normal signal below which texture figures are not valid.")
-@click.option("--tare", type=int, help=f"Unloaded frames at the start to average away [{TARE} for .npz, else 0].")
+@click.option("--tare", type=int, help=f"Unloaded frames at the start to average away [{TARE} for a device's, else 0].")
 @click.option("--gains", help="SHEAR,NORMAL: factors from readings to strain, stress or force (eq. 15).")
 @click.option("--calibration", type=click.Path(path_type=Path), help="Gains, depth and correction of a skin.")
 @click.option("--backend", type=click.Choice(backends.NAMES), default="cpu", show_default=True)
@@ -47,7 +47,10 @@ def run(
     source: Path, output: Path | None, tare: int | None, gains: str | None, calibration: Path | None, as_json: bool,
     **chosen: Any,
 ) -> None:  # fmt: skip
-    """Run SOURCE, a scene (.toml) or a recording (.npz, .csv, .mcap), through the pipeline."""
+    """Run SOURCE through the pipeline.
+
+    SOURCE is a scene (.toml), a recording (.npz, .csv, .parquet, .mcap) or a ROS bag (.bag, .db3 or a folder).
+    """
     from tactile import pipeline  # the machine is loaded only when it runs
     from tactile.output.collected import Collected  # the same
     from tactile.output.json_data import run_data  # the same
@@ -58,7 +61,13 @@ def run(
     check_thresholds(chosen)
     if calibration is not None and gains is not None:
         raise click.UsageError("--calibration has gains; leave out --gains")
-    offset = tare if tare is not None else (TARE if source.suffix == ".npz" else 0)
+    known = provenance(frames)
+    if known.uncalibrated and calibration is None and gains is None:
+        raise InputError(
+            f"{source}: finger {known.uncalibrated[0]!r}: readings in the unit of the wire, which is no quantity;"
+            " --gains SHEAR,NORMAL or --calibration FILE wanted"
+        )
+    offset = tare if tare is not None else (TARE if known.untared else 0)
     skin = None
     if calibration is not None:
         from tactile.calibration.file import load_calibration  # SciPy's splines are slow to import

@@ -22,7 +22,8 @@ class TaxelArray:
     surface (unused for force sensors); ``origin`` [m], the (x, y) of the array's centre.
 
     Raises:
-        InputError: an empty array, a pitch that is not positive, a negative depth, an unknown quantity.
+        InputError: a name with control characters, an empty array, a pitch that is not positive, a negative depth, an
+            unknown quantity.
     """
 
     name: str
@@ -34,6 +35,8 @@ class TaxelArray:
     quantity: Quantity = "strain"
 
     def __post_init__(self) -> None:
+        if not self.name.isprintable():
+            raise InputError(f"taxel array {self.name!r}: a name of printable characters wanted")
         if self.rows < 1 or self.cols < 1:
             raise InputError(f"taxel array {self.name!r}: {self.rows} x {self.cols} taxels, at least 1 x 1 wanted")
         if not (np.isfinite(self.pitch) and self.pitch > 0):

@@ -1,7 +1,7 @@
 """Sources of frames: what live, recorded and simulated ones have in common, and one of given frames."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from tactile.core.frame import Frame, TaxelArray
@@ -27,6 +27,28 @@ class Source(Protocol):
 
 
 @dataclass(frozen=True)
+class Provenance:
+    """Where a source's frames come from, which conversions keep.
+
+    ``untared``: the readings have the offsets of a device, so that a tare is wanted; ``uncalibrated``: names of the
+    fingers whose readings are in the unit of the wire and not in that of their array's quantity; ``start_ns``: the
+    time since 1970 [ns] from which ``Frame.t`` counts, None where nobody knows; ``description``: the text of the
+    device's array description, empty without one.
+    """
+
+    untared: bool = False
+    uncalibrated: tuple[str, ...] = ()
+    start_ns: int | None = None
+    description: str = ""
+
+
+def provenance(source: Source) -> Provenance:
+    """Return where a source's frames come from; sources of one's own need not say it."""
+    said = getattr(source, "provenance", None)
+    return said if isinstance(said, Provenance) else Provenance()
+
+
+@dataclass(frozen=True)
 class FrameStream:
     """A source of given frames, as often as ``stream`` can be gone through; the others as in ``Source``."""
 
@@ -34,7 +56,8 @@ class FrameStream:
     arrays: tuple[TaxelArray, ...]
     modulus: float | None
     frames: int | None
-    stream: Iterable[Frame]
+    stream: Iterable[Frame] = field(repr=False)
+    provenance: Provenance = field(default_factory=Provenance, repr=False)
 
     def __iter__(self) -> Iterator[Frame]:
         return iter(self.stream)

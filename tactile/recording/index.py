@@ -1,5 +1,6 @@
 """Recordings made of other files: compressed copies of recordings, and frames that never were on a wire."""
 
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -7,10 +8,12 @@ from mcap.records import Attachment, Channel, Message, Metadata, Schema
 from mcap.writer import CompressionType, Writer
 
 from tactile.core.epoch import Epoch
-from tactile.core.source import Source
-from tactile.recording.reader import open_recording
+from tactile.core.header import header_text
+from tactile.core.source import Source, provenance
+from tactile.recording.reader import FRAMES, open_recording
 from tactile.recording.records import records
 from tactile.recording.writer import Recording
+from tactile.wire.description_file import parse_description
 from tactile.wire.packets import emulated_description
 
 
@@ -51,16 +54,25 @@ def _described(source: Path, writer: Writer) -> dict[int, int]:
 
 
 def write_frames(path: Path, source: Source) -> None:
-    """Write frames that never were on a wire; their array description is made up for the native format.
+    """Write frames without bytes of a wire, with the header of `tactile.core.header` as ``frames`` of the metadata.
+
+    Without an array description of the source's own, one is made up for the native format.
 
     Raises:
         InputError: something of that name is there.
         OSError: it cannot be written.
     """
-    description = emulated_description("native", source)
-    recording = Recording(path, description, {"made_from": source.title}, Epoch.now(), compressed=True)
+    known, epoch = provenance(source), Epoch.now()
+    if known.start_ns is not None:
+        epoch = replace(epoch, unix=known.start_ns)
+    if known.description:
+        description = parse_description(known.description, "array description")
+    else:
+        description = emulated_description("native", source)
+    origin = {"made_from": source.title, FRAMES: header_text(source)}
+    recording = Recording(path, description, origin, epoch, compressed=True)
     for frame in source:
-        recording.frame(frame, round(frame.t * 1e9))
+        recording.frame(frame, max(0, round(frame.t * 1e9)))
         recording.push()
     recording.close({})
     if recording.failed:

@@ -5,19 +5,24 @@ import struct
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from mcap.records import Attachment, Channel, Message, Metadata
 
 from cnnsim.support import InputError
-from tactile.core.frame import Frame, TaxelArray
+from tactile.core.frame import Frame
+from tactile.core.header import Header, read_header
+from tactile.core.source import Provenance
 from tactile.recording import schema
 from tactile.recording.records import Closed, Damage, records
 from tactile.wire.description import Description
 from tactile.wire.description_file import parse_description
 from tactile.wire.source import DAMAGED, Chunk, WireSource
+
+FRAMES = "frames"
+"""The entry of the metadata with the header of frames that were not on a wire."""
 
 
 @dataclass
@@ -91,7 +96,11 @@ class Recorded:
 
     def source(self) -> "WireSource | StoredSource":
         """Return the frames before their tare as a ``Source``: decoded anew from the bytes where there are any."""
-        return WireSource(self.description, self.chunks()) if self.has_wire else StoredSource(self)
+        if not self.has_wire:
+            return StoredSource(self)
+        source = WireSource(self.description, self.chunks())
+        source.provenance = replace(source.provenance, start_ns=self.start)
+        return source
 
     def _topic(self, record: Any) -> str:
         """Return the topic of a message, nothing for other records and where nothing describes its channel."""
@@ -103,9 +112,15 @@ class StoredSource:
 
     def __init__(self, recorded: Recorded) -> None:
         self._recorded = recorded
-        self.title = recorded.description.title
-        self.arrays: tuple[TaxelArray, ...] = recorded.description.arrays
-        self.modulus, self.frames = recorded.description.modulus, None
+        description = recorded.description
+        header = Header(description.title, description.modulus, description.arrays, Provenance())
+        if FRAMES in recorded.made:
+            header = read_header(recorded.made[FRAMES], str(recorded.path), "metadata frames")
+        self.title, self.modulus, self.arrays, self.provenance = header
+        self.frames: int | None = sum(n for topic, n in recorded.messages.items() if topic.startswith("/frames/"))
+
+    def __repr__(self) -> str:
+        return f"StoredSource({self.title!r}, {len(self.arrays)} fingers, {self.frames} frames)"
 
     def __iter__(self) -> Iterator[Frame]:
         return self._recorded.stored_frames()

@@ -7,28 +7,61 @@ from cnnsim.support import InputError
 from tactile.core.source import Source
 from tactile.wire.extras import need
 
+KINDS = (".toml", ".npz", ".csv", ".parquet", ".mcap", ".bag", ".db3")
+"""Suffixes of what can be opened; the folder of a ROS 2 bag can, too."""
+
 
 def open_source(path: Path | str) -> Source:
-    """Return the source that a file is: a scene (.toml) or a recording (.npz, .csv, .mcap).
+    """Return the source that a file is: a scene (.toml), a recording (.npz, .csv, .parquet, .mcap) or a ROS bag.
+
+    A ROS bag is a .bag file, a .db3 file or the folder of a ROS 2 bag.
 
     Raises:
         InputError: the file is missing, of no known kind, or wrong inside.
     """
-    from tactile.simulator.scene.file import read_scene  # only with a source are these wanted
-    from tactile.sources.replay_csv import read_csv  # the same
-    from tactile.sources.replay_npz import read_npz  # the same
-
     path = Path(path)
-    if not path.is_file():
+    suffix = ".bag" if path.is_dir() else path.suffix.lower()
+    if not path.exists():
         raise InputError(f"no scene or recording {path}")
-    if path.suffix.lower() == ".toml":
-        return read_scene(path)
-    readers: dict[str, Callable[[Path], Source]] = {".csv": read_csv, ".npz": read_npz, ".mcap": _read_mcap}
-    if path.suffix.lower() not in readers:
-        raise InputError(f"{path}: suffix {path.suffix!r}, a recording in {' or '.join(readers)} wanted")
-    return readers[path.suffix.lower()](path)
+    if suffix not in KINDS:
+        raise InputError(f"{path}: suffix {path.suffix!r}, a scene or recording in {', '.join(KINDS)} wanted")
+    return _READERS[suffix](path)
+
+
+def _read_scene(path: Path) -> Source:
+    from tactile.simulator.scene.file import read_scene  # only with a source is it wanted
+
+    return read_scene(path)
+
+
+def _read_csv(path: Path) -> Source:
+    from tactile.sources.replay_csv import read_csv  # only with a source is it wanted
+
+    return read_csv(path)
+
+
+def _read_npz(path: Path) -> Source:
+    from tactile.sources.replay_npz import read_npz  # only with a source is it wanted
+
+    return read_npz(path)
+
+
+def _read_parquet(path: Path) -> Source:
+    source: Source = need("tactile.sources.replay_parquet", "a Parquet file").read_parquet(path)
+    return source
 
 
 def _read_mcap(path: Path) -> Source:
     source: Source = need("tactile.recording.reader", "an MCAP recording").open_recording(path).source()
     return source
+
+
+def _read_bag(path: Path) -> Source:
+    source: Source = need("tactile.sources.replay_rosbag", "a ROS bag").read_bag(path)
+    return source
+
+
+_READERS: dict[str, Callable[[Path], Source]] = {
+    ".toml": _read_scene, ".npz": _read_npz, ".csv": _read_csv, ".parquet": _read_parquet, ".mcap": _read_mcap,
+    ".bag": _read_bag, ".db3": _read_bag,
+}  # fmt: skip

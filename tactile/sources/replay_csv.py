@@ -1,18 +1,12 @@
 """Frames in a CSV file that people and spreadsheets can read: one line, one frame of one finger.
 
-The file begins with a header of comment lines that together are TOML, in SI units:
+The file begins with the header of `tactile.core.header` as comment lines:
 
     # tactile_recording = 1
     # title = "grip"
-    # youngs_modulus_pa = 2400000.0          (left out where it is not known)
     # [[finger]]
     # name = "left"
-    # rows = 2
-    # cols = 2
-    # pitch_m = 0.0015
-    # depth_m = 0.0015
-    # origin_m = [0.0, 0.0]
-    # quantity = "strain"                    (strain, stress or force)
+    # ...
 
 Then a line of column names and the frames, ordered in time:
 
@@ -23,21 +17,16 @@ empty or NaN cell makes the taxel invalid; ``t_device_s`` is empty where the dev
 """
 
 import csv
-import json
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
 from cnnsim.support import InputError
-from cnnsim.support.toml_file import check_keys, parse_toml, take, take_tables
-from tactile.core.array_table import take_array
 from tactile.core.frame import Frame, TaxelArray
+from tactile.core.header import header_text, read_header
 from tactile.core.source import FrameStream, Source
 
 FIXED_COLUMNS = ("t_s", "t_device_s", "finger", "sequence")
-HEADER_KEYS = ("tactile_recording", "title", "youngs_modulus_pa", "finger")
-FINGER_KEYS = ("name", "rows", "cols", "pitch_m", "depth_m", "origin_m", "quantity")
 
 
 def read_csv(path: Path) -> FrameStream:
@@ -52,7 +41,8 @@ def read_csv(path: Path) -> FrameStream:
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: cannot be read as a CSV recording: {error}") from error
     head = next((n for n, line in enumerate(lines) if not line.startswith("#")), len(lines))
-    title, modulus, arrays = _read_header("\n".join(line[1:].lstrip() for line in lines[:head]), str(path))
+    header = "\n".join(line[1:].lstrip() for line in lines[:head])
+    title, modulus, arrays, known = read_header(header, str(path), "the comment lines at the top")
     wanted = _columns(arrays)
     rows = csv.reader(lines[head:])
     if next(rows, None) != wanted:
@@ -67,7 +57,7 @@ def read_csv(path: Path) -> FrameStream:
         frames.append(frame)
     if not frames:
         raise InputError(f"{path}: no frames after the column names, at least one wanted")
-    return FrameStream(title, arrays, modulus, len(frames), frames)
+    return FrameStream(title, arrays, modulus, len(frames), frames, known)
 
 
 def write_csv(path: Path, source: Source) -> None:
@@ -79,11 +69,10 @@ def write_csv(path: Path, source: Source) -> None:
         InputError: two fingers have one name, or the file cannot be written.
     """
     names = [array.name for array in source.arrays]
-    if len(set(names)) < len(names):
-        raise InputError(f"fingers {names}: each needs a name of its own to be written")
+    header = header_text(source).rstrip("\n").split("\n")
     try:
         with path.open("w", encoding="utf-8", newline="") as file:
-            file.writelines(f"# {line}\n" for line in _header(source))
+            file.writelines(f"# {line}\n" for line in header)
             out = csv.writer(file, lineterminator="\n")
             out.writerow(_columns(source.arrays))
             for frame in source:
@@ -101,40 +90,6 @@ def _columns(arrays: tuple[TaxelArray, ...]) -> list[str]:
 
 def _cell(value: float) -> str:
     return "" if np.isnan(value) else repr(value)
-
-
-def _header(source: Source) -> Iterator[str]:
-    yield "tactile_recording = 1"
-    yield f"title = {json.dumps(source.title, ensure_ascii=False)}"
-    if source.modulus is not None:
-        yield f"youngs_modulus_pa = {float(source.modulus)!r}"
-    for array in source.arrays:
-        yield "[[finger]]"
-        yield f"name = {json.dumps(array.name, ensure_ascii=False)}"
-        yield f"rows = {array.rows}"
-        yield f"cols = {array.cols}"
-        yield f"pitch_m = {float(array.pitch)!r}"
-        yield f"depth_m = {float(array.depth)!r}"
-        yield f"origin_m = [{float(array.origin[0])!r}, {float(array.origin[1])!r}]"
-        yield f'quantity = "{array.quantity}"'
-
-
-def _read_header(text: str, where: str) -> tuple[str, float | None, tuple[TaxelArray, ...]]:
-    table = parse_toml(text, f"{where}: the comment lines at the top")
-    check_keys(table, HEADER_KEYS, where)
-    version = take(table, "tactile_recording", int, where)
-    if version != 1:
-        raise InputError(f"{where}: tactile_recording = {version}, 1 wanted")
-    modulus = take(table, "youngs_modulus_pa", float, where) if "youngs_modulus_pa" in table else None
-    arrays = []
-    for number, finger in enumerate(take_tables(table, "finger", where), 1):
-        place = f"{where}: finger {number}"
-        check_keys(finger, FINGER_KEYS, place)
-        arrays.append(take_array(finger, "m", place))
-    if not arrays or len({array.name for array in arrays}) < len(arrays):
-        names = [array.name for array in arrays]
-        raise InputError(f"{where}: fingers {names}, at least one [[finger]] and no name twice wanted")
-    return take(table, "title", str, where, ""), modulus, tuple(arrays)
 
 
 def _read_frame(row: list[str], arrays: tuple[TaxelArray, ...], where: str) -> Frame:

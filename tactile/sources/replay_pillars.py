@@ -1,8 +1,7 @@
-"""Recordings of PapillArray sensors in NPZ files: forces of pillars, with host and device stamps."""
+"""Recordings of PapillArray sensors in NPZ files without a header: forces of pillars, host and device stamps."""
 
 import math
 import re
-import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,14 +10,19 @@ import numpy as np
 
 from cnnsim.support import Floats, InputError, Integers
 from tactile.core.frame import Frame, TaxelArray
+from tactile.core.source import Provenance
 
 PILLAR_PITCH = 7e-3
 """Distance of neighbouring pillars of a PapillArray [m]: nominal, the files do not say it."""
+STAMPS = ("t_ns", "seq", "tus")
 
 
 @dataclass(frozen=True)
-class NpzReplay:
-    """A recording read from NPZ, as a ``Source`` of force frames; times count from the earliest host stamp."""
+class PillarReplay:
+    """A recording of pillars, as a ``Source`` of force frames; times count from the earliest host stamp.
+
+    ``others``: names of the file's arrays that are left alone.
+    """
 
     title: str
     arrays: tuple[TaxelArray, ...]
@@ -26,12 +30,18 @@ class NpzReplay:
     host_ns: tuple[Integers, ...]
     sequence: tuple[Integers, ...]
     device_us: tuple[Integers, ...]
+    others: tuple[str, ...] = ()
     modulus: None = None
 
     @property
     def frames(self) -> int:
         """Number of frames over all sensors."""
         return sum(stamps.size for stamps in self.host_ns)
+
+    @property
+    def provenance(self) -> Provenance:
+        """A device's readings, with its offsets."""
+        return Provenance(untared=True, start_ns=min(int(stamps.min()) for stamps in self.host_ns))
 
     def __iter__(self) -> Iterator[Frame]:
         stamps = np.concatenate(self.host_ns)
@@ -51,7 +61,7 @@ class NpzReplay:
             )
 
 
-def read_npz(path: Path) -> NpzReplay:
+def read_pillars(file: "np.lib.npyio.NpzFile", path: Path) -> PillarReplay:
     """Read a recording of one or more sensors s0, s1, ...
 
     Of every sensor: ``s0_force`` (T, pillars, 3) [N], last axis x, y, z with z positive when pressed, the pillars
@@ -59,31 +69,26 @@ def read_npz(path: Path) -> NpzReplay:
     Other arrays in the file are left alone.
 
     Raises:
-        InputError: no such file, no NPZ file, no sensor in it, a missing array or one of the wrong shape.
+        InputError: no sensor in it, a missing array or one of the wrong shape.
     """
-    try:
-        # opened here, since NumPy leaves a file open that turns out to be no archive
-        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
-            found = sorted(int(m[1]) for name in file.files if (m := re.fullmatch(r"s(\d+)_force", name)))
-            if not found:
-                names = ", ".join(file.files) or "nothing"
-                raise InputError(f"{path}: holds {names}; s0_force, s0_t_ns, s0_seq, s0_tus wanted")
-            sensors = [_read_sensor(file, f"s{number}", str(path)) for number in found]
-    except InputError:
-        raise
-    except (OSError, ValueError, AttributeError, zipfile.BadZipFile) as error:
-        raise InputError(f"{path}: cannot be read as an NPZ recording: {error}") from error
+    found = sorted(int(m[1]) for name in file.files if (m := re.fullmatch(r"s(\d+)_force", name)))
+    if not found:
+        names = ", ".join(file.files) or "nothing"
+        raise InputError(f"{path}: holds {names}; s0_force, s0_t_ns, s0_seq, s0_tus wanted")
+    sensors = [_read_sensor(file, f"s{number}", str(path)) for number in found]
     arrays = tuple(
         TaxelArray(f"sensor {number}", force.shape[1], force.shape[2], PILLAR_PITCH, 0.0, quantity="force")
         for number, (force, *_) in zip(found, sensors, strict=True)
     )
     force, host, sequence, device = zip(*sensors, strict=True)
-    return NpzReplay(path.stem, arrays, force, host, sequence, device)
+    read = {f"s{number}_{name}" for number in found for name in ("force", *STAMPS)}
+    others = tuple(name for name in file.files if name not in read)
+    return PillarReplay(path.stem, arrays, force, host, sequence, device, others)
 
 
 def _read_sensor(file: "np.lib.npyio.NpzFile", name: str, where: str) -> tuple[Floats, Integers, Integers, Integers]:
     """Return (T, side, side, 3) forces, host stamps, sequence numbers, device stamps."""
-    for wanted in ("t_ns", "seq", "tus"):
+    for wanted in STAMPS:
         if f"{name}_{wanted}" not in file.files:
             raise InputError(f"{where}: array {name}_{wanted} is missing beside {name}_force")
     force = np.asarray(file[f"{name}_force"], dtype=np.float64)
@@ -93,7 +98,7 @@ def _read_sensor(file: "np.lib.npyio.NpzFile", name: str, where: str) -> tuple[F
     if side == 0 or side * side != force.shape[1]:
         raise InputError(f"{where}: {name}_force has {force.shape[1]} pillars, a square number wanted")
     stamps = []
-    for wanted in ("t_ns", "seq", "tus"):
+    for wanted in STAMPS:
         values = file[f"{name}_{wanted}"]
         if values.shape != force.shape[:1] or not np.issubdtype(values.dtype, np.integer):
             raise InputError(

@@ -17,20 +17,31 @@ from rosbags.typesys import Stores, get_typestore
 
 from cnnsim.support import InputError
 from tactile.core.frame import Frame, TaxelArray
-from tactile.sources.replay_npz import PILLAR_PITCH
+from tactile.core.source import Provenance
+from tactile.sources.replay_pillars import PILLAR_PITCH
 
 KIND = "SensorState"
 
 
 @dataclass(frozen=True)
 class BagReplay:
-    """The sensors of a bag, as a ``Source`` of force frames, read again each time."""
+    """The sensors of a bag, as a ``Source`` of force frames, read again each time.
+
+    ``others``: what the bag holds besides, in words; ``start_ns``: time of its first frame since 1970 [ns].
+    """
 
     path: Path
     topics: tuple[str, ...]
     arrays: tuple[TaxelArray, ...]
     frames: int
+    others: tuple[str, ...] = ()
+    start_ns: int | None = None
     modulus: None = None
+
+    @property
+    def provenance(self) -> Provenance:
+        """A device's readings, with its offsets."""
+        return Provenance(untared=True, start_ns=self.start_ns)
 
     @property
     def title(self) -> str:
@@ -61,19 +72,24 @@ def read_bag(path: Path) -> BagReplay:
         with _reader(folder) as bag:
             found = [c for c in bag.connections if c.msgtype.endswith(f"/{KIND}") and c.msgcount]
             kinds = sorted({c.msgtype for c in bag.connections})
+            every = {c.topic for c in bag.connections}
     except (AnyReaderError, OSError) as error:
         raise InputError(f"{path}: cannot be read as a ROS bag: {error}") from error
     if not found:
         raise InputError(f"{path}: messages of {', '.join(kinds) or 'no kind'}; {KIND} with pillars wanted")
     topics = tuple(sorted({connection.topic for connection in found}))
-    arrays = []
+    arrays, starts, others = [], [], sorted(f"topic {one}" for one in every - set(topics))
     for topic in topics:
-        _, _, message = next(_messages(folder, (topic,)))
+        _, stamp, message = next(_messages(folder, (topic,)))
+        starts.append(stamp)
+        fields = sorted({*vars(message)} - {"tus", "pillars"})
+        others += [f"{topic} {name}" for name in fields if not name.startswith("_")]
         side = math.isqrt(len(message.pillars))
         if side == 0 or side * side != len(message.pillars):
             raise InputError(f"{path}: topic {topic} has {len(message.pillars)} pillars, a square number wanted")
         arrays.append(TaxelArray(topic.strip("/"), side, side, PILLAR_PITCH, 0.0, quantity="force"))
-    return BagReplay(folder, topics, tuple(arrays), sum(connection.msgcount for connection in found))
+    count = sum(connection.msgcount for connection in found)
+    return BagReplay(folder, topics, tuple(arrays), count, tuple(others), min(starts))
 
 
 def _reader(path: Path) -> AnyReader:

@@ -45,15 +45,20 @@ class Description:
         """The fingers' arrays."""
         return tuple(board.array for board in self.boards)
 
+    @property
+    def uncalibrated(self) -> tuple[str, ...]:
+        """Names of the fingers whose readings are in the unit of the wire, which is no quantity's."""
+        raw = not self.wire.calibrated(self.options)
+        return tuple(board.array.name for board in self.boards if raw and board.gains is None)
+
     def check_calibrated(self) -> None:
         """Refuse to interpret readings whose unit is no quantity.
 
         Raises:
             InputError: a board in microtesla without gains.
         """
-        for board in self.boards:
-            if board.gains is None and not self.wire.calibrated(self.options):
-                raise InputError(
-                    f"finger {board.array.name!r}: {self.wire.name} sends microtesla; gains = [shear, normal] per uT"
-                    " wanted in the array description (record and convert work without them)"
-                )
+        for name in self.uncalibrated:
+            raise InputError(
+                f"finger {name!r}: {self.wire.name} sends microtesla; gains = [shear, normal] per uT"
+                " wanted in the array description (record and convert work without them)"
+            )

@@ -102,7 +102,8 @@ def write_description(top: dict[str, Any], fingers: Iterable[dict[str, Any]]) ->
 
 
 def _toml(value: Any) -> str:
-    return json.dumps(value, ensure_ascii=False)  # texts, numbers, true, false and lists look alike in both
+    # texts, numbers, true, false and lists look alike in both, but for a bare DEL, which TOML does not take
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")
 
 
 def _board(table: dict[str, Any], wire: Format, where: str) -> Board:

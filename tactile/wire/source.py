@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from tactile.calibration.gains import Gains
 from tactile.calibration.live_tare import LiveTare, TareNote
 from tactile.core.frame import Frame, TaxelArray
+from tactile.core.source import Provenance
 from tactile.wire.arrange import Arrange
 from tactile.wire.base import Counts, Reading
 from tactile.wire.clock import ClockLine
@@ -39,6 +40,7 @@ class WireSource:
         see: Callable[[Frame], None] | None = None,
     ) -> None:
         self.title, self.arrays, self.modulus = description.title, description.arrays, description.modulus
+        self.provenance = Provenance(True, description.uncalibrated, None, description.text)
         self.frames: int | None = None
         self.arrival = 0
         self.clock = ClockLine()

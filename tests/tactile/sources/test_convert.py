@@ -1,16 +1,29 @@
 """Conversion of recordings into other forms and back."""
 
+import json
+from dataclasses import replace
+from itertools import permutations
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from mcap.reader import make_reader
 
 from cnnsim.support import InputError
+from tactile.core.epoch import Epoch
+from tactile.core.frame import Frame, TaxelArray
+from tactile.core.source import FrameStream, Provenance, provenance
 from tactile.recording.reader import open_recording
+from tactile.recording.writer import Recording
 from tactile.sources import open_source
-from tactile.sources.convert import convert, open_any
+from tactile.sources.convert import WRITERS, convert
 from tactile.sources.replay_csv import write_csv
+from tactile.wire.description_file import parse_description
+from tactile.wire.packets import packets
+from tactile.wire.source import Chunk
 from tests.kits.serial import GRIP, call, grip
 from tests.tactile.recording.test_reader import recorded, same
 from tests.tactile.sources.test_replay import pillars
@@ -21,35 +34,169 @@ def test_conversions(tmp_path: Path) -> None:
     frames = list(open_recording(tmp_path / "r.mcap").source())
     for name in ("r.csv", "indexed.mcap", "r.npz", "r.parquet"):
         result = call("convert", tmp_path / "r.mcap", tmp_path / name)
-        assert (result.exit_code, result.output) == (0, f"wrote 200 frames to {tmp_path / name}\n")
-    same(list(open_source(tmp_path / "r.csv")), frames)
-    same(list(open_any(tmp_path / "indexed.mcap")), frames)
+        assert (result.exit_code, result.stdout) == (0, f"wrote 200 frames to {tmp_path / name}\n")
+        left = "100 messages of /wire, 1 messages of /port, 2 messages of /log, 1 messages of /tare"
+        assert result.stderr == ("" if name == "indexed.mcap" else f"stays in {tmp_path / 'r.mcap'}: {left}\n")
+        same(list(open_source(tmp_path / name)), frames)
     with (tmp_path / "indexed.mcap").open("rb") as file:
         summary = make_reader(file).get_summary()
     assert summary is not None
     assert summary.chunk_indexes
     with np.load(tmp_path / "r.npz") as file:
-        assert file["s0_strain"].shape == (100, 4, 3)
-        assert file["s1_seq"].tolist() == list(range(100))
-        assert file["s0_tus"][:3].tolist() == [0, 5000, 10000]
+        assert file["s0_values"].shape == (100, 2, 2, 3)
+        assert file["s1_sequence"].tolist() == list(range(100))
+        assert file["s0_t_device_s"][:3].tolist() == [0, 0.005, 0.01]
     parquet = pytest.importorskip("pyarrow.parquet")
     table = parquet.read_table(tmp_path / "r.parquet").to_pylist()
     assert [row["finger"] for row in table[:3]] == ["left", "right", "left"]
     assert np.array_equal(table[7]["values"], frames[7].values.ravel())
 
 
+FORMS = (".csv", ".npz", ".parquet", ".mcap")
+NAMES = st.lists(st.text(max_size=8).filter(str.isprintable), min_size=1, max_size=3, unique=True)
+LENGTHS = st.floats(1e-9, 1e3)
+NUMBERS = st.floats(width=64)
+
+
+@st.composite
+def streams(draw: st.DrawFn) -> FrameStream:
+    """Any arrays and frames: hard names, numbers and flags, fingers without frames, clocks that are not there."""
+    arrays = tuple(
+        TaxelArray(
+            name, draw(st.integers(1, 2)), draw(st.integers(1, 3)), draw(LENGTHS), draw(LENGTHS),
+            (draw(st.floats(-1, 1)), draw(st.floats(-1, 1))), draw(st.sampled_from(("strain", "stress", "force"))),
+        )
+        for name in draw(NAMES)
+    )  # fmt: skip
+    times = sorted(draw(st.lists(st.floats(0, 1e6), min_size=1, max_size=4)))
+    frames = []
+    for t in times:
+        finger = draw(st.integers(0, len(arrays) - 1))
+        rows, cols = arrays[finger].shape
+        count = rows * cols
+        values = np.array(draw(st.lists(NUMBERS, min_size=3 * count, max_size=3 * count))).reshape(rows, cols, 3)
+        valid = np.array(draw(st.lists(st.booleans(), min_size=count, max_size=count))).reshape(rows, cols)
+        device = draw(st.one_of(st.just(float("nan")), st.floats(0, 1e9)))
+        frames.append(Frame(finger, t, draw(st.integers(-(2**63), 2**63 - 1)), values, valid, device))
+    raw = tuple(array.name for array in arrays if draw(st.booleans()))
+    start = draw(st.one_of(st.none(), st.integers(0, 2**62)))
+    known = Provenance(draw(st.booleans()), raw, start)
+    modulus = draw(st.one_of(st.none(), LENGTHS))
+    return FrameStream(draw(st.text(max_size=12)), arrays, modulus, len(frames), frames, known)
+
+
+def through_csv(frame: Frame) -> Frame:
+    values = np.where(frame.valid[..., None], frame.values, np.nan)
+    return replace(frame, values=values, valid=np.isfinite(values).all(-1))
+
+
+@given(streams())
+@settings(max_examples=6, deadline=None)
+def test_every_pair_of_forms_is_a_round_trip(source: FrameStream) -> None:
+    with TemporaryDirectory() as folder:
+        for first, second in permutations(FORMS, 2):
+            one, other = Path(folder) / f"a{first}", Path(folder) / f"b{second}"
+            WRITERS[first](one, source)
+            told = convert(one, other)
+            back = open_source(other)
+            assert told.frames == source.frames
+            assert (back.title, back.arrays, back.modulus) == (source.title, source.arrays, source.modulus)
+            assert provenance(back) == source.provenance
+            wanted = [through_csv(frame) if ".csv" in (first, second) else frame for frame in source]
+            for a, b in zip(wanted, back, strict=True):
+                assert (a.finger, a.t, a.sequence) == (b.finger, b.t, b.sequence)
+                assert np.array_equal(a.t_device, b.t_device, equal_nan=True)
+                assert np.array_equal(a.values, b.values, equal_nan=True)
+                assert np.array_equal(np.signbit(a.values[a.valid]), np.signbit(b.values[a.valid]))
+                assert np.array_equal(a.valid, b.valid)
+            lost = any((frame.valid != through_csv(frame).valid).any() for frame in source)
+            assert not lost or second != ".csv" or first == ".csv" or "not in" in " ".join(told.notes)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_what_a_device_is_survives(tmp_path: Path, form: str) -> None:
+    """Pitch, names, gains, cells and the unit of readings that nobody has calibrated."""
+    text = """title = "t"
+protocol = "reskin"
+[[finger]]
+name = "thumb"
+rows = 3
+cols = 3
+pitch_mm = 5.0
+depth_mm = 2.0
+quantity = "force"
+cells = [[-1, 1, -1], [4, 0, 2], [-1, 3, -1]]
+"""
+    described = parse_description(text, "here")
+    recording = Recording(tmp_path / "r.mcap", described, {}, Epoch.now())
+    stream = replace(grip(0.05, 1), arrays=(replace(described.arrays[0], quantity="strain"),))
+    for t, data in packets(described, stream):
+        recording.chunk(Chunk(round(t * 1e9), data))
+    recording.close({})
+    target = tmp_path / f"made{form}"
+    convert(tmp_path / "r.mcap", target)
+    again = tmp_path / ("again.npz" if form != ".npz" else "again.csv")
+    convert(target, again)
+    for path in (tmp_path / "r.mcap", target, again):
+        source = open_source(path)
+        assert source.arrays == described.arrays
+        known = provenance(source)
+        assert (known.uncalibrated, known.untared, known.description) == (("thumb",), True, text)
+        refused = call("run", path)
+        assert refused.exit_code == 2
+        assert "finger 'thumb': readings in the unit of the wire" in refused.stderr
+    assert len({provenance(open_source(path)).start_ns for path in (tmp_path / "r.mcap", target, again)}) == 1
+
+
+def test_what_is_left_behind_or_supposed_is_said(tmp_path: Path) -> None:
+    held = pillars()
+    held.arrays["s0_flags"] = np.zeros(5)
+    npz = held.save(tmp_path / "run.npz")
+    said = call("convert", npz, tmp_path / "r.csv").stderr
+    assert "neither pitch nor names: 7 mm, nominal" in said
+    assert f"stays in {npz}: s0_flags" in said
+    assert "the loads that it knows to be true" in call("convert", GRIP, tmp_path / "g.parquet").stderr
+    frames = [replace(frame, valid=np.asarray(frame.valid & (frame.sequence != 3))) for frame in grip(0.05, 1)]
+    WRITERS[".npz"](tmp_path / "m.npz", replace_stream(frames))
+    assert "readings of 4 taxels that are not valid" in call("convert", tmp_path / "m.npz", tmp_path / "m.csv").stderr
+
+
+def replace_stream(frames: list[Frame]) -> FrameStream:
+    scene = grip(0.05, 1)
+    return FrameStream(scene.title, scene.arrays, scene.modulus, len(frames), frames)
+
+
+def test_a_conversion_that_fails_leaves_the_target_as_it_was(tmp_path: Path) -> None:
+    (tmp_path / "old.npz").write_text("old")
+    WRITERS[".parquet"](tmp_path / "none.parquet", replace_stream([]))
+    refused = call("convert", tmp_path / "none.parquet", tmp_path / "old.npz", "--overwrite")
+    assert refused.exit_code == 2
+    assert "no frames in it" in refused.stderr
+    assert (tmp_path / "old.npz").read_text() == "old"
+    assert call("convert", GRIP, tmp_path / "x.toml").stderr.count("frames make no scene") == 1
+
+
+def test_a_file_and_its_conversion_run_alike(tmp_path: Path) -> None:
+    """An NPZ made of simulated frames has no offset to tare away."""
+    write_csv(tmp_path / "g.csv", grip(0.9))
+    convert(tmp_path / "g.csv", tmp_path / "g.npz")
+    runs = [json.loads(call("run", tmp_path / name, "--json").stdout)["events"] for name in ("g.csv", "g.npz")]
+    assert len(runs[0]) > 2
+    assert [event | {"latency_s": 0} for event in runs[0]] == [event | {"latency_s": 0} for event in runs[1]]
+
+
 def test_recordings_of_other_kinds_become_mcap_and_come_back(tmp_path: Path) -> None:
     npz = pillars().save(tmp_path / "run.npz")
     for source in (npz, GRIP):
         frames = list(open_source(source))
-        assert convert(source, tmp_path / "r.mcap", overwrite=True) == len(frames)
-        got = list(open_any(tmp_path / "r.mcap"))
+        assert convert(source, tmp_path / "r.mcap", overwrite=True).frames == len(frames)
+        got = list(open_source(tmp_path / "r.mcap"))
         same(got, frames)
     convert(npz, tmp_path / "r.mcap", overwrite=True)
     convert(tmp_path / "r.mcap", tmp_path / "again.npz")
-    same(list(open_any(tmp_path / "again.npz")), [*open_source(npz)])
+    same(list(open_source(tmp_path / "again.npz")), [*open_source(npz)])
     write_csv(tmp_path / "g.csv", grip(0.1))
-    assert convert(tmp_path / "g.csv", tmp_path / "g.mcap") == 40
+    assert convert(tmp_path / "g.csv", tmp_path / "g.mcap").frames == 40
     for wrong, message in (("x.bag2", "one of .csv"), ("run.npz", "is the recording itself")):
         with pytest.raises(InputError, match=message):
             convert(npz, tmp_path / wrong)

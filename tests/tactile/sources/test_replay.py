@@ -111,9 +111,9 @@ def test_csv_without_frames_or_file(tmp_path: Path) -> None:
         read_csv(path)
     with pytest.raises(InputError, match=r"nothing\.csv"):
         open_source(tmp_path / "nothing.csv")
-    with pytest.raises(InputError, match=r"'.bag', a recording in .csv or .npz"):
-        (tmp_path / "r.bag").touch()
-        open_source(tmp_path / "r.bag")
+    with pytest.raises(InputError, match=r"'.xyz', a scene or recording in .toml, .npz, .csv"):
+        (tmp_path / "r.xyz").touch()
+        open_source(tmp_path / "r.xyz")
 
 
 @dataclass

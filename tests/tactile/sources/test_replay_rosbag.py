@@ -7,7 +7,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from cnnsim.support import InputError
-from tactile.sources.convert import open_any
+from tactile.sources import open_source
 
 PILLAR = "float32 fX\nfloat32 fY\nfloat32 fZ\n"
 STATE = "int64 tus\nsensor_interfaces/PillarState[] pillars\n"
@@ -28,7 +28,7 @@ def test_ros_bags_of_pillars(tmp_path: Path) -> None:
             values = [pillar(n + 0.5, -n, k) for k in range(9)]
             data = store.serialize_cdr(state(1000 * n, values), "sensor_interfaces/msg/SensorState")
             bag.write(topics[n % 2], 5_000_000_000 + 1_000_000 * n, data)
-    source = open_any(tmp_path / "bag")
+    source = open_source(tmp_path / "bag")
     frames = list(source)
     assert [array.name for array in source.arrays] == ["hub_0/sensor_0", "hub_0/sensor_1"]
     assert [(frame.finger, frame.sequence) for frame in frames] == [(0, 0), (1, 0), (0, 1), (1, 1), (0, 2), (1, 2)]
@@ -38,4 +38,4 @@ def test_ros_bags_of_pillars(tmp_path: Path) -> None:
     assert source.frames == 6
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match="cannot be read as a ROS bag"):
-        open_any(tmp_path / "empty")
+        open_source(tmp_path / "empty")

@@ -1,0 +1,122 @@
+"""Header of recordings as files of frames: the TOML text that says what their numbers are, in SI units.
+
+CSV has it as comment lines, NPZ as the array ``tactile``, Parquet as metadata, MCAP as a metadata record:
+
+    tactile_recording = 1
+    title = "grip"
+    youngs_modulus_pa = 2400000.0          (left out where it is not known)
+    start_ns = 1700000000000000000         (since 1970, where t counts from; left out where it is not known)
+    untared = true                         (readings have a device's offsets; left out where they have none)
+    array_description = "..."              (text of the device's array description; left out without one)
+    [[finger]]
+    name = "left"
+    rows = 2
+    cols = 2
+    pitch_m = 0.0015
+    depth_m = 0.0015
+    origin_m = [0.0, 0.0]
+    quantity = "strain"                    (strain, stress or force)
+    calibrated = false                     (readings are in the wire's unit; left out where in the quantity's)
+"""
+
+import json
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from cnnsim.support import InputError
+from cnnsim.support.toml_file import check_keys, parse_toml, take, take_tables
+from tactile.core.array_table import take_array
+from tactile.core.frame import TaxelArray
+from tactile.core.source import Provenance, Source, provenance
+
+TOP_KEYS = ("tactile_recording", "title", "youngs_modulus_pa", "start_ns", "untared", "array_description", "finger")
+FINGER_KEYS = ("name", "rows", "cols", "pitch_m", "depth_m", "origin_m", "quantity", "calibrated")
+NEEDED = ("name", "rows", "cols", "pitch_m", "depth_m", "quantity")
+
+
+class Header(NamedTuple):
+    """What a header says: title, modulus [Pa] and arrays as ``Source`` has them, and where the frames come from."""
+
+    title: str
+    modulus: float | None
+    arrays: tuple[TaxelArray, ...]
+    provenance: Provenance
+
+
+def header_text(source: Source) -> str:
+    """Return the header of a source's frames; reading it back gives the same numbers to the last bit.
+
+    Raises:
+        InputError: two fingers have one name.
+    """
+    names = [array.name for array in source.arrays]
+    if len(set(names)) < len(names):
+        raise InputError(f"fingers {names}: each needs a name of its own to be written")
+    return "\n".join(_lines(source)) + "\n"
+
+
+def _lines(source: Source) -> Iterator[str]:
+    known = provenance(source)
+    yield "tactile_recording = 1"
+    yield f"title = {_text(source.title)}"
+    if source.modulus is not None:
+        yield f"youngs_modulus_pa = {float(source.modulus)!r}"
+    if known.start_ns is not None:
+        yield f"start_ns = {known.start_ns}"
+    if known.untared:
+        yield "untared = true"
+    if known.description:
+        yield f"array_description = {_text(known.description)}"
+    for array in source.arrays:
+        yield "[[finger]]"
+        yield f"name = {_text(array.name)}"
+        yield f"rows = {array.rows}"
+        yield f"cols = {array.cols}"
+        yield f"pitch_m = {float(array.pitch)!r}"
+        yield f"depth_m = {float(array.depth)!r}"
+        yield f"origin_m = [{float(array.origin[0])!r}, {float(array.origin[1])!r}]"
+        yield f'quantity = "{array.quantity}"'
+        if array.name in known.uncalibrated:
+            yield "calibrated = false"
+
+
+def read_header(text: str, where: str, place: str = "") -> Header:
+    """Return what a header says; ``where`` names the file in messages, ``place`` the header in it.
+
+    Raises:
+        InputError: no TOML, an unknown or missing key, a wrong value, no finger or two of one name.
+    """
+    table = parse_toml(text, f"{where}: {place}" if place else where)
+    check_keys(table, TOP_KEYS, where, ("tactile_recording",))
+    version = take(table, "tactile_recording", int, where)
+    if version != 1:
+        raise InputError(f"{where}: tactile_recording = {version}, 1 wanted")
+    modulus = take(table, "youngs_modulus_pa", float, where) if "youngs_modulus_pa" in table else None
+    if modulus is not None and modulus <= 0:
+        raise InputError(f"{where}: youngs_modulus_pa = {modulus}, a positive number wanted")
+    arrays, raw = [], []
+    for number, finger in enumerate(take_tables(table, "finger", where), 1):
+        at = f"{where}: finger {number}"
+        check_keys(finger, FINGER_KEYS, at, NEEDED)
+        arrays.append(take_array(finger, "m", at))
+        if not _flag(finger, "calibrated", at, True):
+            raw.append(arrays[-1].name)
+    names = [array.name for array in arrays]
+    if not names or len(set(names)) < len(names):
+        raise InputError(f"{where}: fingers {names}, at least one [[finger]] and no name twice wanted")
+    start = take(table, "start_ns", int, where) if "start_ns" in table else None
+    text = take(table, "array_description", str, where, "")
+    known = Provenance(_flag(table, "untared", where, False), tuple(raw), start, text)
+    return Header(take(table, "title", str, where, ""), modulus, tuple(arrays), known)
+
+
+def _flag(table: dict[str, Any], key: str, where: str, default: bool) -> bool:
+    value = table.get(key, default)
+    if not isinstance(value, bool):
+        raise InputError(f"{where}: {key} = {value!r}, true or false wanted")
+    return value
+
+
+def _text(text: str) -> str:
+    """Return a TOML string: JSON's, which may hold a bare DEL where TOML may not."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")

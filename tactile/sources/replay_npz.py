@@ -1,0 +1,134 @@
+"""Frames in NPZ files: arrays of NumPy with a header that says what they are, or recordings of pillars without one.
+
+``tactile`` is the header, a text as `tactile.core.header` has it. Of every finger, s0, s1, ...: ``s0_values``
+(frames, rows, cols, 3) in the unit of its quantity; ``s0_valid`` (frames, rows, cols); ``s0_t_s`` and
+``s0_t_device_s`` (frames,) [s], NaN where the device has no clock; ``s0_sequence`` (frames,); ``s0_place`` (frames,):
+which frames of the whole recording these are.
+"""
+
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cnnsim.support import InputError
+from tactile.core.frame import Frame, TaxelArray
+from tactile.core.header import Header, header_text, read_header
+from tactile.core.source import Provenance, Source
+from tactile.sources.replay_pillars import PillarReplay, read_pillars
+
+COLUMNS = {
+    "values": np.float64, "valid": np.bool_, "t_s": np.float64, "t_device_s": np.float64, "sequence": np.int64,
+    "place": np.int64,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class NpzReplay:
+    """The frames of an NPZ file with a header, as a ``Source``; ``fingers``: the columns of each."""
+
+    header: Header
+    fingers: tuple[dict[str, Any], ...]
+
+    @property
+    def title(self) -> str:
+        """The recording's title."""
+        return self.header.title
+
+    @property
+    def modulus(self) -> float | None:
+        """Young's modulus of the cover [Pa]."""
+        return self.header.modulus
+
+    @property
+    def arrays(self) -> tuple[TaxelArray, ...]:
+        """The fingers' arrays."""
+        return self.header.arrays
+
+    @property
+    def provenance(self) -> Provenance:
+        """Where the frames come from."""
+        return self.header.provenance
+
+    @property
+    def frames(self) -> int:
+        """Number of frames over all fingers."""
+        return sum(finger["t_s"].size for finger in self.fingers)
+
+    def __repr__(self) -> str:
+        return f"NpzReplay({self.title!r}, {len(self.fingers)} fingers, {self.frames} frames)"
+
+    def __iter__(self) -> Iterator[Frame]:
+        place = np.concatenate([finger["place"] for finger in self.fingers])
+        number = np.repeat(np.arange(len(self.fingers)), [finger["t_s"].size for finger in self.fingers])
+        index = np.concatenate([np.arange(finger["t_s"].size) for finger in self.fingers])
+        order = np.argsort(place, kind="stable")
+        for f, i in zip(number[order].tolist(), index[order].tolist(), strict=True):
+            of = self.fingers[f]
+            t, device = float(of["t_s"][i]), float(of["t_device_s"][i])
+            yield Frame(f, t, int(of["sequence"][i]), of["values"][i], of["valid"][i], device)
+
+
+def read_npz(path: Path) -> NpzReplay | PillarReplay:
+    """Read a recording: frames with their header, or pillars without one.
+
+    Raises:
+        InputError: no such file, no NPZ file, a wrong header, a missing array or one of the wrong shape.
+    """
+    try:
+        # opened here, since NumPy leaves a file open that turns out to be no archive
+        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+            if "tactile" not in file.files:
+                return read_pillars(file, path)
+            header = read_header(str(file["tactile"]), str(path), "array tactile")
+            return NpzReplay(header, tuple(_columns(file, n, array, path) for n, array in enumerate(header.arrays)))
+    except InputError:
+        raise
+    except (OSError, ValueError, AttributeError, EOFError, zipfile.BadZipFile) as error:
+        raise InputError(f"{path}: cannot be read as an NPZ recording: {error}") from error
+
+
+def _columns(file: "np.lib.npyio.NpzFile", number: int, array: TaxelArray, path: Path) -> dict[str, Any]:
+    missing = [f"s{number}_{name}" for name in COLUMNS if f"s{number}_{name}" not in file.files]
+    if missing:
+        raise InputError(f"{path}: {', '.join(missing)} missing, wanted for finger {array.name!r}")
+    out = {name: file[f"s{number}_{name}"] for name in COLUMNS}
+    count = out["t_s"].shape[:1]
+    shapes = {"values": (*count, *array.shape, 3), "valid": (*count, *array.shape)}
+    for name, kind in COLUMNS.items():
+        wanted = shapes.get(name, count)
+        if out[name].shape != wanted or not np.can_cast(out[name].dtype, kind, "same_kind"):
+            is_ = f"shape {out[name].shape} and type {out[name].dtype}"
+            raise InputError(f"{path}: s{number}_{name} of {is_}, {wanted} of {np.dtype(kind)} wanted")
+        out[name] = out[name].astype(kind, copy=False)
+    if not np.isfinite(out["t_s"]).all():
+        raise InputError(f"{path}: s{number}_t_s has times that are not finite, finite ones wanted")
+    return out
+
+
+def write_npz(path: Path, source: Source) -> None:
+    """Write all frames of a source; reading them back gives the same numbers to the last bit.
+
+    Raises:
+        InputError: two fingers have one name.
+        OSError: the file cannot be written.
+    """
+    out: dict[str, Any] = {"tactile": np.array(header_text(source))}
+    fingers: list[list[tuple[int, Frame]]] = [[] for _ in source.arrays]
+    for place, frame in enumerate(source):
+        fingers[frame.finger].append((place, frame))
+    for number, (array, placed) in enumerate(zip(source.arrays, fingers, strict=True)):
+        frames = [frame for _, frame in placed]
+        columns = {
+            "values": [frame.values for frame in frames], "valid": [frame.valid for frame in frames],
+            "t_s": [frame.t for frame in frames], "t_device_s": [frame.t_device for frame in frames],
+            "sequence": [frame.sequence for frame in frames], "place": [place for place, _ in placed],
+        }  # fmt: skip
+        shapes = {"values": (-1, *array.shape, 3), "valid": (-1, *array.shape)}
+        for name, kind in COLUMNS.items():
+            out[f"s{number}_{name}"] = np.array(columns[name], dtype=kind).reshape(shapes.get(name, (-1,)))
+    with path.open("wb") as file:
+        np.savez_compressed(file, **out)

@@ -1,0 +1,102 @@
+"""Frames in Parquet files: one row, one frame of one finger, the header of `tactile.core.header` as metadata.
+
+Columns: ``t_s``, ``t_device_s`` (NaN where the device has no clock), ``finger`` (its name), ``sequence``, ``values``
+(shear_x, shear_y, normal of every taxel, row by row, in the unit of the quantity) and ``valid`` (one flag a taxel).
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa  # type: ignore[import-untyped]  # it ships no types
+from pyarrow import parquet
+
+from cnnsim.support import InputError
+from tactile.core.frame import Frame, TaxelArray
+from tactile.core.header import Header, header_text, read_header
+from tactile.core.source import Provenance, Source
+
+KEY = b"tactile"
+BATCH = 4096
+"""Rows written or read at once."""
+COLUMNS = (
+    ("t_s", pa.float64()), ("t_device_s", pa.float64()), ("finger", pa.string()), ("sequence", pa.int64()),
+    ("values", pa.list_(pa.float64())), ("valid", pa.list_(pa.bool_())),
+)  # fmt: skip
+
+
+class ParquetReplay:
+    """The frames of a Parquet file, as a ``Source``, read again each time."""
+
+    def __init__(self, path: Path, header: Header, frames: int) -> None:
+        self._path, self.frames = path, frames
+        self.title: str = header.title
+        self.modulus: float | None = header.modulus
+        self.arrays: tuple[TaxelArray, ...] = header.arrays
+        self.provenance: Provenance = header.provenance
+
+    def __repr__(self) -> str:
+        return f"ParquetReplay({self.title!r}, {len(self.arrays)} fingers, {self.frames} frames)"
+
+    def __iter__(self) -> Iterator[Frame]:
+        fingers = {array.name: number for number, array in enumerate(self.arrays)}
+        row = 0
+        try:
+            with parquet.ParquetFile(self._path) as file:
+                for batch in file.iter_batches(BATCH):
+                    for one in batch.to_pylist():
+                        row += 1
+                        yield self._frame(one, fingers)
+        except (pa.ArrowException, OSError, ValueError, TypeError, KeyError) as error:
+            raise InputError(f"{self._path}: row {row}: cannot be read as a frame: {error}") from error
+
+    def _frame(self, row: dict[str, Any], fingers: dict[str, int]) -> Frame:
+        finger = fingers[row["finger"]]
+        shape = self.arrays[finger].shape
+        values = np.array(row["values"], dtype=np.float64).reshape(*shape, 3)
+        valid = np.array(row["valid"], dtype=bool).reshape(shape)
+        return Frame(finger, float(row["t_s"]), int(row["sequence"]), values, valid, float(row["t_device_s"]))
+
+
+def read_parquet(path: Path) -> ParquetReplay:
+    """Open a Parquet recording.
+
+    Raises:
+        InputError: no Parquet file, no header in it or a wrong one, other columns.
+    """
+    try:
+        with parquet.ParquetFile(path) as file:
+            schema, rows = file.schema_arrow, file.metadata.num_rows
+    except (pa.ArrowException, OSError) as error:
+        raise InputError(f"{path}: cannot be read as a Parquet recording: {error}") from error
+    text = (schema.metadata or {}).get(KEY)
+    missing = [name for name, _ in COLUMNS if name not in schema.names]
+    if text is None or missing:
+        raise InputError(
+            f"{path}: columns {', '.join(schema.names)}, {'a' if text is not None else 'no'} header; columns"
+            f" {', '.join(name for name, _ in COLUMNS)} and a header {KEY.decode()!r} in the metadata wanted"
+        )
+    return ParquetReplay(path, read_header(text.decode(errors="replace"), str(path), "metadata tactile"), rows)
+
+
+def write_parquet(path: Path, source: Source) -> None:
+    """Write all frames of a source; reading them back gives the same numbers to the last bit.
+
+    Raises:
+        InputError: two fingers have one name.
+        OSError: the file cannot be written.
+    """
+    columns = pa.schema(COLUMNS, metadata={KEY: header_text(source).encode()})
+    with parquet.ParquetWriter(path, columns) as out:
+        rows: list[dict[str, Any]] = []
+        for frame in source:
+            rows.append({
+                "t_s": frame.t, "t_device_s": frame.t_device, "finger": source.arrays[frame.finger].name,
+                "sequence": frame.sequence, "values": frame.values.ravel(), "valid": frame.valid.ravel(),
+            })  # fmt: skip
+            if len(rows) == BATCH:
+                out.write_batch(pa.RecordBatch.from_pylist(rows, columns))
+                rows = []
+        if rows:
+            out.write_batch(pa.RecordBatch.from_pylist(rows, columns))
