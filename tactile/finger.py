@@ -9,6 +9,7 @@ from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import Program
 from tactile.calibration.tare import Tare
+from tactile.calibration.tare_check import TareCheck
 from tactile.core.frame import Frame, TaxelArray
 from tactile.events.code import CONTACT, SHEAR, encode
 from tactile.events.comparators import Comparators
@@ -30,6 +31,7 @@ class Finger:
         self.array = array = array if settings.depth is None else replace(array, depth=settings.depth)
         self._shear, self._contact = shear, contact
         self._tare, self._gains, self._radial = Tare(settings.tare), settings.gains, settings.radial
+        self.tared: TareCheck | None = None  # what the tare took away, after the last of its frames
         self.taxels = Comparators(machine, array.shape, shear, contact)
         self._detectors = detectors(machine)
         self._texture = Texture(settings.window, contact.dead_band if settings.floor is None else settings.floor)
@@ -39,6 +41,7 @@ class Finger:
     def calibrate(self, raw: Frame) -> Frame:
         """Return the frame less its tare, times the gains."""
         frame = self._tare(raw)
+        self.tared = self._tare.check(self.array, self._gains)
         return frame if self._gains is None else replace(frame, values=self._gains(frame.values))
 
     def locate(self, frame: Frame) -> Load | None:

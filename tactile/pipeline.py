@@ -6,6 +6,7 @@ from time import perf_counter
 
 import numpy as np
 
+from tactile.calibration.tare_check import TareCheck
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream, Source
 from tactile.events.code import Code, hand_code
@@ -18,7 +19,11 @@ from tactile.texture.figures import TextureFigures
 
 @dataclass(frozen=True)
 class FrameReport:
-    """Everything known after one frame of one finger. ``load`` is None for arrays that measure force themselves."""
+    """Everything known after one frame of one finger.
+
+    ``load`` is None for arrays that measure force themselves; ``tare``: what the tare took away, in the report of the
+    last frame that it averaged, else None.
+    """
 
     array: TaxelArray
     frame: Frame
@@ -26,6 +31,7 @@ class FrameReport:
     load: Load | None
     texture: TextureFigures
     events: tuple[Event, ...]
+    tare: TareCheck | None = None
 
 
 Sink = Callable[[FrameReport], None]
@@ -49,7 +55,7 @@ def run(source: Source, settings: Settings, sinks: Iterable[Sink]) -> None:
             Event(frame.t, array.name, frame.sequence, kind, data, code.arrows(), code.ternary(), hand, latency, load)
             for kind, data in happened
         )
-        report = FrameReport(array, frame, code, load, texture, events)
+        report = FrameReport(array, frame, code, load, texture, events, finger.tared)
         for sink in sinks:
             sink(report)
 

@@ -6,21 +6,29 @@ import numpy as np
 
 from cnnsim.support import Floats
 from tactile.calibration.gains import Gains
+from tactile.calibration.tare_check import check_tare, measure
 from tactile.core.frame import NORMAL, Frame, TaxelArray
 from tactile.events.code import CONTACT, SHEAR
 
 BLOCK = 100
 """Frames whose mean is taken together."""
+IDLE = "idle"
+"""Why an offset was renewed that nobody asked for."""
+CURE = "let nothing touch it, then ask for a tare"
 
 
 @dataclass(frozen=True)
 class TareNote:
-    """What became of a block: ``offset`` (rows, cols, 3) where it was taken, else None and ``why`` in words."""
+    """What became of a block: ``offset`` (rows, cols, 3) where it was taken, else None and ``why`` in words.
+
+    ``detail``: how much was taken away, or what was wrong and what to do; empty for renewals while idle.
+    """
 
     finger: int
     t: float
     why: str
     offset: Floats | None
+    detail: str = ""
 
 
 class LiveTare:
@@ -40,6 +48,7 @@ class LiveTare:
     ) -> None:
         self.notes: list[TareNote] = []
         self._finger, self._automatic, self._block = finger, automatic, block
+        self._array, self._gains = array, gains
         self._limit = np.full(3, SHEAR[array.quantity].dead_band)
         self._limit[NORMAL] = CONTACT[array.quantity].dead_band
         if gains is not None:
@@ -79,7 +88,7 @@ class LiveTare:
         first, asked = self._offset is None, self._asked
         if not still or loaded:
             if asked or first:
-                self._note(t, "refused: " + ("loaded" if loaded else "not still"), None)
+                self._note(t, "refused: " + ("loaded" if loaded else "not still"), None, self._fault(mean, loaded))
             self._asked = False
             return
         if first or asked or self._automatic:
@@ -87,7 +96,26 @@ class LiveTare:
             before = self._offset
             # a taxel that was silent during this block keeps what it had
             self._offset = mean if before is None else np.where(np.isfinite(mean), mean, before)
-            self._note(t, "at the start" if first else "on request" if asked else "idle", self._offset)
+            why = "at the start" if first else "on request" if asked else IDLE
+            self._note(t, why, self._offset, self._taken(mean) if first or asked else "")
 
-    def _note(self, t: float, why: str, offset: Floats | None) -> None:
-        self.notes.append(TareNote(self._finger, t, why, offset))
+    def _taken(self, mean: Floats) -> str:
+        """Say how much was taken away, and whether that looks like a load."""
+        check = check_tare(self._array, self._in_quantity(mean)[None], self._block, 0.0)
+        said = f"{check.amount} taken away"
+        return f"{said}; loaded, or an offset of that size: {CURE}" if check.loaded else said
+
+    def _fault(self, mean: Floats, loaded: bool) -> str:
+        """Say by how much the block is loaded or moving."""
+        if loaded:
+            check = check_tare(self._array, self._in_quantity(mean - np.asarray(self._offset))[None], self._block, 0.0)
+            return f"{check.amount} off the tare: {CURE}"
+        moves = np.abs(self._in_quantity(np.nan_to_num(np.asarray(self._high) - self._low)))
+        at = np.unravel_index((moves / np.abs(self._in_quantity(self._limit))).argmax(), moves.shape)
+        return f"a taxel moves by {measure(float(moves[at]), self._array.quantity)}: {CURE}"
+
+    def _in_quantity(self, readings: Floats) -> Floats:
+        return readings if self._gains is None else self._gains(readings)
+
+    def _note(self, t: float, why: str, offset: Floats | None, detail: str) -> None:
+        self.notes.append(TareNote(self._finger, t, why, offset, detail))

@@ -11,7 +11,7 @@ from cnnsim import backends
 from cnnsim.support import InputError
 from cnnsim.support.toml_file import check_keys, take
 from tactile import pipeline
-from tactile.calibration.live_tare import LiveTare, TareNote
+from tactile.calibration.live_tare import IDLE, LiveTare, TareNote
 from tactile.cli.meter import Meter
 from tactile.core.frame import TaxelArray
 from tactile.events.event import Event
@@ -88,7 +88,10 @@ def recorded_options(text: str, where: str) -> LiveOptions:
 
 def tare_line(note: TareNote, finger: str) -> dict[str, Any]:
     """Return what became of a tare as plain data."""
-    return {"type": "tare", "t_s": note.t, "finger": finger, "taken": note.offset is not None, "why": note.why}
+    return {
+        "type": "tare", "t_s": note.t, "finger": finger, "taken": note.offset is not None, "why": note.why,
+        "detail": note.detail,
+    }  # fmt: skip
 
 
 class LiveMonitor:
@@ -124,8 +127,10 @@ class LiveMonitor:
             self._note("/events", arrival, line)
         for tared in self._source.notes():
             line = tare_line(tared, self._source.arrays[tared.finger].name)
+            again = line["why"] == IDLE == self.tared.get(line["finger"], line | {"why": ""})["why"]
             self.tared[line["finger"]] = line
-            self._say(line)
+            if not again:  # twice a second would be too much to read
+                self._say(line)
             offset = None if tared.offset is None else [finite(v) for v in tared.offset.ravel().tolist()]
             self._note("/tare", arrival, line | {"offset": offset})
         now = arrival if self._now is None else self._now()

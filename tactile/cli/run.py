@@ -91,6 +91,13 @@ def run(
         print_json(run_data(collected, frames.arrays))
     else:
         tables(collected, frames.arrays)
+    for array in frames.arrays if offset else ():
+        check = collected.tare(array)
+        if check is None:
+            count = collected.columns(array.name).t.size
+            click.echo(f"{array.name}: tare over {offset} frames, {count} there; fewer wanted (--tare N)", err=True)
+        elif check.warning and as_json:
+            click.echo(f"{array.name}: tare: {check.words}", err=True)
     if note:
         click.echo(note, err=as_json)
     if output is not None:

@@ -8,6 +8,7 @@ from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
+from tactile.cli.console import tare_words
 from tactile.cli.live import LiveMonitor
 from tactile.core.frame import NORMAL
 from tactile.events.code import CONTACT
@@ -45,7 +46,8 @@ class LiveView:
             "" if clock is None else f"; device clock {status['clock']['drift_ppm']:+.0f} ppm, off {clock * 1e3:.2f} ms"
         )
         tares = "".join(
-            f"\ntare of {finger} at {last['t_s']:.3f} s: {last['why']}" for finger, last in self._monitor.tared.items()
+            f"\ntare of {finger} at {last['t_s']:.3f} s: {tare_words(last)}"
+            for finger, last in self._monitor.tared.items()
         )
         return f"{status['rate_hz']:.0f} frames/s; latency {median:.2f} ms, 99 % {most:.2f} ms{line}\n{lost}{tares}"
 

@@ -5,9 +5,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cnnsim.support import Floats
-from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y
+from tactile.calibration.tare_check import TareCheck
+from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y, TaxelArray
 from tactile.events.event import Event
 from tactile.pipeline import FrameReport
+
+SMOOTH = 10
+"""Frames that are averaged before readings are said to fall below the tare."""
 
 
 class Columns(NamedTuple):
@@ -48,6 +52,7 @@ class Collected:
     def __init__(self) -> None:
         self.events: list[Event] = []
         self.strongest: dict[str, Floats] = {}
+        self._tares: dict[str, TareCheck] = {}
         self.frames = 0
         self._rows: dict[str, list[tuple[float, ...]]] = {}
 
@@ -59,6 +64,8 @@ class Collected:
         if abs(values[..., NORMAL].sum()) > abs(best[..., NORMAL].sum()):
             self.strongest[report.array.name] = values
         self.events += report.events
+        if report.tare is not None:
+            self._tares[report.array.name] = report.tare
         load, texture = report.load, report.texture
         place = (np.nan,) * 6 if load is None else (load.x, load.y, load.Q, load.R, load.F, float(load.validity))
         self._rows.setdefault(report.array.name, []).append((
@@ -70,6 +77,18 @@ class Collected:
         """Return the figures of one finger's frames."""
         rows = np.array(self._rows.get(finger, []), dtype=np.float64).reshape(-1, len(Columns._fields))
         return Columns(*rows.T)
+
+    def tare(self, array: TaxelArray) -> TareCheck | None:
+        """Return what the tare took away from a finger, judged by the later readings too; None without a tare."""
+        check = self._tares.get(array.name)
+        if check is None:
+            return None
+        normal = self.columns(array.name).normal[check.frames :]
+        if normal.size < SMOOTH:
+            return check
+        pressing = normal if array.quantity == "force" else -normal
+        smooth = np.convolve(pressing, np.full(SMOOTH, 1 / SMOOTH), "valid")
+        return check.then(float(smooth.min()), array.rows * array.cols)
 
     @property
     def seconds(self) -> float:

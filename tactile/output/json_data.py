@@ -27,7 +27,7 @@ def event_data(event: Event) -> dict[str, Any]:
 
 
 def run_data(collected: Collected, arrays: tuple[TaxelArray, ...]) -> dict[str, Any]:
-    """Return a run: events, and for each finger its frames, loads by validity and texture figures.
+    """Return a run: events, and for each finger its frames, loads by validity, texture figures and tare.
 
     The texture figures are medians over the frames in which they were valid; None if they never were.
     """
@@ -40,6 +40,7 @@ def run_data(collected: Collected, arrays: tuple[TaxelArray, ...]) -> dict[str, 
             "located": {kind: count for kind, count in kinds.items() if count},
             "friction": _median(columns.friction),
             "roughness": _median(columns.roughness),
+            "tare": None if (tare := collected.tare(array)) is None else tare.plain(),
         }
     events = [event_data(event) | {"latency_s": event.latency} for event in collected.events]
     return {"seconds": collected.seconds, "frames": collected.frames, "fingers": fingers, "events": events}

@@ -25,6 +25,7 @@ class Record:
     def __init__(self, folder: Path, provenance: dict[str, Any]) -> None:
         self._folder, self._provenance = folder, provenance
         self._events: list[Event] = []
+        self._tares: dict[str, dict[str, Any]] = {}
         try:
             folder.mkdir(parents=True, exist_ok=True)
             self._file = (folder / "frames.csv").open("w", newline="", encoding="utf-8")
@@ -40,7 +41,7 @@ class Record:
         self, kind: type[BaseException] | None, _error: BaseException | None, _trace: TracebackType | None
     ) -> None:
         self._file.close()
-        record = {**self._provenance, "complete": kind is None}
+        record = {**self._provenance, "complete": kind is None, "tares": self._tares}
         record["events"] = [event_data(event) for event in self._events]
         (self._folder / "events.json").write_text(
             json.dumps(record, indent=1, ensure_ascii=False) + "\n", encoding="utf-8"
@@ -49,6 +50,8 @@ class Record:
     def __call__(self, report: FrameReport) -> None:
         """Write one report."""
         self._events += report.events
+        if report.tare is not None:
+            self._tares[report.array.name] = report.tare.plain()
         load, texture, frame = report.load, report.texture, report.frame
         located: tuple[Any, ...] = ("",) * 8
         if load is not None:

@@ -47,7 +47,10 @@ def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
         texture = f"friction {_figure(facts['friction'])}, roughness {_figure(facts['roughness'])}"
         line = f"{name}: {facts['frames']} frames; {texture}"
         places = ", ".join(f"{count} {kind.replace('_', ' ')}" for kind, count in facts["located"].items())
-        screen.print(line + (f"; loads: {places}" if places and not forces else ""), highlight=False)
+        screen.print(line + (f"; loads: {places}" if places and not forces else ""), highlight=False, markup=False)
+    for array in arrays:
+        if (tare := collected.tare(array)) is not None:
+            screen.print(f"{array.name}: tare: {tare.words}", highlight=False, markup=False)
 
 
 def grouped(events: Iterable[Event]) -> list[tuple[Event, int]]:

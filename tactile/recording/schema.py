@@ -52,7 +52,10 @@ LOG_NAME = "foxglove.Log"
 INFO, WARNING = 2, 3
 NOTES: dict[str, tuple[str, bytes]] = {
     "/port": ("tactile.Port", _object(note=TEXT)),
-    "/tare": ("tactile.Tare", _object(type=TEXT, t_s=NUMBER, finger=TEXT, taken=FLAG, why=TEXT, offset=NUMBERS)),
+    "/tare": (
+        "tactile.Tare",
+        _object(type=TEXT, t_s=NUMBER, finger=TEXT, taken=FLAG, why=TEXT, detail=TEXT, offset=NUMBERS),
+    ),
     "/events": (
         "tactile.Event",
         _object(
@@ -81,7 +84,8 @@ def log_line(topic: str, note: dict[str, Any], ns: int) -> dict[str, Any] | None
     elif topic == "/events":
         name, message = note["finger"], note["words"]
     elif topic == "/tare":
-        name, message = note["finger"], f"tare {'taken, ' if note['taken'] else ''}{note['why']}"
+        why = f"{note['why']}: {note['detail']}" if note.get("detail") else note["why"]
+        name, message = note["finger"], f"tare {'taken, ' if note['taken'] else ''}{why}"
     else:
         return None
     level = WARNING if message == "unplugged" or note.get("taken") is False else INFO

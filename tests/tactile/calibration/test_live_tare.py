@@ -35,6 +35,9 @@ def test_tare_at_the_start_idle_and_never_while_loaded() -> None:
     tare.ask()
     fed(tare, held(-0.01, 50))
     assert (tare.notes[-1].why, tare.notes[-1].offset) == ("refused: loaded", None)
+    assert tare.notes[-1].detail.startswith("20.")
+    assert "‰ normal, " in tare.notes[-1].detail
+    assert tare.notes[-1].detail.endswith("off the tare: let nothing touch it, then ask for a tare")
     tare.ask()
     fed(tare, held(2e-4, 50))
     assert tare.notes[-1].why == "on request"
@@ -42,6 +45,7 @@ def test_tare_at_the_start_idle_and_never_while_loaded() -> None:
     fed(manual, held(0.0))
     fed(manual, held(1e-4))
     assert [note.why for note in manual.notes] == ["at the start"]
+    assert "taken away; loaded, or an offset of that size" in manual.notes[0].detail
 
 
 def test_the_first_tare_waits_for_stillness() -> None:
@@ -49,6 +53,7 @@ def test_the_first_tare_waits_for_stillness() -> None:
     moving = np.linspace(0, 0.01, 20)[:, None, None, None] * np.ones((1, 1, 2, 3))
     assert not fed(tare, moving)[-1].valid.any()
     assert tare.notes[-1].why == "refused: not still"
+    assert tare.notes[-1].detail == "a taxel moves by 10.00 ‰: let nothing touch it, then ask for a tare"
     still = np.full((20, 1, 2, 3), 0.3)
     still[:, 0, 1] = np.nan  # a taxel without readings is not waited for
     last = fed(tare, still)[-1]

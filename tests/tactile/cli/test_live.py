@@ -19,9 +19,12 @@ from tactile.calibration.file import Calibration, write_calibration
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection
 from tactile.cli.live import LiveMonitor, LiveOptions
+from tactile.core.frame import Frame, TaxelArray
+from tactile.pipeline import FrameReport, warm_up
 from tactile.recording.reader import open_recording
 from tactile.recording.writer import Recording
 from tactile.serial.session import Session
+from tactile.settings import Settings
 from tactile.wire.packets import emulated_description, packets
 from tactile.wire.source import WireSource
 from tests.kits.serial import GRIP, call, device, grip, sent
@@ -325,3 +328,30 @@ def test_a_calibration_is_of_strain(tmp_path: Path) -> None:
     result = call("live", "-p", "x", "--protocol", "papillarray", "--calibration", skin)
     assert result.exit_code == 2
     assert "array 'sensor 0' of force; strain wanted" in result.stderr
+
+
+def test_renewals_while_idle_are_said_once_and_all_recorded() -> None:
+    """Two a second are too many lines; the recording has every offset."""
+    description = emulated_description("native", grip(0.1, 1))
+    said: list[dict[str, Any]] = []
+    noted: list[str] = []
+    tares = LiveOptions().tares(description.arrays)
+    monitor = LiveMonitor(
+        WireSource(description, [], tares), said.append, note=lambda topic, t, data: noted.append(data["why"])
+    )
+    (array,) = description.arrays
+    still = Frame(0, 0.0, 0, np.zeros((*array.shape, 3)), np.ones(array.shape, bool))
+    report = reported(array)
+    for number in range(600):
+        if number == 300:
+            tares[0].ask()
+        tares[0](still)
+        monitor(report)
+    assert [line["why"] for line in said] == ["at the start", "idle", "on request", "idle"]
+    assert noted == ["at the start", "idle", "idle", "on request", "idle", "idle"]
+
+
+def reported(array: TaxelArray) -> FrameReport:
+    reports: list[FrameReport] = []
+    warm_up((array,), 1e6, Settings(), [reports.append])
+    return replace(reports[0], events=())

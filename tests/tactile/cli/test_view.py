@@ -18,7 +18,7 @@ def test_the_view_shows_arrows_events_and_losses() -> None:
     source = WireSource(description, [Chunk(round(t * 1e9), data) for t, data in stream])
     watch = LiveMonitor(source, lambda line: None)
     watch.run(LiveOptions(tare="off"))
-    watch.tared["left"] = {"t_s": 0.5, "why": "refused: loaded"}
+    watch.tared["left"] = {"t_s": 0.5, "why": "refused: loaded", "detail": ""}
     console = Console(file=io.StringIO(), width=110, force_terminal=True, color_system=None)
     console.print(LiveView(watch, "grip", lambda: "/dev/skin: open"))
     shown = console.file.getvalue()  # type: ignore[attr-defined]  # it is the StringIO above

@@ -83,11 +83,11 @@ def streams(draw: st.DrawFn) -> FrameStream:
     known = Provenance(draw(st.booleans()), raw, start)
     modulus = draw(st.one_of(st.none(), LENGTHS))
     return FrameStream(draw(st.text(max_size=12)), arrays, modulus, len(frames), frames, known)
-
+    return replace(frame, values=values, valid=np.asarray(np.isfinite(values).all(-1)))
 
 def through_csv(frame: Frame) -> Frame:
     values = np.where(frame.valid[..., None], frame.values, np.nan)
-    return replace(frame, values=values, valid=np.isfinite(values).all(-1))
+    return replace(frame, values=values, valid=np.asarray(np.isfinite(values).all(-1)))
 
 
 @given(streams())
@@ -156,7 +156,7 @@ def test_what_is_left_behind_or_supposed_is_said(tmp_path: Path) -> None:
     assert "neither pitch nor names: 7 mm, nominal" in said
     assert f"stays in {npz}: s0_flags" in said
     assert "the loads that it knows to be true" in call("convert", GRIP, tmp_path / "g.parquet").stderr
-    frames = [replace(frame, valid=np.asarray(frame.valid & (frame.sequence != 3))) for frame in grip(0.05, 1)]
+    frames = [replace(frame, valid=np.full(frame.valid.shape, frame.sequence != 3)) for frame in grip(0.05, 1)]
     WRITERS[".npz"](tmp_path / "m.npz", replace_stream(frames))
     assert "readings of 4 taxels that are not valid" in call("convert", tmp_path / "m.npz", tmp_path / "m.csv").stderr
 

@@ -1,0 +1,124 @@
+"""Check of a tare: how much was taken away, and whether the array was loaded or moving meanwhile."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cnnsim.support import Floats
+from tactile.core.frame import NORMAL, Quantity, TaxelArray
+from tactile.events.code import CONTACT, SHEAR
+
+PARTS = 10
+"""Parts of the stretch whose means are compared: noise of single frames is no movement."""
+LARGE = 4.0
+"""Dead bands of one taxel from which on what is taken away is no small offset any more, nor its movement noise."""
+BOTH = 2.0
+"""Dead bands by which two taxels have to move."""
+SPREAD = 3.0
+"""Dead bands, times the root of the number of taxels, from which on their sum is none: offsets have either sign."""
+UNITS: dict[Quantity, tuple[float, str]] = {"force": (1.0, "N"), "strain": (1e3, "‰"), "stress": (1e-3, "kPa")}
+"""Factor and unit in which people read a quantity."""
+CURE = "record some frames with nothing touching first, or choose --tare N (0 for none)"
+
+
+@dataclass(frozen=True)
+class TareCheck:
+    """What a tare took away from one finger, in the unit of the array's quantity.
+
+    ``frames`` averaged over ``seconds`` [s]; ``normal``: the pressing of all taxels together, ``shear``: the length of
+    their shear together, ``largest``: the largest component of a single taxel, over its dead band; ``moved``: the most
+    that a component of a taxel moved between tenths of the stretch; ``below``: by how much later readings together
+    fell below the tare, as only those of a finger that was pressed meanwhile do; ``loaded`` and ``moving`` say whether
+    that is more than offsets and noise are.
+    """
+
+    finger: str
+    quantity: Quantity
+    frames: int
+    seconds: float
+    normal: float
+    shear: float
+    largest: float
+    moved: float
+    moving: bool
+    loaded: bool
+    below: float = 0.0
+
+    @property
+    def words(self) -> str:
+        """What was taken away, and what is wrong with it, in a line."""
+        what = f"{self.amount} taken away, the mean of {self.frames} frames ({self.seconds:.3g} s)"
+        return what if not self.warning else f"{what}; {self.warning}"
+
+    @property
+    def amount(self) -> str:
+        """The pressing and the shear that were taken away."""
+        return f"{self._measure(self.normal)} normal, {self._measure(self.shear)} shear"
+
+    @property
+    def warning(self) -> str:
+        """What is wrong, and what to do; empty where all is well."""
+        found = []
+        if self.below:
+            found.append(f"pressed meanwhile: later readings fall {self._measure(self.below)} below it")
+        elif self.loaded:
+            found.append("loaded meanwhile, or an offset of that size")
+        if self.moving:
+            found.append(f"moving meanwhile, a taxel by {self._measure(self.moved)}")
+        return f"{' and '.join(found)}: {CURE}" if found else ""
+
+    def _measure(self, value: float) -> str:
+        return measure(value, self.quantity)
+
+    def then(self, lowest: float, taxels: int) -> "TareCheck":
+        """Return the check after the later readings, whose pressing together was ``lowest`` at the least."""
+        limit = max(LARGE, SPREAD * taxels**0.5) * CONTACT[self.quantity].dead_band
+        return replace(self, below=-lowest, loaded=True) if lowest < -limit else self
+
+    def plain(self) -> dict[str, Any]:
+        """Return the figures as plain data."""
+        unit = {"force": "N", "strain": "1", "stress": "Pa"}[self.quantity]
+        return {
+            "frames": self.frames, "seconds": self.seconds, "unit": unit, "normal": self.normal, "shear": self.shear,
+            "moved": self.moved, "below": self.below, "loaded": self.loaded, "moving": self.moving,
+            "warning": self.warning,
+        }  # fmt: skip
+
+
+def measure(value: float, quantity: Quantity) -> str:
+    """Return a value as people read it, with its unit."""
+    factor, unit = UNITS[quantity]
+    return f"{round(value * factor, 2) + 0.0:.2f} {unit}"  # no -0
+
+
+def check_tare(array: TaxelArray, parts: Floats, frames: int, seconds: float) -> TareCheck:
+    """Return the check of a tare over ``frames`` frames in ``seconds`` [s].
+
+    Arguments: ``parts`` (n, rows, cols, 3): the means of n equal parts of the stretch, in the unit of the array's
+    quantity, NaN where a taxel had no reading.
+    """
+    bands = np.array([SHEAR[array.quantity].dead_band] * NORMAL + [CONTACT[array.quantity].dead_band])
+    inward = 1.0 if array.quantity == "force" else -1.0
+    known = np.isfinite(parts)
+    mean = np.where(known, parts, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+    low = np.where(known, parts, np.inf).min(axis=0)
+    moves = np.where(known.any(axis=0), np.where(known, parts, -np.inf).max(axis=0) - low, 0.0)
+    moved = (moves / bands).argmax()
+    by_taxel = np.sort((moves / bands).max(axis=-1), axis=None)
+    x, y, normal = mean.reshape(-1, 3).sum(axis=0)
+    largest, shear = float((np.abs(mean) / bands).max()), float(np.hypot(x, y))
+    most = SPREAD * (array.rows * array.cols) ** 0.5
+    return TareCheck(
+        finger=array.name,
+        quantity=array.quantity,
+        frames=frames,
+        seconds=seconds,
+        normal=float(inward * normal) + 0.0,
+        shear=shear,
+        largest=largest,
+        moved=float(moves.ravel()[moved]),
+        # one taxel that is noisier than a dead band is no movement of the array
+        moving=bool(by_taxel[-1] > LARGE or (by_taxel.size > 1 and by_taxel[-2] > BOTH)),
+        loaded=largest > LARGE or abs(normal) > most * bands[NORMAL] or shear > most * bands[0],
+    )

@@ -1,0 +1,96 @@
+"""Tares are never silent: how much was taken away, who was loaded or moving meanwhile, what to do."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tactile.calibration.gains import Gains
+from tactile.calibration.tare import Tare
+from tactile.calibration.tare_check import TareCheck
+from tactile.core.frame import Frame, TaxelArray
+from tactile.core.source import FrameStream, Provenance
+from tactile.sources.replay_npz import write_npz
+from tests.kits.serial import call
+
+PAD = TaxelArray("pad", 3, 3, 4e-3, 0.0, quantity="force")
+
+
+def checked(values: np.ndarray, array: TaxelArray = PAD, gains: Gains | None = None) -> TareCheck:
+    tare = Tare(len(values))
+    found = []
+    for n, one in enumerate(values):
+        tare(Frame(0, n * 0.01, n, one, np.ones(array.shape, bool)))
+        found.append(tare.check(array, gains))
+    assert found[:-1] == [None] * (len(values) - 1)
+    assert found[-1] is not None
+    assert tare.check(array, gains) is None
+    return found[-1]
+
+
+def readings(normal: float = 0.0, shear: float = 0.0, noise: float = 0.003, frames: int = 100) -> np.ndarray:
+    out = noise * np.random.default_rng(5).standard_normal((frames, 3, 3, 3))
+    out[:, 1, 1] += [shear, 0, normal]
+    return out
+
+
+def test_small_offsets_are_told_without_a_warning() -> None:
+    check = checked(readings(0.05, 0.06))
+    assert not check.warning
+    assert check.words == "0.05 N normal, 0.06 N shear taken away, the mean of 100 frames (0.99 s)"
+
+
+def test_a_load_is_told_with_its_size_and_what_to_do() -> None:
+    check = checked(readings(4.2))
+    assert check.loaded
+    assert not check.moving
+    assert "4.20 N normal" in check.words
+    assert "loaded meanwhile, or an offset of that size: record some frames with nothing touching" in check.warning
+    assert "later readings fall 4.00 N below it" in check.then(-4.0, 9).warning
+    assert checked(readings(0.0)).then(-0.2, 9).warning == ""
+    assert checked(np.full((100, 3, 3, 3), 0.1)).loaded  # nine small ones that all press are no offsets
+
+
+def test_a_movement_is_told_but_one_noisy_taxel_is_none() -> None:
+    ramp = np.linspace(0, 1, 100)[:, None, None, None]
+    check = checked(readings() + 0.3 * ramp)
+    assert check.moving
+    assert "moving meanwhile, a taxel by 0.2" in check.warning
+    noisy = readings()
+    noisy[50:, 2, 0, 1] += 0.15
+    assert not checked(noisy).warning
+
+
+@pytest.mark.parametrize("quantity", ["strain", "stress"])
+def test_other_quantities_press_inward_when_negative(quantity: Any) -> None:
+    array = TaxelArray("pad", 3, 3, 4e-3, 1e-3, quantity=quantity)
+    size = {"strain": 0.02, "stress": 2e4}[quantity]
+    check = checked(readings(-size, noise=0.0), array)
+    assert check.normal == pytest.approx(size)
+    assert check.loaded
+    scaled = checked(readings(-size / 8, noise=0.0), array, Gains(2.0, 8.0))
+    assert scaled.normal == pytest.approx(size)
+
+
+def recorded(path: Path, frames: list[np.ndarray]) -> Path:
+    stream = [Frame(0, n * 0.01, n, one, np.ones((3, 3), bool)) for n, one in enumerate(frames)]
+    write_npz(path, FrameStream("t", (PAD,), None, len(stream), stream, Provenance(untared=True)))
+    return path
+
+
+def test_a_run_says_it_in_table_json_and_record(tmp_path: Path) -> None:
+    pressed = recorded(tmp_path / "r.npz", [*readings(4.2), *readings(0.0)])
+    shown = call("run", pressed, "-o", tmp_path / "out")
+    assert "pad: tare: 4.20 N normal" in shown.stdout
+    assert "pressed meanwhile: later readings fall 4." in " ".join(shown.stdout.split())
+    plain = call("run", pressed, "--json")
+    tare = json.loads(plain.stdout)["fingers"]["pad"]["tare"]
+    assert (tare["loaded"], tare["moving"], tare["unit"]) == (True, False, "N")
+    assert tare["below"] == pytest.approx(4.2, abs=0.01)
+    assert "pad: tare: 4.20 N normal" in plain.stderr
+    assert json.loads((tmp_path / "out" / "events.json").read_text())["tares"]["pad"]["loaded"]
+    assert json.loads(call("run", pressed, "--json", "--tare", "0").stdout)["fingers"]["pad"]["tare"] is None
+    short = call("run", recorded(tmp_path / "s.npz", [*readings(0.0, frames=60)]), "--json")
+    assert "pad: tare over 100 frames, 60 there" in short.stderr
