@@ -83,7 +83,7 @@ def streams(draw: st.DrawFn) -> FrameStream:
     known = Provenance(draw(st.booleans()), raw, start)
     modulus = draw(st.one_of(st.none(), LENGTHS))
     return FrameStream(draw(st.text(max_size=12)), arrays, modulus, len(frames), frames, known)
-    return replace(frame, values=values, valid=np.asarray(np.isfinite(values).all(-1)))
+
 
 def through_csv(frame: Frame) -> Frame:
     values = np.where(frame.valid[..., None], frame.values, np.nan)
