@@ -25,7 +25,8 @@ def convert(source: Path, target: Path, overwrite: bool) -> None:
     """
     from tactile.sources.convert import convert as write  # only here
 
+    there = target.exists()
     done = write(source, target, overwrite, lambda frames, total: watched(frames, "frames", total))
     for note in done.notes:
         click.echo(note, err=True)
-    click.echo(f"wrote {done.frames} frames to {target}")
+    click.echo(f"wrote {done.frames} frames to {target}{', replacing what was there' * there}")

@@ -126,9 +126,7 @@ def replay(recording: Path, paced: bool, speed: float | None, as_json: bool) -> 
 
     recorded = open_recording(recording)
     if not recorded.has_wire:
-        raise InputError(
-            f"{recording}: holds no bytes of a wire; `tactile run {recording}` takes its frames"
-        )
+        raise InputError(f"{recording}: holds no bytes of a wire; `tactile run {recording}` takes its frames")
     options = recorded_options(recorded.made.get("choices", "{}"), str(recording))
     if options.calibration is None:
         recorded.description.check_calibrated()

@@ -25,7 +25,10 @@ class Conversion(NamedTuple):
 
 
 def convert(
-    source: Path, target: Path, overwrite: bool = False, watch: Callable[[Iterable[Frame], int | None], Iterable[Frame]] = lambda seen, _: seen
+    source: Path,
+    target: Path,
+    overwrite: bool = False,
+    watch: Callable[[Iterable[Frame], int | None], Iterable[Frame]] = lambda seen, _: seen,
 ) -> Conversion:
     """Write the frames of ``source`` as ``target``, in the form its suffix names.
 
@@ -33,7 +36,8 @@ def convert(
     written, or as it was before. ``watch`` is handed the frames and their number, and hands them on.
 
     Raises:
-        InputError: an unknown suffix, a name that is taken (unless to ``overwrite``), no frames, a full disk, or what reader or writer find wrong.
+        InputError: an unknown suffix, a name that is taken (unless to ``overwrite``), no frames, a full disk, or what
+            reader or writer find wrong.
     """
     suffix = target.suffix.lower()
     if suffix == ".toml":

@@ -95,7 +95,7 @@ def through_csv(frame: Frame) -> Frame:
 def test_every_pair_of_forms_is_a_round_trip(source: FrameStream) -> None:
     with TemporaryDirectory() as folder:
         for first, second in permutations(FORMS, 2):
-            one, other = Path(folder) / f"a{first}", Path(folder) / f"b{second}"
+            one, other = Path(folder) / f"to{second}{first}", Path(folder) / f"of{first}{second}"
             WRITERS[first](one, source)
             told = convert(one, other)
             back = open_source(other)
