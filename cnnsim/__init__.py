@@ -6,7 +6,7 @@ result = run("edge", picture)
 write_picture(result.y, "edge.png")
 """
 
-from cnnsim import library
+from cnnsim import library, plot
 from cnnsim.backends.opencl.devices import devices
 from cnnsim.library.catalogue import run
 from cnnsim.library.explain import explain
@@ -15,11 +15,13 @@ from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import Program
 from cnnsim.program.run import run_program
+from cnnsim.result import Result
 from cnnsim.support import InputError
 from cnnsim.support.picture import read_picture, write_picture
 from cnnsim.support.sequences import read_pictures
 from cnnsim.support.values import from_gray, to_planes
-from cnnsim.transient import NotSettledError, Result, run_transient, trajectory
+from cnnsim.trajectory import Trajectory
+from cnnsim.transient import NotSettledError, run_transient, trajectory
 
 __version__ = "0.1.0"
 
@@ -37,6 +39,7 @@ __all__ = [
     "Table",
     "Template",
     "Term",
+    "Trajectory",
     "UniversalMachine",
     "__version__",
     "devices",
@@ -45,6 +48,7 @@ __all__ = [
     "from_gray",
     "library",
     "load_program",
+    "plot",
     "read_picture",
     "read_pictures",
     "run",

@@ -13,28 +13,12 @@ from cnnsim.network import ZERO_FLUX, AnyTemplate, Boundary, Cell, CellModel, Fr
 from cnnsim.network.boundary import parse_boundary
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.plan import Plan, make_plan
+from cnnsim.recording import Record, parse_record, recorded
+from cnnsim.result import Result
 from cnnsim.support import Array, Flags, Floats, InputError
+from cnnsim.support.keywords import spelled
 from cnnsim.support.values import as_numbers
-
-
-@dataclass(frozen=True)
-class Result:
-    """The end of a transient: state ``x`` and output ``y`` (rows, cols), time ``t`` [time constants; inf: at rest].
-
-    ``settled`` says whether nothing changes any more (see `Plan`); after a fixed duration that is not checked and it is
-    False. ``rate`` is the largest |dx/dt| at the end, NaN if it was not computed.
-    """
-
-    x: Array
-    t: float
-    settled: bool
-    rate: float
-    plan: Plan
-
-    @property
-    def y(self) -> Array:
-        """The output: clip(x, -1, 1), or what the cell's characteristic makes of the state."""
-        return self.plan.output(self.x)
+from cnnsim.trajectory import CellIndex, Trajectory
 
 
 class NotSettledError(InputError):
@@ -64,6 +48,16 @@ class Task:
             _load(backend, self.bias),
             None if self.mask is None else backend.load(self.mask, "llm"),
         )
+
+    def recorded(self, backend: Backend, wanted: tuple[CellIndex, ...] | Floats, result: Result) -> Trajectory:
+        """Return states at times, or of cells at every step, of a run that ended as ``result``."""
+
+        def end(x: Array, plan: Plan) -> Array:
+            return backend.read(self.start(backend, x, plan).x)
+
+        sequences = any(isinstance(value, Frames) for value in (self.input, self.bias))
+        first = backend.read(backend.load(self.state, "lam"))
+        return recorded(self.plan, first, end, wanted, result.t, result.y, sequences=sequences)
 
     def states(self, backend: Backend, until: float, frames: int, *, first: int = 0) -> Iterator[tuple[float, Array]]:
         """Yield (t, x) at ``frames`` evenly spaced times up to ``until``; with terms after ``first`` steps or more."""
@@ -140,27 +134,35 @@ def make_task(
     return Task(plan, x, u, w, None if mask is None else _plane("mask", mask, x.shape) > 0)
 
 
+@spelled(TaskOptions)
 def run_transient(
     template: AnyTemplate,
     *,
     state: ArrayLike,
     backend: str | Backend = "cpu",
     dtype: Dtype | None = None,
+    threads: int | None = None,
+    record: Record | None = None,
     **choices: Unpack[TaskOptions],
 ) -> Result:
     """Run one template from x(0) = ``state`` with u = ``input`` and return where it ends.
 
     Arguments: ``choices`` are input, bias, mask, boundary, duration, cell, scheme, step, limit, without, as in
-    `make_task`; ``backend`` a name or a backend; ``dtype`` the numbers it computes with, None for its own.
+    `make_task`; ``backend`` a name or a backend; ``dtype`` the numbers it computes with, None for its own; ``threads``
+    of the cpu backend, None for as many as pay; ``record`` times [time constants], or cells (row, column) to be kept at
+    every step: the result then has them as its ``trajectory``, by the steps of the run itself.
 
     Raises:
-        InputError: as `make_task`; no such backend.
+        InputError: as `make_task`; no such backend; times or cells that cannot be recorded.
         NotSettledError: the network did not settle within ``limit``; the error carries the result.
     """
     task = make_task(template, state=state, **choices)
-    where = backends.get(backend, dtype) if isinstance(backend, str) else backend
+    wanted = None if record is None else parse_record(record, task.state.shape)
+    where = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend
     outcome = task.start(where)
     result = Result(where.read(outcome.x), outcome.t, outcome.settled, outcome.rate, task.plan)
+    if wanted is not None:
+        result = replace(result, trajectory=task.recorded(where, wanted, result))
     if task.plan.duration == "settled" and not result.settled:
         raise NotSettledError(
             f"template {template.name!r} has not settled after {result.t:g} time constants: |dx/dt| is still "
@@ -170,6 +172,7 @@ def run_transient(
     return result
 
 
+@spelled(TaskOptions)
 def trajectory(
     template: AnyTemplate,
     *,
@@ -178,6 +181,7 @@ def trajectory(
     frames: int,
     backend: str | Backend = "cpu",
     dtype: Dtype | None = None,
+    threads: int | None = None,
     **choices: Unpack[TaskOptions],
 ) -> Iterator[tuple[float, Array]]:
     """Yield (t, y) at ``frames`` + 1 evenly spaced times from 0 to ``until``, however long ``duration`` is.
@@ -185,7 +189,7 @@ def trajectory(
     Arguments and errors: as `run_transient`.
     """
     task = make_task(template, state=state, **choices)
-    where = backends.get(backend, dtype) if isinstance(backend, str) else backend
+    where = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend
     yield 0.0, task.plan.output(where.read(where.load(task.state, "lam")))
     for t, x in task.states(where, until, frames):
         yield t, task.plan.output(x)

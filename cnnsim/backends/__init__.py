@@ -18,10 +18,13 @@ NAMES = ("reference", "cpu", "opencl")
 OPENCL_CURE = 'pip install "cellular-wave-touch[opencl]"'
 
 
-def get(name: str = "cpu", dtype: DTypeLike | None = None, device: str | None = None) -> Backend:
+def get(
+    name: str = "cpu", dtype: DTypeLike | None = None, device: str | None = None, threads: int | None = None
+) -> Backend:
     """Return the backend called ``name``, working in ``dtype`` (its own default if None).
 
-    ``device`` is a number or a part of a name, for backends that have a choice.
+    ``device`` is a number or a part of a name, for backends that have a choice; ``threads`` of the cpu backend, from 1
+    to the number of cores, None for as many as pay on a grid.
 
     Raises:
         InputError: no such backend, one that is not installed, or one that cannot work in this dtype.
@@ -30,11 +33,14 @@ def get(name: str = "cpu", dtype: DTypeLike | None = None, device: str | None = 
         raise InputError(f"backend {name!r}; known are {', '.join(NAMES)}")
     if device is not None and name != "opencl":
         raise InputError(f"device {device!r} for the {name} backend; only the opencl backend has a choice of devices")
+    if threads is not None and name != "cpu":
+        raise InputError(f"threads {threads!r} for the {name} backend; only the cpu backend has a choice of threads")
     try:
         backend = import_module(f"cnnsim.backends.{name}.backend").BACKEND  # only the one that is used
     except ModuleNotFoundError as error:
         if error.name != "pyopencl":
             raise
         raise InputError(f"the opencl backend needs pyopencl: {OPENCL_CURE}") from error
-    found: Backend = backend(dtype) if device is None else backend(dtype, device)
+    given = [value for value in (device, threads) if value is not None]
+    found: Backend = backend(dtype, *given)
     return found

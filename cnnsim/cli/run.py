@@ -107,7 +107,8 @@ def run(
     if trajectory is not None:
         end = result.t if np.isfinite(result.t) else 10.0
         over_time = run_over_time(entry.network, **task, until=max(end, 1.0), frames=60, backend=where)
-        write_film([y for _, y in watched(over_time, "film", 61)], trajectory)
+        times, frames = zip(*watched(over_time, "film", 61), strict=True)
+        write_film(frames, trajectory, times=times)
     black = int((result.y > 0).sum())
     size = " x ".join(str(n) for n in result.y.shape)
     if as_json:

@@ -75,9 +75,9 @@ def trace(
     if output is not None:
         from cnnsim.prototyping.trace.plot import draw_trace
 
-        draw_trace(found, chosen, f"{entry.name}: {entry.summary}", output)
+        draw_trace(found, chosen, f"{entry.name}: {entry.summary}", output, task, layer)
     if film is not None:
-        write_film(list(found.y), film)
+        write_film(list(found.y), film, times=found.t.tolist())
     if as_json:
         series = [{"cell": cell, "x": found.x[:, cell[0], cell[1]].tolist()} for cell in chosen]
         print_json({"template": name, "t": found.t.tolist(), "cells": series})

@@ -10,20 +10,27 @@ from cnnsim.backends.base import Backend
 from cnnsim.library.entry import Example, LibraryEntry
 from cnnsim.library.folders import files, not_found
 from cnnsim.library.read import load_file
-from cnnsim.transient import Dtype, Result, TaskOptions, run_transient
+from cnnsim.recording import Record
+from cnnsim.result import Result
+from cnnsim.support.keywords import spelled
+from cnnsim.transient import Dtype, TaskOptions, run_transient
 
 
+@spelled(TaskOptions)
 def run(
     entry: LibraryEntry | str, picture: ArrayLike, *, state: ArrayLike | None = None, backend: str | Backend = "cpu",
-    dtype: Dtype | None = None, **changes: Unpack[TaskOptions],
+    dtype: Dtype | None = None, threads: int | None = None, record: Record | None = None,
+    **changes: Unpack[TaskOptions],
 ) -> Result:  # fmt: skip
     """Run a library template on a picture (rows, cols) of CNN values as its file says.
 
     ``state`` is the second picture of templates that take one. ``changes`` replace what the file says: boundary,
-    duration, cell, scheme, step, limit, bias, mask, as in `run_transient`; so are ``backend`` and ``dtype``.
+    duration, cell, scheme, step, limit, bias, mask, as in `run_transient`; so are ``backend``, ``dtype``, ``threads``
+    and ``record``: times [time constants], or cells (row, column), whose states the result has as its ``trajectory``.
     """
     entry = load(entry) if isinstance(entry, str) else entry
-    return run_transient(entry.network, **{**entry.task(picture, state), **changes}, backend=backend, dtype=dtype)
+    task = {**entry.task(picture, state), **changes}
+    return run_transient(entry.network, **task, backend=backend, dtype=dtype, threads=threads, record=record)
 
 
 def run_example(entry: LibraryEntry, example: Example, backend: str | Backend = "cpu", **changes: Any) -> Result:

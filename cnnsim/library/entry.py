@@ -37,7 +37,7 @@ class Example:
         return bool(np.all(y * self.output > 0.99))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LibraryEntry:
     """A template with all that is needed to use it as meant: roles of the pictures, boundary, running time, examples.
 
@@ -64,6 +64,16 @@ class LibraryEntry:
     cell: Cell = CHUA_YANG
     step: float | None = None
     frame_time: float | None = None
+
+    def __repr__(self) -> str:
+        return f"LibraryEntry({self.name!r}, {self.summary!r}, {self.network!r})"
+
+    def _repr_html_(self) -> str:
+        from cnnsim.support.html import facts, heading
+
+        said = {"input u": self.input, "initial state": self.initial_state, "boundary": self.boundary,
+                "running time": self.duration, "source": self.reference}  # fmt: skip
+        return heading(self.name, self.summary) + self.network._repr_html_() + facts(said)
 
     @property
     def shipped(self) -> bool:

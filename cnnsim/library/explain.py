@@ -10,6 +10,7 @@ from cnnsim.library.catalogue import load
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.network import AnyTemplate, layered
 from cnnsim.planning.plan import Plan, lines_of
+from cnnsim.support.keywords import spelled
 from cnnsim.theory.running_time import RunningTime
 from cnnsim.transient import TaskOptions, make_task
 
@@ -25,6 +26,7 @@ class Explanation:
         return lines_of([*self.plan.decisions, ("guaranteed time", str(self.guaranteed))])
 
 
+@spelled(TaskOptions)
 def explain(
     template: str | LibraryEntry | AnyTemplate, picture: ArrayLike = (64, 64), **changes: Unpack[TaskOptions]
 ) -> Explanation:

@@ -9,7 +9,7 @@ from cnnsim.network.template import Template
 from cnnsim.support import InputError
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class LayeredTemplate:
     """The template of a network of layers: T_l dx_l/dt = -x_l + A_l*y_l + B_l*u_l + z_l + terms of layer l.
 
@@ -44,6 +44,19 @@ class LayeredTemplate:
                         f"template {name!r}: a term of layer {number} reads layer {term.layer}; 0 to "
                         f"{len(self.layers) - 1} are there"
                     )
+
+    def __repr__(self) -> str:
+        times = "" if set(self.time_constants) == {1.0} else f", time constants {self.time_constants}"
+        return f"LayeredTemplate({self.name!r}, {len(self.layers)} layers: {list(self.layers)}{times})"
+
+    def _repr_html_(self) -> str:
+        from cnnsim.support.html import heading
+
+        pairs = zip(self.time_constants, self.layers, strict=True)
+        layers = (
+            f"<div>layer {n}, time constant {t:g}</div>{layer._repr_html_()}" for n, (t, layer) in enumerate(pairs)
+        )
+        return heading("LayeredTemplate", f"{self.name}, {len(self.layers)} layers") + "".join(layers)
 
     @property
     def reads_input(self) -> bool:

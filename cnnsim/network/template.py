@@ -1,20 +1,29 @@
 """Template: the numbers A, B, z that weigh a cell's neighbours, and terms beyond them."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.network.term import Term
-from cnnsim.network.weights import MAX_RADIUS, Tap, all_taps, checked_number, checked_weights, reach, taps_of
+from cnnsim.network.weights import (
+    MAX_RADIUS,
+    Tap,
+    all_taps,
+    checked_number,
+    checked_weights,
+    matrix_text,
+    reach,
+    taps_of,
+)
 from cnnsim.support import Floats, InputError
 
 __all__ = ["MAX_RADIUS", "Tap", "Template", "all_taps"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Template:
     """A template: dx/dt = -x + A*y + B*u + z, plus ``terms`` if it has any.
 
@@ -27,8 +36,8 @@ class Template:
         InputError: a matrix that is not square, of even side, too large, or with an entry that is not finite.
     """
 
-    A: Floats = field(repr=False)
-    B: Floats = field(repr=False)
+    A: Floats
+    B: Floats
     z: float = 0.0
     name: str = "unnamed"
     terms: tuple[Term, ...] = ()
@@ -101,6 +110,22 @@ class Template:
         """The largest radius of A, B and the terms, zero rims left out."""
         taps = (*self.feedback_taps, *self.control_taps)
         return max(reach((tap.k, tap.l) for tap in taps), *(term.radius for term in self.terms), 0)
+
+    def __repr__(self) -> str:
+        terms = f", {len(self.terms)} terms" if self.terms else ""
+        return f"Template({self.name!r}, A={matrix_text(self.A)}, B={matrix_text(self.B)}, z={self.z:g}{terms})"
+
+    def _repr_html_(self) -> str:
+        from cnnsim.support.html import facts, heading, matrices
+
+        terms = {f"term {number}": term for number, term in enumerate(self.terms)}
+        numbers = matrices({"A": self.A, "B": self.B, "z": np.array([[self.z]])})
+        return heading("Template", self.name) + numbers + (facts(terms) if terms else "")
+
+    def _repr_png_(self) -> bytes:
+        from cnnsim import plot
+
+        return plot.to_png(lambda axes: plot.template(self, axes), (6.0, 3.2))
 
     def state_bound(self, bias: float = 0.0) -> float:
         """Return |z| + |bias| + sum|A| + sum|B| + bounds of the terms: |x| stays within it if |x(0)| does, |u| <= 1.

@@ -76,3 +76,13 @@ def taps_of(matrix: Floats) -> tuple[Tap, ...]:
 def reach(offsets: Iterable[tuple[int, int]]) -> int:
     """Return how far the farthest of some offsets (k, l) lies, in rows or columns."""
     return max((max(abs(k), abs(l)) for k, l in offsets), default=0)
+
+
+def matrix_text(matrix: Floats) -> str:
+    """Return a matrix on one line, row by row; of one that is all zeros, or larger than 5 x 5, what it is."""
+    if not matrix.any():
+        return "0"
+    if len(matrix) > 5:
+        return f"<{len(matrix)} x {len(matrix)}, {np.count_nonzero(matrix)} not zero>"
+    rows = [", ".join(f"{value:.4g}" for value in row) for row in matrix]
+    return f"[[{'], ['.join(rows)}]]"

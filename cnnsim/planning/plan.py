@@ -35,7 +35,7 @@ SETTLED_RATE = 1e-4
 """A network is at rest when |dx/dt| <= this in every cell; see `Plan.duration`."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Plan:
     """A transient, decided: everything a backend needs but the planes.
 
@@ -62,6 +62,12 @@ class Plan:
     decisions: tuple[tuple[str, str], ...]
     network: LayeredTemplate | None = None
     characteristic: Characteristic = CLIP
+
+    def __repr__(self) -> str:
+        scheme = "" if self.scheme is None else f", {self.scheme.name}, h = {self.step:g}"
+        return (
+            f"Plan({self.template.name!r}, {self.shape[0]} x {self.shape[1]}, {self.method}{scheme}, {self.duration})"
+        )
 
     @property
     def feedback_taps(self) -> tuple[Tap, ...]:

@@ -66,6 +66,7 @@ def _program(
         keep,
         steps,
         path,
+        take(data, "reference", str, "program", ""),
     )
 
 

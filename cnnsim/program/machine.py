@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from difflib import get_close_matches
 from typing import Any, assert_never
 
 import numpy as np
@@ -30,7 +31,9 @@ from cnnsim.program.program import (
     WireStep,
 )
 from cnnsim.support import Array, InputError, naming
+from cnnsim.support.keywords import spelled
 from cnnsim.support.values import as_numbers
+from cnnsim.transient import Dtype
 
 _XOR = function_number("xor")
 
@@ -39,11 +42,16 @@ class UniversalMachine:
     """A cellular neural network with memories, a logic unit and a program store, on one backend.
 
     Planes stay on the backend while a program runs. What a program keeps (see `Program`) lives here from run to run;
-    `reset` forgets it. Roska and Chua, "The CNN universal machine", IEEE Trans. CAS-II 40 (1993) 163.
+    `reset` forgets it. Arguments: ``backend`` a name or a backend; ``dtype`` the numbers it computes with, None for its
+    own; ``threads`` of the cpu backend, None for as many as pay. Roska and Chua, "The CNN universal machine", IEEE
+    Trans. CAS-II 40 (1993) 163.
     """
 
-    def __init__(self, backend: str | Backend = "cpu", dtype: str | None = None) -> None:
-        self.backend = backends.get(backend, dtype) if isinstance(backend, str) else backend
+    @spelled()
+    def __init__(
+        self, backend: str | Backend = "cpu", dtype: Dtype | None = None, *, threads: int | None = None
+    ) -> None:
+        self.backend = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend
         self._kept: dict[Program, dict[str, Plane]] = {}
         self._plans: dict[tuple[TemplateStep, tuple[int, ...]], Plan] = {}
         self._rules: dict[TemplateStep, BitRule | None] = {}
@@ -176,8 +184,10 @@ class UniversalMachine:
 
 def _check(program: Program, inputs: dict[str, ArrayLike]) -> dict[str, Array]:
     if set(inputs) != set(program.inputs):
+        near = [get_close_matches(name, program.inputs, 1) for name in inputs if name not in program.inputs]
+        hint = f"; did you mean {' and '.join(repr(match[0]) for match in near if match)}?" if any(near) else ""
         raise InputError(
-            f"program {program.name!r} got {', '.join(inputs) or 'nothing'}; {', '.join(program.inputs)} wanted"
+            f"program {program.name!r} got {', '.join(inputs) or 'nothing'}; {', '.join(program.inputs)} wanted{hint}"
         )
     arrays = {name: as_numbers(name, inputs[name]) for name in program.inputs}
     shapes = {name: array.shape for name, array in arrays.items()}

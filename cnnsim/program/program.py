@@ -17,14 +17,16 @@ A program is a TOML file. It declares its memories and lists its steps, each a t
 
 import operator
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 from cnnsim.network import CHUA_YANG, Boundary, Cell, Template
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.operations.global_wire import Wire
+from cnnsim.operations.logic import FUNCTIONS
 from cnnsim.planning.duration import Duration
+from cnnsim.program.words import step_rows, written
 
 ProgramMemory = Literal["lam", "llm", "wire"]
 
@@ -49,6 +51,11 @@ class TemplateStep:
     step: float | None = None
     name: str = ""
 
+    def __str__(self) -> str:
+        planes = {"u": self.input, "x(0)": self.state, "bias": self.bias, "mask": self.mask}
+        said = ", ".join(f"{name} = {written(plane)}" for name, plane in planes.items() if plane is not None)
+        return f"template {self.template.name}, {said}"
+
 
 @dataclass(frozen=True, eq=False)
 class CellwiseStep:
@@ -59,6 +66,9 @@ class CellwiseStep:
     of: tuple[str, ...]
     to: tuple[str, ...]
     parameters: tuple[float, ...]
+
+    def __str__(self) -> str:
+        return f"{self.operation.name} of {', '.join([*self.of, *map(written, self.parameters)])}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +81,9 @@ class LogicStep:
     q: str
     to: str
 
+    def __str__(self) -> str:
+        return f"{FUNCTIONS[self.function]} of {self.p}" + ("" if self.p == self.q else f" and {self.q}")
+
 
 @dataclass(frozen=True, eq=False)
 class CopyStep:
@@ -79,6 +92,9 @@ class CopyStep:
     where: str
     source: str
     to: str
+
+    def __str__(self) -> str:
+        return f"copy of {self.source}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +105,9 @@ class FillStep:
     value: float | str
     to: str
 
+    def __str__(self) -> str:
+        return f"fill with {written(self.value)}"
+
 
 @dataclass(frozen=True, eq=False)
 class WireStep:
@@ -98,6 +117,9 @@ class WireStep:
     wire: Wire
     of: str
     to: str
+
+    def __str__(self) -> str:
+        return f"{self.wire} of {self.of}, by the global wire"
 
 
 ARITHMETIC: Mapping[str, Callable[[int, int], int]] = {
@@ -118,6 +140,9 @@ class NumberStep:
     of: tuple[int | str, int | str]
     to: str
 
+    def __str__(self) -> str:
+        return f"{self.function} {self.of[0]} and {self.of[1]}"
+
 
 @dataclass(frozen=True, eq=False)
 class RepeatStep:
@@ -126,6 +151,9 @@ class RepeatStep:
     where: str
     times: int
     do: "tuple[Step, ...]"
+
+    def __str__(self) -> str:
+        return f"repeat {self.times} times"
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,6 +165,9 @@ class UntilUnchangedStep:
     limit: int
     do: "tuple[Step, ...]"
 
+    def __str__(self) -> str:
+        return f"until {self.plane} is unchanged, at most {self.limit} times"
+
 
 @dataclass(frozen=True, eq=False)
 class BranchStep:
@@ -146,6 +177,9 @@ class BranchStep:
     register: str
     do: "tuple[Step, ...]"
     otherwise: "tuple[Step, ...]"
+
+    def __str__(self) -> str:
+        return f"when {self.register} is not 0"
 
 
 Step = (
@@ -162,7 +196,7 @@ Step = (
 )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Program:
     """A checked program: every name is declared, written before it is read, and of the right kind.
 
@@ -177,4 +211,15 @@ class Program:
     outputs: tuple[str, ...]
     keep: Mapping[str, float]
     steps: tuple[Step, ...]
-    path: Path | None = field(default=None, repr=False)
+    path: Path | None = None
+    reference: str = ""
+
+    def __repr__(self) -> str:
+        given = f"{', '.join(self.inputs)} -> {', '.join(self.outputs)}"
+        return f"Program({self.name!r}, {given}, {len(self.steps)} steps)"
+
+    def _repr_html_(self) -> str:
+        from cnnsim.support.html import facts, heading, table
+
+        said = {"takes": ", ".join(self.inputs), "gives": ", ".join(self.outputs), "source": self.reference}
+        return heading(self.name, self.summary) + facts(said) + table(step_rows(self.steps), ("step", "does", "to"))

@@ -1,12 +1,13 @@
 """Films of CNN values over time: an animated GIF, or a video (MP4 and others, by PyAV), written picture by picture."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
+from PIL import Image, ImageDraw, ImageFont
 
 from cnnsim.support.errors import InputError
 from cnnsim.support.files import writing
@@ -20,8 +21,17 @@ FILM_ENDINGS = (".gif", *_CODECS)
 """Names of films that can be written."""
 _WIDE = 256
 """Pixels to which a small picture is enlarged."""
+STRIP = 16
+"""Pixels of the strip with a caption."""
 _PAUSE = 1000
 """Milliseconds for which the last picture of a GIF stands before it begins anew."""
+
+
+class AddPicture(Protocol):
+    """Adds a picture to a film."""
+
+    def __call__(self, values: Array, caption: str = "") -> None:
+        """Add CNN values (rows, cols); a ``caption`` stands in a white strip below the cells, in all or in none."""
 
 
 def is_film(path: str | Path) -> bool:
@@ -30,7 +40,7 @@ def is_film(path: str | Path) -> bool:
 
 
 @contextmanager
-def filming(path: str | Path, rate: float) -> Iterator[Callable[[Array], None]]:
+def filming(path: str | Path, rate: float) -> Iterator[AddPicture]:
     """Give a function that adds a picture (rows, cols) of CNN values to a film of ``rate`` pictures a second.
 
     Small pictures are enlarged. A GIF shows equal pictures that follow one another as one that stands longer.
@@ -44,15 +54,20 @@ def filming(path: str | Path, rate: float) -> Iterator[Callable[[Array], None]]:
         yield from (_gif if beside.suffix.lower() == ".gif" else _video)(beside, rate)
 
 
-def write_film(frames: Sequence[Array], path: str | Path, seconds: float = 3.0) -> None:
+def write_film(
+    frames: Sequence[Array], path: str | Path, seconds: float = 3.0, times: Sequence[float] | None = None
+) -> None:
     """Write CNN values over time as a film that runs for about ``seconds``.
+
+    The ``times`` [time constants] of the frames are written below their cells.
 
     Raises:
         InputError: as `filming`.
     """
     with filming(path, len(frames) / seconds) as add:
-        for frame in frames:
-            add(frame)
+        words = [""] * len(frames) if times is None else [f"t = {t:.3g}" for t in times]
+        for frame, text in zip(frames, words, strict=True):
+            add(frame, text.ljust(max(map(len, words))))  # all pictures of a film have one size
 
 
 def video_library(path: str | Path) -> Any:
@@ -68,23 +83,27 @@ def video_library(path: str | Path) -> Any:
     return av
 
 
-def _gif(path: Path, rate: float) -> Iterator[Callable[[Array], None]]:
+def _gif(path: Path, rate: float) -> Iterator[AddPicture]:
     images: list[Any] = []
-    yield lambda values: images.append(to_image(values, _scale(values)))
+
+    def add(values: Array, caption: str = "") -> None:
+        images.append(_drawn(values, caption))
+
+    yield add
     if not images:
         raise InputError(f"cannot write {path.name}: a film without a picture")
     lasting = [max(20, round(1000 / rate))] * (len(images) - 1) + [_PAUSE]
     images[0].save(path, format="GIF", save_all=True, append_images=images[1:], duration=lasting, loop=0)
 
 
-def _video(path: Path, rate: float) -> Iterator[Callable[[Array], None]]:
+def _video(path: Path, rate: float) -> Iterator[AddPicture]:
     av = video_library(path)
     with av.open(str(path), "w") as container:
         stream = container.add_stream(_CODECS[path.suffix.lower()], rate=Fraction(rate).limit_denominator(1000))
         stream.pix_fmt = "yuv420p"
 
-        def add(values: Array) -> None:
-            grey = np.asarray(to_image(values, _scale(values)))
+        def add(values: Array, caption: str = "") -> None:
+            grey = np.asarray(_drawn(values, caption))
             grey = np.pad(grey, [(0, size % 2) for size in grey.shape], mode="edge")  # the codec takes even sizes only
             if not stream.codec_context.is_open:
                 stream.height, stream.width = grey.shape
@@ -96,5 +115,15 @@ def _video(path: Path, rate: float) -> Iterator[Callable[[Array], None]]:
             container.mux(packet)
 
 
-def _scale(values: Array) -> int:
-    return max(1, _WIDE // max(values.shape))
+def _drawn(values: Array, caption: str) -> Image.Image:
+    """Return a picture, enlarged if it is small, with a line of text below it, outside of the cells."""
+    image = to_image(values, max(1, _WIDE // max(values.shape)))
+    if not caption:
+        return image
+    width = max(image.width, 8 * len(caption))
+    whole = Image.new("L", (width, image.height + STRIP), 255)
+    whole.paste(image, (0, 0))
+    draw = ImageDraw.Draw(whole)
+    draw.line((0, image.height, width, image.height), fill=128)
+    draw.text((3, image.height + 2), caption, fill=0, font=ImageFont.load_default(11))
+    return whole

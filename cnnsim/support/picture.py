@@ -3,6 +3,7 @@
 import struct
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -110,6 +111,14 @@ def to_image(values: Array, scale: int = 1) -> Image.Image:
     for row, out in zip(values, grey, strict=True):  # row by row: a whole plane in between would cost memory
         out[:] = np.where(row, 0, 255) if row.dtype == bool else np.rint((1.0 - np.clip(row, -1, 1)) * 127.5)
     return Image.fromarray(grey if scale == 1 else np.kron(grey, np.ones((scale, scale), dtype=np.uint8)))
+
+
+def to_png(values: Array, least: int = 192) -> bytes:
+    """Return CNN values (..., rows, cols) as a PNG file, cells large enough that the picture has ``least`` pixels."""
+    values = values.reshape(-1, *values.shape[-2:])
+    file = BytesIO()
+    to_image(values, max(1, least // max(values.shape[-2:]))).save(file, format="PNG")
+    return file.getvalue()
 
 
 def write_picture(values: Array, path: str | Path, scale: int = 1) -> None:

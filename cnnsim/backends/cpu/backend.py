@@ -23,6 +23,7 @@ from cnnsim.backends.cpu.pool import Pool
 from cnnsim.backends.cpu.prepared import Prepared
 from cnnsim.backends.cpu.term_steps import CompiledDiscreteSteps, CompiledTermSteps
 from cnnsim.backends.cpu.terms import CompiledNetwork, with_control_terms
+from cnnsim.backends.cpu.threads import checked_threads, on_threads
 from cnnsim.backends.cpu.transient import CompiledSteps, fused_euler
 from cnnsim.network import Boundary
 from cnnsim.operations.bitwise import BitRule
@@ -37,11 +38,14 @@ _NO_MASK = np.empty((1, 1, 0), dtype=bool)
 
 
 class CpuBackend(Backend):
-    """LAM planes are contiguous NumPy arrays in ``dtype``, LLM planes are `Bits`."""
+    """LAM planes are contiguous NumPy arrays in ``dtype``, LLM planes are `Bits`.
+
+    ``threads`` share the work of a large grid, None for all cores; small grids take one (see `THREADS_PAY_FROM`).
+    """
 
     name = "cpu"
 
-    def __init__(self, dtype: DTypeLike | None = None) -> None:
+    def __init__(self, dtype: DTypeLike | None = None, threads: int | None = None) -> None:
         self.dtype = parse_dtype(np.float32 if dtype is None else dtype)
         if self.dtype not in (np.float32, np.float64):
             raise InputError(f"the cpu backend computes in float32 or float64, not in {self.dtype}")
@@ -51,6 +55,19 @@ class CpuBackend(Backend):
         self._pool = Pool()
         self._nothing = np.empty((1, 1, 0), self.dtype)
         self._one, self._minus_one = self.dtype.type(1), self.dtype.type(-1)
+        if threads is not None:  # wrapped only then: without it a verb costs what it did
+            for verb in (
+                "load",
+                "read",
+                "convert",
+                "output",
+                "transient",
+                "cellwise",
+                "logic",
+                "neighbourhood",
+                "count",
+            ):
+                setattr(self, verb, on_threads(getattr(self, verb), checked_threads(threads)))
 
     def load(self, values: Array, memory: Memory) -> Any:
         if memory == "llm":

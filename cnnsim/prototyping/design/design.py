@@ -1,5 +1,6 @@
 """Design: templates run one after the other, and the logic function that joins their outputs."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -45,7 +46,7 @@ def part_of(separator: Separator) -> DesignPart:
     return DesignPart(Separator(separator.weights[:9], separator.bias))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Design:
     """Templates run one after the other and the logic function that joins their outputs.
 
@@ -58,6 +59,24 @@ class Design:
     join: Literal["last", "or", "and", "xor"]
     certificate: Certificate | None = None
     first: int = 0
+
+    def __repr__(self) -> str:
+        return f"Design({self.rule.text!r}, {self._joined()}: {list(self.templates())})"
+
+    def _repr_html_(self) -> str:
+        from cnnsim.support.html import heading
+
+        parts = "".join(template._repr_html_() for template in self.templates())
+        return heading("Design", f"{self.rule.text}; {self._joined()}, margin {self.relative_margin():.4g}") + parts
+
+    def templates(self) -> Iterator[Template]:
+        """Yield the templates, numbered in the order in which they run."""
+        for number, part in enumerate(self.parts, start=1):
+            yield part.template(f"part {number}")
+
+    def _joined(self) -> str:
+        count = len(self.parts)
+        return "one template" if count == 1 else f"{count} templates, joined by {self.join}"
 
     @property
     def one_template(self) -> bool:

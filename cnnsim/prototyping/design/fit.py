@@ -41,6 +41,12 @@ class Fit:
     cells: int
     runs: int
 
+    def _repr_html_(self) -> str:
+        from cnnsim.support.html import heading
+
+        said = f"{self.wrong} of {self.cells} cells wrong after {self.runs} runs, x(0) = {self.initial_state}"
+        return heading("Fit", said) + self.template._repr_html_()
+
 
 def fit(
     pairs: Sequence[PicturePair], boundary: Boundary, *, name: str = "fitted", symmetry: Symmetry = "all",

@@ -1,14 +1,14 @@
 """Robustness of a template: the share of wrong cells against errors of entries, bits, and noise on the input."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.prototyping.robust.disturb import quantised, with_relative_errors
 from cnnsim.prototyping.robust.error_rate import ErrorRate, error_rate_of
-from cnnsim.prototyping.robust.margin import Margin, margin_of
+from cnnsim.prototyping.robust.margin import margin_of
+from cnnsim.prototyping.robust.report import Curve, Robustness
 
 SIGMAS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2)
 BITS = tuple(range(3, 13))
@@ -16,39 +16,6 @@ NOISES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0)
 
 Track = Callable[[Iterable[tuple[str, float]]], Iterable[tuple[str, float]]]
 """Goes through the levels one by one and may show how far it is."""
-
-
-@dataclass(frozen=True)
-class Curve:
-    """Share of wrong cells at each level: the mean over the draws, and the worst draw."""
-
-    levels: tuple[float, ...]
-    mean: tuple[float, ...]
-    worst: tuple[float, ...]
-
-    def largest_without_error(self) -> float | None:
-        """Return the largest level up to which (levels ascending) no draw had a wrong cell, or None."""
-        good = [level for level, _ in zip(self.levels, _until_wrong(self.worst), strict=False)]
-        return good[-1] if good else None
-
-
-@dataclass(frozen=True)
-class Robustness:
-    """All that `measure` finds out; ``judged_on`` says what the shares are shares of."""
-
-    name: str
-    margin: Margin
-    judged_on: str
-    entries: Curve
-    bits: Curve
-    noise: Curve
-    draws: int
-    seed: int
-
-    def bits_needed(self) -> int | None:
-        """Return the fewest bits from which on no cell is wrong, or None if 12 are not enough."""
-        good = [int(bits) for bits, _ in zip(self.bits.levels[::-1], _until_wrong(self.bits.worst[::-1]), strict=False)]
-        return good[-1] if good else None
 
 
 def measure(entry: LibraryEntry, *, draws: int = 40, seed: int = 0, track: Track = iter) -> Robustness:
@@ -82,10 +49,3 @@ def _shares(entry: LibraryEntry, error_rate: ErrorRate, level: tuple[str, float]
         else:
             found.append(error_rate.share_of_wrong(with_relative_errors(entry.network, size, rng), 0.0, rng))
     return found
-
-
-def _until_wrong(shares: tuple[float, ...]) -> Iterable[float]:
-    for share in shares:
-        if share > 0:
-            return
-        yield share

@@ -1,91 +1,115 @@
-"""Draws a trace: where the chosen cells lie, their states and outputs over time, and a sheet of pictures."""
+"""Draws a trace: what was given, where the chosen cells lie, states and outputs over time, and a sheet of pictures."""
 
 from collections.abc import Sequence
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
 
-from cnnsim.prototyping.trace.trace import CellIndex, Trace
+from cnnsim import plot
+from cnnsim.network import Frames
+from cnnsim.network.frames import at_step
+from cnnsim.plot.figures import COLOURS
+from cnnsim.support import Array
 from cnnsim.support.files import writing
+from cnnsim.trajectory import CellIndex, Trajectory, sheet_frames
+from cnnsim.transient import Task
 
-SHEET = 8
-"""Pictures on the contact sheet."""
-
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#8c564b")
-"""Okabe and Ito's colours, which colour-blind readers tell apart, and a brown."""
+Pictures = list[tuple[str, Array]]
 
 
-def draw_trace(trace: Trace, cells: Sequence[CellIndex], title: str, path: str | Path) -> None:
-    """Write the picture of a trace; the format follows the name's ending.
+def draw_trace(
+    trace: Trajectory, cells: Sequence[CellIndex], title: str, path: str | Path, task: Task, layer: int = 0
+) -> None:
+    """Write the picture of a trace of a ``task``, whose input and initial state are drawn too.
+
+    The format follows the name's ending.
 
     Raises:
         InputError: the file cannot be written.
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(11, 7.0), layout="constrained")
-    figure.suptitle(title, fontsize=13)
-    parts: Any = figure.subfigures(2, 1, height_ratios=(2.9, 1.0))
+    shown = sheet_frames(trace.y)
+    rows = [("output y", [trace.y[frame] for frame in shown])]
+    if isinstance(task.input, Frames):
+        rows.insert(0, ("input u", [_held(task, float(trace.t[frame]), layer) for frame in shown]))
+    figure = Figure(figsize=(11, 7.3 + 1.5 * (len(rows) - 1)), layout="constrained")
+    figure.suptitle("\n".join(wrap(title, 95)), fontsize=13)
+    parts: Any = figure.subfigures(2, 1, height_ratios=(2.9, 0.8 * len(rows)))
     above, below = parts
-    axes = above.subplot_mosaic([["map", "x"], ["map", "y"]], width_ratios=(1.0, 1.9), height_ratios=(1.5, 1.0))
-    colours = {cell: _COLOURS[number % len(_COLOURS)] for number, cell in enumerate(cells)}
-    _map(axes["map"], trace, colours)
-    _states(axes["x"], trace, colours)
-    _outputs(axes["y"], trace, colours)
-    _sheet(below, trace)
+    axes = above.subplot_mosaic([["given", "x"], ["map", "y"]], width_ratios=(1.0, 1.9), height_ratios=(1.0, 1.0))
+    _given(axes["given"], given_pictures(task, layer))
+    _map(axes["map"], trace, cells)
+    labels = [f"{row},{col}" for row, col in cells]
+    plot.states(trace.t, _series(trace.x, cells), labels, axes["x"])
+    axes["x"].set_xlabel("")
+    axes["x"].set_title("grey: the linear piece |x| ≤ 1", fontsize=10)
+    axes["x"].tick_params(labelbottom=False)
+    axes["x"].legend(title="row,col", loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
+    plot.outputs(trace.t, _series(trace.y, cells), (), axes["y"])
+    _sheet(below, rows, [float(trace.t[frame]) for frame in shown])
     with writing(path) as beside:
         figure.savefig(beside, dpi=120)
 
 
-def sheet_frames(trace: Trace) -> list[int]:
-    """Return the frames of the contact sheet: evenly spaced while outputs change, first and last in."""
-    moving = np.flatnonzero(np.abs(np.diff(trace.y, axis=0)).max(axis=(1, 2)) > 1e-3)
-    last = int(moving[-1]) + 1 if moving.size else len(trace.t) - 1
-    return [int(frame) for frame in np.unique(np.linspace(0, last, SHEET).round())]
+def given_pictures(task: Task, layer: int = 0) -> Pictures:
+    """Return what a run starts from, each with its name: the input and the initial state, one where they are the same.
+
+    A plane that is the same everywhere is no picture, unless nothing else is given.
+    """
+    state = _layer(task.state, layer)
+    if not task.plan.template.reads_input and task.plan.network is None:
+        return [("initial state x(0)", state)]
+    frames = task.input.planes if isinstance(task.input, Frames) else None
+    first = frames[0] if frames is not None else task.input
+    found: Pictures = []
+    if first is not None:
+        name = "input u" if frames is None else f"input u, the first of {len(frames)}"
+        found.append((name, _layer(np.asarray(first), layer)))
+        if np.array_equal(found[0][1], state):
+            return [(f"{name} = x(0)", state)]
+    if not found or state.min() < state.max():
+        found.append(("initial state x(0)", state))
+    return found
 
 
-def _map(axes: Any, trace: Trace, colours: dict[CellIndex, str]) -> None:
+def _layer(planes: Array, layer: int) -> Array:
+    return planes[layer] if planes.ndim == 3 else planes
+
+
+def _held(task: Task, t: float, layer: int) -> Array:
+    """Return the input that holds at a time: at the end of the run the one that was held until then."""
+    step = task.plan.step
+    return _layer(np.asarray(at_step(task.input, max(0, round(t / step) - 1), step)), layer)
+
+
+def _series(planes: Array, cells: Sequence[CellIndex]) -> Array:
+    return np.array([planes[:, row, col] for row, col in cells]).T
+
+
+def _given(axes: Any, pictures: Pictures) -> None:
+    if len(pictures) == 1:
+        plot.plane(pictures[0][1], axes, title=pictures[0][0])
+    else:
+        plot.sheet([values for _, values in pictures], [name for name, _ in pictures], axes)
+
+
+def _map(axes: Any, trace: Trajectory, cells: Sequence[CellIndex]) -> None:
     from matplotlib.patches import Rectangle
 
-    _picture(axes, trace.y[-1])
-    axes.set_title("output at the end, and the cells", fontsize=10)
-    for (row, col), colour in colours.items():
-        axes.add_patch(Rectangle((col - 0.5, row - 0.5), 1, 1, fill=False, edgecolor="white", linewidth=4.5))
-        axes.add_patch(Rectangle((col - 0.5, row - 0.5), 1, 1, fill=False, edgecolor=colour, linewidth=2.5))
+    plot.plane(trace.y[-1], axes, title="output at the end, and the cells")
+    for number, (row, col) in enumerate(cells):
+        colour = COLOURS[number % len(COLOURS)]
+        for edge, width in (("white", 4.5), (colour, 2.5)):  # cells of the rim are marked whole, beyond the axes
+            square = Rectangle((col - 0.43, row - 0.43), 0.86, 0.86, fill=False, edgecolor=edge, linewidth=width)
+            axes.add_patch(square).set(clip_on=False, zorder=3)
 
 
-def _states(axes: Any, trace: Trace, colours: dict[CellIndex, str]) -> None:
-    axes.axhspan(-1, 1, color="#eeeeee", zorder=0)
-    for (row, col), colour in colours.items():
-        axes.plot(trace.t, trace.x[:, row, col], color=colour, linewidth=1.8, label=f"{row},{col}")
-    axes.set_ylabel("state x")
-    axes.set_title("grey: the linear piece |x| ≤ 1", fontsize=10)
-    axes.tick_params(labelbottom=False)
-    axes.margins(x=0.01)
-    axes.legend(title="row,col", loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
-
-
-def _outputs(axes: Any, trace: Trace, colours: dict[CellIndex, str]) -> None:
-    for number, ((row, col), colour) in enumerate(colours.items()):
-        style = (0, (4, 1 + number % 3)) if number % 2 else "-"  # outputs lie on one another at -1 and +1
-        axes.plot(trace.t, trace.y[:, row, col], color=colour, linewidth=1.8, linestyle=style)
-    axes.set_ylim(-1.15, 1.15)
-    axes.set_yticks([-1, 0, 1], ["-1", "0", "+1"])
-    axes.set_xlabel("time [time constants]")
-    axes.set_ylabel("output y\n(black: +1)")
-    axes.margins(x=0.01)
-
-
-def _sheet(figure: Any, trace: Trace) -> None:
-    frames = sheet_frames(trace)
-    row = figure.subplots(1, len(frames), squeeze=False)[0]
-    for axes, frame in zip(row, frames, strict=True):
-        _picture(axes, trace.y[frame])
-        axes.set_title(f"t = {trace.t[frame]:.3g}", fontsize=10)
-
-
-def _picture(axes: Any, plane: Any) -> None:
-    axes.imshow(plane, cmap="gray_r", vmin=-1, vmax=1, interpolation="nearest")
-    axes.set_xticks([])
-    axes.set_yticks([])
+def _sheet(figure: Any, rows: list[tuple[str, list[Array]]], times: Sequence[float]) -> None:
+    grid = figure.subplots(len(rows), len(times), squeeze=False)
+    for number, (name, pictures) in enumerate(rows):
+        for axes, picture, t in zip(grid[number], pictures, times, strict=True):
+            plot.plane(picture, axes, title=f"t = {t:.3g}" if number == 0 else "")
+        grid[number][0].set_ylabel(name, fontsize=10)

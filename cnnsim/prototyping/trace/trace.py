@@ -1,31 +1,19 @@
 """Records a transient: the states of a whole plane at evenly spaced times."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from cnnsim.backends.base import Backend
-from cnnsim.support import Floats, InputError
+from cnnsim.support import InputError
 from cnnsim.theory.running_time import time_of_picture
+from cnnsim.trajectory import CellIndex, Trajectory
 from cnnsim.transient import Task
-
-CellIndex = tuple[int, int]
-"""(row, column), counted from 0 at the top left."""
 
 _UNKNOWN = 10.0
 
 
-@dataclass(frozen=True)
-class Trace:
-    """States ``x`` and outputs ``y`` (frames, rows, cols) at the times ``t`` (frames,) [time constants], from 0 on."""
-
-    t: Floats
-    x: Floats
-    y: Floats
-
-
-def record(task: Task, backend: Backend, duration: float, frames: int = 120, layer: int = 0) -> Trace:
+def record(task: Task, backend: Backend, duration: float, frames: int = 120, layer: int = 0) -> Trajectory:
     """Run a task for ``duration`` time constants and keep its state ``frames`` + 1 times; its stop rule is set aside.
 
     Of a network of layers one ``layer`` is kept, counted from 0.
@@ -43,7 +31,7 @@ def record(task: Task, backend: Backend, duration: float, frames: int = 120, lay
     later = task.states(backend, duration, frames, first=1)
     times, states = zip((0.0, task.state), *later, strict=True)
     x = np.array([state.reshape(-1, *state.shape[-2:])[layer] for state in states], dtype=np.float64)
-    return Trace(np.array(times), x, task.plan.output(x))
+    return Trajectory(np.array(times), x, task.plan.output(x))
 
 
 def watching_time(task: Task, backend: Backend) -> float:
@@ -79,7 +67,7 @@ def parse_cell_index(text: str, shape: tuple[int, ...]) -> CellIndex:
     return row, col
 
 
-def representative_cells(trace: Trace, most: int = 5) -> list[CellIndex]:
+def representative_cells(trace: Trajectory, most: int = 5) -> list[CellIndex]:
     """Return up to ``most`` cells whose states go different ways, in the order in which they first move.
 
     The first is the cell that moves most; each next one is that whose state is farthest from all those before it (sum

@@ -15,8 +15,9 @@ from cnnsim.backends.cpu.prepared import TILE_COLS
 from cnnsim.network import PERIODIC, ZERO_FLUX, Boundary, Template, fixed
 from cnnsim.planning.plan import make_plan
 from cnnsim.planning.savings import MOST_HALO
+from cnnsim.result import Result
 from cnnsim.support import InputError
-from cnnsim.transient import NotSettledError, Result, run_transient
+from cnnsim.transient import NotSettledError, run_transient
 
 BACKENDS = {name: get("cpu", name) for name in ("float32", "float64")}
 BOUNDARIES = (fixed(-1), fixed(0.25), ZERO_FLUX, PERIODIC)

@@ -88,7 +88,7 @@ def test_a_film_of_two_layers_shows_them_side_by_side(folder: Path) -> None:
     done = CliRunner().invoke(main, ["run", "autowave", "one.png", "--trajectory", "film.gif"])
     assert done.exit_code == 0, done.output
     with Image.open(folder / "film.gif") as film:
-        assert film.width == 2 * film.height
+        assert film.width == 2 * (film.height - 16)  # below the cells the time
 
 
 def test_all_that_is_wrong_with_a_table_is_told_at_once() -> None:

@@ -11,9 +11,9 @@ from PIL import Image
 from cnnsim import backends, library, write_picture
 from cnnsim.cli.trace import trace
 from cnnsim.network.cell import output, uncoupled_state
-from cnnsim.prototyping.trace.plot import SHEET, sheet_frames
-from cnnsim.prototyping.trace.trace import Trace, parse_cell_index, record, representative_cells, watching_time
+from cnnsim.prototyping.trace.trace import parse_cell_index, record, representative_cells, watching_time
 from cnnsim.support import InputError
+from cnnsim.trajectory import SHEET, Trajectory, sheet_frames
 from cnnsim.transient import Task, make_task, run_transient
 
 
@@ -61,17 +61,20 @@ def test_telling_cells_go_different_ways() -> None:
     x[:, 0, 0] = 5 * t
     x[:, 1, 2] = -3 * t
     x[:, 1, 1] = 5 * t
-    assert representative_cells(Trace(t, x, output(x)), most=3) in ([(0, 0), (1, 2), (0, 1)], [(0, 1), (0, 0), (1, 2)])
-    assert representative_cells(Trace(t, x, output(x)), most=5) == representative_cells(
-        Trace(t, x, output(x)), most=3
+    assert representative_cells(Trajectory(t, x, output(x)), most=3) in (
+        [(0, 0), (1, 2), (0, 1)],
+        [(0, 1), (0, 0), (1, 2)],
+    )
+    assert representative_cells(Trajectory(t, x, output(x)), most=5) == representative_cells(
+        Trajectory(t, x, output(x)), most=3
     )  # the rest repeats them
-    assert representative_cells(Trace(t, 0 * x, 0 * x)) == [(0, 0)]
+    assert representative_cells(Trajectory(t, 0 * x, 0 * x)) == [(0, 0)]
 
 
 def test_the_contact_sheet_shows_the_time_in_which_something_happens() -> None:
     x = np.zeros((101, 1, 1))
     x[:, 0, 0] = np.minimum(np.arange(101) / 20, 1)
-    frames = sheet_frames(Trace(np.arange(101.0), x, output(x)))
+    frames = sheet_frames(output(x))
     assert frames[0] == 0
     assert frames[-1] == 20
     assert len(frames) == SHEET

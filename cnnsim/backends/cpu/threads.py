@@ -1,0 +1,36 @@
+"""The number of threads of the CPU backend: checked, and set while a function runs."""
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Any
+
+import numba
+
+from cnnsim.support import InputError
+
+
+def checked_threads(threads: Any) -> int:
+    """Return a number of threads that there can be.
+
+    Raises:
+        InputError: another number, or none.
+    """
+    most = int(numba.config.NUMBA_NUM_THREADS)
+    if isinstance(threads, bool) or not isinstance(threads, int) or not 1 <= threads <= most:
+        raise InputError(f"threads {threads!r}; a whole number from 1 to {most}, the cores there are, wanted")
+    return threads
+
+
+def on_threads(function: Callable[..., Any], threads: int) -> Callable[..., Any]:
+    """Return a function that runs on so many threads, whatever numba has been told for the rest of the process."""
+
+    @wraps(function)
+    def run(*args: Any, **kwargs: Any) -> Any:
+        before = numba.get_num_threads()
+        numba.set_num_threads(threads)
+        try:
+            return function(*args, **kwargs)
+        finally:
+            numba.set_num_threads(before)
+
+    return run

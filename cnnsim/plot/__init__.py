@@ -1,0 +1,9 @@
+"""Plots into axes of matplotlib: each function takes axes, or makes some, and returns them."""
+
+from cnnsim.plot.animation import animation
+from cnnsim.plot.figures import to_png
+from cnnsim.plot.matrices import template
+from cnnsim.plot.planes import plane, sheet
+from cnnsim.plot.states import outputs, states
+
+__all__ = ["animation", "outputs", "plane", "sheet", "states", "template", "to_png"]

@@ -1,0 +1,35 @@
+"""Planes over time as an animation of matplotlib."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from cnnsim.plot.figures import given_or_new
+from cnnsim.plot.planes import plane, side_by_side
+from cnnsim.support import Array
+
+if TYPE_CHECKING:
+    from matplotlib.animation import FuncAnimation
+    from matplotlib.axes import Axes
+
+
+def animation(
+    t: Sequence[float] | Array, y: Sequence[Array] | Array, axes: "Axes | None" = None, *, interval: float = 50.0
+) -> "FuncAnimation":
+    """Return an animation of outputs ``y`` (times, rows, cols), the time ``t`` of each above it.
+
+    ``interval`` is what a frame lasts [ms]. In a notebook ``HTML(found.to_jshtml())`` plays it; ``found.save("x.gif")``
+    writes it. Keep it in a variable while it runs: matplotlib does not.
+    """
+    from matplotlib.animation import FuncAnimation  # slow to import, and only needed for plots
+
+    axes = plane(y[0], given_or_new(axes))
+    image: Any = axes.images[-1]
+
+    def draw(frame: int) -> tuple[Any]:
+        image.set_data(side_by_side(y[frame]))
+        axes.set_title(f"t = {t[frame]:.3g}", fontsize=10)
+        return (image,)
+
+    draw(0)
+    whole: Any = axes.figure  # a subfigure's as well
+    return FuncAnimation(whole, draw, frames=len(y), interval=interval, blit=False)

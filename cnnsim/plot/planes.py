@@ -1,0 +1,58 @@
+"""Planes drawn into axes: black is +1, white is -1, a cell is a square."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cnnsim.plot.figures import given_or_new
+from cnnsim.support import Array, InputError
+from cnnsim.support.values import as_numbers
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+def plane(values: ArrayLike, axes: "Axes | None" = None, *, title: str = "") -> "Axes":
+    """Draw CNN values (rows, cols) and return the axes; what lies beyond -1 and 1 is white and black.
+
+    Planes (n, rows, cols), of layers or of a batch, lie side by side. Booleans: True is black.
+
+    Raises:
+        InputError: another shape, or whole numbers as of grey levels.
+    """
+    picture, axes = side_by_side(as_numbers("plane", values)), given_or_new(axes)
+    axes.imshow(picture, cmap="gray_r", vmin=-1, vmax=1, interpolation="nearest")
+    axes.set_xticks([])
+    axes.set_yticks([])
+    axes.set_title(title, fontsize=10)
+    return axes
+
+
+def sheet(planes: Sequence[Array], titles: Sequence[str], axes: "Axes | None" = None) -> "Axes":
+    """Draw planes (rows, cols) of one shape in a row of one pair of axes, each under its title."""
+    pictures, axes = [side_by_side(values) for values in planes], given_or_new(axes)
+    rows, cols = pictures[0].shape
+    gap = max(1.0, 0.08 * cols)
+    for number, (picture, title) in enumerate(zip(pictures, titles, strict=True)):
+        left = number * (cols + gap)
+        axes.imshow(picture, cmap="gray_r", vmin=-1, vmax=1, interpolation="nearest",
+                    extent=(left, left + cols, rows, 0))  # fmt: skip
+        axes.plot([left, left + cols, left + cols, left, left], [0, 0, rows, rows, 0], color="black", linewidth=0.8)
+        axes.text(left + cols / 2, -0.03 * rows, title, ha="center", va="bottom", fontsize=9)
+    axes.set_xlim(-0.02 * cols, len(pictures) * (cols + gap) - gap + 0.02 * cols)
+    axes.set_ylim(1.02 * rows, -0.02 * rows)
+    axes.set_axis_off()
+    return axes
+
+
+def side_by_side(values: Array) -> Array:
+    """Return planes (..., rows, cols) as one plane, the others to the right of the first.
+
+    Raises:
+        InputError: fewer than two axes.
+    """
+    if values.ndim < 2:
+        raise InputError(f"a plane of shape {values.shape}; (rows, cols) or (n, rows, cols) wanted")
+    return np.concatenate(list(values.reshape(-1, *values.shape[-2:])), axis=1)

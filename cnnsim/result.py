@@ -1,0 +1,69 @@
+"""Result: where a transient ended, in words and as a picture."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cnnsim.planning.plan import Plan
+from cnnsim.support import Array
+from cnnsim.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Result:
+    """The end of a transient: state ``x`` and output ``y`` (rows, cols), time ``t`` [time constants; inf: at rest].
+
+    ``settled`` says whether nothing changes any more (see `Plan`); after a fixed duration that is not checked and it is
+    False. ``rate`` is the largest |dx/dt| at the end, NaN if it was not computed. ``trajectory`` has what was recorded.
+    """
+
+    x: Array
+    t: float
+    settled: bool
+    rate: float
+    plan: Plan
+    trajectory: Trajectory | None = None
+
+    @property
+    def y(self) -> Array:
+        """The output: clip(x, -1, 1), or what the cell's characteristic makes of the state."""
+        return self.plan.output(self.x)
+
+    def __repr__(self) -> str:
+        recorded = "" if self.trajectory is None else f", {self.trajectory!r}"
+        return f"Result({self._words()}{recorded})"
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the output into axes of matplotlib, or new ones, and return them; layers lie side by side."""
+        from cnnsim import plot
+
+        return plot.plane(self.y, axes, title=f"{self.plan.template.name}, {self._ended()}")
+
+    def _ended(self) -> str:
+        if not np.isfinite(self.t):
+            return "at rest"
+        return f"t = {self.t:g}" + (", settled" if self.settled else "")
+
+    def _words(self) -> str:
+        size = " x ".join(map(str, self.x.shape))
+        rate = "" if np.isnan(self.rate) or not np.isfinite(self.t) else f", rate {self.rate:.3g}"
+        y = self.y
+        return (
+            f"{self.plan.template.name!r}, {self._ended()}{rate}, {size} {self.x.dtype}, x {self.x.min():.3g} to "
+            f"{self.x.max():.3g}, {int((y > 0).sum())} black"
+        )
+
+    def _repr_png_(self) -> bytes:
+        from cnnsim.support.picture import to_png
+
+        return to_png(self.y)
+
+    def _repr_html_(self) -> str:
+        from cnnsim.support.html import heading, image
+
+        shown = "" if self.trajectory is None else self.trajectory._repr_html_()
+        return heading("Result", self._words()) + image(self._repr_png_()) + shown

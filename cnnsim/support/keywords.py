@@ -1,0 +1,47 @@
+"""Keywords of public functions: one that is not known is an error that names the nearest."""
+
+import inspect
+from collections.abc import Callable
+from difflib import get_close_matches
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
+
+from cnnsim.support.errors import InputError
+
+Given = ParamSpec("Given")
+Returned = TypeVar("Returned")
+
+
+class KeywordError(InputError, TypeError):
+    """A keyword that a function does not have: a TypeError as Python's own, with the nearest keyword."""
+
+
+def spelled(options: type[Any] | None = None) -> Callable[[Callable[Given, Returned]], Callable[Given, Returned]]:
+    """Make a function refuse unknown keywords with a `KeywordError`; ``options``: the TypedDict of its ``**``."""
+
+    def decorate(function: Callable[Given, Returned]) -> Callable[Given, Returned]:
+        parameters = inspect.signature(function).parameters.values()
+        known = [p.name for p in parameters if p.kind in (p.KEYWORD_ONLY, p.POSITIONAL_OR_KEYWORD) and p.name != "self"]
+        known += [] if options is None else [name for name in options.__annotations__ if name not in known]
+        names = frozenset(known)
+
+        @wraps(function)
+        def checked(*args: Given.args, **kwargs: Given.kwargs) -> Returned:
+            if not names.issuperset(kwargs):
+                raise unknown_keyword(function.__qualname__.removesuffix(".__init__"), set(kwargs) - names, known)
+            return function(*args, **kwargs)
+
+        return checked
+
+    return decorate
+
+
+def unknown_keyword(function: str, given: set[str], known: list[str]) -> KeywordError:
+    """Return the error for keywords that are not known."""
+    found = []
+    for name in sorted(given):
+        near = get_close_matches(name, known, 1)
+        found.append(
+            f"no keyword {name!r}; " + (f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}")
+        )
+    return KeywordError(f"{function}: {'; '.join(found)}")

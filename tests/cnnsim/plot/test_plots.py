@@ -1,0 +1,108 @@
+"""Plots go into axes that are given, or make some, and return them; notebooks get short texts and pictures."""
+
+from io import BytesIO
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from PIL import Image
+
+import cnnsim
+from cnnsim import InputError, plot
+from cnnsim.prototyping.design.decompose import design_rule
+from cnnsim.prototyping.design.expression import parse_rule
+from cnnsim.prototyping.robust.robust import measure
+
+PICTURE = np.where(np.random.default_rng(0).random((9, 12)) > 0.5, 1.0, -1.0)
+RESULT = cnnsim.run("hole-filler", PICTURE, backend="reference", record=[0, 0.5, 1, 4])
+PATHS = cnnsim.run("hole-filler", PICTURE, backend="reference", record=[(0, 0), (4, 5)])
+ROBUST = measure(cnnsim.library.load("edge"), draws=1)
+DESIGN = design_rule(parse_rule("c xor n"), "sum")
+
+
+@pytest.fixture
+def axes() -> Axes:
+    mpl.use("agg")
+    return Figure().add_subplot()
+
+
+def test_axes_that_are_given_are_drawn_into(axes: Axes) -> None:
+    trajectory, paths = RESULT.trajectory, PATHS.trajectory
+    assert trajectory is not None
+    assert paths is not None
+    assert RESULT.plot(axes) is axes
+    assert np.array_equal(np.asarray(axes.images[0].get_array()), RESULT.y)
+    for drawn in (
+        plot.plane(PICTURE, axes), plot.template(RESULT.plan.template, axes), trajectory.plot(axes),
+        trajectory.plot(axes, cells=[(1, 2)]), paths.plot(axes), ROBUST.plot(axes, "noise"),
+        plot.outputs(paths.t, paths.y, axes=axes),
+    ):  # fmt: skip
+        assert drawn is axes
+    line = paths.plot(Figure().add_subplot()).lines[1]
+    assert np.array_equal(np.asarray(line.get_ydata()), paths.x[:, 1])
+
+
+def test_axes_are_made_where_none_are_given() -> None:
+    from matplotlib import pyplot
+
+    mpl.use("agg")
+    assert isinstance(plot.plane(PICTURE), Axes)
+    assert isinstance(ROBUST.plot(), Axes)
+    pyplot.close("all")
+
+
+def test_an_animation_shows_each_time(tmp_path: Path, axes: Axes) -> None:
+    trajectory = RESULT.trajectory
+    assert trajectory is not None
+    film = trajectory.animate(axes)
+    film.save(str(tmp_path / "film.gif"), writer="pillow")
+    with Image.open(tmp_path / "film.gif") as image:
+        assert getattr(image, "n_frames", 1) == 4
+    assert axes.get_title() == "t = 4"
+    assert PATHS.trajectory is not None
+    with pytest.raises(InputError, match="record times instead"):
+        PATHS.trajectory.animate(axes)
+
+
+def test_a_plane_is_no_grey_picture_and_no_line(axes: Axes) -> None:
+    with pytest.raises(InputError, match="from_gray"):
+        plot.plane(np.full((3, 3), 200), axes)
+    with pytest.raises(InputError, match=r"shape \(4,\)"):
+        plot.plane(np.zeros(4), axes)
+    assert np.asarray(plot.plane(np.eye(3, dtype=bool), axes).images[-1].get_array())[0].tolist() == [1, -1, -1]
+
+
+def test_texts_are_short_and_say_what_there_is() -> None:
+    edge = cnnsim.library.load("edge")
+    assert repr(edge.template) == (
+        "Template('edge', A=[[0, 0, 0], [0, 1, 0], [0, 0, 0]], B=[[-1, -1, -1], [-1, 8, -1], [-1, -1, -1]], z=-1)"
+    )
+    assert "<11 x 11, 121 not zero>" in repr(cnnsim.Template(np.ones((11, 11)), name="large"))
+    text = repr(RESULT)
+    assert len(text) < 250
+    assert "'hole-filler', t = " in text
+    assert f"{(RESULT.y > 0).sum()} black" in text
+    for value in (RESULT.trajectory, cnnsim.load_program("slip-front"), ROBUST, DESIGN, edge, RESULT.plan):
+        assert len(repr(value)) < 500, value
+
+
+def test_notebooks_get_html_and_pictures() -> None:
+    program = cnnsim.load_program("maze-shortest-path")
+    layers = cnnsim.library.load("autowave")
+    shown = (RESULT, RESULT.trajectory, PATHS.trajectory, RESULT.plan.template, program, ROBUST, DESIGN, layers)
+    for value in shown:
+        html = value._repr_html_()  # type: ignore[union-attr]
+        assert html.count("<table") == html.count("</table>")
+        assert html.count("<div>") == html.count("</div>")
+    assert "until" in program._repr_html_()
+    for value in (RESULT, RESULT.trajectory, PATHS.trajectory, RESULT.plan.template, ROBUST):
+        with Image.open(BytesIO(value._repr_png_())) as image:  # type: ignore[union-attr]
+            assert image.width > 100
+            assert len(np.unique(np.asarray(image.convert("L")))) > 1
+
+
+def test_html_of_strange_names_is_text() -> None:
+    assert "<script>" not in cnnsim.Template(1.0, name="<script>")._repr_html_()
