@@ -11,8 +11,10 @@ from PIL import Image
 from cnnsim import backends, library, write_picture
 from cnnsim.cli.trace import trace
 from cnnsim.network.cell import output, uncoupled_state
+from cnnsim.prototyping.trace.plot import given_pictures
 from cnnsim.prototyping.trace.trace import parse_cell_index, record, representative_cells, watching_time
 from cnnsim.support import InputError
+from cnnsim.support.film import STRIP, write_film
 from cnnsim.trajectory import SHEET, Trajectory, sheet_frames
 from cnnsim.transient import Task, make_task, run_transient
 
@@ -132,3 +134,37 @@ def test_the_command(tmp_path: Path) -> None:
 def test_the_command_with_nothing_to_write(tmp_path: Path) -> None:
     result = CliRunner().invoke(trace, ["edge", str(tmp_path / "none.png")])
     assert isinstance(result.exception, InputError)
+
+
+def test_what_was_given_is_drawn() -> None:
+    assert [name for name, _ in given_pictures(task_of("hole-filler"))] == ["input u"]
+    two = library.load("recall")
+    picture, marker = two.examples[0].input, two.examples[0].state
+    assert picture is not None
+    drawn = given_pictures(make_task(two.network, **two.task(picture, marker)))
+    assert [name for name, _ in drawn] == ["input u", "initial state x(0)"]
+    assert np.array_equal(drawn[0][1], picture)
+    assert np.array_equal(drawn[1][1], marker)
+    wave = library.load("autowave")
+    assert [name for name, _ in given_pictures(make_task(wave.network, **wave.task(picture)), 1)] == [
+        "initial state x(0)"
+    ]
+    moving = library.load("moving-parts")
+    (name, first), *_ = given_pictures(make_task(moving.network, **moving.task(np.stack([picture, -picture]))))
+    assert name == "input u, the first of 2"
+    assert np.array_equal(first, picture)
+
+
+def test_a_film_has_its_times_below_the_cells(tmp_path: Path) -> None:
+    frames = [np.full((8, 16), value) for value in (-1.0, 0.0, 1.0)]
+    write_film(frames, tmp_path / "film.gif", times=[0, 1.25, 10])
+    with Image.open(tmp_path / "film.gif") as film:
+        pictures = []
+        for number in range(3):
+            film.seek(number)
+            pictures.append(np.asarray(film.convert("L")))
+    for picture, grey in zip(pictures, (255, 128, 0), strict=True):
+        assert abs(int(picture[0, 0]) - grey) <= 1
+        assert len(np.unique(picture[:-STRIP])) == 1  # nothing is written onto the cells
+    strips = [picture[-STRIP + 1 :].tobytes() for picture in pictures]
+    assert len(set(strips)) == 3
