@@ -15,7 +15,7 @@ if TYPE_CHECKING:  # at run time a name is imported when it is first asked for: 
     from tactile.events.code import Threshold
     from tactile.events.detector import Detector, Observation
     from tactile.events.event import Event, EventKind
-    from tactile.inverse.localise import Load
+    from tactile.inverse.load import Load
     from tactile.inverse.validity import Validity
     from tactile.pipeline import FrameReport, Sink, run, warm_up
     from tactile.settings import Settings
@@ -36,7 +36,7 @@ _MODULES = {
     "tactile.events.code": ("Threshold",),
     "tactile.events.detector": ("Detector", "Observation"),
     "tactile.events.event": ("Event", "EventKind"),
-    "tactile.inverse.localise": ("Load",),
+    "tactile.inverse.load": ("Load",),
     "tactile.inverse.validity": ("Validity",),
     "tactile.pipeline": ("FrameReport", "Sink", "run", "warm_up"),
     "tactile.settings": ("Settings",),

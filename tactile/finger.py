@@ -16,7 +16,8 @@ from tactile.events.comparators import Comparators
 from tactile.events.detector import Observation
 from tactile.events.event import Happening
 from tactile.events.registry import detectors
-from tactile.inverse.localise import Load, localise
+from tactile.inverse.load import Load
+from tactile.inverse.localise import localise
 from tactile.settings import Settings
 from tactile.texture.figures import Texture, TextureFigures
 

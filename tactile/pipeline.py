@@ -12,7 +12,7 @@ from tactile.core.source import FrameStream, Source
 from tactile.events.code import Code, hand_code
 from tactile.events.event import Event
 from tactile.finger import Finger
-from tactile.inverse.localise import Load
+from tactile.inverse.load import Load
 from tactile.settings import Settings
 from tactile.texture.figures import TextureFigures
 

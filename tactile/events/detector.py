@@ -6,7 +6,7 @@ from typing import Protocol
 from tactile.core.frame import Frame
 from tactile.events.code import Code
 from tactile.events.event import Happening
-from tactile.inverse.localise import Load
+from tactile.inverse.load import Load
 
 
 @dataclass(frozen=True)

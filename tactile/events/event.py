@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
-from tactile.inverse.localise import Load
+from tactile.inverse.load import Load
 
 Data = Mapping[str, str | int | float]
 """An event's data by name; the name of a quantity ends in its SI unit: ``force_n`` [N], ``length_m`` [m]."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from tactile.events.detector import Observation
 from tactile.events.event import EventKind, Happening
-from tactile.inverse.localise import Load
+from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 
 START = 50e-6

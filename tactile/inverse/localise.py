@@ -1,88 +1,68 @@
-"""Localisation of one load by several taxels: its place by their consensus, then its three components.
+"""Localisation of point loads by several taxels: their consensus on a place, then least squares to all signals.
 
 Every taxel's inverse leaves up to two candidates, one for each sign of s = Q x + R y + F z, and under shear the
 sign may differ from taxel to taxel. Only the true place is common to all of them.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cnnsim.operations.cellwise import Planes
 from cnnsim.support import Floats, InputError
+from tactile.inverse.attempt import Attempt, Taxels
+from tactile.inverse.load import INF, NAN, Load
+from tactile.inverse.several import several
 from tactile.inverse.validity import Validity
 
-SEEDS = 3
-"""The candidates of that many of the strongest taxels are tried as the place."""
-RIVAL = 3.0
-"""A second place that fits less than so many times worse than the best leaves the answer ambiguous."""
-NAN = float("nan")
+POINT = 0.25
+"""Loads that leave a larger share of the signals unexplained are not points: a tip of half a depth leaves 0.1."""
+UNSURE = 0.5
+"""A place that is not known to so many depths is ambiguous."""
+DOUBT = 0.05
+"""From this share on it is asked whether one taxel contradicts all others, or several loads press."""
+BETTER = 10.0
+"""Without the one taxel the variance of the rest must fall so many times."""
 
 
-@dataclass(frozen=True)
-class Load:
-    """A located load: place (x, y) [m] in the finger's frame, components (Q, R, F) [N] along x, y and into the body.
+def localise(
+    positions: Floats, pressing: Planes, pulling: Planes | None, depth: float, noise: float | None = None
+) -> Load:
+    """Find the point load, or the few, that all taxels of an array feel.
 
-    ``residual`` [m]: weighted root mean square distance of the taxels' own answers from (x, y); ``taxels``: how
-    many agreed on it; ``validity``: INSIDE or OUTSIDE as seen from the strongest taxel, AMBIGUOUS where another
-    place fits about as well, NO_LOAD or INVALID without an answer. With one taxel, or taxels on one line, the
-    load is taken to press without shear: then ``taxels`` is 1, Q and R are NaN and the residual is NaN.
-    """
-
-    x: float = NAN
-    y: float = NAN
-    Q: float = NAN
-    R: float = NAN
-    F: float = NAN
-    residual: float = NAN
-    taxels: int = 0
-    validity: Validity = Validity.NO_LOAD
-
-
-def localise(positions: Floats, pressing: Planes, pulling: Planes | None, depth: float) -> Load:
-    """Find the one load that all taxels of an array feel.
-
-    Location: the weighted mean of the candidates nearest to each other, one a taxel, where a candidate at
+    Start: the weighted mean of the candidates nearest to each other, one a taxel, where a candidate at
     t = rho^2 / z^2 weighs (signal / (1 + t))^2: the inverse variance of its place under equal noise in the signals.
-    Components: Q x_i + R y_i + F z = M_i by least squares, each M_i from the part of the taxel's signal that a load
-    at the common place explains, weighed as equal noise in the signals asks; for three taxels that is eq. (14).
+    Then (x, y, Q, R, F) by least squares to the signals of all taxels, and what is left decides: a taxel that
+    contradicts all others is left out, several loads are tried where one does not fit. For three taxels without noise
+    the components are those of eq. (14).
 
     Arguments: ``positions`` (rows, cols, 2) of the taxels [m]; ``pressing``: the planes (dx, dy, force, validity)
     of ``invert_strain`` with pressing = 1, or of ``invert_stress``; ``pulling``: those with pressing = -1, None
-    for stress; ``depth`` z [m]. Taxels that are not INSIDE or OUTSIDE are left out.
+    for stress; ``depth`` z [m]; ``noise``: standard deviation of the signals, times 4 pi E z^2 / 3 for strain and
+    2 pi z^2 / 3 for stress [N]; None: judged by what is left. Taxels that are not INSIDE or OUTSIDE are not used.
 
     Raises:
         InputError: planes that do not have the array's shape.
 
-    Source: Vasarhelyi, Fodor, Roska, eqs (12) to (14).
+    Source: Vasarhelyi, Fodor, Roska, eqs (1), (10), (12) to (14).
     """
     families = [pressing] if pulling is None else [pressing, pulling]
     planes = np.array(families, dtype=np.float64)
     if planes.shape[2:] != positions.shape[:2]:
         raise InputError(f"planes of shape {planes.shape[2:]} for an array of {positions.shape[:2]} taxels")
-    from tactile.inverse import localise_numba as compiled  # numba is slow to import
-
-    at, strain = np.ascontiguousarray(positions, np.float64).reshape(-1, 2), pulling is not None
+    at, strain = np.ascontiguousarray(positions, np.float64), pulling is not None
     planes = planes.reshape(len(families), 4, -1)
-    signal, peak, usable = compiled.strongest(planes, depth, strain)
-    order = usable[np.argsort(-peak[usable], kind="stable")]
-    if not order.size:
+    taxels = Taxels(at, planes, depth, strain, noise)
+    if not taxels.order.size:
         marked = (planes[:, 3] == Validity.INVALID).any()
         return Load(validity=Validity.INVALID if marked else Validity.NO_LOAD)
-    seen = (at[order] - at[order[0]]) / depth
-    if order.size < 3 or _on_one_line(seen):
-        return _one_taxel(at, planes, order)
-    x, y, scatter, weight, rival, chosen = compiled.consensus(at, planes, signal, order, depth, strain, SEEDS)
-    q, r, f = compiled.components(at, planes, order, chosen, (x, y), depth, strain)
-    code = Validity(int(planes[chosen[0], 3, order[0]]))
-    if rival < RIVAL * scatter:
-        code = Validity.AMBIGUOUS
-    place_x, place_y = at[order[0]].tolist()
-    return Load(
-        place_x + x * depth, place_y + y * depth, q, r, f, math.sqrt(scatter / weight) * depth, order.size, code
-    )
+    out: tuple[int, ...] = ()
+    found = taxels.attempt(taxels.order)
+    if found.fit.misfit > DOUBT and taxels.order.size >= 4:
+        found, out = _explained(taxels, found)
+    return _load(taxels, found, [divmod(taxel, positions.shape[1]) for taxel in out])
 
 
 def three_taxels(x: ArrayLike, y: ArrayLike, m: ArrayLike, depth: float) -> tuple[float, float, float]:
@@ -109,18 +89,43 @@ def three_taxels(x: ArrayLike, y: ArrayLike, m: ArrayLike, depth: float) -> tupl
     return q, r, f
 
 
-def _on_one_line(seen: Floats) -> bool:
-    """Whether the places, one of which is (0, 0), spread in one direction only."""
-    x, y = seen.T
-    xx, yy, xy = float(x @ x), float(y @ y), float(x @ y)
-    return xx * yy - xy * xy <= 1e-12 * (xx + yy) ** 2
+def _explained(taxels: Taxels, one: Attempt) -> tuple[Attempt, tuple[int, ...]]:
+    """Return the attempt without the taxel that contradicts all others, or with several loads, if it explains more."""
+    suspects = {0, *one.fit.contrary[:3].tolist()} if one.order.size > 4 else set(range(4))
+    without = [taxels.attempt(np.delete(one.order, k)) for k in sorted(suspects)]
+    best = min(without, key=lambda other: other.left)
+    better = BETTER if len(one.order) > 8 else 3 * BETTER  # so few fit anything without one
+    without_one = best.left * better < one.left and best.fit.misfit < POINT
+    if without_one and best.fit.misfit < DOUBT:
+        return best, tuple(np.setdiff1d(one.order, best.order).tolist())
+    more = several(taxels, one, DOUBT, POINT) if without_one or one.fit.misfit > POINT else None
+    if without_one and (more is None or best.left < more.left):
+        return best, tuple(np.setdiff1d(one.order, best.order).tolist())
+    return more or one, ()
 
 
-def _one_taxel(at: Floats, planes: Floats, order: NDArray[np.intp]) -> Load:
-    """Return the strongest taxel's own answer for a load that presses without shear."""
-    for taxel in order.tolist():
-        dx, dy, force, validity = planes[0, :, taxel].tolist()
-        if validity in (Validity.INSIDE, Validity.OUTSIDE):
-            x, y = at[taxel].tolist()
-            return Load(x=x + dx, y=y + dy, F=force, taxels=1, validity=Validity(int(validity)))
-    return Load(validity=Validity.INVALID)
+def _load(taxels: Taxels, found: Attempt, out: list[tuple[int, int]]) -> Load:
+    """Return the loads of an attempt in metres and newtons."""
+    fit, depth, top = found.fit, taxels.depth, found.top
+    x0, y0 = taxels.at[found.order[0]].tolist()
+    told_q, told_r = (held <= 0 for held in fit.signals.tie[::2].tolist())
+    deviation = math.sqrt(fit.variance)
+    validity = _validity(found, deviation * math.sqrt(float(fit.spread[0, :2].max())))
+    loads = []
+    for (x, y, q, r, f), spread in zip(fit.loads.tolist(), fit.spread.tolist(), strict=True):
+        dx, dy, dq, dr, df = (deviation * math.sqrt(one) for one in spread)
+        sigma = (dx * depth, dy * depth, dq * top if told_q else INF, dr * top if told_r else INF, df * top)
+        q, r = q * top if told_q else NAN, r * top if told_r else NAN
+        loads.append(Load(x0 + x * depth, y0 + y * depth, q, r, f * top, sigma, fit.misfit, len(found.order), validity))
+    first, *others = loads
+    return replace(first, left_out=tuple(out), others=tuple(others)) if out or others else first
+
+
+def _validity(found: Attempt, unsure: float) -> Validity:
+    """Return what the answer is worth, its place known to ``unsure`` depths."""
+    if found.fit.misfit > POINT:
+        return Validity.NOT_ONE
+    if found.ambiguous or unsure > UNSURE:
+        return Validity.AMBIGUOUS
+    x, y = found.fit.loads[0, :2].tolist()
+    return Validity.INSIDE if x * x + y * y < 2 else Validity.OUTSIDE

@@ -19,3 +19,5 @@ class Validity(IntEnum):
     """Two loads fit; the one with s > 0 is given."""
     INVALID = 4
     """A signal is NaN or infinite, or no load at a finite distance fits."""
+    NOT_ONE = 5
+    """The taxels together feel no point load, nor a few that are well apart."""

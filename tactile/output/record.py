@@ -15,7 +15,7 @@ from tactile.pipeline import FrameReport
 
 COLUMNS = (
     "t_s", "finger", "sequence", "shear_x", "shear_y", "normal", "code", "load_x_m", "load_y_m", "load_q_n", "load_r_n",
-    "load_f_n", "load_validity", "load_taxels", "load_residual_m", "friction", "roughness", "events",
+    "load_f_n", "load_validity", "load_taxels", "load_misfit", "friction", "roughness", "events",
 )  # fmt: skip
 
 
@@ -55,7 +55,7 @@ class Record:
         load, texture, frame = report.load, report.texture, report.frame
         located: tuple[Any, ...] = ("",) * 8
         if load is not None:
-            located = (load.x, load.y, load.Q, load.R, load.F, load.validity.name.lower(), load.taxels, load.residual)
+            located = (load.x, load.y, load.Q, load.R, load.F, load.validity.name.lower(), load.taxels, load.misfit)
         self._csv.writerow((
             frame.t, report.array.name, frame.sequence, total(report, SHEAR_X), total(report, SHEAR_Y),
             total(report, NORMAL), report.code.ternary(), *located, texture_mean(texture.friction, texture.valid),

@@ -16,7 +16,7 @@ from tactile.events.event import Data, Event, EventKind
 from tactile.events.registry import detectors
 from tactile.events.slip import REST, SlipDetector, SlipKind
 from tactile.events.tangential_load import LoadKind, TangentialLoad
-from tactile.inverse.localise import Load
+from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 from tactile.output.collected import Collected
 from tactile.output.json_data import event_data
@@ -126,7 +126,7 @@ def test_the_tangential_load_has_a_direction_and_newtons() -> None:
 def test_a_slip_has_a_beginning_and_a_length() -> None:
     detector, happened = SlipDetector(), []
     for t, x in ((0.0, 0.0), (0.1, -1e-4), (0.2, -3e-4), (0.3 + REST, -3e-4)):
-        load = Load(x, 0.0, 0.0, 0.0, 0.5, 0.0, 4, Validity.INSIDE)
+        load = Load(x, 0.0, 0.0, 0.0, 0.5, taxels=4, validity=Validity.INSIDE)
         happened += detector.detect(observed(TOUCH, TOUCH, t, load))
     travelled = {"direction": "-x", "length_m": 3e-4, "dx_m": -3e-4, "dy_m": 0.0}
     assert happened[0] == (SlipKind.SLIP_BEGINS, travelled | {"length_m": 1e-4, "dx_m": -1e-4})

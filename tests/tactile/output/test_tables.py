@@ -10,7 +10,7 @@ from tactile.cli.group import main
 from tactile.core.frame import TaxelArray
 from tactile.events.contact_and_shear import TouchKind
 from tactile.events.event import Event
-from tactile.inverse.localise import Load
+from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 from tactile.output.collected import Collected
 from tactile.output.tables import tables
@@ -55,7 +55,7 @@ def test_codes_of_many_taxels_stay_in_the_record(
     side: int, code: bool, hand: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
     array = TaxelArray("pad", side, side, 1e-3, 1e-3)
-    load = Load(1e-3, -2e-3, -1e-17, 2e-4, 4.2e-3, 0.0, 1, Validity.INSIDE)
+    load = Load(1e-3, -2e-3, -1e-17, 2e-4, 4.2e-3, taxels=1, validity=Validity.INSIDE)
     event = Event(1.0, "pad", 3, TouchKind.RELEASE, {}, "·" * side, "0" * side, 0, 1e-4, load)
     collected = Collected()
     collected.events.append(event)

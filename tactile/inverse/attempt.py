@@ -1,0 +1,86 @@
+"""Attempt: one load from the taxels of one frame, or from some of them: their consensus, then least squares."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.support import Floats
+from tactile.inverse.fit import Fit, Signals
+
+SEEDS = 3
+"""The candidates of that many of the strongest taxels are tried as the place."""
+VOTERS = 16
+"""That many of the strongest taxels vote on the place: the others add noise to a start, all of them are fitted then."""
+RIVAL = 3.0
+"""A second place that fits less than so many times worse than the best leaves the answer ambiguous."""
+SAME = 0.1
+"""Places nearer than so many depths are one place."""
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """A fit to the taxels in ``order``, the strongest first, and whether another place fits about as well.
+
+    ``top``: the signal [N] that the fit has as 1.
+    """
+
+    order: NDArray[np.intp]
+    fit: Fit
+    top: float
+    ambiguous: bool
+
+    @property
+    def left(self) -> float:
+        """What is left [N^2] beyond the noise, per degree of freedom."""
+        chance = self.fit.random * math.sqrt(2 / max(self.fit.free, 1))
+        return max(self.fit.chi - self.fit.random, chance) / max(self.fit.free, 1) * self.top**2
+
+
+class Taxels:
+    """The answers of all taxels of one frame, at places (rows, cols, 2) [m], as planes (families, 4, n).
+
+    ``order``: the taxels that have one, the strongest first.
+    """
+
+    def __init__(self, at: Floats, planes: Floats, depth: float, strain: bool, noise: float | None) -> None:
+        from tactile.inverse import consensus_numba  # numba is slow to import
+
+        self.shape: tuple[int, int] = at.shape[0], at.shape[1]
+        self.at, self.planes, self.depth, self.strain, self.noise = at.reshape(-1, 2), planes, depth, strain, noise
+        self.signal, self.peak, usable = consensus_numba.strongest(planes, depth, strain)
+        self.order = usable[np.argsort(-self.peak[usable], kind="stable")]
+
+    def attempt(self, order: NDArray[np.intp]) -> Attempt:
+        """Return the best single load for these taxels, the strongest of them first."""
+        from tactile.inverse import consensus_numba as loops  # as above
+
+        voters = order[:VOTERS]
+        best, rival = loops.consensus(self.at, self.planes, self.signal, voters, self.depth, SEEDS)
+        signals, top = self.felt(order, best)
+        fit = _from(signals, best)
+        ambiguous = False
+        if rival[2] < RIVAL * best[2]:
+            other = _from(signals, rival)
+            if np.hypot(*(other.loads - fit.loads)[0, :2]) > SAME:
+                fit, other = sorted((fit, other), key=lambda one: one.chi)
+                ambiguous = other.chi < RIVAL * fit.chi
+        return Attempt(order, fit, top, ambiguous)
+
+    def felt(self, order: NDArray[np.intp], place: Floats) -> tuple[Signals, float]:
+        """Return the signals of these taxels, by the answers nearest to a place, and the largest of them [N]."""
+        from tactile.inverse import consensus_numba as loops  # as above
+
+        top = float(self.peak[order[0]])
+        seen, felt, tie = loops.signals(self.at, self.planes, order, place, self.depth, self.strain, top)
+        noise = None if self.noise is None else self.noise / top
+        return Signals(seen, felt, self.strain, tie, order, self.shape, noise), top
+
+
+def _from(signals: Signals, place: Floats) -> Fit:
+    from tactile.inverse import consensus_numba as loops  # as above
+
+    start = np.array([[place[0], place[1], 0.0, 0.0, 0.0]])
+    loops.components(signals.seen, signals.felt, start[0], signals.strain, signals.tie)
+    return Fit(signals, start)

@@ -1,0 +1,191 @@
+"""Where the taxels' own answers agree, compiled: the start of `tactile.inverse.localise.localise`.
+
+Lengths are in depths, seen from the strongest taxel; ``planes`` (families, 4, taxels) as the inverse gives them.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from tactile.inverse.validity import Validity
+
+INSIDE, OUTSIDE = float(Validity.INSIDE), float(Validity.OUTSIDE)
+TIED = 1e9
+"""What holds shear at zero where the taxels cannot tell it."""
+
+
+@njit(cache=True, error_model="numpy")
+def gain(t, strain):  # type: ignore[no-untyped-def]  # numba types it at the call
+    """Return the size of the signal for s / z = 1 at rho^2 / z^2 = t from the load, up to a constant: eqs (1), (10)."""
+    if strain:
+        return math.sqrt((t + 1) * (t + 4)) / ((t + 1) ** 2 * math.sqrt(t + 1))
+    return 1 / (t + 1) ** 2
+
+
+@njit(cache=True, error_model="numpy")
+def strongest(planes, depth, strain):  # type: ignore[no-untyped-def]
+    """Return the signals (families, taxels), 0 where there is none, each taxel's largest, and the taxels that have one.
+
+    They are not sorted here: numba needs a second to compile a sort.
+    """
+    families, _, taxels = planes.shape
+    signal, peak, count = np.zeros((families, taxels)), np.zeros(taxels), 0
+    use = np.empty(taxels, np.int64)
+    for n in range(taxels):
+        usable = False
+        for f in range(families):
+            if planes[f, 3, n] == INSIDE or planes[f, 3, n] == OUTSIDE:
+                t = (planes[f, 0, n] / depth) ** 2 + (planes[f, 1, n] / depth) ** 2
+                signal[f, n] = abs(planes[f, 2, n]) * gain(t, strain)
+                peak[n] = max(peak[n], signal[f, n])
+                usable = True
+        if usable:
+            use[count] = n
+            count += 1
+    return signal, peak, use[:count]
+
+
+@njit(cache=True, error_model="numpy")
+def consensus(at, planes, signal, order, depth, seeds):  # type: ignore[no-untyped-def]
+    """Return the place (x, y) with its scatter, and the place that is next best.
+
+    Every candidate of the first ``seeds`` taxels is tried: each taxel's candidate nearest to it, and the weighted mean
+    of those within a depth. Answers farther away count as one depth, so that one false taxel cannot pull the place.
+    """
+    families, taxels = signal.shape[0], order.size
+    place, weight = np.full((families, taxels, 2), np.inf), np.zeros((families, taxels))
+    top = signal[:, order[0]].max()  # squares of very small and very large signals would be 0 and infinite
+    for i in range(taxels):
+        n = order[i]
+        for f in range(families):
+            if planes[f, 3, n] == INSIDE or planes[f, 3, n] == OUTSIDE:
+                dx, dy = planes[f, 0, n] / depth, planes[f, 1, n] / depth
+                place[f, i, 0] = dx + (at[n, 0] - at[order[0], 0]) / depth
+                place[f, i, 1] = dy + (at[n, 1] - at[order[0], 1]) / depth
+                weight[f, i] = (signal[f, n] / top / (1 + dx * dx + dy * dy)) ** 2
+    tried = np.full((seeds * families, 3), np.inf)
+    best = -1
+    for seed in range(min(seeds, taxels)):
+        for family in range(families):
+            k = seed * families + family
+            x0, y0 = place[family, seed, 0], place[family, seed, 1]
+            if not x0 < np.inf:
+                continue
+            total = sum_x = sum_y = 0.0
+            for i in range(taxels):
+                nearest, chosen = np.inf, 0
+                for f in range(families):
+                    far = (place[f, i, 0] - x0) ** 2 + (place[f, i, 1] - y0) ** 2
+                    if far < nearest:
+                        nearest, chosen = far, f
+                if nearest <= 1:
+                    w = weight[chosen, i]
+                    total += w
+                    sum_x += w * place[chosen, i, 0]
+                    sum_y += w * place[chosen, i, 1]
+            x, y, scatter = sum_x / total, sum_y / total, 0.0
+            for i in range(taxels):
+                nearest, chosen = np.inf, 0
+                for f in range(families):
+                    far = (place[f, i, 0] - x) ** 2 + (place[f, i, 1] - y) ** 2
+                    if far < nearest:
+                        nearest, chosen = far, f
+                scatter += weight[chosen, i] * min(nearest, 1.0)
+            # one by one: to assign a tuple to a row takes numba two seconds to compile
+            tried[k, 0], tried[k, 1], tried[k, 2] = x, y, scatter
+            if best < 0 or scatter < tried[best, 2]:
+                best = k
+    rival = best
+    for k in range(len(tried)):
+        apart = (tried[k, 0] - tried[best, 0]) ** 2 + (tried[k, 1] - tried[best, 1]) ** 2 > 0.01
+        if tried[k, 0] < np.inf and apart and (rival == best or tried[k, 2] < tried[rival, 2]):
+            rival = k
+    return tried[best], tried[rival]
+
+
+@njit(cache=True, error_model="numpy")
+def signals(at, planes, order, place, depth, strain, top):  # type: ignore[no-untyped-def]
+    """Return the places (n, 2) of the taxels, their signals (n, 3) over ``top``, and what holds shear at zero.
+
+    The signals are those of the answer nearest to ``place``. Taxels on a line cannot tell shear across it, one taxel
+    none at all: the last (3,) is the part for (Q Q, Q R, R R) of a matrix that then makes it zero.
+    """
+    taxels = order.size
+    seen, felt, tie = np.empty((taxels, 2)), np.empty((taxels, 3)), np.zeros(3)
+    for i in range(taxels):
+        n = order[i]
+        seen[i, 0] = (at[n, 0] - at[order[0], 0]) / depth
+        seen[i, 1] = (at[n, 1] - at[order[0], 1]) / depth
+        nearest, chosen = np.inf, 0
+        for f in range(len(planes)):
+            if planes[f, 3, n] == INSIDE or planes[f, 3, n] == OUTSIDE:
+                x, y = planes[f, 0, n] / depth + seen[i, 0], planes[f, 1, n] / depth + seen[i, 1]
+                far = (x - place[0]) ** 2 + (y - place[1]) ** 2
+                if far < nearest:
+                    nearest, chosen = far, f
+        x, y = -planes[chosen, 0, n] / depth, -planes[chosen, 1, n] / depth
+        near = 1 / (1 + x * x + y * y)
+        g = near * near * math.sqrt(near) * (planes[chosen, 2, n] / top)
+        if strain:
+            felt[i, 0], felt[i, 1], felt[i, 2] = -3 * x * g, -3 * y * g, (x * x + y * y - 2) * g
+        else:
+            felt[i, 0], felt[i, 1], felt[i, 2] = -x * g, -y * g, -g
+    xx = xy = yy = 0.0
+    for i in range(taxels):
+        xx += seen[i, 0] * seen[i, 0]
+        xy += seen[i, 0] * seen[i, 1]
+        yy += seen[i, 1] * seen[i, 1]
+    if xx + yy == 0:
+        tie[0], tie[2] = TIED, TIED
+    elif xx * yy - xy * xy <= 1e-12 * (xx + yy) ** 2:
+        tie[0], tie[1], tie[2] = TIED * yy / (xx + yy), -TIED * xy / (xx + yy), TIED * xx / (xx + yy)
+    return seen, felt, tie
+
+
+@njit(cache=True, error_model="numpy")
+def components(seen, felt, load, strain, tie):  # type: ignore[no-untyped-def]
+    """Fill in (Q, R, F) of a load by least squares from the part of each signal that a load at its place explains.
+
+    For three taxels that is eq. (14); by Householder's reflections, shear held at zero where ``tie`` says so.
+    """
+    taxels = len(seen)
+    table = np.zeros((taxels + 2, 4))
+    for i in range(taxels):
+        x, y = seen[i, 0] - load[0], seen[i, 1] - load[1]
+        t = x * x + y * y
+        if strain:
+            size = math.sqrt((t + 1) * (t + 4))
+            a, b, c = -3 * x / size, -3 * y / size, (t - 2) / size
+        else:
+            size = math.sqrt(t + 1)
+            a, b, c = -x / size, -y / size, -1 / size
+        lean = gain(t, strain)
+        table[i, 0], table[i, 1], table[i, 2] = x * lean, y * lean, lean
+        table[i, 3] = felt[i, 0] * a + felt[i, 1] * b + felt[i, 2] * c
+    table[taxels, 0] = math.sqrt(tie[0])
+    if tie[0] > 0:
+        table[taxels, 1] = tie[1] / table[taxels, 0]
+        table[taxels + 1, 1] = math.sqrt(max(tie[2] - tie[1] * tie[1] / tie[0], 0.0))
+    else:
+        table[taxels + 1, 1] = math.sqrt(tie[2])
+    for k in range(3):
+        norm = 0.0
+        for i in range(k, len(table)):
+            norm += table[i, k] * table[i, k]
+        norm = math.sqrt(norm)
+        if table[k, k] > 0:
+            norm = -norm
+        head = table[k, k] - norm
+        for j in range(k + 1, 4):
+            along = head * table[k, j]
+            for i in range(k + 1, len(table)):
+                along += table[i, k] * table[i, j]
+            along /= norm * head
+            table[k, j] += along * head
+            for i in range(k + 1, len(table)):
+                table[i, j] += along * table[i, k]
+        table[k, k] = norm
+    load[4] = table[2, 3] / table[2, 2]
+    load[3] = (table[1, 3] - table[1, 2] * load[4]) / table[1, 1]
+    load[2] = (table[0, 3] - table[0, 2] * load[4] - table[0, 1] * load[3]) / table[0, 0]

@@ -1,0 +1,112 @@
+"""Fit: point loads least squares to the signals of all taxels, and what they leave unexplained."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnnsim.support import Floats
+
+STEPS = 20
+"""Gauss-Newton steps at most; two or three are usual."""
+MANY = 25
+"""From that many taxels the noise is read off the residual where it is not given."""
+SMALL = 2.5e-3
+"""Where so much is left of the energy, nobody asks how much of it is noise."""
+NORMAL = {0.5: 0.6745, 0.1: 0.1257}
+"""Quantiles of |x| for normal x of variance 1. What is left of a wide patch is no noise: where nothing presses the
+signals themselves are not larger than the noise."""
+
+
+@dataclass(frozen=True)
+class Signals:
+    """What the taxels of one frame feel: places (n, 2) in depths, signals (n, 3) over the largest of them.
+
+    ``tie`` (3,) holds shear at zero in the directions that these taxels cannot tell; they are the taxels ``cells``
+    (n,) of an array of ``shape``; ``noise``: standard deviation of a signal, None where it is not known.
+    """
+
+    seen: Floats
+    felt: Floats
+    strain: bool
+    tie: Floats
+    cells: NDArray[np.intp]
+    shape: tuple[int, int]
+    noise: float | None
+
+
+class Fit:
+    """The loads (k, 5) nearest to the signals from a start on, in depths and as signals are.
+
+    ``chi``: sum of the squares that they leave of ``whole``; ``spread`` (k, 5): variances for signals of variance 1.
+    """
+
+    def __init__(self, signals: Signals, start: Floats) -> None:
+        from tactile.inverse import fit_numba  # numba is slow to import
+
+        self.signals, self.loads = signals, np.array(start, np.float64)
+        self.chi, self.whole, self.spread = fit_numba.fit(
+            signals.seen, signals.felt, self.loads, signals.strain, signals.tie, STEPS
+        )
+
+    @cached_property
+    def rest(self) -> Floats:
+        """The signals (n, 3) that the loads leave unexplained."""
+        from tactile.inverse import fit_numba  # as above
+
+        return fit_numba.rest(self.signals.seen, self.signals.felt, self.loads, self.signals.strain)
+
+    @property
+    def free(self) -> int:
+        """Degrees of freedom: signals less what was fitted to them."""
+        xx, xy, yy = self.signals.tie.tolist()
+        told = 2 if xx + yy == 0 else int(xx * yy - xy * xy <= 1e-12 * (xx + yy) ** 2)
+        return max(self.signals.felt.size - (3 + told) * len(self.loads), 0)
+
+    @property
+    def variance(self) -> float:
+        """Variance of a signal: that of the noise where it is known, more where the residual says more; NaN without."""
+        left = self.chi / self.free if self.free else math.nan
+        noise = self.signals.noise
+        return left if noise is None else noise**2 if not left > noise**2 else left
+
+    @cached_property
+    def random(self) -> float:
+        """The part of chi that is noise."""
+        noise = self.signals.noise
+        if noise is None and (self.chi < SMALL * self.whole or len(self.signals.seen) < MANY):
+            return 0.0
+        if noise is None:
+            noise = min(_quantile(self.rest, 0.5), _quantile(self.signals.felt, 0.1))
+            return min(noise**2 * self.signals.felt.size, self.chi * (1 - self._likeness()))
+        return noise * noise * self.signals.felt.size
+
+    def _likeness(self) -> float:
+        """Return how like its neighbours' is what a taxel leaves unexplained: 0 for noise, 1 for a smooth field."""
+        rows, cols = self.signals.shape
+        grid = np.zeros((rows * cols, 3))
+        grid[self.signals.cells] = self.rest
+        grid = grid.reshape(rows, cols, 3)
+        alike = float(np.vdot(grid[1:], grid[:-1]) + np.vdot(grid[:, 1:], grid[:, :-1]))
+        pairs = (rows - 1) * cols + rows * (cols - 1)
+        return min(max(alike / pairs * rows * cols / self.chi, 0.0), 1.0)
+
+    @cached_property
+    def misfit(self) -> float:
+        """Share of the signals, as root mean squares, that neither the loads nor the noise explain."""
+        signal = max(self.whole - self.random, self.random / len(self.signals.seen))
+        return math.sqrt(min(max(self.chi - self.random, 0.0) / signal, 1.0)) if signal else 0.0
+
+    @cached_property
+    def contrary(self) -> NDArray[np.intp]:
+        """The taxels by what they leave unexplained, the worst first."""
+        return np.argsort(-(self.rest**2).sum(axis=1), kind="stable")
+
+
+def _quantile(values: Floats, part: float) -> float:
+    """Return the standard deviation that normal numbers with this quantile of their sizes have."""
+    size = np.abs(values).ravel()
+    k = int(part * size.size)
+    return float(np.partition(size, k)[k]) / NORMAL[part]

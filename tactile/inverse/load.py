@@ -1,0 +1,33 @@
+"""Load: one point load as several taxels locate it, with how sure that is."""
+
+from dataclasses import dataclass
+
+from tactile.inverse.validity import Validity
+
+NAN, INF = float("nan"), float("inf")
+
+
+@dataclass(frozen=True)
+class Load:
+    """A located load: place (x, y) [m] in the finger's frame, components (Q, R, F) [N] along x, y and into the body.
+
+    ``sigma``: standard deviations of (x, y, Q, R, F) [m, m, N, N, N], from the noise of the signals and the geometry;
+    infinite where the taxels cannot tell (the component is NaN then, and F holds if it is zero). ``misfit``: share of
+    the signals, as root mean squares, that neither this load and ``others`` nor the noise explain. ``taxels``: how many
+    were used; ``left_out``: (row, column) of taxels that contradict all others. ``validity``: INSIDE or OUTSIDE as seen
+    from the strongest taxel, AMBIGUOUS where another place fits about as well or the place is known to half a depth
+    only, NOT_ONE where no few point loads fit,
+    NO_LOAD or INVALID without an answer. ``others``: further loads at the same time, the strongest first.
+    """
+
+    x: float = NAN
+    y: float = NAN
+    Q: float = NAN
+    R: float = NAN
+    F: float = NAN
+    sigma: tuple[float, float, float, float, float] = (NAN,) * 5
+    misfit: float = NAN
+    taxels: int = 0
+    validity: Validity = Validity.NO_LOAD
+    left_out: tuple[tuple[int, int], ...] = ()
+    others: tuple["Load", ...] = ()
