@@ -1,13 +1,14 @@
 """Attempt: one load from the taxels of one frame, or from some of them: their consensus, then least squares."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.support import Floats
-from tactile.inverse.fit import Fit, Signals
+from tactile.inverse.fit import TIED, Fit, Signals
+from tactile.inverse.validity import Validity
 
 SEEDS = 3
 """The candidates of that many of the strongest taxels are tried as the place."""
@@ -15,6 +16,10 @@ VOTERS = 16
 """That many of the strongest taxels vote on the place: the others add noise to a start, all of them are fitted then."""
 RIVAL = 3.0
 """A second place that fits less than so many times worse than the best leaves the answer ambiguous."""
+UNSURE = 0.5
+"""A place that is not known to so many depths is none."""
+DOUBT = 0.05
+"""From this share on loads do not explain the signals well."""
 SAME = 0.1
 """Places nearer than so many depths are one place."""
 
@@ -66,7 +71,18 @@ class Taxels:
             if np.hypot(*(other.loads - fit.loads)[0, :2]) > SAME:
                 fit, other = sorted((fit, other), key=lambda one: one.chi)
                 ambiguous = other.chi < RIVAL * fit.chi
-        return Attempt(order, fit, top, ambiguous)
+        if len(order) == 1 or fit.unsure > UNSURE:
+            fit = self._pressing(fit, int(order[0]))
+        return Attempt(order, fit, top, ambiguous or fit.unsure > UNSURE)
+
+    def _pressing(self, fit: Fit, first: int) -> Fit:
+        """Return the fit without shear if it explains as much: one taxel alone feels the load, pressing."""
+        dx, dy, _, validity = self.planes[0, :, first].tolist()
+        if validity not in (Validity.INSIDE, Validity.OUTSIDE):
+            return fit
+        start = np.array([dx / self.depth, dy / self.depth])
+        held = _from(replace(fit.signals, tie=np.array([TIED, 0.0, TIED])), start)
+        return held if held.misfit < DOUBT else fit
 
     def felt(self, order: NDArray[np.intp], place: Floats) -> tuple[Signals, float]:
         """Return the signals of these taxels, by the answers nearest to a place, and the largest of them [N]."""

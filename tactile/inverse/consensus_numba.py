@@ -8,11 +8,10 @@ import math
 import numpy as np
 from numba import njit
 
+from tactile.inverse.fit import TIED
 from tactile.inverse.validity import Validity
 
 INSIDE, OUTSIDE = float(Validity.INSIDE), float(Validity.OUTSIDE)
-TIED = 1e9
-"""What holds shear at zero where the taxels cannot tell it."""
 
 
 @njit(cache=True, error_model="numpy")

@@ -13,6 +13,10 @@ STEPS = 20
 """Gauss-Newton steps at most; two or three are usual."""
 MANY = 25
 """From that many taxels the noise is read off the residual where it is not given."""
+TIED = 1e9
+"""What holds shear at zero where the taxels cannot tell it."""
+USUAL = 0.01
+"""Noise of a taxel over its largest signal."""
 SMALL = 2.5e-3
 """Where so much is left of the energy, nobody asks how much of it is noise."""
 NORMAL = {0.5: 0.6745, 0.1: 0.1257}
@@ -86,9 +90,9 @@ class Fit:
     def _likeness(self) -> float:
         """Return how like its neighbours' is what a taxel leaves unexplained: 0 for noise, 1 for a smooth field."""
         rows, cols = self.signals.shape
-        grid = np.zeros((rows * cols, 3))
-        grid[self.signals.cells] = self.rest
-        grid = grid.reshape(rows, cols, 3)
+        flat = np.zeros((rows * cols, 3))
+        flat[self.signals.cells] = self.rest
+        grid = flat.reshape(rows, cols, 3)
         alike = float(np.vdot(grid[1:], grid[:-1]) + np.vdot(grid[:, 1:], grid[:, :-1]))
         pairs = (rows - 1) * cols + rows * (cols - 1)
         return min(max(alike / pairs * rows * cols / self.chi, 0.0), 1.0)
@@ -98,6 +102,14 @@ class Fit:
         """Share of the signals, as root mean squares, that neither the loads nor the noise explain."""
         signal = max(self.whole - self.random, self.random / len(self.signals.seen))
         return math.sqrt(min(max(self.chi - self.random, 0.0) / signal, 1.0)) if signal else 0.0
+
+    @property
+    def unsure(self) -> float:
+        """Standard deviation of the first load's place in depths, noise of a hundredth assumed where it is unknown."""
+        deviation = math.sqrt(self.variance)
+        if self.signals.noise is None and not deviation > USUAL:
+            deviation = USUAL
+        return deviation * math.sqrt(float(self.spread[0, :2].max()))
 
     @cached_property
     def contrary(self) -> NDArray[np.intp]:

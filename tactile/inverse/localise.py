@@ -12,17 +12,13 @@ from numpy.typing import ArrayLike
 
 from cnnsim.operations.cellwise import Planes
 from cnnsim.support import Floats, InputError
-from tactile.inverse.attempt import Attempt, Taxels
+from tactile.inverse.attempt import DOUBT, Attempt, Taxels
 from tactile.inverse.load import INF, NAN, Load
 from tactile.inverse.several import several
 from tactile.inverse.validity import Validity
 
 POINT = 0.25
 """Loads that leave a larger share of the signals unexplained are not points: a tip of half a depth leaves 0.1."""
-UNSURE = 0.5
-"""A place that is not known to so many depths is ambiguous."""
-DOUBT = 0.05
-"""From this share on it is asked whether one taxel contradicts all others, or several loads press."""
 BETTER = 10.0
 """Without the one taxel the variance of the rest must fall so many times."""
 
@@ -110,7 +106,7 @@ def _load(taxels: Taxels, found: Attempt, out: list[tuple[int, int]]) -> Load:
     x0, y0 = taxels.at[found.order[0]].tolist()
     told_q, told_r = (held <= 0 for held in fit.signals.tie[::2].tolist())
     deviation = math.sqrt(fit.variance)
-    validity = _validity(found, deviation * math.sqrt(float(fit.spread[0, :2].max())))
+    validity = _validity(found)
     loads = []
     for (x, y, q, r, f), spread in zip(fit.loads.tolist(), fit.spread.tolist(), strict=True):
         dx, dy, dq, dr, df = (deviation * math.sqrt(one) for one in spread)
@@ -121,11 +117,11 @@ def _load(taxels: Taxels, found: Attempt, out: list[tuple[int, int]]) -> Load:
     return replace(first, left_out=tuple(out), others=tuple(others)) if out or others else first
 
 
-def _validity(found: Attempt, unsure: float) -> Validity:
-    """Return what the answer is worth, its place known to ``unsure`` depths."""
+def _validity(found: Attempt) -> Validity:
+    """Return what the answer is worth."""
     if found.fit.misfit > POINT:
         return Validity.NOT_ONE
-    if found.ambiguous or unsure > UNSURE:
+    if found.ambiguous:
         return Validity.AMBIGUOUS
     x, y = found.fit.loads[0, :2].tolist()
     return Validity.INSIDE if x * x + y * y < 2 else Validity.OUTSIDE

@@ -75,8 +75,6 @@ def _located(load: Load | None) -> str:
     if load is None or not np.isfinite(load.F):
         return "" if load is None else load.validity.name.lower().replace("_", " ")
     place = f"({_signed(load.x * 1e3, 2)}, {_signed(load.y * 1e3, 2)})"
-    unsure = max(load.sigma[:2]) * 1e3
-    place += f" ±{unsure:.2g}" if np.isfinite(unsure) else ""
     forces = " ".join(_signed(part, 3) for part in (load.Q, load.R, load.F) if np.isfinite(part))
     taxels = "1 taxel" if load.taxels == 1 else f"{load.taxels} taxels"
     return f"{place} {forces}, {load.validity.name.lower().replace('_', ' ')}, {taxels}"
