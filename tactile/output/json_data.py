@@ -8,22 +8,29 @@ import numpy as np
 from cnnsim.support import Floats
 from tactile.core.frame import TaxelArray
 from tactile.events.event import Event
+from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 from tactile.output.collected import Collected
 
 
 def event_data(event: Event) -> dict[str, Any]:
     """Return an event: all that follows from the frames, so not its latency."""
-    load = event.load
-    where = None
-    if load is not None and math.isfinite(load.F):
-        where = {name: finite(getattr(load, name)) for name in ("x", "y", "Q", "R", "F")}
     data = {name: finite(value) if isinstance(value, float) else value for name, value in event.data.items()}
     return {
         "t_s": event.t, "finger": event.finger, "sequence": event.sequence, "kind": event.kind.label, "data": data,
         "words": event.words, "arrows": event.arrows, "ternary": event.ternary, "hand": f"{event.hand:x}",
-        "load": where,
+        "load": load_data(event.load),
     }  # fmt: skip
+
+
+def load_data(load: Load | None) -> dict[str, Any] | None:
+    """Return a located load with how sure it is, None where there is none."""
+    if load is None or not math.isfinite(load.F):
+        return None
+    where: dict[str, Any] = {name: finite(getattr(load, name)) for name in ("x", "y", "Q", "R", "F")}
+    where |= {"sigma": [finite(one) for one in load.sigma], "misfit": load.misfit, "taxels": load.taxels}
+    where |= {"left_out": load.left_out, "others": [load_data(other) for other in load.others]}
+    return where | {"validity": load.validity.name.lower()}
 
 
 def run_data(collected: Collected, arrays: tuple[TaxelArray, ...]) -> dict[str, Any]:

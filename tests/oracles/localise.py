@@ -22,12 +22,14 @@ def nearest(forward: Forward, signals: Floats, loads: Floats, scale: Floats) -> 
     return np.asarray(found.x).reshape(-1, 5) * scale
 
 
-def bound(forward: Forward, load: Floats, noise: float, scale: Floats) -> Floats:
-    """Return the least standard deviations (5,) that an unbiased estimate of one load can have."""
+def bound(
+    forward: Forward, load: Floats, noise: float, scale: Floats, told: tuple[int, ...] = (0, 1, 2, 3, 4)
+) -> Floats:
+    """Return the least standard deviations that unbiased estimates of those parts of one load can have."""
     columns = []
-    for k in range(5):
+    for k in told:
         step = np.zeros(5)
         step[k] = 1e-6 * scale[k]
         columns.append((forward((load + step)[None]) - forward((load - step)[None])).ravel() / 2e-6)
     slopes = np.array(columns).T
-    return np.asarray(np.sqrt(np.diag(np.linalg.inv(slopes.T @ slopes))) * noise * scale)
+    return np.asarray(np.sqrt(np.diag(np.linalg.inv(slopes.T @ slopes))) * noise * scale[list(told)])
