@@ -1,4 +1,4 @@
-"""Files that are written without harm to others: made new, locked while they grow, or written beside and renamed."""
+"""Files that grow while others look: made new, locked as long as they are open, put over another only on request."""
 
 import os
 import secrets
@@ -55,39 +55,9 @@ def open_shut(path: Path) -> Iterator[int]:
         os.close(file)
 
 
-@contextmanager
-def written_beside(path: Path, overwrite: bool = False) -> Iterator[Path]:
-    """Give a name beside ``path``; what the block writes there becomes ``path`` if it ends well, and else is gone.
-
-    Raises:
-        InputError: as `refuse_existing`.
-    """
-    refuse_existing(path, overwrite)
-    beside = name_beside(path)
-    try:
-        yield beside
-        refuse_existing(path, overwrite)  # it may have come meanwhile
-        _rename(beside, path, overwrite)
-    finally:
-        with suppress(OSError):
-            beside.unlink(missing_ok=True)
-
-
 def name_beside(path: Path) -> Path:
     """Return an unused name in the same folder, with the same suffix."""
     return path.with_name(f".{path.stem}-{secrets.token_hex(4)}{path.suffix}")
-
-
-def _rename(beside: Path, path: Path, overwrite: bool) -> None:
-    if overwrite:
-        beside.replace(path)
-        return
-    try:
-        os.link(beside, path)  # unlike renaming, never puts it over another
-    except FileExistsError as error:
-        raise InputError(f"{path}: there is something of that name; another name or --overwrite wanted") from error
-    except OSError:  # a disk without links
-        beside.rename(path)
 
 
 class NewFile:

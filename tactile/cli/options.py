@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cnnsim.support import InputError
-from cnnsim.support.own_file import refuse_existing, written_beside
+from cnnsim.support.files import writing
+from cnnsim.support.own_file import refuse_existing
 from tactile.wire.registry import NAMES
 
 if TYPE_CHECKING:
@@ -69,15 +70,12 @@ def write_new_text(path: Path, text: str) -> None:
     Raises:
         InputError: it cannot be written, or something else of that name is there.
     """
-    try:
-        if path.is_file() and path.read_bytes() == text.encode():
-            return
-        if os.path.lexists(path):
-            raise InputError(f"{path}: there is something else of that name; another name wanted")
-        with written_beside(path) as beside:
-            beside.write_bytes(text.encode())
-    except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror}") from error
+    if path.is_file() and path.read_bytes() == text.encode():
+        return
+    if os.path.lexists(path):
+        raise InputError(f"{path}: there is something else of that name; another name wanted")
+    with writing(path) as beside:
+        beside.write_bytes(text.encode())
 
 
 def check_thresholds(chosen: dict[str, Any]) -> None:

@@ -1,14 +1,14 @@
 """Conversion of recordings and scenes into CSV, NPZ, Parquet and MCAP, and what of them a format cannot hold."""
 
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from cnnsim.support import InputError
-from cnnsim.support.own_file import written_beside
+from cnnsim.support.files import writing
+from cnnsim.support.own_file import refuse_existing
 from tactile.core.frame import Frame
 from tactile.core.source import FrameStream, Source, provenance
 from tactile.sources import open_source
@@ -47,7 +47,8 @@ def convert(
     if target.exists() and target.samefile(source):
         raise InputError(f"{target} is the recording itself; another name wanted")
     opened, seen = open_source(source), _Seen()
-    with _written(target, overwrite) as beside:
+    refuse_existing(target, overwrite)
+    with writing(target) as beside:
         frames = seen.through(watch(opened, opened.frames))
         if suffix == ".mcap" and source.suffix.lower() == ".mcap":
             need("tactile.recording.index", "an MCAP recording").write_indexed(source, beside)
@@ -67,15 +68,6 @@ def convert(
     if suffix == ".csv" and seen.unread:
         notes.append(f"{seen.unread} taxels without a finite reading, though said to be valid, are not in {target}")
     return Conversion(seen.frames, tuple(notes))
-
-
-@contextmanager
-def _written(target: Path, overwrite: bool) -> Iterator[Path]:
-    try:
-        with written_beside(target, overwrite) as beside:
-            yield beside
-    except OSError as error:
-        raise InputError(f"{target}: cannot be written: {error.strerror or error}") from error
 
 
 class _Seen:

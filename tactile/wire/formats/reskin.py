@@ -88,6 +88,7 @@ class ReskinEncoder(Encoder):
     def encode(self, boards: Sequence[Taxels], sequence: int, t_device: float) -> bytes:
         """Return one frame with the chips of all boards."""
         values = np.concatenate(boards)
+        values = np.where(np.abs(values) < FIELD[0], 0.0, values)  # less than a chip can tell from nothing
         return np.column_stack((np.full(len(values), ROOM_TEMPERATURE), values)).astype("<f4").tobytes() + END
 
 

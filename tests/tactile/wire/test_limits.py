@@ -44,9 +44,9 @@ def test_arrays_that_no_frame_can_carry_are_refused(
 @pytest.mark.parametrize("bad", [float("nan"), float("inf"), 2e5, 1e-9])
 def test_reskin_in_step_gives_out_no_number_that_a_chip_cannot_send(bad: float) -> None:
     decoder, encoder = pair("reskin")
-    frames = [np.full((5, 3), 20.0 + n) for n in range(9)]
-    frames[4][2, 1] = bad
-    got = decoded(decoder, b"".join(encoder.encode([values], 0, 0.0) for values in frames))
+    packets = [encoder.encode([np.full((5, 3), 20.0 + n)], 0, 0.0) for n in range(9)]
+    packets[4] = packets[4][:40] + np.float32(bad).tobytes() + packets[4][44:]
+    got = decoded(decoder, b"".join(packets))
     assert [reading.values[0, 0] for reading in got] == [20, 21, 22, 23, 25, 26, 27, 28]
     assert decoder.counts.resynchronised == 82
 
