@@ -11,6 +11,7 @@ from cnnsim.network import parse_boundary
 from cnnsim.network.boundary import BOUNDARY_FORMS
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, progress
+from cnnsim.support.echo import echo
 
 _FILE = click.Path(path_type=Path)
 
@@ -68,4 +69,4 @@ def design(
     if as_json:
         print_json(facts)
     else:
-        click.echo("\n".join(lines))
+        echo("\n".join(lines))

@@ -7,6 +7,7 @@ import click
 from cnnsim import backends
 from cnnsim.backends.opencl.devices import devices as list_devices
 from cnnsim.support.command_line import examples, print_json
+from cnnsim.support.echo import echo
 
 
 @click.command(epilog=examples("cnnsim devices", "cnnsim devices --json", "CNNSIM_DEVICE=1 cnnsim devices"))
@@ -26,7 +27,7 @@ def devices(as_json: bool) -> None:
     for device in found:
         double = "float32, float64" if device.float64 else "float32"
         mark = "*" if device.chosen else " "
-        click.echo(f"{mark} {device.index}  {device.name}  ({device.platform})")
-        click.echo(f"     {device.type}, {device.compute_units} compute units, {double}")
+        echo(f"{mark} {device.index}  {device.name}  ({device.platform})")
+        echo(f"     {device.type}, {device.compute_units} compute units, {double}")
         if device.remark:
-            click.echo(f"     {device.remark}")
+            echo(f"     {device.remark}")

@@ -9,7 +9,9 @@ from cnnsim.formats.export import KEPT, WRITERS
 from cnnsim.formats.files import READERS, ImportedFile, import_file
 from cnnsim.support import InputError, naming
 from cnnsim.support.command_line import examples, print_json
+from cnnsim.support.echo import echo
 from cnnsim.support.files import write_text
+from cnnsim.support.names import check_name
 
 
 @click.command(
@@ -43,10 +45,10 @@ def import_(
     else:
         for result in results:
             for line in result.report.lines(notes):
-                click.echo(line, err=True)
+                echo(line, err=True)
             for target in result.written:
-                click.echo(f"{result.report.file} -> {target}")
-        click.echo(_summary(results))
+                echo(f"{result.report.file} -> {target}")
+        echo(_summary(results))
     if any(result.report.failed for result in results):
         context.exit(2)
 
@@ -92,15 +94,16 @@ def export(context: click.Context, names: tuple[str, ...], kind: str, output: Pa
         target = output / f"{name}.{kind}"
         try:
             with naming(f"{name} as {kind}"):
+                check_name(name, "template")  # other names a template goes by may be any text
                 text = WRITERS[kind](library.load(name))
             write_text(target, text, replace=replace)
         except InputError as error:
-            click.echo(f"Error: {error}", err=True)
+            echo(f"Error: {error}", err=True)
             failed += 1
             continue
-        click.echo(f"{name} -> {target}")
+        echo(f"{name} -> {target}")
     if failed < len(names):
-        click.echo(f"kept: {KEPT[kind]}")
+        echo(f"kept: {KEPT[kind]}")
     if failed:
-        click.echo(f"{len(names) - failed} of {len(names)} templates written", err=True)
+        echo(f"{len(names) - failed} of {len(names)} templates written", err=True)
         context.exit(2)

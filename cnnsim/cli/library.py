@@ -8,6 +8,7 @@ from cnnsim.library import folders
 from cnnsim.library.explain import explain as explanation
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
+from cnnsim.support.echo import echo
 
 
 @click.command(
@@ -36,7 +37,7 @@ def list_(tag: str | None, programs: bool, as_json: bool) -> None:
     for entry in entries:
         own = "" if entry.shipped else f"  [{entry.file}{'' if entry.examples else ', no worked example'}]"
         margin = f"  (small margin: {entry.margin:g})" if entry.margin is not None and entry.margin < 0.5 else ""
-        click.echo(f"{entry.name:<{width}}  {entry.summary}{margin}{own}")
+        echo(f"{entry.name:<{width}}  {entry.summary}{margin}{own}")
 
 
 def _list_programs(as_json: bool) -> None:
@@ -52,8 +53,8 @@ def _list_programs(as_json: bool) -> None:
     width = max(map(len, found))
     for name, program in found.items():
         own = "" if program.path and program.path.is_relative_to(library.folder()) else f"  [{program.path}]"
-        click.echo(f"{name:<{width}}  {program.summary}{own}")
-        click.echo(f"{'':<{width}}    {', '.join(program.inputs)} -> {', '.join(program.outputs)}")
+        echo(f"{name:<{width}}  {program.summary}{own}")
+        echo(f"{'':<{width}}    {', '.join(program.inputs)} -> {', '.join(program.outputs)}")
 
 
 @click.command(epilog=examples("cnnsim explain edge", "cnnsim explain hole-filler --size 512x512 --without sleep"))
@@ -75,4 +76,4 @@ def explain(name: str, size: str, without: tuple[str, ...], as_json: bool) -> No
         facts = {"template": name, "method": plan.method, "step": plan.step, "decisions": plan.decisions}
         print_json(facts | {"guaranteed_time": known.time, "why": known.why, "assuming": known.assuming})
     else:
-        click.echo(str(found))
+        echo(str(found))

@@ -7,6 +7,7 @@ import click
 from cnnsim import library
 from cnnsim.cli.run import json_option
 from cnnsim.support.command_line import examples, print_json, progress
+from cnnsim.support.echo import echo
 
 
 @click.command(
@@ -40,20 +41,20 @@ def robust(name: str, output: Path | None, draws: int, seed: int, as_json: bool)
         print_json({"template": name, "margin": vars(found.margin), "judged_on": found.judged_on, **curves,
                     "bits_needed": found.bits_needed(), "draws": draws, "seed": seed})  # fmt: skip
         return
-    click.echo(f"{name}, judged on {found.judged_on}")
+    echo(f"{name}, judged on {found.judged_on}")
     margin = found.margin
     if margin.value is None:
-        click.echo(margin.why)
+        echo(margin.why)
     else:
-        click.echo(f"margin          {margin.value:.4g} ({margin.why})")
+        echo(f"margin          {margin.value:.4g} ({margin.why})")
         assert margin.tolerated is not None
-        click.echo(f"entry errors    {'' if margin.exact else 'at least '}{100 * margin.tolerated:.3g} % are harmless")
+        echo(f"entry errors    {'' if margin.exact else 'at least '}{100 * margin.tolerated:.3g} % are harmless")
     sigma, noise, bits = found.entries.largest_without_error(), found.noise.largest_without_error(), found.bits_needed()
-    click.echo(f"random errors   {_level(sigma, 100, ' %')} (σ) without a wrong cell in {draws} draws")
-    click.echo(f"bits            {'more than 12' if bits is None else bits} needed")
-    click.echo(f"noise           {_level(noise, 1, '')} (σ; black to white is 2) without a wrong cell")
+    echo(f"random errors   {_level(sigma, 100, ' %')} (σ) without a wrong cell in {draws} draws")
+    echo(f"bits            {'more than 12' if bits is None else bits} needed")
+    echo(f"noise           {_level(noise, 1, '')} (σ; black to white is 2) without a wrong cell")
     if output is not None:
-        click.echo(f"-> {output}")
+        echo(f"-> {output}")
 
 
 def _level(level: float | None, scale: float, unit: str) -> str:

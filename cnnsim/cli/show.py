@@ -8,6 +8,7 @@ from cnnsim.library.entry import Example, LibraryEntry
 from cnnsim.network import Table, Template, layered
 from cnnsim.support import Floats
 from cnnsim.support.command_line import examples, print_json
+from cnnsim.support.echo import echo
 from cnnsim.support.picture import to_ascii
 
 
@@ -25,17 +26,17 @@ def show(name: str, as_json: bool) -> None:
         facts |= {"boundary": str(entry.boundary), "cell": _cell(entry)}
         print_json(facts | template_keys(entry.network))
         return
-    click.echo(f"{entry.name}: {entry.summary}")
+    echo(f"{entry.name}: {entry.summary}")
     network = layered(entry.network)
     for number, (layer, time) in enumerate(zip(network.layers, network.time_constants, strict=True)):
-        click.echo("" if len(network.layers) == 1 else f"\nlayer {number}, time constant {time:g}")
-        click.echo(_numbers(layer))
+        echo("" if len(network.layers) == 1 else f"\nlayer {number}, time constant {time:g}")
+        echo(_numbers(layer))
     for title, value in _facts(entry).items():
-        click.echo(f"{title:<15}{value}")
+        echo(f"{title:<15}{value}")
     if entry.examples:
-        click.echo("\nExample\n" + _drawn(entry.examples[0]))
+        echo("\nExample\n" + _drawn(entry.examples[0]))
     else:
-        click.echo("\nNo worked example: nobody has checked this file.")
+        echo("\nNo worked example: nobody has checked this file.")
 
 
 def _facts(entry: LibraryEntry) -> dict[str, object]:

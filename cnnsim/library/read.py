@@ -9,6 +9,7 @@ from cnnsim.library.read_network import TEMPLATE_KEYS, parse_pictures, read_temp
 from cnnsim.network import LayeredTemplate, parse_boundary
 from cnnsim.network.characteristic import parse_cell
 from cnnsim.support import InputError, naming
+from cnnsim.support.names import check_name
 from cnnsim.support.toml_file import check_keys, read_toml, take, take_tables
 
 _REQUIRED = ("name", "summary", "reference", "input", "initial_state", "boundary", "duration")
@@ -32,6 +33,7 @@ def load_file(path: Path) -> LibraryEntry:
 
 def _entry(data: dict[str, Any], stem: str) -> LibraryEntry:
     check_keys(data, (*_REQUIRED, *_OPTIONAL), required=_REQUIRED)
+    check_name(take(data, "name", str, "template"), "template")
     if data["name"] != stem:
         raise InputError(f"the name is {data['name']!r}, the file is {stem}.toml; one name wanted")
     template, roles = read_template(data, data["name"]), data["initial_state"]

@@ -10,6 +10,7 @@ from cnnsim.program.names import LocalTemplate, Names
 from cnnsim.program.program import Program
 from cnnsim.program.steps import read_steps
 from cnnsim.support import InputError, naming
+from cnnsim.support.names import check_name
 from cnnsim.support.toml_file import check_keys, read_toml, take
 
 _REQUIRED = ("name", "inputs", "outputs", "step")
@@ -58,7 +59,7 @@ def _program(
     for name in outputs:
         names.read(name, "outputs", "lam", "llm", "wire")
     return Program(
-        take(data, "name", str, "program"),
+        check_name(take(data, "name", str, "program"), "program"),
         take(data, "summary", str, "program", ""),
         names.memory,
         tuple(inputs),
@@ -79,6 +80,7 @@ def _replaced(what: str, defined: Mapping[str, Any], given: Mapping[str, Any]) -
 
 def _local_template(name: str, table: dict[str, Any]) -> LocalTemplate:
     with naming(f"templates.{name}"):
+        check_name(name, "template")
         check_keys(table, ("A", "B", "z", "boundary", "duration"), required=("A",))
         template = Template(table["A"], table.get("B", 0.0), table.get("z", 0.0), name)
         return template, parse_boundary(table.get("boundary", "zero-flux")), table.get("duration", "settled")

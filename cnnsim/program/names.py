@@ -7,6 +7,7 @@ from cnnsim.network import Boundary, Template
 from cnnsim.planning.duration import Duration
 from cnnsim.program.program import ProgramMemory
 from cnnsim.support import InputError
+from cnnsim.support.names import check_name
 from cnnsim.support.toml_file import in_range
 
 LocalTemplate = tuple[Template, Boundary, Duration]
@@ -16,7 +17,7 @@ class Names:
     """Declared names, those written so far, the numbers that parameters stand for, and the program's own templates.
 
     Raises:
-        InputError: something else than names, or one declared in two memories.
+        InputError: something else than names of letters, digits, - and _, or one declared in two memories.
     """
 
     def __init__(
@@ -28,6 +29,7 @@ class Names:
             if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
                 raise InputError(f"{kind} is {names!r}; a list of names wanted")
             for name in names:
+                check_name(name, f"{kind}: plane or register")
                 if name in self.memory:
                     raise InputError(f"{name!r} is declared as {self.memory[name]} and as {kind}; one memory wanted")
                 self.memory[name] = kind

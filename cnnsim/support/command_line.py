@@ -6,16 +6,14 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from errno import EPIPE
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import click
 
 from cnnsim.support.compile_notice import Terminal
+from cnnsim.support.echo import as_markup, console, echo, printable
 from cnnsim.support.errors import InputError
 from cnnsim.support.files import Replaced
-
-if TYPE_CHECKING:
-    from rich.console import Console
 
 Item = TypeVar("Item")
 
@@ -23,65 +21,74 @@ Item = TypeVar("Item")
 class _Mistake(click.ClickException):
     exit_code = 2
 
+    def __init__(self, message: str) -> None:
+        super().__init__(printable(" ".join(message.split())))
+
+
+@contextmanager
+def _printable_mistakes() -> Iterator[None]:
+    """Keep control characters that were typed out of click's own messages, which quote them."""
+    try:
+        yield
+    except click.ClickException as error:
+        vars(error)["message"] = printable(error.message)
+        raise
+
 
 class CommandGroup(click.Group):
     """A click group that turns wrong input, and what the system refuses, into one line instead of a traceback."""
+
+    def make_context(self, *args: Any, **options: Any) -> click.Context:
+        """Read the group's own options."""
+        with _printable_mistakes():
+            return super().make_context(*args, **options)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command."""
         Terminal.wanted = sys.stderr.isatty()
         Replaced.tell = _tell_replaced
         try:
-            return super().invoke(ctx)
+            with _printable_mistakes():
+                return super().invoke(ctx)
         except InputError as error:
-            raise _Mistake(" ".join(str(error).split())) from error
+            raise _Mistake(str(error)) from error
         except OSError as error:
             if error.errno == EPIPE:  # whoever read our output has gone: click leaves in silence
                 raise
             raise _Mistake(f"{error.filename or 'the system'}: {error.strerror or error}") from error
         except (MemoryError, OverflowError, RecursionError) as error:
-            raise _Mistake(f"too large: {' '.join(str(error).split()) or type(error).__name__}") from error
+            raise _Mistake(f"too large: {str(error) or type(error).__name__}") from error
 
 
 def _tell_replaced(path: Path) -> None:
-    click.echo(f"replaced {path}", err=True)
-
-
-def console(width: int = 150) -> "Console":
-    """The console of tables: as wide as the terminal, or ``width`` where the output is no terminal."""
-    from rich.console import Console  # slow to import, and only needed on a terminal
-
-    terminal = Console()
-    return terminal if terminal.is_terminal else Console(width=width)
+    echo(f"replaced {path}", err=True)
 
 
 def watched(items: Iterable[Item], what: str, total: float | None = None) -> Iterable[Item]:
     """Hand items on, with a bar on stderr that shows how far it is; only on a terminal."""
     if not sys.stderr.isatty():
         return items
-    from rich.console import Console  # slow to import, and only needed on a terminal
-    from rich.progress import track  # the same
+    from rich.progress import track  # slow to import, and only needed on a terminal
 
-    return track(items, what, total=total, console=Console(stderr=True), transient=True)
+    return track(items, as_markup(what), total=total, console=console(err=True), transient=True)
 
 
 @contextmanager
 def progress(what: str) -> Iterator[Any]:
     """Give a function that goes through a list and shows how far it is, on stderr and only on a terminal."""
-    from rich.console import Console  # slow to import, and only needed on a terminal
-    from rich.progress import Progress  # the same
+    from rich.progress import Progress  # slow to import, and only needed on a terminal
 
-    with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
+    with Progress(console=console(err=True), transient=True, disable=not sys.stderr.isatty()) as bar:
 
         def track(levels: Iterable[Any]) -> Iterator[Any]:
-            yield from bar.track(list(levels), description=what)
+            yield from bar.track(list(levels), description=as_markup(what))
 
         yield track
 
 
 def print_json(data: Any) -> None:
     """Print plain data as JSON that any parser reads: NaN and infinities become null."""
-    click.echo(json.dumps(_plain(data), indent=1, allow_nan=False))
+    echo(json.dumps(_plain(data), indent=1, allow_nan=False))
 
 
 def _plain(data: Any) -> Any:

@@ -49,9 +49,9 @@ def announce(where: str) -> None:
     from numba.core import event
 
     def say() -> None:
-        from rich.console import Console
+        from cnnsim.support.echo import console  # click and rich are slow to import
 
-        Console(stderr=True).print(f"compiling, once; kept in {where}", style="dim", soft_wrap=True, highlight=False)
+        console(err=True).print(f"compiling, once; kept in {where}", style="dim", soft_wrap=True, highlight=False)
 
     class Listener(Notice, event.Listener):  # type: ignore[misc]  # numba says nothing of its types
         pass

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from cnnsim.support.command_line import console, print_json
+from cnnsim.support.command_line import print_json
+from cnnsim.support.echo import console
 from examples.paper.claims import arguments
 from examples.paper.needle import FORCE, NEAR, figure
 from examples.paper.skins import SKINS, Skin, Trial, on_the_bench

@@ -11,7 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from cnnsim.support.command_line import console, print_json
+from cnnsim.support.command_line import print_json
+from cnnsim.support.echo import console
 from examples.paper.claims import arguments
 from examples.paper.needle import DEPTH, FORCE, NEAR, NOISE, SPEED, Located, Scan, figure, locate, scan, typical
 from examples.paper.skins import ALL, LINES, POINT, STRESS, Skin

@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from cnnsim.support.command_line import console, print_json
+from cnnsim.support.command_line import print_json
+from cnnsim.support.echo import console
 
 
 @dataclass(frozen=True)
@@ -27,16 +28,15 @@ class Claim:
 def table(claims: Iterable[Claim]) -> None:
     """Print the claims for people."""
     from rich import box  # only for people
-    from rich.markup import escape  # the same
     from rich.table import Table  # the same
+    from rich.text import Text  # the same
 
     lines = Table(box=box.SIMPLE_HEAD, show_lines=True)
     for heading, width in (("Fig.", 4), ("what", 32), ("paper", 26), ("ours", 26), ("", 6), ("why", None)):
         lines.add_column(heading, width=width, overflow="fold")
     for claim in claims:
-        verdict = "[green]agrees[/]" if claim.agrees else "[red]not so[/]"
-        what, paper, ours, why = (escape(text) for text in (claim.what, claim.paper, claim.ours, claim.why))
-        lines.add_row(claim.figure, what, paper, ours, verdict, why)
+        verdict = Text("agrees", "green") if claim.agrees else Text("not so", "red")
+        lines.add_row(claim.figure, claim.what, claim.paper, claim.ours, verdict, claim.why)
     console().print(lines)
 
 

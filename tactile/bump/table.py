@@ -3,7 +3,6 @@
 import contextlib
 import hashlib
 import os
-import sys
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, fields
@@ -13,6 +12,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 from cnnsim.support import Floats
+from cnnsim.support.echo import echo
 
 VERSION = 1
 """Goes up when the same bump gets other numbers: older tables are then computed anew."""
@@ -60,7 +60,7 @@ def remembered(key: str, make: Callable[[], Response]) -> Response:
         kept = np.load(file)
         if str(kept["key"]) == key:
             return Response(**{part.name: kept[part.name] for part in fields(Response)})
-    print("bump: finite elements, once for these dimensions", file=sys.stderr)
+    echo("bump: finite elements, once for these dimensions", err=True)
     table = make()
     with contextlib.suppress(OSError):
         _keep(path, key, table)

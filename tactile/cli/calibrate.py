@@ -7,6 +7,7 @@ import numpy as np
 
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
+from cnnsim.support.echo import echo
 from tactile.calibration.tare import Tare
 
 
@@ -60,13 +61,13 @@ def calibrate(scan: Path, speed_mm_s: float, load_n: float, tare: int, output: P
     if as_json:
         print_json(told)
     else:
-        click.echo(f"taxel ({row}, {col}), {int(use.sum())} frames")
-        click.echo(f"beta_ns {made.gains.beta_ns:.4g}; gains {made.gains.shear:.6g},{made.gains.normal:.6g}")
-        click.echo(f"depth {made.depth * 1e3:.4g} mm, {made.depth / array.depth:.3f} of the nominal one")
+        echo(f"taxel ({row}, {col}), {int(use.sum())} frames")
+        echo(f"beta_ns {made.gains.beta_ns:.4g}; gains {made.gains.shear:.6g},{made.gains.normal:.6g}")
+        echo(f"depth {made.depth * 1e3:.4g} mm, {made.depth / array.depth:.3f} of the nominal one")
         stray = max(
             abs(true / found - 1) for found, true in zip(made.radial.found[1:], made.radial.true[1:], strict=True)
         )
-        click.echo(f"radial correction to {made.radial.true[-1] * 1e6:.4g} um, at most {stray:.1%} of the distance")
+        echo(f"radial correction to {made.radial.true[-1] * 1e6:.4g} um, at most {stray:.1%} of the distance")
     if output is not None:
         write_calibration(output, made)
-        click.echo(f"wrote {output}", err=as_json)
+        echo(f"wrote {output}", err=as_json)

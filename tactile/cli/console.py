@@ -8,9 +8,9 @@ import threading
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
-import click
-
 from cnnsim.support import InputError
+from cnnsim.support.echo import console as screen
+from cnnsim.support.echo import echo
 from tactile.serial.time_slice import ask_for_short_slices
 
 if TYPE_CHECKING:
@@ -68,19 +68,15 @@ def closing(session: "Session", as_json: bool, monitor: Any = None) -> Iterator[
             print_line({"type": "end", **summary})
         else:
             times = "once" if unplugged == 1 else f"{unplugged} times"
-            click.echo(f"{'' if recording is None else 'recorded: '}{counts}; unplugged {times}")
+            echo(f"{'' if recording is None else 'recorded: '}{counts}; unplugged {times}")
             if monitor is not None and monitor.meter.frames:
                 usual, most, longest = (1e3 * value for value in summary["latency"].values())
-                click.echo(
-                    f"{monitor.happened} events; latency {usual:.2f} ms, 99 % {most:.2f} ms, longest {longest:.2f} ms"
-                )
+                echo(f"{monitor.happened} events; latency {usual:.2f} ms, 99 % {most:.2f} ms, longest {longest:.2f} ms")
             if clock["residual_median_s"] is not None:
                 usual, most = clock["residual_median_s"], clock["residual_max_s"]
-                click.echo(
-                    f"device: {clock['drift_ppm']:+.1f} ppm; frames come {usual:.6f} s after it, longest {most:.6f}"
-                )
+                echo(f"device: {clock['drift_ppm']:+.1f} ppm; frames come {usual:.6f} s after it, longest {most:.6f}")
             for name, value in settled.items():
-                click.echo(f"{name.replace('_', ' ')}: {'not told by the data' if value is None else value}")
+                echo(f"{name.replace('_', ' ')}: {'not told by the data' if value is None else value}")
     if recording is not None and recording.failed:
         raise InputError(recording.ended)
 
@@ -98,7 +94,7 @@ def viewing(monitor: Any, session: "Session", port: str, wanted: bool) -> Iterat
     def state() -> str:
         return f"{port}: {session.reader.why or 'open'}"
 
-    with Live(LiveView(monitor, session.source.title, state), refresh_per_second=8, transient=True):
+    with Live(LiveView(monitor, session.source.title, state), console=screen(), refresh_per_second=8, transient=True):
         yield
 
 
@@ -127,11 +123,11 @@ def be_steady() -> None:
 def tell(line: dict[str, Any]) -> None:
     """Print an event, a tare, or what a program of the user's says, for people."""
     if line["type"] == "program":
-        click.echo(f"{line['t_s']:10.3f}  {line['finger']}  {line['program']}: {line['outputs']}")
+        echo(f"{line['t_s']:10.3f}  {line['finger']}  {line['program']}: {line['outputs']}")
     if line["type"] == "tare":
-        click.echo(f"{line['t_s']:10.3f}  {line['finger']}  tare {tare_words(line)}")
+        echo(f"{line['t_s']:10.3f}  {line['finger']}  tare {tare_words(line)}")
     if line["type"] == "event":
-        click.echo(f"{line['t_s']:10.3f}  {line['finger']}  {line['words']}")
+        echo(f"{line['t_s']:10.3f}  {line['finger']}  {line['words']}")
 
 
 def tare_words(line: dict[str, Any]) -> str:

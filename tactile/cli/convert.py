@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from cnnsim.support.command_line import examples, watched
+from cnnsim.support.echo import echo
 from tactile.cli.options import FILE
 
 
@@ -28,5 +29,5 @@ def convert(source: Path, target: Path, overwrite: bool) -> None:
     there = target.exists()
     done = write(source, target, overwrite, lambda frames, total: watched(frames, "frames", total))
     for note in done.notes:
-        click.echo(note, err=True)
-    click.echo(f"wrote {done.frames} frames to {target}{', replacing what was there' * there}")
+        echo(note, err=True)
+    echo(f"wrote {done.frames} frames to {target}{', replacing what was there' * there}")

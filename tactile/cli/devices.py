@@ -11,6 +11,7 @@ import click
 
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
+from cnnsim.support.echo import echo
 from cnnsim.support.own_file import lock, open_shut
 from tactile.cli.console import be_steady, stopping
 from tactile.cli.options import ARRAY, FILE, PROTOCOL, chosen_description, write_new_text
@@ -29,9 +30,9 @@ def ports(as_json: bool) -> None:
     if as_json:
         print_json(rows)
     for row in [] if as_json else rows:
-        click.echo(f"{row['port']}  {row['what']}" + (f"  ({row['hint']})" if row["hint"] else ""))
+        echo(f"{row['port']}  {row['what']}" + (f"  ({row['hint']})" if row["hint"] else ""))
     if not rows and not as_json:
-        click.echo("no serial ports; `tactile emulate` makes one to try things with")
+        echo("no serial ports; `tactile emulate` makes one to try things with")
 
 
 @click.command(
@@ -98,13 +99,13 @@ def emulate(
             write_new_text(write_array, description.text)
         _introduce(device, array or write_array)
         device.run(stream, stop)
-    click.echo(f"sent {device.sent} packets, lost {device.lost} for want of room", err=True)
+    echo(f"sent {device.sent} packets, lost {device.lost} for want of room", err=True)
 
 
 def _introduce(device: "Emulator", array: Path | None) -> None:
     """Say where the device is, and to people what reads it."""
-    click.echo(device.port)
+    echo(device.port)
     sys.stdout.flush()
     if sys.stderr.isatty():
         form = array or "FILE, which --write-array FILE writes"
-        click.echo(f"waiting for a reader: tactile live -p {device.port} -a {form}", err=True)
+        echo(f"waiting for a reader: tactile live -p {device.port} -a {form}", err=True)

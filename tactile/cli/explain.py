@@ -4,7 +4,8 @@ from pathlib import Path
 
 import click
 
-from cnnsim.support.command_line import console, examples, print_json
+from cnnsim.support.command_line import examples, print_json
+from cnnsim.support.echo import console, printable
 
 FULL = 1000
 """Columns where the output is no terminal: no line of a scene is longer, and nothing is cut."""
@@ -30,22 +31,22 @@ def explain(scene: Path, as_json: bool) -> None:
             }
         )
         return
-    from rich.markup import escape  # the same
+    from rich.text import Text  # the same
     from rich.tree import Tree  # the same
 
-    tree = Tree(f"[bold]{escape(told.title)}[/]  peak {told.peak:.3g} {told.unit}")
+    tree = Tree(Text.assemble((printable(told.title), "bold"), f"  peak {told.peak:.3g} {told.unit}"))
     for line in told.lines:
-        tree.add(escape(line))
+        tree.add(line)
     on = tree.add("on: size in the signal relative to the peak, time per frame")
     off = tree.add("off: what leaving it out costs, relative to the peak (at the strength given, or a typical one)")
     for part in told.parts:
         text = f"{part.name:<20} {'' if part.name == 'contacts' else f'{part.size:.2g}':>9}"
         if part.on:
-            on.add(f"[green]{text}[/]  {_time(part.seconds):>9}  [dim]{escape(part.what)}[/]")
+            on.add(Text.assemble((text, "green"), f"  {_time(part.seconds):>9}  ", (printable(part.what), "dim")))
         else:
-            off.add(f"{text}             [dim]{escape(part.what)}[/]" if part.what else text)
+            off.add(Text.assemble(f"{text}             ", (printable(part.what), "dim")) if part.what else text)
     for note in told.notes:
-        tree.add(escape(note))
+        tree.add(note)
     console(FULL).print(tree)
 
 

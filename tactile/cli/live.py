@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from cnnsim import backends
 from cnnsim.support import InputError
+from cnnsim.support.echo import json_line
 from cnnsim.support.toml_file import check_keys, take
 from tactile import pipeline
 from tactile.calibration.live_tare import IDLE, LiveTare, TareNote
@@ -165,7 +166,7 @@ class LiveMonitor:
 
 def print_line(line: dict[str, Any]) -> None:
     """Print a line for other programs at once."""
-    sys.stdout.write(json.dumps(line, ensure_ascii=False, allow_nan=False) + "\n")
+    sys.stdout.write(json_line(line) + "\n")
     sys.stdout.flush()
 
 

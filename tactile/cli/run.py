@@ -8,6 +8,7 @@ import click
 
 from cnnsim import InputError, backends
 from cnnsim.support.command_line import examples, print_json, watched
+from cnnsim.support.echo import echo
 from tactile.calibration.gains import Gains
 from tactile.cli.options import check_thresholds
 from tactile.core.frame import TaxelArray
@@ -95,16 +96,16 @@ def run(
         check = collected.tare(array)
         if check is None:
             count = collected.columns(array.name).t.size
-            click.echo(f"{array.name}: tare over {offset} frames, {count} there; fewer wanted (--tare N)", err=True)
+            echo(f"{array.name}: tare over {offset} frames, {count} there; fewer wanted (--tare N)", err=True)
         elif check.warning and as_json:
-            click.echo(f"{array.name}: tare: {check.words}", err=True)
+            echo(f"{array.name}: tare: {check.words}", err=True)
     if note:
-        click.echo(note, err=as_json)
+        echo(note, err=as_json)
     if output is not None:
         from tactile.output.plot import draw  # matplotlib is slow to import
 
         draw(collected, frames.arrays, frames.title, output / "touch.png")
-        click.echo(f"wrote {output / 'frames.csv'}, {output / 'events.json'}, {output / 'touch.png'}", err=as_json)
+        echo(f"wrote {output / 'frames.csv'}, {output / 'events.json'}, {output / 'touch.png'}", err=as_json)
 
 
 def _gains(text: str | None) -> Gains | None:

@@ -11,6 +11,7 @@ import click
 from cnnsim import backends
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples
+from cnnsim.support.echo import echo
 from tactile.cli import console
 from tactile.cli.options import ARRAY, FILE, PROTOCOL, check_thresholds, chosen_description, kept_calibration, new_mcap
 
@@ -51,7 +52,7 @@ def record(
                     following = session.source.arrival + 10**9
                     session.note("/counts", session.source.arrival, {"counts": session.counts.plain()})
                     if sys.stderr.isatty() and not as_json:
-                        click.echo(f"\r{session.counts} ", nl=False, err=True)
+                        echo(session.counts, over=True, err=True)
 
 
 @click.command(
@@ -140,6 +141,6 @@ def replay(recording: Path, paced: bool, speed: float | None, as_json: bool) -> 
     if as_json:
         print_line(monitor.status() | {"type": "end", "complete": recorded.complete, "state": recorded.state})
         return
-    click.echo(f"{monitor.meter.frames} frames, {monitor.happened} events; {source.counts}")
+    echo(f"{monitor.meter.frames} frames, {monitor.happened} events; {source.counts}")
     if recorded.state:
-        click.echo(f"{recording}: {recorded.state}")
+        echo(f"{recording}: {recorded.state}")

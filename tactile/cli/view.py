@@ -8,6 +8,7 @@ from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
+from cnnsim.support.echo import printable
 from tactile.cli.console import tare_words
 from tactile.cli.live import LiveMonitor
 from tactile.core.frame import NORMAL
@@ -29,12 +30,13 @@ class LiveView:
         hand = Table.grid(padding=(0, 3))
         reports = tuple(self._monitor.newest.values())
         if reports:
-            hand.add_row(*(Panel(_arrows(report), title=report.array.name) for report in reports))
+            hand.add_row(*(Panel(_arrows(report), title=_shown(report.array.name)) for report in reports))
         events = Table("time [s]", "finger", "what", box=None, title="events", title_justify="left")
         for event in tuple(self._monitor.events):
             events.add_row(f"{event.t:.3f}", event.finger, event.words)
         return Panel(
-            Group(hand, events, Text(self._figures()), Text(self._state()), Text(KEYS, style="dim")), title=self._title
+            Group(hand, events, _shown(self._figures()), _shown(self._state()), Text(KEYS, style="dim")),
+            title=_shown(self._title),
         )
 
     def _figures(self) -> str:
@@ -50,6 +52,10 @@ class LiveView:
             for finger, last in self._monitor.tared.items()
         )
         return f"{status['rate_hz']:.0f} frames/s; latency {median:.2f} ms, 99 % {most:.2f} ms{line}\n{lost}{tares}"
+
+
+def _shown(text: str) -> Text:
+    return Text(printable(text))
 
 
 def _arrows(report: FrameReport) -> Text:

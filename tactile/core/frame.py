@@ -6,6 +6,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from cnnsim.support import Flags, Floats, InputError
+from cnnsim.support.names import check_name
 
 Quantity = Literal["strain", "stress", "force"]
 """What a taxel measures: strain (u_xz, u_yz, u_zz), stress [Pa] of the same components, or force [N]."""
@@ -22,8 +23,8 @@ class TaxelArray:
     surface (unused for force sensors); ``origin`` [m], the (x, y) of the array's centre.
 
     Raises:
-        InputError: a name with control characters, an empty array, a pitch that is not positive, a negative depth, an
-            unknown quantity.
+        InputError: a name of other characters than letters, digits, - and _, an empty array, a pitch that is not
+            positive, a negative depth, an unknown quantity.
     """
 
     name: str
@@ -35,8 +36,7 @@ class TaxelArray:
     quantity: Quantity = "strain"
 
     def __post_init__(self) -> None:
-        if not self.name.isprintable():
-            raise InputError(f"taxel array {self.name!r}: a name of printable characters wanted")
+        check_name(self.name, "taxel array")
         if self.rows < 1 or self.cols < 1:
             raise InputError(f"taxel array {self.name!r}: {self.rows} x {self.cols} taxels, at least 1 x 1 wanted")
         if not (np.isfinite(self.pitch) and self.pitch > 0):

@@ -18,6 +18,17 @@ COLUMNS = (
     "load_f_n", "load_validity", "load_taxels", "load_misfit", "friction", "roughness", "events",
 )  # fmt: skip
 
+FORMULA = tuple("=+-@\t\r")
+"""What a cell begins with that a spreadsheet computes."""
+
+
+def text_cell(text: str, *, always: bool = False) -> str:
+    """Return a text as a cell that a spreadsheet neither computes nor takes for a number: an apostrophe before it.
+
+    Only where it begins as a formula does, unless ``always``: a code such as -0+0 or 0000 is a text.
+    """
+    return f"'{text}" if always or text[:1] in FORMULA else text
+
 
 class Record:
     """A sink that writes frames.csv as the frames come, and events.json (with what made them) at the end."""
@@ -56,8 +67,10 @@ class Record:
         located: tuple[Any, ...] = ("",) * 8
         if load is not None:
             located = (load.x, load.y, load.Q, load.R, load.F, load.validity.name.lower(), load.taxels, load.misfit)
+        code = text_cell(report.code.ternary(), always=True)
+        happened = text_cell("; ".join(event.words for event in report.events))
         self._csv.writerow((
-            frame.t, report.array.name, frame.sequence, total(report, SHEAR_X), total(report, SHEAR_Y),
-            total(report, NORMAL), report.code.ternary(), *located, texture_mean(texture.friction, texture.valid),
-            texture_mean(texture.roughness, texture.valid), "; ".join(event.words for event in report.events),
+            frame.t, text_cell(report.array.name), frame.sequence, total(report, SHEAR_X), total(report, SHEAR_Y),
+            total(report, NORMAL), code, *located, texture_mean(texture.friction, texture.valid),
+            texture_mean(texture.roughness, texture.valid), happened,
         ))  # fmt: skip

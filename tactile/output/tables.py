@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from cnnsim.support.command_line import console
+from cnnsim.support.echo import console
 from tactile.core.frame import TaxelArray
 from tactile.events.contact_and_shear import TouchKind
 from tactile.events.event import Event
@@ -23,8 +23,7 @@ TOGETHER = 0.05
 
 def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
     """Print the table of events and a line of figures for each finger; codes of many taxels are left to the record."""
-    from rich.markup import escape  # only for people
-    from rich.table import Table  # the same
+    from rich.table import Table  # only for people
 
     screen = console()
     forces = all(array.quantity == "force" for array in arrays)
@@ -34,7 +33,7 @@ def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
     wanted = {CODE: max(taxels) <= LEGIBLE, HAND: digits <= LEGIBLE, LOAD: not forces}
     headings = [name for name in (TIME, "finger", CODE, HAND, "meaning", LOAD, LATENCY) if wanted.get(name, True)]
     for heading in headings:
-        table.add_column(escape(heading), justify="right" if heading in (TIME, LATENCY) else "left")
+        table.add_column(heading, justify="right" if heading in (TIME, LATENCY) else "left")
     for event, changes in grouped(collected.events):
         what = event.words if changes == 1 else f"{event.words} ({changes} changes)"
         cells = {

@@ -77,7 +77,7 @@ def read_pillars(file: "np.lib.npyio.NpzFile", path: Path) -> PillarReplay:
         raise InputError(f"{path}: holds {names}; s0_force, s0_t_ns, s0_seq, s0_tus wanted")
     sensors = [_read_sensor(file, f"s{number}", str(path)) for number in found]
     arrays = tuple(
-        TaxelArray(f"sensor {number}", force.shape[1], force.shape[2], PILLAR_PITCH, 0.0, quantity="force")
+        TaxelArray(f"sensor-{number}", force.shape[1], force.shape[2], PILLAR_PITCH, 0.0, quantity="force")
         for number, (force, *_) in zip(found, sensors, strict=True)
     )
     force, host, sequence, device = zip(*sensors, strict=True)

@@ -6,6 +6,7 @@ has them, counted from the first.
 """
 
 import math
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,7 @@ from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.typesys import Stores, get_typestore
 
 from cnnsim.support import InputError
+from cnnsim.support.names import LONGEST
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import Provenance
 from tactile.sources.replay_pillars import PILLAR_PITCH
@@ -87,9 +89,14 @@ def read_bag(path: Path) -> BagReplay:
         side = math.isqrt(len(message.pillars))
         if side == 0 or side * side != len(message.pillars):
             raise InputError(f"{path}: topic {topic} has {len(message.pillars)} pillars, a square number wanted")
-        arrays.append(TaxelArray(topic.strip("/"), side, side, PILLAR_PITCH, 0.0, quantity="force"))
+        arrays.append(TaxelArray(_finger(topic), side, side, PILLAR_PITCH, 0.0, quantity="force"))
     count = sum(connection.msgcount for connection in found)
     return BagReplay(folder, topics, tuple(arrays), count, tuple(others), min(starts))
+
+
+def _finger(topic: str) -> str:
+    """Return a topic as a finger's name: hub_0-sensor_1."""
+    return re.sub(r"[^A-Za-z0-9_]+", "-", topic).strip("-")[:LONGEST] or "sensor"
 
 
 def _reader(path: Path) -> AnyReader:

@@ -150,6 +150,7 @@ def test_the_record_and_the_picture(tmp_path: Path) -> None:
     held = next(row for row in rows if row["finger"] == "left" and float(row["t_s"]) >= 2.5)
     assert float(held["load_f_n"]) == pytest.approx(0.6, rel=1e-6)
     assert held["load_validity"] == "inside"
+    assert held["code"].startswith("'")  # a text to spreadsheets
     record = json.loads((tmp_path / "out" / "events.json").read_text(encoding="utf-8"))
     assert record["complete"] is True
     assert [event["words"] for event in record["events"]].count("contact") == 2

@@ -3,10 +3,10 @@
 One frame, little endian: for every chip (5 unless the description says otherwise) float32 temperature [deg C], x, y, z
 [uT]; then 0D 0A. No header, checksum, sequence number or time, and CR LF may occur inside a float.
 
-A frame counts only if all its numbers could be a chip's: a temperature of -40..150 deg C and fields that are 0 or
-0.1 nT..100 mT, or a dead chip that sends zeros. In step, CR LF has to stand where the frame ends; out of step every
-offset is tried, and one chip must be alive. Bytes at random pass that once in about 10^20 frames; a number that is
-changed to another within those bounds goes unseen.
+In step, CR LF has to stand where the frame ends, with no number that a chip cannot send: a temperature of -40..150
+deg C, fields of 100 mT at most. Out of step every offset is tried; there a field is 0 or 0.1 nT at least, and a chip is
+alive or sends only zeros. Bytes at random pass that once in about 10^20 frames; a number that is changed to another
+within those bounds goes unseen.
 
 Sources: reskin_sensor 2.0.2 ``sensor.py``; anyskin ``5X_binary_burst_stream.ino``.
 """
@@ -24,22 +24,23 @@ TEMPERATURE = (-40.0, 150.0)
 """Coldest and hottest chip [deg C]."""
 FIELD = (1e-4, 1e5)
 """Smallest field that is not 0, and the largest [uT]."""
-TINY = 1e-3
-"""A smaller temperature is none [deg C]."""
 LOWEST = np.array([TEMPERATURE[0], *[-FIELD[1]] * 3], np.float32)
 HIGHEST = np.array([TEMPERATURE[1], *[FIELD[1]] * 3], np.float32)
 ROOM_TEMPERATURE = 25.0
 
 
-def plausible(chips: NDArray[np.float32], in_step: bool) -> bool:
-    """Return whether (chips, 4) numbers could be what chips send: see the head of this file."""
+def possible(chips: NDArray[np.float32]) -> bool:
+    """Return whether no number of (chips, 4) is beyond what chips send."""
+    return bool(((chips > LOWEST) & (chips < HIGHEST)).all())
+
+
+def plausible(chips: NDArray[np.float32]) -> bool:
+    """Return whether (chips, 4) numbers are what chips would send: see the head of this file."""
     size = np.abs(chips)
-    if ((chips > LOWEST) & (chips < HIGHEST) & (size > TINY)).all():  # the usual case, in four passes
-        return True
     field = ((size[:, 1:] >= FIELD[0]) & (size[:, 1:] <= FIELD[1])) | (size[:, 1:] == 0)
-    alive = (chips[:, 0] > TEMPERATURE[0]) & (chips[:, 0] < TEMPERATURE[1]) & (size[:, 0] > TINY)
+    alive = (chips[:, 0] > TEMPERATURE[0]) & (chips[:, 0] < TEMPERATURE[1]) & (size[:, 0] > 1e-3)
     dead = (size == 0).all(1)
-    return bool((in_step or alive.any()) and ((alive & field.all(1)) | dead).all())
+    return bool(alive.any() and ((alive & field.all(1)) | dead).all())
 
 
 class ReskinDecoder(Decoder):
@@ -58,13 +59,13 @@ class ReskinDecoder(Decoder):
         length, data = self._length, self._buffer
         if len(data) < length:
             return None
-        if self._in_step and data[length - 2 : length] == END and plausible(self._numbers(0), True):
+        if self._in_step and data[length - 2 : length] == END and possible(self._numbers(0)):
             return self._found(0)
         self._in_step = False
         at = -1
         while (mark := data.find(END, at + length - 1)) >= 0:
             at = mark + len(END) - length
-            if plausible(self._numbers(at), False):
+            if plausible(self._numbers(at)):
                 self._in_step = True
                 return self._found(at)
         # no frame ends in this buffer, so none begins before its last length - 1 bytes

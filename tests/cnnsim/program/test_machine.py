@@ -35,7 +35,7 @@ def test_all_sixteen_logic_functions(backend: str, name: str, tmp_path: Path) ->
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_template_cellwise_copy_fill_and_wires(backend: str, tmp_path: Path) -> None:
     text = """
-name = "all kinds"
+name = "all-kinds"
 lam = ["a", "b", "c", "half"]
 llm = ["p", "edge"]
 wire = ["any", "all", "count"]

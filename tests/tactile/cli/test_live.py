@@ -327,7 +327,7 @@ def test_a_calibration_is_of_strain(tmp_path: Path) -> None:
     write_calibration(skin, Calibration(Gains(1, 1), 1e-3, RadialCorrection((0, 1), (0, 1), (1, 1))))
     result = call("live", "-p", "x", "--protocol", "papillarray", "--calibration", skin)
     assert result.exit_code == 2
-    assert "array 'sensor 0' of force; strain wanted" in result.stderr
+    assert "array 'sensor-0' of force; strain wanted" in result.stderr
 
 
 def test_renewals_while_idle_are_said_once_and_all_recorded() -> None:

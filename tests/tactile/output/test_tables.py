@@ -13,6 +13,7 @@ from tactile.events.event import Event
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 from tactile.output.collected import Collected
+from tactile.output.record import text_cell
 from tactile.output.tables import tables
 from tactile.pipeline import FrameReport, warm_up
 from tactile.settings import Settings
@@ -63,3 +64,10 @@ def test_codes_of_many_taxels_stay_in_the_record(
     heading, row = capsys.readouterr().out.splitlines()[2:5:2]
     assert ("code" in heading, "hand" in heading) == (code, hand)
     assert "(+1.00, -2.00) +0.000 +0.000 +0.004, inside, 1 taxel " in row
+
+
+@pytest.mark.parametrize("text", ["=1+1", "+a", "-0+0", "@x", "\tx"])
+def test_a_cell_of_text_is_no_formula_and_a_code_no_number(text: str) -> None:
+    assert text_cell(text) == f"'{text}"
+    assert text_cell("a" + text) == "a" + text
+    assert text_cell("0000", always=True) == "'0000"

@@ -30,7 +30,7 @@ def test_ros_bags_of_pillars(tmp_path: Path) -> None:
             bag.write(topics[n % 2], 5_000_000_000 + 1_000_000 * n, data)
     source = open_source(tmp_path / "bag")
     frames = list(source)
-    assert [array.name for array in source.arrays] == ["hub_0/sensor_0", "hub_0/sensor_1"]
+    assert [array.name for array in source.arrays] == ["hub_0-sensor_0", "hub_0-sensor_1"]
     assert [(frame.finger, frame.sequence) for frame in frames] == [(0, 0), (1, 0), (0, 1), (1, 1), (0, 2), (1, 2)]
     assert [frame.t for frame in frames] == pytest.approx([0.001 * n for n in range(6)], abs=1e-12)
     assert frames[3].values[2, 1].tolist() == [3.5, -3.0, 7.0]

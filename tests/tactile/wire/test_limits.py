@@ -41,7 +41,7 @@ def test_arrays_that_no_frame_can_carry_are_refused(
         find_format(name).decoder(Options(shapes))
 
 
-@pytest.mark.parametrize("bad", [float("nan"), float("inf"), 2e5, 1e-9])
+@pytest.mark.parametrize("bad", [float("nan"), float("inf"), 2e5])
 def test_reskin_in_step_gives_out_no_number_that_a_chip_cannot_send(bad: float) -> None:
     decoder, encoder = pair("reskin")
     packets = [encoder.encode([np.full((5, 3), 20.0 + n)], 0, 0.0) for n in range(9)]

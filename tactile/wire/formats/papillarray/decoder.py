@@ -164,7 +164,7 @@ FORMATS = {
         _talk,
         ("pillar", "slip_entry", "rate_hz"),
         fingers=tuple(
-            {"name": f"sensor {n}", "rows": 3, "cols": 3, "pitch_mm": 7.0, "depth_mm": 0.0, "quantity": "force"}
+            {"name": f"sensor-{n}", "rows": 3, "cols": 3, "pitch_mm": 7.0, "depth_mm": 0.0, "quantity": "force"}
             for n in range(2)
         ),
     )
