@@ -66,7 +66,7 @@ def emulate(
     from tactile.serial.emulator import Emulator  # only here
     from tactile.serial.faults import Faults  # the same
     from tactile.sources import open_source  # the same
-    from tactile.wire.packets import emulated_description, packets  # the same
+    from tactile.wire.packets import check_form, emulated_description, packets  # the same
     from tactile.wire.source import UNPLUGGED  # the same
 
     if (scene is None) == (recording is None):
@@ -87,6 +87,8 @@ def emulate(
         source = open_source(scene)
         if protocol is None and array is None:
             raise click.UsageError("--protocol or --array wanted")
+        if array is None and write_array is None:
+            check_form(str(protocol), source)
         description = chosen_description(protocol, array) if array else emulated_description(str(protocol), source)
         encoder = description.wire.encoder(description.options)
         stream = packets(description, source, loop, encoder)

@@ -16,7 +16,7 @@ from tactile.calibration.live_tare import IDLE, LiveTare, TareNote
 from tactile.cli.meter import Meter
 from tactile.core.frame import TaxelArray
 from tactile.events.event import Event
-from tactile.output.json_data import event_data, finite
+from tactile.output.event_data import EventData, finite
 from tactile.pipeline import FrameReport, Sink
 from tactile.settings import PipelineOptions
 from tactile.wire.source import Chunk, WireSource, tares_for
@@ -115,6 +115,7 @@ class LiveMonitor:
         self._note = note or (lambda topic, t, data: None)
         self._counts = counts or (lambda: source.counts)
         self._next = STATUS
+        self._plain = EventData(source.arrays)
 
     def __call__(self, report: FrameReport) -> None:
         """Take one report."""
@@ -123,7 +124,7 @@ class LiveMonitor:
         for event in report.events:
             self.events.append(event)
             self.happened += 1
-            line = {"type": "event"} | event_data(event)
+            line = {"type": "event"} | self._plain(event)
             self._say(line)
             self._note("/events", arrival, line)
         for tared in self._source.notes():

@@ -86,7 +86,7 @@ def run(
     if output is None:
         pipeline.run(passed, settings, [collected])
     else:
-        with Record(output, {"source": source.name, "title": frames.title, "tare": offset}) as record:
+        with Record(output, frames.arrays, {"source": source.name, "title": frames.title, "tare": offset}) as record:
             pipeline.run(passed, settings, [collected, record])
     if as_json:
         print_json(run_data(collected, frames.arrays))

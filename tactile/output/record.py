@@ -7,10 +7,9 @@ from types import TracebackType
 from typing import Any, Self
 
 from cnnsim import InputError
-from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y
-from tactile.events.event import Event
+from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y, TaxelArray
 from tactile.output.collected import texture_mean, total
-from tactile.output.json_data import event_data
+from tactile.output.event_data import INLINE, EventData
 from tactile.pipeline import FrameReport
 
 COLUMNS = (
@@ -33,9 +32,10 @@ def text_cell(text: str, *, always: bool = False) -> str:
 class Record:
     """A sink that writes frames.csv as the frames come, and events.json (with what made them) at the end."""
 
-    def __init__(self, folder: Path, provenance: dict[str, Any]) -> None:
-        self._folder, self._provenance = folder, provenance
-        self._events: list[Event] = []
+    def __init__(self, folder: Path, arrays: tuple[TaxelArray, ...], provenance: dict[str, Any]) -> None:
+        self._folder, self._provenance, self._plain = folder, provenance, EventData(arrays)
+        self._events: list[str] = []
+        self._codes: dict[str, str] = {}
         self._tares: dict[str, dict[str, Any]] = {}
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -53,24 +53,32 @@ class Record:
     ) -> None:
         self._file.close()
         record = {**self._provenance, "complete": kind is None, "tares": self._tares}
-        record["events"] = [event_data(event) for event in self._events]
-        (self._folder / "events.json").write_text(
-            json.dumps(record, indent=1, ensure_ascii=False) + "\n", encoding="utf-8"
-        )
+        head = json.dumps(record, indent=1, ensure_ascii=False).removesuffix("\n}")
+        events = ",\n  ".join(self._events)  # one line, one event
+        text = f'{head},\n "events": [\n  {events}\n ]\n}}\n'
+        (self._folder / "events.json").write_text(text, encoding="utf-8")
 
     def __call__(self, report: FrameReport) -> None:
         """Write one report."""
-        self._events += report.events
+        self._events += [json.dumps(self._plain(event), ensure_ascii=False) for event in report.events]
         if report.tare is not None:
             self._tares[report.array.name] = report.tare.plain()
         load, texture, frame = report.load, report.texture, report.frame
         located: tuple[Any, ...] = ("",) * 8
         if load is not None:
             located = (load.x, load.y, load.Q, load.R, load.F, load.validity.name.lower(), load.taxels, load.misfit)
-        code = text_cell(report.code.ternary(), always=True)
+        code = self._code(report)
         happened = text_cell("; ".join(event.words for event in report.events))
         self._csv.writerow((
             frame.t, text_cell(report.array.name), frame.sequence, total(report, SHEAR_X), total(report, SHEAR_Y),
             total(report, NORMAL), code, *located, texture_mean(texture.friction, texture.valid),
             texture_mean(texture.roughness, texture.valid), happened,
         ))  # fmt: skip
+
+    def _code(self, report: FrameReport) -> str:
+        """Return the ternary code; of a large array nothing where it is that of the frame before."""
+        name, code = report.array.name, report.code.ternary()
+        if report.array.rows * report.array.cols > INLINE and self._codes.get(name) == code:
+            return ""
+        self._codes[name] = code
+        return text_cell(code, always=True)

@@ -49,6 +49,25 @@ def emulated_description(protocol: str, source: Source) -> Description:
     return parse_description(write_description(top, fingers), f"emulated {protocol}")
 
 
+def check_form(protocol: str, source: Source) -> None:
+    """Refuse a source whose arrays are not those that a device of this protocol always has.
+
+    Raises:
+        InputError: so they are, with both shapes.
+    """
+    wanted = [(finger["rows"], finger["cols"]) for finger in find_format(protocol).fingers]
+    found = [array.shape for array in source.arrays]
+    if wanted and found != wanted:
+        raise InputError(
+            f"{source.title!r} has arrays of {_shapes(found)}; protocol {protocol!r} is always read as"
+            f" {_shapes(wanted)}: such a scene, or --write-array FILE and `tactile live -a FILE` wanted"
+        )
+
+
+def _shapes(shapes: Iterable[tuple[int, int]]) -> str:
+    return " and ".join(f"{rows} x {cols}" for rows, cols in shapes)
+
+
 def packets(
     description: Description, source: Source, loop: bool = False, device: Encoder | None = None
 ) -> Iterator[TimedPacket]:
@@ -61,7 +80,8 @@ def packets(
         InputError: the source's arrays are not the description's.
     """
     if [array.shape for array in source.arrays] != [array.shape for array in description.arrays]:
-        raise InputError(f"{source.title!r} and the array description have arrays of different shapes")
+        found, wanted = (_shapes(array.shape for array in one.arrays) for one in (source, description))
+        raise InputError(f"{source.title!r} has arrays of {found}; the array description has {wanted}")
     few = source.frames is not None and source.frames <= KEPT
     readings = _Readings(description, source)
     encoder = device or description.wire.encoder(description.options)

@@ -19,7 +19,7 @@ from tactile.events.tangential_load import LoadKind, TangentialLoad
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 from tactile.output.collected import Collected
-from tactile.output.json_data import event_data
+from tactile.output.event_data import event_data
 from tactile.output.plot import draw
 from tactile.output.tables import grouped, tables
 

@@ -1,17 +1,19 @@
 """What emulated devices do when the host tells them something: through a terminal, and byte by byte."""
 
 import time
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from cnnsim.support import InputError
 from tactile.serial.port import open_port, take
 from tactile.wire.base import Options
 from tactile.wire.formats.papillarray.decoder import FORMATS
 from tactile.wire.formats.paxini import packet as px
-from tactile.wire.packets import emulated_description, packets
-from tests.kits.serial import device, grip
+from tactile.wire.packets import check_form, emulated_description, packets
+from tests.kits.serial import GRIP, call, device, grip
 from tests.kits.wire import pair
 
 
@@ -169,3 +171,16 @@ def test_devices_survive_noise_on_their_ear(name: str) -> None:
         noise = rng.bytes(50)
         encoder.receive(bytes.fromhex("55aa") + noise if rng.random() < 0.5 else noise)
     assert len(encoder._received) <= px.LONGEST + 60  # type: ignore[attr-defined]
+
+
+def test_a_scene_that_no_such_device_could_have_is_refused() -> None:
+    """A reader without an array description would find every frame unfit."""
+    refused = call("emulate", "--protocol", "papillarray", "--scene", GRIP)
+    assert refused.exit_code == 2
+    assert "has arrays of 2 x 2 and 2 x 2; protocol 'papillarray' is always read as 3 x 3 and 3 x 3" in refused.stderr
+    scene = grip(0.1)
+    with pytest.raises(InputError, match="all of one shape wanted"):
+        odd = replace(scene, arrays=(scene.arrays[0], replace(scene.arrays[1], rows=3, cols=3)))
+        emulated_description("papillarray", odd)
+    check_form("papillarray", replace(scene, arrays=tuple(replace(one, rows=3, cols=3) for one in scene.arrays)))
+    check_form("native", scene)

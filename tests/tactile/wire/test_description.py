@@ -72,5 +72,5 @@ def test_devices_that_need_no_description_and_those_that_do() -> None:
     with pytest.raises(InputError, match="carries one array"):
         emulated_description("paxini-serial", grip(0.1))
     description, _ = sent("native", 0.1)
-    with pytest.raises(InputError, match="different shapes"):
+    with pytest.raises(InputError, match="has arrays of 2 x 2; the array description has 2 x 2 and 2 x 2"):
         packets(description, replace(grip(0.1), arrays=grip(0.1).arrays[:1]))

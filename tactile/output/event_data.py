@@ -1,0 +1,69 @@
+"""Events as plain data for JSON; of large arrays only what has changed in the code since the event before."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from tactile.core.frame import TaxelArray
+from tactile.events.event import Event
+from tactile.inverse.load import Load
+
+INLINE = 64
+"""Most taxels of an array whose whole code stands in every event, and of a hand whose sign code does."""
+
+
+class EventData:
+    """Turns the events of a run, one after the other, into plain data.
+
+    An array of more than `INLINE` taxels has, in the place of ``arrows`` and ``ternary``, ``changed``: the numbers of
+    the ``taxels`` (row * cols + col) whose code is not that of the finger's event before, and their ``ternary`` codes;
+    before the first event all are 00. A hand of more taxels has no ``hand``.
+    """
+
+    def __init__(self, arrays: tuple[TaxelArray, ...]) -> None:
+        self._sizes = {array.name: array.rows * array.cols for array in arrays}
+        self._hand = sum(self._sizes.values()) <= INLINE
+        self._before: dict[str, Any] = {}
+
+    def __call__(self, event: Event) -> dict[str, Any]:
+        """Return the next event."""
+        data = event_data(event)
+        if not self._hand:
+            del data["hand"]
+        if self._sizes[event.finger] > INLINE:
+            del data["arrows"], data["ternary"]
+            data["changed"] = self._changed(event)
+        return data
+
+    def _changed(self, event: Event) -> dict[str, Any]:
+        code = np.frombuffer(event.ternary.encode(), "S2")
+        before = self._before.get(event.finger, np.full_like(code, b"00"))
+        self._before[event.finger] = code
+        taxels = np.flatnonzero(code != before)
+        return {"taxels": taxels.tolist(), "ternary": code[taxels].tobytes().decode()}
+
+
+def event_data(event: Event) -> dict[str, Any]:
+    """Return an event: all that follows from the frames, so not its latency."""
+    data = {name: finite(value) if isinstance(value, float) else value for name, value in event.data.items()}
+    return {
+        "t_s": event.t, "finger": event.finger, "sequence": event.sequence, "kind": event.kind.label, "data": data,
+        "words": event.words, "arrows": event.arrows, "ternary": event.ternary, "hand": f"{event.hand:x}",
+        "load": load_data(event.load),
+    }  # fmt: skip
+
+
+def load_data(load: Load | None) -> dict[str, Any] | None:
+    """Return a located load with how sure it is, None where there is none."""
+    if load is None or not math.isfinite(load.F):
+        return None
+    where: dict[str, Any] = {name: finite(getattr(load, name)) for name in ("x", "y", "Q", "R", "F")}
+    where |= {"sigma": [finite(one) for one in load.sigma], "misfit": load.misfit, "taxels": load.taxels}
+    where |= {"left_out": load.left_out, "others": [load_data(other) for other in load.others]}
+    return where | {"validity": load.validity.name.lower()}
+
+
+def finite(value: float | None) -> float | None:
+    """Return a number as JSON has it: None for NaN and infinity."""
+    return value if value is not None and math.isfinite(value) else None
