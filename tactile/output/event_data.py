@@ -59,7 +59,7 @@ def load_data(load: Load | None) -> dict[str, Any] | None:
     if load is None or not math.isfinite(load.F):
         return None
     where: dict[str, Any] = {name: finite(getattr(load, name)) for name in ("x", "y", "Q", "R", "F")}
-    where |= {"sigma": [finite(one) for one in load.sigma], "misfit": load.misfit, "taxels": load.taxels}
+    where |= {"sigma": [finite(one) for one in load.sigma], "misfit": finite(load.misfit), "taxels": load.taxels}
     where |= {"left_out": load.left_out, "others": [load_data(other) for other in load.others]}
     return where | {"validity": load.validity.name.lower()}
 

@@ -53,7 +53,7 @@ def test_conversions(tmp_path: Path) -> None:
 
 
 FORMS = (".csv", ".npz", ".parquet", ".mcap")
-NAMES = st.lists(st.from_regex("[A-Za-z0-9_][A-Za-z0-9_-]{0,7}", fullmatch=True), min_size=1, max_size=3, unique=True)
+NAMES = st.lists(st.from_regex(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,8}", fullmatch=True), min_size=1, max_size=3, unique=True)
 LENGTHS = st.floats(1e-9, 1e3)
 NUMBERS = st.floats(width=64)
 
