@@ -8,9 +8,9 @@ from cnnsim.library.entry import Example, LibraryEntry, Role
 from cnnsim.library.read_network import TEMPLATE_KEYS, parse_pictures, read_template
 from cnnsim.network import LayeredTemplate, parse_boundary
 from cnnsim.network.characteristic import parse_cell
-from cnnsim.support import InputError, naming
+from cnnsim.support import Floats, InputError, naming
 from cnnsim.support.names import check_name
-from cnnsim.support.toml_file import check_keys, read_toml, take, take_tables
+from cnnsim.support.toml_file import check_keys, line_of, located, read_toml, take, take_duration, take_tables
 
 _REQUIRED = ("name", "summary", "reference", "input", "initial_state", "boundary", "duration")
 _OPTIONAL = ("tags", "margin", "note", "aliases", "example", "cell", "step", "frame_time", *TEMPLATE_KEYS)
@@ -33,25 +33,32 @@ def load_file(path: Path) -> LibraryEntry:
 
 def _entry(data: dict[str, Any], stem: str) -> LibraryEntry:
     check_keys(data, (*_REQUIRED, *_OPTIONAL), required=_REQUIRED)
-    check_name(take(data, "name", str, "template"), "template")
+    with located(data, "name"):
+        check_name(take(data, "name", str, "template"), "template")
     if data["name"] != stem:
-        raise InputError(f"the name is {data['name']!r}, the file is {stem}.toml; one name wanted")
+        where = line_of(data, "name")
+        raise InputError(f"the name is {data['name']!r}, the file is {stem}.toml; one name wanted{where}")
     template, roles = read_template(data, data["name"]), data["initial_state"]
-    words = ("picture", "given", "any")
+    with located(data, "initial_state"):
+        state = tuple(map(_state, roles)) if isinstance(roles, list) else _state(roles)
+    with located(data, "input"):
+        shown = _role("input", data["input"], ("picture", "none"))
+    with located(data, "boundary"):
+        boundary = parse_boundary(data["boundary"])
+    with located(data, "cell"):
+        cell = parse_cell(data.get("cell", "chua-yang"))
     entry = LibraryEntry(
-        data["name"], data["summary"], data["reference"], template, _role("input", data["input"], ("picture", "none")),
-        tuple(_role("initial_state", role, words) for role in roles) if isinstance(roles, list)
-        else _role("initial_state", roles, words),
-        parse_boundary(data["boundary"]), data["duration"], _words(data, "tags"), _number(data, "margin"),
+        data["name"], take(data, "summary", str, "template"), take(data, "reference", str, "template"), template, shown,
+        state, boundary, take_duration(data, "template"), _words(data, "tags"), _number(data, "margin"),
         take(data, "note", str, "template", ""), _words(data, "aliases"),
         tuple(_example(item) for item in take_tables(data, "example", "template")),
-        cell=parse_cell(data.get("cell", "chua-yang")), step=_number(data, "step"),
+        cell=cell, step=_number(data, "step"),
         frame_time=_number(data, "frame_time"),
     )  # fmt: skip
     if template.reads_input and entry.input == "none":
-        raise InputError("B is not zero, or a term reads u, but input is 'none'")
+        raise InputError(f"B is not zero, or a term reads u, but input is 'none'{line_of(data, 'input')}")
     if isinstance(roles, list) and not (isinstance(template, LayeredTemplate) and len(roles) == len(template.layers)):
-        raise InputError(f"{len(roles)} initial states; one, or one a layer, wanted")
+        raise InputError(f"{len(roles)} initial states; one, or one a layer, wanted{line_of(data, 'initial_state')}")
     return entry
 
 
@@ -62,8 +69,17 @@ def _number(data: dict[str, Any], key: str) -> float | None:
 def _words(data: dict[str, Any], key: str) -> tuple[str, ...]:
     found = take(data, key, list, "template", [])
     if not all(isinstance(word, str) for word in found):
-        raise InputError(f"template: {key} = {found!r}, a list of texts wanted")
+        raise InputError(f"template: {key} = {found!r}, a list of texts wanted{line_of(data, key)}")
     return tuple(found)
+
+
+def _picture(data: dict[str, Any], key: str) -> Floats:
+    with located(data, key):
+        return parse_pictures(data[key])
+
+
+def _state(value: Any) -> Role:
+    return _role("initial_state", value, ("picture", "given", "any"))
 
 
 def _role(key: str, value: Any, words: tuple[str, ...]) -> Role:
@@ -74,10 +90,11 @@ def _role(key: str, value: Any, words: tuple[str, ...]) -> Role:
 
 def _example(data: dict[str, Any]) -> Example:
     check_keys(data, (*_PLANES, "tolerance"), required=("output",))
-    planes = {key: parse_pictures(data[key]) if key in data else None for key in _PLANES}
+    planes = {key: _picture(data, key) if key in data else None for key in _PLANES}
     if planes["input"] is None and planes["state"] is None:
-        raise InputError("an example without input and without state; at least one of them wanted")
+        raise InputError(f"an example without input and without state; at least one of them wanted{line_of(data)}")
     shapes = {key: plane.shape[-2:] for key, plane in planes.items() if plane is not None}
     if len(set(shapes.values())) > 1:
-        raise InputError(f"an example's planes have different shapes: {shapes}")
-    return Example(**planes, tolerance=data.get("tolerance"))  # type: ignore[arg-type]  # output is required above
+        raise InputError(f"an example's planes have different shapes: {shapes}{line_of(data)}")
+    tolerance = take(data, "tolerance", float, "example") if "tolerance" in data else None
+    return Example(**planes, tolerance=tolerance)  # type: ignore[arg-type]  # output is required above

@@ -22,7 +22,7 @@ from cnnsim.network import AnyTemplate, LayeredTemplate, Template, Term
 from cnnsim.network.table import parse_table
 from cnnsim.support import Floats, InputError, naming
 from cnnsim.support.picture import parse_ascii
-from cnnsim.support.toml_file import check_keys, take_tables
+from cnnsim.support.toml_file import check_keys, line_of, located, take_tables
 
 TEMPLATE_KEYS = ("A", "B", "z", "term", "layer")
 _LAYER_KEYS = ("A", "B", "z", "term", "time_constant")
@@ -39,25 +39,29 @@ def read_template(data: dict[str, Any], name: str) -> AnyTemplate:
         return _single_layer(data, name)
     extra = {"A", "B", "z", "term"} & data.keys()
     if extra:
-        raise InputError(f"layers and {', '.join(sorted(extra))}: with layers, each has its own A, B, z and terms")
+        where = line_of(data, min(extra, key=list(data).index))
+        raise InputError(
+            f"layers and {', '.join(sorted(extra))}: with layers, each has its own A, B, z and terms{where}"
+        )
     layers = []
     for number, table in enumerate(take_tables(data, "layer", "template")):
         check_keys(table, _LAYER_KEYS, f"layer {number}")
-        with naming(f"layer {number}"):
+        with located(table), naming(f"layer {number}"):
             layers.append(_single_layer(table, f"{name}, layer {number}"))
     return LayeredTemplate(layers, [table.get("time_constant", 1.0) for table in data["layer"]], name)
 
 
 def _single_layer(data: dict[str, Any], name: str) -> Template:
-    for key in ("A", "z"):
-        if key not in data:
-            raise InputError(f"no {key!r}")
+    check_keys(data, data, required=("A", "z"))
     terms = []
     for number, table in enumerate(take_tables(data, "term", "template")):
         check_keys(table, _TERM_KEYS, f"term {number}")
-        with naming(f"term {number}"):
+        with located(table), naming(f"term {number}"):
             values = table if "table" not in table else table | {"table": parse_table(table["table"])}
             terms.append(Term(**{"weights": None, **values}))
+    for key in ("A", "B", "z"):
+        with located(data, key):  # a template of this alone, so that what is wrong has its own line
+            Template(**{"A": 0.0, key: data.get(key, 0.0)}, name=name)
     return Template(data["A"], data.get("B", 0.0), data["z"], name, terms)
 
 

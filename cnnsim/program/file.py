@@ -11,7 +11,7 @@ from cnnsim.program.program import Program
 from cnnsim.program.steps import read_steps
 from cnnsim.support import InputError, naming
 from cnnsim.support.names import check_name
-from cnnsim.support.toml_file import check_keys, read_toml, take
+from cnnsim.support.toml_file import check_keys, located, read_toml, take, take_duration
 
 _REQUIRED = ("name", "inputs", "outputs", "step")
 _OPTIONAL = ("summary", "reference", "lam", "llm", "wire", "keep", "parameters", "templates")
@@ -43,23 +43,26 @@ def _program(
     data: dict[str, Any], templates: Mapping[str, Template], parameters: Mapping[str, float], path: Path
 ) -> Program:
     check_keys(data, (*_REQUIRED, *_OPTIONAL), required=_REQUIRED)
+    with located(data, "name"):
+        name = check_name(take(data, "name", str, "program"), "program")
     inputs, outputs = (take(data, key, list, "program") for key in ("inputs", "outputs"))
     numbers = _replaced("parameter", take(data, "parameters", dict, "program", {}), parameters)
     local = {name: _local_template(name, table) for name, table in take(data, "templates", dict, "program", {}).items()}
     _replaced("template", local, templates)
     local.update({name: (template, *local[name][1:]) for name, template in templates.items()})
-    names = Names({kind: data.get(kind, []) for kind in ("lam", "llm", "wire")}, numbers, local)
-    keep = {
-        name: names.number(value, f"keep: {name}") for name, value in take(data, "keep", dict, "program", {}).items()
-    }
-    for name in (*inputs, *keep):
-        names.known(name, "inputs and keep", "lam", "llm")
-    names.written |= {*inputs, *keep}
-    steps = read_steps(data["step"], "step ", names)
-    for name in outputs:
-        names.read(name, "outputs", "lam", "llm", "wire")
+    names = Names(data, numbers, local)
+    with located(data, "keep"):
+        kept = take(data, "keep", dict, "program", {})
+        keep = {names.known(name, "keep", "lam", "llm"): names.number(v, f"keep: {name}") for name, v in kept.items()}
+    with located(data, "inputs"):
+        names.written |= {*(names.known(name, "inputs", "lam", "llm") for name in inputs), *keep}
+    with located(data, "step"):
+        steps = read_steps(data["step"], "step ", names)
+    with located(data, "outputs"):
+        for name in outputs:
+            names.read(name, "outputs", "lam", "llm", "wire")
     return Program(
-        check_name(take(data, "name", str, "program"), "program"),
+        name,
         take(data, "summary", str, "program", ""),
         names.memory,
         tuple(inputs),
@@ -79,8 +82,9 @@ def _replaced(what: str, defined: Mapping[str, Any], given: Mapping[str, Any]) -
 
 
 def _local_template(name: str, table: dict[str, Any]) -> LocalTemplate:
-    with naming(f"templates.{name}"):
+    with located(table), naming(f"templates.{name}"):
         check_name(name, "template")
         check_keys(table, ("A", "B", "z", "boundary", "duration"), required=("A",))
         template = Template(table["A"], table.get("B", 0.0), table.get("z", 0.0), name)
-        return template, parse_boundary(table.get("boundary", "zero-flux")), table.get("duration", "settled")
+        boundary = parse_boundary(table.get("boundary", "zero-flux"))
+        return template, boundary, take_duration(table, "template") if "duration" in table else "settled"

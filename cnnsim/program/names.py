@@ -1,37 +1,42 @@
 """Names of a program file while it is read: the memory of each, whether it has been written yet, and its templates."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, get_args
 
 from cnnsim.network import Boundary, Template
 from cnnsim.planning.duration import Duration
 from cnnsim.program.program import ProgramMemory
 from cnnsim.support import InputError
 from cnnsim.support.names import check_name
-from cnnsim.support.toml_file import in_range
+from cnnsim.support.toml_file import in_range, line_of, located
 
 LocalTemplate = tuple[Template, Boundary, Duration]
 
 
 class Names:
-    """Declared names, those written so far, the numbers that parameters stand for, and the program's own templates.
+    """Names declared under ``lam``, ``llm`` and ``wire``, those written so far, numbers and templates.
+
+    The numbers are those that parameters stand for, the templates the program's own.
 
     Raises:
         InputError: something else than names of letters, digits, - and _, or one declared in two memories.
     """
 
     def __init__(
-        self, declared: Mapping[ProgramMemory, list[str]], parameters: Mapping[str, float],
+        self, declared: Mapping[str, Any], parameters: Mapping[str, float],
         templates: Mapping[str, LocalTemplate],
     ) -> None:  # fmt: skip
         self.memory: dict[str, ProgramMemory] = {}
-        for kind, names in declared.items():
+        for kind in get_args(ProgramMemory):
+            names, where = declared.get(kind, []), line_of(declared, kind)
             if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-                raise InputError(f"{kind} is {names!r}; a list of names wanted")
+                raise InputError(f"{kind} is {names!r}; a list of names wanted{where}")
             for name in names:
-                check_name(name, f"{kind}: plane or register")
+                with located(declared, kind):
+                    check_name(name, f"{kind}: plane or register")
                 if name in self.memory:
-                    raise InputError(f"{name!r} is declared as {self.memory[name]} and as {kind}; one memory wanted")
+                    both = f"{self.memory[name]} and as {kind}"
+                    raise InputError(f"{name!r} is declared as {both}; one memory wanted{where}")
                 self.memory[name] = kind
         self.parameters, self.templates = parameters, templates
         self.written: set[str] = set()

@@ -22,7 +22,7 @@ from cnnsim.program.program import (
 )
 from cnnsim.program.template_step import read_template_step
 from cnnsim.support import InputError, naming
-from cnnsim.support.toml_file import check_keys
+from cnnsim.support.toml_file import check_keys, located
 
 
 def read_steps(tables: Any, prefix: str, names: Names) -> tuple[Step, ...]:
@@ -33,7 +33,12 @@ def read_steps(tables: Any, prefix: str, names: Names) -> tuple[Step, ...]:
     """
     if not isinstance(tables, list) or not tables or not all(isinstance(table, dict) for table in tables):
         raise InputError(f"{prefix.strip()}: no steps; one table or more wanted")
-    return tuple(_step(table, f"{prefix}{i}", names) for i, table in enumerate(tables, start=1))
+    return tuple(_located_step(table, f"{prefix}{i}", names) for i, table in enumerate(tables, start=1))
+
+
+def _located_step(table: dict[str, Any], number: str, names: Names) -> Step:
+    with located(table):
+        return _step(table, number, names)
 
 
 def _step(table: dict[str, Any], number: str, names: Names) -> Step:

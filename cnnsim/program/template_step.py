@@ -8,6 +8,7 @@ from cnnsim.planning.duration import Duration
 from cnnsim.program.names import Names
 from cnnsim.program.program import Step, TemplateStep
 from cnnsim.support import InputError, naming
+from cnnsim.support.toml_file import take_duration
 
 
 def read_template_step(table: dict[str, Any], where: str, _number: str, names: Names) -> Step:
@@ -29,7 +30,7 @@ def read_template_step(table: dict[str, Any], where: str, _number: str, names: N
         where,
         template,
         boundary,
-        table.get("duration", duration),
+        take_duration(table, where) if "duration" in table else duration,
         names.read(u, where, "lam", "llm") if isinstance(u, str) else None if u is None else names.number(u, where),
         names.read(x0, where, "lam", "llm") if isinstance(x0, str) else names.number(x0, where),
         names.read(table["bias"], where, "lam", "llm") if "bias" in table else None,

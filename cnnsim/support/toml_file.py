@@ -1,5 +1,7 @@
 """Reads TOML files that people write by hand, and takes keys out of their tables: errors name file, table and key."""
 
+import re
+import stat
 import sys
 import tomllib
 from collections.abc import Collection, Mapping
@@ -8,8 +10,10 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.toml_lines import LinedTable, with_lines
 
 ValueType = TypeVar("ValueType")
+_WITH_LINE = re.compile(r"\(lines? \d+|, line \d+")
 REQUIRED = object()
 """The default of a key that must be there."""
 
@@ -21,11 +25,17 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
         InputError: no such file, one that cannot be read, no TOML.
     """
     try:
+        if not stat.S_ISREG(path.stat().st_mode):  # a pipe would be waited for until somebody writes into it
+            kind = "a folder" if path.is_dir() else "no regular file"
+            raise InputError(f"{path}: {kind}; a {what} wanted")
         return parse_toml(path.read_text(encoding="utf-8"), str(path))
     except FileNotFoundError as error:
         raise InputError(f"no {what} {path}") from error
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read as a {what}: {error}") from error
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read as a {what}: {error.strerror or error}") from error
+    except UnicodeDecodeError as error:
+        line = error.object.count(b"\n", 0, error.start) + 1
+        raise InputError(f"{path}: cannot be read as a {what}: no UTF-8 text (line {line})") from error
 
 
 def parse_toml(text: str, where: str) -> dict[str, Any]:
@@ -35,9 +45,32 @@ def parse_toml(text: str, where: str) -> dict[str, Any]:
         InputError: no TOML.
     """
     try:
-        return tomllib.loads(text)
+        return with_lines(tomllib.loads(text), text)
     except (ValueError, RecursionError) as error:  # numbers of 4300 digits; brackets nested 1000 deep
         raise InputError(f"{where}: not TOML: {error}") from error
+
+
+def line_of(table: Any, key: str | None = None) -> str:
+    """Return " (line 7)" for a key of a table, or for the table; nothing for one that was not read from a file."""
+    if not isinstance(table, LinedTable):
+        return ""
+    line = table.line if key is None else table.lines.get(key, table.line)
+    return "" if line is None else f" (line {line})"
+
+
+class located:  # noqa: N801 - it reads as a word after "with", as `naming` does
+    """End the message of an InputError with the line of a table, or of one of its keys, if it names none yet."""
+
+    __slots__ = ("_line",)
+
+    def __init__(self, table: Any, key: str | None = None) -> None:
+        self._line = line_of(table, key)
+
+    def __enter__(self) -> None: ...
+
+    def __exit__(self, _kind: object, error: BaseException | None, _trace: object) -> None:
+        if isinstance(error, InputError) and self._line and not _WITH_LINE.search(str(error)):
+            raise InputError(f"{error}{self._line}") from error
 
 
 def check_keys(
@@ -56,12 +89,21 @@ def check_keys(
         if key not in known:
             near = get_close_matches(key, known, 1)
             hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}"
-            found.append(f"unknown key {key!r}; {hint}")
+            found.append(f"unknown key {key!r}{line_of(table, key)}; {hint}")
     missing = [key for key in required if key not in table]
     if missing:
-        found.append(f"no {', '.join(map(repr, missing))}")
+        found.append(f"no {', '.join(map(repr, missing))}{_room(table)}")
     if found:
         raise InputError(f"{lead}{'; '.join(found)}")
+
+
+def _room(table: Mapping[str, Any]) -> str:
+    """Return where missing keys belong: those of a file before its first table."""
+    if not isinstance(table, LinedTable) or table.line is not None:
+        return line_of(table)
+    if table.first_table is None:
+        return f" (line {max(table.lines.values(), default=0) + 1} is free)"
+    return f" (wanted before the first table, line {table.first_table})"
 
 
 def in_range(number: float) -> bool:
@@ -77,16 +119,15 @@ def take(table: Mapping[str, Any], key: str, kind: type[ValueType], where: str, 
     """
     if key not in table:
         if default is REQUIRED:
-            raise InputError(f"{where}: key {key!r} is missing, {_named(kind)} wanted")
+            raise InputError(f"{where}: key {key!r} is missing, {_named(kind)} wanted{line_of(table)}")
         value = default
     else:
         value = table[key]
     if kind is float and type(value) is int and in_range(value):
         value = float(value)
-    if not isinstance(value, kind) or type(value) is not kind:  # a bool is an int to isinstance
-        raise InputError(f"{where}: {key} = {value!r}, {_named(kind)} wanted")
-    if isinstance(value, float) and not in_range(value):
-        raise InputError(f"{where}: {key} = {value!r}, {_named(kind)} wanted")
+    right = isinstance(value, kind) and (type(value) in (kind, LinedTable))  # a bool is an int to isinstance
+    if not right or (isinstance(value, float) and not in_range(value)):
+        raise InputError(f"{where}: {key} = {value!r}, {_named(kind)} wanted{line_of(table, key)}")
     return value
 
 
@@ -96,7 +137,8 @@ def take_numbers(table: Mapping[str, Any], key: str, count: int, where: str, def
     Raises:
         InputError: as ``take``, or another number of entries.
     """
-    return numbers(take(table, key, list, where, default), count, f"{where}: {key}")
+    with located(table, key):
+        return numbers(take(table, key, list, where, default), count, f"{where}: {key}")
 
 
 def numbers(values: Any, count: int, where: str) -> list[float]:
@@ -114,6 +156,19 @@ def numbers(values: Any, count: int, where: str) -> list[float]:
     return [float(v) for v in values]
 
 
+def take_duration(table: Mapping[str, Any], where: str) -> Any:
+    """Return the key ``duration``: "settled", or a number of time constants from 0 on.
+
+    Raises:
+        InputError: anything else.
+    """
+    value = table["duration"]
+    if value == "settled" or (type(value) in (int, float) and in_range(value) and value >= 0):
+        return value
+    wanted = "'settled' or a number of time constants >= 0 wanted"
+    raise InputError(f"{where}: duration = {value!r}, {wanted}{line_of(table, 'duration')}")
+
+
 def take_tables(table: Mapping[str, Any], key: str, where: str) -> list[dict[str, Any]]:
     """Return the tables under [[key]], none where there are none.
 
@@ -122,7 +177,7 @@ def take_tables(table: Mapping[str, Any], key: str, where: str) -> list[dict[str
     """
     tables = table.get(key, [])
     if not isinstance(tables, list) or not all(isinstance(entry, dict) for entry in tables):
-        raise InputError(f"{where}: {key!r} is {tables!r}, [[{key}]] tables wanted")
+        raise InputError(f"{where}: {key!r} is {tables!r}, [[{key}]] tables wanted{line_of(table, key)}")
     return tables
 
 

@@ -11,7 +11,7 @@ from cnnsim.network import Boundary
 from cnnsim.prototyping.design.rule import WindowRule, window_text, windows
 from cnnsim.support import Flags, Floats, InputError, naming
 from cnnsim.support.picture import read_picture
-from cnnsim.support.toml_file import check_keys, read_toml
+from cnnsim.support.toml_file import check_keys, line_of, located, read_toml
 
 PicturePair = tuple[Floats, Floats]
 """An input picture and the output it should give, both -1 and +1."""
@@ -36,21 +36,24 @@ def read_table(path: str | Path) -> WindowRule:
 
 def _table(data: dict[str, Any], text: str) -> WindowRule:
     lists = {1: data.get("black", []), -1: data.get("white", [])}
-    if not all(isinstance(item, list) and isinstance(window, list) for item in lists.values() for window in item):
-        raise InputError("black and white hold windows: lists of three strings, one for each row")
+    for colour, item in (("black", lists[1]), ("white", lists[-1])):
+        if not isinstance(item, list) or not all(isinstance(window, list) for window in item):
+            raise InputError(f"{colour} holds windows: lists of three strings, one for each row{line_of(data, colour)}")
     size = 10 if any(len(window) == 4 for item in lists.values() for window in item) else 9
     rows = windows(size)
     table = np.zeros(1 << size, dtype=np.int8)
     for colour, item in lists.items():
-        for window in item:
-            match = _matches(rows, window)
-            if (table[match] == -colour).any():
-                both = rows[match][table[match] == -colour][0]
-                raise InputError(f"window {window_text(both)} is said to be black and to be white")
-            table[match] = colour
+        with located(data, "black" if colour > 0 else "white"):
+            for window in item:
+                match = _matches(rows, window)
+                if (table[match] == -colour).any():
+                    both = rows[match][table[match] == -colour][0]
+                    raise InputError(f"window {window_text(both)} is said to be black and to be white")
+                table[match] = colour
     default = data.get("default", "either")
     if default not in ("black", "white", "either"):
-        raise InputError(f"default is {default!r}; 'black', 'white' or 'either' wanted")
+        where = line_of(data, "default")
+        raise InputError(f"default is {default!r}; 'black', 'white' or 'either' wanted{where}")
     table[table == 0] = {"black": 1, "white": -1, "either": 0}[default]
     return WindowRule(table, f"the truth table {Path(text).name}")
 
