@@ -63,7 +63,7 @@ class Result:
         return to_png(self.y)
 
     def _repr_html_(self) -> str:
-        from cnnsim.support.html import heading, image
+        from cnnsim.plot.html import heading, image
 
         shown = "" if self.trajectory is None else self.trajectory._repr_html_()
         return heading("Result", self._words()) + image(self._repr_png_()) + shown

@@ -99,7 +99,7 @@ class Trajectory:
         return plot.to_png(lambda axes: plot.sheet([y[k] for k in shown], titles, axes), (1.3 * len(shown), 1.6))
 
     def _repr_html_(self) -> str:
-        from cnnsim.support.html import heading, image
+        from cnnsim.plot.html import heading, image
 
         name, _, rest = repr(self).partition("(")
         return heading(name, rest.rstrip(")")) + image(self._repr_png_())

@@ -7,7 +7,7 @@ import click
 from cnnsim import backends
 from cnnsim.backends.opencl.devices import devices as list_devices
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.echo import echo
+from cnnsim.support.echo import echo, hanging
 
 
 @click.command(epilog=examples("cnnsim devices", "cnnsim devices --json", "CNNSIM_DEVICE=1 cnnsim devices"))
@@ -27,7 +27,7 @@ def devices(as_json: bool) -> None:
     for device in found:
         double = "float32, float64" if device.float64 else "float32"
         mark = "*" if device.chosen else " "
-        echo(f"{mark} {device.index}  {device.name}  ({device.platform})")
-        echo(f"     {device.type}, {device.compute_units} compute units, {double}")
+        echo(hanging(f"{mark} {device.index}  ", f"{device.name}  ({device.platform})", 5))
+        echo(hanging("", f"{device.type}, {device.compute_units} compute units, {double}", 5))
         if device.remark:
-            echo(f"     {device.remark}")
+            echo(hanging("", device.remark, 5))

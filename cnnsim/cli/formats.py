@@ -9,7 +9,7 @@ from cnnsim.formats.export import KEPT, WRITERS
 from cnnsim.formats.files import READERS, ImportedFile, import_file
 from cnnsim.support import InputError, naming
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.echo import echo
+from cnnsim.support.echo import echo, say
 from cnnsim.support.files import write_text
 from cnnsim.support.names import check_name
 
@@ -45,10 +45,10 @@ def import_(
     else:
         for result in results:
             for line in result.report.lines(notes):
-                echo(line, err=True)
+                say(line, err=True)
             for target in result.written:
-                echo(f"{result.report.file} -> {target}")
-        echo(_summary(results))
+                say(f"{result.report.file} -> {target}")
+        say(_summary(results))
     if any(result.report.failed for result in results):
         context.exit(2)
 
@@ -101,9 +101,9 @@ def export(context: click.Context, names: tuple[str, ...], kind: str, output: Pa
             echo(f"Error: {error}", err=True)
             failed += 1
             continue
-        echo(f"{name} -> {target}")
+        say(f"{name} -> {target}")
     if failed < len(names):
-        echo(f"kept: {KEPT[kind]}")
+        say(f"kept: {KEPT[kind]}")
     if failed:
         echo(f"{len(names) - failed} of {len(names)} templates written", err=True)
         context.exit(2)

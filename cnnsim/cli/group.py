@@ -7,8 +7,10 @@ import click
 from cnnsim import library
 from cnnsim.cli.design import design
 from cnnsim.cli.devices import devices
+from cnnsim.cli.explain import explain
 from cnnsim.cli.formats import export, import_
-from cnnsim.cli.library import explain, list_
+from cnnsim.cli.library import list_
+from cnnsim.cli.new import new
 from cnnsim.cli.program import program
 from cnnsim.cli.robust import robust
 from cnnsim.cli.run import run
@@ -29,5 +31,5 @@ def main(context: click.Context, folders: tuple[Path, ...]) -> None:
     context.with_resource(library.using(*folders))
 
 
-for command in (list_, show, explain, run, program, trace, robust, design, import_, export, devices):
+for command in (list_, show, explain, run, program, trace, robust, new, design, import_, export, devices):
     main.add_command(command)

@@ -1,14 +1,15 @@
-"""The commands `list` and `explain`: what the library has, and how a template would be computed."""
+"""The command `list`: the templates of the library, or its programs; files that are wrong with their error."""
+
+from pathlib import Path
 
 import click
 
-from cnnsim import library
-from cnnsim.cli.run import json_option, without_option
+from cnnsim.cli.run import json_option
 from cnnsim.library import folders
-from cnnsim.library.explain import explain as explanation
+from cnnsim.library.catalogue import sound
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.echo import echo
+from cnnsim.support.echo import say_table
 
 
 @click.command(
@@ -19,61 +20,59 @@ from cnnsim.support.echo import echo
 @click.option("--programs", is_flag=True, help="The programs instead of the templates, with what they take and give.")
 @json_option
 def list_(tag: str | None, programs: bool, as_json: bool) -> None:
-    """List the templates of the library, or its programs."""
+    """List the templates of the library, or its programs.
+
+    A file that is wrong does not stop the others: it is listed as broken, with its error.
+    """
     if programs:
         if tag is not None:
             raise InputError("programs have no tags; --tag goes with templates")
         _list_programs(as_json)
         return
-    entries = [library.load(name) for name in library.names(tag)]
-    if not entries:
-        tags = sorted({tag for name in library.names() for tag in library.load(name).tags})
+    entries, broken = sound()
+    tags = sorted({tag for entry in entries for tag in entry.tags})
+    if tag is not None:
+        entries, broken = [entry for entry in entries if tag in entry.tags], {}
+    if not entries and not broken:
         raise InputError(f"no template has the tag {tag!r}; tags are {', '.join(tags)}")
     if as_json:
         keys = ("name", "summary", "tags", "reference", "margin")
-        print_json([{key: getattr(entry, key) for key in keys} | {"file": str(entry.file)} for entry in entries])
+        facts = [{key: getattr(entry, key) for key in keys} | {"file": str(entry.file)} for entry in entries]
+        print_json([*facts, *_broken_facts(broken)])
         return
-    width = max(len(entry.name) for entry in entries)
+    rows = []
     for entry in entries:
         own = "" if entry.shipped else f"  [{entry.file}{'' if entry.examples else ', no worked example'}]"
         margin = f"  (small margin: {entry.margin:g})" if entry.margin is not None and entry.margin < 0.5 else ""
-        echo(f"{entry.name:<{width}}  {entry.summary}{margin}{own}")
+        rows.append((entry.name, f"{entry.summary}{margin}{own}"))
+    say_table([*rows, *_broken_rows(broken)])
 
 
 def _list_programs(as_json: bool) -> None:
     from cnnsim.program.file import load_program
 
-    found = {name: load_program(path) for name, path in folders.programs().items()}
+    found, broken = {}, {}
+    for name, path in folders.programs().items():
+        try:
+            found[name] = load_program(path)
+        except InputError as error:
+            broken[path] = error
     if as_json:
         keys = ("summary", "inputs", "outputs")
-        print_json(
-            [{"name": n} | {key: getattr(p, key) for key in keys} | {"file": str(p.path)} for n, p in found.items()]
-        )
+        facts = [{"name": n} | {key: getattr(p, key) for key in keys} | {"file": str(p.path)} for n, p in found.items()]
+        print_json([*facts, *_broken_facts(broken)])
         return
-    width = max(map(len, found))
+    rows = []
     for name, program in found.items():
-        own = "" if program.path and program.path.is_relative_to(library.folder()) else f"  [{program.path}]"
-        echo(f"{name:<{width}}  {program.summary}{own}")
-        echo(f"{'':<{width}}    {', '.join(program.inputs)} -> {', '.join(program.outputs)}")
+        own = "" if program.shipped else f"  [{program.path}]"
+        rows.append((name, f"{program.summary}{own}"))
+        rows.append(("", f"  {', '.join(program.inputs)} -> {', '.join(program.outputs)}"))
+    say_table([*rows, *_broken_rows(broken)])
 
 
-@click.command(epilog=examples("cnnsim explain edge", "cnnsim explain hole-filler --size 512x512 --without sleep"))
-@click.argument("name")
-@click.option("--size", default="64x64", show_default=True, help="Grid as ROWSxCOLS.")
-@without_option
-@json_option
-def explain(name: str, size: str, without: tuple[str, ...], as_json: bool) -> None:
-    """Print what the plan decides for a template, and why."""
-    try:
-        rows, cols = (int(part) for part in size.lower().split("x"))
-        if min(rows, cols) < 1:
-            raise ValueError
-    except ValueError as error:
-        raise InputError(f"size {size!r}; ROWSxCOLS wanted, such as 64x64") from error
-    found = explanation(name, (rows, cols), without=without)
-    if as_json:
-        plan, known = found.plan, found.guaranteed
-        facts = {"template": name, "method": plan.method, "step": plan.step, "decisions": plan.decisions}
-        print_json(facts | {"guaranteed_time": known.time, "why": known.why, "assuming": known.assuming})
-    else:
-        echo(str(found))
+def _broken_facts(broken: dict[Path, InputError]) -> list[dict[str, str]]:
+    return [{"name": path.stem, "file": str(path), "error": str(error)} for path, error in broken.items()]
+
+
+def _broken_rows(broken: dict[Path, InputError]) -> list[tuple[str, str]]:
+    return [(path.stem, f"BROKEN: {error}") for path, error in broken.items()]

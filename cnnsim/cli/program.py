@@ -12,7 +12,7 @@ from cnnsim.cli.pictures import FRAME_RATE, arrow, binary_option, range_option
 from cnnsim.cli.run import backend_option, device_option, json_option
 from cnnsim.support import Array, InputError
 from cnnsim.support.command_line import examples, print_json, watched
-from cnnsim.support.echo import echo
+from cnnsim.support.echo import say
 from cnnsim.support.files import make_folder
 from cnnsim.support.film import filming, is_film
 from cnnsim.support.picture import write_picture
@@ -149,12 +149,12 @@ def _report(
         print_json({"program": name} | ({"steps": steps} if several else {}) | {"outputs": found})
         return
     if several:
-        echo(f"{name}: {steps} steps")
+        say(f"{name}: {steps} steps")
     for key, values in numbers.items():
         plane = isinstance(values[0], dict)
         counts = [value["black"] if plane else value for value in values]
         shown = " ".join(map(str, counts)) if steps <= _SHOWN else f"{min(counts)} to {max(counts)}"
-        echo(f"{key}: {shown}{' black cells' if plane else ''}" + arrow(files[key]))
+        say(f"{key}: {shown}{' black cells' if plane else ''}" + arrow(files[key]))
 
 
 def _pairs(option: str, pairs: tuple[str, ...]) -> list[tuple[str, str]]:

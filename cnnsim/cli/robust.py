@@ -7,7 +7,7 @@ import click
 from cnnsim import library
 from cnnsim.cli.run import json_option
 from cnnsim.support.command_line import examples, print_json, progress
-from cnnsim.support.echo import echo
+from cnnsim.support.echo import echo, say, say_table
 
 
 @click.command(
@@ -41,21 +41,7 @@ def robust(name: str, output: Path | None, draws: int, seed: int, as_json: bool)
         print_json({"template": name, "margin": vars(found.margin), "judged_on": found.judged_on, **curves,
                     "bits_needed": found.bits_needed(), "draws": draws, "seed": seed})  # fmt: skip
         return
-    echo(f"{name}, judged on {found.judged_on}")
-    margin = found.margin
-    if margin.value is None:
-        echo(margin.why)
-    else:
-        echo(f"margin          {margin.value:.4g} ({margin.why})")
-        assert margin.tolerated is not None
-        echo(f"entry errors    {'' if margin.exact else 'at least '}{100 * margin.tolerated:.3g} % are harmless")
-    sigma, noise, bits = found.entries.largest_without_error(), found.noise.largest_without_error(), found.bits_needed()
-    echo(f"random errors   {_level(sigma, 100, ' %')} (σ) without a wrong cell in {draws} draws")
-    echo(f"bits            {'more than 12' if bits is None else bits} needed")
-    echo(f"noise           {_level(noise, 1, '')} (σ; black to white is 2) without a wrong cell")
+    say(f"{name}, judged on {found.judged_on}")
+    say_table(found.rows())
     if output is not None:
         echo(f"-> {output}")
-
-
-def _level(level: float | None, scale: float, unit: str) -> str:
-    return "none" if level is None else f"up to {scale * level:g}{unit}"

@@ -22,7 +22,7 @@ from cnnsim.network.boundary import BOUNDARY_FORMS
 from cnnsim.planning.savings import Saving
 from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
 from cnnsim.support.command_line import examples, print_json, watched
-from cnnsim.support.echo import echo
+from cnnsim.support.echo import say
 from cnnsim.support.film import write_film
 from cnnsim.support.picture_sequence import Reading
 
@@ -119,4 +119,4 @@ def run(
         ended = (
             "at rest" if not np.isfinite(result.t) else f"t = {result.t:g}" + (", settled" if result.settled else "")
         )
-        echo(f"{name}: {size} cells, {ended}, {black} black" + arrow(written))
+        say(f"{name}: {size} cells, {ended}, {black} black" + arrow(written))

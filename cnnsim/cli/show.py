@@ -1,24 +1,39 @@
-"""The command `show`: a template's numbers, its source and a worked example as text."""
+"""The command `show`: a template's numbers, its source and a worked example as text; a program's steps."""
+
+from pathlib import Path
+from shutil import get_terminal_size
 
 import click
 
 from cnnsim import library
 from cnnsim.cli.run import json_option
+from cnnsim.library import folders
+from cnnsim.library.catalogue import has_template
 from cnnsim.library.entry import Example, LibraryEntry
 from cnnsim.network import Table, Template, layered
+from cnnsim.program.program import Program
+from cnnsim.program.words import step_rows
 from cnnsim.support import Floats
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.echo import echo
+from cnnsim.support.echo import echo, hanging, say_table
 from cnnsim.support.picture import to_ascii
+from cnnsim.support.toml_file import read_toml
 
 
-@click.command(epilog=examples("cnnsim show edge", "cnnsim show hole-filler --json"))
+@click.command(epilog=examples("cnnsim show edge", "cnnsim show hole-filler --json", "cnnsim show slip-front"))
 @click.argument("name")
 @json_option
 def show(name: str, as_json: bool) -> None:
-    """Show a template: its numbers, its source and a worked example."""
+    """Show a template: its numbers, its source and a worked example; or a program: what it takes, gives and does.
+
+    NAME is one of the library, or a file; where a template and a program share it, programs/NAME is the program.
+    """
     from cnnsim.library.write_terms import template_keys  # only for JSON and terms
 
+    program = program_of(name)
+    if program is not None:
+        _show_program(program, as_json)
+        return
     entry = library.load(name)
     if as_json:
         keys = ("name", "summary", "reference", "tags", "input", "initial_state", "duration", "margin", "note")
@@ -26,17 +41,58 @@ def show(name: str, as_json: bool) -> None:
         facts |= {"boundary": str(entry.boundary), "cell": _cell(entry)}
         print_json(facts | template_keys(entry.network))
         return
-    echo(f"{entry.name}: {entry.summary}")
+    echo(hanging("", f"{entry.name}: {entry.summary}", 0))
     network = layered(entry.network)
     for number, (layer, time) in enumerate(zip(network.layers, network.time_constants, strict=True)):
         echo("" if len(network.layers) == 1 else f"\nlayer {number}, time constant {time:g}")
         echo(_numbers(layer))
-    for title, value in _facts(entry).items():
-        echo(f"{title:<15}{value}")
+    say_table([(title, str(value)) for title, value in _facts(entry).items()])
     if entry.examples:
         echo("\nExample\n" + _drawn(entry.examples[0]))
     else:
         echo("\nNo worked example: nobody has checked this file.")
+
+
+def program_of(name: str) -> Program | None:
+    """Return the program that a name or a file stands for; None if it is that of a template, or of nothing.
+
+    Raises:
+        InputError: the program's file is wrong.
+    """
+    from cnnsim.program.file import load_program
+
+    if name.endswith(".toml"):
+        path = Path(name)
+        return load_program(path) if "step" in read_toml(path, "template or program file") else None
+    leading, _, last = name.rpartition("/")
+    if leading == "programs" or (last in folders.programs() and not has_template(last)):
+        return load_program(last)
+    return None
+
+
+def _show_program(program: Program, as_json: bool) -> None:
+    facts = {
+        "name": program.name, "summary": program.summary, "reference": program.reference, "inputs": program.inputs,
+        "outputs": program.outputs, "parameters": dict(program.parameters), "keep": dict(program.keep),
+        "memory": dict(program.memory),
+        "file": str(program.path),
+        "steps": [{"number": number, "does": does, "to": to} for number, does, to in step_rows(program.steps)],
+    }  # fmt: skip
+    if as_json:
+        print_json(facts)
+        return
+    echo(hanging("", f"{program.name}: {program.summary}", 0) + "\n")
+    kinds = {kind: [n for n, k in program.memory.items() if k == kind] for kind in ("lam", "llm", "wire")}
+    may_be_set = [f"{name} = {value}" for name, value in program.parameters.items()]
+    kept = [f"{name} = {value:g}" for name, value in program.keep.items()]
+    said = {
+        "takes": program.inputs, "gives": program.outputs, "may be set": may_be_set, "keeps": kept,
+        "analog planes": kinds["lam"], "logic planes": kinds["llm"], "registers": kinds["wire"],
+        "source": [program.reference], "file": [] if program.shipped else [str(program.path)],
+    }  # fmt: skip
+    say_table([(title, ", ".join(values)) for title, values in said.items() if any(values)])
+    echo("\nSteps")
+    say_table([(number, f"{does}{' -> ' if to else ''}{to}") for number, does, to in step_rows(program.steps)])
 
 
 def _facts(entry: LibraryEntry) -> dict[str, object]:
@@ -98,7 +154,10 @@ def _matrix(matrix: Floats) -> list[str]:
 
 
 def _beside(blocks: dict[str, list[str]]) -> str:
-    """Set blocks of lines side by side, each under its title."""
+    """Set blocks of lines side by side, each under its title; below each other where the terminal is too narrow."""
+    wide = sum(max(len(title), *map(len, block)) + 3 for title, block in blocks.items()) - 3
+    if len(blocks) > 1 and wide > get_terminal_size().columns:
+        return "\n".join(_beside({title: block}) for title, block in blocks.items())
     height = max(len(block) for block in blocks.values())
     columns = []
     for title, block in blocks.items():

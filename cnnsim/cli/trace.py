@@ -12,7 +12,7 @@ from cnnsim.network.boundary import BOUNDARY_FORMS
 from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.echo import echo
+from cnnsim.support.echo import say
 from cnnsim.support.film import write_film
 from cnnsim.support.picture_sequence import Reading
 
@@ -85,4 +85,4 @@ def trace(
         return
     written = " ".join(str(path) for path in (output, film) if path is not None)
     text = " ".join(f"({row}, {col})" for row, col in chosen)
-    echo(f"{name}: {found.t[-1]:.4g} time constants, cells {text} -> {written}")
+    say(f"{name}: {found.t[-1]:.4g} time constants, cells {text} -> {written}")

@@ -12,6 +12,7 @@ from cnnsim.library.folders import files, not_found
 from cnnsim.library.read import load_file
 from cnnsim.recording import Record
 from cnnsim.result import Result
+from cnnsim.support import InputError
 from cnnsim.support.keywords import spelled
 from cnnsim.transient import Dtype, TaskOptions, run_transient
 
@@ -44,24 +45,47 @@ def run_example(entry: LibraryEntry, example: Example, backend: str | Backend = 
 
 def names(tag: str | None = None) -> list[str]:
     """Return the names of all templates, or of those with a tag, in alphabetical order."""
-    return list(files()) if tag is None else [name for name in files() if tag in load(name).tags]
+    return list(files()) if tag is None else [entry.name for entry in sound()[0] if tag in entry.tags]
+
+
+def sound() -> tuple[list[LibraryEntry], dict[Path, InputError]]:
+    """Return all templates whose files are right, in alphabetical order, and what is wrong with the other files."""
+    entries, broken = [], {}
+    for path in files().values():
+        try:
+            entries.append(_load(path))
+        except InputError as error:
+            broken[path] = error
+    return entries, broken
 
 
 def load(name: str) -> LibraryEntry:
-    """Return the library template called ``name``, from the last folder that has it.
+    """Return the library template called ``name``, from the last folder that has it; or that of a file, `x.toml`.
 
     Raises:
         InputError: there is none (the message has the nearest names), or its file is wrong.
     """
-    path = files().get(name) or _by_alias(name)
+    path = Path(name) if name.endswith(".toml") else files().get(name) or _by_alias(name)
     if path is None:
         raise not_found("template", name, names(), "cnnsim list")
-    return _load_once(path, path.stat().st_mtime_ns)
+    return _load(path)
+
+
+def has_template(name: str) -> bool:
+    """Return whether a template has the name, or goes by it as well."""
+    return name in files() or _by_alias(name) is not None
+
+
+def _load(path: Path) -> LibraryEntry:
+    try:
+        return _load_once(path, path.stat().st_mtime_ns)
+    except OSError:  # a link that leads nowhere, a folder that is shut: the reader says what it is
+        return load_file(path)
 
 
 def _by_alias(alias: str) -> Path | None:
     """Return the file of the template that goes by another name as well, in capitals or not."""
-    named = (path for path in files().values() if alias.lower() in map(str.lower, load(path.stem).aliases))
+    named = (entry.file for entry in sound()[0] if alias.lower() in map(str.lower, entry.aliases))
     return next(named, None)
 
 

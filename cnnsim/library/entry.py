@@ -69,7 +69,7 @@ class LibraryEntry:
         return f"LibraryEntry({self.name!r}, {self.summary!r}, {self.network!r})"
 
     def _repr_html_(self) -> str:
-        from cnnsim.support.html import facts, heading
+        from cnnsim.plot.html import facts, heading
 
         said = {"input u": self.input, "initial state": self.initial_state, "boundary": self.boundary,
                 "running time": self.duration, "source": self.reference}  # fmt: skip

@@ -47,6 +47,10 @@ def program_file(name: str) -> Path:
 
 def not_found(what: str, name: str, found: Collection[str], command: str) -> InputError:
     """Return the error for a name that is not among those found; it has the nearest ones, and the command for all."""
+    if what == "template" and name in programs():
+        return InputError(f"no template {name!r}, but a program of that name: `cnnsim program {name}` runs it")
+    if what == "program" and name in files():
+        return InputError(f"no program {name!r}, but a template of that name: `cnnsim run {name}` runs it")
     near = get_close_matches(name.lower(), found, n=3, cutoff=0.4)
     hint = f"; did you mean {' or '.join(near)}?" if near else ""
     return InputError(f"no {what} {name!r} in the library{hint} `{command}` shows all {len(found)}")

@@ -50,7 +50,7 @@ class LayeredTemplate:
         return f"LayeredTemplate({self.name!r}, {len(self.layers)} layers: {list(self.layers)}{times})"
 
     def _repr_html_(self) -> str:
-        from cnnsim.support.html import heading
+        from cnnsim.plot.html import heading
 
         pairs = zip(self.time_constants, self.layers, strict=True)
         layers = (

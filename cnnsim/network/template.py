@@ -116,7 +116,7 @@ class Template:
         return f"Template({self.name!r}, A={matrix_text(self.A)}, B={matrix_text(self.B)}, z={self.z:g}{terms})"
 
     def _repr_html_(self) -> str:
-        from cnnsim.support.html import facts, heading, matrices
+        from cnnsim.plot.html import facts, heading, matrices
 
         terms = {f"term {number}": term for number, term in enumerate(self.terms)}
         numbers = matrices({"A": self.A, "B": self.B, "z": np.array([[self.z]])})

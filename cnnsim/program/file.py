@@ -44,7 +44,7 @@ def _program(
 ) -> Program:
     check_keys(data, (*_REQUIRED, *_OPTIONAL), required=_REQUIRED)
     with located(data, "name"):
-        name = check_name(take(data, "name", str, "program"), "program")
+        own_name = check_name(take(data, "name", str, "program"), "program")
     inputs, outputs = (take(data, key, list, "program") for key in ("inputs", "outputs"))
     numbers = _replaced("parameter", take(data, "parameters", dict, "program", {}), parameters)
     local = {name: _local_template(name, table) for name, table in take(data, "templates", dict, "program", {}).items()}
@@ -62,7 +62,7 @@ def _program(
         for name in outputs:
             names.read(name, "outputs", "lam", "llm", "wire")
     return Program(
-        name,
+        own_name,
         take(data, "summary", str, "program", ""),
         names.memory,
         tuple(inputs),
@@ -71,6 +71,7 @@ def _program(
         steps,
         path,
         take(data, "reference", str, "program", ""),
+        numbers,
     )
 
 

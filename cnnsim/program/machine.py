@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike
 
 from cnnsim import backends, library
 from cnnsim.backends.base import Backend, Plane
-from cnnsim.network import CHUA_YANG
-from cnnsim.operations.bitwise import BitRule, bit_rule
+from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.global_wire import read_wire
 from cnnsim.operations.logic import function_number
 from cnnsim.planning.plan import Plan, make_plan
+from cnnsim.program.bit_steps import rule_of
 from cnnsim.program.program import (
     ARITHMETIC,
     BranchStep,
@@ -131,16 +131,10 @@ class UniversalMachine:
                     assert_never(step)
 
     def _rule(self, program: Program, step: TemplateStep) -> BitRule | None:
-        """Return the AND or OR that a step from LLM to LLM comes down to, None if it does not."""
-        if step in self._rules:
-            return self._rules[step]
-        rule, u, x0 = None, step.input, step.state
-        logic = isinstance(u, str) and program.memory[u] == program.memory[step.to] == "llm"
-        whole = step.bias is None and step.mask is None and step.duration == "settled" and step.cell == CHUA_YANG
-        if logic and whole and (x0 == u or not isinstance(x0, str)):
-            rule = bit_rule(step.template, step.boundary, None if isinstance(x0, str) else x0)
-        self._rules[step] = rule
-        return rule
+        """Return `rule_of`, found once."""
+        if step not in self._rules:
+            self._rules[step] = rule_of(program, step)
+        return self._rules[step]
 
     def _transient(self, program: Program, step: TemplateStep, planes: dict[str, Any]) -> Plane:
         shape = planes[""]

@@ -17,10 +17,11 @@ A program is a TOML file. It declares its memories and lists its steps, each a t
 
 import operator
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from cnnsim.library.folders import folder
 from cnnsim.network import CHUA_YANG, Boundary, Cell, Template
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.operations.global_wire import Wire
@@ -201,7 +202,8 @@ class Program:
     """A checked program: every name is declared, written before it is read, and of the right kind.
 
     ``memory`` says where each name lives; ``inputs`` must be given at each run; ``keep`` are planes that survive from
-    run to run, with the constant they start from; ``outputs`` are given back.
+    run to run, with the constant they start from; ``outputs`` are given back; ``parameters`` may be replaced when a
+    file is loaded.
     """
 
     name: str
@@ -213,13 +215,19 @@ class Program:
     steps: tuple[Step, ...]
     path: Path | None = None
     reference: str = ""
+    parameters: Mapping[str, float] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         given = f"{', '.join(self.inputs)} -> {', '.join(self.outputs)}"
         return f"Program({self.name!r}, {given}, {len(self.steps)} steps)"
 
+    @property
+    def shipped(self) -> bool:
+        """True if its file is one of ours, not of a user's own library."""
+        return self.path is not None and self.path.is_relative_to(folder())
+
     def _repr_html_(self) -> str:
-        from cnnsim.support.html import facts, heading, table
+        from cnnsim.plot.html import facts, heading, table
 
         said = {"takes": ", ".join(self.inputs), "gives": ", ".join(self.outputs), "source": self.reference}
         return heading(self.name, self.summary) + facts(said) + table(step_rows(self.steps), ("step", "does", "to"))

@@ -2,6 +2,9 @@
 
 import json
 import re
+from collections.abc import Iterable
+from shutil import get_terminal_size
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -52,3 +55,33 @@ def console(width: int = 150, *, err: bool = False) -> "Console":
 
     terminal = TextConsole(stderr=err)
     return terminal if terminal.is_terminal else TextConsole(stderr=err, width=width)
+
+
+def hanging(head: str, text: str, indent: int) -> str:
+    """Return a text beside ``head``, its further lines ``indent`` columns in, wrapped to the width of the terminal.
+
+    A head that leaves no room for the text has a line of its own. Paths and long words are not broken.
+    """
+    first = head.ljust(indent)
+    lead = [head] if len(first) > indent else []
+    lines = wrap(text, _width(), initial_indent=" " * indent if lead else first, subsequent_indent=" " * indent,
+                 break_long_words=False, break_on_hyphens=False)  # fmt: skip
+    return "\n".join([*lead, *lines]) if lines else head.rstrip()
+
+
+def _width() -> int:
+    return max(40, min(get_terminal_size().columns, 120))
+
+
+def say(line: str, indent: int = 2, *, err: bool = False) -> None:
+    """Print a line, wrapped to the width of the terminal, what follows ``indent`` columns in."""
+    lines = wrap(line, _width(), subsequent_indent=" " * indent, break_long_words=False, break_on_hyphens=False)
+    echo("\n".join(lines), err=err)
+
+
+def say_table(rows: Iterable[tuple[str, str]], most: int = 32) -> None:
+    """Print names and texts in two columns; the second is wrapped to the width of the terminal."""
+    rows = list(rows)
+    indent = max((len(name) for name, _ in rows if len(name) <= most), default=0) + 2
+    for name, text in rows:
+        echo(hanging(name if len(name) > indent else name.ljust(indent), text, indent))

@@ -64,7 +64,7 @@ class Design:
         return f"Design({self.rule.text!r}, {self._joined()}: {list(self.templates())})"
 
     def _repr_html_(self) -> str:
-        from cnnsim.support.html import heading
+        from cnnsim.plot.html import heading
 
         parts = "".join(template._repr_html_() for template in self.templates())
         return heading("Design", f"{self.rule.text}; {self._joined()}, margin {self.relative_margin():.4g}") + parts

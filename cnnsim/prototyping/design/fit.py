@@ -42,7 +42,7 @@ class Fit:
     runs: int
 
     def _repr_html_(self) -> str:
-        from cnnsim.support.html import heading
+        from cnnsim.plot.html import heading
 
         said = f"{self.wrong} of {self.cells} cells wrong after {self.runs} runs, x(0) = {self.initial_state}"
         return heading("Fit", said) + self.template._repr_html_()

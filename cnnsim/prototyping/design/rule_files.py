@@ -36,9 +36,9 @@ def read_table(path: str | Path) -> WindowRule:
 
 def _table(data: dict[str, Any], text: str) -> WindowRule:
     lists = {1: data.get("black", []), -1: data.get("white", [])}
-    for colour, item in (("black", lists[1]), ("white", lists[-1])):
+    for name, item in (("black", lists[1]), ("white", lists[-1])):
         if not isinstance(item, list) or not all(isinstance(window, list) for window in item):
-            raise InputError(f"{colour} holds windows: lists of three strings, one for each row{line_of(data, colour)}")
+            raise InputError(f"{name} holds windows: lists of three strings, one for each row{line_of(data, name)}")
     size = 10 if any(len(window) == 4 for item in lists.values() for window in item) else 9
     rows = windows(size)
     table = np.zeros(1 << size, dtype=np.int8)

@@ -48,22 +48,22 @@ class Robustness:
         return good[-1] if good else None
 
     def __repr__(self) -> str:
-        return f"Robustness({self.name!r}, {'; '.join(' '.join(pair) for pair in self.rows())})"
+        return f"Robustness({self.name!r}, judged on {self.judged_on}; {'; '.join(map(' '.join, self.rows()))})"
 
     def rows(self) -> list[tuple[str, str]]:
-        """Return what was found in words: names and values."""
+        """Return what was found in words: names and texts."""
         margin, bits = self.margin, self.bits_needed()
-        found = [("judged on", self.judged_on)]
-        if margin.value is None:
-            found.append(("margin", "does not apply"))
-        else:
-            assert margin.tolerated is not None
-            found.append(("margin", f"{margin.value:.4g}"))
-            found.append(("entry errors", f"{'' if margin.exact else 'at least '}{100 * margin.tolerated:.3g} %"))
+        found = [("margin", margin.why if margin.value is None else f"{margin.value:.4g} ({margin.why})")]
+        if margin.tolerated is not None:
+            percent = f"{'' if margin.exact else 'at least '}{100 * margin.tolerated:.3g} %"
+            found.append(("entry errors", f"{percent} are harmless"))
         sigma, noise = self.entries.largest_without_error(), self.noise.largest_without_error()
-        found.append(("random errors", "none" if sigma is None else f"up to {100 * sigma:g} %"))
-        found.append(("bits", f"{'more than 12' if bits is None else bits} needed"))
-        return [*found, ("noise", "none" if noise is None else f"up to {noise:g}")]
+        return [
+            *found,
+            ("random errors", f"{_level(sigma, 100, ' %')} (σ) without a wrong cell in {self.draws} draws"),
+            ("bits", f"{'more than 12' if bits is None else bits} needed"),
+            ("noise", f"{_level(noise, 1, '')} (σ; black to white is 2) without a wrong cell"),
+        ]
 
     def plot(self, axes: "Axes | None" = None, kind: Kind = "entries") -> "Axes":
         """Draw one of the curves "entries", "bits" and "noise" into axes, or new ones, and return them.
@@ -113,9 +113,10 @@ class Robustness:
         return file.getvalue()
 
     def _repr_html_(self) -> str:
-        from cnnsim.support.html import facts, heading, image
+        from cnnsim.plot.html import facts, heading, image
 
-        return heading("Robustness", self.name) + facts(dict(self.rows())) + image(self._repr_png_())
+        name = heading("Robustness", f"{self.name}, judged on {self.judged_on}")
+        return name + facts(dict(self.rows())) + image(self._repr_png_())
 
 
 def _until_wrong(shares: tuple[float, ...]) -> Iterable[float]:
@@ -123,6 +124,10 @@ def _until_wrong(shares: tuple[float, ...]) -> Iterable[float]:
         if share > 0:
             return
         yield share
+
+
+def _level(level: float | None, scale: float, unit: str) -> str:
+    return "none" if level is None else f"up to {scale * level:g}{unit}"
 
 
 def _draw(axes: Any, curve: Curve, scale: float, label: str, draws: int | None) -> None:

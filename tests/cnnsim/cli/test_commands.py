@@ -33,7 +33,8 @@ def test_help_shows_examples() -> None:
 
 
 def test_list_and_tags() -> None:
-    assert len(_call("list").output.splitlines()) == len(library.names()) >= 40
+    listed = [line for line in _call("list").output.splitlines() if line[0] != " "]
+    assert len(listed) == len(library.names()) >= 40
     names = [item["name"] for item in json.loads(_call("list", "--tag", "morphology", "--json").output)]
     assert "erosion-square" in names
     assert "edge" not in names
@@ -114,7 +115,7 @@ def test_explain_says_what_was_decided() -> None:
     assert json.loads(_call("explain", "laplace-solver", "--json").output)["step"] == pytest.approx(0.1)
     off = _call("explain", "hole-filler", "--without", "sleep").output.splitlines()
     assert "no sleep           switched off: tiles in which" in "\n".join(off)
-    assert off[-1].startswith("guaranteed time    4915 time constants")  # one column
+    assert any(line.startswith("guaranteed time    4915 time constants") for line in off)  # one column
     assert "half the stability limit" in _call("explain", "surface-interpolation").output
 
 

@@ -141,6 +141,7 @@ def test_what_was_given_is_drawn() -> None:
     two = library.load("recall")
     picture, marker = two.examples[0].input, two.examples[0].state
     assert picture is not None
+    assert marker is not None
     drawn = given_pictures(make_task(two.network, **two.task(picture, marker)))
     assert [name for name, _ in drawn] == ["input u", "initial state x(0)"]
     assert np.array_equal(drawn[0][1], picture)

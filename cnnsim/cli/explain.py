@@ -1,0 +1,67 @@
+"""The command `explain`: how a template, or each template step of a program, would be computed, and why."""
+
+import click
+
+from cnnsim.cli.run import json_option, without_option
+from cnnsim.cli.show import program_of
+from cnnsim.library.explain import explain as explanation
+from cnnsim.program.explain import explain_program
+from cnnsim.program.program import Program
+from cnnsim.support import InputError
+from cnnsim.support.command_line import examples, print_json
+from cnnsim.support.echo import say, say_table
+
+
+@click.command(
+    epilog=examples(
+        "cnnsim explain edge",
+        "cnnsim explain hole-filler --size 512x512 --without sleep",
+        "cnnsim explain slip-front --size 16x16",
+    )
+)
+@click.argument("name")
+@click.option("--size", default="64x64", show_default=True, help="Grid as ROWSxCOLS.")
+@without_option
+@json_option
+def explain(name: str, size: str, without: tuple[str, ...], as_json: bool) -> None:
+    """Print what the plan decides for a template, or for each template step of a program, and why.
+
+    NAME is one of the library, or a file; where a template and a program share it, programs/NAME is the program.
+    """
+    shape = _shape(size)
+    program = program_of(name)
+    if program is not None:
+        if without:
+            raise InputError(f"--without {without[0]}: {name} is a program; --without goes with templates")
+        _explain_steps(program, shape, as_json)
+        return
+    found = explanation(name, shape, without=without)
+    if as_json:
+        plan, known = found.plan, found.guaranteed
+        facts = {"template": name, "method": plan.method, "step": plan.step, "decisions": plan.decisions}
+        print_json(facts | {"guaranteed_time": known.time, "why": known.why, "assuming": known.assuming})
+    else:
+        say_table([*found.plan.decisions, ("guaranteed time", str(found.guaranteed))])
+
+
+def _explain_steps(program: Program, shape: tuple[int, int], as_json: bool) -> None:
+    steps = explain_program(program, shape)
+    if as_json:
+        keys = ("number", "words", "method", "decisions")
+        print_json({"program": program.name, "steps": [{key: getattr(step, key) for key in keys} for step in steps]})
+        return
+    for step in steps:
+        say(f"step {step.number}: {step.words}")
+        say_table([(f"  {what}", why) for what, why in step.decisions])
+    if not steps:
+        say(f"{program.name} runs no template: all of its steps are cellwise or logic")
+
+
+def _shape(size: str) -> tuple[int, int]:
+    try:
+        rows, cols = (int(part) for part in size.lower().split("x"))
+        if min(rows, cols) < 1:
+            raise ValueError
+    except ValueError as error:
+        raise InputError(f"size {size!r}; ROWSxCOLS wanted, such as 64x64") from error
+    return rows, cols
