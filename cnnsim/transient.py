@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from cnnsim import backends
 from cnnsim.backends.base import Backend, Outcome
+from cnnsim.keywords import spelled
 from cnnsim.network import ZERO_FLUX, AnyTemplate, Boundary, Cell, CellModel, Frames
 from cnnsim.network.boundary import parse_boundary
 from cnnsim.planning.duration import Duration
@@ -16,7 +17,6 @@ from cnnsim.planning.plan import Plan, make_plan
 from cnnsim.recording import Record, parse_record, recorded
 from cnnsim.result import Result
 from cnnsim.support import Array, Flags, Floats, InputError
-from cnnsim.support.keywords import spelled
 from cnnsim.support.values import as_numbers
 from cnnsim.trajectory import CellIndex, Trajectory
 

@@ -45,7 +45,7 @@ def import_(
     else:
         for result in results:
             for line in result.report.lines(notes):
-                say(line, err=True)
+                echo(line, err=True)  # as compilers say it: for editors, on one line
             for target in result.written:
                 say(f"{result.report.file} -> {target}")
         say(_summary(results))

@@ -7,13 +7,13 @@ from typing import Any, Unpack
 from numpy.typing import ArrayLike
 
 from cnnsim.backends.base import Backend
+from cnnsim.keywords import spelled
 from cnnsim.library.entry import Example, LibraryEntry
 from cnnsim.library.folders import files, not_found
 from cnnsim.library.read import load_file
 from cnnsim.recording import Record
 from cnnsim.result import Result
 from cnnsim.support import InputError
-from cnnsim.support.keywords import spelled
 from cnnsim.transient import Dtype, TaskOptions, run_transient
 
 

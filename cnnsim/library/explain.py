@@ -6,11 +6,11 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cnnsim.keywords import spelled
 from cnnsim.library.catalogue import load
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.network import AnyTemplate, layered
 from cnnsim.planning.plan import Plan, lines_of
-from cnnsim.support.keywords import spelled
 from cnnsim.theory.running_time import RunningTime
 from cnnsim.transient import TaskOptions, make_task
 

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from cnnsim import backends, library
 from cnnsim.backends.base import Backend, Plane
+from cnnsim.keywords import spelled
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.global_wire import read_wire
 from cnnsim.operations.logic import function_number
@@ -31,7 +32,6 @@ from cnnsim.program.program import (
     WireStep,
 )
 from cnnsim.support import Array, InputError, naming
-from cnnsim.support.keywords import spelled
 from cnnsim.support.values import as_numbers
 from cnnsim.transient import Dtype
 

@@ -7,10 +7,10 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from cnnsim.backends.base import Backend
+from cnnsim.keywords import unknown_keyword
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import Program
-from cnnsim.support.keywords import unknown_keyword
 from cnnsim.transient import Dtype
 
 
