@@ -120,5 +120,5 @@ def check_tare(array: TaxelArray, parts: Floats, frames: int, seconds: float) ->
         moved=float(moves.ravel()[moved]),
         # one taxel that is noisier than a dead band is no movement of the array
         moving=bool(by_taxel[-1] > LARGE or (by_taxel.size > 1 and by_taxel[-2] > BOTH)),
-        loaded=largest > LARGE or abs(normal) > most * bands[NORMAL] or shear > most * bands[0],
+        loaded=bool(largest > LARGE or abs(normal) > most * bands[NORMAL] or shear > most * bands[0]),
     )

@@ -17,7 +17,8 @@ SMOOTH = 10
 class Columns(NamedTuple):
     """The figures of one finger's frames, each (frames,).
 
-    ``t`` [s]; ``shear_x``, ``shear_y``, ``normal``: sums over the valid taxels, in the unit of the array's quantity;
+    ``t`` [s]; ``shear_x``, ``shear_y``, ``normal``: sums over the valid taxels, in the unit of the array's quantity,
+    NaN without any;
     ``x``, ``y`` [m], ``Q``, ``R``, ``F`` [N] and ``validity`` of the located load, NaN for arrays that measure force;
     ``friction``, ``roughness``: means over the taxels where they are valid, NaN where there are none.
     """
@@ -37,8 +38,9 @@ class Columns(NamedTuple):
 
 
 def total(report: FrameReport, axis: int) -> float:
-    """Return one component summed over the valid taxels, in the unit of the array's quantity."""
-    return float(report.frame.values[..., axis][report.frame.valid].sum())
+    """Return one component summed over the valid taxels, in the unit of the array's quantity; NaN without any."""
+    valid = report.frame.valid
+    return float(report.frame.values[..., axis][valid].sum()) if valid.any() else float("nan")
 
 
 def texture_mean(plane: Any, valid: Any) -> float:
@@ -84,6 +86,7 @@ class Collected:
         if check is None:
             return None
         normal = self.columns(array.name).normal[check.frames :]
+        normal = normal[np.isfinite(normal)]
         if normal.size < SMOOTH:
             return check
         pressing = normal if array.quantity == "force" else -normal

@@ -5,127 +5,123 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim import InputError
 from cnnsim.support import Floats
-from tactile.core.frame import NORMAL, TaxelArray
-from tactile.events.contact_and_shear import TouchKind
-from tactile.events.event import Event, EventKind
-from tactile.events.slip import SlipKind
-from tactile.events.tangential_load import LoadKind
+from cnnsim.support.files import writing
+from tactile.calibration.tare_check import UNITS
+from tactile.core.frame import TaxelArray
+from tactile.events.code import CONTACT
 from tactile.output.collected import Collected, Columns
+from tactile.output.plot_labels import label, mark
+from tactile.output.plot_plane import SURE, draw_plane
 from tactile.output.tables import grouped
 
-UNIT = {"force": (1.0, "N"), "strain": (1e3, "‰"), "stress": (1e-3, "kPa")}
-COLOURS: dict[EventKind, str] = {
-    TouchKind.CONTACT: "tab:green",
-    TouchKind.CONTACT_CHANGES: "tab:green",
-    TouchKind.RELEASE: "tab:red",
-    **dict.fromkeys(SlipKind, "tab:purple"),
-    **dict.fromkeys(LoadKind, "tab:orange"),
-}
-"""Colours of the important kinds of event; the others are grey."""
-APART = 0.022
-"""Labels closer than this part of the time axis would lie on each other; the less important one is left out."""
+LEAST = 0.1
+"""Least height of an axis over the largest value: a constant is drawn as one, not as its rounding."""
+LEAST_FORCE = 0.01
+"""[N] least height of an axis of located loads."""
 
 
 def draw(collected: Collected, arrays: tuple[TaxelArray, ...], title: str, path: Path) -> None:
-    """Write the picture: for each finger its events, its normal and shear signals over time, and the taxel plane.
+    """Write the picture of a run.
 
     Raises:
         InputError: the file cannot be written.
     """
+    figure = picture(collected, arrays, title)
+    with writing(path) as beside:
+        figure.savefig(beside, dpi=100)
+
+
+def picture(collected: Collected, arrays: tuple[TaxelArray, ...], title: str) -> Any:
+    """Return the figure: for each finger its events, its normal and shear signals over time, and the taxel plane."""
     from matplotlib.figure import Figure  # slow to import
 
     figure = Figure(figsize=(13, 1 + 4.6 * len(arrays)), layout="constrained")
-    figure.suptitle(title, fontsize=14)
+    figure.suptitle(title, fontsize=14, parse_math=False)
+    labelled = []
     for part, array in zip(figure.subfigures(len(arrays), 1, squeeze=False)[:, 0], arrays, strict=True):
-        grid = part.add_gridspec(3, 3, width_ratios=[3.0, 0.2, 1], height_ratios=[1.1, 1, 1])  # room for labels
         columns = collected.columns(array.name)
         events = [event for event in collected.events if event.finger == array.name]
+        room = 0.2 + 0.1 * min(len(grouped(events)), 8)
+        grid = part.add_gridspec(3, 2, width_ratios=[3.0, 1.1], height_ratios=[room, 1, 1])
         normal = part.add_subplot(grid[1, 0])
         shear = part.add_subplot(grid[2, 0], sharex=normal)
         labels = part.add_subplot(grid[0, 0], sharex=normal)
+        labels.axis("off")
+        tare = collected.tare(array)
         _signals(normal, shear, columns, array)
-        _events(labels, (normal, shear), events, columns.t)
+        if tare is not None and columns.t.size:
+            _tared(normal, shear, columns.t[: tare.frames])
+        mark((normal, shear), events)
         labels.set_title(f"{array.name}: {len(events)} events", loc="left")
-        _plane(part.add_subplot(grid[:, 2]), columns, array, collected.strongest.get(array.name))
-    try:
-        figure.savefig(path, dpi=100)
-    except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror}") from error
+        draw_plane(part.add_subplot(grid[:, 1]), columns, array, collected.strongest.get(array.name))
+        labelled.append((labels, events, array.name))
+    figure.draw_without_rendering()  # lays it out: where labels fit is known from here on
+    figure.set_layout_engine("none")
+    for axis, events, name in labelled:
+        told = label(axis, events)
+        rest = "" if told == len(events) else f", {len(events) - told} without room for their words"
+        axis.set_title(f"{name}: {len(events) or 'no'} event{'s' * (len(events) != 1)}{rest}", loc="left")
+    return figure
 
 
 def _signals(normal: Any, shear: Any, columns: Columns, array: TaxelArray) -> None:
     """Draw the load's components where it was located, else the taxels' sums."""
     t = columns.t
-    if np.isfinite((columns.Q, columns.R, columns.F)).any():
+    located = np.isfinite((columns.Q, columns.R, columns.F)).any()
+    if located:
         pressing, along_x, along_y, unit, what = columns.F, columns.Q, columns.R, "N", "located load"
+        least = LEAST_FORCE
     else:
-        scale, unit = UNIT[array.quantity]
+        scale, unit = UNITS[array.quantity]
         inward = scale if array.quantity == "force" else -scale
         pressing, along_x, along_y = inward * columns.normal, scale * columns.shear_x, scale * columns.shear_y
-        what = "sum of taxels"
-    normal.plot(t, pressing, color="black")
-    normal.set_ylabel(f"normal [{unit}]\n{what}")
+        what, least = "sum of taxels", scale * CONTACT[array.quantity].dead_band
+    doubted = np.isfinite(pressing) & ~np.isin(columns.validity, SURE) & located
+    _line(normal, t, pressing, doubted, "black", "")
     if np.isfinite(along_x).any():
-        shear.plot(t, along_x, color="tab:blue", label="x")
-        shear.plot(t, along_y, color="tab:orange", label="y")
-        shear.legend(loc="upper right", ncols=2, fontsize=8)
+        _line(shear, t, along_x, doubted, "tab:blue", "x")
+        _line(shear, t, along_y, doubted, "tab:orange", "y")
     else:
-        shear.set_yticks([])
-        words = "one taxel alone cannot tell shear from place"
+        words = "one taxel alone cannot tell shear from place" if located else "nothing felt"
         shear.text(0.5, 0.5, words, transform=shear.transAxes, ha="center", va="center", backgroundcolor="white")
-    shear.set_ylabel(f"shear [{unit}]\n{what}")
+    if doubted.any():
+        normal.plot([], [], ".", color="0.6", label="not sure: ambiguous, or no single point load")
+        normal.legend(loc="lower right", bbox_to_anchor=(1, 0.98), fontsize=8, frameon=False)
+    if np.isfinite(along_x).any():
+        shear.legend(loc="lower right", bbox_to_anchor=(1, 0.98), ncols=2, fontsize=8, frameon=False)
+    for axis, signals, which in ((normal, (pressing,), "normal"), (shear, (along_x, along_y), "shear")):
+        sure = np.concatenate([np.where(doubted, np.nan, signal) for signal in signals])
+        _heights(axis, sure if np.isfinite(sure).any() else np.concatenate(signals), least)
+        axis.set_ylabel(f"{which} [{unit}]\n{what}")
     shear.set_xlabel("time [s]")
     normal.tick_params(labelbottom=False)
     if t.size:
         normal.set_xlim(t[0], max(t[-1], t[0] + 1e-3))
 
 
-def _events(labels: Any, signals: tuple[Any, ...], events: list[Event], t: Floats) -> None:
-    """Mark every event on the signals, and write down as many as can be read: the important ones first."""
-    for event in events:
-        colour = COLOURS.get(event.kind, "0.75")
-        for axis in signals:
-            axis.axvline(event.t, color=colour, linewidth=0.7, zorder=0)
-    span = float(np.ptp(t)) if t.size else 1.0
-    taken: list[float] = []
-    for event, changes in sorted(grouped(events), key=lambda line: line[0].kind not in COLOURS):
-        if any(abs(event.t - other) < APART * span for other in taken):
-            continue
-        taken.append(event.t)
-        text = event.words if changes == 1 else f"{event.words} ({changes}x)"
-        colour = COLOURS.get(event.kind, "0.4")
-        place = {"xycoords": ("data", "axes fraction"), "rotation": 35, "va": "bottom", "annotation_clip": False}
-        labels.annotate(text, (event.t, 0.0), fontsize=8, color=colour, **place).set_in_layout(False)
-    labels.set_ylim(0, 1)
-    labels.axis("off")
+def _line(axis: Any, t: Floats, signal: Floats, doubted: Any, colour: str, name: str) -> None:
+    """Draw a signal, and as pale dots where it is not sure."""
+    axis.plot(t, np.where(doubted, np.nan, signal), color=colour, label=name)
+    if doubted.any():
+        axis.plot(t[doubted], signal[doubted], ".", color=colour, alpha=0.25, markersize=3, markeredgewidth=0)
 
 
-def _plane(axis: Any, columns: Columns, array: TaxelArray, strongest: Floats | None) -> None:
-    """Draw the taxels, and over them the track of the located load, or the forces of the firmest moment."""
-    places = array.positions().reshape(-1, 2) * 1e3
-    axis.scatter(*places.T, marker="s", s=110, facecolor="none", edgecolor="gray")
-    located = np.isfinite(columns.x)
-    if located.any():
-        t, x, y, force = (column[located] for column in (columns.t, columns.x, columns.y, columns.F))
-        press = np.where(np.isfinite(force), force, 0.0)
-        size = 6 + 60 * np.clip(press / max(press.max(), 1e-12), 0, 1)
-        dots = axis.scatter(x * 1e3, y * 1e3, c=t, s=size, cmap="viridis", linewidth=0)
-        axis.figure.colorbar(dots, ax=axis, label="time [s]", location="bottom", shrink=0.8)
-    words = "located load, larger where firmer"
-    if array.quantity == "force" and strongest is not None:
-        words = "firmest moment: grey normal, blue shear"
-        press = np.clip(strongest[..., NORMAL].ravel(), 0, None)
-        axis.scatter(*places.T, s=900 * press / max(press.max(), 1e-12), color="0.85", zorder=0)
-        shear = strongest[..., :NORMAL].reshape(-1, 2)
-        longest = max(np.hypot(*shear.T).max(), 1e-12) / (0.7e3 * array.pitch)
-        axis.quiver(*places.T, *shear.T, angles="xy", scale_units="xy", scale=longest, color="tab:blue", width=0.012)
-    axis.set_title(f"taxels seen from outside\n{words}", loc="left", fontsize=9)
-    axis.set_aspect("equal", adjustable="box")
-    half = max(np.ptp(places[:, 0]), np.ptp(places[:, 1]), array.pitch * 1e3) * 0.8
-    centre = places.mean(axis=0)
-    axis.set_xlim(centre[0] - half, centre[0] + half)
-    axis.set_ylim(centre[1] + half, centre[1] - half)
-    axis.set_xlabel("x [mm]")
-    axis.set_ylabel("y [mm]")
+def _heights(axis: Any, signal: Floats, least: float) -> None:
+    """Choose the axis so that what hardly changes looks so, with plain numbers."""
+    axis.ticklabel_format(axis="y", useOffset=False)
+    known = signal[np.isfinite(signal)]
+    if not known.size:
+        axis.set_yticks([])
+        return
+    low, high = float(known.min()), float(known.max())
+    span = max(high - low, LEAST * max(abs(low), abs(high)), least)
+    middle = (low + high) / 2
+    axis.set_ylim(middle - 0.55 * span, middle + 0.55 * span)
+
+
+def _tared(normal: Any, shear: Any, t: Floats) -> None:
+    """Shade the stretch of the tare, in which there are no signals."""
+    for axis in (normal, shear):
+        axis.axvspan(t[0], t[-1], color="0.93", zorder=-1)
+    normal.text(t[0], 0.02, " tare", transform=normal.get_xaxis_transform(), fontsize=8, color="0.4")

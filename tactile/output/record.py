@@ -7,6 +7,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from cnnsim import InputError
+from cnnsim.support.files import Replaced, write_text
 from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y, TaxelArray
 from tactile.output.collected import texture_mean, total
 from tactile.output.event_data import INLINE, EventData
@@ -39,9 +40,12 @@ class Record:
         self._tares: dict[str, dict[str, Any]] = {}
         try:
             folder.mkdir(parents=True, exist_ok=True)
+            there = (folder / "frames.csv").exists()
             self._file = (folder / "frames.csv").open("w", newline="", encoding="utf-8")
         except OSError as error:
             raise InputError(f"cannot write the record to {folder}: {error.strerror}") from error
+        if there and Replaced.tell is not None:
+            Replaced.tell(folder / "frames.csv")
         self._csv = csv.writer(self._file)
         self._csv.writerow(COLUMNS)
 
@@ -56,7 +60,7 @@ class Record:
         head = json.dumps(record, indent=1, ensure_ascii=False).removesuffix("\n}")
         events = ",\n  ".join(self._events)  # one line, one event
         text = f'{head},\n "events": [\n  {events}\n ]\n}}\n'
-        (self._folder / "events.json").write_text(text, encoding="utf-8")
+        write_text(self._folder / "events.json", text)
 
     def __call__(self, report: FrameReport) -> None:
         """Write one report."""

@@ -50,6 +50,7 @@ def test_a_load_is_told_with_its_size_and_what_to_do() -> None:
     assert "loaded meanwhile, or an offset of that size: record some frames with nothing touching" in check.warning
     assert "later readings fall 4.00 N below it" in check.then(-4.0, 9).warning
     assert checked(readings(0.0)).then(-0.2, 9).warning == ""
+    json.dumps([check.plain(), checked(readings(0.05, 0.06)).plain()])
     assert checked(np.full((100, 3, 3, 3), 0.1)).loaded  # nine small ones that all press are no offsets
 
 

@@ -1,0 +1,76 @@
+"""Labels of events above a time axis: in rows, so that none lies on another or beyond the edge."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from tactile.events.contact_and_shear import TouchKind
+from tactile.events.event import Event, EventKind
+from tactile.events.slip import SlipKind
+from tactile.events.tangential_load import LoadKind
+from tactile.output.tables import grouped
+
+COLOURS: dict[EventKind, str] = {
+    TouchKind.CONTACT: "tab:green",
+    TouchKind.RELEASE: "tab:red",
+    **dict.fromkeys(SlipKind, "tab:purple"),
+    **dict.fromkeys(LoadKind, "tab:brown"),
+}
+"""Colours of the important kinds of event; the others are grey."""
+SIZE = 8
+"""[pt] of the labels."""
+GAP = 6.0
+"""[px] between neighbouring labels of a row."""
+
+
+@dataclass
+class Row:
+    """A row of labels, and from where to where [px] each of them reaches."""
+
+    y: float
+    taken: list[tuple[float, float]]
+
+    def has_room(self, left: float, right: float) -> bool:
+        """Return whether nothing lies there yet."""
+        return all(right + GAP <= start or left >= end + GAP for start, end in self.taken)
+
+
+def mark(axes: Iterable[Any], events: Iterable[Event]) -> None:
+    """Draw a line for every event on the axes of the signals."""
+    for axis in axes:
+        for event in events:
+            axis.axvline(event.t, color=COLOURS.get(event.kind, "0.88"), linewidth=0.7, zorder=0)
+
+
+def label(axis: Any, events: Iterable[Event]) -> int:
+    """Write down as many events as there is room for, the important ones first; return how many that are.
+
+    The figure must have been laid out: where a label fits depends on where the axis lies.
+    """
+    box = axis.get_window_extent()
+    inches = axis.get_figure(root=True)
+    height = SIZE * inches.dpi / 72 * 1.6
+    rows = [Row((number + 0.5) * height / box.height, []) for number in range(max(1, int(box.height / height)))]
+    told = 0
+    for event, changes in sorted(grouped(events), key=lambda line: line[0].kind not in COLOURS):
+        text = event.words if changes == 1 else f"{event.words} ({changes}x)"
+        colour = COLOURS.get(event.kind, "0.4")
+        place = axis.transData.transform((event.t, 0.0))[0]
+        written = axis.text(
+            event.t, 0, text, transform=axis.get_xaxis_transform(), fontsize=SIZE, color=colour, va="center",
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0}, parse_math=False,
+        )  # fmt: skip
+        width = written.get_window_extent().width
+        left = min(max(place, box.x0), box.x1 - width)
+        row = next((row for row in rows if row.has_room(left, left + width)), None)
+        if row is None or width > box.width:
+            written.remove()
+            continue
+        row.taken.append((left, left + width))
+        written.set_position((axis.transData.inverted().transform((left, 0.0))[0], row.y))
+        axis.plot(
+            [event.t, event.t], [0, row.y], transform=axis.get_xaxis_transform(), color=colour, linewidth=0.7,
+            zorder=0, clip_on=False,
+        )  # fmt: skip
+        told += changes
+    return told

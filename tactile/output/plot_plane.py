@@ -1,0 +1,129 @@
+"""Plot of the taxel plane: where the load was, or the forces of the firmest moment, with their scales."""
+
+from typing import Any
+
+import numpy as np
+
+from cnnsim.support import Floats
+from tactile.core.frame import NORMAL, TaxelArray
+from tactile.events.code import SHEAR
+from tactile.inverse.validity import Validity
+from tactile.output.collected import Columns
+
+SURE = (Validity.INSIDE, Validity.OUTSIDE)
+"""Loads that are drawn as located; of others with a place it is said that they are not sure."""
+SQUARES = 20
+"""Taxels along a side up to which each is drawn; those of larger arrays would be a net."""
+ARROWS = 16
+"""Arrows along a side; of more taxels, blocks of them share one, their mean."""
+REACH = 0.85
+"""Length of the longest arrow over the distance of neighbouring ones."""
+
+
+def draw_plane(axis: Any, columns: Columns, array: TaxelArray, strongest: Floats | None) -> None:
+    """Draw the taxels, and over them the track of the located load, or the forces of the firmest moment."""
+    places = array.positions() * 1e3
+    _frame(axis, places, array)
+    _taxels(axis, array)
+    if array.quantity == "force":
+        words = "nothing pressed" if strongest is None else _forces(axis, array, places, strongest)
+    else:
+        words = _track(axis, columns)
+    axis.set_title(f"{array.rows} x {array.cols} taxels seen from outside\n{words}", loc="left", fontsize=9)
+    axis.set_xlabel("x [mm]")
+    axis.set_ylabel("y [mm]")
+
+
+def _frame(axis: Any, places: Floats, array: TaxelArray) -> None:
+    axis.set_aspect("equal", adjustable="box")
+    margin = 1e3 * max(array.pitch, 1.2 * array.depth)
+    half = max(np.ptp(places[..., 0]), np.ptp(places[..., 1])) / 2 + margin
+    x, y = places.reshape(-1, 2).mean(axis=0)
+    axis.set_xlim(x - half, x + half)
+    axis.set_ylim(y + half, y - half)
+
+
+def _taxels(axis: Any, array: TaxelArray) -> None:
+    """Draw each taxel's square, or the edge of an array of many."""
+    from matplotlib.collections import PatchCollection  # slow to import
+    from matplotlib.patches import Rectangle  # the same
+
+    pitch, (x, y) = array.pitch * 1e3, (at * 1e3 for at in array.origin)
+    if max(array.shape) > SQUARES:
+        width, height = array.cols * pitch, array.rows * pitch
+        axis.add_patch(Rectangle((x - width / 2, y - height / 2), width, height, fill=False, edgecolor="gray"))
+        return
+    side = 0.5 * pitch
+    squares = [
+        Rectangle((cx - side / 2, cy - side / 2), side, side) for cx, cy in array.positions().reshape(-1, 2) * 1e3
+    ]
+    axis.add_collection(PatchCollection(squares, facecolor="none", edgecolor="0.6", linewidth=0.8))
+
+
+def _track(axis: Any, columns: Columns) -> str:
+    """Draw the places of the load over time, and apart from them those that are not sure."""
+    placed = np.isfinite(columns.x)
+    sure = placed & np.isin(columns.validity, SURE)
+    doubted = placed & ~sure
+    words = []
+    if doubted.any():
+        axis.scatter(
+            columns.x[doubted] * 1e3, columns.y[doubted] * 1e3, marker="x", s=10, color="0.7", linewidth=0.6, zorder=1
+        )
+        words.append(f"crosses: not sure, {doubted.sum()} frames")
+    if sure.any():
+        t, x, y, force = (column[sure] for column in (columns.t, columns.x, columns.y, columns.F))
+        press = np.where(np.isfinite(force), np.abs(force), 0.0)
+        most = max(float(press.max()), 1e-12)
+        dots = axis.scatter(x * 1e3, y * 1e3, c=t, s=6 + 60 * press / most, cmap="viridis", linewidth=0, zorder=2)
+        axis.figure.colorbar(dots, ax=axis, label="time [s]", shrink=0.6, format="%g")
+        words.insert(0, f"located load, largest dot {most:.2g} N")
+        (left, right), (low, high) = axis.get_xlim(), sorted(axis.get_ylim())
+        beyond = int(((x * 1e3 < left) | (x * 1e3 > right) | (y * 1e3 < low) | (y * 1e3 > high)).sum())
+        words += [f"{beyond} frame{'s' * (beyond != 1)} beyond the edge"] if beyond else []
+    return "\n".join(words) or "no load located"
+
+
+def _forces(axis: Any, array: TaxelArray, places: Floats, values: Floats) -> str:
+    """Draw the normal forces as grey levels and the shear forces as arrows, each with its scale."""
+    pitch, dead_band = array.pitch * 1e3, SHEAR["force"].dead_band
+    press = values[..., NORMAL]
+    most = max(float(np.abs(press).max()), dead_band)
+    corner = places[0, 0] - pitch / 2
+    edges = corner[0], corner[0] + array.cols * pitch, corner[1] + array.rows * pitch, corner[1]
+    pulls = press.min() < -dead_band
+    shades: dict[str, Any] = {"cmap": "RdGy", "vmin": -most, "vmax": most} if pulls else {"cmap": "Greys", "vmin": 0}
+    image = axis.imshow(press, extent=edges, **({"vmax": 1.6 * most} | shades), zorder=0, interpolation="nearest")
+    axis.figure.colorbar(image, ax=axis, label="normal [N]", shrink=0.6)
+    block = -(-max(array.shape) // ARROWS)
+    at, shear = _blocks(places, block), _blocks(values[..., :NORMAL], block)
+    length = np.hypot(*np.moveaxis(shear, -1, 0))
+    largest = float(length.max())
+    key = _round_number(max(largest, dead_band))
+    scale = key / (REACH * pitch * block) * max(1.0, largest / key)
+    arrows = axis.quiver(
+        at[..., 0], at[..., 1], shear[..., 0], shear[..., 1], angles="xy", scale_units="xy", scale=scale,
+        color="tab:blue", width=0.08 * pitch * block, units="xy", headwidth=3, minlength=0.5,
+    )  # fmt: skip
+    left, right = axis.get_xlim()
+    start = 0.98 - key / scale / (right - left)
+    axis.quiverkey(arrows, start, 1.03, key, f"shear {key:g} N", labelpos="W", coordinates="axes", color="tab:blue")
+    what = f"arrows: means of {block} x {block} taxels" if block > 1 else "arrows: shear of each taxel"
+    small = ", below the dead band" if largest < dead_band else ""
+    return f"firmest moment, {press.sum():.3g} N\n{what}\nat most {largest:.2g} N{small}\n"
+
+
+def _blocks(plane: Floats, block: int) -> Floats:
+    """Return the means (rows, cols, 2) of blocks of so many taxels, at the edge of as many as there are."""
+    if block == 1:
+        return plane
+    rows, cols = (np.arange(0, size, block) for size in plane.shape[:2])
+    total = np.add.reduceat(np.add.reduceat(plane, rows, axis=0), cols, axis=1)
+    count = np.outer(np.diff([*rows, plane.shape[0]]), np.diff([*cols, plane.shape[1]]))
+    return total / count[..., None]
+
+
+def _round_number(value: float) -> float:
+    """Return the largest of 1, 2, 5 times a power of ten that is not above a value."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(max(step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)))

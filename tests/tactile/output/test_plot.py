@@ -1,0 +1,125 @@
+"""The picture of a run: scales are stated, labels can be read, what is not sure looks so."""
+
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.collections import PatchCollection
+from matplotlib.quiver import Quiver, QuiverKey
+
+from tactile.core.frame import Frame, TaxelArray
+from tactile.core.source import FrameStream
+from tactile.inverse.load import Load
+from tactile.inverse.validity import Validity
+from tactile.output.collected import Collected
+from tactile.output.plot import draw, picture
+from tactile.pipeline import run
+from tactile.settings import Settings
+from tactile.sources import open_source
+from tests.kits.paths import SCENES
+
+
+def pressed(side: int, normal: float = 0.5, shear: float = 0.0, frames: int = 60) -> FrameStream:
+    array = TaxelArray("pad", side, side, 1e-3, 0.0, quantity="force")
+    values = np.zeros((side, side, 3))
+    values[side // 2, side // 2] = [shear, 0.0, normal]
+    stream = [Frame(0, n / 100, n, values, np.ones((side, side), bool)) for n in range(frames)]
+    return FrameStream("pad", (array,), None, frames, stream)
+
+
+def drawn(source: Any, settings: Settings | None = None) -> tuple[Any, Collected]:
+    collected = Collected()
+    run(source, settings or Settings(backend="reference"), [collected])
+    return picture(collected, source.arrays, source.title), collected
+
+
+def axis(figure: Any, name: str) -> Any:
+    return next(one for one in figure.axes if one.get_ylabel().startswith(name))
+
+
+def quiver(plane: Any) -> Any:
+    (arrows,) = (one for one in plane.collections if isinstance(one, Quiver))
+    return arrows
+
+
+def test_a_constant_is_drawn_as_one() -> None:
+    figure, _ = drawn(pressed(3))
+    normal = axis(figure, "normal [N]")
+    low, high = normal.get_ylim()
+    assert high - low > 0.05
+    assert low < 0.5 < high
+    figure.draw_without_rendering()
+    assert normal.yaxis.get_offset_text().get_text() == ""
+    low, high = axis(figure, "shear").get_ylim()
+    assert high - low > 0.05
+
+
+@pytest.mark.parametrize(("shear", "key"), [(3e-3, 0.1), (0.3, 0.2), (1.0, 1.0), (7.0, 5.0)])
+def test_arrows_have_a_stated_scale(shear: float, key: float) -> None:
+    """The longest is no longer than a taxel; noise below the dead band stays small."""
+    figure, _ = drawn(pressed(3, 1.0, shear))
+    plane = axis(figure, "y [mm]")
+    arrows = quiver(plane)
+    told: Any
+    (told,) = (one for one in plane.artists if isinstance(one, QuiverKey))
+    assert pytest.approx(key) == told.U
+    assert told.text.get_text() == f"shear {key:g} N"
+    length = np.hypot(arrows.U, arrows.V).max() / arrows.scale
+    assert length == pytest.approx(0.85 * min(1.0, shear / 0.1), rel=1e-6)
+    assert ("below the dead band" in plane.get_title(loc="left")) == (shear < 0.1)
+
+
+@pytest.mark.parametrize(("side", "squares"), [(8, 1), (32, 0), (64, 0)])
+def test_many_taxels_are_no_net(side: int, squares: int) -> None:
+    plane = axis(drawn(pressed(side))[0], "y [mm]")
+    assert sum(isinstance(one, PatchCollection) for one in plane.collections) == squares
+    arrows = quiver(plane)
+    assert arrows.U.size <= 16**2
+    assert plane.get_title(loc="left").startswith(f"{side} x {side} taxels")
+
+
+@pytest.mark.parametrize("name", ["grip.toml", "needle.toml"])
+def test_labels_lie_apart_and_within(name: str) -> None:
+    figure, collected = drawn(open_source(SCENES / name))
+    assert collected.events
+    for part in figure.axes:
+        boxes = [text.get_window_extent() for text in part.texts if text.get_text().split(" ")[0] != "one"]
+        inside = part.get_window_extent()
+        for box in boxes:
+            assert inside.x0 - 1 <= box.x0
+            assert box.x1 <= inside.x1 + 1
+        assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+
+
+def test_frames_of_the_tare_are_no_zeros() -> None:
+    figure, collected = drawn(pressed(3), Settings(tare=20, backend="reference"))
+    columns = collected.columns("pad")
+    assert np.isnan(columns.normal[:20]).all()
+    assert np.isfinite(columns.normal[20:]).all()
+    assert [text.get_text() for text in axis(figure, "normal [N]").texts] == [" tare"]
+
+
+def test_loads_that_are_not_sure_are_told_apart() -> None:
+    figure, collected = drawn(open_source(SCENES / "needle.toml"))
+    rows = collected._rows["chip"]
+    doubted = [(*row[:9], float(Validity.AMBIGUOUS), *row[10:]) if n < 30 else row for n, row in enumerate(rows)]
+    collected._rows["chip"] = doubted
+    assert collected.columns("chip").validity[:30].tolist() == [Validity.AMBIGUOUS] * 30
+    figure = picture(collected, open_source(SCENES / "needle.toml").arrays, "t")
+    plane = axis(figure, "y [mm]")
+    assert "crosses: not sure, 30 frames" in plane.get_title(loc="left")
+    normal = axis(figure, "normal [N]")
+    assert np.isnan(normal.lines[0].get_ydata()[:30]).all()
+    assert normal.lines[1].get_ydata().size == 30
+    assert Load().validity is Validity.NO_LOAD
+
+
+def test_nothing_at_all_can_be_drawn(tmp_path: Path) -> None:
+    source = pressed(2, 0.0)
+    collected = Collected()
+    draw(collected, source.arrays, "a $title$ of nothing", tmp_path / "none.png")
+    run(source, Settings(backend="reference"), [collected])
+    draw(collected, source.arrays, "zeros", tmp_path / "zeros.png")
+    assert (tmp_path / "none.png").stat().st_size > 5_000
