@@ -1,6 +1,7 @@
 """Tables of a run on the terminal: the events, and the figures of each finger."""
 
 from collections.abc import Iterable
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -12,7 +13,14 @@ from tactile.inverse.load import Load
 from tactile.output.collected import Collected
 from tactile.output.json_data import run_data
 
-TIME, CODE, HAND, LOAD, LATENCY = "time [s]", "code", "hand", "load: (x, y) [mm], Q R F [N]", "latency [µs]"
+if TYPE_CHECKING:  # rich is slow to import
+    from rich.console import Console
+    from rich.table import Table
+
+TIME, FINGER, CODE, HAND, MEANING = "time [s]", "finger", "code", "hand", "meaning"
+LOAD, LATENCY = "load: (x, y) [mm], Q R F [N]", "latency [µs]"
+WIDE = 10_000
+"""Columns in which any line has room: how wide a table would be is measured in that."""
 LEGIBLE = 16
 """Most taxels of an array whose code is in the table, and most hexadecimal digits of the hand's code."""
 PATTERNS = frozenset(TouchKind) - {TouchKind.CONTACT, TouchKind.RELEASE}
@@ -23,25 +31,9 @@ TOGETHER = 0.05
 
 def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
     """Print the table of events and a line of figures for each finger; codes of many taxels are left to the record."""
-    from rich.table import Table  # only for people
-
     screen = console()
     forces = all(array.quantity == "force" for array in arrays)
-    table = Table(title="Events", title_justify="left")
-    taxels = [array.rows * array.cols for array in arrays]
-    digits = -(-sum(2 * count for count in taxels) // 4)
-    wanted = {CODE: max(taxels) <= LEGIBLE, HAND: digits <= LEGIBLE, LOAD: not forces}
-    headings = [name for name in (TIME, "finger", CODE, HAND, "meaning", LOAD, LATENCY) if wanted.get(name, True)]
-    for heading in headings:
-        table.add_column(heading, justify="right" if heading in (TIME, LATENCY) else "left")
-    for event, changes in grouped(collected.events):
-        what = event.words if changes == 1 else f"{event.words} ({changes} changes)"
-        cells = {
-            TIME: f"{event.t:.3f}", "finger": event.finger, CODE: event.arrows, HAND: f"{event.hand:0{digits}x}",
-            "meaning": what, LOAD: _located(event.load), LATENCY: f"{event.latency * 1e6:.0f}",
-        }  # fmt: skip
-        table.add_row(*(cells[heading] for heading in headings))
-    screen.print(table)
+    _print_events(screen, collected.events, arrays, not forces)
     for name, facts in run_data(collected, arrays)["fingers"].items():
         texture = f"friction {_figure(facts['friction'])}, roughness {_figure(facts['roughness'])}"
         line = f"{name}: {facts['frames']} frames; {texture}"
@@ -50,6 +42,49 @@ def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
     for array in arrays:
         if (tare := collected.tare(array)) is not None:
             screen.print(f"{array.name}: tare: {tare.words}", highlight=False, markup=False)
+
+
+def _print_events(screen: "Console", events: list[Event], arrays: tuple[TaxelArray, ...], located: bool) -> None:
+    """Print each event in one line, or two where it is narrow; name the codes and latencies that found no room."""
+    taxels = [array.rows * array.cols for array in arrays]
+    digits = -(-sum(2 * count for count in taxels) // 4)
+    wanted = {CODE: max(taxels) <= LEGIBLE, HAND: digits <= LEGIBLE, LOAD: located}
+    headings = [name for name in (TIME, FINGER, CODE, HAND, MEANING, LOAD, LATENCY) if wanted.get(name, True)]
+    rows = []
+    for event, changes in grouped(events):
+        rows.append({
+            TIME: f"{event.t:.3f}", FINGER: event.finger, CODE: event.arrows, HAND: f"{event.hand:0{digits}x}",
+            MEANING: event.words if changes == 1 else f"{event.words} ({changes} changes)",
+            LOAD: _located(event.load), LATENCY: f"{event.latency * 1e6:.0f}",
+        })  # fmt: skip
+    dropped = []
+    table = _table(headings, rows)
+    for heading in (HAND, LATENCY, CODE, LOAD):
+        if screen.measure(table, options=screen.options.update(width=WIDE)).maximum <= screen.width:
+            break
+        if heading in headings:
+            headings.remove(heading)
+            if heading == LOAD:  # below the meaning
+                rows = [row | {MEANING: "\n".join(filter(None, (row[MEANING], row[LOAD])))} for row in rows]
+            else:
+                dropped.append(heading)
+            table = _table(headings, rows)
+    screen.print(table)
+    if dropped:
+        screen.print(f"no room for: {', '.join(dropped)}; --json has all", highlight=False, markup=False)
+
+
+def _table(headings: list[str], rows: list[dict[str, str]]) -> "Table":
+    from rich.table import Table  # only for people
+
+    table = Table(title="Events", title_justify="left")
+    for heading in headings:
+        table.add_column(
+            heading, justify="right" if heading in (TIME, LATENCY) else "left", no_wrap=True, overflow="ellipsis"
+        )
+    for row in rows:
+        table.add_row(*(row[heading] for heading in headings))
+    return table
 
 
 def grouped(events: Iterable[Event]) -> list[tuple[Event, int]]:

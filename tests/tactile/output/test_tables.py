@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner
+from rich.console import Console
 
 from tactile.cli.group import main
 from tactile.core.frame import TaxelArray
@@ -71,3 +72,23 @@ def test_a_cell_of_text_is_no_formula_and_a_code_no_number(text: str) -> None:
     assert text_cell(text) == f"'{text}"
     assert text_cell("a" + text) == "a" + text
     assert text_cell("0000", always=True) == "'0000"
+
+
+@pytest.mark.parametrize(("width", "most"), [(60, 2), (80, 2), (150, 1)])
+def test_an_event_takes_two_lines_at_most(
+    width: int, most: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tactile.output.tables.console", lambda: Console(width=width))
+    arrays = tuple(TaxelArray(name, 2, 2, 1e-3, 1e-3) for name in ("left", "right"))
+    load = Load(1e-3, -2e-3, 0.1, 0.2, 4.2, taxels=4, validity=Validity.INSIDE)
+    collected = Collected()
+    collected.events += [
+        Event(n, "left", n, TouchKind.RELEASE, {}, "·→ ··", "00000000", 0, 1e-4, load) for n in range(9)
+    ]
+    tables(collected, arrays)
+    shown = capsys.readouterr().out.splitlines()
+    body = [line for line in shown if line.startswith("│")]
+    assert len(body) == 9 * most
+    assert max(map(len, shown)) <= width
+    assert sum("(+1.00, -2.00) +0.100 +0.200 +4.200" in line for line in body) == 9
+    assert ("no room for: hand" in " ".join(shown)) == (width < 150)
