@@ -47,6 +47,11 @@ TEXT, NUMBER, WHOLE, FLAG = ({"type": kind} for kind in ("string", "number", "in
 TIME = {"type": "object", "title": "time", "properties": {"sec": WHOLE, "nsec": WHOLE}}
 NUMBERS = {"type": "array", "items": NUMBER}
 TABLE = {"type": "object", "additionalProperties": NUMBER}
+LISTS = {"type": "array"}
+LOAD = {
+    "type": "object", "properties": {"sigma": NUMBERS, "left_out": LISTS, "others": LISTS, "validity": TEXT},
+    "additionalProperties": NUMBER,
+}  # fmt: skip
 LOG_NAME = "foxglove.Log"
 """The schema by whose name viewers know a log."""
 INFO, WARNING = 2, 3
@@ -60,7 +65,7 @@ NOTES: dict[str, tuple[str, bytes]] = {
         "tactile.Event",
         _object(
             type=TEXT, t_s=NUMBER, finger=TEXT, sequence=WHOLE, kind=TEXT, data={"type": "object"}, words=TEXT,
-            arrows=TEXT, ternary=TEXT, hand=TEXT, load=TABLE,
+            arrows=TEXT, ternary=TEXT, hand=TEXT, load=LOAD,
         ),
     ),
     "/counts": (

@@ -1,38 +1,51 @@
-"""Port reader: the one thread that owns the port; it reads, stamps and hands on, and never waits for anyone else."""
+"""Port reader: opens a port, has it drained by a process of its own, and hands on what that has kept."""
 
+import socket
 import threading
 import time
+from collections.abc import Callable
 
 from cnnsim.support import InputError
 from tactile.core.epoch import Epoch
+from tactile.serial.drain import DATA, DROPPED, GONE
+from tactile.serial.drained import Drained
 from tactile.serial.port import open_port, take
-from tactile.serial.ring import Ring
 from tactile.wire.base import Talk
 from tactile.wire.source import PLUGGED, TARE, UNPLUGGED, Chunk
 
 FIRST_PAUSE, LONGEST_PAUSE = 0.1, 0.5
 """[s] between tries to open a port that was unplugged: doubled each time."""
 WAIT = 0.05
-"""[s] after which a thread that reads nothing looks whether it is to stop."""
+"""[s] after which a thread that gets nothing looks whether it is to stop."""
 
 
 class PortReader:
-    """Opens a port when it is made and reads it into a ring after `start`; chunks count nanoseconds from ``epoch``.
+    """Opens a port when it is made and reads it after `start`; chunks count nanoseconds from ``epoch``.
 
-    A bad frame is not its business: only a port that fails is closed, and opened again, later and later, until it is
-    back; ``once``: it stays closed. ``why`` says why it is not open just now.
+    ``hand_on`` is called in the reader's thread with what has come, and with nothing while nothing comes; ``ended``
+    after the last chunk. A bad frame is not its business: only a port that fails is closed, and opened again until it
+    is back; ``once``: it stays closed. ``why`` says why it is not open just now, ``plugged`` [ns] on the clock of the
+    chunks since when it is; ``dropped`` bytes had no room.
 
     Raises:
         InputError: the port cannot be opened the first time.
     """
 
-    def __init__(self, name: str, baudrate: int, talk: Talk, ring: Ring, once: bool = False) -> None:
-        self.unplugged = 0
+    def __init__(
+        self, name: str, baudrate: int, talk: Talk, hand_on: Callable[[list[Chunk]], None],
+        ended: Callable[[], None] = lambda: None, once: bool = False,
+    ) -> None:  # fmt: skip
+        self.unplugged = self.dropped = self.plugged = 0
         self.why = ""
-        self._name, self._baudrate, self._talk, self._ring = name, baudrate, talk, ring
-        self._once = once
+        self._name, self._baudrate, self._talk = name, baudrate, talk
+        self._hand_on, self._ended, self._once = hand_on, ended, once
         self._stop = threading.Event()
-        self._port = open_port(name, baudrate)
+        self._drained = Drained() if CAN_DRAIN else None
+        try:
+            self._port = open_port(name, baudrate)
+        except BaseException:
+            self._let_drain_end()
+            raise
         self.epoch = Epoch.now()
         self._thread = threading.Thread(target=self._run, name=f"port {name}", daemon=True)
 
@@ -45,22 +58,33 @@ class PortReader:
         self._note(TARE)
 
     def close(self) -> None:
-        """Stop reading and let go of the port; the ring is closed after the last chunk."""
+        """Stop reading and let go of the port; what has come by now is handed on."""
         self._stop.set()
         if self._thread.ident is None:  # it never began
             self._port.close()
+            self._let_drain_end()
         else:
             self._thread.join()
 
+    def now(self) -> int:
+        """Return [ns] since the epoch."""
+        return time.monotonic_ns() - self.epoch.monotonic
+
+    def _let_drain_end(self) -> None:
+        if self._drained is not None:
+            self._drained.close()
+
     def _note(self, text: str) -> None:
-        self._ring.put(Chunk(time.monotonic_ns() - self.epoch.monotonic, note=text))
+        self._hand_on([Chunk(self.now(), note=text)])
 
     def _run(self) -> None:
+        read = self._read_here if self._drained is None else self._read_drained
         try:
             while not self._stop.is_set():
+                self.plugged = self.now()
                 self._note(PLUGGED)
                 try:
-                    self._read()
+                    read()
                 except OSError as error:  # SerialException is one
                     self.why = str(error)
                 finally:
@@ -72,9 +96,32 @@ class PortReader:
                         break
                     self._reopen()
         finally:
-            self._ring.close()
+            self._let_drain_end()
+            self._ended()
 
-    def _read(self) -> None:
+    def _read_drained(self) -> None:
+        """Hand on what the draining process has until the port fails; at the end, all that it still has."""
+        if self._drained is None or self._drained.over:
+            self._drained = Drained()
+        self._drained.read(self._port, self._talk)
+        stopping = False
+        while True:
+            if self._stop.is_set() and not stopping:
+                self._drained.finish()
+                stopping = True
+            records = self._drained.take(WAIT)
+            start = self.epoch.monotonic
+            self._hand_on([Chunk(t - start, data) for kind, t, data in records if kind == DATA])
+            self.dropped += sum(int(data) for kind, _, data in records if kind == DROPPED)
+            if gone := [data for kind, _, data in records if kind == GONE]:
+                raise OSError(gone[0].decode())
+            if self._drained.over:
+                if not stopping:
+                    raise OSError("the process that reads the port has ended")
+                return
+
+    def _read_here(self) -> None:
+        """Read where no port can be given to another process: it waits for the other threads' turns."""
         port, talk = self._port, self._talk
         wait = min(WAIT, talk.period) if talk.poll else WAIT
         if talk.hello:
@@ -85,8 +132,7 @@ class PortReader:
                 asked = time.monotonic_ns()
                 port.write(talk.poll)
             data = take(port, wait)
-            if data:
-                self._ring.put(Chunk(time.monotonic_ns() - self.epoch.monotonic, data))
+            self._hand_on([Chunk(self.now(), data)] if data else [])
 
     def _reopen(self) -> None:
         pause = FIRST_PAUSE
@@ -99,3 +145,7 @@ class PortReader:
             else:
                 self.why = ""
                 return
+
+
+CAN_DRAIN = hasattr(socket, "send_fds")
+"""Whether this system lets a process give an open port to another; Windows does not."""

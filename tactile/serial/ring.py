@@ -33,11 +33,6 @@ class Ring:
             self._wake.notify()
         return True
 
-    def has_room(self, chunk: Chunk) -> bool:
-        """Return whether `put` would take the chunk; it stays true if nobody else puts."""
-        with self._wake:
-            return not chunk.data or self._used + len(chunk.data) + CHUNK_COST <= self._capacity
-
     def get(self, timeout: float) -> list[Chunk]:
         """Return all chunks there are, waiting up to ``timeout`` [s] for the first."""
         with self._wake:

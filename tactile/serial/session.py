@@ -1,4 +1,4 @@
-"""Session on a port: the reader's thread, the recording's thread, and the frames for whoever asks."""
+"""Session on a port: what the reader hands on is recorded, and made into frames for whoever asks."""
 
 import threading
 import time
@@ -25,8 +25,8 @@ class Session:
     ``record`` makes the ``recording`` once the port is open, given the instant from which all times count. ``stopped``:
     what `stop` sets, where that has to be known before the port is open.
 
-    port thread -> ring -> recording thread -> ring -> whoever iterates over ``source``. Without a recording the first
-    ring is the only one. Bytes for which the second ring has no room are recorded all the same, as unparsed.
+    draining process -> reader's thread, which records -> ring -> whoever iterates over ``source``. Bytes for which the
+    ring has no room are recorded all the same, as unparsed.
 
     Raises:
         InputError: the port cannot be opened, or the recording not be made.
@@ -37,11 +37,10 @@ class Session:
         tares: tuple[LiveTare, ...] = (), seconds: float | None = None, once: bool = False,
         stopped: threading.Event | None = None,
     ) -> None:  # fmt: skip
-        self._came = Ring()
-        self._unparsed = 0
+        self._ready = Ring()
         self._stopped = stopped or threading.Event()
         talk = description.wire.talk(description.options)
-        self.reader = PortReader(port, description.baudrate, talk, self._came, once)
+        self.reader = PortReader(port, description.baudrate, talk, self._take, self._ready.close, once)
         self.recording: Recording | None = None
         if record is not None:
             try:
@@ -49,24 +48,20 @@ class Session:
             except BaseException:
                 self.reader.close()
                 raise
-        self._ready = self._came if self.recording is None else Ring()
         self._until = float("inf") if seconds is None else time.monotonic() + seconds
         self.source = WireSource(description, self._chunks(), tares, None if self.recording is None else self._keep)
-        self._logger = threading.Thread(target=self._log, name="recording", daemon=True)
-        if self.recording is not None:
-            self._logger.start()
         self.reader.start()
 
     @property
     def counts(self) -> Counts:
         """All counters of the stream so far."""
         counts = self.source.counts
-        counts.overflowed = self._came.overflowed + self._unparsed
+        counts.overflowed = self._ready.overflowed + self.reader.dropped
         return counts
 
     def now(self) -> int:
         """Return [ns] since the stream began."""
-        return time.monotonic_ns() - self.reader.epoch.monotonic
+        return self.reader.now()
 
     def note(self, topic: str, t: int, data: dict[str, Any]) -> None:
         """Write a JSON object into the recording, if there is one."""
@@ -78,11 +73,9 @@ class Session:
         self._stopped.set()
 
     def close(self) -> None:
-        """Let go of the port and finish the recording's thread."""
+        """Let go of the port; all that came is recorded, and in the ring."""
         self.stop()
         self.reader.close()
-        if self.recording is not None:
-            self._logger.join()
 
     def _chunks(self) -> Iterator[Chunk]:
         closing = False
@@ -99,22 +92,14 @@ class Session:
     def _failed(self) -> bool:
         return self.recording is not None and bool(self.recording.failed)
 
-    def _log(self) -> None:
-        assert self.recording is not None
-        while True:
-            closed = self._came.closed
-            chunks = self._came.get(NAP)
-            for chunk in chunks:
-                room = self._ready.has_room(chunk)
+    def _take(self, chunks: list[Chunk]) -> None:
+        """Record what came, then let it be made into frames."""
+        for chunk in chunks:
+            room = self._ready.put(chunk)
+            if self.recording is not None:
                 self.recording.chunk(chunk, room)
-                if room:
-                    self._ready.put(chunk)
-                else:
-                    self._unparsed += len(chunk.data)
+        if self.recording is not None:
             self.recording.push()
-            if closed and not chunks:
-                break
-        self._ready.close()
 
     def _keep(self, frame: Frame) -> None:
         assert self.recording is not None

@@ -217,13 +217,12 @@ def fits(value: Any, schema: dict[str, Any], where: str) -> None:
         return
     assert isinstance(value, TYPES[schema["type"]]), where
     if schema["type"] == "array":
-        for one in value:
+        for one in value if "items" in schema else ():
             fits(one, schema["items"], where)
-    for key in value if "properties" in schema else ():
-        assert key in schema["properties"], f"{where}: {key}"
-        fits(value[key], schema["properties"][key], f"{where}.{key}")
-    for key in value if "additionalProperties" in schema else ():
-        fits(value[key], schema["additionalProperties"], f"{where}.{key}")
+    for key in value if {"properties", "additionalProperties"} & set(schema) else ():
+        kind = schema.get("properties", {}).get(key) or schema.get("additionalProperties")
+        assert kind is not None, f"{where}: {key}"
+        fits(value[key], kind, f"{where}.{key}")
 
 
 def test_a_log_of_what_happened(files: dict[str, Path]) -> None:

@@ -186,25 +186,19 @@ def test_a_full_disk_stops_the_session(tmp_path: Path, monkeypatch: pytest.Monke
 
 def test_bytes_without_room_are_recorded_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     description, stream = sent("native", 0.5)
-    made: list[Ring] = []
-
-    def small() -> Ring:
-        made.append(Ring(16 * 2**20 if not made else 3000))  # the one from which frames are made is small
-        return made[-1]
-
-    monkeypatch.setattr("tactile.serial.session.Ring", small)
+    monkeypatch.setattr("tactile.serial.session.Ring", lambda: Ring(3000))
     with device(stream) as emulator:
         session = Session(emulator.port, description, into(tmp_path / "r.mcap", description))
         frames = iter(session.source)
         live = [next(frames)]
         until = time.monotonic() + 20
-        while session._unparsed == 0 and time.monotonic() < until:
+        while session.counts.overflowed == 0 and time.monotonic() < until:
             time.sleep(0.01)  # nobody takes frames, so the ring fills
         session.stop()
         live += frames
         assert session.recording is not None
         session.recording.close({})
     again = open_recording(tmp_path / "r.mcap")
-    assert session.counts.overflowed == session._unparsed > 0
+    assert session.counts.overflowed > 0
     assert again.messages["/wire/unparsed"] >= 1
     same(list(again.source()), live)
