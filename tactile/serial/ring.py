@@ -5,8 +5,8 @@ from collections import deque
 
 from tactile.wire.source import Chunk
 
-CAPACITY = 16 * 2**20
-"""Bytes kept for a reader that is behind: about 20 s of a 1000 Hz array of 64 taxels."""
+CAPACITY = 64 * 2**20
+"""Bytes kept for a reader that is behind: more than a minute of a 1000 Hz array of 64 taxels."""
 CHUNK_COST = 64
 """Bytes that a chunk counts beside its data, so that empty ones are bounded, too."""
 

@@ -8,6 +8,9 @@ from tactile.core.frame import Frame
 from tactile.wire.base import Reading, Taxels
 from tactile.wire.description import Board, Description
 
+NOTHING = np.full((1, 3), np.nan)
+"""The reading of a cell without a chip."""
+
 
 class Arrange:
     """Splits readings over the boards, turns axes, applies gains, puts chips into their cells.
@@ -17,6 +20,7 @@ class Arrange:
 
     def __init__(self, description: Description) -> None:
         self._boards = description.boards
+        self._chips = [board.chips for board in self._boards]
         self._counts = [0] * len(self._boards)
 
     def __call__(self, reading: Reading, t: float) -> Iterator[Frame]:
@@ -25,20 +29,22 @@ class Arrange:
             yield self._frame(reading.device, reading.values, reading, t)
             return
         at = 0
-        for finger, board in enumerate(self._boards):
-            yield self._frame(finger, reading.values[at : at + board.chips], reading, t)
-            at += board.chips
+        for finger, chips in enumerate(self._chips):
+            yield self._frame(finger, reading.values[at : at + chips], reading, t)
+            at += chips
 
     def _frame(self, finger: int, taxels: Taxels, reading: Reading, t: float) -> Frame:
         board = self._boards[finger]
         turned = taxels @ board.turn.T
         if board.gains is not None:
             turned = board.gains(turned)
-        padded = np.concatenate((turned, np.full((1, 3), np.nan)))  # cell -1 is the row at the end
-        values = padded[board.cells]
+        if self._chips[finger] < board.cells.size:
+            turned = np.concatenate((turned, NOTHING))  # cell -1 is the row at the end
+        values = turned[board.cells]
+        valid = np.logical_and.reduce(np.isfinite(values), axis=-1)
         sequence = self._counts[finger] if reading.sequence is None else reading.sequence
         self._counts[finger] += 1
-        return Frame(finger, t, sequence, values, np.isfinite(values).all(-1), reading.t_device)
+        return Frame(finger, t, sequence, values, valid, reading.t_device)
 
 
 def back(frame: Frame, board: Board) -> Taxels:

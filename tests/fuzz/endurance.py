@@ -33,17 +33,21 @@ rate_hz = {hz}
 duration_s = {seconds}
 [cover]
 youngs_modulus_mpa = 2.4
+"""
+FINGER = """
 [[finger]]
-name = "tip"
-rows = 8
-cols = 8
+name = "{name}"
+rows = {rows}
+cols = {cols}
 pitch_mm = 1.0
 depth_mm = 1.0
 [[load]]
-finger = "tip"
+finger = "{name}"
 path = [[0.5, -0.3, 0.2, 0.0, 0.0, 0.0], [1.0, -0.3, 0.2, 0.1, -0.3, 0.5], [2.5, 1.4, 0.2, 0.1, -0.3, 0.5],
         [3.0, 1.4, 0.2, 0.0, 0.0, 0.0]]
 """
+FINGERS = {"papillarray": [("left", 3, 3), ("right", 3, 3)], "reskin": [("tip", 1, 5)], "lowiek": [("tip", 4, 8)]}
+"""Name, rows and columns of the arrays of each protocol; one of 8 x 8 for the others."""
 
 
 @click.group()
@@ -52,13 +56,18 @@ def main() -> None:
 
 
 @contextmanager
-def emulator(folder: Path, hz: float, seconds: float, *more: str) -> "Iterator[Callable[[], str]]":
+def emulator(
+    folder: Path, hz: float, seconds: float, *more: str, protocol: str = "native"
+) -> "Iterator[Callable[[], str]]":
     """Run a device that loops over the scene, and give what ends it and returns its last words.
 
     Its port is ``folder / skin``.
     """
-    (folder / "scene.toml").write_text(SCENE.format(hz=hz, seconds=float(seconds)), encoding="utf-8")
-    arguments = ["emulate", "--protocol", "native", "--scene", str(folder / "scene.toml"), "--link",
+    scene = SCENE.format(hz=hz, seconds=float(seconds))
+    for name, rows, cols in FINGERS.get(protocol, [("tip", 8, 8)]):
+        scene += FINGER.format(name=name, rows=rows, cols=cols)
+    (folder / "scene.toml").write_text(scene, encoding="utf-8")
+    arguments = ["emulate", "--protocol", protocol, "--scene", str(folder / "scene.toml"), "--link",
                  str(folder / "skin"), "--write-array", str(folder / "array.toml"), *more]  # fmt: skip
     # a session of its own: where the kernel shares the processors out by session, a device takes none of the reader's
     process = subprocess.Popen(
@@ -99,13 +108,34 @@ def processor_seconds(process: "subprocess.Popen[str]") -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
+@contextmanager
+def busy(count: int) -> Iterator[None]:
+    """So many other processes that compute all the time."""
+    others = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(count)]
+    try:
+        yield
+    finally:
+        for other in others:
+            other.kill()
+            other.wait()
+
+
 @main.command()
+@click.option("--protocol", type=click.Choice(list(NAMES)), default="native")
 @click.option("--hz", type=float, default=1000.0)
 @click.option("--seconds", type=float, default=60.0)
+@click.option("--others", type=int, default=0, help="Processes that compute beside it.")
 @click.option("--record-only", is_flag=True, help="Without the pipeline.")
-def rate(hz: float, seconds: float, record_only: bool) -> None:
-    """Frames of 8 x 8 x 3 at this rate with the pipeline running: nothing lost, or every loss counted."""
-    with tempfile.TemporaryDirectory() as name, emulator(Path(name), hz, min(seconds, 4.0), "--loop") as device:
+@click.option(
+    "--p99-ms", type=float, help="Fail if the 99th percentile of the latency is above this, or a frame is lost."
+)
+def rate(protocol: str, hz: float, seconds: float, others: int, record_only: bool, p99_ms: float | None) -> None:
+    """Frames at this rate with the pipeline running: nothing lost, or every loss counted."""
+    with (
+        tempfile.TemporaryDirectory() as name,
+        emulator(Path(name), hz, min(seconds, 4.0), "--loop", protocol=protocol) as device,
+        busy(others),
+    ):
         folder = Path(name)
         options = [] if record_only else ["--tare", "off"]
         process = reader(
@@ -113,26 +143,33 @@ def rate(hz: float, seconds: float, record_only: bool) -> None:
         )
         assert process.stdout is not None
         memory: list[float] = []
-        spent: list[tuple[float, int]] = []
+        spent: list[tuple[float, int, float]] = []
         end: dict[str, Any] = {}
         for text in process.stdout:
             line: dict[str, Any] = json.loads(text)
             if line["type"] == "status":
                 memory.append(peak_mib(process))
-                spent.append((processor_seconds(process), line["counts"]["good"]))
+                spent.append((processor_seconds(process), line["counts"]["good"], time.monotonic()))
             elif line["type"] == "end":
                 end = line
         said = device()
         recorded = open_recording(folder / "r.mcap")
         seen = end["counts"]
-        print(f"device: {said}")
-        print(f"counts: {seen}, recorded frames: {recorded.messages.get('/frames/tip')}, clock {end['clock']}")
+        stored = sum(count for topic, count in recorded.messages.items() if topic.startswith("/frames/"))
+        print(f"{protocol}, {others} other busy processes, load {os.getloadavg()[0]:.1f}\ndevice: {said}")
+        print(f"counts: {seen}, recorded frames: {stored}, clock {end['clock']}")
         if spent:
-            seconds, frames = (last - first for first, last in zip(spent[0], spent[-1], strict=True))
-            print(f"processor time {1e3 * seconds / frames:.2f} ms a frame, all threads; load {os.getloadavg()}")
+            used, frames, took = (last - first for first, last in zip(spent[0], spent[-1], strict=True))
+            print(f"{frames / took:.0f} frames/s, {1e3 * used / frames:.2f} ms of processor a frame, all threads of the"
+                  f" reader: {100 * used / took:.0f} % of one")  # fmt: skip
             latency = {key: f"{1e3 * value:.2f} ms" for key, value in end["latency"].items()}
             print(f"{latency}; peak memory {memory[0]:.0f} MiB after 1 s, {memory[-1]:.0f} MiB at the end")
-        assert recorded.messages.get("/frames/tip") == seen["good"]
+        boards = len(recorded.description.boards)
+        assert stored == seen["good"] * (1 if protocol == "native" else boards)
+        assert recorded.complete
+        if p99_ms is not None:
+            assert [seen[name] for name in ("missing", "bad_checksum", "overflowed")] == [0, 0, 0], "frames were lost"
+            assert end["latency"]["latency_p99_s"] * 1e3 < p99_ms
 
 
 @main.command()

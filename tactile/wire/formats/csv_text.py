@@ -15,8 +15,6 @@ of columns. A sequence number that leaps in such a line counts when the next lin
 import math
 import re
 from collections.abc import Sequence
-from functools import reduce
-from operator import xor
 
 import numpy as np
 
@@ -27,7 +25,8 @@ from tactile.wire.registry import Format
 LONGEST, CELL = 65536, 32
 """Bytes of a line that is waited for: at least so many, and so many for each number."""
 SPLIT = re.compile(rb"[ \t]*[,;][ \t]*|[ \t]+")
-NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?|[nN][aA][nN]")
+NUMBER = rb"(?:[+-]?(?:\d++\.?\d*+|\.\d++)(?:[eE][+-]?\d{1,3})?|[nN][aA][nN])"
+NUMBERS = re.compile(NUMBER + rb"(?:(?:" + SPLIT.pattern + rb")" + NUMBER + rb")*+")
 SECONDS = {"t_us": 1e-6, "t_ms": 1e-3, "t_s": 1.0}
 BEFORE = ("sequence", *SECONDS, "-")
 
@@ -58,16 +57,18 @@ class CsvDecoder(Decoder):
         if first or not line or line.startswith(b"#"):
             return Found(end + 1)
         body, star, check = line.partition(b"*")
-        if star and check.upper() != b"%02X" % reduce(xor, body, 0):
+        if star and check.upper() != check_byte(body):
             self.counts.bad_checksum += 1
             return Found(end + 1)
-        cells = SPLIT.split(body.strip())
-        if not all(NUMBER.fullmatch(cell) for cell in cells):
+        body = body.strip()
+        if not NUMBERS.fullmatch(body):  # one look at the whole line: a look at every number takes five times as long
             return Found(end + 1)
+        only_commas = len(body.translate(None, b"; \t")) == len(body)
+        cells = body.split(b",") if only_commas else SPLIT.split(body)
         if len(cells) != len(self._before) + 3 * self._taxels:
             self.counts.unfit += 1
             return Found(end + 1)
-        numbers = [float(cell) for cell in cells]
+        numbers = list(map(float, cells))
         if not math.isfinite(sum(numbers)) and math.inf in map(abs, numbers):  # such as 1e999
             return Found(end + 1)
         return self._found(end + 1, numbers, bool(star))
@@ -100,7 +101,12 @@ class CsvEncoder(Encoder):
         head["t_us"] = str(round(t_device * 1e6))
         numbers = [repr(value) for values in boards for value in values.ravel().tolist()]
         body = ",".join([*(head[name] for name in self._before), *numbers]).encode()
-        return body + (b"*%02X" % reduce(xor, body, 0) if self._check else b"") + b"\r\n"
+        return body + (b"*" + check_byte(body) if self._check else b"") + b"\r\n"
+
+
+def check_byte(body: bytes) -> bytes:
+    """Return the exclusive or of all bytes, in hexadecimal."""
+    return b"%02X" % int(np.bitwise_xor.reduce(np.frombuffer(body, np.uint8), initial=0))
 
 
 def columns_before(options: Options) -> list[str]:

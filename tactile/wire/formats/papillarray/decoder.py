@@ -25,8 +25,8 @@ from tactile.wire.formats.papillarray.packet import (
     START,
     WHOLE,
     Packet,
+    PacketReader,
     WrongPacketError,
-    read_packet,
 )
 from tactile.wire.registry import Format
 
@@ -48,6 +48,7 @@ class PapillarrayDecoder(Decoder):
         self._taxels = options.taxels
         self._longest = max(LONGEST, 2 * _packet_size(options))
         self._searched = 0  # in the buffer: end markers before this place have been tried
+        self._read_packet = PacketReader()
         self._order: int | None = None
         self._entry: int | None = None
 
@@ -77,7 +78,7 @@ class PapillarrayDecoder(Decoder):
         wanted = int.from_bytes(data[mark - 2 : mark], "little")
         total = sum(data[start + 4 : mark - 2])
         while end - start >= SHORTEST:
-            if total & 0xFFFF == wanted and (packet := _packet(bytes(data[start + 4 : mark - 2]))) is not None:
+            if total & 0xFFFF == wanted and (packet := self._packet(bytes(data[start + 4 : mark - 2]))) is not None:
                 return self._found(start, end, packet)
             later = data.find(START, start + 1, mark)
             if later < 0:
@@ -85,6 +86,12 @@ class PapillarrayDecoder(Decoder):
             total -= sum(data[start + 4 : later + 4])  # so that many markers cost no more than few
             start = later
         return None
+
+    def _packet(self, payload: bytes) -> Packet | None:
+        try:
+            return self._read_packet(payload)
+        except WrongPacketError:
+            return None
 
     def _found(self, start: int, end: int, packet: Packet) -> Found:
         self.counts.bad_checksum += self._buffer.count(START, 0, start)
@@ -118,13 +125,6 @@ class PapillarrayDecoder(Decoder):
             right = int(off.argmin())
             if off[right] < NEAR and off[1 - right] > FAR:
                 self._order = right
-
-
-def _packet(payload: bytes) -> Packet | None:
-    try:
-        return read_packet(payload)
-    except WrongPacketError:
-        return None
 
 
 def _packet_size(options: Options) -> int:
