@@ -72,7 +72,7 @@ def study(skin: Skin) -> list[Gain]:
 
     gains = Gains(1.0, 1.0)
     steps = [error("nominal", skin.name, tried, locate(tried, gains), everywhere)]
-    gains = Gains(beta_from_scan(centre[:, 0], centre[:, 2]), 1.0)
+    gains = Gains(beta_from_scan(centre[:, 0], centre[:, 2]).beta, 1.0)
     steps.append(error("beta_ns", skin.name, tried, locate(tried, gains), everywhere))
     seen = locate(known, gains).places[line, near[line]]
     depth = depth_from_speed(known.times[line, near[line]], seen, SPEED, DEPTH)

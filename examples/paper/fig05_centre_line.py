@@ -18,7 +18,7 @@ HALF = 500e-6
 def beta(made: Scan) -> float:
     """Eq. (18) on the middle line."""
     line = made.readings[len(made.readings) // 2]
-    return beta_from_scan(line[:, 0], line[:, 2])
+    return beta_from_scan(line[:, 0], line[:, 2]).beta
 
 
 def compare(folder: Path | None) -> list[Claim]:

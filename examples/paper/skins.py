@@ -83,7 +83,7 @@ class Trial:
 def on_the_bench(skin: Skin, seed: int = 1) -> Trial:
     """Scan a skin as the paper does: the centre line for beta_ns, then parallel lines over the receptive field."""
     centre = scan(effects=skin.effects, feels=skin.feels, half=500e-6).readings[0]
-    beta = beta_from_scan(centre[:, 0], centre[:, 2])
+    beta = beta_from_scan(centre[:, 0], centre[:, 2]).beta
     made = scan(LINES, skin.effects, feels=skin.feels, seed=seed)
     gains, line = Gains(beta, 1.0), len(LINES) // 2
     located = locate(made, gains)

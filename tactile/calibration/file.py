@@ -9,17 +9,22 @@ from cnnsim.support.toml_file import check_keys, parse_toml, read_toml, take, ta
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection
 
-KEYS = ("shear_gain", "normal_gain", "depth_mm", "radial")
+KEYS = ("shear_gain", "normal_gain", "depth_mm", "sigma", "radial")
+GAIN_KEYS = ("shear_gain", "normal_gain", "depth_mm")
 RADIAL_KEYS = ("located_um", "true_um", "force_factor")
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """The gains from readings to strain, the depth [m] to locate with, and the radial correction."""
+    """The gains from readings to strain, the depth [m] to locate with, and the radial correction.
+
+    ``sigma``: standard deviations of the shear gain, the normal gain and the depth [m], as far as they are known.
+    """
 
     gains: Gains
     depth: float
     radial: RadialCorrection
+    sigma: tuple[float, float, float] | None = None
 
 
 def load_calibration(path: Path | str) -> Calibration:
@@ -52,9 +57,20 @@ def _calibration(table: dict[str, Any], where: str) -> Calibration:
     try:
         found, true = ([um * 1e-6 for um in column] for column in columns[:2])
         gains = Gains(take(table, "shear_gain", float, where), take(table, "normal_gain", float, where))
-        return Calibration(gains, depth * 1e-3, RadialCorrection(found, true, columns[2]))
+        return Calibration(gains, depth * 1e-3, RadialCorrection(found, true, columns[2]), _sigma(table, where))
     except InputError as error:
         raise error if str(error).startswith(where) else InputError(f"{where}: {error}") from error
+
+
+def _sigma(table: dict[str, Any], where: str) -> tuple[float, float, float] | None:
+    if "sigma" not in table:
+        return None
+    spread, where = take(table, "sigma", dict, where), f"{where}: [sigma]"
+    check_keys(spread, GAIN_KEYS, where)
+    shear, normal, depth = (take(spread, key, float, where) for key in GAIN_KEYS)
+    if min(shear, normal, depth) < 0:
+        raise InputError(f"{where}: {[shear, normal, depth]}, standard deviations of 0 or more wanted")
+    return shear, normal, depth * 1e-3
 
 
 def write_calibration(path: Path, made: Calibration) -> None:
@@ -63,13 +79,17 @@ def write_calibration(path: Path, made: Calibration) -> None:
     Raises:
         InputError: the file cannot be written.
     """
-    radial = made.radial
+    radial, sigma = made.radial, []
+    if made.sigma is not None:
+        shear, normal, depth = made.sigma
+        sigma = ["", "[sigma]", f"shear_gain = {shear!r}", f"normal_gain = {normal!r}", f"depth_mm = {depth * 1e3!r}"]
     lines = [
         "# Readings times the gains are strain; loads are located with this depth, then put right by their distance",
         "# from the taxel.",
         f"shear_gain = {made.gains.shear!r}",
         f"normal_gain = {made.gains.normal!r}",
         f"depth_mm = {made.depth * 1e3!r}",
+        *sigma,
         "",
         "[radial]",
         f"located_um = {[radius * 1e6 for radius in radial.found]!r}",

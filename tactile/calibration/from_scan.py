@@ -7,7 +7,7 @@ from cnnsim.support import Floats, InputError
 from tactile.calibration.file import Calibration
 from tactile.calibration.from_load import depth_from_speed, gains_from_load
 from tactile.calibration.gains import Gains
-from tactile.calibration.radial import radial_from_scan
+from tactile.calibration.radial import RadialCorrection, radial_from_scan
 from tactile.calibration.sensitivity import beta_from_scan
 from tactile.inverse.taxel import invert_strain
 
@@ -23,7 +23,13 @@ RINGS, SAMPLES = 10, 6
 
 
 def calibrate(
-    times: ArrayLike, readings: ArrayLike, speed: float, load: float, depth: float, modulus: float
+    times: ArrayLike,
+    readings: ArrayLike,
+    speed: float,
+    load: float,
+    depth: float,
+    modulus: float,
+    toward: tuple[float, float] | None = None,
 ) -> Calibration:
     """Return the calibration from a needle that slides straight over a taxel, at a known speed, with a known load.
 
@@ -31,7 +37,8 @@ def calibrate(
     with which it presses with its load; how far it was when it was located at each radius.
 
     Arguments: ``times`` (n,) [s]; ``readings`` (n, 3) T_x, T_y, S_n less their tare; ``speed`` [m/s]; ``load`` [N];
-    ``depth`` z [m], nominal; ``modulus`` E [Pa]. The direction on the surface is found from the shear.
+    ``depth`` z [m], nominal; ``modulus`` E [Pa]; ``toward``: direction of the slide in the array's
+    frame. Without it the direction is found from the shear, whose sign is then taken to be right.
 
     Raises:
         InputError: shapes that do not match, a speed, load, depth or modulus that is not positive, a scan that
@@ -49,16 +56,23 @@ def calibrate(
             raise InputError(f"{name} {value}, a positive number wanted")
     for name, column in zip(("shear", "shear", "normal"), read.T, strict=True):
         _in_range(name, column)
-    axis = np.linalg.svd(read[:, :2], full_matrices=False)[2][0]
     top = int(np.abs(read[:, 2]).argmax())
+    if toward is None:
+        axis = _way(read[:, :2], top)
+    elif not 0 < np.hypot(*toward) < np.inf:
+        raise InputError(f"direction {toward}, a direction on the surface wanted")
+    else:
+        axis = np.divide(toward, np.hypot(*toward))
     inward = 1.0 if read[top, 2] < 0 else -1.0  # strain is negative under a load, CONVENTIONS.md
-    gains = Gains(beta_from_scan(read[:, :2] @ axis, read[:, 2]), inward)
+    beta = beta_from_scan(read[:, :2] @ axis, read[:, 2])
+    gains = Gains(abs(beta.beta) if toward is None else beta.beta, inward)
 
     places, _ = _located(read, gains, depth, modulus)
     near = np.abs(t - t[top]) * speed <= RELIABLE * depth
     deeper = depth_from_speed(t[near], places[near], speed, depth)
     places, forces = _located(read, gains, deeper, modulus)
     gains = gains_from_load(gains, forces[near], load)
+    places_near, pressed = places[near], forces[near]
 
     since = t - t[near].mean()
     slope = since[near] @ places[near] / (since[near] @ since[near])
@@ -72,8 +86,34 @@ def calibrate(
     true = (middle @ way + since * speed)[:, None] * way + aside * np.array([-way[1], way[0]])
     reach = np.hypot(*true.T) <= REACH * depth
     places, forces = _located(read[reach], gains, deeper, modulus)
-    rings = max(1, min(RINGS, int(reach.sum()) // SAMPLES))
-    return Calibration(gains, deeper, radial_from_scan(places, true[reach], forces, load, rings))
+    radial = _radial(places, true[reach], forces, load)
+    rest = places_near - places_near.mean(axis=0) - since[near][:, None] * slope
+    error = np.sqrt((rest**2).sum() / (near.sum() - 2) / (since[near] @ since[near])) / np.hypot(*slope)
+    own = beta.sigma / abs(beta.beta)
+    share = np.sqrt(np.var(pressed / pressed.mean(), ddof=1) / pressed.size + 4 * error**2 + own**2)  # forces go as z^2
+    sigma = (
+        float(abs(gains.shear) * np.hypot(share, own)), float(abs(gains.normal) * share), float(deeper * error)
+    )  # fmt: skip
+    return Calibration(gains, deeper, radial, sigma)
+
+
+def _way(shear: Floats, top: int) -> Floats:
+    """Return the direction of the scan: shear along it changes its sign at the taxel, shear across it does not."""
+    half = min(top, len(shear) - 1 - top)
+    odd = shear[top : top + half + 1] - shear[top - half : top + 1][::-1]
+    return np.asarray(np.linalg.svd(odd, full_matrices=False)[2][0])
+
+
+def _radial(found: Floats, true: Floats, forces: Floats, load: float) -> RadialCorrection:
+    """Return the radial correction with as many rings as stand out of the noise."""
+    rings = max(1, min(RINGS, len(found) // SAMPLES))
+    while True:
+        try:
+            return radial_from_scan(found, true, forces, load, rings)
+        except InputError:
+            if rings == 1:
+                raise
+            rings -= 1
 
 
 def _in_range(name: str, readings: Floats) -> None:

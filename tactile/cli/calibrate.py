@@ -21,9 +21,16 @@ from tactile.calibration.tare import Tare
 @click.option("--speed-mm-s", type=float, required=True, help="True speed of the needle.")
 @click.option("--load-n", type=float, required=True, help="True load of the needle.")
 @click.option("--tare", type=int, default=0, show_default=True, help="Unloaded frames at the start to average away.")
+@click.option(
+    "--toward", type=(float, float), metavar="X Y",
+    help="Direction of the slide in the array's frame; without it the sign of the shear is taken to be right.",
+)  # fmt: skip
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="File for `tactile run --calibration`.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
-def calibrate(scan: Path, speed_mm_s: float, load_n: float, tare: int, output: Path | None, as_json: bool) -> None:
+def calibrate(
+    scan: Path, speed_mm_s: float, load_n: float, tare: int, toward: tuple[float, float] | None, output: Path | None,
+    as_json: bool,
+) -> None:  # fmt: skip
     """Measure gains, depth and radial correction from SCAN.
 
     SCAN is a recording or a scene of one strain array, on which a needle is drawn straight over one taxel. The taxel
@@ -46,13 +53,14 @@ def calibrate(scan: Path, speed_mm_s: float, load_n: float, tare: int, output: P
     row, col = np.unravel_index(np.abs(values[..., 2]).max(axis=0).argmax(), array.shape)
     use = np.array([frame.valid[row, col] for frame in frames])
     times = np.array([frame.t for frame in frames])
-    made = from_scan(times[use], values[use, row, col], speed_mm_s * 1e-3, load_n, array.depth, modulus)
+    made = from_scan(times[use], values[use, row, col], speed_mm_s * 1e-3, load_n, array.depth, modulus, toward)
     told = {
         "taxel": [int(row), int(col)],
         "beta_ns": made.gains.beta_ns,
         "shear_gain": made.gains.shear,
         "normal_gain": made.gains.normal,
         "depth_mm": made.depth * 1e3,
+        "sigma": dict(zip(("shear_gain", "normal_gain", "depth_m"), made.sigma or (), strict=False)),
         "thicker": made.depth / array.depth,
         "radial_um": [
             [found * 1e6, true * 1e6] for found, true in zip(made.radial.found, made.radial.true, strict=True)

@@ -58,7 +58,7 @@ def test_scans_that_cannot_calibrate_are_refused() -> None:
 
     with pytest.raises(InputError, match="beyond every extremum"):  # too short
         attempt(*scan(half=1.1e-4))
-    with pytest.raises(InputError, match="beyond every extremum"):  # too few
+    with pytest.raises(InputError, match="6 samples, at least 11 wanted"):
         attempt(*(part[::20] for part in scan()))
     t, readings = scan(aside=5e-5)
     with pytest.raises(InputError, match=r"passes 49.6 um beside the taxel, at most 20.8 um"):
@@ -73,6 +73,29 @@ def test_scans_that_cannot_calibrate_are_refused() -> None:
     with pytest.raises(InputError, match=r"\(100,\).*\(101, 3\)"):
         attempt(t[1:], readings)
     attempt(*scan(aside=1.5e-5))  # near enough
+
+
+@pytest.mark.parametrize("level", [0.01, 0.03])
+def test_noisy_scans_calibrate_and_know_how_well(level: float) -> None:
+    random, found = np.random.default_rng(8), []
+    for _ in range(40):
+        t, readings = scan(rate=200)
+        noise = random.normal(size=readings.shape) * level * np.abs(readings).max(axis=0)
+        found.append(calibrate(t, readings + noise, SPEED, LOAD, NOMINAL, MODULUS))
+    got = np.array([(one.gains.shear, one.gains.normal, one.depth) for one in found])
+    error = got / (SENSOR.shear, SENSOR.normal, NOMINAL) - 1
+    assert (np.abs(error.mean(axis=0)) < 0.3 * level).all()
+    own = np.array([one.sigma for one in found]) / got
+    assert (np.abs(error / own) < 3).mean() > 0.9
+
+
+def test_a_slide_of_known_direction_tells_the_sign_of_the_shear() -> None:
+    t, readings = scan()
+    readings = readings * (-1, -1, 1)
+    made = calibrate(t, readings, SPEED, LOAD, NOMINAL, MODULUS, toward=(1.0, 0.0))
+    assert made.gains.shear == pytest.approx(-SENSOR.shear, rel=1e-6)
+    with pytest.raises(InputError, match="direction"):
+        calibrate(t, readings, SPEED, LOAD, NOMINAL, MODULUS, toward=(0.0, 0.0))
 
 
 @pytest.mark.parametrize("share", [0.3, 0.6, 0.9])
@@ -102,7 +125,9 @@ def test_what_the_bench_says_is_positive(which: str, wrong: float) -> None:
         calibrate(*scan(), **bench)
 
 
-MADE = Calibration(SENSOR, 2.1e-4, RadialCorrection((0.0, 9e-5, 2e-4), (0.0, 1e-4, 2.3e-4), (1.0, 1.1, 1.3)))
+MADE = Calibration(
+    SENSOR, 2.1e-4, RadialCorrection((0.0, 9e-5, 2e-4), (0.0, 1e-4, 2.3e-4), (1.0, 1.1, 1.3)), (1e-3, 2e-3, 3e-7)
+)
 
 
 def test_a_calibration_file_keeps_all(tmp_path: Path) -> None:
@@ -110,6 +135,7 @@ def test_a_calibration_file_keeps_all(tmp_path: Path) -> None:
     back = load_calibration(tmp_path / "skin.toml")
     assert back.gains == SENSOR
     assert back.depth == pytest.approx(MADE.depth, rel=1e-15)
+    assert back.sigma == pytest.approx(MADE.sigma, rel=1e-15)
     for name in ("found", "true", "force"):
         assert getattr(back.radial, name) == pytest.approx(list(getattr(MADE.radial, name)), rel=1e-14)
 

@@ -10,6 +10,8 @@ from tactile.calibration.sensitivity import beta_from_scan
 from tactile.calibration.tare import Tare
 from tactile.core.frame import Frame
 from tactile.elastic.halfspace import point_load_strain
+from tactile.elastic.layer_loads import layer_term
+from tactile.elastic.medium import Medium
 
 DEPTH = 2e-4
 
@@ -26,7 +28,7 @@ def scan(places: NDArray[np.float64]) -> NDArray[np.float64]:
 def test_equation_18_where_samples_hit_the_extrema(per_depth: int, beta: float) -> None:
     strain = scan(np.arange(-3 * per_depth, 3 * per_depth + 1) / per_depth)
     # the sensor's readings: T = u / alpha with alpha = (beta, beta, 1)
-    got = beta_from_scan(strain[:, 0] / beta, strain[:, 2])
+    got = beta_from_scan(strain[:, 0] / beta, strain[:, 2]).beta
     assert abs(got / beta - 1) < 1e-12
 
 
@@ -44,12 +46,42 @@ def test_ratio_of_the_extrema_is_the_papers_constant() -> None:
 def test_cost_of_samples_beside_the_extrema(spacing: float) -> None:
     for shift in np.linspace(0, 1, 11):
         strain = scan((np.arange(-40, 41) + shift) * spacing)
-        assert abs(beta_from_scan(strain[:, 0], -strain[:, 2]) - 1) < 70 * spacing**7
+        assert abs(beta_from_scan(strain[:, 0], -strain[:, 2]).beta - 1) < 1e-9
 
 
 def test_an_offset_of_the_shear_signal_drops_out() -> None:
     strain = scan(np.arange(-80, 81) / 20)
-    assert beta_from_scan(strain[:, 0] + 1e-3, strain[:, 2]) == pytest.approx(1, rel=1e-12)
+    assert beta_from_scan(strain[:, 0] + 1e-3, strain[:, 2]).beta == pytest.approx(1, rel=1e-12)
+
+
+def test_shear_that_is_wired_the_other_way_round_is_told() -> None:
+    strain = scan(np.arange(-80, 81) / 20)
+    assert beta_from_scan(-strain[:, 0], strain[:, 2]).beta == pytest.approx(-1, rel=1e-12)
+
+
+@pytest.mark.parametrize("level", [0.01, 0.03])
+@pytest.mark.parametrize("count", [121, 1001])
+def test_noise_does_not_bias_beta_and_is_known(count: int, level: float) -> None:
+    random, found = np.random.default_rng(count), []
+    for _ in range(60):
+        strain = scan(np.linspace(-4, 4, count) + random.uniform(-0.1, 0.1))
+        noisy = strain + random.normal(size=strain.shape) * level * np.abs(strain).max(axis=0)
+        found.append(beta_from_scan(noisy[:, 0] / 1.46, noisy[:, 2]))
+    error = np.array([one.beta for one in found]) / 1.46 - 1
+    sigma = np.array([one.sigma for one in found]) / 1.46
+    assert abs(error.mean()) < 0.002 + 3 * error.std() / np.sqrt(error.size)
+    assert 0.75 < error.std() / sigma.mean() < 1.3
+
+
+@pytest.mark.parametrize("thickness", [1.5, 2.0, 4.0])
+def test_a_skin_that_is_no_half_space_gives_its_own_extrema(thickness: float) -> None:
+    """The extrema of the dense scan itself, by its largest samples."""
+    x = np.arange(-400, 401) / 100
+    loads = np.array([[[place * DEPTH, 0.0, 0.0, 0.0, 0.02]] for place in x])
+    here, skin = np.zeros(2), Medium(2.4e6, 0.5, "strain")
+    strain = scan(x) + layer_term(here, DEPTH, loads, thickness * DEPTH, skin)
+    wanted = np.abs(strain[:, 2]).max() / np.abs(strain[:, 0]).max() / (25 * np.sqrt(5) / 24)
+    assert beta_from_scan(strain[::4, 0], strain[::4, 2]).beta == pytest.approx(wanted, rel=5e-3)
 
 
 def test_scans_that_cannot_tell_are_refused() -> None:
