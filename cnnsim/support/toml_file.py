@@ -97,6 +97,30 @@ def check_keys(
         raise InputError(f"{lead}{'; '.join(found)}")
 
 
+class KeyFaults:
+    """Collects what `check_keys` finds in several tables of a file, to be told at once; ``where`` names the file."""
+
+    def __init__(self, where: str) -> None:
+        self._where = where
+        self._found: list[str] = []
+
+    def check(self, table: Any, known: Collection[str], place: str = "", required: Collection[str] = ()) -> None:
+        """Check a table as `check_keys`; ``place`` names it in messages."""
+        try:
+            check_keys(table, known, place, required)
+        except InputError as error:
+            self._found.append(str(error))
+
+    def tell(self) -> None:
+        """Refuse the file if anything was found.
+
+        Raises:
+            InputError: all that was found.
+        """
+        if self._found:
+            raise InputError(f"{self._where}: {'; '.join(self._found)}")
+
+
 def _room(table: Mapping[str, Any]) -> str:
     """Return where missing keys belong: those of a file before its first table."""
     if not isinstance(table, LinedTable) or table.line is not None:

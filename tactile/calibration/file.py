@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim.support import InputError
-from cnnsim.support.toml_file import check_keys, parse_toml, read_toml, take, take_numbers
+from cnnsim.support.toml_file import KeyFaults, parse_toml, read_toml, take, take_numbers
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection
 
@@ -46,9 +46,12 @@ def parse_calibration(text: str, where: str) -> Calibration:
 
 
 def _calibration(table: dict[str, Any], where: str) -> Calibration:
-    check_keys(table, KEYS, where)
+    faults = KeyFaults(where)
+    faults.check(table, KEYS, "", KEYS)
+    if "radial" in table:
+        faults.check(table["radial"], RADIAL_KEYS, "[radial]", RADIAL_KEYS)
+    faults.tell()
     radial = take(table, "radial", dict, where)
-    check_keys(radial, RADIAL_KEYS, f"{where}: [radial]")
     count = len(take(radial, "located_um", list, f"{where}: [radial]"))
     columns = [take_numbers(radial, key, count, f"{where}: [radial]") for key in RADIAL_KEYS]
     depth = take(table, "depth_mm", float, where)

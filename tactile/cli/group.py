@@ -7,6 +7,7 @@ from tactile.cli.calibrate import calibrate
 from tactile.cli.convert import convert
 from tactile.cli.devices import emulate, ports
 from tactile.cli.explain import explain
+from tactile.cli.new import new
 from tactile.cli.run import run
 from tactile.cli.stream import live, record, replay
 
@@ -17,5 +18,5 @@ def main() -> None:
     """Turn frames of three-axial taxel arrays into events, located loads and texture figures."""
 
 
-for command in (run, calibrate, explain, ports, emulate, record, replay, convert, live):
+for command in (run, new, calibrate, explain, ports, emulate, record, replay, convert, live):
     main.add_command(command)

@@ -1,7 +1,7 @@
 """Tables of a run on the terminal: the events, and the figures of each finger."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Floats, InputError, Integers
-from cnnsim.support.toml_file import check_keys, parse_toml, take, take_numbers, take_tables
+from cnnsim.support.toml_file import KeyFaults, check_keys, parse_toml, take, take_numbers, take_tables
 from tactile.calibration.gains import Gains
 from tactile.core.array_table import take_array
 from tactile.core.frame import TaxelArray
@@ -35,6 +35,9 @@ from tactile.wire.registry import Format, find_format
 
 TOP_KEYS = ("title", "protocol", "baudrate", "youngs_modulus_mpa", "options", "finger")
 FINGER_KEYS = ("name", "rows", "cols", "pitch_mm", "depth_mm", "origin_mm", "quantity", "axes", "gains", "cells")
+
+NEEDED = ("name", "rows", "cols", "pitch_mm", "depth_mm", "quantity")
+"""Keys that every [[finger]] has to have."""
 
 
 def read_description(path: Path) -> Description:
@@ -59,7 +62,12 @@ def parse_description(text: str, where: str) -> Description:
         InputError: as `read_description`.
     """
     table = parse_toml(text, where)
-    check_keys(table, TOP_KEYS, where)
+    faults = KeyFaults(where)
+    faults.check(table, TOP_KEYS, "", ("protocol", "finger"))
+    fingers = table.get("finger", [])
+    for number, finger in enumerate(fingers if isinstance(fingers, list) else [], 1):
+        faults.check(finger, FINGER_KEYS, f"finger {number}", NEEDED)
+    faults.tell()
     wire = find_format(take(table, "protocol", str, where))
     extra = take(table, "options", dict, where, {})
     check_keys(extra, wire.keys, f"{where}: [options] of {wire.name}")
@@ -107,7 +115,6 @@ def _toml(value: Any) -> str:
 
 
 def _board(table: dict[str, Any], wire: Format, where: str) -> Board:
-    check_keys(table, FINGER_KEYS, where)
     array = take_array(table, "mm", where)
     gains = Gains(*take_numbers(table, "gains", 2, where)) if "gains" in table else None
     return Board(

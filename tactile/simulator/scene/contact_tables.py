@@ -16,12 +16,6 @@ from tactile.simulator.contacts.traction_map import TractionMap
 from tactile.simulator.scene.scene import Contact
 from tactile.simulator.scene.table_values import keyframes, one_finger, positive
 
-CONTACT_KEYS = ("finger", "shape", "radius_mm", "length_mm", "angle_deg", "friction", "given", "twist", "path")
-TEXTURE_KEYS = (
-    "finger", "material", "place_mm", "start_s", "stop_s", "speed_mm_s", "direction_deg", "force_N", "stiffness_N_mm",
-    "seed",
-)  # fmt: skip
-MAP_KEYS = ("finger", "file", "pitch_mm", "origin_mm", "path")
 BY_FORCE = "t_s, x_mm, y_mm, Q_N, R_N, F_N"
 BY_DEPTH = "t_s, x_mm, y_mm, Q_N, R_N, indentation_mm"
 
@@ -32,7 +26,6 @@ def read_contact(table: dict[str, Any], names: list[str], where: str, _folder: P
     Raises:
         InputError: an unknown key or shape, a missing size, a wrong path.
     """
-    check_keys(table, CONTACT_KEYS, where)
     given = take(table, "given", str, where, "force")
     if given not in ("force", "indentation"):
         raise InputError(f"{where}: given = {given!r}, 'force' or 'indentation' wanted")
@@ -68,7 +61,6 @@ def read_texture(table: dict[str, Any], names: list[str], where: str, _folder: P
     Raises:
         InputError: an unknown key or material, a value out of range.
     """
-    check_keys(table, TEXTURE_KEYS, where)
     material = take(table, "material", str, where)
     check_keys({material: None}, tuple(PRESETS), f"{where}: material")
     x, y = take_numbers(table, "place_mm", 2, where, [0.0, 0.0])
@@ -95,7 +87,6 @@ def read_map(table: dict[str, Any], names: list[str], where: str, folder: Path) 
     Raises:
         InputError: an unknown key, no such file, an array of another shape or not finite.
     """
-    check_keys(table, MAP_KEYS, where)
     path = folder / take(table, "file", str, where)
     try:
         traction = np.asarray(np.load(path, allow_pickle=False), dtype=np.float64)

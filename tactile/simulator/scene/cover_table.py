@@ -10,8 +10,6 @@ from tactile.core.frame import TaxelArray
 from tactile.simulator.bump_cover import Bumps
 from tactile.simulator.scene.table_values import positive
 
-BUMP_KEYS = ("diameter_mm", "thickness_mm", "contact_mm", "fillet_mm", "poissons_ratio", "strain", "indentation_mm")
-
 
 def read_bumps(table: dict[str, Any], arrays: Iterable[TaxelArray], where: str) -> Bumps:
     """Bumps over all taxels; what the table does not say is the paper's.

@@ -4,20 +4,14 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim.support import InputError
-from cnnsim.support.toml_file import check_keys, read_toml, take, take_tables
+from cnnsim.support.toml_file import read_toml, take, take_tables
 from tactile.core.array_table import take_array
 from tactile.core.frame import TaxelArray
 from tactile.simulator.contacts.moving_load import MovingLoad
+from tactile.simulator.scene.keys import check_scene_keys
 from tactile.simulator.scene.scene import FULL_SCALE, Contact, Scene
 from tactile.simulator.scene.table_values import keyframes, one_finger, positive
 
-TOP_KEYS = (
-    "title", "rate_hz", "duration_s", "seed", "effects", "tolerance",
-    "cover", "finger", "load", "contact", "texture", "map", "effect",
-)  # fmt: skip
-COVER_KEYS = ("youngs_modulus_mpa", "quantity", "full_scale", "kind")
-FINGER_KEYS = ("name", "rows", "cols", "pitch_mm", "depth_mm", "origin_mm")
-LOAD_KEYS = ("finger", "path")
 KEYFRAME = "t_s, x_mm, y_mm, Q_N, R_N, F_N"
 TOLERANCE = 0.02
 """What ``effects = "auto"`` may leave out, relative to the peak of the signal, unless the scene says."""
@@ -54,7 +48,7 @@ def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tupl
     Raises:
         InputError: as ``read_scene``.
     """
-    check_keys(table, TOP_KEYS, where)
+    check_scene_keys(table, where)
     cover = take(table, "cover", dict, where)
     bumpy = _is_bumpy(cover, f"{where}: [cover]")
     modulus = positive(cover, "youngs_modulus_mpa", f"{where}: [cover]") * 1e6
@@ -121,22 +115,14 @@ def _is_bumpy(cover: dict[str, Any], where: str) -> bool:
     kind = take(cover, "kind", str, where, "flat")
     if kind not in ("flat", "bump"):
         raise InputError(f"{where}: kind = {kind!r}, 'flat' or 'bump' wanted")
-    if kind == "flat":
-        check_keys(cover, COVER_KEYS, where)
-        return False
-    from tactile.simulator.scene.cover_table import BUMP_KEYS  # only where called for
-
-    check_keys(cover, (*COVER_KEYS, *BUMP_KEYS), where)
-    return True
+    return kind == "bump"
 
 
 def _finger(table: dict[str, Any], quantity: str, where: str) -> TaxelArray:
-    check_keys(table, FINGER_KEYS, where)
     return take_array(table, "mm", where, quantity)
 
 
 def _load(table: dict[str, Any], names: list[str], where: str) -> MovingLoad:
-    check_keys(table, LOAD_KEYS, where)
     finger = one_finger(table, names, where)
     return MovingLoad(finger, keyframes(table, KEYFRAME, where) * (1, 1e-3, 1e-3, 1, 1, 1))
 
@@ -159,7 +145,6 @@ def _effects(table: dict[str, Any], where: str) -> tuple[tuple[str, Any], ...]:
         return ()
     from tactile.simulator.effects import ORDER, read_effect  # only where called for
 
-    check_keys(named, ORDER, f"{where}: [effect]")
     return tuple(
         (name, read_effect(name, take(named, name, dict, f"{where}: [effect]"), f"{where}: [effect.{name}]"))
         for name in ORDER

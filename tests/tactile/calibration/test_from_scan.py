@@ -143,10 +143,10 @@ def test_a_calibration_file_keeps_all(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ("depth_mm", "depth_m", "unknown key 'depth_m'; did you mean 'depth_mm'"),
+        ("depth_mm", "depth_m", "unknown key 'depth_m' (line 5); did you mean 'depth_mm'"),
         ("depth_mm = 0.21", "depth_mm = -1.0 #", "depth_mm = -1.0, a positive"),
         ("shear_gain = 1.825", "shear_gain = 0", "shear gain 0.0"),
-        ("shear_gain = 1.825\n", "", "'shear_gain' is missing"),
+        ("shear_gain = 1.825\n", "", "no 'shear_gain'"),
         ("true_um = [0.0,", "true_um = [0.0, 0.0,", "true_um"),
         ("true_um = [0.0,", "true_um = [1.0,", "growing ones from 0"),
         ("[radial]", "[radial", "not TOML"),

@@ -145,7 +145,7 @@ def test_very_many_loads_come_in_small_pieces(tmp_path: Path) -> None:
         ({"seed": -1}, "seed = -1"),
         ({"effect": {"read_nois": {}}}, r"\[effect\]: unknown key 'read_nois'; did you mean 'read_noise'"),
         ({"effect": {"read_noise": {"rma": 1}}}, r"\[effect.read_noise\]: unknown key 'rma'; did you mean 'rms'"),
-        ({"effect": {"read_noise": 3}}, "read_noise = 3, a table wanted"),
+        ({"effect": {"read_noise": 3}}, r"read_noise\]: 3, a table wanted"),
         ({"contacts": []}, "unknown key 'contacts'; did you mean 'contact'"),
         ({"contact": [{**SPHERE, "shape": "spere"}]}, "contact 1: shape 'spere', one of point"),
         ({"contact": [{**SPHERE, "radius": 1}]}, "contact 1: unknown key 'radius'; did you mean 'radius_mm'"),

@@ -1,0 +1,37 @@
+"""The command `new`: a commented file of a scene or an array description that runs as it is."""
+
+from pathlib import Path
+
+import click
+
+from cnnsim.support.command_line import examples
+from cnnsim.support.echo import echo
+from cnnsim.support.files import write_text
+from cnnsim.support.names import check_name
+from tactile.cli.new_texts import ARRAY, SCENE
+
+
+@click.command(
+    epilog=examples(
+        "tactile new scene my-touch", "tactile run my-touch.toml",
+        "tactile new array my-skin -o skins/", "tactile emulate --array my-skin.toml --scene my-touch.toml",
+    )
+)  # fmt: skip
+@click.argument("kind", type=click.Choice(["scene", "array"]))
+@click.argument("name")
+@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=Path(), show_default=".",
+              help="Folder for it.")  # fmt: skip
+@click.option("--replace", is_flag=True, help="Write over a file that is there already.")
+def new(kind: str, name: str, output: Path, replace: bool) -> None:
+    """Write a commented file NAME.toml, which runs as it is.
+
+    A scene is what touches simulated fingers; an array says what is on the other end of a cable.
+    """
+    path = output / f"{check_name(name, kind)}.toml"
+    write_text(path, {"scene": SCENE, "array": ARRAY}[kind].replace("NAME", name), replace=replace)
+    echo(f"-> {path}")
+    if kind == "scene":
+        echo(f"to run it: tactile run {path} -o out/")
+    else:
+        echo(f"to read a board: tactile live -p PORT -a {path}; PORT is one of `tactile ports`")
+        echo(f"without one: tactile emulate --array {path} --scene SCENE.toml prints a port")

@@ -1,0 +1,77 @@
+"""Texts of new scene files and array descriptions: every key, most of them as comments."""
+
+SCENE = """\
+# A finger is touched, pushed to the right and released. Lengths in mm, forces in N, times in s.
+# Try it: change a number, take a # away, run again; tactile explain NAME.toml shows what each part does to the signal.
+
+title      = "NAME"
+rate_hz    = 200            # frames a second, for each finger
+duration_s = 2.0
+# seed       = 1            # of all random effects
+# effects    = "auto"       # exactly the effects that change the signal by more than the tolerance
+# tolerance  = 0.02         # of its peak
+
+[cover]
+youngs_modulus_mpa = 2.4    # soft silicone rubber
+quantity = "strain"         # what the taxels measure: "strain" or "stress"
+# full_scale = 0.1          # largest strain that the electronics are made for
+# kind = "bump"             # a bump over every taxel (examples/scenes/bump.toml has its keys); "flat" is without
+
+[[finger]]                  # one table for each; names are used below
+name     = "finger"
+rows     = 2
+cols     = 2
+pitch_mm = 1.5              # distance of neighbouring taxels
+depth_mm = 1.5              # how deep they lie
+# origin_mm = [0.0, 0.0]    # centre of the array: x to the right, y down
+
+[[load]]                    # a force at a point; in between the rows everything changes linearly
+finger = "finger"
+path = [
+  # t_s  x_mm  y_mm   Q_N   R_N   F_N: tangential along x and y, normal
+  [0.30, 0.20, -0.30, 0.00, 0.00, 0.00],
+  [0.60, 0.20, -0.30, 0.00, 0.00, 0.60],
+  [1.00, 0.20, -0.30, 0.30, 0.00, 0.60],
+  [1.40, 0.20, -0.30, 0.30, 0.00, 0.60],
+  [1.70, 0.20, -0.30, 0.00, 0.00, 0.00],
+]
+
+# [[contact]]               # a body that presses: sphere, needle, disc, flat_punch, edge, cylinder or point
+# finger    = "finger"
+# shape     = "sphere"
+# radius_mm = 5
+# friction  = 0.6           # without it nothing slips
+# path = [[0.3, 0.0, 0.0, 0.0, 0.0, 0.0], [0.8, 0.0, 0.0, 0.2, 0.0, 0.5], [1.5, 0.0, 0.0, 0.0, 0.0, 0.0]]
+
+# [[texture]]               # a material drawn over one point: screw, smooth wood, fine textile or rasp
+# finger     = "finger"
+# material   = "rasp"
+# speed_mm_s = 5
+# force_N    = 0.3
+# start_s    = 0.2
+# stop_s     = 1.8
+
+# [effect.read_noise]       # one table an effect; examples/scenes/needle.toml has more
+# rms = 0.001               # of full scale
+"""
+
+ARRAY = """\
+# What is on the other end of the cable: which boards, how their taxels lie, how their readings become frames.
+
+title    = "NAME"
+protocol = "native"         # reskin, papillarray, paxini-fast, paxini-serial, lowiek, native or csv
+# baudrate = 921600         # the protocol's own unless given
+youngs_modulus_mpa = 2.4    # of the cover; wanted where the quantity is strain
+
+[[finger]]                  # one table for each board, in the order in which the wire carries them
+name     = "finger"
+rows     = 2
+cols     = 2
+pitch_mm = 1.5              # distance of neighbouring taxels
+depth_mm = 1.5              # how deep they lie under the cover; 0 for force sensors
+quantity = "strain"         # strain, stress or force: what the readings are after the gains
+# origin_mm = [0.0, 0.0]    # centre of the array: x to the right, y down
+# axes  = ["x", "y", "-z"]  # which of the device's axes are shear_x, shear_y and normal
+# gains = [1e-5, 1e-5]      # shear, normal: quantity per unit of the wire; microtesla of magnetometers need them
+# cells = [[0, 1], [2, 3]]  # the device's number of the chip in each cell, -1 where none is
+"""

@@ -1,0 +1,55 @@
+"""Keys of a scene file: which there are, which are needed, and all faults in them told at once."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from cnnsim.support.toml_file import KeyFaults
+
+TOP = (
+    "title", "rate_hz", "duration_s", "seed", "effects", "tolerance",
+    "cover", "finger", "load", "contact", "texture", "map", "effect",
+)  # fmt: skip
+COVER = ("youngs_modulus_mpa", "quantity", "full_scale", "kind")
+BUMPS = ("diameter_mm", "thickness_mm", "contact_mm", "fillet_mm", "poissons_ratio", "strain", "indentation_mm")
+TABLES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "finger": (("name", "rows", "cols", "pitch_mm", "depth_mm", "origin_mm"),
+               ("name", "rows", "cols", "pitch_mm", "depth_mm")),
+    "load": (("finger", "path"), ("finger", "path")),
+    "contact": (("finger", "shape", "radius_mm", "length_mm", "angle_deg", "friction", "given", "twist", "path"),
+                ("finger", "shape", "path")),
+    "texture": (("finger", "material", "place_mm", "start_s", "stop_s", "speed_mm_s", "direction_deg", "force_N",
+                 "stiffness_N_mm", "seed"), ("finger", "material", "stop_s", "speed_mm_s", "force_N")),
+    "map": (("finger", "file", "pitch_mm", "origin_mm", "path"), ("finger", "file", "pitch_mm", "path")),
+}  # fmt: skip
+"""[[table]] -> its keys, and those of them that are needed."""
+
+
+def check_scene_keys(table: dict[str, Any], where: str) -> None:
+    """Refuse unknown and missing keys in all tables of a scene, at once.
+
+    Raises:
+        InputError: all of them, with their lines.
+    """
+    faults = KeyFaults(where)
+    faults.check(table, TOP, "", ("title", "rate_hz", "duration_s", "cover", "finger"))
+    cover = table.get("cover", {})
+    if "cover" in table:
+        flat = not isinstance(cover, Mapping) or cover.get("kind", "flat") == "flat"
+        faults.check(cover, COVER if flat else (*COVER, *BUMPS), "[cover]", ("youngs_modulus_mpa",))
+    for name, (known, needed) in TABLES.items():
+        tables = table.get(name, [])
+        for number, one in enumerate(tables if isinstance(tables, list) else [], 1):
+            faults.check(one, known, f"{name} {number}", needed)
+    effects = table.get("effect", {})
+    if effects:
+        _check_effects(faults, effects)
+    faults.tell()
+
+
+def _check_effects(faults: KeyFaults, effects: Any) -> None:
+    from tactile.simulator.effects import ORDER, effect_class  # only where called for
+
+    faults.check(effects, ORDER, "[effect]")
+    for name in ORDER if isinstance(effects, Mapping) else ():
+        if name in effects:
+            faults.check(effects[name], tuple(effect_class(name).KEYS), f"[effect.{name}]")

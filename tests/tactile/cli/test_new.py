@@ -1,0 +1,71 @@
+"""New files run as they are, and files with many faults name all of them with their lines."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from cnnsim.support import InputError
+from tactile.calibration.file import load_calibration
+from tactile.sources import open_source
+from tactile.wire.description_file import read_description
+from tests.kits.serial import call
+
+
+def test_a_new_scene_runs_as_it_is(tmp_path: Path) -> None:
+    made = call("new", "scene", "my-touch", "-o", tmp_path)
+    path = tmp_path / "my-touch.toml"
+    assert made.stdout.splitlines() == [f"-> {path}", f"to run it: tactile run {path} -o out/"]
+    done = call("run", path, "--json")
+    assert done.exit_code == 0, done.output
+    kinds = [event["kind"] for event in json.loads(done.stdout)["events"]]
+    assert {"contact", "shear_begins", "release"} <= set(kinds)
+    refused = call("new", "scene", "my-touch", "-o", tmp_path)
+    assert refused.exit_code == 2
+    assert "is there already; --replace" in refused.stderr
+    assert call("new", "scene", "my-touch", "-o", tmp_path, "--replace").exit_code == 0
+    assert call("new", "scene", "../x", "-o", tmp_path).exit_code == 2
+
+
+def test_what_a_new_scene_has_as_comments_is_right(tmp_path: Path) -> None:
+    call("new", "scene", "all", "-o", tmp_path)
+    text = (tmp_path / "all.toml").read_text()
+    lines = [line.removeprefix("# ") if " = " in line or line.startswith("# [") else line for line in text.splitlines()]
+    lines = [line for line in lines if not line.startswith(("kind =", "Try it"))]
+    (tmp_path / "all.toml").write_text("\n".join(lines))
+    scene = open_source(tmp_path / "all.toml")
+    assert sum(1 for _ in scene) == 400
+
+
+def test_a_new_array_describes_a_device(tmp_path: Path) -> None:
+    assert call("new", "array", "my-skin", "-o", tmp_path).exit_code == 0
+    description = read_description(tmp_path / "my-skin.toml")
+    assert [array.shape for array in description.arrays] == [(2, 2)]
+    description.check_calibrated()
+
+
+def test_all_faults_of_a_file_are_told_at_once_with_their_lines(tmp_path: Path) -> None:
+    path = tmp_path / "x.toml"
+    path.write_text('title = "t"\nrate = 3\n[cover]\n[[finger]]\nname = "a"\nrow = 2\n[[load]]\npath = []\n'
+                    "[[contact]]\n[effect.read_noise]\nrmss = 1\n")  # fmt: skip
+    with pytest.raises(InputError) as caught:
+        open_source(path)
+    told = str(caught.value)
+    for fault in (
+        "unknown key 'rate' (line 2)", "no 'rate_hz', 'duration_s'", "[cover]: no 'youngs_modulus_mpa' (line 3)",
+        "finger 1: unknown key 'row' (line 6)", "no 'rows', 'cols', 'pitch_mm', 'depth_mm' (line 4)",
+        "load 1: no 'finger' (line 7)", "contact 1: no 'finger', 'shape', 'path' (line 9)",
+        "[effect.read_noise]: unknown key 'rmss' (line 11)",
+    ):  # fmt: skip
+        assert fault in told, told
+    assert told.count(str(path)) == 1
+    path.write_text('protocol = "native"\nbaud = 3\n[[finger]]\nname = "a"\nrow = 2\n')
+    said = r"'baud' \(line 2\).*finger 1: unknown key 'row' \(line 5\).*no 'rows', 'cols'"
+    with pytest.raises(InputError, match=said):
+        InputError, match=r"'baud' \(line 2\).*finger 1: unknown key 'row' \(line 5\).*no 'rows', 'cols'"
+    ):
+        read_description(path)
+    path.write_text("shear = 1.0\n[radial]\n")
+    missing = r"'shear' \(line 1\).*no 'shear_gain', 'normal_gain', 'depth_mm'.*\[radial\]: no 'located_um', 'true_um'"
+    with pytest.raises(InputError, match=missing):
+        load_calibration(path)
