@@ -62,8 +62,6 @@ def test_all_faults_of_a_file_are_told_at_once_with_their_lines(tmp_path: Path) 
     path.write_text('protocol = "native"\nbaud = 3\n[[finger]]\nname = "a"\nrow = 2\n')
     said = r"'baud' \(line 2\).*finger 1: unknown key 'row' \(line 5\).*no 'rows', 'cols'"
     with pytest.raises(InputError, match=said):
-        InputError, match=r"'baud' \(line 2\).*finger 1: unknown key 'row' \(line 5\).*no 'rows', 'cols'"
-    ):
         read_description(path)
     path.write_text("shear = 1.0\n[radial]\n")
     missing = r"'shear' \(line 1\).*no 'shear_gain', 'normal_gain', 'depth_mm'.*\[radial\]: no 'located_um', 'true_um'"
