@@ -47,9 +47,10 @@ def parse_calibration(text: str, where: str) -> Calibration:
 
 def _calibration(table: dict[str, Any], where: str) -> Calibration:
     faults = KeyFaults(where)
-    faults.check(table, KEYS, "", KEYS)
-    if "radial" in table:
-        faults.check(table["radial"], RADIAL_KEYS, "[radial]", RADIAL_KEYS)
+    faults.check(table, KEYS, "", (*GAIN_KEYS, "radial"))
+    for name, keys in (("radial", RADIAL_KEYS), ("sigma", GAIN_KEYS)):
+        if name in table:
+            faults.check(table[name], keys, f"[{name}]", keys)
     faults.tell()
     radial = take(table, "radial", dict, where)
     count = len(take(radial, "located_um", list, f"{where}: [radial]"))
@@ -69,7 +70,6 @@ def _sigma(table: dict[str, Any], where: str) -> tuple[float, float, float] | No
     if "sigma" not in table:
         return None
     spread, where = take(table, "sigma", dict, where), f"{where}: [sigma]"
-    check_keys(spread, GAIN_KEYS, where)
     shear, normal, depth = (take(spread, key, float, where) for key in GAIN_KEYS)
     if min(shear, normal, depth) < 0:
         raise InputError(f"{where}: {[shear, normal, depth]}, standard deviations of 0 or more wanted")
