@@ -17,7 +17,7 @@ from cnnsim.planning.plan import Plan, make_plan
 from cnnsim.recording import Record, parse_record, recorded
 from cnnsim.result import Result
 from cnnsim.support import Array, Flags, Floats, InputError
-from cnnsim.support.values import as_numbers
+from cnnsim.support.values import as_numbers, largest
 from cnnsim.trajectory import CellIndex, Trajectory
 
 
@@ -34,17 +34,27 @@ class Task:
     """A template with its planes checked and its plan made, ready for any backend."""
 
     plan: Plan
-    state: Floats
-    input: Floats | Frames[Floats] | None
-    bias: Floats | Frames[Floats] | None
+    state: Array
+    input: Array | Frames[Array] | None
+    bias: Array | Frames[Array] | None
     mask: Flags | None
+
+    def owned(self) -> "Task":
+        """Return the task with planes of its own, for runs that go on while the caller may change what was given."""
+
+        def own(value: Any) -> Any:
+            return value.map(own) if isinstance(value, Frames) else None if value is None else value.copy()
+
+        return replace(self, state=own(self.state), input=own(self.input), bias=own(self.bias))
 
     def start(self, backend: Backend, state: Array | None = None, plan: Plan | None = None) -> Outcome:
         """Load the planes and run; ``state`` and ``plan`` replace the task's own (to go on from an earlier end)."""
+        given = self.state if state is None else state
+        x = backend.load(given, "lam", copy=False)
         return backend.transient(
             self.plan if plan is None else plan,
-            backend.load(self.state if state is None else state, "lam"),
-            _load(backend, self.input),
+            x,
+            x if self.input is given else _load(backend, self.input),
             _load(backend, self.bias),
             None if self.mask is None else backend.load(self.mask, "llm"),
         )
@@ -129,8 +139,8 @@ def make_task(
         template, x.shape, parse_boundary(boundary), duration=duration, cell=cell, scheme=scheme, step=step,
         limit=limit, without=without, periods=[value.period for value in (u, w) if isinstance(value, Frames)],
     )  # fmt: skip
-    if plan.cell == "full-range" and np.abs(x).max() > 1:
-        raise InputError(f"state reaches {np.abs(x).max():g}; the full-range model keeps it from -1 to 1")
+    if plan.cell == "full-range" and largest(x) > 1:
+        raise InputError(f"state reaches {largest(x):g}; the full-range model keeps it from -1 to 1")
     return Task(plan, x, u, w, None if mask is None else _plane("mask", mask, x.shape) > 0)
 
 
@@ -160,7 +170,7 @@ def run_transient(
     wanted = None if record is None else parse_record(record, task.state.shape)
     where = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend
     outcome = task.start(where)
-    result = Result(where.read(outcome.x), outcome.t, outcome.settled, outcome.rate, task.plan)
+    result = Result(where.read(outcome.x, copy=False), outcome.t, outcome.settled, outcome.rate, task.plan)
     if wanted is not None:
         result = replace(result, trajectory=task.recorded(where, wanted, result))
     if task.plan.duration == "settled" and not result.settled:
@@ -188,7 +198,7 @@ def trajectory(
 
     Arguments and errors: as `run_transient`.
     """
-    task = make_task(template, state=state, **choices)
+    task = make_task(template, state=state, **choices).owned()
     where = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend
     yield 0.0, task.plan.output(where.read(where.load(task.state, "lam")))
     for t, x in task.states(where, until, frames):
@@ -197,8 +207,8 @@ def trajectory(
 
 def _load(backend: Backend, value: Any) -> Any:
     if isinstance(value, Frames):
-        return value.map(lambda plane: backend.load(plane, "lam"))
-    return None if value is None else backend.load(value, "lam")
+        return value.map(lambda plane: backend.load(plane, "lam", copy=False))
+    return None if value is None else backend.load(value, "lam", copy=False)
 
 
 def _planes(name: str, value: Any, shape: tuple[int, ...]) -> Any:
@@ -207,17 +217,17 @@ def _planes(name: str, value: Any, shape: tuple[int, ...]) -> Any:
     return None if value is None else _plane(name, value, shape)
 
 
-def _plane(name: str, values: ArrayLike, shape: tuple[int, ...] | None) -> Floats:
-    plane = np.array(as_numbers(name, values, levels=name == "bias"), dtype=np.float64)
-    if plane.ndim == 0 and shape is not None:
-        plane = np.full(shape, plane)
-    if shape is not None and len(shape) > 2 and plane.shape == shape[-2:]:
-        plane = np.broadcast_to(plane, shape).copy()
+def _plane(name: str, values: ArrayLike, shape: tuple[int, ...] | None) -> Array:
+    """Return a plane of floats of that shape: the very array that was given where it is one, to save its memory."""
+    plane = as_numbers(name, values, levels=name == "bias")
+    plane = plane if plane.dtype.kind == "f" else plane.astype(np.float64)
+    if shape is not None and (plane.ndim == 0 or (len(shape) > 2 and plane.shape == shape[-2:])):
+        plane = np.broadcast_to(plane, shape)
     if plane.ndim not in (2, 3, 4) or plane.size == 0:
         raise InputError(f"{name} has shape {plane.shape}; (rows, cols) with at least one cell wanted")
     if shape is not None and plane.shape != shape:
         raise InputError(f"{name} has shape {plane.shape}, the state has {shape}; one shape wanted")
-    if not np.isfinite(plane).all():
+    if not np.isfinite(largest(plane)):
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(plane))[0])
         raise InputError(f"{name} holds {plane[where]} in cell {where}; finite numbers wanted")
     return plane

@@ -37,11 +37,14 @@ class Backend(Protocol):
     name: str
     dtype: np.dtype[Any]
 
-    def load(self, values: Array, memory: Memory) -> Plane:
-        """Bring an array in; into an LLM everything above 0 is black."""
+    def load(self, values: Array, memory: Memory, *, copy: bool = True) -> Plane:
+        """Bring an array in; into an LLM everything above 0 is black. ``copy=False``: it stays as it is meanwhile."""
 
-    def read(self, plane: Plane) -> Array:
-        """Bring a plane out as a new array: floats from a LAM, booleans (True is black) from an LLM."""
+    def read(self, plane: Plane, *, copy: bool = True) -> Array:
+        """Bring a plane out as an array: floats from a LAM, booleans (True is black) from an LLM.
+
+        ``copy=False``: the plane is the end of a transient and in use no more, so the array may be the plane itself.
+        """
 
     def convert(self, plane: Plane, memory: Memory) -> Plane:
         """Give the plane for the other memory: black is +1, white -1; a value above 0 is black."""

@@ -115,12 +115,20 @@ class LibraryEntry:
 
     def task(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, Any]:
         """Return what `run_transient` takes for a picture (and a second one): planes, boundary, time, cell, step."""
-        task = {**self.planes(picture, state), "boundary": self.boundary, "duration": self.duration, "cell": self.cell}
+        planes = self.planes(picture, state)
+        return planes | self.rules(planes["state"].shape[-2:], len(np.asarray(picture)))
+
+    def rules(self, grid: tuple[int, int], frames: int) -> dict[str, Any]:
+        """Return what `run_transient` takes besides planes, on a grid (rows, cols), for a sequence of so many frames.
+
+        That is boundary, time, cell and step.
+        """
+        rules: dict[str, Any] = {"boundary": self.boundary, "duration": self.duration, "cell": self.cell}
         if self.duration == "settled":
-            task["limit"] = self.limit(task["state"].shape[-2:])
+            rules["limit"] = self.limit(grid)
         elif self.frame_time:  # a longer sequence than that of the file is seen to its end
-            task["duration"] = max(self.duration, self.frame_time * len(np.asarray(picture)))
-        return task if self.step is None else {**task, "step": self.step}
+            rules["duration"] = max(self.duration, self.frame_time * frames)
+        return rules if self.step is None else {**rules, "step": self.step}
 
     def planes(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, Any]:
         """Return the planes ``input`` and ``state`` that the picture (and the second one) stand for.
@@ -143,14 +151,15 @@ class LibraryEntry:
             raise InputError(f"the second picture has shape {state.shape}, the first {picture.shape}; one shape wanted")
         first = picture[0] if self.frame_time else picture
 
-        def start(role: Any) -> Floats:
-            return np.asarray({"picture": first, "given": state, "any": 0.0}.get(str(role), role), dtype=np.float64)
+        def start(role: Any) -> Array:
+            return np.asarray({"picture": first, "given": state, "any": 0.0}.get(str(role), role))
 
         if len(roles) == 1:
-            planes: dict[str, Any] = {"state": np.broadcast_to(start(roles[0]), shape)}
+            x = start(roles[0])
+            planes: dict[str, Any] = {"state": x if x.shape == shape else np.broadcast_to(x, shape)}
         else:
             planes = {"state": np.array([np.broadcast_to(start(role), shape[-2:]) for role in roles])}
         if self.input != "none":
-            picture_or_frames = Frames(list(picture), self.frame_time) if self.frame_time else picture
-            planes["input"] = picture_or_frames if self.input == "picture" else np.full(shape, self.input)
+            shown = Frames(list(picture), self.frame_time) if self.frame_time else picture
+            planes["input"] = shown if self.input == "picture" else np.broadcast_to(float(self.input), shape)
         return planes

@@ -69,10 +69,21 @@ def as_numbers(name: str, values: ArrayLike, *, levels: bool = False) -> Array:
     return array
 
 
+def distinct(array: Array) -> Array:
+    """Return a view without the cells that only repeat others, as `numpy.broadcast_to` makes them."""
+    return array[tuple(slice(None) if stride else slice(0, 1) for stride in array.strides)]
+
+
+def largest(array: Array) -> float:
+    """Return the largest absolute value, NaN if there is one, without a plane of absolute values in between."""
+    values = distinct(array)
+    return max(float(values.max()), -float(values.min())) if values.size else 0.0
+
+
 def as_picture(name: str, values: ArrayLike) -> Array:
     """Return a picture as `as_numbers`; one that leaves [-1, 1] is warned of."""
     array = as_numbers(name, values)
-    most = np.abs(array).max(initial=0.0)
+    most = largest(array)
     if 1 < most < np.inf:
         warnings.warn(f"{name} reaches {most:g}; CNN values lie from -1 (white) to 1 (black)", stacklevel=4)
     return array

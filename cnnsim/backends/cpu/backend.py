@@ -69,13 +69,15 @@ class CpuBackend(Backend):
             ):
                 setattr(self, verb, on_threads(getattr(self, verb), checked_threads(threads)))
 
-    def load(self, values: Array, memory: Memory) -> Any:
+    def load(self, values: Array, memory: Memory, *, copy: bool = True) -> Any:
         if memory == "llm":
             return self._pack(np.ascontiguousarray(values))
-        return np.array(values, dtype=self.dtype, order="C")
+        return np.array(values, self.dtype, order="C") if copy else np.ascontiguousarray(values, self.dtype)
 
-    def read(self, plane: Any) -> Array:
-        return self._unpack(plane, np.dtype(bool)) if isinstance(plane, Bits) else plane.copy()
+    def read(self, plane: Any, *, copy: bool = True) -> Array:
+        if isinstance(plane, Bits):
+            return self._unpack(plane, np.dtype(bool))
+        return plane.copy() if copy else plane
 
     def convert(self, plane: Any, memory: Memory) -> Any:
         return self._pack(plane) if memory == "llm" else self._unpack(plane, self.dtype)

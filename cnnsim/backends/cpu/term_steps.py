@@ -18,7 +18,8 @@ class CompiledTermSteps:
         self._network, self._x, self.start_span = network, network.x.copy(), network.start_span
         self._a, self._b = [np.array(row, dtype) for row in scheme.a], np.array(scheme.b, dtype)
         self._ahead = [round(sum(row)) for row in scheme.a]
-        self._stage, self._rates = np.empty_like(self._x), np.empty((len(scheme.b), *network.shape), dtype)
+        self._stage = np.empty_like(self._x) if len(scheme.b) > 1 else self._x  # Euler needs none
+        self._rates = np.empty((len(scheme.b), *network.shape), dtype)
         self._combine = loops.combine.for_work(self._x.size)
         gains, _, self._limited = network.cells
         self._unmasked = gains, NO_MASK, self._limited

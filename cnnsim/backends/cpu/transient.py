@@ -30,7 +30,9 @@ class SchemeTable(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Planes of the stages: outputs with virtual cells, the stage, the rates of all stages; and a check, row by row."""
+    """Planes of the stages: outputs with virtual cells, the stage (the first is the state itself: of a scheme of one,
+    no grid), the rates of all stages; and a check, row by row.
+    """
 
     padded: Array
     stage: Array
@@ -68,15 +70,17 @@ def run_stages(
     r = virtual[2]
     for number in range(max(count, 1)):
         for i in range(1 if checked and number == 0 else 0, hb.size if count else 1):
+            at = stage if i else x  # the first stage is the state itself
             for line in prange(n * height):
                 g, p = line // height, line % height
-                row = stage[g, p]
-                copy_row(x[g, p], row)
+                row = at[g, p]
+                if i:
+                    copy_row(x[g, p], row)
                 for earlier in range(i):
                     c = ha[i, earlier]
                     for j in range(width):
                         row[j] += c * rates[earlier, g, p, j]
-                if limited:
+                if limited and i:
                     clip_row(row, row)
                 clip_row(row, padded[g, p + r, r : r + width])
             for g in prange(n):
@@ -90,7 +94,7 @@ def run_stages(
                     of_row = mask[g, p] if mask.size else mask[0, 0]
                     largest[line], saturated[line] = check_row(row, x[g, p], of_row, limited)
                 for j in range(width):
-                    row[j] -= stage[g, p, j]
+                    row[j] -= at[g, p, j]
         if count == 0:
             break
         for line in prange(n * height):
@@ -122,7 +126,7 @@ class CompiledSteps(Stepper):
         r, (n, rows, cols) = ready.around_y[2], grids(x).shape
         stages, lines = len(ready.scheme[1]), n * rows
         scratch = Scratch(
-            np.empty((n, rows + 2 * r, cols + 2 * r), x.dtype), np.empty((n, rows, cols), x.dtype),
+            np.empty((n, rows + 2 * r, cols + 2 * r), x.dtype), np.empty((n if stages > 1 else 0, rows, cols), x.dtype),
             np.empty((stages, n, rows, cols), x.dtype), np.zeros(lines, x.dtype), np.zeros(lines, bool),
         )  # fmt: skip
         planes = grids(self._x), grids(w), mask

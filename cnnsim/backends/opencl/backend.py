@@ -49,7 +49,7 @@ class OpenCLBackend(Backend):
         pocl.name_processor(self.device)
         self._context = device_context(self.device, family or family_of(self.device), self.dtype)
 
-    def load(self, values: Array, memory: Memory) -> DevicePlane:
+    def load(self, values: Array, memory: Memory, *, copy: bool = True) -> DevicePlane:
         values = np.asarray(values)
         if memory == "lam":
             host: Array = np.ascontiguousarray(values, dtype=self.dtype)
@@ -60,7 +60,7 @@ class OpenCLBackend(Backend):
         flags = cl.mem_flags.READ_WRITE | cl.mem_flags.COPY_HOST_PTR
         return DevicePlane(cl.Buffer(self._context.context, flags, hostbuf=host), values.shape, memory)
 
-    def read(self, plane: DevicePlane) -> Array:
+    def read(self, plane: DevicePlane, *, copy: bool = True) -> Array:
         words = plane.memory == "llm"
         row = words_of(plane.shape[-1]) * 8 if words else plane.shape[-1]
         host = np.empty((*plane.shape[:-1], row), np.uint8 if words else self.dtype)

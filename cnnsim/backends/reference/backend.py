@@ -33,10 +33,10 @@ class ReferenceBackend(Backend):
         if self.dtype != np.float64:
             raise InputError(f"the reference backend computes in float64, not in {self.dtype}")
 
-    def load(self, values: Array, memory: Memory) -> Array:
+    def load(self, values: Array, memory: Memory, *, copy: bool = True) -> Array:
         return np.array(values, dtype=np.float64) if memory == "lam" else np.asarray(values) > 0
 
-    def read(self, plane: Array) -> Array:
+    def read(self, plane: Array, *, copy: bool = True) -> Array:
         return plane.copy()
 
     def convert(self, plane: Array, memory: Memory) -> Array:
