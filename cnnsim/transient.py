@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from cnnsim import backends
 from cnnsim.backends.base import Backend, Outcome
+from cnnsim.backends.memory import cell_bytes
 from cnnsim.keywords import spelled
 from cnnsim.network import ZERO_FLUX, AnyTemplate, Boundary, Cell, CellModel, Frames
 from cnnsim.network.boundary import parse_boundary
@@ -17,6 +18,7 @@ from cnnsim.planning.plan import Plan, make_plan
 from cnnsim.recording import Record, parse_record, recorded
 from cnnsim.result import Result
 from cnnsim.support import Array, Flags, Floats, InputError
+from cnnsim.support.memory import LARGE, check_memory
 from cnnsim.support.values import as_numbers, largest
 from cnnsim.trajectory import CellIndex, Trajectory
 
@@ -47,8 +49,34 @@ class Task:
 
         return replace(self, state=own(self.state), input=own(self.input), bias=own(self.bias))
 
+    @property
+    def planes(self) -> list[Array]:
+        """The planes that are given, each once: often the input is the state."""
+        values = (self.state, self.input, self.bias)
+        planes = [p for value in values for p in (value.planes if isinstance(value, Frames) else (value,))]
+        return list({id(plane): plane for plane in planes if plane is not None}.values())
+
+    def cell_bytes(self, itemsize: int) -> float:
+        """Return the bytes a cell that a run takes, with what is given and the result, in numbers of so many bytes."""
+        return cell_bytes(self.plan, len(self.planes), itemsize, has_mask=self.mask is not None)
+
+    def check_memory(self, backend: Backend) -> None:
+        """Refuse a run on a large grid that needs more memory than is free, before the machine swaps.
+
+        Raises:
+            InputError: both sizes, and what to do.
+        """
+        if self.state.size < LARGE:
+            return
+        there = sum(plane.dtype == backend.dtype and plane.flags.c_contiguous for plane in self.planes)
+        needed = self.cell_bytes(backend.dtype.itemsize) - there * backend.dtype.itemsize
+        name, size = self.plan.template.name, " x ".join(map(str, self.state.shape))
+        cure = "a smaller grid, float32 for float64, or a machine with more memory wanted"
+        check_memory(f"template {name!r} on {size} cells", needed * self.state.size, cure)
+
     def start(self, backend: Backend, state: Array | None = None, plan: Plan | None = None) -> Outcome:
         """Load the planes and run; ``state`` and ``plan`` replace the task's own (to go on from an earlier end)."""
+        self.check_memory(backend)
         given = self.state if state is None else state
         x = backend.load(given, "lam", copy=False)
         return backend.transient(

@@ -39,9 +39,10 @@ def explain(name: str, size: str, without: tuple[str, ...], as_json: bool) -> No
     if as_json:
         plan, known = found.plan, found.guaranteed
         facts = {"template": name, "method": plan.method, "step": plan.step, "decisions": plan.decisions}
+        facts |= {"bytes_a_cell": found.cell_bytes, "cells": found.cells}
         print_json(facts | {"guaranteed_time": known.time, "why": known.why, "assuming": known.assuming})
     else:
-        say_table([*found.plan.decisions, ("guaranteed time", str(found.guaranteed))])
+        say_table(found.lines)
 
 
 def _explain_steps(program: Program, shape: tuple[int, int], as_json: bool) -> None:

@@ -152,13 +152,19 @@ class LibraryEntry:
         first = picture[0] if self.frame_time else picture
 
         def start(role: Any) -> Array:
-            return np.asarray({"picture": first, "given": state, "any": 0.0}.get(str(role), role))
+            return np.asarray(
+                {"picture": first, "given": state}.get(role, 0.0) if isinstance(role, str) else float(role)
+            )
 
         if len(roles) == 1:
             x = start(roles[0])
             planes: dict[str, Any] = {"state": x if x.shape == shape else np.broadcast_to(x, shape)}
         else:
-            planes = {"state": np.array([np.broadcast_to(start(role), shape[-2:]) for role in roles])}
+            starts = [np.broadcast_to(start(role), shape[-2:]) for role in roles]
+            if all(x.strides == (0, 0) for x in starts):  # constants of layers need no planes
+                planes = {"state": np.broadcast_to(np.array([x[:1, :1] for x in starts]), (len(starts), *shape[-2:]))}
+            else:
+                planes = {"state": np.array(starts)}
         if self.input != "none":
             shown = Frames(list(picture), self.frame_time) if self.frame_time else picture
             planes["input"] = shown if self.input == "picture" else np.broadcast_to(float(self.input), shape)

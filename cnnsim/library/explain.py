@@ -11,19 +11,39 @@ from cnnsim.library.catalogue import load
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.network import AnyTemplate, layered
 from cnnsim.planning.plan import Plan, lines_of
+from cnnsim.support import Array, InputError
+from cnnsim.support.memory import free_memory, in_words
 from cnnsim.theory.running_time import RunningTime
-from cnnsim.transient import TaskOptions, make_task
+from cnnsim.transient import Task, TaskOptions, make_task
 
 
 @dataclass(frozen=True)
 class Explanation:
-    """A ``plan`` with its decisions, and the ``guaranteed`` running time; ``str`` has a line for each."""
+    """A ``plan`` with its decisions, and the ``guaranteed`` running time; ``str`` has a line for each.
+
+    ``cell_bytes`` of memory a cell are for float32 on the cpu backend, what is given and the result included, for so
+    many ``cells``, of all layers.
+    """
 
     plan: Plan
     guaranteed: RunningTime
+    cell_bytes: float
+    cells: int
+
+    @property
+    def memory(self) -> str:
+        """What a run takes, in words; where it is more than is free, that as well."""
+        size, free = self.cell_bytes * self.cells, free_memory()
+        words = f"{self.cell_bytes:.3g} bytes a cell in float32, pictures and result included: {in_words(size)}"
+        return words if size <= free else f"{words}, more than the {in_words(free)} that are free"
+
+    @property
+    def lines(self) -> list[tuple[str, str]]:
+        """What is decided and what it takes, each with its words."""
+        return [*self.plan.decisions, ("memory", self.memory), ("guaranteed time", str(self.guaranteed))]
 
     def __str__(self) -> str:
-        return lines_of([*self.plan.decisions, ("guaranteed time", str(self.guaranteed))])
+        return lines_of(self.lines)
 
 
 @spelled(TaskOptions)
@@ -33,25 +53,39 @@ def explain(
     """Return what the plan decides for a template on a grid, and why.
 
     Arguments: ``template`` a name or an entry of the library, or a template of your own, whose time no theory tells
-    here; ``picture`` CNN values (rows, cols), or only the shape (rows, cols); ``changes`` as in `run_transient`.
+    here; ``picture`` CNN values (rows, cols), or only the shape (rows, cols), of which no plane is made; ``changes``
+    as in `run_transient`.
 
     Raises:
-        InputError: no such template, or as `run_transient`.
+        InputError: no such template, no shape of a grid, or as `run_transient`.
     """
     values = np.asarray(picture)
-    values = -np.ones(values) if values.ndim == 1 else values
+    values = _blank(values) if values.ndim == 1 else values
     if not isinstance(template, str | LibraryEntry):
         layers = len(layered(template).layers)
         state = np.broadcast_to(values, (layers, *values.shape[-2:])) if layers > 1 else values
         choices: TaskOptions = {"input": state, **changes}
-        return Explanation(
-            make_task(template, state=state, **choices).plan,
-            RunningTime(None, "a file says what u and x(0) are; this template has none"),
-        )
+        why = "a file says what u and x(0) are; this template has none"
+        return _explained(make_task(template, state=state, **choices), RunningTime(None, why))
     entry = load(template) if isinstance(template, str) else template
     if entry.frame_time and values.ndim == 2:
-        values = np.stack([values, values])
+        values = np.broadcast_to(values, (2, *values.shape))
     roles = entry.initial_state if isinstance(entry.initial_state, tuple) else (entry.initial_state,)
-    planes = entry.task(values, -np.ones(values.shape[-2:]) if "given" in roles else None)
-    plan = make_task(entry.network, **{**planes, **changes}).plan
-    return Explanation(plan, entry.running_time(plan.shape))
+    planes = entry.task(values, np.broadcast_to(-1.0, values.shape[-2:]) if "given" in roles else None)
+    task = make_task(entry.network, **{**planes, **changes})
+    return _explained(task, entry.running_time(task.plan.shape))
+
+
+def _explained(task: Task, guaranteed: RunningTime) -> Explanation:
+    return Explanation(task.plan, guaranteed, task.cell_bytes(np.dtype(np.float32).itemsize), task.state.size)
+
+
+def _blank(shape: Array) -> Array:
+    """Return a white picture of a shape, however large, that takes no memory."""
+    sizes = shape.tolist()
+    try:
+        if shape.dtype.kind not in "iu" or min(sizes, default=1) < 1:
+            raise ValueError
+        return np.broadcast_to(-1.0, sizes)
+    except ValueError as error:  # also of more cells than can be numbered
+        raise InputError(f"shape {tuple(sizes)}; (rows, cols) of a grid wanted") from error

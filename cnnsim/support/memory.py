@@ -8,6 +8,9 @@ from cnnsim.support.errors import InputError
 VARIABLE = "CNNSIM_MEMORY"
 """Environment variable with the bytes (or 8G, 500M) to use instead of what is measured."""
 
+LARGE = 1 << 22
+"""Cells from which on it is worth asking what is free: below, a run takes less than a few hundred megabytes."""
+
 _UNITS = {"": 1, "K": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
 
 

@@ -59,7 +59,7 @@ def as_numbers(name: str, values: ArrayLike, *, levels: bool = False) -> Array:
         return array
     if array.dtype.kind not in "iu":
         raise InputError(f"{name} is no rectangular array of numbers")
-    if array.dtype.kind == "u" or (np.abs(array) > 1).any():
+    if array.dtype.kind == "u" or largest(array) > 1:
         colours = array.ndim == 3 and array.shape[-1] in (3, 4)
         cure = "to_planes(values), a plane a colour" if colours else "from_gray(values)"
         raise InputError(

@@ -30,7 +30,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("run hole-filler one.png --time 1e308 --step 1e-3", "at most 1e+12 steps wanted"),
         ("run recall one.png --state small.png", "second picture has shape (9, 9), the first (16, 16)"),
         ("explain edge --size -3x4", "size '-3x4'; ROWSxCOLS wanted"),
-        ("explain edge --size 1000000x1000000", "too large: Unable to allocate"),
         ("program skeleton --input picture=one.png -o file", "file: File exists"),
     ],
 )

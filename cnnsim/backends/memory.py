@@ -1,0 +1,38 @@
+"""Memory of a transient on the cpu backend: the planes it keeps, what was given and what comes out included."""
+
+from cnnsim.backends.term_table import longest_delay, table_of
+from cnnsim.planning.plan import Plan
+
+MASK_BYTES = 2.125
+"""Bytes a cell of a mask: as truth values where it is checked, as bits in the LLM, as truth values in the loops."""
+
+
+def cell_bytes(plan: Plan, given: int, itemsize: int, *, has_mask: bool = False) -> float:
+    """Return the bytes a cell of a transient in numbers of ``itemsize`` bytes, with so many planes ``given``."""
+    return (given + working_planes(plan, has_mask=has_mask)) * itemsize + (MASK_BYTES if has_mask else 0.0)
+
+
+def working_planes(plan: Plan, *, has_mask: bool = False) -> float:
+    """Return the planes that a transient makes besides those it is given: its result, w = B*u + z, steps in between.
+
+    OpenCL keeps about as many on its device; the reference backend, which is for small grids, more.
+    """
+    if plan.method == "general":
+        return _general(plan)
+    control = 1 if plan.template.control_terms else 0  # their sum; what it is made from has gone when steps begin
+    if plan.method == "closed form":
+        return 1 + control
+    stages = 1 if plan.scheme is None else len(plan.scheme.b)
+    if stages == 1 and not has_mask and plan.cell == "chua-yang":
+        return 3 + control  # w, and two planes between which the steps go by turns
+    return 3 + stages + (stages > 1) + control  # w, x, outputs with virtual cells, the rates of the stages, the stage
+
+
+def _general(plan: Plan) -> float:
+    assert plan.network is not None
+    tables = [table_of(plan, plan.template.A.dtype, static=still) for still in (True, False)]
+    of_a_layer = sum(max(1, len(table.channels)) + len(table.planes) for table in tables)
+    past = longest_delay(plan, plan.network) + 1
+    stages = 2 if plan.scheme is None else len(plan.scheme.b)
+    steps = 3 if plan.cell == "discrete-time" else 1 + stages + (stages > 1)
+    return past + 1 + steps + of_a_layer / len(plan.network.layers)

@@ -1,0 +1,242 @@
+"""Memory of a transient: five planes at most of the dtype computed in; what is too large is refused before it runs."""
+
+import json
+import subprocess
+import sys
+import tracemalloc
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from PIL import Image
+
+from cnnsim import Frames, InputError, Template, explain, library, read_picture, run, run_transient, trajectory
+from cnnsim.cli.group import main
+from cnnsim.support import memory
+from cnnsim.transient import make_task
+from tests.kits.paths import ROOT
+
+SIZES = (160, 520)
+
+
+def picture_of(size: int, dtype: str = "float32") -> np.ndarray:
+    return np.where(np.random.default_rng(0).random((size, size)) < 0.4, 1.0, -1.0).astype(dtype)
+
+
+def bytes_per_cell(given: int, do: Callable[[int], Any]) -> float:
+    """Return what a run adds at its peak between two sizes, a cell, besides the ``given`` bytes that were there."""
+    peaks = []
+    for size in (SIZES[0], *SIZES):  # the first compiles
+        planes = do(size)
+        tracemalloc.start()
+        result = planes()
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+        assert result is not None
+    return given + (peaks[-1] - peaks[-2]) / (SIZES[1] ** 2 - SIZES[0] ** 2)
+
+
+@pytest.mark.parametrize(
+    ("name", "planes"), [("edge", 3), ("hole-filler", 5), ("shadow-left", 5), ("threshold-zero", 2), ("diffusion", 5)]
+)
+def test_library_templates_from_python(name: str, planes: int) -> None:
+    """The picture that is given, the result and all that is needed in between, in float32: 20 bytes."""
+
+    def prepared(size: int) -> Callable[[], Any]:
+        picture = picture_of(size)
+        return lambda: run(name, picture, duration=3.0 if name != "edge" else "settled")
+
+    found = bytes_per_cell(4, prepared)
+    assert found <= 4 * planes + 0.3
+    assert found <= 20.3
+
+
+def test_state_and_input_that_are_two_pictures() -> None:
+    def prepared(size: int) -> Callable[[], Any]:
+        x, u = picture_of(size), -picture_of(size)
+        nine = np.full((3, 3), 0.3)
+        return lambda: run_transient(Template(nine, nine), state=x, input=u, duration=2.0)
+
+    assert bytes_per_cell(8, prepared) <= 20.3
+
+
+def test_float64_computed_in_float64() -> None:
+    def prepared(size: int) -> Callable[[], Any]:
+        x = picture_of(size, "float64")
+        nine = np.full((3, 3), 0.1)
+        return lambda: run_transient(Template(nine, nine), state=x, input=x, duration=2.0, dtype="float64")
+
+    assert bytes_per_cell(8, prepared) <= 40.5
+
+
+CASES: dict[str, dict[str, Any]] = {
+    "closed form": {"template": "edge"},
+    "steps by turns": {"template": "hole-filler", "duration": 2.0},
+    "mask": {"template": "hole-filler", "duration": 2.0, "mask": True},
+    "four stages": {"template": "hole-filler", "duration": 2.0, "scheme": "rk4", "step": 0.1},
+    "full range": {"template": "hole-filler", "duration": 2.0, "cell": "full-range"},
+    "terms": {"template": "median", "duration": 0.1},
+    "terms of the input": {"template": "local-maxima", "duration": 0.5},
+    "layers": {"template": "autowave", "duration": 0.1},
+    "bias": {"template": "diffusion", "duration": 2.0, "bias": True},
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_what_explain_says_is_what_it_takes(case: str) -> None:
+    choices = dict(CASES[case])
+    entry = library.load(choices.pop("template"))
+    maps = [key for key in ("mask", "bias") if choices.pop(key, False)]
+
+    def task_of(size: int) -> dict[str, Any]:
+        task = {**entry.task(picture_of(size)), **choices}
+        return task | {key: np.zeros((size, size), "float32") for key in maps}
+
+    def prepared(size: int) -> Callable[[], Any]:
+        task = task_of(size)
+        return lambda: run_transient(entry.network, **task)
+
+    task = make_task(entry.network, **task_of(10))
+    layers = task.state.size / 100
+    constant = 0.0 in task.state.strides
+    given = 4 * (len(task.planes) - constant) + (4 if "mask" in maps else 0)
+    said = task.cell_bytes(4) * layers + (4 if "mask" in maps else 0)
+    assert bytes_per_cell(given, prepared) == pytest.approx(said, rel=0.12)
+
+
+def test_explain_allocates_no_plane() -> None:
+    explain("edge", (10, 10))
+    tracemalloc.start()
+    for name in ("edge", "hole-filler", "autowave", "median", "moving-parts", "path-tracing"):
+        found = explain(name, (100_000, 100_000))
+        assert found.cells >= 10**10
+        assert "GB" in found.memory or "TB" in found.memory
+    assert tracemalloc.get_traced_memory()[1] < 20e6
+    tracemalloc.stop()
+
+
+def test_explain_on_the_command_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(memory.VARIABLE, "8G")
+    done = CliRunner().invoke(main, ["explain", "edge", "--size", "100000x100000"])
+    assert done.exit_code == 0, done.output
+    assert "12 bytes a cell in float32, pictures and result included: 120 GB, more than the 8 GB" in done.output
+    facts = json.loads(CliRunner().invoke(main, ["explain", "hole-filler", "--size", "9x9", "--json"]).output)
+    assert (facts["bytes_a_cell"], facts["cells"]) == (20, 81)
+
+
+def test_a_run_that_does_not_fit_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cnnsim.transient.LARGE", 100)
+    picture = np.ones((100, 100), np.float32)
+    monkeypatch.setenv(memory.VARIABLE, "170k")
+    assert run("hole-filler", picture, duration=1.0).x.shape == (100, 100)  # 16 bytes a cell, and the picture is there
+    monkeypatch.setenv(memory.VARIABLE, "150k")
+    with pytest.raises(InputError, match=r"'hole-filler' on 100 x 100 cells needs 160 kB of memory, 150 kB are"):
+        run("hole-filler", picture, duration=1.0)
+    with pytest.raises(InputError, match="needs 200 kB"):
+        run("hole-filler", picture.astype("float64"), duration=1.0)  # and its copy in float32
+
+
+def test_a_picture_that_does_not_fit_is_refused_unread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Image.new("L", (3000, 2000)).save("large.png")
+    monkeypatch.setenv(memory.VARIABLE, "30M")
+    monkeypatch.setattr(Image.Image, "load", lambda _: pytest.fail("it was read"))
+    with pytest.raises(InputError, match=r"large.png: reading 2000 x 3000 pixels needs 66 MB of memory, 30 MB"):
+        read_picture("large.png")
+    done = CliRunner().invoke(main, ["run", "edge", "large.png"])
+    assert done.exit_code == 2
+    assert len(done.stderr.splitlines()) == 1
+    monkeypatch.setenv(memory.VARIABLE, "much")
+    done = CliRunner().invoke(main, ["run", "edge", "large.png"])
+    assert "CNNSIM_MEMORY=much; bytes wanted, such as 8G" in done.stderr
+
+
+def test_pictures_beyond_pillow_s_limits_are_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its limit is set low here; above twice of it Pillow raises, above it warns, and warnings are errors here."""
+    monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", 100)
+    for size in ((15, 10), (30, 20)):
+        image = Image.new("L", size)
+        image.save(tmp_path / "x.png")
+        image.save(tmp_path / "x.gif", save_all=True, append_images=[Image.new("L", size, 255)])
+        assert read_picture(tmp_path / "x.png").shape == size[::-1]
+        from cnnsim import read_pictures
+
+        assert read_pictures(tmp_path / "x.gif").shape == (2, *size[::-1])
+    assert Image.MAX_IMAGE_PIXELS == 100
+
+
+def test_free_memory_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv(memory.VARIABLE, raising=False)
+    assert 1e6 < memory.free_memory() < 1e15
+    for text, size in (("500", 500), ("2k", 2e3), ("1.5G", 1.5e9)):
+        monkeypatch.setenv(memory.VARIABLE, text)
+        assert memory.free_memory() == size
+
+
+def test_the_memory_of_a_container_counts(tmp_path: Path) -> None:
+    for name, text in (("memory.max", "1000"), ("memory.current", "700"), ("memory.stat", "anon 1\ninactive_file 50")):
+        (tmp_path / name).write_text(text)
+    assert memory._group(tmp_path) == 350
+    (tmp_path / "memory.max").write_text("max")
+    assert memory._group(tmp_path) == float("inf")
+
+
+PEAK = """
+import resource, sys
+from cnnsim.cli.group import main
+main(sys.argv[1:], standalone_mode=False)
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, file=sys.stderr)
+"""
+
+
+def test_the_command_line(tmp_path: Path) -> None:
+    """Peak memory of whole processes, of which one compiles: the picture is read, run and written."""
+    peaks = []
+    for size in (100, 600, 1800):
+        Image.fromarray(np.where(picture_of(size) > 0, 0, 255).astype(np.uint8)).save(tmp_path / "x.png")
+        words = ["run", "hole-filler", tmp_path / "x.png", "--time", "1", "-o", tmp_path / "y.png"]
+        done = subprocess.run(
+            [sys.executable, "-c", PEAK, *map(str, words)], cwd=ROOT, capture_output=True, text=True, check=True
+        )
+        peaks.append(1024 * int(done.stderr.splitlines()[-1]))
+    assert (peaks[2] - peaks[1]) / (1800**2 - 600**2) <= 20.5
+
+
+def test_planes_that_are_given_are_never_changed() -> None:
+    x, u = picture_of(40), picture_of(40)
+    kept = x.copy(), u.copy()
+    for choices in (
+        {},
+        {"scheme": "rk4"},
+        {"cell": "full-range"},
+        {"mask": x > 0},
+        {"step": 0.1},
+        {"without": ["sleep"]},
+    ):
+        end = run_transient(Template(np.full((3, 3), 0.3), 0.2), state=x, input=u, duration=2.0, **choices)
+        end.x[:] = 7
+        assert np.array_equal(x, kept[0])
+        assert np.array_equal(u, kept[1])
+    nothing = run_transient(Template(np.full((3, 3), 0.3)), state=x, duration=0.0)
+    nothing.x[:] = 7
+    assert np.array_equal(x, kept[0])
+
+
+def test_a_trajectory_does_not_mind_that_its_planes_change() -> None:
+    for template in (Template(np.full((3, 3), 0.3)), library.load("median").network):
+        x = picture_of(12)
+        wanted = [y.copy() for _, y in trajectory(template, state=x, input=x, until=2.0, frames=4)]
+        found = []
+        for _, y in trajectory(template, state=x, input=x, until=2.0, frames=4):
+            found.append(y.copy())
+            x[:] = 0
+        assert all(np.array_equal(a, b) for a, b in zip(found, wanted, strict=True))
+
+
+def test_frames_count_as_planes() -> None:
+    frames = Frames([picture_of(9) for _ in range(3)], 1.0)
+    task = make_task(Template([[1]], [[1]]), state=frames.planes[0], input=frames, duration=3.0)
+    assert len(task.planes) == 3
