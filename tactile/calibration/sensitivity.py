@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike
 from scipy.optimize import least_squares, minimize_scalar
 
@@ -14,6 +15,8 @@ TERMS = 8
 """Skins that are no half-space differ by powers of t / (1 + t), this many less one at most."""
 WIDTHS = 24
 """Depths, in samples, from which the fit may start."""
+CLOSE = {"xtol": 1e-13, "ftol": 1e-13, "gtol": 1e-13}
+FINE = {"xatol": 1e-10}
 EXACT = 1e-20
 """Share of the energy of a scan below which what is left is rounding."""
 LEAST = 11
@@ -40,9 +43,10 @@ def beta_from_scan(shear: ArrayLike, normal: ArrayLike) -> Sensitivity:
     The maxima are those of smooth curves through all samples, so that noise is averaged and not sought out: with
     X = (x - x_0) / z, t = X^2 and p, q polynomials in t / (1 + t) of as few terms as the noise asks for,
 
-        S_n = (t - 2) p / (1 + t)^(5/2),   T_x = 3 X q / (1 + t)^(5/2) + offset
+        S_n = p / (1 + t)^(3/2),   T_x = 3 X q / (1 + t)^(5/2) + offset
 
-    which is eq. (1) where p and q are constants. The sign is that of a scan toward growing x.
+    which is eq. (1) with p = 3 t / (1 + t) - 2 and eq. (10) with p = t / (1 + t) - 1, q constant. The sign is that of
+    a scan toward growing x.
 
     Arguments: ``shear``, ``normal`` (n,) readings T_x, S_n at equally spaced places along the scan.
 
@@ -66,8 +70,8 @@ def beta_from_scan(shear: ArrayLike, normal: ArrayLike) -> Sensitivity:
     place, width = _start(scan)
     best, score = None, np.inf
     for terms in range(1, min(TERMS, (t.size - 3) // 2) + 1):
-        fit = least_squares(_rest, _amplitudes(scan, place, width, terms), args=(scan,), method="lm", x_scale="jac", xtol=1e-13,
-                            ftol=1e-13, gtol=1e-13, max_nfev=1000)  # fmt: skip
+        start = _amplitudes(scan, place, width, terms)
+        fit = least_squares(_rest, start, args=(scan,), method="lm", x_scale="jac", max_nfev=1000, **CLOSE)
         left = max(2 * fit.cost, EXACT * float((scan**2).sum()))
         bic = scan.size * np.log(left) + fit.x.size * np.log(scan.size)
         if best is not None and bic > score - 2:
@@ -96,12 +100,11 @@ def beta_from_scan(shear: ArrayLike, normal: ArrayLike) -> Sensitivity:
 def _curves(parameters: Floats, places: Floats) -> Floats:
     """Return S_n and T_x (2, n) at places in samples."""
     place, depth, offset, *rest = parameters
-    p, q = np.reshape(rest, (2, -1))
+    half = (len(rest) + 1) // 2
     x = (places - place) / depth
     t = x * x
-    fall, power = (1 + t) ** -2.5, t / (1 + t)
-    normal, shear = (np.polynomial.polynomial.polyval(power, each) for each in (p, q))
-    return np.array([(t - 2) * normal * fall, 3 * x * shear * fall + offset])
+    normal, shear = (polynomial.polyval(t / (1 + t), each) for each in (rest[:half], rest[half:]))
+    return np.array([normal * (1 + t) ** -1.5, 3 * x * shear * (1 + t) ** -2.5 + offset])
 
 
 def _rest(parameters: Floats, scan: Floats) -> Floats:
@@ -110,7 +113,7 @@ def _rest(parameters: Floats, scan: Floats) -> Floats:
 
 def _amplitudes(scan: Floats, place: float, depth: float, terms: int) -> Floats:
     """Return the parameters with these two of which the others are best."""
-    columns = np.eye(1 + 2 * terms)
+    columns = np.eye(2 + 2 * terms)
     at = np.arange(scan.shape[1], dtype=np.float64)
     table = np.array([_curves(np.array([place, depth, *column]), at).ravel() for column in columns]).T
     return np.array([place, depth, *np.linalg.lstsq(table, scan.ravel(), rcond=None)[0]])
@@ -122,7 +125,7 @@ def _start(scan: Floats) -> tuple[float, float]:
     best = (np.inf, 0.0, 1.0)
     for depth in np.geomspace(0.5, count, WIDTHS):
         reach = np.arange(-count + 1, count) / depth
-        shape = (reach**2 - 2) * (1 + reach**2) ** -2.5
+        shape = (reach**2 - 2) * (1 + reach**2) ** -2.5  # the stress has its peak there, too
         alike = np.abs(np.convolve(scan[0], shape[::-1], mode="valid"))
         place = float(alike.argmax())
         left = float((_rest(_amplitudes(scan, place, depth, 1), scan) ** 2).sum())
@@ -133,11 +136,12 @@ def _start(scan: Floats) -> tuple[float, float]:
 def _beta(parameters: Floats) -> float:
     """Return beta_ns of the fitted curves, as they are scaled."""
     _, _, _, *rest = parameters
-    p, q = np.reshape(rest, (2, -1))
-    if p.size == 1:
-        return float(abs(p[0]) / q[0])
-    local = np.array([0.0, 1.0, 0.0, *rest])
-    tops = [minimize_scalar(lambda x: -abs(_curves(local, np.array([x]))[k, 0]), bounds=bounds, method="bounded",
-                            options={"xatol": 1e-10}) for k, bounds in enumerate(((-0.4, 0.4), (0.1, 1.2)))]  # fmt: skip
-    peak, swing = (float(_curves(local, np.array([top.x]))[k, 0]) for k, top in enumerate(tops))
-    return float(abs(peak) / swing / EXTREMA_RATIO)
+    half = (len(rest) + 1) // 2
+    swing = 1.5 * 1.25**-2.5 * rest[half]  # at half a depth
+    if len(rest) > 3:
+        local = np.array([0.0, 1.0, 0.0, *rest])
+        top = minimize_scalar(
+            lambda x: -abs(_curves(local, np.array([x]))[1, 0]), bounds=(0.1, 1.2), method="bounded", options=FINE
+        )
+        swing = _curves(local, np.array([top.x]))[1, 0]
+    return float(abs(rest[0]) / swing / EXTREMA_RATIO)

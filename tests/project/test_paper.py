@@ -33,7 +33,7 @@ NUMBERS = {
     ("fig03_region_of_interest", 0): (1.414214,),
     ("fig03_region_of_interest", 2): (2.0, 0.25),
     ("fig05_centre_line", 1): (2.3292,),
-    ("fig05_centre_line", 2): (1.452, 0.023),
+    ("fig05_centre_line", 2): (1.461, 0.004),
     ("fig05_centre_line", 3): (1, 2, 1.164, 1.5),
     ("fig06_normal_to_shear_ratio", 1): (0.760, 50, 0.960, 250),
     ("fig06_normal_to_shear_ratio", 2): (1.447, 50, 1.042, 250),

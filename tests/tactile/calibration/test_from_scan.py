@@ -120,7 +120,7 @@ def test_whole_counts_are_not_taken_for_a_range_that_ends(counts: int, rate: flo
 @pytest.mark.parametrize("wrong", [0.0, -1.0, np.nan, np.inf])
 @pytest.mark.parametrize("which", ["speed", "load", "depth", "modulus"])
 def test_what_the_bench_says_is_positive(which: str, wrong: float) -> None:
-    bench = {"speed": SPEED, "load": LOAD, "depth": NOMINAL, "modulus": MODULUS, which: wrong}
+    bench: dict[str, Any] = {"speed": SPEED, "load": LOAD, "depth": NOMINAL, "modulus": MODULUS, which: wrong}
     with pytest.raises(InputError, match=f"{which} {wrong}, a positive number wanted"):
         calibrate(*scan(), **bench)
 
