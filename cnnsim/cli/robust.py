@@ -5,33 +5,57 @@ from pathlib import Path
 import click
 
 from cnnsim import library
+from cnnsim.cli.pictures import binary_option, range_option
 from cnnsim.cli.run import json_option
+from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, progress
 from cnnsim.support.echo import echo, say, say_table
+from cnnsim.support.picture import read_picture
+from cnnsim.support.sequences import read_pictures
 
 
 @click.command(
     epilog=examples(
         "cnnsim robust edge -o curve.png",
         "cnnsim robust hole-filler --draws 100 -o curve.png",
+        "cnnsim robust edge-gray --picture photo.jpg -o curve.png",
         "cnnsim robust corner --json",
     )
 )
 @click.argument("name")
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Where the curves go (PNG, SVG, PDF).")
+@click.option(
+    "--picture", "pictures", type=click.Path(path_type=Path), multiple=True,
+    help="Judge on this picture, folder, GIF, video, .npy or .npz; may be repeated.",
+)  # fmt: skip
+@click.option("--state", type=click.Path(path_type=Path), help="The second picture, for templates that take one.")
+@binary_option
+@range_option
 @click.option("--draws", type=click.IntRange(1, 10_000), default=40, show_default=True, help="Random chips a level.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
 @json_option
-def robust(name: str, output: Path | None, draws: int, seed: int, as_json: bool) -> None:
+def robust(
+    name: str, output: Path | None, pictures: tuple[Path, ...], state: Path | None, binary: bool,
+    levels: tuple[float, float] | None, draws: int, seed: int, as_json: bool,
+) -> None:  # fmt: skip
     """Tell how precise a chip must be for template NAME.
 
     The margin, and the share of wrong cells under random errors of the entries (0.1 % to 20 %), entries of 3 to 12
-    bits, and noise on the picture.
+    bits, and noise on the picture. It is judged on black-and-white neighbourhoods where those are all that the template
+    sees, else on its own worked pictures; or on pictures of yours.
     """
+    from cnnsim.prototyping.robust.error_rate import shown_to
     from cnnsim.prototyping.robust.robust import measure
 
+    entry, shown = library.load(name), []
+    if pictures:
+        planes = read_pictures(*pictures, binary=binary, levels=levels)
+        second = None if state is None else read_picture(state, binary=binary, levels=levels)
+        shown = shown_to(entry, planes, second)
+    elif state is not None:
+        raise InputError("--state goes with --picture, of which none was given")
     with progress(name) as track:
-        found = measure(library.load(name), draws=draws, seed=seed, track=track)
+        found = measure(entry, draws=draws, seed=seed, track=track, shown=shown)
     if output is not None:
         from cnnsim.prototyping.robust.plot import draw_robustness
 

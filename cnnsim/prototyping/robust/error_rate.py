@@ -1,5 +1,6 @@
 """Error rate of a disturbed template: its wrong cells, in closed form on neighbourhoods, or by runs on examples."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Protocol
 
@@ -8,7 +9,7 @@ import numpy as np
 from cnnsim import backends
 from cnnsim.library.entry import Example, LibraryEntry
 from cnnsim.network import AnyTemplate, Frames, Tap, Template, layered
-from cnnsim.prototyping.robust.margin import margin_of
+from cnnsim.prototyping.robust.margin import margin_of, works_on_grey
 from cnnsim.support import Array, InputError
 from cnnsim.transient import Task, make_task
 
@@ -27,11 +28,38 @@ class ErrorRate(Protocol):
         """Return the share of wrong cells of a disturbed template with Gaussian noise on the picture."""
 
 
-def error_rate_of(entry: LibraryEntry, seed: int = 0) -> ErrorRate:
-    """Return how to measure a template: on neighbourhoods where it decides without coupling, else on its examples."""
-    if margin_of(entry).value is not None and entry.template.uncoupled:
+def error_rate_of(entry: LibraryEntry, seed: int = 0, shown: Sequence[Example] = ()) -> ErrorRate:
+    """Return how to measure a template: on the pictures ``shown``, if there are any (see `shown_to`).
+
+    Else on neighbourhoods where it decides without coupling between black and white, and on its own examples where it
+    is coupled or works on grey.
+
+    Raises:
+        InputError: no picture, and no worked example where one is needed.
+    """
+    if shown:
+        return _Examples(entry, shown, f"{len(shown)} picture{'s' * (len(shown) != 1)} given")
+    if margin_of(entry).value is not None and entry.template.uncoupled and not works_on_grey(entry):
         return _Neighbourhoods(entry, seed)
-    return _Examples(entry)
+    return _Examples(entry, entry.examples, f"its own {len(entry.examples)} worked examples")
+
+
+def shown_to(entry: LibraryEntry, pictures: Array, state: Array | None = None) -> list[Example]:
+    """Return pictures (n, rows, cols) as examples whose right output is what the template makes of them undisturbed.
+
+    A template for moving pictures takes all as one sequence; ``state`` is the second picture of those that take one.
+
+    Raises:
+        InputError: a second picture too many or too few, or of another size.
+    """
+    backend, found = backends.get(), []
+    for picture in [pictures] if entry.frame_time is not None else pictures:
+        example = Example(picture, state, picture)
+        task = _task(entry, example)
+        y: Array = task.plan.output(backend.read(task.start(backend).x))
+        decided = bool((np.abs(y) > 0.99).all())
+        found.append(replace(example, output=y, tolerance=None if decided else _GREY))
+    return found
 
 
 def final_colour(s: Array, x0: Array, a: float) -> Array:
@@ -90,21 +118,22 @@ class _Neighbourhoods:
 
 
 class _Examples:
-    """Whole runs on the template's own examples.
+    """Whole runs on examples, most often the template's own.
 
     Black and white is compared with the example, grey with what the undisturbed template makes of it: the tolerance of
     a grey example says how far theory leaves the answer open, not what an error may do to it.
     """
 
-    def __init__(self, entry: LibraryEntry) -> None:
-        if not entry.examples:
-            raise InputError(f"template {entry.name!r} has no worked example, so there is nothing to measure it on")
-        self.examples, self.backend = entry.examples, backends.get()
-        self.tasks = [_task(entry, example) for example in entry.examples]
+    def __init__(self, entry: LibraryEntry, examples: Sequence[Example], whose: str) -> None:
+        if not examples:
+            raise InputError(
+                f"template {entry.name!r} has no worked example to measure it on; give pictures (--picture)"
+            )
+        self.examples, self.backend = examples, backends.get()
+        self.tasks = [_task(entry, example) for example in examples]
         self.plane = "state" if entry.input == "none" else "input"
-        cells = sum(example.output.size for example in entry.examples)
-        self.what = f"the {cells} cells of its own {len(entry.examples)} worked examples"
-        if any(example.tolerance is not None for example in entry.examples):
+        self.what = f"the {sum(example.output.size for example in examples)} cells of {whose}"
+        if any(example.tolerance is not None for example in examples):
             self.what += f" (grey, so wrong is what errors move by more than {_GREY:g})"
         self.right = [
             example.output if example.tolerance is None else self._output(task, entry.network)

@@ -41,9 +41,24 @@ def margin_of(entry: LibraryEntry) -> Margin:
         return _none("its cells are not those of Chua and Yang")
     if "gray" in entry.tags and entry.margin is None:
         return _none("it works on grey values: its output follows the picture continuously, and decides nothing")
+    if template.uncoupled and works_on_grey(entry):
+        return _none("it works on grey values: black-and-white neighbourhoods are not what it sees")
     if not template.uncoupled and template.self_feedback <= 1:
         return _none("a <= 1 among coupled cells: the outputs need not be black and white")
     return _uncoupled(entry) if template.uncoupled else _coupled(entry)
+
+
+def works_on_grey(entry: LibraryEntry) -> bool:
+    """Return whether a template is for grey pictures: by its tag, or by its worked pictures.
+
+    An output that is compared within a tolerance is grey as well.
+    """
+
+    def grey(plane: Floats | None) -> bool:
+        return plane is not None and not bool(np.isin(plane, (-1.0, 1.0)).all())
+
+    examples = entry.examples
+    return "gray" in entry.tags or any(e.tolerance is not None or grey(e.input) or grey(e.state) for e in examples)
 
 
 def tolerated_error(m: Floats, x0: Floats | None, a: float, size: float) -> Floats:

@@ -1,10 +1,10 @@
 """Robustness of a template: the share of wrong cells against errors of entries, bits, and noise on the input."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
-from cnnsim.library.entry import LibraryEntry
+from cnnsim.library.entry import Example, LibraryEntry
 from cnnsim.prototyping.robust.disturb import quantised, with_relative_errors
 from cnnsim.prototyping.robust.error_rate import ErrorRate, error_rate_of
 from cnnsim.prototyping.robust.margin import margin_of
@@ -18,12 +18,15 @@ Track = Callable[[Iterable[tuple[str, float]]], Iterable[tuple[str, float]]]
 """Goes through the levels one by one and may show how far it is."""
 
 
-def measure(entry: LibraryEntry, *, draws: int = 40, seed: int = 0, track: Track = iter) -> Robustness:
+def measure(
+    entry: LibraryEntry, *, draws: int = 40, seed: int = 0, track: Track = iter, shown: Sequence[Example] = ()
+) -> Robustness:
     """Measure how a library template stands errors; the same seed gives the same numbers.
 
-    Templates without neighbours are measured on all their neighbourhoods, others by whole runs on their own examples.
+    Templates without neighbours, from black and white, are measured on all their neighbourhoods, others by whole runs
+    on their own examples; all on what is ``shown`` to them (see `error_rate.shown_to`), if something is.
     """
-    error_rate = error_rate_of(entry, seed)
+    error_rate = error_rate_of(entry, seed, shown)
     levels = [*(("entries", s) for s in SIGMAS), *(("bits", b) for b in BITS), *(("noise", s) for s in NOISES)]
     shares = {level: _shares(entry, error_rate, level, draws, seed) for level in track(levels)}
 

@@ -16,7 +16,7 @@ from cnnsim.cli.robust import robust
 from cnnsim.network import AnyTemplate, layered
 from cnnsim.network.cell import output, uncoupled_state
 from cnnsim.prototyping.robust.disturb import quantised, with_relative_errors
-from cnnsim.prototyping.robust.error_rate import error_rate_of, final_colour
+from cnnsim.prototyping.robust.error_rate import error_rate_of, final_colour, shown_to
 from cnnsim.prototyping.robust.margin import margin_of, tolerated_error
 from cnnsim.prototyping.robust.robust import BITS, NOISES, SIGMAS, measure
 from cnnsim.transient import run_transient
@@ -229,7 +229,7 @@ def test_the_command(tmp_path: Path) -> None:
     plot = tmp_path / "curve.png"
     result = CliRunner().invoke(robust, ["edge", "--draws", "3", "-o", str(plot)])
     assert result.exit_code == 0, result.output
-    assert "margin          1" in result.output
+    assert "margin 1 (exact" in " ".join(result.output.split())
     assert "5.56 %" in result.output
     with Image.open(plot) as image:
         assert image.width > 800
@@ -237,3 +237,52 @@ def test_the_command(tmp_path: Path) -> None:
     assert data["margin"]["tolerated"] == pytest.approx(1 / 18)
     assert len(data["bits"]["mean"]) == len(BITS)
     assert "does not apply" in CliRunner().invoke(robust, ["average", "--draws", "1"]).output
+
+
+@pytest.mark.parametrize("name", ["edge-gray", "threshold", "copy", "average"])
+def test_grey_templates_are_judged_on_their_worked_pictures(name: str) -> None:
+    entry = library.load(name)
+    assert entry.template.uncoupled
+    found = error_rate_of(entry)
+    assert "worked example" in found.what
+    assert "neighbourhoods" not in found.what
+    assert margin_of(entry).tolerated is None
+
+
+def test_a_grey_template_of_ones_own_needs_no_tag() -> None:
+    """EDGEGRAY, whose worked picture is grey: black-and-white windows would know nothing of its threshold."""
+    entry = library.load("edge-gray")
+    own = replace(entry, name="mine", tags=(), file=None)
+    assert "worked example" in error_rate_of(own).what
+    assert "neighbourhoods" in error_rate_of(replace(own, examples=())).what  # what it is for is not known
+
+
+def test_it_is_judged_on_pictures_that_are_given() -> None:
+    """EDGE with z = -3.5 loses black cells with one white neighbour: none in a solid field, each at a missing cell."""
+    entry = library.load("edge")
+    wrong = Template(entry.template.A, entry.template.B, -3.5)
+    field = np.ones((1, 12, 12))
+    field[0, 5, 5] = -1
+    assert error_rate_of(entry, 0, shown_to(entry, field)).share_of_wrong(wrong, 0.0, np.random.default_rng(0)) == (
+        8 / 144  # the neighbours of the missing cell; those at the border have three white virtual ones or five
+    )
+    found = measure(entry, draws=2, shown=shown_to(entry, field))
+    assert found.judged_on == "the 144 cells of 1 picture given"
+
+
+def test_pictures_on_the_command_line(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    (tmp_path / "shots").mkdir()
+    for number in range(3):
+        Image.fromarray(rng.integers(0, 256, (8, 9), np.uint8)).save(tmp_path / "shots" / f"{number}.png")
+    words = ["edge-gray", "--draws", "2", "--json", "--picture", str(tmp_path / "shots")]
+    data = json.loads(CliRunner().invoke(robust, words).output)
+    assert data["judged_on"].startswith("the 216 cells of 3 pictures given")
+    assert "frame" not in data["judged_on"]
+    done = CliRunner().invoke(robust, ["recall", "--draws", "1", "--picture", str(tmp_path / "shots" / "0.png")])
+    assert "takes a second picture" in str(done.exception)
+    second = ["--state", str(tmp_path / "shots" / "1.png"), "--binary"]
+    done = CliRunner().invoke(
+        robust, ["recall", "--draws", "1", "--picture", str(tmp_path / "shots" / "0.png"), *second]
+    )
+    assert done.exit_code == 0, done.exception
