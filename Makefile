@@ -1,11 +1,17 @@
-# Everything happens in an environment of its own, made from the pinned versions of constraints.txt.
+# Everything happens in an environment of its own. constraints.txt has the versions; of those `make lock` makes run.lock
+# and test.lock with the hashes of their files, and what has another hash is not installed.
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
-PIP    := PIP_CONSTRAINT=constraints.txt PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/pip install --quiet
+PIP    := PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet
+LOCKED := $(PIP) --require-hashes -r
+ITSELF := $(PIP) --no-deps --no-build-isolation -e .
+EXTRAS := --extra opencl --extra serial --extra fem --extra video --extra texture
+COMPILE = printf 'pip\nhatchling\neditables\n' | uv pip compile pyproject.toml - -c constraints.txt --universal \
+	--python-version 3.11 --generate-hashes --no-annotate --no-header --quiet
 SCENE  ?= examples/scenes/grip.toml
 
-.PHONY: run test check bench format clean
+.PHONY: run test check bench format clean lock
 
 run: $(VENV)/.run            ## the main job: two fingers grip, lift, let slip and release
 	$(BIN)/tactile run $(SCENE) -o out/$(basename $(notdir $(SCENE)))
@@ -31,14 +37,20 @@ clean:
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
 
-$(VENV)/.run: pyproject.toml constraints.txt | $(BIN)/python
-	$(PIP) -e .
+$(VENV)/.run: pyproject.toml run.lock | $(BIN)/python
+	$(LOCKED) run.lock
+	$(ITSELF)
 	touch $@
 
-$(VENV)/.test: pyproject.toml constraints.txt | $(BIN)/python
-	$(PIP) -e '.[test,opencl,serial,fem,video,texture]'
+$(VENV)/.test: pyproject.toml test.lock | $(BIN)/python
+	$(LOCKED) test.lock
+	$(ITSELF)
 	touch $@ $(VENV)/.run
 
-$(VENV)/.bench: $(VENV)/.test
-	$(PIP) -e '.[test,opencl,serial,fem,video,texture,bench]'
+$(VENV)/.bench: $(VENV)/.test    # the peers, by version alone: gigabytes of them are a matter of the machine
+	PIP_CONSTRAINT=constraints.txt $(PIP) -e '.[bench]'
 	touch $@
+
+lock:                        ## after a change of constraints.txt or pyproject.toml; wants uv
+	$(COMPILE) -o run.lock
+	$(COMPILE) $(EXTRAS) --extra test -o test.lock

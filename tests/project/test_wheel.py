@@ -11,7 +11,7 @@ from tests.kits.paths import ROOT
 
 def _run(*command: str | Path, cwd: Path) -> str:
     outside = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    env = {**outside, "PIP_CONSTRAINT": str(ROOT / "constraints.txt"), "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
+    env = {**outside, "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
     done = subprocess.run(
         [str(part) for part in command], cwd=cwd, env=env, capture_output=True, text=True, check=False
     )
@@ -20,11 +20,12 @@ def _run(*command: str | Path, cwd: Path) -> str:
 
 
 def test_a_wheel_in_an_empty_environment_runs_a_template(tmp_path: Path) -> None:
-    _run(sys.executable, "-m", "build", "--wheel", "--outdir", tmp_path, ROOT, cwd=tmp_path)
+    _run(sys.executable, "-m", "build", "--no-isolation", "--wheel", "--outdir", tmp_path, ROOT, cwd=tmp_path)
     (wheel,) = tmp_path.glob("*.whl")
     venv.create(tmp_path / "empty", with_pip=True)
     python = tmp_path / "empty" / "bin" / "python"
-    _run(python, "-m", "pip", "install", "--quiet", wheel, cwd=tmp_path)
+    _run(python, "-m", "pip", "install", "--quiet", "--require-hashes", "-r", ROOT / "run.lock", cwd=tmp_path)
+    _run(python, "-m", "pip", "install", "--quiet", "--no-deps", wheel, cwd=tmp_path)
     script = (
         "import cnnsim, numpy as np\n"
         "from pathlib import Path\n"
