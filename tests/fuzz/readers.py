@@ -1,0 +1,146 @@
+"""Every reader of a file run on one file: what it raises, how long it takes, how much memory the process has had."""
+
+import json
+import os
+import resource
+import sys
+import tempfile
+import time
+import traceback
+import warnings
+from collections.abc import Callable
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from cnnsim.support import InputError
+from tests.fuzz.broken_files import all_files
+
+SLOW = 5.0
+"""[s] that no file may take."""
+LARGE = 1000 * 2**20
+"""Bytes that no file may take beyond what the readers themselves need."""
+LIMIT = 3000 * 2**20
+"""Bytes beyond which the system gives none: what is asked for in vain is no harm, but a fault where it is not told."""
+FRAMES = 1000
+"""Frames that are read of a recording: a scene of a year is no broken file."""
+
+
+def _source(path: Path) -> None:
+    from tactile.sources import open_source
+
+    for _ in islice(open_source(path), FRAMES):
+        pass
+
+
+def _template(path: Path) -> None:
+    from cnnsim.library.read import load_file
+
+    load_file(path)
+
+
+def _program(path: Path) -> None:
+    from cnnsim.program.file import load_program
+
+    load_program(path)
+
+
+def _array(path: Path) -> None:
+    from tactile.wire.description_file import read_description
+
+    read_description(path)
+
+
+def _calibration(path: Path) -> None:
+    from tactile.calibration.file import load_calibration
+
+    load_calibration(path)
+
+
+def _truth(path: Path) -> None:
+    from cnnsim.prototyping.design.rule_files import read_table
+
+    read_table(path)
+
+
+def _foreign(path: Path) -> None:
+    from cnnsim.formats.files import import_file
+
+    with tempfile.TemporaryDirectory() as folder:
+        import_file(path, Path(folder), replace=True)
+
+
+def _picture(path: Path) -> None:
+    from cnnsim.support.sequences import read_pictures
+
+    read_pictures(path)
+
+
+BY_NAME: dict[str, Callable[[Path], None]] = {
+    "template.toml": _template, "program.toml": _program, "array.toml": _array, "calibration.toml": _calibration,
+    "truth.toml": _truth,
+}  # fmt: skip
+BY_SUFFIX: dict[str, tuple[Callable[[Path], None], ...]] = {
+    ".toml": (_source,), ".csv": (_source,), ".npz": (_source, _picture), ".npy": (_picture,), ".parquet": (_source,),
+    ".mcap": (_source,), ".bag": (_source,), ".m": (_foreign,), ".gene": (_foreign,), ".json": (_foreign,),
+    ".cnnsim": (_foreign,), ".tem": (_foreign,), ".png": (_picture,), ".gif": (_picture,), ".bmp": (_picture,),
+    ".tif": (_picture,), ".jpg": (_picture,), ".pgm": (_picture,),
+}  # fmt: skip
+
+
+def judge(path: Path) -> list[str]:
+    """Return what is wrong with how a file was taken, in words."""
+    found = []
+    readers = (BY_NAME[path.name],) if path.name in BY_NAME else BY_SUFFIX[path.suffix]
+    for reader in readers:
+        begun = time.perf_counter()
+        try:
+            reader(path)
+        except InputError as error:
+            if "\n" in str(error).strip() or len(str(error)) > 2000:
+                found.append(f"a message of {len(str(error))} characters: {str(error)[:200]!r}")
+        except MemoryError:
+            found.append("no memory: " + traceback.format_exc().splitlines()[-3].strip())
+        except Exception as error:
+            last = traceback.extract_tb(error.__traceback__)[-1]
+            found.append(f"{type(error).__name__}: {str(error)[:100]} at {last.filename}:{last.lineno}")
+        seconds = time.perf_counter() - begun
+        if seconds > SLOW:
+            found.append(f"{seconds:.1f} s")
+    return found
+
+
+def peak() -> int:
+    """Return the most memory that this process has had [bytes]."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+
+
+def main(count: int, watch: bool = False) -> dict[str, Any]:
+    """Run all files, keep those that were taken badly."""
+    warnings.simplefilter("ignore")
+    os.environ["CNNSIM_MEMORY"] = "500M"  # pictures may be as large as the memory that is free
+    bad: list[str] = []
+    seen: dict[str, int] = {}
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for warm in BY_SUFFIX:  # what the readers load counts for none of the files
+            (folder / f"warm{warm}").write_bytes(b"x")
+            judge(folder / f"warm{warm}")
+        used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        resource.setrlimit(resource.RLIMIT_AS, (used + LIMIT, used + LIMIT))
+        for file, data in all_files(folder, count):
+            path = folder / file
+            path.write_bytes(data)
+            if watch:
+                print(file, len(data), data[:40], f"{peak() / 1e6:.0f} MB", file=sys.stderr, flush=True)
+            before = peak()
+            for fault in judge(path):
+                bad.append(f"{file} ({len(data)} bytes, begins {data[:60]!r}): {fault}")
+            if peak() - before > LARGE:
+                bad.append(f"{file} ({len(data)} bytes, begins {data[:60]!r}): {(peak() - before) / 1e6:.0f} MB")
+            seen[path.suffix] = seen.get(path.suffix, 0) + 1
+    return {"seen": seen, "bad": bad}
+
+
+if __name__ == "__main__":
+    print(json.dumps(main(int(sys.argv[1]), "watch" in sys.argv)))
