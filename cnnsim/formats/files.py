@@ -15,6 +15,7 @@ from cnnsim.library.folders import folder as shipped_folder
 from cnnsim.library.imported import Imported
 from cnnsim.library.read import load_file
 from cnnsim.support import Diagnostics, InputError
+from cnnsim.support.bounds import FOREIGN, TEMPLATES, check_file
 from cnnsim.support.files import check_free, make_folder, writing
 
 
@@ -62,7 +63,10 @@ def import_file(path: Path, folder: Path, given: str | None = None, *, replace: 
     report = result.report
     try:
         kind = file_format(path, given)
+        check_file(path, "template file", FOREIGN)
         templates = READERS[kind](path.read_bytes(), path.stem, Diagnostics(path.name, report.items))
+        if len(templates) > TEMPLATES:
+            raise InputError(f"{len(templates)} templates; {TEMPLATES} in a file at most wanted")
     except (InputError, OSError) as error:
         report.error(None, error.strerror or str(error) if isinstance(error, OSError) else str(error))
         return result

@@ -21,6 +21,7 @@ from cnnsim.library.imported import Imported, assume_setting, library_name
 from cnnsim.network import Argument, Quantity, Table, Template, Term
 from cnnsim.network.table import from_pairs
 from cnnsim.support import Diagnostics, Floats, InputError
+from cnnsim.support.bounds import TEMPLATES
 
 _CODES = {"a": 33, "b": 11}  # A: of y_kl - y_ij, B: of u_kl - u_ij; D says its own
 _QUANTITIES = {"1": "u", "2": "x", "3": "y"}
@@ -49,6 +50,8 @@ def read_matcnn(data: bytes, report: Diagnostics) -> dict[str, MatcnnEntry]:
                 report.warning(line, f"no assignment, not used: {' '.join(token.text for token in tokens)[:40]!r}")
             continue
         target = tokens[0].text
+        if len(values) >= TEMPLATES * len(_PARTS):
+            raise InputError(f"line {line}: more than {len(values)} assignments; so many at most wanted")
         name, underscore, part = target.rpartition("_")
         entry = MatcnnEntry(name, line)
         if underscore and part in _PARTS:

@@ -7,6 +7,7 @@ from cnnsim.network import Boundary, Template
 from cnnsim.planning.duration import Duration
 from cnnsim.program.program import ProgramMemory
 from cnnsim.support import InputError
+from cnnsim.support.bounds import PLANES, check_most
 from cnnsim.support.names import check_name
 from cnnsim.support.toml_file import in_range, line_of, located
 
@@ -31,6 +32,7 @@ class Names:
             names, where = declared.get(kind, []), line_of(declared, kind)
             if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
                 raise InputError(f"{kind} is {names!r}; a list of names wanted{where}")
+            check_most(len(names), PLANES, f"{kind}: names{where}")
             for name in names:
                 with located(declared, kind):
                     check_name(name, f"{kind}: plane or register")

@@ -22,6 +22,7 @@ from cnnsim.program.program import (
 )
 from cnnsim.program.template_step import read_template_step
 from cnnsim.support import InputError, naming
+from cnnsim.support.bounds import REPEATS, STEPS, check_most
 from cnnsim.support.toml_file import check_keys, located
 
 
@@ -33,6 +34,7 @@ def read_steps(tables: Any, prefix: str, names: Names) -> tuple[Step, ...]:
     """
     if not isinstance(tables, list) or not tables or not all(isinstance(table, dict) for table in tables):
         raise InputError(f"{prefix.strip()}: no steps; one table or more wanted")
+    check_most(len(tables), STEPS, f"{prefix.strip()}: steps")
     return tuple(_located_step(table, f"{prefix}{i}", names) for i, table in enumerate(tables, start=1))
 
 
@@ -150,8 +152,8 @@ def _integer(value: Any, where: str, names: Names) -> int:
 
 def _whole(value: Any, what: str, where: str, names: Names) -> int:
     value = names.number(value, where) if isinstance(value, str) else value
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 1 <= value < 1e9 or value % 1:
-        raise InputError(f"{where}: {what} {value!r}; a whole number from 1 wanted")
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 1 <= value <= REPEATS or value % 1:
+        raise InputError(f"{where}: {what} {value!r}; a whole number from 1 to {REPEATS} wanted")
     return int(value)
 
 

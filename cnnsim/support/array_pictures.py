@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from cnnsim.support.bounds import check_unpacked, one_line
 from cnnsim.support.errors import InputError
 from cnnsim.support.memory import check_memory
 from cnnsim.support.picture_sequence import PictureSequence, Reading
@@ -53,7 +54,10 @@ def _of_planes(name: str, planes: Array, values: Callable[[Array], Array]) -> Pi
 
 
 def _loaded(path: Path, key: str) -> Array:
-    try:
+    with one_line(path, "an array of NumPy"):
+        if not path.exists():
+            raise InputError(f"no array file {path}")
+        check_unpacked(path, _array_bytes(path))
         check_memory(f"{path}: reading it", _array_bytes(path), "give fewer or smaller pictures")
         found = np.load(path, allow_pickle=False)
         if isinstance(found, np.ndarray):
@@ -63,12 +67,6 @@ def _loaded(path: Path, key: str) -> Array:
                 wanted = f"one called {key!r}, or a single one," if key else "a single one"
                 raise InputError(f"{path} holds the arrays {', '.join(found.files)}; {wanted} wanted")
             return found[key if key in found else found.files[0]]
-    except InputError:
-        raise
-    except FileNotFoundError as error:
-        raise InputError(f"no array file {path}") from error
-    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile) as error:
-        raise InputError(f"{path} cannot be read as an array of NumPy: {error}") from error
 
 
 def _array_bytes(path: Path) -> int:

@@ -18,11 +18,18 @@ from cnnsim.support.files import Replaced
 Item = TypeVar("Item")
 
 
+LONGEST = 1000
+"""Characters of a message."""
+
+
 class _Mistake(click.ClickException):
     exit_code = 2
 
     def __init__(self, message: str) -> None:
-        super().__init__(printable(" ".join(message.split())))
+        text = printable(" ".join(message.split()))
+        if len(text) > LONGEST:  # a file's value may be quoted in it
+            text = f"{text[: LONGEST // 2]} ... {text[-LONGEST // 2 :]}"
+        super().__init__(text)
 
 
 @contextmanager

@@ -9,6 +9,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, TypeVar
 
+from cnnsim.support.bounds import TEXT, check_file, check_most
 from cnnsim.support.errors import InputError
 from cnnsim.support.toml_lines import LinedTable, with_lines
 
@@ -28,6 +29,7 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
         if not stat.S_ISREG(path.stat().st_mode):  # a pipe would be waited for until somebody writes into it
             kind = "a folder" if path.is_dir() else "no regular file"
             raise InputError(f"{path}: {kind}; a {what} wanted")
+        check_file(path, what, TEXT)
         return parse_toml(path.read_text(encoding="utf-8"), str(path))
     except FileNotFoundError as error:
         raise InputError(f"no {what} {path}") from error
@@ -45,8 +47,9 @@ def parse_toml(text: str, where: str) -> dict[str, Any]:
         InputError: no TOML.
     """
     try:
+        check_most(len(text), TEXT, "characters")
         return with_lines(tomllib.loads(text), text)
-    except (ValueError, RecursionError) as error:  # numbers of 4300 digits; brackets nested 1000 deep
+    except (ValueError, RecursionError, MemoryError) as error:  # numbers of 4300 digits; brackets nested 1000 deep
         raise InputError(f"{where}: not TOML: {error}") from error
 
 

@@ -6,6 +6,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from cnnsim.support import Flags, Floats, InputError
+from cnnsim.support.bounds import TAXELS, check_most
 from cnnsim.support.names import check_name
 
 Quantity = Literal["strain", "stress", "force"]
@@ -23,8 +24,8 @@ class TaxelArray:
     surface (unused for force sensors); ``origin`` [m], the (x, y) of the array's centre.
 
     Raises:
-        InputError: a name of other characters than letters, digits, - and _, an empty array, a pitch that is not
-            positive, a negative depth, an unknown quantity.
+        InputError: a name of other characters than letters, digits, - and _, an empty array or too large a one, a
+            pitch that is not positive, a negative depth, an unknown quantity.
     """
 
     name: str
@@ -39,6 +40,7 @@ class TaxelArray:
         check_name(self.name, "taxel array")
         if self.rows < 1 or self.cols < 1:
             raise InputError(f"taxel array {self.name!r}: {self.rows} x {self.cols} taxels, at least 1 x 1 wanted")
+        check_most(self.rows * self.cols, TAXELS, f"taxel array {self.name!r}: {self.rows} x {self.cols} taxels")
         if not (np.isfinite(self.pitch) and self.pitch > 0):
             raise InputError(f"taxel array {self.name!r}: pitch {self.pitch} m, a positive length wanted")
         if not (np.isfinite(self.depth) and self.depth >= 0) or (self.depth == 0 and self.quantity != "force"):

@@ -20,11 +20,8 @@ from mcap.records import Chunk, DataEnd, Footer
 from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
 
 from cnnsim.support import InputError
+from cnnsim.support.bounds import CHUNK, RECORD
 
-LONGEST = 2**28
-"""Bytes of the longest record that is read."""
-LARGEST = 2**26
-"""Bytes of the largest chunk that is unpacked; this program's own have about a megabyte."""
 MAGIC = b"\x89MCAP0\r\n"
 BROKEN = (McapError, CRCValidationError, zstandard.ZstdError, struct.error, ValueError, OverflowError, MemoryError,
           RuntimeError)  # fmt: skip
@@ -58,7 +55,7 @@ def records(path: Path) -> Iterator[Any]:
 
 def _records(file: IO[bytes]) -> Iterator[Any]:
     size, summed = os.fstat(file.fileno()).st_size, False
-    stream = StreamReader(file, emit_chunks=True, validate_crcs=True, record_size_limit=LONGEST).records
+    stream = StreamReader(file, emit_chunks=True, validate_crcs=True, record_size_limit=RECORD).records
     while True:
         at = file.tell()
         try:
@@ -89,8 +86,8 @@ def _inside(chunk: Chunk, at: int) -> list[Any]:
 
 
 def _unpacked(chunk: Chunk) -> bytes:
-    if chunk.uncompressed_size > LARGEST:
-        raise ValueError(f"{chunk.uncompressed_size} bytes; at most {LARGEST} wanted")
+    if chunk.uncompressed_size > CHUNK:
+        raise ValueError(f"{chunk.uncompressed_size} bytes; at most {CHUNK} wanted")
     if chunk.compression == "zstd":
         if zstandard.frame_content_size(chunk.data) not in (chunk.uncompressed_size, -1):
             raise ValueError("its packed data are of another size")

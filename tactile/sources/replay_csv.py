@@ -22,6 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from cnnsim.support import InputError
+from cnnsim.support.bounds import TABLE, check_file, one_line
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.header import header_text, read_header
 from tactile.core.source import FrameStream, Source
@@ -36,10 +37,13 @@ def read_csv(path: Path) -> FrameStream:
         InputError: no such file, or a line that is cut short, out of time order or not as the header says: the
             message names file, line and what was wanted.
     """
-    try:
+    with one_line(path, "a CSV recording"):
+        check_file(path, "recording", TABLE)
         lines = path.read_text(encoding="utf-8").rstrip("\n").split("\n")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read as a CSV recording: {error}") from error
+        return _read(path, lines)
+
+
+def _read(path: Path, lines: list[str]) -> FrameStream:
     head = next((n for n, line in enumerate(lines) if not line.startswith("#")), len(lines))
     header = "\n".join(line[1:].lstrip() for line in lines[:head])
     title, modulus, arrays, known = read_header(header, str(path), "the comment lines at the top")

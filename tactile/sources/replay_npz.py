@@ -6,6 +6,7 @@
 which frames of the whole recording these are.
 """
 
+import sys
 import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import InputError
+from cnnsim.support.bounds import check_file, check_unpacked, one_line
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.header import Header, header_text, read_header
 from tactile.core.source import Provenance, Source
@@ -78,17 +80,16 @@ def read_npz(path: Path) -> NpzReplay | PillarReplay:
     Raises:
         InputError: no such file, no NPZ file, a wrong header, a missing array or one of the wrong shape.
     """
-    try:
+    with one_line(path, "an NPZ recording"):
+        check_file(path, "recording", sys.maxsize)
+        with zipfile.ZipFile(path) as archive:
+            check_unpacked(path, sum(member.file_size for member in archive.infolist()))
         # opened here, since NumPy leaves a file open that turns out to be no archive
         with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             if "tactile" not in file.files:
                 return read_pillars(file, path)
             header = read_header(str(file["tactile"]), str(path), "array tactile")
             return NpzReplay(header, tuple(_columns(file, n, array, path) for n, array in enumerate(header.arrays)))
-    except InputError:
-        raise
-    except (OSError, ValueError, AttributeError, EOFError, zipfile.BadZipFile) as error:
-        raise InputError(f"{path}: cannot be read as an NPZ recording: {error}") from error
 
 
 def _columns(file: "np.lib.npyio.NpzFile", number: int, array: TaxelArray, path: Path) -> dict[str, Any]:

@@ -13,6 +13,7 @@ import pyarrow as pa  # type: ignore[import-untyped]  # it ships no types
 from pyarrow import parquet
 
 from cnnsim.support import InputError
+from cnnsim.support.bounds import check_unpacked, one_line
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.header import Header, header_text, read_header
 from tactile.core.source import Provenance, Source
@@ -42,14 +43,13 @@ class ParquetReplay:
     def __iter__(self) -> Iterator[Frame]:
         fingers = {array.name: number for number, array in enumerate(self.arrays)}
         row = 0
-        try:
-            with parquet.ParquetFile(self._path) as file:
-                for batch in file.iter_batches(BATCH):
-                    for one in batch.to_pylist():
-                        row += 1
-                        yield self._frame(one, fingers)
-        except (pa.ArrowException, OSError, ValueError, TypeError, KeyError) as error:
-            raise InputError(f"{self._path}: row {row}: cannot be read as a frame: {error}") from error
+        with one_line(self._path, "a Parquet recording"), parquet.ParquetFile(self._path) as file:
+            for batch in file.iter_batches(BATCH):
+                for one in batch.to_pylist():
+                    row += 1
+                    with one_line(self._path, f"a frame in row {row}"):
+                        frame = self._frame(one, fingers)
+                    yield frame
 
     def _frame(self, row: dict[str, Any], fingers: dict[str, int]) -> Frame:
         finger = fingers[row["finger"]]
@@ -65,11 +65,9 @@ def read_parquet(path: Path) -> ParquetReplay:
     Raises:
         InputError: no Parquet file, no header in it or a wrong one, other columns.
     """
-    try:
-        with parquet.ParquetFile(path) as file:
-            schema, rows = file.schema_arrow, file.metadata.num_rows
-    except (pa.ArrowException, OSError) as error:
-        raise InputError(f"{path}: cannot be read as a Parquet recording: {error}") from error
+    with one_line(path, "a Parquet recording"), parquet.ParquetFile(path) as file:
+        schema, rows, groups = file.schema_arrow, file.metadata.num_rows, file.metadata.num_row_groups
+        check_unpacked(path, sum(file.metadata.row_group(group).total_byte_size for group in range(groups)))
     text = (schema.metadata or {}).get(KEY)
     missing = [name for name, _ in COLUMNS if name not in schema.names]
     if text is None or missing:

@@ -5,24 +5,31 @@ bags name the type papillarray_ros_v2/SensorState or sensor_interfaces/SensorSta
 has them, counted from the first.
 """
 
+import json
 import math
+import os
 import re
+import subprocess
+import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from threading import Timer
+from typing import IO, Any
 
 import numpy as np
-from rosbags.highlevel import AnyReader, AnyReaderError
-from rosbags.typesys import Stores, get_typestore
 
 from cnnsim.support import InputError
+from cnnsim.support.bounds import one_line
 from cnnsim.support.names import LONGEST
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import Provenance
+from tactile.sources.bag_process import FRAME, KIND
 from tactile.sources.replay_pillars import PILLAR_PITCH
 
-KIND = "SensorState"
+PATIENCE = 4.0
+"""[s] in which a bag's index is read; gigabytes of bags have one."""
 
 
 @dataclass(frozen=True)
@@ -52,15 +59,14 @@ class BagReplay:
 
     def __iter__(self) -> Iterator[Frame]:
         counts, start = [0] * len(self.topics), None
-        for topic, stamp, message in _messages(self.path, self.topics):
-            finger = self.topics.index(topic)
-            start = stamp if start is None else start
-            force = np.array([(p.fX, p.fY, p.fZ) for p in message.pillars], dtype=np.float64)
-            values = force.reshape(*self.arrays[finger].shape, 3)
-            t_device = float(getattr(message, "tus", math.nan)) * 1e-6
-            valid = np.asarray(np.isfinite(values).all(-1))
-            yield Frame(finger, (stamp - start) * 1e-9, counts[finger], values, valid, t_device)
-            counts[finger] += 1
+        with _bag(self.path) as (about, out):
+            for _ in range(about["frames"]):
+                finger, stamp, tus, pillars = FRAME.unpack(_exactly(out, FRAME.size))
+                force = np.frombuffer(_exactly(out, 24 * pillars), "<f8").reshape(*self.arrays[finger].shape, 3)
+                start = stamp if start is None else start
+                valid = np.asarray(np.isfinite(force).all(-1))
+                yield Frame(finger, (stamp - start) * 1e-9, counts[finger], force.copy(), valid, tus * 1e-6)
+                counts[finger] += 1
 
 
 def read_bag(path: Path) -> BagReplay:
@@ -70,28 +76,18 @@ def read_bag(path: Path) -> BagReplay:
         InputError: no such bag, one that cannot be read, or one without a sensor.
     """
     folder = path.parent if path.suffix == ".db3" else path
-    try:
-        with _reader(folder) as bag:
-            found = [c for c in bag.connections if c.msgtype.endswith(f"/{KIND}") and c.msgcount]
-            kinds = sorted({c.msgtype for c in bag.connections})
-            every = {c.topic for c in bag.connections}
-    except (AnyReaderError, OSError) as error:
-        raise InputError(f"{path}: cannot be read as a ROS bag: {error}") from error
-    if not found:
-        raise InputError(f"{path}: messages of {', '.join(kinds) or 'no kind'}; {KIND} with pillars wanted")
-    topics = tuple(sorted({connection.topic for connection in found}))
-    arrays, starts, others = [], [], sorted(f"topic {one}" for one in every - set(topics))
-    for topic in topics:
-        _, stamp, message = next(_messages(folder, (topic,)))
-        starts.append(stamp)
-        fields = sorted({*vars(message)} - {"tus", "pillars"})
-        others += [f"{topic} {name}" for name in fields if not name.startswith("_")]
-        side = math.isqrt(len(message.pillars))
-        if side == 0 or side * side != len(message.pillars):
-            raise InputError(f"{path}: topic {topic} has {len(message.pillars)} pillars, a square number wanted")
+    with _bag(folder) as (about, _):
+        pass
+    if not about["topics"]:
+        raise InputError(f"{path}: messages of {', '.join(about['kinds']) or 'no kind'}; {KIND} with pillars wanted")
+    arrays = []
+    for topic, pillars in zip(about["topics"], about["pillars"], strict=True):
+        side = math.isqrt(pillars)
+        if side == 0 or side * side != pillars:
+            raise InputError(f"{path}: topic {topic} has {pillars} pillars, a square number wanted")
         arrays.append(TaxelArray(_finger(topic), side, side, PILLAR_PITCH, 0.0, quantity="force"))
-    count = sum(connection.msgcount for connection in found)
-    return BagReplay(folder, topics, tuple(arrays), count, tuple(others), min(starts))
+    topics, others = tuple(about["topics"]), tuple(about["others"])
+    return BagReplay(folder, topics, tuple(arrays), about["frames"], others, min(about["starts"]))
 
 
 def _finger(topic: str) -> str:
@@ -99,12 +95,36 @@ def _finger(topic: str) -> str:
     return re.sub(r"[^A-Za-z0-9_]+", "-", topic).strip("-")[:LONGEST] or "sensor"
 
 
-def _reader(path: Path) -> AnyReader:
-    return AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
+@contextmanager
+def _bag(path: Path) -> Iterator[tuple[dict[str, Any], IO[bytes]]]:
+    """Give what a bag holds and the stream of its frames, from a process with limits."""
+    # a thread of linear algebra takes memory for nothing; no path of ours may come before the installed library's
+    process = subprocess.Popen(
+        [sys.executable, "-P", "-m", "tactile.sources.bag_process", str(path.absolute())], stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+    )  # fmt: skip
+    assert process.stdout is not None
+    assert process.stderr is not None
+    waiting = Timer(PATIENCE, process.kill)
+    waiting.start()
+    try:
+        with one_line(path, "a ROS bag"):
+            head = process.stdout.readline()
+            waiting.cancel()
+            if not head:
+                said = process.stderr.read().decode(errors="replace").strip().rpartition("\n")[2]
+                raise InputError(f"{path}: cannot be read as a ROS bag: {said or f'nothing found in {PATIENCE:g} s'}")
+            yield json.loads(head), process.stdout
+    finally:
+        waiting.cancel()
+        process.kill()
+        process.wait()
+        process.stdout.close()
+        process.stderr.close()
 
 
-def _messages(path: Path, topics: tuple[str, ...]) -> Iterator[tuple[str, int, Any]]:
-    with _reader(path) as bag:
-        wanted = [connection for connection in bag.connections if connection.topic in topics]
-        for connection, stamp, raw in bag.messages(wanted):
-            yield connection.topic, stamp, bag.deserialize(raw, connection.msgtype)
+def _exactly(out: IO[bytes], count: int) -> bytes:
+    data = out.read(count)
+    if len(data) < count:
+        raise ValueError("it ends within a frame")
+    return data

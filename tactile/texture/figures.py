@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cnnsim.support import Flags, Floats, InputError, Integers
+from cnnsim.support.bounds import WINDOW, check_most
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,7 @@ class Texture:
     """
 
     def __init__(self, window: int, floor: float) -> None:
+        check_most(window, WINDOW, "texture window in frames")
         if window < 2:
             raise InputError(f"texture window of {window} frames, at least 2 wanted")
         if not (np.isfinite(floor) and floor >= 0):

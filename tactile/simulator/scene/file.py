@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim.support import InputError
+from cnnsim.support.bounds import FRAMES, RATE, check_most
 from cnnsim.support.toml_file import read_toml, take, take_tables
 from tactile.core.array_table import take_array
 from tactile.core.frame import TaxelArray
@@ -68,6 +69,9 @@ def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tupl
         raise InputError(
             f"{where}: a scene without loads, at least one [[load]] wanted (or [[contact]], [[texture]], [[map]])"
         )
+    rate, duration = positive(table, "rate_hz", where), positive(table, "duration_s", where)
+    check_most(rate, RATE, f"{where}: rate_hz")
+    check_most(rate * duration, FRAMES, f"{where}: frames, rate_hz times duration_s")
     bumps = None
     if bumpy:
         from tactile.simulator.scene.cover_table import read_bumps  # only where called for
@@ -75,8 +79,8 @@ def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tupl
         bumps = read_bumps(cover, arrays, f"{where}: [cover]")
     scene = Scene(
         title=take(table, "title", str, where),
-        rate=positive(table, "rate_hz", where),
-        duration=positive(table, "duration_s", where),
+        rate=rate,
+        duration=duration,
         modulus=modulus,
         arrays=arrays,
         loads=loads,

@@ -1,0 +1,72 @@
+"""ROS bags read in a process of its own: the library makes code of a bag's definitions, and believes its sizes.
+
+Its output is a line of JSON, what the bag holds, and then the frames: `FRAME` with the finger, the time [ns], the
+device's time [us] and the number of pillars, and the forces.
+"""
+
+import json
+import math
+import resource
+import struct
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+FRAME = struct.Struct("<IqdI")
+KIND = "SensorState"
+MEMORY = 2**30
+"""Bytes of memory that the process may have."""
+CUT = 300
+"""Characters of a message that are told."""
+
+
+def main(path: Path) -> None:
+    """Write what a bag holds."""
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))  # it has nothing to write
+    try:
+        _tell(path)
+    except BrokenPipeError:
+        return
+    except Exception as error:
+        said = " ".join(str(error).split()) or type(error).__name__
+        sys.stderr.write(said[:CUT])
+        sys.exit(2)
+
+
+def _tell(path: Path) -> None:
+    from rosbags.highlevel import AnyReader  # within the limits
+    from rosbags.typesys import Stores, get_typestore
+
+    out = sys.stdout.buffer
+    with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as bag:
+        found = [c for c in bag.connections if c.msgtype.endswith(f"/{KIND}") and c.msgcount]
+        topics = sorted({connection.topic for connection in found})
+        first = {topic: next(_messages(bag, [topic])) for topic in topics}
+        fields = {topic: sorted({*vars(message)} - {"tus", "pillars"}) for topic, (_, _, message) in first.items()}
+        others = sorted(f"topic {one}" for one in {c.topic for c in bag.connections} - set(topics))
+        others += [f"{topic} {name}" for topic in topics for name in fields[topic] if not name.startswith("_")]
+        about = {
+            "kinds": sorted({c.msgtype for c in bag.connections}), "topics": topics, "others": others,
+            "pillars": [len(message.pillars) for _, _, message in first.values()],
+            "starts": [stamp for _, stamp, _ in first.values()], "frames": sum(c.msgcount for c in found),
+        }  # fmt: skip
+        out.write(json.dumps(about).encode() + b"\n")
+        out.flush()
+        for topic, stamp, message in _messages(bag, topics):
+            forces = [float(part) for p in message.pillars for part in (p.fX, p.fY, p.fZ)]
+            tus = float(getattr(message, "tus", math.nan))
+            out.write(FRAME.pack(topics.index(topic), stamp, tus, len(message.pillars)))
+            out.write(struct.pack(f"<{len(forces)}d", *forces))
+    out.flush()
+
+
+def _messages(bag: Any, topics: list[str]) -> Iterator[tuple[str, int, Any]]:
+    wanted = [connection for connection in bag.connections if connection.topic in topics]
+    for connection, stamp, raw in bag.messages(wanted):
+        yield connection.topic, stamp, bag.deserialize(raw, connection.msgtype)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
