@@ -92,7 +92,7 @@ def viewing(monitor: Any, session: "Session", port: str, wanted: bool) -> Iterat
     from tactile.cli.view import LiveView  # the same
 
     def state() -> str:
-        return f"{port}: {session.reader.why or 'open'}"
+        return f"{port}: {session.reader.why or session.check.trouble or 'open'}"
 
     with Live(LiveView(monitor, session.source.title, state), console=screen(), refresh_per_second=8, transient=True):
         yield
@@ -137,3 +137,15 @@ def tare_words(line: dict[str, Any]) -> str:
 
 def nothing(line: dict[str, Any]) -> None:
     """Print nothing: there is a view."""
+
+
+def warn(text: str) -> None:
+    """Tell people of trouble with the port."""
+    echo(f"warning: {text}", err=True)
+
+
+def warn_json(text: str) -> None:
+    """Tell other programs of trouble with the port."""
+    from tactile.cli.live import print_line  # only here
+
+    print_line({"type": "warning", "text": text})

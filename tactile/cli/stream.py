@@ -42,9 +42,9 @@ def record(
     description = chosen_description(protocol, array)
     into = partial(Recording, new_mcap(output, overwrite), description, {"port": port}, overwrite=overwrite)
     console.be_steady()
-    ending = threading.Event()
+    ending, warn = threading.Event(), console.warn_json if as_json else console.warn
     with console.stopping(ending.set):
-        session = Session(port, description, into, seconds=seconds, once=once, stopped=ending)
+        session = Session(port, description, into, seconds=seconds, once=once, stopped=ending, warn=warn)
         with console.closing(session, as_json):
             following = 10**9
             for _ in session.source:
@@ -102,9 +102,9 @@ def live(
     console.be_steady()
     view = sys.stdout.isatty() and not as_json
     say = print_line if as_json else console.nothing if view else console.tell
-    ending = threading.Event()
+    ending, warn = threading.Event(), console.warn_json if as_json else console.warn
     with console.stopping(ending.set):
-        session = Session(port, description, into, tares, seconds, once, ending)
+        session = Session(port, description, into, tares, seconds, once, ending, warn)
         monitor = LiveMonitor(session.source, say, session.now, session.note, lambda: session.counts)
         threading.Thread(target=console.listen, args=(session,), daemon=True).start()
         with console.closing(session, as_json, monitor), console.viewing(monitor, session, port, view):

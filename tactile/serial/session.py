@@ -9,6 +9,7 @@ from tactile.calibration.live_tare import LiveTare
 from tactile.core.epoch import Epoch
 from tactile.core.frame import Frame
 from tactile.recording.writer import Recording
+from tactile.serial.port_check import PortCheck
 from tactile.serial.reader import PortReader
 from tactile.serial.ring import Ring
 from tactile.wire.base import Counts
@@ -23,7 +24,8 @@ class Session:
     """Reads a port until `stop`, for ``seconds``, or ``once`` until it is unplugged; records before anyone looks.
 
     ``record`` makes the ``recording`` once the port is open, given the instant from which all times count. ``stopped``:
-    what `stop` sets, where that has to be known before the port is open.
+    what `stop` sets, where that has to be known before the port is open. ``warn`` is told in words when within three
+    seconds nothing comes, or nothing that fits the description.
 
     draining process -> reader's thread, which records -> ring -> whoever iterates over ``source``. Bytes for which the
     ring has no room are recorded all the same, as unparsed.
@@ -35,7 +37,7 @@ class Session:
     def __init__(
         self, port: str, description: Description, record: Callable[[Epoch], Recording] | None = None,
         tares: tuple[LiveTare, ...] = (), seconds: float | None = None, once: bool = False,
-        stopped: threading.Event | None = None,
+        stopped: threading.Event | None = None, warn: Callable[[str], None] = lambda text: None,
     ) -> None:  # fmt: skip
         self._ready = Ring()
         self._stopped = stopped or threading.Event()
@@ -50,6 +52,7 @@ class Session:
                 raise
         self._until = float("inf") if seconds is None else time.monotonic() + seconds
         self.source = WireSource(description, self._chunks(), tares, None if self.recording is None else self._keep)
+        self.check = PortCheck(port, description, lambda: self.source.counts, warn)
         self.reader.start()
 
     @property
@@ -82,10 +85,14 @@ class Session:
         while True:
             over = self._ready.closed
             chunks = self._ready.get(NAP)
-            yield from chunks
+            for chunk in chunks:
+                self.check.see(chunk)
+                yield chunk
+            self.check.look(not self.reader.why and not closing)
             if over and not chunks:
                 return
             if not closing and (self._stopped.is_set() or time.monotonic() >= self._until or self._failed()):
+                self.check.look(not self.reader.why and not self.source.counts.good, over=True)
                 self.close()  # from here the ring only empties
                 closing = True
 

@@ -1,0 +1,78 @@
+"""Port check: says in words when an open port gives nothing, nothing that fits, or much that does not."""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+from tactile.wire.base import Counts
+from tactile.wire.description import Description
+from tactile.wire.source import PLUGGED, Chunk
+
+PATIENCE = 2.5
+"""[s] after which something is said."""
+STRAY = 0.2
+"""Of all bytes, the share that may belong to no frame before something is said."""
+
+
+class PortCheck:
+    """Watches what comes through a port; ``trouble`` says what is wrong now, in words, and `say` is told once of each.
+
+    ``counts`` gives the decoder's counters.
+    """
+
+    def __init__(
+        self, port: str, description: Description, counts: Callable[[], Counts], say: Callable[[str], None]
+    ) -> None:
+        self.trouble = ""
+        self._port, self._description, self._counts, self._say = port, description, counts, say
+        self._begin()
+
+    def _begin(self) -> None:
+        self._came = 0
+        self._since = self._last = time.monotonic()
+        self._before = replace(self._counts())
+
+    def see(self, chunk: Chunk) -> None:
+        """Take a chunk on its way to the decoder."""
+        if chunk.note == PLUGGED:
+            self._begin()
+        elif chunk.data:
+            self._came += len(chunk.data)
+            self._last = time.monotonic()
+
+    def look(self, is_open: bool, over: bool = False) -> None:
+        """Say what is new to be said; ``over``: without waiting, since nothing more will come."""
+        now = time.monotonic()
+        trouble = ""
+        if is_open and (over or now - self._since > PATIENCE):
+            trouble = self._found(now, over)
+        if trouble and not self.trouble:
+            self._say(trouble)
+        self.trouble = trouble
+
+    def _found(self, now: float, over: bool) -> str:
+        counts, wire = self._counts(), self._description.wire
+        good, unfit, stray = (
+            getattr(counts, name) - getattr(self._before, name) for name in ("good", "unfit", "resynchronised")
+        )
+        if not self._came:
+            return (
+                f"port {self._port} is open, but nothing comes: is the device on, is it this port, does it send at"
+                f" {self._description.baudrate} baud without being asked?"
+            )
+        if not over and now - self._last > PATIENCE:
+            return f"port {self._port} is open, but nothing has come for {now - self._last:.0f} s"
+        shapes = ", ".join(f"{rows} x {cols}" for rows, cols in self._description.options.shapes)
+        if unfit > good:
+            return f"{unfit} whole frames of {wire.name} are of another shape than described ({shapes} taxels)"
+        if not good:
+            return (
+                f"{self._came} bytes came and no frame of {wire.name} in them: another protocol, baud rate"
+                f" ({self._description.baudrate}) or number of taxels ({shapes}) than the device has"
+            )
+        if stray > STRAY * self._came:
+            return (
+                f"{stray} of {self._came} bytes belong to no frame of {wire.name}: the device has another number of"
+                f" taxels than {shapes}, or the cable is bad"
+            )
+        return ""

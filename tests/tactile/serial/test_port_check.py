@@ -1,0 +1,79 @@
+"""What is wrong with a port is said within three seconds: silence, another protocol, another shape."""
+
+import json
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import Result
+
+from tactile.serial import port_check, session
+from tactile.wire.description import Description
+from tactile.wire.description_file import parse_description
+from tactile.wire.packets import packets
+from tests.kits.serial import call, device, grip, sent
+from tests.tactile.cli.test_live import write_array
+
+
+def described(protocol: str, rows: int, cols: int, fingers: int = 1) -> Description:
+    text = f'protocol = "{protocol}"\nyoungs_modulus_mpa = 0.4\n'
+    for n in range(fingers):
+        text += f'[[finger]]\nname = "f{n}"\nrows = {rows}\ncols = {cols}\npitch_mm = 1.0\ndepth_mm = 1.0\n'
+        text += 'quantity = "strain"\n'
+    return parse_description(text, "test")
+
+
+@pytest.fixture
+def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert port_check.PATIENCE + 2 * session.NAP < 3.0
+    monkeypatch.setattr(port_check, "PATIENCE", 0.8)
+
+
+@pytest.mark.usefixtures("hasty")
+@pytest.mark.parametrize(("sending", "reading", "message"), [
+    ("native", described("native", 3, 3, 2), "whole frames of native are of another shape than described (3 x 3, 3 x"),
+    ("native", described("lowiek", 4, 8), "no frame of lowiek in them: another protocol, baud rate (400000)"),
+    ("csv", described("csv", 3, 3), "whole frames of csv are of another shape than described (3 x 3 taxels)"),
+    ("reskin", described("reskin", 1, 5), "bytes belong to no frame of reskin: the device has another number of"),
+    ("reskin", described("native", 2, 2), "no frame of native in them"),
+])  # fmt: skip
+def test_what_does_not_fit_is_said(sending: str, reading: Description, message: str) -> None:
+    description, _ = sent(sending, 0.1)
+    said: list[str] = []
+    with device(packets(description, grip(4.0), loop=True)) as emulator:
+
+        def warn(text: str) -> None:
+            said.append(text)
+            running.stop()
+
+        running = session.Session(emulator.port, reading, seconds=6, warn=warn)
+        for _ in running.source:
+            pass
+    assert len(said) == 1
+    assert message in said[0]
+
+
+@pytest.mark.usefixtures("hasty")
+def test_silence_is_said_and_so_is_nothing_where_all_is_well(tmp_path: Path) -> None:
+    description, _ = sent("native", 0.1)
+    array = write_array(tmp_path, description.text)
+
+    def silent(seconds: float) -> Any:
+        time.sleep(seconds)
+        yield 0.0, b""
+
+    def record(name: str, *more: str) -> Result:
+        return call("record", "-p", emulator.port, "-a", array, "-o", tmp_path / name, *more)
+
+    with device(silent(1.5)) as emulator:
+        result = record("r.mcap", "--seconds", "1.4", "--json")
+    texts = [json.loads(line)["text"] for line in result.stdout.splitlines() if '"warning"' in line]
+    assert len(texts) == 1
+    assert "is open, but nothing comes: is the device on" in texts[0]
+    with device(silent(0.5)) as emulator:
+        result = record("s.mcap", "--seconds", "0.3")
+    assert result.stderr.count("warning: port") == 1  # at the end at the latest
+    with device(packets(description, grip(4.0), loop=True)) as emulator:
+        result = record("t.mcap", "--seconds", "1.6")
+    assert result.stderr == ""
