@@ -14,6 +14,7 @@ from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.echo import echo
 from cnnsim.support.own_file import lock, open_shut
 from tactile.cli.console import be_steady, stopping
+from tactile.cli.loading import ends_at_once
 from tactile.cli.options import ARRAY, FILE, PROTOCOL, chosen_description, write_new_text
 
 if TYPE_CHECKING:
@@ -58,6 +59,7 @@ def ports(as_json: bool) -> None:
 @click.option("--unplug", type=float, default=0.0, help="Take the port away every so many seconds ...")
 @click.option("--unplug-for", type=float, default=0.5, show_default=True, help="... for so many.")
 @click.option("--seed", type=int, default=0, help="Seed of the faults.")
+@ends_at_once()
 def emulate(
     protocol: str | None, array: Path | None, scene: Path | None, recording: Path | None, write_array: Path | None,
     link: Path | None, loop: bool, seed: int, **faults: Any,

@@ -1,15 +1,18 @@
 """The command line of the tactile layer: the group of all commands."""
 
-import click
+from tactile.cli.loading import ends_at_once
 
-from cnnsim.support.command_line import CommandGroup
-from tactile.cli.calibrate import calibrate
-from tactile.cli.convert import convert
-from tactile.cli.devices import emulate, ports
-from tactile.cli.explain import explain
-from tactile.cli.new import new
-from tactile.cli.run import run
-from tactile.cli.stream import live, record, replay
+with ends_at_once():
+    import click
+
+    from cnnsim.support.command_line import CommandGroup
+    from tactile.cli.calibrate import calibrate
+    from tactile.cli.convert import convert
+    from tactile.cli.devices import emulate, ports
+    from tactile.cli.explain import explain
+    from tactile.cli.new import new
+    from tactile.cli.run import run
+    from tactile.cli.stream import live, record, replay
 
 
 @click.group(cls=CommandGroup, context_settings={"help_option_names": ["-h", "--help"]})

@@ -13,6 +13,7 @@ from cnnsim.support import InputError
 from cnnsim.support.command_line import examples
 from cnnsim.support.echo import echo
 from tactile.cli import console
+from tactile.cli.loading import ends_at_once
 from tactile.cli.options import ARRAY, FILE, PROTOCOL, check_thresholds, chosen_description, kept_calibration, new_mcap
 
 PORT = click.option("--port", "-p", required=True, help="Port to read; `tactile ports` lists them.")
@@ -31,6 +32,7 @@ JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON lines fo
 @ONCE
 @OVERWRITE
 @JSON
+@ends_at_once()
 def record(
     port: str, protocol: str | None, array: Path | None, output: Path, seconds: float | None, once: bool,
     overwrite: bool, as_json: bool,
@@ -81,6 +83,7 @@ def record(
 @ONCE
 @OVERWRITE
 @JSON
+@ends_at_once()
 def live(
     port: str, protocol: str | None, array: Path | None, output: Path | None, seconds: float | None, once: bool,
     overwrite: bool, as_json: bool, calibration: Path | None, **chosen: Any,

@@ -101,7 +101,9 @@ class PortReader:
 
     def _read_drained(self) -> None:
         """Hand on what the draining process has until the port fails; at the end, all that it still has."""
-        if self._drained is None or self._drained.over:
+        assert self._drained is not None
+        if self._drained.over:
+            self._drained.close()
             self._drained = Drained()
         self._drained.read(self._port, self._talk)
         stopping = False
