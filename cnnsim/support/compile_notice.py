@@ -1,39 +1,26 @@
-"""Compile notice: tells a terminal, once, that loops are being compiled, if that takes more than a second."""
+"""Compile notice: tells a terminal, once, that loops are being compiled; loops from the disk cache say nothing."""
 
-import time
 from collections.abc import Callable
-from threading import Timer
 from typing import Any
-
-_PATIENCE = 1.0
-"""Seconds of compiling, all in all, before something is said."""
 
 
 class Notice:
-    """Listens to numba's compiler and calls ``say`` once, when it has worked for a second."""
+    """Listens to numba's compiler passes and calls ``say`` at the first: there is none for loops that are only loaded.
 
-    def __init__(self, say: Callable[[], None], patience: float = _PATIENCE) -> None:
-        self._say, self._left, self._depth, self._since = say, patience, 0, 0.0
-        self._timer: Timer | None = None
+    It is the event that tells and not the time: on a busy machine loading takes seconds, too.
+    """
+
+    def __init__(self, say: Callable[[], None]) -> None:
+        self._say: Callable[[], None] | None = say
 
     def on_start(self, _event: Any = None) -> None:
-        """The compiler starts, perhaps from within itself."""
-        self._depth += 1
-        if self._depth == 1 and self._left > 0:
-            self._since, self._timer = time.monotonic(), Timer(self._left, self._now)
-            self._timer.daemon = True
-            self._timer.start()
+        """A pass starts."""
+        say, self._say = self._say, None
+        if say is not None:
+            say()
 
     def on_end(self, _event: Any = None) -> None:
         """It has done."""
-        self._depth -= 1
-        if self._depth == 0 and self._timer is not None:
-            self._timer.cancel()
-            self._left -= time.monotonic() - self._since
-
-    def _now(self) -> None:
-        self._left = -1.0
-        self._say()
 
 
 class Terminal:
@@ -56,4 +43,4 @@ def announce(where: str) -> None:
     class Listener(Notice, event.Listener):  # type: ignore[misc]  # numba says nothing of its types
         pass
 
-    event.register("numba:compiler_lock", Listener(say))
+    event.register("numba:run_pass", Listener(say))
