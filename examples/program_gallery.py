@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from cnnsim.program.file import load_program
-from cnnsim.program.machine import UniversalMachine
+from cnnsim import UniversalMachine, load_program
+from tactile.elastic.halfspace import point_load_strain, point_load_stress
 
 Planes = dict[str, NDArray[Any]]
-SIGNED = {"divergence", "curl", "arrival", "shear_x", "shear_y"}  # drawn red (above 0) and blue
-FROM_ZERO = {"gradient", "density"}
+READINGS = ("u_xz", "u_yz", "u_zz"), ("s_xz", "s_yz", "s_zz")  # strain, stress
+SIGNED = {"divergence", "curl", "arrival", "shear_x", "shear_y", "dx", "dy", *READINGS[0], *READINGS[1]}
+"""Drawn red (above 0) and blue."""
+FROM_ZERO = {"gradient", "density", "force"}
 COLUMNS = 4
 
 
@@ -50,6 +52,16 @@ def maze(rows: int, cols: int, rng: np.random.Generator) -> NDArray[Any]:
     return walls
 
 
+def readings() -> tuple[Planes, Planes]:
+    """Return strain and stress at 16 x 16 taxels under a needle that presses and drags, 0.2 mm above them."""
+    places = np.stack(np.meshgrid(*2 * [(np.arange(16) - 7.5) * 1e-4]), axis=-1)
+    needle = [[3e-4, -2e-4, 0.01, 0.0, 0.05]]  # x, y [m], shear along x, y and pressing force [N]
+    strain, stress = point_load_strain(places, 2e-4, needle, 2.4e6), point_load_stress(places, 2e-4, needle)
+    found = [{key: field[..., k] for k, key in enumerate(keys)} for keys, field in zip(READINGS, (strain, stress),
+             strict=True)]  # fmt: skip
+    return found[0], found[1]
+
+
 def scenes() -> list[tuple[str, list[Planes], str]]:
     """Return program, frames and the outputs to show."""
     rng = np.random.default_rng(4)
@@ -83,6 +95,8 @@ def scenes() -> list[tuple[str, list[Planes], str]]:
     }
     rough = np.where(disc, np.where(rng.random(disc.shape) < 0.85, 0.5, -0.5), 0.0)
     arch = disc & ~((abs(x) < 2) & (y > -3))
+    spread = {"shear_x": 0.9 * pressing * np.sign(x), "shear_y": 0.9 * pressing * np.sign(y) * (abs(y) > 3)}
+    strain, stress = readings()
     return [
         ("opening", [{"picture": noisy}], "opened"),
         ("closing", [{"picture": noisy}], "closed"),
@@ -113,6 +127,9 @@ def scenes() -> list[tuple[str, list[Planes], str]]:
         ("contact-blob", [{"pressing": np.where(ring, 0.8, 0.0)}], "contact blob edge"),
         ("slip-front", [{"pressing": pressing, "shear_x": shear, "shear_y": 0 * drag} for shear in (drag, core)],
          "slid stuck front"),
+        ("event-code", [{**spread, "pressing": pressing}], "x_plus x_minus y_plus y_minus contact moved"),
+        ("locate-strain", [strain], "dx dy force"),
+        ("locate-stress", [stress], "dx dy force"),
         ("shear-flow", [field], "divergence curl"),
         ("coherent-shear", [{"shear_x": rough, "shear_y": 0 * rough, "pressing": pressing}], "right left whole"),
         ("onset-wave", [{"contact": arch, "onset": blobs((11, 3, 1, 1), shape=(16, 16))}], "reached arrival"),
@@ -137,19 +154,19 @@ def main(output: Path) -> None:
         width = (1 / COLUMNS - 0.01) / max(2, len(given) + len(shown))
         for k, (title, plane) in enumerate([*given, *shown]):
             axes = figure.add_axes((left + 0.005 + k * width, bottom + 0.05 / rows, 0.96 * width, 0.62 / rows))
-            draw(axes, title, plane, given=k < len(given))
+            draw(axes, title, plane, given=k < len(given), size=9 if len(given) + len(shown) < 8 else 7)
     figure.savefig(output, dpi=100)
     plt.close(figure)
 
 
-def draw(axes: Any, title: str, plane: NDArray[Any], *, given: bool) -> None:
+def draw(axes: Any, title: str, plane: NDArray[Any], *, given: bool, size: float) -> None:
     """Draw one plane: black is +1, white -1; signed quantities in red and blue, densities from 0 up."""
     values = np.where(plane, 1.0, -1.0) if plane.dtype == bool else plane
-    most = float(np.abs(values).max()) if title in SIGNED | FROM_ZERO else 1.0
+    most = float(np.nanmax(np.abs(values))) if title in SIGNED | FROM_ZERO else 1.0
     least = 0.0 if title in FROM_ZERO else -most
     axes.imshow(values, cmap="RdBu_r" if title in SIGNED else "gray_r", vmin=least, vmax=most, interpolation="nearest")
     axes.set(xticks=[], yticks=[], anchor="NW")
-    axes.set_title(title.replace("_", " "), fontsize=9, loc="left", color="gray" if given else "black", pad=3)
+    axes.set_title(title.replace("_", " "), fontsize=size, loc="left", color="gray" if given else "black", pad=3)
     for edge in axes.spines.values():
         edge.set(color="silver" if given else "black", linewidth=3 if given else 1)
 

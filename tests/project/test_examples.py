@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from cnnsim.library import folders
 from tests.kits.paths import ROOT
 
 EXAMPLES = sorted((ROOT / "examples").glob("[!_]*.py"))
@@ -60,3 +61,8 @@ def test_there_are_a_dozen_short_ones() -> None:
     short = [path.read_text(encoding="utf-8") for path in EXAMPLES if path.stem not in STUDIES]
     assert len(short) >= 12
     assert sum("from tactile import" in text for text in short) >= 4
+
+
+def test_the_gallery_shows_every_program() -> None:
+    gallery = _load(ROOT / "examples" / "program_gallery.py")
+    assert sorted({name for name, _, _ in gallery.scenes()}) == list(folders.programs())
