@@ -247,7 +247,7 @@ def _planes(name: str, value: Any, shape: tuple[int, ...]) -> Any:
 
 def _plane(name: str, values: ArrayLike, shape: tuple[int, ...] | None) -> Array:
     """Return a plane of floats of that shape: the very array that was given where it is one, to save its memory."""
-    plane = as_numbers(name, values, levels=name == "bias")
+    plane = as_numbers(name, values, levels=name == "bias", logic=name == "mask")
     plane = plane if plane.dtype.kind == "f" else plane.astype(np.float64)
     if shape is not None and (plane.ndim == 0 or (len(shape) > 2 and plane.shape == shape[-2:])):
         plane = np.broadcast_to(plane, shape)

@@ -7,9 +7,9 @@ from typing import Any
 
 import click
 
-from cnnsim import backends
 from cnnsim.cli.pictures import FRAME_RATE, arrow, binary_option, range_option
 from cnnsim.cli.run import backend_option, device_option, json_option
+from cnnsim.cli.threads import find_backend, threads_option
 from cnnsim.support import Array, InputError
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.echo import say
@@ -46,10 +46,12 @@ _SHOWN = 10
 @range_option
 @backend_option
 @device_option
+@threads_option
 @json_option
 def program(
     file: str, pairs: tuple[str, ...], stills: tuple[str, ...], settings: tuple[str, ...], output: Path | None,
-    binary: bool, levels: tuple[float, float] | None, backend: str, device: str | None, as_json: bool,
+    binary: bool, levels: tuple[float, float] | None, backend: str, device: str | None,
+    threads: int | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Run an analogic program: FILE is a TOML file, or the name of a program of the library.
 
@@ -60,7 +62,7 @@ def program(
     from cnnsim.program.machine import UniversalMachine
 
     parsed = load_program(file, parameters={key: _number(key, text) for key, text in _pairs("--set", settings)})
-    where = backends.get(backend, device=device)
+    where = find_backend(backend, device=device, threads=threads)
     reading = Reading(binary, levels, where.dtype)
     inputs = _sequences(_pairs("--input", pairs), _pairs("--still", stills), reading)
     steps = _steps(inputs, {key for key, _ in _pairs("--still", stills)})

@@ -17,6 +17,7 @@ from cnnsim.cli.pictures import (
     read_for,
     write_planes,
 )
+from cnnsim.cli.threads import find_backend, threads_option
 from cnnsim.network import parse_boundary
 from cnnsim.network.boundary import BOUNDARY_FORMS
 from cnnsim.planning.savings import Saving
@@ -72,11 +73,12 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON f
 )
 @backend_option
 @device_option
+@threads_option
 @json_option
 def run(
     name: str, pictures: tuple[Path, ...], output: Path | None, state: Path | None, mask: Path | None,
     bias: Path | None, binary: bool, levels: tuple[float, float] | None, trajectory: Path | None, backend: str,
-    device: str | None, dtype: str | None, as_json: bool, **options: Any,
+    device: str | None, threads: int | None, dtype: str | None, as_json: bool, **options: Any,
 ) -> None:  # fmt: skip
     """Run template NAME on PICTURE (any format Pillow reads; black is +1, white -1).
 
@@ -90,9 +92,10 @@ def run(
     given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
     if "boundary" in given:
         given["boundary"] = parse_boundary(given["boundary"])
-    where = backends.get(backend, dtype, device)
+    where = backends.get(backend, dtype, device, threads)
     reading = Reading(binary, levels, where.dtype)
     shown = read_for(entry, pictures, reading, batch=True)
+    where = find_backend(backend, where.dtype, device, threads, shown.size)
     task = {**entry.task(shown, read_beside(state, "--state", shown, reading)), **given}
     for key, path in (("mask", mask), ("bias", bias)):
         if (plane := read_beside(path, f"--{key}", shown, reading)) is not None:

@@ -13,7 +13,7 @@ from cnnsim.planning.duration import Duration
 from cnnsim.planning.plan import usual_limit
 from cnnsim.planning.step import DEFAULT_STEP
 from cnnsim.support import Array, Floats, InputError
-from cnnsim.support.values import as_picture
+from cnnsim.support.values import as_numbers, as_picture
 from cnnsim.theory.running_time import RunningTime, guaranteed_time
 
 Role = Literal["picture", "given", "none", "any"] | float
@@ -29,6 +29,13 @@ class Example:
     mask: Floats | None = None
     bias: Floats | None = None
     tolerance: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("input", "state", "output", "mask", "bias"):
+            plane = getattr(self, name)
+            if plane is not None:
+                plane = as_numbers(name, plane, levels=name == "bias", logic=name == "mask")
+                object.__setattr__(self, name, plane)
 
     def holds(self, y: Array) -> bool:
         """Return whether an output is the one that was worked out: right sign and |y| > 0.99, or within tolerance."""

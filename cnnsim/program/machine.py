@@ -183,7 +183,7 @@ def _check(program: Program, inputs: dict[str, ArrayLike]) -> dict[str, Array]:
         raise InputError(
             f"program {program.name!r} got {', '.join(inputs) or 'nothing'}; {', '.join(program.inputs)} wanted{hint}"
         )
-    arrays = {name: as_numbers(name, inputs[name]) for name in program.inputs}
+    arrays = {name: as_numbers(name, inputs[name], logic=program.memory[name] == "llm") for name in program.inputs}
     shapes = {name: array.shape for name, array in arrays.items()}
     if len(set(shapes.values())) > 1 or any(array.ndim not in (2, 3) or not array.size for array in arrays.values()):
         raise InputError(f"program {program.name!r} got planes of shapes {shapes}; one shape (rows, cols) wanted")

@@ -1,6 +1,7 @@
 """Plumbing of both command lines: errors as one line and exit code 2, progress bars, JSON, example calls."""
 
 import json
+import os
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -52,6 +53,9 @@ class CommandGroup(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command."""
+        os.environ.setdefault(
+            "OMP_WAIT_POLICY", "passive"
+        )  # threads that wait by spinning starve others, and each other
         Terminal.wanted = sys.stderr.isatty()
         Replaced.tell = _tell_replaced
         try:

@@ -41,8 +41,10 @@ def to_planes(colours: ArrayLike, top: float = 255.0) -> Floats:
     return np.moveaxis(from_gray(top + (levels[..., :3] - top) * cover, top), -1, 0)
 
 
-def as_numbers(name: str, values: ArrayLike, *, levels: bool = False) -> Array:
-    """Return a plane as an array of numbers: booleans become black and white; ``levels``: any whole number will do.
+def as_numbers(name: str, values: ArrayLike, *, levels: bool = False, logic: bool = False) -> Array:
+    """Return a plane as an array of numbers: booleans become black and white.
+
+    ``levels``: any whole number will do; ``logic``: above 0 is black, so 0 and 1 will do.
 
     Raises:
         InputError: what is no array of numbers, or whole numbers that look like grey levels or colours.
@@ -59,6 +61,11 @@ def as_numbers(name: str, values: ArrayLike, *, levels: bool = False) -> Array:
         return array
     if array.dtype.kind not in "iu":
         raise InputError(f"{name} is no rectangular array of numbers")
+    if array.size and not logic and array.dtype.kind == "i" and (array.min(), array.max()) == (0, 1):
+        raise InputError(
+            f"{name} holds the whole numbers 0 and 1, and 0 is mid-grey; CNN values from -1 (white) to 1 (black), or "
+            "booleans, wanted: values > 0"
+        )
     if array.dtype.kind == "u" or largest(array) > 1:
         colours = array.ndim == 3 and array.shape[-1] in (3, 4)
         cure = "to_planes(values), a plane a colour" if colours else "from_gray(values)"
@@ -85,5 +92,6 @@ def as_picture(name: str, values: ArrayLike) -> Array:
     array = as_numbers(name, values)
     most = largest(array)
     if 1 < most < np.inf:
-        warnings.warn(f"{name} reaches {most:g}; CNN values lie from -1 (white) to 1 (black)", stacklevel=4)
+        said = f"{name} reaches {most:g}; CNN values lie from -1 (white) to 1 (black)"
+        warnings.warn(said, stacklevel=6)  # the caller of `cnnsim.run`
     return array

@@ -15,7 +15,7 @@ from cnnsim import backends
 from cnnsim.network import Boundary, Template
 from cnnsim.network.cell import output
 from cnnsim.planning.step import DEFAULT_STEP
-from cnnsim.prototyping.design.rule_files import PicturePair
+from cnnsim.prototyping.design.rule_files import PicturePair, as_pair
 from cnnsim.support import Array, Floats, InputError
 from cnnsim.transient import make_task
 
@@ -67,7 +67,7 @@ def fit(
 
     if not pairs:
         raise InputError("no pairs of pictures to fit a template to")
-    search = _Search(pairs, boundary, symmetry, initial_state, limit, name)
+    search = _Search([as_pair(pair) for pair in pairs], boundary, symmetry, initial_state, limit, name)
     number = len(_SHARED[symmetry])
     bounds = [(-largest, largest)] * (2 * number + 1)
     bounds[_SHARED[symmetry].index([4])] = (1.0, largest)

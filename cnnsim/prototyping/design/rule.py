@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cnnsim.network import Boundary, pad
 from cnnsim.support import Floats, InputError, Integers
+from cnnsim.support.values import as_numbers
 
 NAMES = ("nw", "n", "ne", "w", "c", "e", "sw", "s", "se", "x")
 """The cells of a window, row by row; ``x`` is the cell's own initial state."""
@@ -61,6 +62,7 @@ class WindowRule:
 
     def codes(self, picture: Floats, boundary: Boundary, state: Floats | None) -> Integers:
         """Return the index of every cell's window (rows, cols); above 0 is black, also for the virtual cells."""
+        picture = as_numbers("picture", picture, logic=True).astype(np.float64)
         around = pad(picture, 1, boundary, boundary.u) > 0
         rows, cols = picture.shape
         code = np.zeros((rows, cols), dtype=np.int64)
@@ -69,7 +71,7 @@ class WindowRule:
         if self.with_state:
             if state is None:
                 raise InputError(f"{self.text}: the rule looks at an initial state, and none was given")
-            code = 2 * code + (state > 0)
+            code = 2 * code + (as_numbers("state", state, logic=True) > 0)
         return code
 
     def answer(self, picture: Floats, boundary: Boundary, state: Floats | None = None) -> Floats:

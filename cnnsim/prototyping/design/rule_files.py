@@ -5,13 +5,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.network import Boundary
 from cnnsim.prototyping.design.rule import WindowRule, window_text, windows
 from cnnsim.support import Flags, Floats, InputError, naming
 from cnnsim.support.picture import read_picture
 from cnnsim.support.toml_file import check_keys, line_of, located, read_toml
+from cnnsim.support.values import as_numbers
 
 PicturePair = tuple[Floats, Floats]
 """An input picture and the output it should give, both -1 and +1."""
@@ -74,6 +75,18 @@ def _matches(rows: NDArray[np.int8], window: list[Any]) -> Flags:
     return match
 
 
+def as_pair(pair: tuple[ArrayLike, ArrayLike]) -> PicturePair:
+    """Return two pictures as CNN values; booleans are black and white.
+
+    Raises:
+        InputError: two sizes, or whole numbers as of grey levels.
+    """
+    first, second = (as_numbers(name, values) for name, values in zip(("input", "output"), pair, strict=True))
+    if first.shape != second.shape or first.ndim != 2:
+        raise InputError(f"a pair of pictures of shapes {first.shape} and {second.shape}; one (rows, cols) wanted")
+    return first, second
+
+
 def read_pairs(texts: Sequence[str]) -> list[PicturePair]:
     """Read pairs of pictures given as "input.png=output.png"; both become black and white.
 
@@ -103,7 +116,7 @@ def rule_of_pairs(pairs: Sequence[PicturePair], boundary: Boundary) -> WindowRul
     table = np.zeros(512, dtype=np.int8)
     seen: dict[int, str] = {}
     blank = WindowRule(np.ones(512, dtype=np.int8))
-    for number, (picture, wanted) in enumerate(pairs, start=1):
+    for number, (picture, wanted) in enumerate(map(as_pair, pairs), start=1):
         codes = blank.codes(picture, boundary, None)
         for (row, col), code in np.ndenumerate(codes):
             here = f"pair {number}, cell {row},{col}"

@@ -1,0 +1,85 @@
+"""The number of threads changes nothing but the time, is checked, and is measured where it is not said."""
+
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cnnsim import InputError, UniversalMachine, load_program, run, write_picture
+from cnnsim.backends import get
+from cnnsim.backends.cpu import planes, threads
+from cnnsim.cli.group import main
+
+PICTURE = np.where(np.random.default_rng(0).random((90, 120)) > 0.5, 1.0, -1.0)
+ALL = int(numba.config.NUMBA_NUM_THREADS)
+
+
+@pytest.mark.parametrize("name", ["hole-filler", "median"])
+def test_the_result_is_the_same_on_any_number_of_threads(name: str) -> None:
+    changes: Any = {} if name == "hole-filler" else {"duration": 1.0}
+    one, all_of_them = (run(name, PICTURE, threads=count, **changes) for count in (1, ALL))
+    assert np.array_equal(one.x, all_of_them.x)
+    assert one.t == all_of_them.t
+
+
+def test_a_backend_works_on_its_own_number_and_leaves_that_of_the_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = []
+    clip = planes.clip.for_work(PICTURE.size)
+
+    class Watched:
+        @staticmethod
+        def for_work(_cells: int) -> Any:
+            seen.append(numba.get_num_threads())
+            return clip
+
+    backend = get("cpu", threads=1)
+    x = backend.load(PICTURE, "lam")
+    monkeypatch.setattr(planes, "clip", Watched)
+    before = numba.get_num_threads()
+    backend.output(x)
+    assert seen == [1]
+    assert numba.get_num_threads() == before
+
+
+@pytest.mark.parametrize("wrong", [0, -1, True, 1.5, "2", 10_000])
+def test_a_number_that_cannot_be(wrong: Any) -> None:
+    with pytest.raises(InputError, match=f"threads .*; a whole number from 1 to {ALL}, the cores there are, wanted"):
+        get("cpu", threads=wrong)
+
+
+def test_other_backends_have_no_choice() -> None:
+    with pytest.raises(InputError, match="only the cpu backend has a choice of threads"):
+        run("edge", PICTURE, backend="reference", threads=1)
+
+
+def test_programs_and_command_lines_take_it_too(tmp_path: Path) -> None:
+    opened = UniversalMachine(threads=1).run(load_program("opening"), picture=PICTURE)["opened"]
+    assert np.array_equal(opened, UniversalMachine().run(load_program("opening"), picture=PICTURE)["opened"])
+    write_picture(PICTURE, tmp_path / "in.png")
+    for words in (
+        ("run", "edge", tmp_path / "in.png"),
+        ("program", "opening", "--input", f"picture={tmp_path / 'in.png'}"),
+    ):
+        texts = [str(word) for word in words]
+        plain, one = (CliRunner().invoke(main, [*texts, *more]) for more in ([], ["--threads", "1"]))
+        assert plain.exit_code == one.exit_code == 0
+        assert plain.output == one.output
+        many = CliRunner().invoke(main, [*texts, "--threads", "10000"])
+        assert many.exit_code == 2
+        assert "the cores there are" in many.output
+
+
+@pytest.mark.parametrize(
+    ("spent", "wanted"), [({8: 1, 4: 2}, 8), ({8: 9, 4: 2, 2: 3}, 4), ({8: 9, 4: 8, 2: 7, 1: 1}, 1)]
+)
+def test_the_fastest_number_is_taken(monkeypatch: pytest.MonkeyPatch, spent: dict[int, float], wanted: int) -> None:
+    monkeypatch.setattr(threads.numba, "get_num_threads", lambda: 8)
+    monkeypatch.setattr(threads, "_launch", lambda count, _x: spent[count])
+    assert threads.threads_that_pay() == wanted
+
+
+def test_the_measurement_is_short() -> None:
+    assert 1 <= threads.threads_that_pay() <= ALL
