@@ -53,9 +53,7 @@ class CommandGroup(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command."""
-        os.environ.setdefault(
-            "OMP_WAIT_POLICY", "passive"
-        )  # threads that wait by spinning starve others, and each other
+        os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # threads that spin while they wait starve one another
         Terminal.wanted = sys.stderr.isatty()
         Replaced.tell = _tell_replaced
         try:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import cnnsim
-from cnnsim import Frames, InputError, fixed, library
+from cnnsim import Frames, InputError, backends, fixed, library
 from cnnsim.library.entry import Example
 from cnnsim.prototyping.design.expression import parse_rule
 from cnnsim.prototyping.design.fit import fit
@@ -20,7 +20,7 @@ BLACK[2:7, 2:7] = True
 VALUES = np.where(BLACK, 1.0, -1.0)
 EDGE = library.load("edge").network
 ZERO = np.zeros((9, 9))
-REFERENCE: Any = cnnsim.backends.get("reference")  # type: ignore[attr-defined]  # a module of the package
+REFERENCE = backends.get("reference")
 
 
 def transient(picture: Any) -> Any:

@@ -59,11 +59,8 @@ def test_programs_and_command_lines_take_it_too(tmp_path: Path) -> None:
     opened = UniversalMachine(threads=1).run(load_program("opening"), picture=PICTURE)["opened"]
     assert np.array_equal(opened, UniversalMachine().run(load_program("opening"), picture=PICTURE)["opened"])
     write_picture(PICTURE, tmp_path / "in.png")
-    for words in (
-        ("run", "edge", tmp_path / "in.png"),
-        ("program", "opening", "--input", f"picture={tmp_path / 'in.png'}"),
-    ):
-        texts = [str(word) for word in words]
+    place = str(tmp_path / "in.png")
+    for texts in (["run", "edge", place], ["program", "opening", "--input", f"picture={place}"]):
         plain, one = (CliRunner().invoke(main, [*texts, *more]) for more in ([], ["--threads", "1"]))
         assert plain.exit_code == one.exit_code == 0
         assert plain.output == one.output
@@ -76,7 +73,7 @@ def test_programs_and_command_lines_take_it_too(tmp_path: Path) -> None:
     ("spent", "wanted"), [({8: 1, 4: 2}, 8), ({8: 9, 4: 2, 2: 3}, 4), ({8: 9, 4: 8, 2: 7, 1: 1}, 1)]
 )
 def test_the_fastest_number_is_taken(monkeypatch: pytest.MonkeyPatch, spent: dict[int, float], wanted: int) -> None:
-    monkeypatch.setattr(threads.numba, "get_num_threads", lambda: 8)
+    monkeypatch.setattr(numba, "get_num_threads", lambda: 8)
     monkeypatch.setattr(threads, "_launch", lambda count, _x: spent[count])
     assert threads.threads_that_pay() == wanted
 
