@@ -96,7 +96,7 @@ def export(context: click.Context, names: tuple[str, ...], kind: str, output: Pa
             with naming(f"{name} as {kind}"):
                 check_name(name, "template")  # other names a template goes by may be any text
                 text = WRITERS[kind](library.load(name))
-            write_text(target, text, replace=replace)
+            write_text(target, text, replace=replace, follow=False)
         except InputError as error:
             echo(f"Error: {error}", err=True)
             failed += 1

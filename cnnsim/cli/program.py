@@ -90,7 +90,7 @@ def program(
                 elif output is not None:
                     make_folder(output)
                     files[name].append(output / (f"{name}-{number:04d}.png" if several else f"{name}.png"))
-                    write_picture(value, files[name][-1])
+                    write_picture(value, files[name][-1], follow=False)
     _report(parsed.name, numbers, files, several, as_json)
 
 

@@ -102,7 +102,7 @@ def _write(imported: Imported, folder: Path, report: Diagnostics, replace: bool)
         report.warning(None, f"{imported.name}: {text}")
     try:
         make_folder(folder)
-        with writing(target) as beside:
+        with writing(target, follow=False) as beside:
             beside.write_text(imported.text(), encoding="utf-8")
             try:
                 load_file(beside)

@@ -15,11 +15,12 @@ class Replaced:
 
 
 @contextmanager
-def writing(path: str | Path, *, replace: bool = True) -> Iterator[Path]:
+def writing(path: str | Path, *, replace: bool = True, follow: bool = True) -> Iterator[Path]:
     """Give the path to write under; when the block ends well the file is renamed to ``path``, else it is gone.
 
     It stands in a folder of its own beside the target, under the target's name: the ending decides the format. The
-    target's folders are made. A device or a pipe is written to as it is.
+    target's folders are made. A device or a pipe is written to as it is. A link is written through, unless not to
+    ``follow``: in a folder where names come from a file, it gives way to the file, wherever it points.
 
     Raises:
         InputError: the file is there and not to be replaced, or cannot be written.
@@ -27,11 +28,13 @@ def writing(path: str | Path, *, replace: bool = True) -> Iterator[Path]:
     target = Path(path)
     check_free(target, replace=replace)
     try:
-        if target.exists() and not target.is_file():
+        if target.exists() and not target.is_file() and (follow or not target.is_symlink()):
+            if target.is_dir():
+                raise InputError(f"cannot write {path}: there is a folder of that name")
             yield target
             return
         there = target.exists()
-        place = target.resolve()  # a link stays one
+        place = target.resolve() if follow else target.absolute()
         with TemporaryDirectory(prefix=f".{target.stem[:40]}-", dir=place.parent) as folder:
             beside = Path(folder) / target.name
             yield beside
@@ -58,14 +61,14 @@ def check_free(*paths: Path, replace: bool) -> None:
         raise InputError(f"{', '.join(there)} {verb} there already; --replace would write over it")
 
 
-def write_text(path: str | Path, text: str, *, replace: bool = True) -> None:
+def write_text(path: str | Path, text: str, *, replace: bool = True, follow: bool = True) -> None:
     """Write a text file (UTF-8) as `writing` does, with the folders that lead to it.
 
     Raises:
         InputError: as `writing`.
     """
     make_folder(Path(path).parent)
-    with writing(path, replace=replace) as beside:
+    with writing(path, replace=replace, follow=follow) as beside:
         beside.write_text(text, encoding="utf-8")
 
 

@@ -121,13 +121,13 @@ def to_png(values: Array, least: int = 192) -> bytes:
     return file.getvalue()
 
 
-def write_picture(values: Array, path: str | Path, scale: int = 1) -> None:
-    """Write CNN values as a picture; the format follows the name's ending.
+def write_picture(values: Array, path: str | Path, scale: int = 1, *, follow: bool = True) -> None:
+    """Write CNN values as a picture; the format follows the name's ending, ``follow`` as in `writing`.
 
     Raises:
         InputError: Pillow does not know the ending, or the file cannot be written.
     """
-    with writing(path) as beside:
+    with writing(path, follow=follow) as beside:
         to_image(values, scale).save(beside)
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim.support import InputError
+from cnnsim.support.files import write_text
 from cnnsim.support.toml_file import KeyFaults, parse_toml, read_toml, take, take_numbers
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection
@@ -99,7 +100,4 @@ def write_calibration(path: Path, made: Calibration) -> None:
         f"true_um = {[radius * 1e6 for radius in radial.true]!r}",
         f"force_factor = {list(radial.force)!r}",
     ]
-    try:
-        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror}") from error
+    write_text(path, "\n".join(lines) + "\n")

@@ -2,12 +2,12 @@
 
 import csv
 import json
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from cnnsim import InputError
-from cnnsim.support.files import Replaced, write_text
+from cnnsim.support.files import make_folder, write_text, writing
 from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y, TaxelArray
 from tactile.output.collected import texture_mean, total
 from tactile.output.event_data import INLINE, EventData
@@ -38,14 +38,9 @@ class Record:
         self._events: list[str] = []
         self._codes: dict[str, str] = {}
         self._tares: dict[str, dict[str, Any]] = {}
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            there = (folder / "frames.csv").exists()
-            self._file = (folder / "frames.csv").open("w", newline="", encoding="utf-8")
-        except OSError as error:
-            raise InputError(f"cannot write the record to {folder}: {error.strerror}") from error
-        if there and Replaced.tell is not None:
-            Replaced.tell(folder / "frames.csv")
+        make_folder(folder)
+        self._whole = writing(folder / "frames.csv", follow=False)
+        self._file = self._whole.__enter__().open("w", newline="", encoding="utf-8")
         self._csv = csv.writer(self._file)
         self._csv.writerow(COLUMNS)
 
@@ -53,14 +48,19 @@ class Record:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, _error: BaseException | None, _trace: TracebackType | None
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._file.close()
+        with suppress(OSError) if isinstance(error, OSError) else nullcontext():
+            self._file.close()  # a full disk says so twice
+        if isinstance(error, OSError):  # what could not be written as a whole is not kept
+            self._whole.__exit__(kind, error, trace)
+            return
+        self._whole.__exit__(None, None, None)
         record = {**self._provenance, "complete": kind is None, "tares": self._tares}
         head = json.dumps(record, indent=1, ensure_ascii=False).removesuffix("\n}")
         events = ",\n  ".join(self._events)  # one line, one event
         text = f'{head},\n "events": [\n  {events}\n ]\n}}\n'
-        write_text(self._folder / "events.json", text)
+        write_text(self._folder / "events.json", text, follow=False)
 
     def __call__(self, report: FrameReport) -> None:
         """Write one report."""

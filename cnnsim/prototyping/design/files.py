@@ -43,7 +43,7 @@ def write_design(
     paths = [folder / file for file in texts]
     check_free(*paths, replace=replace)
     for path, text in zip(paths, texts.values(), strict=True):
-        write_text(path, text, replace=replace)
+        write_text(path, text, replace=replace, follow=False)
     return paths
 
 

@@ -136,7 +136,7 @@ def fitted(
         tags=("fitted", "uncoupled" if t.uncoupled else "coupled", "binary"),
         note="What it does to other pictures is not known.", examples=tuple(Example(u, None, y) for u, y in pairs),
     ))  # fmt: skip
-    write_text(path, text, replace=replace)
+    write_text(path, text, replace=replace, follow=False)
     for example in (entry := library.load_file(path)).examples:
         assert example.holds(library.run_example(entry, example, limit=500.0).y)
     facts = {"name": name, "A": t.A.tolist(), "B": t.B.tolist(), "z": t.z, "initial_state": state, "wrong": 0,

@@ -1,0 +1,86 @@
+"""Outputs on a full disk, on a folder, on a file where a folder is wanted: one line, nothing half-written."""
+
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cnnsim.support.picture import write_picture
+from tests.kits.paths import ROOT, SCENES
+
+GROUPS = {"cnnsim": "cnnsim.cli.group", "tactile": "tactile.cli.group"}
+COMMANDS = {
+    "run": ["cnnsim", "run", "edge", "p.png", "--backend", "reference", "-o", "OUT.png"],
+    "program": ["cnnsim", "program", "opening", "--input", "picture=p.png", "-o", "OUT"],
+    "export": ["cnnsim", "export", "edge", "--format", "gene", "--replace", "-o", "OUT"],
+    "record": ["tactile", "run", "s.toml", "-o", "OUT"],
+    "convert": ["tactile", "convert", "s.toml", "OUT.npz"],
+    "csv": ["tactile", "convert", "s.toml", "OUT.csv"],
+}  # fmt: skip
+FOLDERS = {name for name, words in COMMANDS.items() if words[-1] == "OUT"}
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    write_picture(np.where(np.add.outer(range(64), range(64)) % 7 > 3, 1.0, -1.0), tmp_path / "p.png")
+    scene = (SCENES / "grip.toml").read_text(encoding="utf-8")
+    (tmp_path / "s.toml").write_text(
+        "\n".join("duration_s = 0.3" if line.startswith("duration_s") else line for line in scene.splitlines()),
+        encoding="utf-8",
+    )
+    (tmp_path / "work").mkdir()
+    return tmp_path
+
+
+def call(folder: Path, name: str, most: int | None = None) -> "subprocess.CompletedProcess[str]":
+    group, *words = COMMANDS[name]
+    words = [word.replace("OUT", "work/out") for word in words]
+    code = f"from {GROUPS[group]} import main; main()"
+    limit = None if most is None else lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
+    env = {**os.environ, "PYTHONPATH": str(ROOT), "MPLCONFIGDIR": str(folder)}
+    return subprocess.run([sys.executable, "-c", code, *words], cwd=folder, env=env, capture_output=True, text=True,
+                          preexec_fn=limit, check=False)  # fmt: skip
+
+
+def judged(done: "subprocess.CompletedProcess[str]") -> None:
+    assert done.returncode == 2, (done.stdout, done.stderr)
+    assert "Traceback" not in done.stderr
+    assert sum("rror" in line for line in done.stderr.splitlines()) == 1, done.stderr
+
+
+@pytest.mark.parametrize("name", ["run", "record", "convert", "export"])
+def test_a_disk_that_is_full_leaves_nothing_half_written(name: str, folder: Path) -> None:
+    """A limit on the size of files stands for it: the system refuses what is beyond."""
+    judged(call(folder, name, most={"run": 60, "export": 10}.get(name, 300)))
+    left = [path for path in (folder / "work").rglob("*") if path.is_file()]
+    assert left == []
+
+
+@pytest.mark.parametrize("name", ["program", "export", "record", "csv"])
+def test_a_file_where_a_folder_is_wanted_and_the_reverse(name: str, folder: Path) -> None:
+    target = folder / "work" / ("out" if name in FOLDERS else "out.csv")
+    if name in FOLDERS:
+        target.write_text("mine", encoding="utf-8")
+    else:
+        target.mkdir()
+    judged(call(folder, name))
+    assert target.read_text(encoding="utf-8") == "mine" if name in FOLDERS else not list(target.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("name", "file"), [("program", "opened.png"), ("export", "edge.gene"), ("record", "frames.csv")]
+)
+def test_a_link_in_the_folder_is_not_followed(name: str, file: str, folder: Path) -> None:
+    (folder / "precious").write_text("mine", encoding="utf-8")
+    (folder / "work" / "out").mkdir()
+    link = folder / "work" / "out" / file
+    link.symlink_to(folder / "precious")
+    done = call(folder, name)
+    assert done.returncode == 0, done.stderr
+    assert (folder / "precious").read_text(encoding="utf-8") == "mine"
+    assert link.is_file(), list(link.parent.iterdir())
+    assert not link.is_symlink()
