@@ -32,6 +32,7 @@ from cnnsim.program.program import (
     WireStep,
 )
 from cnnsim.support import Array, InputError, naming
+from cnnsim.support.memory import LARGE, check_memory
 from cnnsim.support.values import as_numbers
 from cnnsim.transient import Dtype
 
@@ -71,6 +72,8 @@ class UniversalMachine:
         """
         arrays = _check(program, inputs)
         shape = next(iter(arrays.values())).shape
+        if math.prod(shape) >= LARGE:
+            _check_memory(program, shape, self.backend.dtype.itemsize)
         planes: dict[str, Any] = {
             name: self.backend.load(array, program.memory[name])  # type: ignore[arg-type]  # inputs are never wires
             for name, array in arrays.items()
@@ -188,6 +191,14 @@ def _check(program: Program, inputs: dict[str, ArrayLike]) -> dict[str, Array]:
     if len(set(shapes.values())) > 1 or any(array.ndim not in (2, 3) or not array.size for array in arrays.values()):
         raise InputError(f"program {program.name!r} got planes of shapes {shapes}; one shape (rows, cols) wanted")
     return arrays
+
+
+def _check_memory(program: Program, shape: tuple[int, ...], itemsize: int) -> None:
+    """Refuse a grid whose planes, and those of a transient's steps, need more memory than is free."""
+    kinds = list(program.memory.values())
+    cell = (kinds.count("lam") + 3) * itemsize + kinds.count("llm") / 8
+    cure = "a smaller grid, float32 for float64, or a machine with more memory wanted"
+    check_memory(f"program {program.name!r} on {' x '.join(map(str, shape))} cells", cell * math.prod(shape), cure)
 
 
 def _limit(step: TemplateStep, grid: tuple[int, int]) -> float | None:

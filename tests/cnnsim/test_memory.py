@@ -13,7 +13,18 @@ import pytest
 from click.testing import CliRunner
 from PIL import Image
 
-from cnnsim import Frames, InputError, Template, explain, library, read_picture, run, run_transient, trajectory
+from cnnsim import (
+    Frames,
+    InputError,
+    Template,
+    explain,
+    library,
+    read_picture,
+    run,
+    run_program,
+    run_transient,
+    trajectory,
+)
 from cnnsim.cli.group import main
 from cnnsim.support import memory
 from cnnsim.transient import make_task
@@ -139,6 +150,14 @@ def test_a_run_that_does_not_fit_is_refused(monkeypatch: pytest.MonkeyPatch) -> 
         run("hole-filler", picture, duration=1.0)
     with pytest.raises(InputError, match="needs 200 kB"):
         run("hole-filler", picture.astype("float64"), duration=1.0)  # and its copy in float32
+
+
+def test_a_program_that_does_not_fit_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """OPENING has bits alone: three planes of numbers of a transient and an eighth of a byte for each of its own."""
+    monkeypatch.setattr("cnnsim.program.machine.LARGE", 100)
+    monkeypatch.setenv(memory.VARIABLE, "100k")
+    with pytest.raises(InputError, match=r"program 'opening' on 100 x 100 cells needs 12\d kB of memory, 100 kB are"):
+        run_program("opening", picture=np.ones((100, 100), np.float32))
 
 
 def test_a_picture_that_does_not_fit_is_refused_unread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
