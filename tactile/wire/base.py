@@ -22,15 +22,17 @@ class Counts:
     """What has been seen of a stream.
 
     ``good`` frames; ``bad_checksum`` frames that began but never checked out; ``resynchronised`` bytes that belong to
-    no frame; ``missing`` frames by the sequence number; ``repeated`` frames, which are not given out; ``unfit`` frames
-    that are whole but not of the described shape; ``late`` frames that arrived more than `clock.LATE` after the device
-    clock's line; ``overflowed`` bytes for which there was no room.
+    no frame; ``missing`` frames by the sequence number; ``missing_by_rate`` an estimate for frames without one;
+    ``repeated`` frames, which are not given out; ``unfit`` frames that are whole but not of the described shape;
+    ``late`` frames that arrived more than `clock.LATE` after the device clock's line; ``overflowed`` bytes for which
+    there was no room.
     """
 
     good: int = 0
     bad_checksum: int = 0
     resynchronised: int = 0
     missing: int = 0
+    missing_by_rate: int = 0
     repeated: int = 0
     unfit: int = 0
     late: int = 0

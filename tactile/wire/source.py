@@ -11,6 +11,7 @@ from tactile.wire.arrange import Arrange
 from tactile.wire.base import Counts, Reading
 from tactile.wire.clock import ClockLine
 from tactile.wire.description import Description
+from tactile.wire.rate import RateGaps
 
 PLUGGED, UNPLUGGED, TARE, DAMAGED = "plugged", "unplugged", "tare", "damaged"
 """What a chunk without bytes can say; damaged: of a recording, what came here is lost."""
@@ -44,6 +45,7 @@ class WireSource:
         self.frames: int | None = None
         self.arrival = 0
         self.clock = ClockLine()
+        self._rate, self._is_asked = RateGaps(), bool(description.wire.talk(description.options).poll)
         self.decoder = description.wire.decoder(description.options)
         self._arrange, self._chunks, self._tares, self._see = Arrange(description), chunks, tares, see
 
@@ -52,6 +54,7 @@ class WireSource:
         """What has been seen so far."""
         counts = self.decoder.counts
         counts.late = self.clock.late
+        counts.missing_by_rate = self._rate.missing
         return counts
 
     def notes(self) -> list[TareNote]:
@@ -67,13 +70,18 @@ class WireSource:
             if chunk.note == TARE:
                 for tare in self._tares:
                     tare.ask()
-            readings = self.decoder.finish() if chunk.note in (UNPLUGGED, DAMAGED) else self.decoder.feed(chunk.data)
+            broken_off = chunk.note in (UNPLUGGED, DAMAGED)
+            if broken_off:
+                self._rate.restart()
+            readings = self.decoder.finish() if broken_off else self.decoder.feed(chunk.data)
             for reading in readings:
                 yield from self._frames(reading)
         for reading in self.decoder.finish():
             yield from self._frames(reading)
 
     def _frames(self, reading: Reading) -> Iterator[Frame]:
+        if reading.sequence is None and not self._is_asked:
+            self._rate.see(self.arrival * 1e-9)
         t = self.clock(reading.t_device, self.arrival * 1e-9)
         for frame in self._arrange(reading, t):
             if self._see is not None:

@@ -317,7 +317,7 @@ def test_a_calibration_stands_for_the_gains_and_is_kept_for_the_replay(tmp_path:
 
 def test_a_calibration_is_of_strain(tmp_path: Path) -> None:
     skin = tmp_path / "skin.toml"
-    for text, message in (("", "skin.toml: key 'radial' is missing"), (None, "no calibration")):
+    for text, message in (("", "'radial'"), (None, "no calibration")):
         if text is not None:
             skin.write_text(text, encoding="utf-8")
         result = call("live", "-p", "x", "--protocol", "papillarray", "--calibration", skin)
