@@ -19,13 +19,18 @@ if TYPE_CHECKING:  # at run time a name is imported when it is first asked for: 
     from tactile.inverse.validity import Validity
     from tactile.pipeline import FrameReport, Sink, run, warm_up
     from tactile.settings import Settings
+    from tactile.simulator.contacts.indenter import Indenter
+    from tactile.simulator.contacts.moving_contact import MovingContact
+    from tactile.simulator.contacts.moving_load import MovingLoad
+    from tactile.simulator.contacts.sliding_texture import SlidingTexture
+    from tactile.simulator.effects import make_effect
     from tactile.simulator.scene.scene import Scene
     from tactile.sources import open_source
 
 __all__ = [
-    "Calibration", "Detector", "Event", "EventKind", "Frame", "FrameReport", "InputError", "Load", "Observation",
-    "Scene", "Settings", "Sink", "Source", "TaxelArray", "Threshold", "Validity", "load_calibration", "open_source",
-    "run", "warm_up",
+    "Calibration", "Detector", "Event", "EventKind", "Frame", "FrameReport", "Indenter", "InputError", "Load",
+    "MovingContact", "MovingLoad", "Observation", "Scene", "Settings", "Sink", "SlidingTexture", "Source",
+    "TaxelArray", "Threshold", "Validity", "load_calibration", "make_effect", "open_source", "run", "warm_up",
 ]  # fmt: skip
 
 _MODULES = {
@@ -40,6 +45,11 @@ _MODULES = {
     "tactile.inverse.validity": ("Validity",),
     "tactile.pipeline": ("FrameReport", "Sink", "run", "warm_up"),
     "tactile.settings": ("Settings",),
+    "tactile.simulator.contacts.indenter": ("Indenter",),
+    "tactile.simulator.contacts.moving_contact": ("MovingContact",),
+    "tactile.simulator.contacts.moving_load": ("MovingLoad",),
+    "tactile.simulator.contacts.sliding_texture": ("SlidingTexture",),
+    "tactile.simulator.effects": ("make_effect",),
     "tactile.simulator.scene.scene": ("Scene",),
     "tactile.sources": ("open_source",),
 }

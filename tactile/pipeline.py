@@ -33,6 +33,10 @@ class FrameReport:
     events: tuple[Event, ...]
     tare: TareCheck | None = None
 
+    def __repr__(self) -> str:
+        happened = [event.words for event in self.events]
+        return f"FrameReport({self.array.name}, t={self.frame.t:g}, {happened}, {self.load!r})"
+
 
 Sink = Callable[[FrameReport], None]
 

@@ -57,6 +57,7 @@ def run(
     from tactile.output.json_data import run_data  # the same
     from tactile.output.record import Record  # the same
     from tactile.output.tables import tables  # the same
+    from tactile.output.truth import truth_of  # the same
 
     frames = open_source(source)
     check_thresholds(chosen)
@@ -80,13 +81,16 @@ def run(
     if bumps is not None and calibration is None:
         settings, note = _on_bumps(settings, frames.arrays, bumps)
     pipeline.warm_up(frames.arrays, frames.modulus, settings)  # else the first latencies are the compiler's
-    collected = Collected()
+    truth = truth_of(frames)
+    collected = Collected(truth)
     seen = watched(frames, "touch", frames.frames)
     passed = FrameStream(frames.title, frames.arrays, frames.modulus, frames.frames, seen)
     if output is None:
         pipeline.run(passed, settings, [collected])
     else:
-        with Record(output, frames.arrays, {"source": source.name, "title": frames.title, "tare": offset}) as record:
+        with Record(
+            output, frames.arrays, {"source": source.name, "title": frames.title, "tare": offset}, truth
+        ) as record:
             pipeline.run(passed, settings, [collected, record])
     if as_json:
         print_json(run_data(collected, frames.arrays))

@@ -77,6 +77,13 @@ class Frame:
     valid: Flags
     t_device: float = float("nan")
 
+    def __repr__(self) -> str:
+        rows, cols = self.valid.shape
+        used = self.values[self.valid]
+        felt = f"{used.min():.3g} to {used.max():.3g}" if used.size else "no readings"
+        shape = f"{rows} x {cols}, {int(self.valid.sum())} valid"
+        return f"Frame(finger={self.finger}, t={self.t:g}, sequence={self.sequence}, {shape}, {felt})"
+
     def __post_init__(self) -> None:
         if self.values.ndim != 3 or self.values.shape[2] != 3:
             raise InputError(f"frame {self.sequence}: values of shape {self.values.shape}, (rows, cols, 3) wanted")

@@ -43,6 +43,9 @@ class Event:
     latency: float
     load: Load | None
 
+    def __repr__(self) -> str:
+        return f"Event({self.t:.3f} s, {self.finger}, {self.words!r})"
+
     @property
     def words(self) -> str:
         """The event in words: its kind's text with the data in it, where a length ``x_m`` is also ``x_mm``."""

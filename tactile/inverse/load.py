@@ -31,3 +31,12 @@ class Load:
     validity: Validity = Validity.NO_LOAD
     left_out: tuple[tuple[int, int], ...] = ()
     others: tuple["Load", ...] = ()
+
+    def __repr__(self) -> str:
+        words = self.validity.name.lower().replace("_", " ")
+        if self.F != self.F:
+            return f"Load({words})"
+        place = f"({self.x * 1e3:.3g}, {self.y * 1e3:.3g}) mm"
+        forces = ", ".join(f"{name} {getattr(self, name):.3g}" for name in ("Q", "R", "F"))
+        more = f", {len(self.others)} more" if self.others else ""
+        return f"Load({place}, {forces} N, {words}, {self.taxels} taxels{more})"

@@ -8,6 +8,7 @@ from cnnsim.support import Floats
 from tactile.calibration.tare_check import TareCheck
 from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y, TaxelArray
 from tactile.events.event import Event
+from tactile.output.truth import Truth
 from tactile.pipeline import FrameReport
 
 SMOOTH = 10
@@ -51,7 +52,9 @@ def texture_mean(plane: Any, valid: Any) -> float:
 class Collected:
     """A sink that keeps what the table and the picture need."""
 
-    def __init__(self) -> None:
+    def __init__(self, truth: Truth | None = None) -> None:
+        self._truth = truth
+        self._errors: dict[str, list[tuple[float, float]]] = {}
         self.events: list[Event] = []
         self.strongest: dict[str, Floats] = {}
         self._tares: dict[str, TareCheck] = {}
@@ -69,6 +72,9 @@ class Collected:
         if report.tare is not None:
             self._tares[report.array.name] = report.tare
         load, texture = report.load, report.texture
+        if self._truth is not None:
+            true = self._truth(report)
+            self._errors.setdefault(report.array.name, []).append((true.error_m, true.error_n))
         place = (np.nan,) * 6 if load is None else (load.x, load.y, load.Q, load.R, load.F, float(load.validity))
         self._rows.setdefault(report.array.name, []).append((
             report.frame.t, total(report, SHEAR_X), total(report, SHEAR_Y), total(report, NORMAL), *place,
@@ -79,6 +85,13 @@ class Collected:
         """Return the figures of one finger's frames."""
         rows = np.array(self._rows.get(finger, []), dtype=np.float64).reshape(-1, len(Columns._fields))
         return Columns(*rows.T)
+
+    def errors(self, finger: str) -> Floats:
+        """Return (frames, 2): distance of the located load from the true one [m], and what its force is off [N].
+
+        NaN where nothing was located or nothing pressed; no rows where nobody knows the truth.
+        """
+        return np.array(self._errors.get(finger, []), dtype=np.float64).reshape(-1, 2)
 
     def tare(self, array: TaxelArray) -> TareCheck | None:
         """Return what the tare took away from a finger, judged by the later readings too; None without a tare."""

@@ -25,11 +25,24 @@ def run_data(collected: Collected, arrays: tuple[TaxelArray, ...]) -> dict[str, 
             "located": {kind: count for kind, count in kinds.items() if count},
             "friction": _median(columns.friction),
             "roughness": _median(columns.roughness),
+            "error": error_data(collected.errors(array.name)),
             "tare": None if (tare := collected.tare(array)) is None else tare.plain(),
         }
     told = EventData(arrays)
     events = [told(event) | {"latency_s": event.latency} for event in collected.events]
     return {"seconds": collected.seconds, "frames": collected.frames, "fingers": fingers, "events": events}
+
+
+def error_data(errors: Floats) -> dict[str, Any] | None:
+    """Return how far located loads are off the scene's true ones, over the frames that have both; None without any."""
+    both = errors[np.isfinite(errors).all(axis=1)]
+    if not len(both):
+        return None
+    place, force = both.T
+    return {
+        "frames": len(both), "place_median_m": float(np.median(place)), "place_max_m": float(place.max()),
+        "force_median_n": float(np.median(force)), "force_max_n": float(force.max()),
+    }  # fmt: skip
 
 
 def _median(values: Floats) -> float | None:

@@ -11,6 +11,7 @@ from cnnsim.support.files import make_folder, write_text, writing
 from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y, TaxelArray
 from tactile.output.collected import texture_mean, total
 from tactile.output.event_data import INLINE, EventData
+from tactile.output.truth import Truth
 from tactile.pipeline import FrameReport
 
 COLUMNS = (
@@ -18,6 +19,10 @@ COLUMNS = (
     "load_f_n", "load_validity", "load_taxels", "load_misfit", "friction", "roughness", "events",
 )  # fmt: skip
 
+TRUE_COLUMNS = (
+    "true_loads", "true_x_m", "true_y_m", "true_q_n", "true_r_n", "true_f_n", "error_m", "error_n",
+)  # fmt: skip
+"""Further columns where a scene knows the truth."""
 FORMULA = tuple("=+-@\t\r")
 """What a cell begins with that a spreadsheet computes."""
 
@@ -33,16 +38,19 @@ def text_cell(text: str, *, always: bool = False) -> str:
 class Record:
     """A sink that writes frames.csv as the frames come, and events.json (with what made them) at the end."""
 
-    def __init__(self, folder: Path, arrays: tuple[TaxelArray, ...], provenance: dict[str, Any]) -> None:
+    def __init__(
+        self, folder: Path, arrays: tuple[TaxelArray, ...], provenance: dict[str, Any], truth: Truth | None = None
+    ) -> None:
         self._folder, self._provenance, self._plain = folder, provenance, EventData(arrays)
         self._events: list[str] = []
         self._codes: dict[str, str] = {}
+        self._truth = truth
         self._tares: dict[str, dict[str, Any]] = {}
         make_folder(folder)
         self._whole = writing(folder / "frames.csv", follow=False)
         self._file = self._whole.__enter__().open("w", newline="", encoding="utf-8")
         self._csv = csv.writer(self._file)
-        self._csv.writerow(COLUMNS)
+        self._csv.writerow(COLUMNS + (TRUE_COLUMNS if truth is not None else ()))
 
     def __enter__(self) -> Self:
         return self
@@ -77,6 +85,7 @@ class Record:
             frame.t, text_cell(report.array.name), frame.sequence, total(report, SHEAR_X), total(report, SHEAR_Y),
             total(report, NORMAL), code, *located, texture_mean(texture.friction, texture.valid),
             texture_mean(texture.roughness, texture.valid), happened,
+            *(() if self._truth is None else self._truth(report)),
         ))  # fmt: skip
 
     def _code(self, report: FrameReport) -> str:

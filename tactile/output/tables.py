@@ -39,6 +39,10 @@ def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
         line = f"{name}: {facts['frames']} frames; {texture}"
         places = ", ".join(f"{count} {kind.replace('_', ' ')}" for kind, count in facts["located"].items())
         screen.print(line + (f"; loads: {places}" if places and not forces else ""), highlight=False, markup=False)
+        if (error := facts["error"]) is not None:
+            place = f"{error['place_median_m'] * 1e3:.2g} mm, at most {error['place_max_m'] * 1e3:.2g}"
+            force = f"{error['force_median_n']:.2g} N, at most {error['force_max_n']:.2g}"
+            screen.print(f"{name}: off the truth by {place}; {force}", highlight=False, markup=False)
     for array in arrays:
         if (tare := collected.tare(array)) is not None:
             screen.print(f"{array.name}: tare: {tare.words}", highlight=False, markup=False)

@@ -40,6 +40,10 @@ class Description:
     boards: tuple[Board, ...]
     text: str
 
+    def __repr__(self) -> str:
+        fingers = ", ".join(f"{array.name} {array.rows} x {array.cols}" for array in self.arrays)
+        return f"Description({self.title!r}, {self.wire.name}, {fingers})"
+
     @property
     def arrays(self) -> tuple[TaxelArray, ...]:
         """The fingers' arrays."""

@@ -4,14 +4,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from cnnsim.support import Floats
+from cnnsim.support import Floats, InputError
 from tactile.core.loads import COLUMNS, PLACE, SHEAR, F, Q, R, X, Y
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.friction import FrictionState, load_to, untouched
 from tactile.simulator.contacts.indenter import ROUND, Indenter
 from tactile.simulator.contacts.loads import Disc, Loads, Twist, point_loads
-from tactile.simulator.contacts.moving_load import along_path
+from tactile.simulator.contacts.moving_load import along_path, checked_path, span
 
 TORQUE = COLUMNS
 """The column of M, behind those of a load."""
@@ -21,9 +22,9 @@ TORQUE = COLUMNS
 class MovingContact:
     """An indenter on one finger.
 
-    Arguments: ``path`` (n, 7), rows (t, x, y, Q, R, push, M) [s, m, m, N, N, N or m, N m], ``push`` the normal force
-    or, where ``given_depth``, the indentation; M a twist from x to y, which ``friction`` limits to the sliding
-    torque. Without ``friction`` (None) nothing slips and shear is spread like the pressure.
+    Arguments: ``path`` (n, 7) or, without a twist, (n, 6), rows (t, x, y, Q, R, push, M) [s, m, m, N, N, N or m, N m],
+    ``push`` the normal force or, where ``given_depth``, the indentation; M a twist from x to y, which ``friction``
+    limits to the sliding torque. Without ``friction`` (None) nothing slips and shear is spread like the pressure.
     """
 
     finger: int
@@ -31,6 +32,22 @@ class MovingContact:
     path: Floats
     friction: float | None = None
     given_depth: bool = False
+
+    def __init__(
+        self, finger: int, indenter: Indenter, path: ArrayLike, friction: float | None = None, given_depth: bool = False
+    ) -> None:
+        given = np.asarray(path, dtype=np.float64)
+        if given.ndim == 2 and given.shape[1] == 1 + COLUMNS:  # without a twist
+            given = np.hstack([given, np.zeros((len(given), 1))])
+        if friction is not None and not friction >= 0:
+            raise InputError(f"friction {friction} of a contact; a number from 0 up wanted")
+        for name, value in (("finger", finger), ("indenter", indenter), ("friction", friction)):
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "given_depth", given_depth)
+        object.__setattr__(self, "path", checked_path(given, 2 + COLUMNS, "contact"))
+
+    def __repr__(self) -> str:
+        return f"MovingContact(finger={self.finger}, {self.indenter.shape}, {span(self.path)})"
 
     def loads(self, times: Floats, depth: float, medium: Medium) -> Loads:
         """The loads on the finger at the times [s], for taxels at ``depth`` [m].

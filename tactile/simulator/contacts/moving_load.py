@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from cnnsim.support import Flags, Floats
-from tactile.core.loads import FORCE
+from cnnsim.support import Flags, Floats, InputError
+from tactile.core.loads import COLUMNS, FORCE
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.loads import Loads, point_loads
 
@@ -23,12 +24,48 @@ def along_path(path: Floats, times: Floats) -> tuple[Floats, Flags]:
     return rows, gone
 
 
+def checked_path(path: ArrayLike, columns: int, what: str) -> Floats:
+    """Return a path as an array of rows, the first column of which is a growing time.
+
+    Raises:
+        InputError: no rows, rows of another length, numbers that are not finite, times that do not grow.
+    """
+    try:
+        rows = np.asarray(path, dtype=np.float64)
+    except (TypeError, ValueError):
+        rows = np.empty(0)
+    if rows.ndim != 2 or not len(rows) or rows.shape[1] != columns or not np.isfinite(rows).all():
+        raise InputError(f"path of a {what} of shape {rows.shape}; (keyframes, {columns}) finite numbers wanted")
+    if (np.diff(rows[:, 0]) <= 0).any():
+        raise InputError(f"path of a {what}: times {rows[:, 0].tolist()}; growing ones wanted")
+    return rows
+
+
+def span(path: Floats) -> str:
+    """Return how many keyframes a path has and from when to when it goes, in words."""
+    return f"{len(path)} keyframe{'s' * (len(path) != 1)} from {path[0, 0]:g} to {path[-1, 0]:g} s"
+
+
 @dataclass(frozen=True)
 class MovingLoad:
-    """A point load on one finger: ``path`` (n, 6), rows (t, x, y, Q, R, F) [s, m, m, N, N, N], t growing."""
+    """A point load on one finger, the one of that number in the scene's arrays.
+
+    Arguments: ``path`` (n, 6), rows (t, x, y, Q, R, F) [s, m, m, N, N, N], an array or lists; between its rows all
+    changes linearly, before the first and after the last there is no load.
+
+    Raises:
+        InputError: a path of another shape, with numbers that are not finite, or with times that do not grow.
+    """
 
     finger: int
     path: Floats
+
+    def __init__(self, finger: int, path: ArrayLike) -> None:
+        object.__setattr__(self, "finger", finger)
+        object.__setattr__(self, "path", checked_path(path, 1 + COLUMNS, "load"))
+
+    def __repr__(self) -> str:
+        return f"MovingLoad(finger={self.finger}, {span(self.path)})"
 
     def at(self, times: Floats) -> Floats:
         """Return rows (x, y, Q, R, F) [m, N] at the times [s], without force where the load is absent."""

@@ -82,6 +82,31 @@ def read_effect(name: str, table: Mapping[str, Any], where: str) -> Effect:
         raise InputError(f"{where}: {error}") from error
 
 
+def make_effect(name: str, **parameters: Any) -> Effect:
+    """Return the effect of that name; parameters that are not given are typical.
+
+    Arguments: ``parameters`` by the names of the effect's attributes, in SI units, such as ``rms`` of "read_noise".
+
+    Raises:
+        InputError: no effect or parameter of that name, or a value out of range.
+    """
+    kind = effect_class(name)
+    check_keys(parameters, tuple(attribute for attribute, _ in kind.KEYS.values()), f"effect {name}")
+    return kind(**parameters)
+
+
+def effect_name(effect: Effect) -> str:
+    """Return the name in `ORDER` of an effect.
+
+    Raises:
+        InputError: something else than an effect.
+    """
+    name = type(effect).__module__.rpartition(".")[2]
+    if name not in ORDER:
+        raise InputError(f"{effect!r}; an effect wanted, such as make_effect('read_noise', rms=0.001)")
+    return name
+
+
 def without(kind: type[Effect]) -> Effect:
     """The effect of that class at strength zero."""
     return kind(**kind.NONE)

@@ -5,11 +5,12 @@ import zlib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from html import escape
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 
 import numpy as np
 
-from cnnsim.support import Floats
+from cnnsim.support import Floats, InputError
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.loads import COLUMNS
 from tactile.elastic.medium import Felt, Medium
@@ -39,15 +40,31 @@ class Contact(Protocol):
     def loads(self, times: Floats, depth: float, medium: Medium) -> Loads: ...  # noqa: D102 - what it puts on the finger at the times
 
 
+def named_effects(effects: Iterable[Any]) -> tuple[tuple[str, Any], ...]:
+    """Return effects with their names in the order in which they act; pairs of name and effect are left as they are."""
+    given = list(effects)
+    if all(isinstance(one, tuple) for one in given):
+        return tuple(given)
+    from tactile.simulator.effects import ORDER, effect_name  # only where called for
+
+    named = [(effect_name(one), one) for one in given]
+    return tuple(sorted(named, key=lambda one: ORDER.index(one[0])))
+
+
 @dataclass(frozen=True)
 class Scene:
     """A simulated recording, as a ``Source``: every finger is sampled at the times k / rate, k = 0, 1, ...
 
     ``rate`` [Hz], ``duration`` [s], ``modulus`` Young's modulus of the cover [Pa]; ``loads``: point loads,
     ``contacts``: all else that presses; what acts on one finger adds. ``effects``: (name, effect) in the order in
-    which they act, none for the paper's ideal skin. ``full_scale``: the largest strain the electronics are made for.
-    ``seed``: every effect of every finger draws from a generator of its own, so that none changes with the others.
-    ``bumps``: the cover has one over every taxel, None for a flat one.
+    which they act, none for the paper's ideal skin; effects alone, as ``make_effect`` gives them, are put in order.
+    ``full_scale``: the largest strain the electronics are made for. ``seed``: every effect of every finger draws from
+    a generator of its own, so that none changes with the others. ``bumps``: the cover has one over every taxel, None
+    for a flat one.
+
+    Raises:
+        InputError: a rate, duration or modulus that is not positive, no array or two of one name, an array of force,
+            a load or contact on a finger that is not there.
     """
 
     title: str
@@ -55,12 +72,63 @@ class Scene:
     duration: float
     modulus: float
     arrays: tuple[TaxelArray, ...]
-    loads: tuple[MovingLoad, ...]
+    loads: tuple[MovingLoad, ...] = ()
     contacts: tuple[Contact, ...] = ()
     effects: tuple[tuple[str, Any], ...] = ()
     full_scale: float = FULL_SCALE
     seed: int = 0
     bumps: "Bumps | None" = None
+
+    def __init__(
+        self, title: str, rate: float, duration: float, modulus: float, arrays: Iterable[TaxelArray],
+        loads: Iterable[MovingLoad] = (), contacts: Iterable[Contact] = (),
+        effects: Iterable[Any] = (), full_scale: float = FULL_SCALE, seed: int = 0, bumps: "Bumps | None" = None,
+    ) -> None:  # fmt: skip
+        given = {
+            "title": title, "rate": rate, "duration": duration, "modulus": modulus, "arrays": tuple(arrays),
+            "loads": tuple(loads), "contacts": tuple(contacts), "effects": named_effects(effects),
+            "full_scale": full_scale, "seed": seed, "bumps": bumps,
+        }  # fmt: skip
+        for name, value in given.items():
+            object.__setattr__(self, name, value)
+        self._check()
+
+    def _check(self) -> None:
+        for name in ("rate", "duration", "modulus", "full_scale"):
+            if not 0 < getattr(self, name) < float("inf"):
+                raise InputError(f"scene {self.title!r}: {name} {getattr(self, name)}, a positive number wanted")
+        names = [array.name for array in self.arrays]
+        if not names or len(set(names)) < len(names):
+            raise InputError(f"scene {self.title!r}: arrays {names}, at least one and no name twice wanted")
+        for array in self.arrays:
+            if array.quantity == "force":
+                raise InputError(f"scene {self.title!r}: array {array.name!r} of force; strain or stress wanted")
+        for contact in (*self.loads, *self.contacts):
+            if contact.finger not in range(len(names)):
+                raise InputError(f"scene {self.title!r}: {contact!r}; a finger from 0 to {len(names) - 1} wanted")
+        if self.bumps is None:
+            return
+        flat = [name for name, effect in self.effects if effect.STAGE == "field"]
+        if flat:
+            raise InputError(f"scene {self.title!r}: {', '.join(flat)} on bumps; effects on a flat cover's field")
+
+    def __repr__(self) -> str:
+        pressing = len(self.loads) + len(self.contacts)
+        fingers = ", ".join(f"{array.name} {array.rows} x {array.cols}" for array in self.arrays)
+        effects = ", ".join(name for name, _ in self.effects) or "no effects"
+        return (
+            f"Scene({self.title!r}, {fingers}, {self.duration:g} s at {self.rate:g} Hz, {pressing} pressing, {effects})"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{escape(array.name)}</td><td>{array.rows} x {array.cols} of {array.quantity}</td>"
+            f"<td>{array.pitch * 1e3:g} mm apart, {array.depth * 1e3:g} mm deep</td><td>"
+            + escape("; ".join(repr(one) for one in (*self.loads, *self.contacts) if one.finger == number))
+            + "</td></tr>"
+            for number, array in enumerate(self.arrays)
+        )
+        return f"<b>{escape(self.title)}</b>: {self.duration:g} s at {self.rate:g} Hz<table>{rows}</table>"
 
     @property
     def frames(self) -> int | None:

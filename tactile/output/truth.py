@@ -1,0 +1,72 @@
+"""Truth of a scene beside what was located: the load that was put there, and how far off the located one is."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cnnsim.support import Floats
+from tactile.core.loads import FORCE, PLACE
+from tactile.pipeline import FrameReport
+
+AT_ONCE = 512
+"""Frames for which the true loads are computed together."""
+NAN = float("nan")
+
+
+class TrueLoad(NamedTuple):
+    """The true load of a frame: (x, y) [m], (Q, R, F) [N], NaN where nothing presses, and the located one's errors.
+
+    ``pressing``: how many press at that time; the one nearest to the located place is given, or the firmest where
+    nothing was located. ``error_m``: distance of the places; ``error_n``: length of the difference of the forces, of
+    those components that were located; NaN where one of the two is missing.
+    """
+
+    pressing: int = 0
+    x: float = NAN
+    y: float = NAN
+    Q: float = NAN
+    R: float = NAN
+    F: float = NAN
+    error_m: float = NAN
+    error_n: float = NAN
+
+
+class Truth:
+    """Gives the true load of every report of a run over a scene, or over anything with its ``loads_at``."""
+
+    def __init__(self, scene: Any) -> None:
+        self._scene = scene
+        self._known: dict[int, tuple[int, Floats]] = {}
+        self._fingers = {array.name: number for number, array in enumerate(scene.arrays)}
+
+    def __call__(self, report: FrameReport) -> TrueLoad:
+        """Return the true load at the time at which a frame was sampled, which its sequence number tells."""
+        rows = self._rows(self._fingers[report.array.name], report.frame.sequence)
+        rows = rows[np.abs(rows[:, FORCE]).max(axis=1, initial=0.0) > 0]
+        if not len(rows):
+            return TrueLoad()
+        load = report.load
+        if load is None or not np.isfinite(load.x):
+            return TrueLoad(len(rows), *rows[np.linalg.norm(rows[:, FORCE], axis=1).argmax()].tolist())
+        apart = np.hypot(*(rows[:, PLACE] - (load.x, load.y)).T)
+        true = rows[apart.argmin()]
+        off = np.array((load.Q, load.R, load.F)) - true[FORCE]
+        known = np.isfinite(off)
+        error = float(np.linalg.norm(off[known])) if known.any() else NAN
+        found = TrueLoad(len(rows), *true.tolist())
+        return found._replace(error_m=float(apart.min()), error_n=error)
+
+    def _rows(self, finger: int, sequence: int) -> Floats:
+        """Return the (contacts, 5) loads on a finger when a frame was sampled."""
+        first, loads = self._known.get(finger, (0, np.empty((0, 0, 5))))
+        if not first <= sequence < first + len(loads):
+            first = sequence - sequence % AT_ONCE
+            loads = self._scene.loads_at(finger, np.arange(first, first + AT_ONCE) / self._scene.rate)
+            self._known[finger] = first, loads
+        rows: Floats = loads[sequence - first]
+        return rows
+
+
+def truth_of(source: Any) -> Truth | None:
+    """Return the truth of a scene; None for recordings, which do not know it."""
+    return Truth(source) if hasattr(source, "loads_at") else None

@@ -1,0 +1,68 @@
+"""What a scene knows to be true stands beside what was located: in frames.csv, in JSON, in the table."""
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tactile.output.truth import Truth, truth_of
+from tactile.pipeline import FrameReport, run
+from tactile.settings import Settings
+from tactile.simulator.scene.file import scene_from
+from tactile.sources.replay_csv import write_csv
+from tests.kits.serial import GRIP, call, grip
+from tests.kits.source import parsed
+
+
+def table(path: Path) -> list[dict[str, str]]:
+    with path.open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_errors_stand_beside_what_was_located(tmp_path: Path) -> None:
+    shown = call("run", GRIP, "-o", tmp_path / "out")
+    assert "left: off the truth by" in shown.stdout
+    rows = [row for row in table(tmp_path / "out" / "frames.csv") if row["finger"] == "left"]
+    held = next(row for row in rows if float(row["t_s"]) == 2.5)
+    true = [float(held[f"true_{name}"]) for name in ("x_m", "y_m", "q_n", "r_n", "f_n")]
+    assert true == pytest.approx([0.2e-3, -0.3e-3, 0.02, 0.30, 0.60])
+    assert 0 <= float(held["error_m"]) < 1e-9
+    assert 0 <= float(held["error_n"]) < 1e-6
+    first = rows[0]
+    assert (first["true_loads"], first["true_x_m"], first["error_m"]) == ("0", "nan", "nan")
+    errors = json.loads(call("run", GRIP, "--json").stdout)["fingers"]["left"]["error"]
+    assert errors["frames"] > 500
+    assert errors["place_max_m"] < 1e-3
+
+
+def test_recordings_know_no_truth(tmp_path: Path) -> None:
+    write_csv(tmp_path / "g.csv", grip(0.5))
+    plain = call("run", tmp_path / "g.csv", "-o", tmp_path / "out", "--json")
+    assert json.loads(plain.stdout)["fingers"]["left"]["error"] is None
+    assert "true_x_m" not in table(tmp_path / "out" / "frames.csv")[0]
+
+
+def test_the_nearest_of_several_and_the_time_of_sampling() -> None:
+    """Lost and late frames are compared with the load at their own time."""
+
+    def load(x: float) -> dict[str, Any]:
+        return {"finger": "left", "path": [[0.0, x, 0, 0, 0, 1], [0.1, x, 0.2, 0, 0, 1]]}
+
+    effect = {"frame_timing": {"jitter_ms": 2.0, "drops": 0.2}}
+    scene = scene_from(parsed(load=[load(-0.5), load(0.5)], effect=effect, duration_s=0.09, seed=3), "here")
+    truth, seen = Truth(scene), 0
+
+    def check(report: FrameReport) -> None:
+        nonlocal seen
+        seen += 1
+        wanted = scene.loads_at(0, np.array([report.frame.sequence / scene.rate]))[0]
+        found = truth(report)
+        assert found.pressing == 2
+        assert [found.x, found.y, found.Q, found.R, found.F] in wanted.tolist()
+
+    run(scene, Settings(backend="reference"), [check])
+    assert 3 < seen < 9 or seen == 9
+    assert truth_of(object()) is None
