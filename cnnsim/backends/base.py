@@ -88,7 +88,13 @@ class Check(NamedTuple):
 
 
 class Stepper(Protocol):
-    """Steps of one transient on a backend; `driver.run` says when to take and to check them."""
+    """Steps of one transient on a backend; `driver.run` says when to take and to check them.
+
+    ``work``: sums of a weighted neighbour in one step, a guess; ``together``: steps that are best taken at a stretch.
+    """
+
+    work: float
+    together: int = 1
 
     def start_span(self, step: int) -> None:
         """Take input and bias as they are from this step on; nothing to do where both stand still for ever."""
@@ -99,6 +105,10 @@ class Stepper(Protocol):
 
     def advance(self, step: int, count: int) -> None:
         """Take ``count`` steps, the first of them number ``step``."""
+
+    def wait(self) -> None:
+        """Wait until all steps are done; nothing to do where `advance` does."""
+        return
 
     def finish(self) -> Plane:
         """Return the plane of the state."""

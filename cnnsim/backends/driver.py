@@ -1,9 +1,10 @@
-"""The time loop of all backends: the spans of standing inputs, the settle schedule and the limit."""
+"""The time loop of all backends: the spans of standing inputs, the settle schedule, the limit and slices of time."""
 
 import math
 from collections.abc import Iterable
 
 from cnnsim.backends.base import Outcome, Stepper
+from cnnsim.backends.slices import Pace
 from cnnsim.planning.plan import Plan
 
 
@@ -17,6 +18,7 @@ def run(plan: Plan, stepper: Stepper, spans: Iterable[tuple[int, int]] | None = 
     Arguments: ``spans`` are (first step, steps) in which input and bias stand still, None for one span.
     """
     settling, every = plan.duration == "settled", plan.check_every
+    pace, rate = Pace(plan, stepper.work, stepper.together), math.nan
     for first, count in [(0, plan.steps)] if spans is None else spans:
         stepper.start_span(first)
         step, end = first, first + count
@@ -24,10 +26,18 @@ def run(plan: Plan, stepper: Stepper, spans: Iterable[tuple[int, int]] | None = 
             if settling and step % every == 0:
                 check = stepper.check_settled(step, last=False)
                 if check.settled or check.repeats:
+                    pace.over()
                     return Outcome(stepper.finish(), step * plan.step, check.settled, check.rate)
+                rate = check.rate
             until = min(end, (step // every + 1) * every) if settling else end
-            stepper.advance(step, until - step)
-            step = until
+            now = min(until - step, pace.left)
+            stepper.advance(step, now)
+            step += now
+            pace.left -= now
+            if pace.left <= 0:
+                stepper.wait()
+                pace.turn(step, rate)
+    pace.over()
     if not settling:
         return Outcome(stepper.finish(), float(plan.duration), False, math.nan)
     check = stepper.check_settled(plan.steps, last=True)

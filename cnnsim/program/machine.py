@@ -33,6 +33,7 @@ from cnnsim.program.program import (
 )
 from cnnsim.support import Array, InputError, naming
 from cnnsim.support.memory import LARGE, check_memory
+from cnnsim.support.progress import watcher
 from cnnsim.support.values import as_numbers
 from cnnsim.transient import Dtype
 
@@ -91,8 +92,10 @@ class UniversalMachine:
         }
 
     def _execute(self, program: Program, steps: tuple[Step, ...], planes: dict[str, Any]) -> None:
-        backend, memory = self.backend, program.memory
+        backend, memory, watched_by = self.backend, program.memory, watcher()
         for step in steps:
+            if watched_by is not None:
+                watched_by(None, step.where)
             match step:
                 case TemplateStep(to=to, input=u):
                     rule = self._rule(program, step)

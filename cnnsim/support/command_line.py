@@ -1,4 +1,4 @@
-"""Plumbing of both command lines: errors as one line and exit code 2, progress bars, JSON, example calls."""
+"""Plumbing of both command lines: errors as one line and exit code 2, Ctrl-C, progress bars, JSON, example calls."""
 
 import json
 import os
@@ -15,8 +15,11 @@ from cnnsim.support.compile_notice import Terminal
 from cnnsim.support.echo import as_markup, console, echo, printable
 from cnnsim.support.errors import InputError
 from cnnsim.support.files import Replaced
+from cnnsim.support.progress import terminal_bar, watched_by
 
 Item = TypeVar("Item")
+STOPPED = 130
+"""The exit code after Ctrl-C: 128 and the number of SIGINT, as shells have it."""
 
 
 LONGEST = 1000
@@ -57,8 +60,11 @@ class CommandGroup(click.Group):
         Terminal.wanted = sys.stderr.isatty()
         Replaced.tell = _tell_replaced
         try:
-            with _printable_mistakes():
+            with _printable_mistakes(), watched_by(terminal_bar()):
                 return super().invoke(ctx)
+        except KeyboardInterrupt:
+            click.echo("stopped", err=True)
+            ctx.exit(STOPPED)
         except InputError as error:
             raise _Mistake(str(error)) from error
         except OSError as error:
@@ -75,11 +81,14 @@ def _tell_replaced(path: Path) -> None:
 
 def watched(items: Iterable[Item], what: str, total: float | None = None) -> Iterable[Item]:
     """Hand items on, with a bar on stderr that shows how far it is; only on a terminal."""
-    if not sys.stderr.isatty():
-        return items
+    return _tracked(items, what, total) if sys.stderr.isatty() else items
+
+
+def _tracked(items: Iterable[Item], what: str, total: float | None) -> Iterator[Item]:
     from rich.progress import track  # slow to import, and only needed on a terminal
 
-    return track(items, as_markup(what), total=total, console=console(err=True), transient=True)
+    with watched_by(None):  # one bar on one terminal
+        yield from track(items, as_markup(what), total=total, console=console(err=True), transient=True)
 
 
 @contextmanager
@@ -87,7 +96,8 @@ def progress(what: str) -> Iterator[Any]:
     """Give a function that goes through a list and shows how far it is, on stderr and only on a terminal."""
     from rich.progress import Progress  # slow to import, and only needed on a terminal
 
-    with Progress(console=console(err=True), transient=True, disable=not sys.stderr.isatty()) as bar:
+    shown = sys.stderr.isatty()
+    with watched_by(None), Progress(console=console(err=True), transient=True, disable=not shown) as bar:
 
         def track(levels: Iterable[Any]) -> Iterator[Any]:
             yield from bar.track(list(levels), description=as_markup(what))

@@ -25,6 +25,7 @@ from cnnsim.backends.cpu.term_steps import CompiledDiscreteSteps, CompiledTermSt
 from cnnsim.backends.cpu.terms import CompiledNetwork, with_control_terms
 from cnnsim.backends.cpu.threads import checked_threads, on_threads
 from cnnsim.backends.cpu.transient import CompiledSteps, fused_euler
+from cnnsim.backends.slices import EXPONENTIALS, pieces
 from cnnsim.network import Boundary
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
@@ -116,14 +117,18 @@ class CpuBackend(Backend):
             ready = self._ready(plan)
             bias = with_control_terms(plan, u, bias)
             given = ready.z, self._nothing if bias is None else grids(bias), grids(x if u is None else u), ready.control
-            work = x.size * max(1, ready.control.size)
+            work, lines = x.size * max(1, ready.control.size), x.size // x.shape[-1]
             if plan.method == "closed form":
                 end = np.empty_like(x)
-                closed.closed_form.for_work(work)(grids(x), grids(end), cells, ready.cell, given, ready.around_u)
+                loop = closed.closed_form.for_work(work)
+                for part in pieces(lines, (work + (0 if ready.settles else EXPONENTIALS * x.size)) / lines):
+                    loop(grids(x), grids(end), cells, ready.cell, given, ready.around_u, *part)
                 outcome = Outcome(end, ready.t, ready.settles, 0.0 if ready.settles else math.nan)
             else:
                 w = self._pool.plane(x)
-                control.for_work(work)(controlling(self.dtype).address, grids(w), given, ready.around_u)
+                loop = control.for_work(work)
+                for part in pieces(lines, work / lines):
+                    loop(controlling(self.dtype).address, grids(w), given, ready.around_u, *part)
                 if ready.fused_euler and mask is None:
                     outcome = fused_euler(plan, ready, x, w, self._pool)
                 else:

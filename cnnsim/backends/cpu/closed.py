@@ -60,17 +60,18 @@ def cell_at_rest(x: float, s: float, a: float, one: float, limited: bool) -> flo
 
 @twins
 def closed_form(
-    x: Array, end: Array, mask: Array, cell: tuple[float, float, bool], control: Control, virtual: VirtualCells
-) -> None:
-    """Write the states of cells that start at x; ``cell`` is (self-feedback a, time t or infinity, limited).
+    x: Array, end: Array, mask: Array, cell: tuple[float, float, bool], control: Control, virtual: VirtualCells,
+    first: int, after: int,
+) -> None:  # fmt: skip
+    """Write the states of cells that start at x, in the rows from ``first`` on, counted through all grids.
 
-    A mask that is not given has no cells.
+    ``cell`` is (self-feedback a, time t or infinity, limited). A mask that is not given has no cells.
     """
-    n, height, width = x.shape
+    _, height, width = x.shape
     one = x.dtype.type(1)
     a, t, limited = cell
     z, bias, u, taps = control
-    for line in prange(n * height):
+    for line in prange(first, after):
         g, p = line // height, line % height
         row, drive = x[g, p], end[g, p]
         for j in range(width):

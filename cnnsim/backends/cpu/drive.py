@@ -99,8 +99,7 @@ def controlling(dtype: np.dtype[Any]) -> Any:
 
 
 @twins
-def control(rows_at: int, w: Array, given: Control, virtual: VirtualCells) -> None:
-    """Write z + bias + B*u into w; ``rows_at`` is the address of `control_rows`."""
-    lines = w.shape[0] * w.shape[1]
-    for few in prange((lines + FEW - 1) // FEW):
-        call(rows_at, (w, given, virtual, few * FEW, min(lines, (few + 1) * FEW)))
+def control(rows_at: int, w: Array, given: Control, virtual: VirtualCells, first: int, after: int) -> None:
+    """Write z + bias + B*u into the rows of w from ``first`` on; ``rows_at`` is the address of `control_rows`."""
+    for few in prange((after - first + FEW - 1) // FEW):
+        call(rows_at, (w, given, virtual, first + few * FEW, min(after, first + (few + 1) * FEW)))

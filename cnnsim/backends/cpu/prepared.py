@@ -12,10 +12,12 @@ from cnnsim.backends.cpu.boundary import virtual_cells
 from cnnsim.backends.cpu.euler.boundary import KNOWN
 from cnnsim.backends.cpu.euler.grid import Edge, Feedback, Schedule
 from cnnsim.backends.cpu.euler.loops import ANY, CROSS, ISOTROPIC, NINE, loop
+from cnnsim.backends.cpu.euler.sleep import HEIGHT, WIDTH
 from cnnsim.backends.cpu.euler.tile import streaming
 from cnnsim.backends.cpu.euler.window import window
 from cnnsim.backends.cpu.jit.columns import tap_records
 from cnnsim.backends.cpu.jit.compile import Kernel
+from cnnsim.backends.slices import Pace
 from cnnsim.network import reach
 from cnnsim.planning.plan import SETTLED_RATE, Plan
 from cnnsim.support import Array
@@ -54,7 +56,7 @@ class Prepared:
         self.fused_euler = len(plan.scheme.b) == 1 and not self.limited and boundary_code(boundary) in KNOWN
         if not self.fused_euler:
             return
-        r = max(r, 1)  # the loops over rows take a radius of 1 at least
+        r, taps = max(r, 1), len(plan.feedback_taps)  # the loops over rows take a radius of 1 at least
         self._loop, self._sleeps, self._dtype = loop_kind(plan, r, dtype), "sleep" in plan.savings, dtype
         self._numbers = (
             self.feedback_taps, square(plan, dtype), dtype.type(h), *Edge(r, int(boundary_code(boundary)), constant)
@@ -62,6 +64,12 @@ class Prepared:
         check_every = plan.check_every if self.settles else 0
         self.schedule = tuple(Schedule(plan.steps, check_every, SETTLED_RATE, plan.saturation_ends))
         self._tile = plan.depth, *tile_shape(plan, threads)
+        rows, cols = (HEIGHT, WIDTH) if self._sleeps else self._tile[1:]
+        self.tile_count, self.tile_work = (
+            -(-plan.shape[0] // rows) * -(-plan.shape[1] // cols),
+            rows * cols * max(1, taps),
+        )
+        self.first_slice = Pace(plan, self.tile_work).left
 
     # Not before somebody asks, because what lies at these addresses is compiled then.
 

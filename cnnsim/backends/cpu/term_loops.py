@@ -118,17 +118,17 @@ def fill_channels(
 
 def run_rows(
     function: int, task: int, planes: Planes, cells: Cells, characteristic: Any, field: TermArrays, r: int,
-    scratch: Array, threads: int, thread: int,
+    scratch: Array, first: int, after: int,
 ) -> None:  # fmt: skip
-    """Do a task of `advance` with a thread's share of the rows."""
+    """Do a task of `advance` with the rows from ``first`` on, counted through all layers and grids."""
     out, largest, x, w, _ = planes
     gains, mask, limited = cells
     padded, terms, taps, weights, term_numbers = field
     kind, places, at, values, numbers = characteristic
-    n, layers, height, width = x.shape
-    lines, one = n * layers * height, x.dtype.type(1)
+    _, layers, height, width = x.shape
+    one = x.dtype.type(1)
     flat, flat_weights, constant_drive = padded.reshape(-1), weights.reshape(-1), w.reshape(-1)
-    for line in range(thread * lines // threads, (thread + 1) * lines // threads):
+    for line in range(first, after):
         g, layer, i = line // (layers * height), line // height % layers, line % height
         copy_row(scratch, 0, constant_drive, line * width, width)
         add_terms(function, scratch, (g, layer, i), flat, padded.shape, r, terms, taps, flat_weights, term_numbers)
@@ -185,9 +185,12 @@ def called(dtype: np.dtype[Any]) -> tuple[Any, Any, Any]:
 @twins
 def advance(
     run: tuple[int, int, int, int], cells: Cells, following: Array, characteristic: Any, field: TermArrays,
-    virtual: VirtualCells, planes: Planes, job: tuple[int, int, int],
+    virtual: VirtualCells, planes: Planes, job: tuple[int, int, int, int, int],
 ) -> None:  # fmt: skip
-    """Do a task with the drives of all layers in the state x, in each step of the ``job`` (task, first, count).
+    """Do a task with the drives of all layers in the state x: the ``job`` (task, first, count, row, after).
+
+    It is done in ``count`` steps from step ``first`` on, with the rows from ``row`` on. Of jobs of some of the rows,
+    each with one step, those that begin at row 0 fill the channels.
 
     ``run`` are the addresses of `called` and the number of threads. DRIVE writes the drives to ``out``, RATE the drives
     less the state. DISCRETE writes the outputs that they make, the old one where a mask holds it or the drive of a sign
@@ -197,20 +200,22 @@ def advance(
     """
     function, fill_at, run_at, threads = run
     _, _, x, _, past = planes
-    padded, (task, first, count) = field[0], job
+    padded, (task, first, count, row, after) = field[0], job
     n, width, r = x.shape[0], x.shape[3], virtual[2]
     scratches, slots = np.empty((threads, 3 * width), x.dtype), np.empty(following.size, np.int64)
     keeps = task == EULER and past.shape[0] > 1
     for number in range(first, first + count):
-        find_slots(following, number, past.shape[0], slots)
+        if row == 0:
+            find_slots(following, number, past.shape[0], slots)
+            for thread in prange(threads):
+                call(fill_at, (function, x, past, number, keeps, slots, padded, following, characteristic, threads,
+                               thread, r))  # fmt: skip
+            for line in prange(following.size * n):
+                fill_virtual(padded[following[line // n]["channel"], line % n], virtual)
         for thread in prange(threads):
-            call(fill_at, (function, x, past, number, keeps, slots, padded, following, characteristic, threads, thread,
-                           r))  # fmt: skip
-        for line in prange(following.size * n):
-            fill_virtual(padded[following[line // n]["channel"], line % n], virtual)
-        for thread in prange(threads):
-            call(run_at, (function, task, planes, cells, characteristic, field, r, scratches[thread], threads,
-                          thread))  # fmt: skip
+            mine, next_one = row + thread * (after - row) // threads, row + (thread + 1) * (after - row) // threads
+            call(run_at, (function, task, planes, cells, characteristic, field, r, scratches[thread], mine,
+                          next_one))  # fmt: skip
 
 
 @twins

@@ -2,20 +2,21 @@
 
 import numpy as np
 
-from cnnsim.backends.base import Check
+from cnnsim.backends.base import Check, Stepper
 from cnnsim.backends.cpu import term_loops as loops
 from cnnsim.backends.cpu.term_loops import DISCRETE, DRIVE, EULER, NO_MASK, RATE
 from cnnsim.backends.cpu.terms import CompiledNetwork
 from cnnsim.support import Array
 
 
-class CompiledTermSteps:
-    """A `Stepper` for dx/dt = (drive - x) / T; in the full-range model every stage ends within +-1."""
+class CompiledTermSteps(Stepper):
+    """Steps of dx/dt = (drive - x) / T; in the full-range model every stage ends within +-1."""
 
     def __init__(self, network: CompiledNetwork) -> None:
         scheme, dtype = network.plan.scheme, network.dtype
         assert scheme is not None
-        self._network, self._x, self.start_span = network, network.x.copy(), network.start_span
+        self._network, self._x = network, network.x.copy()
+        self.work = network.work * len(scheme.b)
         self._a, self._b = [np.array(row, dtype) for row in scheme.a], np.array(scheme.b, dtype)
         self._ahead = [round(sum(row)) for row in scheme.a]
         self._stage = np.empty_like(self._x) if len(scheme.b) > 1 else self._x  # Euler needs none
@@ -24,10 +25,14 @@ class CompiledTermSteps:
         gains, _, self._limited = network.cells
         self._unmasked = gains, NO_MASK, self._limited
 
+    def start_span(self, step: int) -> None:
+        """See `Stepper.start_span`."""
+        self._network.start_span(step)
+
     def check_settled(self, step: int, *, last: bool) -> Check:
         """See `Stepper.check_settled`."""
         network, drive, x = self._network, self._rates[0], self._x
-        network.advance((drive, network.largest, x, network.w, network.past), (DRIVE, step, 1))
+        network.advance((drive, network.largest, x, network.w, network.past), (DRIVE, step, 1, 0, network.lines))
         cells = network.rates.astype(network.dtype), network.mask, self._limited
         return Check(loops.largest_rate.for_work(x.size)(drive, x, cells))
 
@@ -35,14 +40,16 @@ class CompiledTermSteps:
         """See `Stepper.advance`."""
         network, x, rates = self._network, self._x, self._rates
         if len(self._b) == 1:
-            network.advance((rates[0], network.largest, x, network.w, network.past), (EULER, step, count))
+            network.advance(
+                (rates[0], network.largest, x, network.w, network.past), (EULER, step, count, 0, network.lines)
+            )
             return
         for number in range(step, step + count):
             network.past[number % len(network.past)] = x
             for s, (row, ahead) in enumerate(zip(self._a, self._ahead, strict=True)):
                 self._combine(self._stage, x, rates, row, self._unmasked)
                 planes = rates[s], network.largest, self._stage, network.w, network.past
-                network.advance(planes, (RATE, number + ahead, 1))
+                network.advance(planes, (RATE, number + ahead, 1, 0, network.lines))
             self._combine(x, x, rates, self._b, network.cells)
 
     def finish(self) -> Array:
@@ -50,15 +57,19 @@ class CompiledTermSteps:
         return self._network.end(self._x)
 
 
-class CompiledDiscreteSteps:
-    """A `Stepper` for y(k + 1) = f(drive); where f is the sign, a drive of 0 keeps the output."""
+class CompiledDiscreteSteps(Stepper):
+    """Steps of y(k + 1) = f(drive); where f is the sign, a drive of 0 keeps the output."""
 
     def __init__(self, network: CompiledNetwork) -> None:
-        self._network, self.start_span = network, network.start_span
+        self._network, self.work = network, network.work
         y = network.plan.characteristic(network.x)
         self._y = np.where(network.mask, network.x, y) if network.mask.size else y
         self._before, self._after, self._checked = np.empty_like(y), np.empty_like(y), False
         network.past[:] = self._y
+
+    def start_span(self, step: int) -> None:
+        """See `Stepper.start_span`."""
+        self._network.start_span(step)
 
     def check_settled(self, step: int, *, last: bool) -> Check:
         """See `Stepper.check_settled`."""
@@ -79,7 +90,7 @@ class CompiledDiscreteSteps:
         network = self._network
         network.past[number % len(network.past)] = self._y
         planes = self._after, network.largest, self._y, network.w, network.past
-        network.advance(planes, (DISCRETE, number, 1))
+        network.advance(planes, (DISCRETE, number, 1, 0, network.lines))
 
     def finish(self) -> Array:
         """See `Stepper.finish`."""

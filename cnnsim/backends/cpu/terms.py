@@ -14,6 +14,7 @@ from cnnsim.backends.cpu.boundary import virtual_cells
 from cnnsim.backends.cpu.jit.columns import records
 from cnnsim.backends.cpu.jit.compile import Kernel, threads_for
 from cnnsim.backends.cpu.term_loops import DRIVE, NO_MASK
+from cnnsim.backends.slices import PIECE, TERM, pieces
 from cnnsim.backends.term_table import TermTable, characteristic, longest_delay, table_of, tabulate
 from cnnsim.network import Frames
 from cnnsim.network.frames import at_step, spans
@@ -51,17 +52,28 @@ class Channels:
         loops.fill_channel.for_work(source.size)(self.padded[channel], source, self.around_u)
 
     def loop(self, cells: Any, following: Array, f: Any, size: int) -> Kernel:
-        """Return `term_loops.advance` for so many cells of the drives, but for its planes and job."""
+        """Return `term_loops.advance` for so many cells of the drives, but for its planes and job.
+
+        A job of a step that takes long is done piece by piece, so that Python can hear a signal.
+        """
         work = size * self.work
         run = *(function.address for function in loops.called(self.padded.dtype)), threads_for(work)
-        return partial(loops.advance.for_work(work), run, cells, following, f, *self._group)
+        whole = partial(loops.advance.for_work(work), run, cells, following, f, *self._group)
+
+        def by_pieces(planes: Any, job: tuple[int, int, int, int, int]) -> None:
+            task, first, count, _, lines = job
+            for number in range(first, first + count):
+                for row, after in pieces(lines, TERM * work / lines):
+                    whole(planes, (task, number, 1, row, after))
+
+        return whole if TERM * work <= PIECE else by_pieces
 
     def add_to(self, w: Array) -> None:
         """Add the terms of channels that stand still to w."""
         flat, none = w.reshape(-1), np.empty(0, np.int64)
         following = records(loops.Following(none, none, none, none > 0))
         advance = self.loop((flat, NO_MASK, False), following, (0, 0, 0, 0, flat), w.size)
-        advance((w, flat, w, w, w[None]), (DRIVE, 0, 1))
+        advance((w, flat, w, w, w[None]), (DRIVE, 0, 1, 0, w.size // w.shape[-1]))
 
 
 def with_control_terms(plan: Plan, u: Array | None, bias: Array | None) -> Array | None:
@@ -111,6 +123,7 @@ class CompiledNetwork:
         kind, *function = characteristic(plan, x.dtype)
         f = int(kind), *function  # numba asks for the class of an enum, which is slow
         self.advance = self._moving.loop(self.cells, records(following), f, self.x.size)
+        self.lines, self.work = self.x.size // plan.shape[1], TERM * self.x.size * self._moving.work
 
     def _planes(self, value: Any) -> Any:
         if value is None:

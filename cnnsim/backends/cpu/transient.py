@@ -11,12 +11,15 @@ from numba import prange
 from cnnsim.backends.base import Check, Outcome, Stepper
 from cnnsim.backends.cpu.boundary import VirtualCells, fill_virtual
 from cnnsim.backends.cpu.euler.dense import dense
-from cnnsim.backends.cpu.euler.sleep import sleeping
+from cnnsim.backends.cpu.euler.position import END, PHASE, START
+from cnnsim.backends.cpu.euler.settled import FIGURES
+from cnnsim.backends.cpu.euler.sleep import COLUMNS, sleeping
 from cnnsim.backends.cpu.jit.compile import helper, threads_for, twins
 from cnnsim.backends.cpu.planes import all_true, clip_row, copy_row, grids, largest_of
 from cnnsim.backends.cpu.pool import Pool
 from cnnsim.backends.cpu.prepared import Prepared
 from cnnsim.backends.cpu.settled import check_row
+from cnnsim.backends.slices import PIECE, Pace
 from cnnsim.planning.plan import Plan
 from cnnsim.support import Array
 
@@ -56,12 +59,13 @@ def add_taps(total: Array, padded: Array, taps: Array, i: int, r: int) -> None:
 @twins
 def run_stages(
     planes: tuple[Array, Array, Array], taps: Array, virtual: VirtualCells, scheme: SchemeTable, scratch: Scratch,
-    count: int, checked: bool,
+    count: int, begin: int, end: int,
 ) -> tuple[float, bool]:  # fmt: skip
     """Take ``count`` steps on x in place; for 0 steps check x, and leave the rates of the first stage.
 
-    ``planes`` are x, w and the mask (no cells: none); ``checked``: the rates of the first stage are there. Returns the
-    largest |dx/dt|, and whether all cells are saturated. One loop for steps and checks, because it is long to compile.
+    ``planes`` are x, w and the mask (no cells: none); the first step begins with stage ``begin``, as the rates of those
+    before it are there, and the last one goes up to stage ``end``, if that is not the last one without the step itself.
+    Returns the largest |dx/dt|, and whether all cells are saturated. One loop for all, because it is long to compile.
     """
     x, w, mask = planes
     ha, hb, limited = scheme
@@ -69,7 +73,7 @@ def run_stages(
     n, height, width = x.shape
     r = virtual[2]
     for number in range(max(count, 1)):
-        for i in range(1 if checked and number == 0 else 0, hb.size if count else 1):
+        for i in range(begin if number == 0 else 0, end if number == count - 1 else hb.size if count else 1):
             at = stage if i else x  # the first stage is the state itself
             for line in prange(n * height):
                 g, p = line // height, line % height
@@ -95,7 +99,7 @@ def run_stages(
                     largest[line], saturated[line] = check_row(row, x[g, p], of_row, limited)
                 for j in range(width):
                     row[j] -= at[g, p, j]
-        if count == 0:
+        if count == 0 or (number == count - 1 and end < hb.size):
             break
         for line in prange(n * height):
             g, p = line // height, line % height
@@ -122,9 +126,11 @@ class CompiledSteps(Stepper):
 
     def __init__(self, plan: Plan, ready: Prepared, x: Array, w: Array, mask: Array) -> None:
         self._x, self._saturation_ends, self._checked = x.copy(), plan.saturation_ends, False
-        self._run = run_stages.for_work(x.size * len(plan.feedback_taps))
+        self._stages = len(ready.scheme[1])
+        work = x.size * len(plan.feedback_taps)
+        self._run, self.work = run_stages.for_work(work), work * self._stages
         r, (n, rows, cols) = ready.around_y[2], grids(x).shape
-        stages, lines = len(ready.scheme[1]), n * rows
+        stages, lines = self._stages, n * rows
         scratch = Scratch(
             np.empty((n, rows + 2 * r, cols + 2 * r), x.dtype), np.empty((n if stages > 1 else 0, rows, cols), x.dtype),
             np.empty((stages, n, rows, cols), x.dtype), np.zeros(lines, x.dtype), np.zeros(lines, bool),
@@ -134,14 +140,20 @@ class CompiledSteps(Stepper):
 
     def check_settled(self, step: int, *, last: bool) -> Check:
         """See `Stepper.check_settled`."""
-        rate, saturated = self._run(*self._given, 0, False)
+        rate, saturated = self._run(*self._given, 0, 0, 1)
         self._checked = True
         return Check(float(rate), self._saturation_ends and bool(saturated))
 
     def advance(self, step: int, count: int) -> None:
         """See `Stepper.advance`."""
-        self._run(*self._given, count, self._checked)
-        self._checked = False
+        begin, self._checked = int(self._checked), False
+        if self.work <= PIECE or self._stages == 1:
+            self._run(*self._given, count, begin, self._stages)
+            return
+        for _ in range(count):  # stage by stage, so that Python can hear a signal
+            for stage in range(begin, self._stages):
+                self._run(*self._given, 1, stage, stage + 1)
+            begin = 0
 
     def finish(self) -> Array:
         """See `Stepper.finish`."""
@@ -149,13 +161,21 @@ class CompiledSteps(Stepper):
 
 
 def fused_euler(plan: Plan, ready: Prepared, x: Array, w: Array, pool: Pool) -> Outcome:
-    """Run a transient by Euler steps, several a pass over the grid."""
-    work = x.size * len(plan.feedback_taps)
+    """Run a transient by Euler steps, several a pass over the grid, in slices."""
+    work, sleeps = x.size * len(plan.feedback_taps), "sleep" in plan.savings
     planes = x, pool.plane(x), pool.plane(x)
-    run = sleeping if "sleep" in plan.savings else dense
-    done, settled, rate, where = run.for_work(work)(
-        (*map(grids, planes), grids(w)), ready.feedback, (*ready.tiles, threads_for(work)), ready.schedule
-    )
+    threads = threads_for(work)
+    given = (*map(grids, planes), grids(w)), ready.feedback, (*ready.tiles, threads), ready.schedule
+    known = np.empty((len(given[0][0]) * ready.tile_count, COLUMNS) if sleeps else (threads, FIGURES))
+    run = (sleeping if sleeps else dense).for_work(work)
+    position, settled, rate = run(*given, known, START, ready.first_slice)
+    if position[PHASE] != END:
+        pace = Pace(plan, ready.tile_work)
+        while position[PHASE] != END:
+            position, settled, rate = run(*given, known, position, pace.left)
+            pace.turn(position[0], rate)
+        pace.over()
+    done, where = position[:2]
     end = x.copy() if where == 0 else planes[where]
     pool.keep(*(plane for plane in planes[1:] if plane is not end))
     return Outcome(end, done * plan.step if ready.settles else ready.t, bool(settled), float(rate))

@@ -1,10 +1,12 @@
 """OpenCL programs: put together from .cl files and definitions, and built."""
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
 from enum import IntEnum
 from functools import cache
 from importlib.resources import files
+from threading import Thread
 from typing import Any
 
 import numpy as np
@@ -38,11 +40,25 @@ def build(context: cl.Context, device: cl.Device, text: str, what: str) -> cl.Pr
         with warnings.catch_warnings():
             # pyopencl warns of every build log that is not empty, and drivers write a line when all is well
             warnings.simplefilter("ignore", cl.CompilerWarning)
-            return cl.Program(context, text).build(options=options, devices=[device])
+            return _beside(lambda: cl.Program(context, text).build(options=options, devices=[device]))
     except cl.RuntimeError as error:
         if remark := pocl.remark(device):
             raise InputError(f"{device.name}: {remark}") from error
         raise BuildError(f"{device.name}: the OpenCL text of {what!r} does not build:\n{error}") from error
+
+
+def _beside(work: Callable[[], cl.Program]) -> cl.Program:
+    """Do work that takes seconds outside of Python in a thread: the main one hears a signal while it waits."""
+    done: Future[cl.Program] = Future()
+
+    def run() -> None:
+        try:
+            done.set_result(work())
+        except BaseException as error:
+            done.set_exception(error)
+
+    Thread(target=run, daemon=True).start()
+    return done.result()
 
 
 @cache

@@ -9,6 +9,7 @@ from cnnsim.backends.opencl.build import boundary_defines, source
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.planes import DeviceGrid
 from cnnsim.backends.opencl.term_text import term_defines
+from cnnsim.backends.slices import TERM
 from cnnsim.backends.term_table import TermTable, characteristic
 from cnnsim.planning.plan import Plan
 
@@ -25,6 +26,7 @@ class ChannelPlanes:
         gains: Sequence[float] = (1.0,), mask: Buffer | None = None,
     ) -> None:  # fmt: skip
         self.context, self.plan, self.grid, self.table, self.mask = context, plan, grid, tables[part], mask
+        self.work = TERM * grid.cells * max(1, len(self.table.taps.k))
         self.layers = len(plan.network.layers) if plan.network else 1
         # what kernels of layers.cl end with: layers, cells of a layer, cells in all
         self.layer_arguments = np.int32(self.layers), np.int64(grid.rows * grid.cols), np.int64(grid.cells)
@@ -67,10 +69,11 @@ class ChannelPlanes:
 
     def add_terms(self, task: TaskCode, w: Buffer, x: Buffer, out: Buffer, *, at: int = 0, terms: bool = True) -> None:
         """Do a task with the drives of a state ``x``, w plus all terms; the result begins at cell ``at`` of ``out``."""
-        work = self.grid.lines if self.context.family == "cpu" else self.grid.cells
-        self.context.launch(
-            self._add_terms, self.grid.cells, x, w, self.mask, out, np.int64(at), self._channels,
-            self._weights, self.gains, np.int32(task), self._part if terms else self._none,
-            np.int32(self.mask is not None), np.int32(self.plan.cell == "full-range"), np.int32(self.layers),
-            *self._last, np.int64(work),
-        )  # fmt: skip
+        grid, unit = self.grid, 1 if self.context.family == "cpu" else self.grid.cols  # a row, or its cells
+        for first, lines in self.context.pieces(grid.lines, self.work / grid.lines):
+            self.context.launch(
+                self._add_terms, lines * grid.cols, x, w, self.mask, out, np.int64(at), self._channels,
+                self._weights, self.gains, np.int32(task), self._part if terms else self._none,
+                np.int32(self.mask is not None), np.int32(self.plan.cell == "full-range"), np.int32(self.layers),
+                *self._last, np.int64(lines * unit), np.int64(first * unit),
+            )  # fmt: skip

@@ -1,7 +1,9 @@
 """A device's context: its queue, its buffers, its built programs and how a kernel is launched."""
 
+from collections.abc import Iterator
 from functools import cache
 from threading import RLock
+from time import sleep
 from typing import Any
 
 import numpy as np
@@ -10,6 +12,7 @@ import pyopencl as cl
 from cnnsim.backends.opencl.build import Defines, build, code_defines, define_lines, source
 from cnnsim.backends.opencl.devices import Family
 from cnnsim.backends.opencl.pocl import has_wide_vectors
+from cnnsim.backends.slices import pieces
 
 Buffer = cl.Buffer
 
@@ -21,6 +24,9 @@ LANES = 8
 
 WIDE_LANES = 16
 """float32 in a vector where registers are that wide: half as fast again. Where they are not, it is 5 % slower."""
+
+POLL = 1e-4
+"""Seconds between two looks whether a kernel's first launch is over."""
 
 POOLED = 2
 """Buffers kept for the next transient: its drive, and one of the two states between which steps go."""
@@ -49,6 +55,7 @@ class DeviceContext:
         self._tables: dict[bytes, Buffer] = {}
         self._programs: dict[tuple[str, ...], cl.Program] = {}
         self._kernels: dict[tuple[str, ...], cl.Kernel] = {}
+        self._compiled: set[cl.Kernel] = set()
 
     def new(self, size: int) -> Buffer:
         """Return a new buffer of ``size`` bytes on the device."""
@@ -98,8 +105,25 @@ class DeviceContext:
             parts = max(1, min(self._most_parts, -(-work // GROUP)))
             shape = (parts * GROUP,), (GROUP,)
         kernel.set_args(*arguments)
-        cl.enqueue_nd_range_kernel(self.queue, kernel, *shape)
+        self.enqueue(kernel, *shape)
         return parts
+
+    def enqueue(self, kernel: cl.Kernel, *shape: Any) -> None:
+        """Launch a kernel whose arguments are set; ``shape``: global and local sizes, perhaps an offset."""
+        event = cl.enqueue_nd_range_kernel(self.queue, kernel, *shape)
+        if kernel not in self._compiled:  # drivers compile at the first launch, for seconds: Python is to hear a signal
+            self.queue.flush()
+            while event.command_execution_status > cl.command_execution_status.COMPLETE:
+                sleep(POLL)
+            self._compiled.add(kernel)
+
+    def pieces(self, count: int, work: float) -> Iterator[tuple[int, int]]:
+        """Yield (first, count) of the pieces of so many rows or tiles with ``work`` sums in each; wait in between."""
+        parts = pieces(count, work)
+        for first, after in parts:
+            yield first, after - first
+            if len(parts) > 1:
+                self.queue.finish()
 
     def parts(self, count: int, dtype: np.dtype[Any]) -> np.ndarray[Any, Any]:
         """Read ``count`` numbers that a kernel left in ``partial``."""

@@ -19,11 +19,14 @@ def control(context: DeviceContext, plan: Plan, grid: DeviceGrid, u: Buffer | No
     if u is not None and template.control_terms:
         bias = _control_terms(context, plan, grid, u, bias)
     w = context.buffer(grid.cells * context.dtype.itemsize)
-    context.launch(
-        context.kernel("control", "boundary stencil", {**boundary_defines(boundary), "CONTROL": ""}), grid.cells,
-        u, bias, w, context.dtype.type(template.z), np.int32(bias is not None),
-        *tap_arguments(context, template.control_taps if u is not None else (), boundary.u), *grid.arguments,
-    )  # fmt: skip
+    kernel = context.kernel("control", "boundary stencil", {**boundary_defines(boundary), "CONTROL": ""})
+    taps = template.control_taps if u is not None else ()
+    given = tap_arguments(context, taps, boundary.u)
+    for first, lines in context.pieces(grid.lines, grid.cols * max(1, len(taps))):
+        context.launch(
+            kernel, lines * grid.cols, u, bias, w, context.dtype.type(template.z), np.int32(bias is not None),
+            np.int64(first), *given, np.int64(lines), *grid.arguments[1:],
+        )  # fmt: skip
     return w
 
 

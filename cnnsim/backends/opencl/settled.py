@@ -27,7 +27,7 @@ class CheckedSteps(Stepper):
         self._x, self._w, self._mask = planes
         stripes = max(1, min(STRIPES, grid.cells // STRIPE_CELLS))
         self._ends = [grid.lines * stripe // stripes for stripe in range(stripes + 1)]
-        self._at = 0
+        self._at, self.work = 0, grid.cells * len(plan.feedback_taps)
 
     def check_settled(self, step: int, *, last: bool) -> Check:
         """Check the state; the rate is that of the stripes this took, of the ``last`` check that of all."""
@@ -56,6 +56,10 @@ class CheckedSteps(Stepper):
         )  # fmt: skip
         rate, unsaturated = context.parts(2 * parts, context.dtype).reshape(parts, 2).max(axis=0).tolist()
         return rate, bool(unsaturated)
+
+    def wait(self) -> None:
+        """See `Stepper.wait`."""
+        self._context.queue.finish()
 
     def finish(self) -> Buffer:
         """See `Stepper.finish`."""

@@ -40,6 +40,7 @@ class _NetworkSteps(Stepper):
         self._inputs, self._states = (ChannelPlanes(context, plan, grid, tables, part, gains, mask) for part in (0, 1))
         self._past = [x] * (longest_delay(plan, network) + 1)  # before t = 0 the state was x(0)
         self._w = context.new(x.size)
+        self.work = self._states.work * (len(scheme.a) if scheme else 1)
         self._z = [layer.z for layer in network.layers]
 
     def spans(self) -> Iterable[tuple[int, int]]:
@@ -66,6 +67,9 @@ class _NetworkSteps(Stepper):
         """Return the largest number that a kernel of layers.cl hands in."""
         parts = self._context.launch(self._context.kernel(name, "stages layers", {}), self._grid.cells, *arguments)
         return float(self._context.parts(parts, self._context.dtype).max())
+
+    def wait(self) -> None:
+        self._context.queue.finish()
 
     def finish(self) -> Buffer:
         return self._x

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import pyopencl as cl
 
 from cnnsim.backends.base import Stepper
 from cnnsim.backends.codes import boundary_code
@@ -33,6 +32,7 @@ class _TileSteps(CheckedSteps):
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:
         super().__init__(context, plan, grid, planes)
         self._tiles = cut(context, grid, plan)
+        self.together = self._tiles.most_steps
         assert plan.scheme is not None
         defines = {
             **tap_defines(plan.feedback_taps, plan.boundary, plan.boundary.y, context.dtype),
@@ -62,9 +62,11 @@ class _TileSteps(CheckedSteps):
                     self._x, self._w, self._mask, self._planes[turn], *self._tiles.arguments, np.int32(now), *sleep
                 )
                 self._bound[turn] = self._x, now, fresh
-            cl.enqueue_nd_range_kernel(
-                self._context.queue, self._kernels[turn], self._tiles.global_size, self._tiles.local_size
-            )
+            (wide, high), local = self._tiles.global_size, self._tiles.local_size
+            each, work = wide // self._tiles.groups, now * self.work / self._tiles.groups
+            for first, groups in self._context.pieces(self._tiles.groups, work):
+                offset = first * each, 0
+                self._context.enqueue(self._kernels[turn], (groups * each, high), local, offset)
             self._x, self._turn = self._planes[turn], 1 - turn
             self._launches, self._last = self._launches + 1, now
             count -= now
@@ -83,7 +85,8 @@ class _StageSteps(CheckedSteps):
         self._stages = len(plan.scheme.a)
         gain = plan.scheme.gain(plan.step)
         self._sums = StageSums(context, plan, grid, "linear_stage", gain, (np.int64(grid.cells),))
-        self._around = *tap_arguments(context, plan.feedback_taps, plan.boundary.y), *grid.arguments
+        self._taps = tap_arguments(context, plan.feedback_taps, plan.boundary.y)
+        self.work *= self._stages
         self._rate = context.kernel("rate", "boundary stencil", {**boundary_defines(plan.boundary), "RATE": ""})
         self._stage = context.buffer(self._x.size)
         self._own = False  # whether x may be written over
@@ -92,9 +95,12 @@ class _StageSteps(CheckedSteps):
         for _ in range(count):
             for stage in range(self._stages):
                 self._sums.write(stage, self._x, self._stage)
-                self._context.launch(
-                    self._rate, self._grid.cells, self._stage, self._w, self._sums.rates, np.int32(stage), *self._around
-                )
+                for first, lines in self._context.pieces(self._grid.lines, self.work / self._stages / self._grid.lines):
+                    self._context.launch(
+                        self._rate, lines * self._grid.cols, self._stage, self._w, self._sums.rates, np.int32(stage),
+                        np.int64(self._grid.cells), np.int64(first), *self._taps, np.int64(lines),
+                        *self._grid.arguments[1:],
+                    )  # fmt: skip
             to = self._x if self._own else self._context.buffer(self._x.size)
             self._sums.write(-1, self._x, to, self._mask)
             self._x, self._own = to, True

@@ -17,6 +17,7 @@ class TermSteps(Stepper):
         assert plan.scheme is not None
         self._network, self._scheme, self._x = network, plan.scheme, network.x
         self._limited = plan.cell == "full-range"
+        self.work = network.work
         gains = [plan.scheme.gain(plan.step * rate) for rate in network.rates.ravel()]
         self._gains = np.array(gains).reshape(network.rates.shape)
 
@@ -53,6 +54,7 @@ class DiscreteSteps(Stepper):
 
     def __init__(self, network: Network) -> None:
         self._network, self._f = network, network.plan.characteristic
+        self.work = network.work
         self._y = self._before = np.where(network.free, self._f(network.x), network.x)
         network.past = deque([self._y], maxlen=network.past.maxlen)
 

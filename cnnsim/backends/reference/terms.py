@@ -53,6 +53,7 @@ class Network:
             (Term(layer.B, "u_kl"), *layer.control_terms, Term(layer.A, "y_kl"), *layer.feedback_terms)
             for layer in self.layers
         ]
+        self.work = self.x.size * sum(len(term.taps) for terms in self.terms for term in terms)
 
     def _planes(self, value: Any) -> Any:
         if value is None:

@@ -15,6 +15,7 @@ class LinearSteps(Stepper):
 
     def __init__(self, plan: Plan, x: Array, w: Array, free: Array) -> None:
         self._plan, self._x, self._w, self._free = plan, x, w, free
+        self.work = x.size * len(plan.feedback_taps)
         self._limit = output if plan.cell == "full-range" else np.positive
 
     def drive(self, x: Array) -> Array:

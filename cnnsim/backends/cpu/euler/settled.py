@@ -15,6 +15,7 @@ from cnnsim.support import Array
 RATE, MOVING, UNSATURATED, R0, R1, C0, C1 = range(7)
 """What a check finds: the largest |dx/dt| (if it is measured), how many cells have |dx/dt| above the rate of rest, how
 many are not saturated for good, and the area that those lie in."""
+FIGURES = 7
 
 
 @helper

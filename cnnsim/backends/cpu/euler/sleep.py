@@ -10,7 +10,8 @@ import numpy as np
 from numba import prange
 
 from cnnsim.backends.cpu.euler.boundary import is_periodic
-from cnnsim.backends.cpu.euler.grid import Feedback, Schedule, Tiling, steps_of_pass, tile_area, tile_count
+from cnnsim.backends.cpu.euler.grid import Feedback, Schedule, Tiling, steps_of_pass, tile_area
+from cnnsim.backends.cpu.euler.position import BEGIN, END, MEASURE, STEP, Fields, Position
 from cnnsim.backends.cpu.euler.scratch import move
 from cnnsim.backends.cpu.euler.settled import C0, C1, MOVING, R0, R1, UNSATURATED, largest_rate, start_check, total
 from cnnsim.backends.cpu.euler.window import CATCH_UP, CHECK, window_cells, window_layout
@@ -20,11 +21,18 @@ from cnnsim.support import Array
 
 HEIGHT, WIDTH = 32, 64
 """Cells of a tile: small enough to lie still as a whole, wide enough for the vectors."""
+UPTO, CHOSEN, DIFFERS, WORK = range(7, 11)
+COLUMNS = 11
+"""What is known of each tile from pass to pass: after what a check finds (`settled`) the step that its states belong
+to, whether it is to be stepped, and whether it differs between the planes. Column WORK is the list of tiles to do.
+"""
+E_FOLDS = 40
+"""Time constants after which a state that goes to a constant drive changes no bit any more, not even of float64."""
 
 
 @helper
-def wake(found: Array, reach: int, shape: tuple[int, int, int], periodic: bool, awake: Array) -> None:
-    """Mark the tiles that an unsaturated cell's change can come to when it travels ``reach`` cells."""
+def wake(found: Array, reach: int, shape: tuple[int, int, int], periodic: bool) -> None:
+    """Choose the tiles that an unsaturated cell's change can come to when it travels ``reach`` cells."""
     n, rows, cols = shape
     down, across = (rows + HEIGHT - 1) // HEIGHT, (cols + WIDTH - 1) // WIDTH
     for tile in range(n * down * across):
@@ -40,7 +48,7 @@ def wake(found: Array, reach: int, shape: tuple[int, int, int], periodic: bool, 
             p, j = i % rows, c0
             while j < c1:
                 q = j % cols
-                awake[first + p // HEIGHT * across + q // WIDTH] = True
+                found[first + p // HEIGHT * across + q // WIDTH, CHOSEN] = 1
                 j += min(cols - q, WIDTH - q % WIDTH)
             i += min(rows - p, HEIGHT - p % HEIGHT)
 
@@ -49,93 +57,130 @@ def wake(found: Array, reach: int, shape: tuple[int, int, int], periodic: bool, 
 
 
 @helper
-def choose(chosen: Array, value: bool) -> None:
-    """Choose all tiles, or none."""
-    for tile in range(chosen.size):
-        chosen[tile] = value
+def begin_tiles(tiles: Array) -> None:
+    """Choose all tiles; they are at step 0, in one plane alone."""
+    for tile in range(tiles.shape[0]):
+        tiles[tile, UPTO] = 0
+        tiles[tile, CHOSEN] = tiles[tile, DIFFERS] = 1
 
 
 @helper
-def choose_work(chosen: Array, differs: Array, work: Array) -> int:
-    """List the tiles that are to be stepped or copied; return how many they are."""
+def choose(tiles: Array, value: bool) -> None:
+    """Choose all tiles, or none."""
+    for tile in range(tiles.shape[0]):
+        tiles[tile, CHOSEN] = value
+
+
+@helper
+def choose_work(tiles: Array, with_different: bool) -> int:
+    """List the tiles that are to be stepped, or also copied; return how many they are."""
     count = 0
-    for tile in range(chosen.size):
-        if chosen[tile] or differs[tile]:
-            work[count] = tile
+    for tile in range(tiles.shape[0]):
+        if tiles[tile, CHOSEN] or (with_different and tiles[tile, DIFFERS]):
+            tiles[count, WORK] = tile
             count += 1
     return count
 
 
 @helper
-def arrived(chosen: Array, step: int, upto: Array, found: Array) -> float:
+def work_of(tile: Array, done: int, now: int, h: float) -> int:
+    """Return how many steps of a tile its turn in a pass takes at most, with its check."""
+    return now + 2 + min(done - int(tile[UPTO]), int(E_FOLDS / h)) if tile[CHOSEN] else 1
+
+
+@helper
+def last_of_slice(
+    tiles: Array, first: int, to_do: int, threads: int, pass_of: tuple[int, int, float], left: int
+) -> tuple[int, int]:
+    """Return which place in the list of tiles to do a slice goes up to, and how many steps of a tile are left then.
+
+    ``pass_of``: the steps done and to do now, and their length.
+    """
+    k, (done, now, h) = first, pass_of
+    while k < to_do and (left > 0 or k < first + threads):
+        left -= work_of(tiles[int(tiles[k, WORK])], done, now, h)
+        k += 1
+    return k, left
+
+
+@helper
+def arrived(tiles: Array, step: int) -> float:
     """Note that the chosen tiles have come to a step; return how many cells in them still move."""
     moving = 0.0
-    for tile in range(chosen.size):
-        if chosen[tile]:
-            upto[tile] = step
-            moving += found[tile, MOVING]
+    for tile in range(tiles.shape[0]):
+        if tiles[tile, CHOSEN]:
+            tiles[tile, UPTO] = step
+            moving += tiles[tile, MOVING]
     return moving
 
 
 @twins
 def sleeping(
-    planes: tuple[Array, Array, Array, Array], feedback: Feedback, tiles: Tiling, schedule: Schedule
-) -> tuple[int, bool, float, int]:
-    """Run the transient of n grids until all have settled; everything as in `dense.dense`.
+    planes: tuple[Array, Array, Array, Array], feedback: Feedback, tiling: Tiling, schedule: Schedule, tiles: Array,
+    position: Position, most: int,
+) -> tuple[Fields, bool, float]:  # fmt: skip
+    """Run a slice of the transient of n grids until all have settled; everything as in `dense.dense`.
 
-    The address of ``tiles`` is that of `window.step_window`; their size is `HEIGHT` x `WIDTH`.
+    The address of ``tiling`` is that of `window.step_window`; ``tiles`` has `COLUMNS` for each tile of `HEIGHT` x
+    `WIDTH` cells.
     """
     x, first, second, w = planes
-    address, depth, _, _, threads = tiles
+    address, depth, _, _, threads = tiling
     steps, check_every, rest, _ = schedule
-    r, periodic = feedback[4], is_periodic(feedback[4:])
-    count = tile_count(x.shape, HEIGHT, WIDTH)
+    done, where, phase, k, now, to_do = position
+    r, h, periodic = feedback[4], feedback[3], is_periodic(feedback[4:])
     scratches = np.empty((threads, window_cells(HEIGHT, depth, r)), x.dtype)
-    found = np.empty((count, 7), np.float64)
-    upto, work = np.empty(count, np.int64), np.empty(count, np.int64)  # upto: the step that a tile's states belong to
-    chosen, differs = np.empty(count, np.bool_), np.empty(count, np.bool_)  # differs: not the same in both planes
-    choose(chosen, True)
-    choose(differs, True)
-    source, target, where = first, second, 1
-    move(x.reshape(-1), 0, source.reshape(-1), 0, x.size)
-    for tile in range(count):
-        upto[tile] = 0
-    done, now, settled, measure = 0, 0, False, False
-    while True:
-        to_do = choose_work(chosen, chosen if now == 0 else differs, work)
+    looking, largest, settled, left = phase != BEGIN, np.nan, False, most
+    if phase == BEGIN:
+        begin_tiles(tiles)
+        phase, where = STEP, 1
+        move(x.reshape(-1), 0, first.reshape(-1), 0, x.size)
+    while phase != END and left > 0:
+        source, target = (first, second) if where == 1 else (second, first)
+        if k == 0:
+            to_do = choose_work(tiles, now > 0)
+        measure = phase == MEASURE or (looking and k == 0)
+        begin = k
+        k, left = last_of_slice(tiles, begin, to_do, threads, (done, now, h), left)
         for thread in prange(threads):
             scratch, at = scratches[thread], window_layout(scratches[thread], HEIGHT, depth, r)
-            for k in range(thread, to_do, threads):
-                tile = work[k]
+            for place in range(begin + thread, k, threads):
+                tile = int(tiles[place, WORK])
                 g, area = tile_area(tile, x.shape, HEIGHT, WIDTH)
-                if chosen[tile]:
+                if tiles[tile, CHOSEN]:
                     # Neighbours may read this tile while it catches up: a benign data race, its outputs are frozen.
-                    missed = done - upto[tile]
-                    start_check(found[tile])
+                    missed = done - int(tiles[tile, UPTO])
+                    start_check(tiles[tile])
                     for task in range(CATCH_UP if missed > 0 else CHECK, CHECK - 1, -1):
                         to, ahead = (source[g], 0) if task == CATCH_UP else (target[g], now)
                         call(address, (source[g], w[g], to, feedback, ahead, area, scratch, at, task, rest, measure,
-                                       missed, found[tile]))  # fmt: skip
-                    differs[tile] = differs[tile] or now > 0 or missed > 0
+                                       missed, tiles[tile]))  # fmt: skip
+                    if now > 0 or missed > 0:
+                        tiles[tile, DIFFERS] = 1
                 else:  # fell asleep: from here on it is the same in both planes
                     for i in range(area.r0, area.r1):
                         move(source[g, i], area.c0, target[g, i], area.c0, area.c1 - area.c0)
-                    differs[tile] = False
+                    tiles[tile, DIFFERS] = 0
+        if k < to_do:
+            continue
+        k = 0
         done += now
         if now:
             where = 2 if where == 1 else 1
-            source, target = (first, second) if where == 1 else (second, first)
-        moving = arrived(chosen, done, upto, found)
-        if measure:  # all tiles have been checked, none has been stepped
-            settled = total(found, UNSATURATED) == 0 or total(found, MOVING) == 0
+        moving = arrived(tiles, done)
+        if measure:
+            largest, looking = largest_rate(tiles), False
+        if phase == MEASURE:  # all tiles have been checked, none has been stepped
+            settled = total(tiles, UNSATURATED) == 0 or total(tiles, MOVING) == 0
             if settled or done == steps:
-                return done, settled, largest_rate(found), where
-        frozen, resting = total(found, UNSATURATED) == 0, moving == 0
-        if (done % check_every == 0 and (frozen or resting) and not measure) or done == steps:
-            measure, now = True, 0
-            choose(chosen, True)
+                phase = END
+                continue
+        frozen, resting = total(tiles, UNSATURATED) == 0, moving == 0
+        if (done % check_every == 0 and (frozen or resting) and phase != MEASURE) or done == steps:
+            phase, now = MEASURE, 0
+            choose(tiles, True)
         else:
-            measure = False
-            now = steps_of_pass(done, depth, schedule)
-            choose(chosen, False)
-            wake(found, now * r, x.shape, periodic, chosen)
+            phase, now = STEP, steps_of_pass(done, depth, schedule)
+            choose(tiles, False)
+            wake(tiles, now * r, x.shape, periodic)
+    return (done, where, phase, k, now, to_do), settled, largest

@@ -52,8 +52,11 @@ AT_REST(vec)
 
 KERNEL void closed_form(__global const real *restrict x, __global const real *restrict w,
                           __global const ulong *restrict mask, __global real *restrict out, real a, real t, int rest,
-                          int has_mask, long lines, int cols)
+                          int has_mask, long first, long lines, int cols)
 {
+    x += first * cols;
+    w += first * cols;
+    out += first * cols;
 #if V > 1
     if (rest && !has_mask) {
         const long count = lines * cols, stop = SHARE(count, get_global_id(0) + 1, get_global_size(0));
@@ -69,7 +72,7 @@ KERNEL void closed_form(__global const real *restrict x, __global const real *re
     EACH(cell, lines * cols) {
         const real from = x[cell];
         const real flaw = from - from; // NaN if x is NaN or infinite: no comparison below may hide that
-        if (has_mask && black(mask, cell / cols, (int)(cell % cols), cols))
+        if (has_mask && black(mask, first + cell / cols, (int)(cell % cols), cols))
             out[cell] = from;
         else
             out[cell] = flaw + (rest ? real_at_rest(from, w[cell], a) : state_at(from, w[cell], a, t));

@@ -157,7 +157,7 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
                     __local real *scratch, int rows, int cols, int width, int band, int across, int down, int steps
                     SLEEP_ARGUMENTS)
 {
-    const int tile = get_group_id(0), first_col = tile % across * width, first_row = tile / across % down * band;
+    const int tile = get_global_id(0), first_col = tile % across * width, first_row = tile / across % down * band;
     const int stop_row = min(first_row + band, rows), own_cols = min(width, cols - first_col);
     const long top = (long)(tile / across / down) * rows;
     const int end = min(STRIDE - V, (SHIFT + own_cols + HALO + V - 1) / V * V - V + (HALO ? 0 : V));

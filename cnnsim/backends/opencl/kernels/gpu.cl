@@ -26,7 +26,7 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
                     int rows, int cols, int across, int down, int steps SLEEP_ARGUMENTS)
 {
     __local real y[2 * SIZE];
-    const int tile = get_group_id(0), j = get_local_id(0), i0 = get_local_id(1) * R;
+    const int tile = get_global_id(0) / WIDE, j = get_local_id(0), i0 = get_local_id(1) * R;
     const int gj = tile % across * (WIDE - 2 * HALO) - HALO + j;
     const int gi0 = tile / across % down * (HIGH - 2 * HALO) - HALO + i0;
     const long top = (long)(tile / across / down) * rows;

@@ -19,16 +19,11 @@ static inline real neighbour_at(__global const real *grid, int i, int j, int row
     return value_at(VALUE(real, v), i, p, j, q);
 }
 
-// What every kernel of this file takes: the taps, the value of fixed virtual cells and the shape.
+// What every kernel of this file takes: the first line, the taps, the value of fixed virtual cells, how many lines, and
+// the shape of a grid.
 #define ARGUMENTS                                                                                       \
-    __global const int2 *places, __global const real *weights, int taps, int radius, real outside,     \
+    long first, __global const int2 *places, __global const real *weights, int taps, int radius, real outside,     \
     long lines, int rows, int cols
-
-#ifdef SETTLED
-#define FIRST first
-#else
-#define FIRST 0
-#endif
 
 #define LOAD(type, plane) (*(__global const type *)((plane) + cell))
 #define STORE(type, plane) (*(__global type *)((plane) + cell))
@@ -53,7 +48,7 @@ static inline real neighbour_at(__global const real *grid, int i, int j, int row
 #endif
 #define EACH_CELL(DO)                                                                                   \
     EACH(each, lines) {                                                                                 \
-        const long line = FIRST + each;                                                                 \
+        const long line = first + each;                                                                 \
         const int i = (int)(line % rows), inner = INNER;                                                \
         int j = 0;                                                                                      \
         for (; j < (inner ? min(radius, cols) : cols); j++) { const long cell = line * cols + j; DO(real) } \
@@ -63,7 +58,7 @@ static inline real neighbour_at(__global const real *grid, int i, int j, int row
 #else
 #define EACH_CELL(DO)                                                                                   \
     EACH(each, lines * cols) {                                                                          \
-        const long cell = FIRST * cols + each;                                                          \
+        const long cell = first * cols + each;                                                          \
         const long line = cell / cols;                                                                  \
         const int i = (int)(line % rows), j = (int)(cell % cols);                                       \
         DO(real)                                                                                        \
@@ -84,10 +79,10 @@ KERNEL void control(__global const real *u, __global const real *bias, __global 
 }
 
 #elif defined(RATE)
-// The rate of a stage, A*y + w - x, into plane number `stage` of `rates`.
-KERNEL void rate(__global const real *x, __global const real *w, __global real *rates, int stage, ARGUMENTS)
+// The rate of a stage, A*y + w - x, into plane number `stage` of `rates`, of so many cells.
+KERNEL void rate(__global const real *x, __global const real *w, __global real *rates, int stage, long plane, ARGUMENTS)
 {
-    rates += stage * lines * cols;
+    rates += stage * plane;
 #define DO_RATE(type)                                 \
     type total = LOAD(type, w);                       \
     ADD_##type(x, total)                              \
@@ -99,7 +94,7 @@ KERNEL void rate(__global const real *x, __global const real *w, __global real *
 // Two numbers a work-item (or, on a GPU, a work-group) for so many lines from line `first` on: the largest |dx/dt| of
 // its free cells, and 1 if one of them is not saturated for good.
 KERNEL void check_settled(__global const real *x, __global const real *w, __global const ulong *mask,
-                          __global real *partial, long first, ARGUMENTS)
+                          __global real *partial, ARGUMENTS)
 {
     real most_real = 0;
     sure_real unsaturated_real = 0;

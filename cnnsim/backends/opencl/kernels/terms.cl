@@ -137,19 +137,20 @@ static inline vec keep(vec v, vec old, __global const ulong *mask, long line, in
 
 // w plus all terms of part `part`: the drive; or less x the rate; or a step x + gain (drive - x), perhaps limited; or
 // the output that it makes, where a sign of 0 is the old one. The last two leave masked cells alone. `count` rows, or
-// cells; the first goes to number `at` of `out`.
+// cells, from number `first` on; that of number 0 goes to number `at` of `out`.
 KERNEL void add_terms(__global const real *x, __global const real *w, __global const ulong *mask, __global real *out,
                       long at, __global const real *channels, __global const real *planes, __global const real *gains,
                       int task, int part, int has_mask, int limited, int layers, int radius, int stride, int rows,
-                      int cols, long all, long count)
+                      int cols, long all, long count, long first)
 {
     const int tall = rows + 2 * radius;
 #ifdef CPU
-    EACH(line, count) {
+    EACH(each, count) {
+        const long line = first + each;
         const int from = 0, to = cols;
 #else
-    EACH(cell, count) {
-        const long line = cell / cols;
+    EACH(each, count) {
+        const long cell = first + each, line = cell / cols;
         const int from = (int)(cell % cols), to = from + 1;
 #endif
         const int i = (int)(line % rows), layer = (int)(line / rows % layers);

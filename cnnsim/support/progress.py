@@ -1,0 +1,89 @@
+"""Progress of long work: computations tell whoever watches how far they are; a command line shows it on a terminal."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from time import monotonic
+from typing import Any, Protocol
+
+from cnnsim.support.echo import console
+
+PATIENCE = 1.0
+"""Seconds of a command before a bar is shown."""
+
+
+class Watcher(Protocol):
+    """Whoever is told."""
+
+    def __call__(self, share: float | None, text: str) -> None:
+        """Take the ``share`` of the work that is done, None where nobody knows how much there is, and a few words."""
+
+    def over(self) -> None:
+        """Take that this piece of work is done."""
+
+
+class _Watched:
+    by: Watcher | None = None
+
+
+def watcher() -> Watcher | None:
+    """Return whoever watches; None, so that nobody need write a text."""
+    return _Watched.by
+
+
+@contextmanager
+def watched_by(new: Watcher | None) -> Iterator[None]:
+    """Let somebody watch, or with None nobody: where a longer list is counted on the same terminal."""
+    before, _Watched.by = _Watched.by, new
+    try:
+        yield
+    finally:
+        if new is not None:
+            new.over()
+        _Watched.by = before
+
+
+class TerminalBar:
+    """A bar on stderr with the time that has passed and the time left, once a command has taken `PATIENCE`."""
+
+    def __init__(self, patience: float = PATIENCE) -> None:
+        self._bar: Any = None
+        self._from, self._task, self._share = monotonic() + patience, 0, 0.0
+
+    def __call__(self, share: float | None, text: str) -> None:
+        """See `Watcher`."""
+        if self._bar is None:
+            if monotonic() < self._from:
+                return
+            self._bar, self._task = _bar(), 0
+            self._bar.start()
+            self._task = self._bar.add_task(text, total=None)
+        if share is not None and share < self._share:
+            self._bar.reset(self._task)
+        self._share = share or 0.0
+        total = None if share is None else 1.0
+        self._bar.update(self._task, completed=self._share, total=total, description=text)
+
+    def over(self) -> None:
+        """See `Watcher`."""
+        if self._bar is not None:
+            self._bar.stop()
+        self._bar, self._share = None, 0.0
+
+
+def _bar() -> Any:
+    from rich.progress import (  # slow to import, and only wanted for long work
+        BarColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    columns = TextColumn("{task.description}", markup=False), BarColumn(20), TimeElapsedColumn(), TimeRemainingColumn()
+    return Progress(*columns, console=console(err=True), transient=True, redirect_stdout=False, redirect_stderr=False)
+
+
+def terminal_bar() -> Watcher | None:
+    """Return a bar where stderr is a terminal, else None."""
+    return TerminalBar() if sys.stderr.isatty() else None
