@@ -13,8 +13,8 @@ from cnnsim.support.progress import watcher
 
 SLICE = 0.2
 """Seconds. A stop is heard after one slice; and the bookkeeping of a slice, some microseconds, is nothing to that."""
-FIRST = 1 << 26
-"""Sums of a weighted neighbour in the first slice, before the rate is known: 10 to 100 ms."""
+FIRST = 1 << 24
+"""Sums of a weighted neighbour in the first slice, before the rate is known: 3 to 50 ms."""
 PIECE = 1 << 28
 """Such sums in one call that cannot end between two steps: what needs more is cut into rows or tiles."""
 EXPONENTIALS = 64

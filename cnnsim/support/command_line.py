@@ -15,6 +15,7 @@ from cnnsim.support.compile_notice import Terminal
 from cnnsim.support.echo import as_markup, console, echo, printable
 from cnnsim.support.errors import InputError
 from cnnsim.support.files import Replaced
+from cnnsim.support.private_folder import Notices
 from cnnsim.support.progress import terminal_bar, watched_by
 
 Item = TypeVar("Item")
@@ -59,6 +60,7 @@ class CommandGroup(click.Group):
         os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # threads that spin while they wait starve one another
         Terminal.wanted = sys.stderr.isatty()
         Replaced.tell = _tell_replaced
+        Notices.tell = _tell
         try:
             with _printable_mistakes(), watched_by(terminal_bar()):
                 return super().invoke(ctx)
@@ -73,6 +75,10 @@ class CommandGroup(click.Group):
             raise _Mistake(f"{error.filename or 'the system'}: {error.strerror or error}") from error
         except (MemoryError, OverflowError, RecursionError) as error:
             raise _Mistake(f"too large: {str(error) or type(error).__name__}") from error
+
+
+def _tell(notice: str) -> None:
+    echo(notice, err=True)
 
 
 def _tell_replaced(path: Path) -> None:

@@ -7,8 +7,9 @@ three output planes LLVM would have to prove that none overlaps another, and giv
 import math
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
+from cnnsim.support.kept_loops import kept_njit
 from tactile.core.loads import F, Q, R, X, Y
 
 BLOCK = 256
@@ -18,7 +19,7 @@ MANY = 24
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 
 
-@njit(cache=True, error_model="numpy", fastmath=FAST)
+@kept_njit(error_model="numpy", fastmath=FAST)
 def _add_load(x_of, y_of, sums, load, over_depth, trace):  # type: ignore[no-untyped-def]  # numba types it at the call
     x0, y0, q, r, f = load[X], load[Y], load[Q], load[R], load[F]
     for i in range(x_of.size):
@@ -32,7 +33,7 @@ def _add_load(x_of, y_of, sums, load, over_depth, trace):  # type: ignore[no-unt
         sums[i + 2 * BLOCK] += weight * trace + along
 
 
-@njit(cache=True, error_model="numpy", fastmath=FAST)
+@kept_njit(error_model="numpy", fastmath=FAST)
 def _sum_loads(at_x, at_y, columns, over_depth, trace):  # type: ignore[no-untyped-def]  # the same
     x_of, y_of, q_of, r_of, f_of = columns[X], columns[Y], columns[Q], columns[R], columns[F]
     a = b = c = 0.0
@@ -48,7 +49,7 @@ def _sum_loads(at_x, at_y, columns, over_depth, trace):  # type: ignore[no-untyp
     return a, b, c
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def few_loads(x_of, y_of, loads, out, first, last, over_depth, trace, scale):  # type: ignore[no-untyped-def]  # the same
     """Frames first .. last: out (frames, taxels, 3) from loads (frames, n, 5)."""
     sums = np.empty(3 * BLOCK)
@@ -67,7 +68,7 @@ def few_loads(x_of, y_of, loads, out, first, last, over_depth, trace, scale):  #
                 here[i, 2] = scale * sums[i + 2 * BLOCK]
 
 
-@njit(cache=True, parallel=True, error_model="numpy")
+@kept_njit(parallel=True, error_model="numpy")
 def few_loads_parallel(x_of, y_of, loads, out, threads, over_depth, trace, scale):  # type: ignore[no-untyped-def]  # the same
     """All frames, shared out over the threads."""
     for thread in prange(threads):
@@ -75,7 +76,7 @@ def few_loads_parallel(x_of, y_of, loads, out, threads, over_depth, trace, scale
         few_loads(x_of, y_of, loads, out, first, last, over_depth, trace, scale)
 
 
-@njit(cache=True, parallel=True, error_model="numpy")
+@kept_njit(parallel=True, error_model="numpy")
 def many_loads(x_of, y_of, columns, out, threads, over_depth, trace, scale):  # type: ignore[no-untyped-def]  # the same
     """One frame: out (taxels, 3) from the loads' columns (5, n), the taxels shared out over the threads."""
     for thread in prange(threads):

@@ -6,15 +6,15 @@ Lengths are in depths, seen from the strongest taxel; ``planes`` (families, 4, t
 import math
 
 import numpy as np
-from numba import njit
 
+from cnnsim.support.kept_loops import kept_njit
 from tactile.inverse.fit import TIED
 from tactile.inverse.validity import Validity
 
 INSIDE, OUTSIDE = float(Validity.INSIDE), float(Validity.OUTSIDE)
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def gain(t, strain):  # type: ignore[no-untyped-def]  # numba types it at the call
     """Return the size of the signal for s / z = 1 at rho^2 / z^2 = t from the load, up to a constant: eqs (1), (10)."""
     if strain:
@@ -22,7 +22,7 @@ def gain(t, strain):  # type: ignore[no-untyped-def]  # numba types it at the ca
     return 1 / (t + 1) ** 2
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def strongest(planes, depth, strain):  # type: ignore[no-untyped-def]
     """Return the signals (families, taxels), 0 where there is none, each taxel's largest, and the taxels that have one.
 
@@ -45,7 +45,7 @@ def strongest(planes, depth, strain):  # type: ignore[no-untyped-def]
     return signal, peak, use[:count]
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def consensus(at, planes, signal, order, depth, seeds):  # type: ignore[no-untyped-def]
     """Return the place (x, y) with its scatter, and the place that is next best.
 
@@ -103,7 +103,7 @@ def consensus(at, planes, signal, order, depth, seeds):  # type: ignore[no-untyp
     return tried[best], tried[rival]
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def signals(at, planes, order, place, depth, strain, top):  # type: ignore[no-untyped-def]
     """Return the places (n, 2) of the taxels, their signals (n, 3) over ``top``, and what holds shear at zero.
 
@@ -142,7 +142,7 @@ def signals(at, planes, order, place, depth, strain, top):  # type: ignore[no-un
     return seen, felt, tie
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def components(seen, felt, load, strain, tie):  # type: ignore[no-untyped-def]
     """Fill in (Q, R, F) of a load by least squares from the part of each signal that a load at its place explains.
 

@@ -7,7 +7,8 @@ Lengths are in depths, signals in newtons: u = (-3 x, -3 y, t - 2) g s of a stra
 import math
 
 import numpy as np
-from numba import njit
+
+from cnnsim.support.kept_loops import kept_njit
 
 ENOUGH = 0.01
 """A step that lessens chi^2 by so many variances of one signal is the last."""
@@ -16,7 +17,7 @@ ROUNDING = 1e-26
 DAMPING, STIFF = 1e-3, 1e6
 
 
-@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz", "arcp"})
+@kept_njit(error_model="numpy", fastmath={"reassoc", "contract", "nsz", "arcp"})
 def equations_of_one(at, felt, load, strain, matrix, vector):  # type: ignore[no-untyped-def]  # numba types it
     """Fill the normal equations of one load and return chi^2: sums that the compiler takes several taxels at a time.
 
@@ -71,7 +72,7 @@ def equations_of_one(at, felt, load, strain, matrix, vector):  # type: ignore[no
     return chi
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def equations(at, felt, loads, strain, matrix, vector):  # type: ignore[no-untyped-def]
     """Fill the normal equations at these loads and return chi^2."""
     count = len(loads)
@@ -118,7 +119,7 @@ def equations(at, felt, loads, strain, matrix, vector):  # type: ignore[no-untyp
     return chi
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def fit(at, felt, loads, strain, tie, steps):  # type: ignore[no-untyped-def]
     """Improve the loads (k, 5) in place and return chi^2, that of no load, and the diagonal (k, 5) of the covariance.
 
@@ -163,7 +164,7 @@ def fit(at, felt, loads, strain, tie, steps):  # type: ignore[no-untyped-def]
     return chi, whole, spread
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def hold(matrix, vector, loads, tie):  # type: ignore[no-untyped-def]
     """Add to the normal equations what holds shear at zero where ``tie`` says so."""
     for k in range(len(loads)):
@@ -175,7 +176,7 @@ def hold(matrix, vector, loads, tie):  # type: ignore[no-untyped-def]
         vector[j + 3] -= tie[1] * q + tie[2] * r
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def solve(matrix, vector, damping, factor, answer):  # type: ignore[no-untyped-def]
     """Solve by Cholesky from the lower triangle, its diagonal times 1 + damping; False where it is not definite."""
     size = len(vector)
@@ -204,7 +205,7 @@ def solve(matrix, vector, damping, factor, answer):  # type: ignore[no-untyped-d
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def rest(at, felt, loads, strain):  # type: ignore[no-untyped-def]
     """Return the signals (n, 3) that the loads do not explain."""
     left = felt.copy()

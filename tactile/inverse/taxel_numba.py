@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numba import get_num_threads, njit, prange
 
+from cnnsim.support.kept_loops import kept_njit
 from tactile.inverse.validity import FAR, Validity
 
 BLOCK = 1024
@@ -48,7 +49,7 @@ def _answer(results, i, dx, dy, force, region, possible, loaded, zero, invalid):
     results[i + 3 * BLOCK] = (region if possible else invalid) if loaded else zero
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def _strain_block(u_xz, u_yz, u_zz, results, scale, tiny, depth, floor, pressing):  # type: ignore[no-untyped-def]
     number = u_xz.dtype.type
     zero, one, two, three, four = number(0), number(1), number(2), number(3), number(4)
@@ -79,7 +80,7 @@ def _strain_block(u_xz, u_yz, u_zz, results, scale, tiny, depth, floor, pressing
         _answer(results, i, length * x, length * y, force, region, possible, loaded, zero, invalid)
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def _stress_block(s_xz, s_yz, s_zz, results, scale, tiny, depth, floor):  # type: ignore[no-untyped-def]
     number = s_xz.dtype.type
     zero, one, two, far = number(0), number(1), number(2), number(FAR)
@@ -99,13 +100,13 @@ def _stress_block(s_xz, s_yz, s_zz, results, scale, tiny, depth, floor):  # type
         _answer(results, i, -depth * across, -depth * along, force, region, possible, loaded, zero, invalid)
 
 
-@njit(cache=True)
+@kept_njit()
 def _copy(source, target):  # type: ignore[no-untyped-def]
     for i in range(target.size):
         target[i] = source[i]
 
 
-@njit(cache=True)
+@kept_njit()
 def _hand_out(results, dx, dy, force, validity):  # type: ignore[no-untyped-def]
     _copy(results, dx)
     _copy(results[BLOCK:], dy)
@@ -113,7 +114,7 @@ def _hand_out(results, dx, dy, force, validity):  # type: ignore[no-untyped-def]
     _copy(results[3 * BLOCK :], validity)
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def _strain_blocks(x, y, z, dx, dy, force, validity, first, last, numbers):  # type: ignore[no-untyped-def]
     results = np.empty(4 * BLOCK, x.dtype)
     for start in range(first * BLOCK, min(last * BLOCK, x.size), BLOCK):
@@ -122,7 +123,7 @@ def _strain_blocks(x, y, z, dx, dy, force, validity, first, last, numbers):  # t
         _hand_out(results, dx[cut], dy[cut], force[cut], validity[cut])
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def _stress_blocks(x, y, z, dx, dy, force, validity, first, last, numbers):  # type: ignore[no-untyped-def]
     results = np.empty(4 * BLOCK, x.dtype)
     for start in range(first * BLOCK, min(last * BLOCK, x.size), BLOCK):
@@ -131,14 +132,14 @@ def _stress_blocks(x, y, z, dx, dy, force, validity, first, last, numbers):  # t
         _hand_out(results, dx[cut], dy[cut], force[cut], validity[cut])
 
 
-@njit(cache=True, parallel=True, error_model="numpy")
+@kept_njit(parallel=True, error_model="numpy")
 def _strain_parallel(x, y, z, dx, dy, force, validity, blocks, threads, numbers):  # type: ignore[no-untyped-def]
     for thread in prange(threads):
         first, last = thread * blocks // threads, (thread + 1) * blocks // threads
         _strain_blocks(x, y, z, dx, dy, force, validity, first, last, numbers)
 
 
-@njit(cache=True, parallel=True, error_model="numpy")
+@kept_njit(parallel=True, error_model="numpy")
 def _stress_parallel(x, y, z, dx, dy, force, validity, blocks, threads, numbers):  # type: ignore[no-untyped-def]
     for thread in prange(threads):
         first, last = thread * blocks // threads, (thread + 1) * blocks // threads

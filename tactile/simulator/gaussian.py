@@ -3,10 +3,11 @@
 from functools import lru_cache
 
 import numpy as np
-from numba import get_num_threads, njit, prange
+from numba import get_num_threads, prange
 from numpy.typing import NDArray
 
 from cnnsim.support import Floats
+from cnnsim.support.kept_loops import kept_njit
 
 BITS = 13
 """The table has 2^13 quantiles: 32 KiB, the first-level cache."""
@@ -31,7 +32,7 @@ def _quantiles() -> NDArray[np.float32]:
     return scaled
 
 
-@njit(cache=True)
+@kept_njit()
 def _hash(pair, key):  # type: ignore[no-untyped-def]  # numba types it at the call
     """lowbias32 of the counter, then of the key: every bit depends on every bit."""
     h = np.uint32(pair)  # numba widens every operation of 32 bits, hence the casts
@@ -42,7 +43,7 @@ def _hash(pair, key):  # type: ignore[no-untyped-def]  # numba types it at the c
     return np.uint32(h ^ (h >> np.uint32(15)))
 
 
-@njit(cache=True)
+@kept_njit()
 def _add_pairs(pairs, first, last, sigma, key, count, table):  # type: ignore[no-untyped-def]  # the same
     """Add to rows first .. last of (n, 2): a + b and a - b of two normal numbers are two, independent.
 
@@ -60,7 +61,7 @@ def _add_pairs(pairs, first, last, sigma, key, count, table):  # type: ignore[no
             pairs[start + i, 1] += a - b
 
 
-@njit(cache=True, parallel=True)
+@kept_njit(parallel=True)
 def _add_parallel(pairs, threads, sigma, key, count, table):  # type: ignore[no-untyped-def]  # the same
     for thread in prange(threads):
         first, last = thread * len(pairs) // threads, (thread + 1) * len(pairs) // threads

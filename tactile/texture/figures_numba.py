@@ -3,10 +3,11 @@
 import math
 
 import numpy as np
-from numba import njit
+
+from cnnsim.support.kept_loops import kept_njit
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def step(values, floor, streak, block, tails, grown, head, figures):  # type: ignore[no-untyped-def]  # typed at the call
     """Take one frame (rows, cols, 3) as the block's sample ``head``; write ``figures`` (2, rows, cols), all in place.
 
@@ -41,7 +42,7 @@ def step(values, floor, streak, block, tails, grown, head, figures):  # type: ig
                 grown[0, i, j] = grown[1, i, j] = 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def _added(mean, squares, count, sample):  # type: ignore[no-untyped-def]
     """Add one sample to the mean and squares of ``count`` samples (Welford)."""
     away = sample - mean

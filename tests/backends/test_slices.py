@@ -13,12 +13,13 @@ from cnnsim.backends import slices
 from cnnsim.backends.base import Backend, Outcome
 from cnnsim.support.progress import watched_by
 from cnnsim.transient import Task, make_task
+from tests.kits.backends import build, variants
 
-SHAPE = (75, 150)
+SHAPE = (40, 100)
 TASKS: dict[str, tuple[str, dict[str, Any]]] = {
-    "sleeping": ("hole-filler", {"limit": 60.0}),
-    "dense": ("hole-filler", {"limit": 60.0, "without": ["sleep"]}),
-    "fixed": ("hole-filler", {"duration": 7.3}),
+    "sleeping": ("hole-filler", {"limit": 20.0}),
+    "dense": ("hole-filler", {"limit": 20.0, "without": ["sleep"]}),
+    "fixed": ("hole-filler", {"duration": 3.7}),
     "masked": ("hole-filler", {"mask": np.eye(*SHAPE), "limit": 9.0}),
     "stages": ("diffusion", {"duration": 2.0, "scheme": "rk4"}),
     "stages to rest": ("hole-filler", {"scheme": "heun", "limit": 12.0}),
@@ -28,6 +29,12 @@ TASKS: dict[str, tuple[str, dict[str, Any]]] = {
     "closed form": ("edge", {"duration": 1.5}),
     "closed form at rest": ("edge", {}),
 }
+
+
+@pytest.fixture(scope="module", params=[v for v in variants() if v.dtype == "float32" or v.name != "opencl"], ids=str)
+def backend(request: pytest.FixtureRequest) -> Backend:
+    """One dtype on OpenCL: its compiler takes longer than all the runs."""
+    return build(*request.param)
 
 
 def task(name: str, options: dict[str, Any], shape: tuple[int, int] = SHAPE) -> Task:
@@ -54,7 +61,7 @@ def test_slices_change_no_bit_and_no_check(kind: str, backend: Backend, short: C
         return backend.read(outcome.x), outcome
 
     whole, end = run()
-    for first, piece in ((1, 2**28), (1, 30_000), (300_000, 2**28)):
+    for first, piece in ((1, 30_000), (100_000, 2**28)):
         short(first, piece)
         cut, other = run()
         np.testing.assert_array_equal(cut, whole)
@@ -89,7 +96,7 @@ ENDLESS: dict[str, tuple[str, dict[str, Any]]] = {
 def test_a_stop_is_heard_within_a_second(kind: str, backend: Backend, alarm: Callable[[float], None]) -> None:
     name, options = ENDLESS[kind]
     task(name, {**options, "limit" if "limit" in options else "duration": 0.2}).start(backend)  # compiled
-    endless, pause = task(name, options), 0.4
+    endless, pause = task(name, options), 0.15
     since = time.monotonic()
     alarm(pause)
     with pytest.raises(KeyboardInterrupt):

@@ -1,5 +1,7 @@
 """A device's context: its queue, its buffers, its built programs and how a kernel is launched."""
 
+import ctypes
+import os
 from collections.abc import Iterator
 from functools import cache
 from threading import RLock
@@ -10,7 +12,7 @@ import numpy as np
 import pyopencl as cl
 
 from cnnsim.backends.opencl.build import Defines, build, code_defines, define_lines, source
-from cnnsim.backends.opencl.devices import Family
+from cnnsim.backends.opencl.devices import Family, check_not_forked
 from cnnsim.backends.opencl.pocl import has_wide_vectors
 from cnnsim.backends.slices import pieces
 
@@ -30,6 +32,9 @@ POLL = 1e-4
 
 POOLED = 2
 """Buffers kept for the next transient: its drive, and one of the two states between which steps go."""
+
+
+_CONTEXTS: list["DeviceContext"] = []
 
 
 class DeviceContext:
@@ -55,7 +60,13 @@ class DeviceContext:
         self._tables: dict[bytes, Buffer] = {}
         self._programs: dict[tuple[str, ...], cl.Program] = {}
         self._kernels: dict[tuple[str, ...], cl.Kernel] = {}
+        _CONTEXTS.append(self)
         self._compiled: set[cl.Kernel] = set()
+
+    def __getattr__(self, name: str) -> Any:
+        """Say why nothing is left of a context after a fork; see `_leave_behind`."""
+        check_not_forked(-1)
+        raise AttributeError(name)
 
     def new(self, size: int) -> Buffer:
         """Return a new buffer of ``size`` bytes on the device."""
@@ -138,6 +149,20 @@ def _context_and_queue(device: cl.Device) -> tuple[cl.Context, cl.CommandQueue]:
     context = cl.Context([device])
     return context, cl.CommandQueue(context)
 
+
+def _leave_behind() -> None:
+    """Empty all contexts in a child that was forked: their drivers' threads are not there, so nothing would ever end.
+
+    What they held is never released, for the same reason.
+    """
+    for context in _CONTEXTS:
+        held = vars(context).copy()
+        vars(context).clear()
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(held))
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_leave_behind)
 
 device_context = cache(DeviceContext)
 """The context of a device: one for all backends that want the same."""

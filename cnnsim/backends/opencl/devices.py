@@ -2,6 +2,7 @@
 
 import os
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING, Literal
 
 from cnnsim.support import InputError
@@ -69,9 +70,17 @@ def devices() -> list[OpenCLDevice]:
 
 
 def all_devices() -> list["cl.Device"]:
-    """Return what pyopencl has of all devices, platform by platform; the index in this list is a device's number."""
+    """Return what pyopencl has of all devices, platform by platform; the index in this list is a device's number.
+
+    Raises:
+        InputError: this process was forked from one that had asked before.
+    """
     import pyopencl as cl
 
+    from cnnsim.backends.opencl.pocl_cache import prepare
+
+    check_not_forked(_first_asked_by())
+    prepare()
     try:
         platforms = cl.get_platforms()
     except cl.Error:  # the loader's way to say that there are none
@@ -83,6 +92,24 @@ def all_devices() -> list["cl.Device"]:
         except cl.Error:  # a platform without a device, such as a driver without its card
             continue
     return found
+
+
+@cache
+def _first_asked_by() -> int:
+    return os.getpid()
+
+
+def check_not_forked(owner: int) -> None:
+    """Refuse OpenCL in a child of the process that has used it: the threads of its drivers are not in the child.
+
+    Raises:
+        InputError: this is not the process ``owner``.
+    """
+    if os.getpid() != owner:
+        raise InputError(
+            "OpenCL was used before this process was forked, and its threads stayed behind; a process that starts anew "
+            "wanted: multiprocessing.get_context('spawn')"
+        )
 
 
 def choose_device(which: int | str | None = None) -> "cl.Device":

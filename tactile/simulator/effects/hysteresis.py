@@ -4,8 +4,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
+from cnnsim.support.kept_loops import kept_njit
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
 
@@ -39,7 +39,7 @@ class Hysteresis:
             yield replace(batch, values=out.reshape(batch.values.shape))
 
 
-@njit(cache=True)
+@kept_njit()
 def _follow(x, plays, radii, weight, out):  # type: ignore[no-untyped-def]  # numba types it at the call
     for n in range(x.shape[0]):
         for c in range(x.shape[1]):

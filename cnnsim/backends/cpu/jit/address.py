@@ -15,11 +15,12 @@ from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from cnnsim.backends.cpu.jit.compile import Kernel, named
+from cnnsim.support.kept_loops import kept_cfunc
 
 
 def compiled_at(function: Kernel, signature: Any) -> Any:
     """Compile a function, to disk as well; its ``address`` is good as long as it is kept."""
-    return numba.cfunc(signature, cache=True, error_model="numpy", nopython=True)(named(function, "_at"))
+    return kept_cfunc(signature, error_model="numpy", nopython=True)(named(function, "_at"))
 
 
 def pointer_type(dtype: np.dtype[Any]) -> Any:

@@ -13,6 +13,8 @@ from typing import Any, NamedTuple
 
 import numba
 
+from cnnsim.support.kept_loops import kept_njit
+
 Kernel = Callable[..., Any]
 
 THREADS_PAY_FROM = 20_000
@@ -62,7 +64,7 @@ def twins(function: Kernel) -> Twins:
 
 
 def _compiled(function: Kernel, kind: str, **options: Any) -> Kernel:
-    jitted: Kernel = numba.njit(cache=True, error_model="numpy", **options)(named(function, kind))
+    jitted: Kernel = kept_njit(error_model="numpy", **options)(named(function, kind))
     return jitted
 
 

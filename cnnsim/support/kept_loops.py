@@ -1,0 +1,147 @@
+"""Compiled loops kept on disk: numba's compilers with a cache that is private, checked, and never in the way.
+
+A file of the cache is a pickle with machine code, so it is code: one that somebody else could have written is not read.
+Each begins with the digest of the rest, so that a damaged one is noticed; it is deleted and made anew.
+"""
+
+import os
+import pickle
+import tempfile
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core import config, sigutils
+from numba.core.caching import FunctionCache
+from numba.core.ccallback import CFunc
+from numba.core.serialize import dumps
+
+from cnnsim.support.private_folder import first_usable, is_private, user_cache
+
+_BYTES = sha256().digest_size
+
+
+@cache
+def folder() -> Path:
+    """Return the folder of the disk cache: NUMBA_CACHE_DIR, or beside the code, or the user's, or a temporary one."""
+    own = (Path(config.CACHE_DIR),) if config.CACHE_DIR else ()
+    beside = Path(__file__).with_name("__pycache__")
+    return first_usable([*own, beside, user_cache() / "cellular-wave-touch" / "loops"], "compiled loops")
+
+
+class LoopFiles:
+    """The files of one function, one for each signature and processor: all that numba asks of them."""
+
+    def __init__(self, function: Any, options: dict[str, Any], stamp: Any) -> None:
+        code = function.__code__
+        name = f"{function.__module__}.{function.__qualname__}.{code.co_firstlineno}".replace("<locals>.", "")
+        how = f"{code.co_filename} {sorted(options.items(), key=str)}"  # numba's keys say nothing of either
+        self._stem = f"{name}.{sha256(how.encode()).hexdigest()[:8]}"
+        self._known = numba.__version__, stamp
+
+    def load(self, key: Any) -> Any:
+        """Return what is kept under a key, None where there is nothing that can be trusted."""
+        path = self._path(key)
+        try:
+            raw = path.read_bytes()
+        except OSError:
+            return None
+        with suppress(Exception):  # whatever a pickle of other versions may raise
+            if is_private(path) and sha256(raw[_BYTES:]).digest() == raw[:_BYTES]:
+                known, of, data = pickle.loads(raw[_BYTES:])
+                if (known, of) == (self._known, key):
+                    return data
+        with suppress(OSError):
+            path.unlink()
+        return None
+
+    def save(self, key: Any, data: Any) -> None:
+        """Keep data under a key; a full disk keeps nothing."""
+        raw = dumps((self._known, key, data))
+        with suppress(OSError):
+            handle, name = tempfile.mkstemp(dir=folder())
+            try:
+                with os.fdopen(handle, "wb") as file:
+                    file.write(sha256(raw).digest() + raw)
+                Path(name).replace(self._path(key))
+            except OSError:
+                Path(name).unlink()
+
+    def flush(self) -> None:
+        """Forget all."""
+        for path in folder().glob(f"{self._stem}.*.loop"):
+            path.unlink()
+
+    def _path(self, key: Any) -> Path:
+        return folder() / f"{self._stem}.{sha256(str(key).encode()).hexdigest()[:16]}.loop"
+
+
+def _keep(compiler: Any, function: Any, options: dict[str, Any]) -> None:
+    """Give a function's compiler its files; numba's own are not read nor written."""
+    before = config.CACHE_DIR
+    config.CACHE_DIR = str(folder())  # numba refuses a cache where it finds no folder of its own
+    try:
+        compiler.enable_caching()
+    finally:
+        config.CACHE_DIR = before
+    kept: FunctionCache = compiler._cache
+    kept._cache_file = LoopFiles(function, options, kept._impl.locator.get_source_stamp())
+    kept._cache_path = str(folder())
+
+
+class Threaded:
+    """A loop on several threads; after a fork on one: the threads of the parent are not in the child.
+
+    GNU OpenMP ends a child that uses it, others wait for ever for the threads.
+    """
+
+    after_fork = False
+
+    def __init__(self, jitted: Any, function: Any, options: dict[str, Any]) -> None:
+        self.jitted, self._function, self._options = jitted, function, options
+        self._alone: Any = None
+
+    def __call__(self, *given: Any) -> Any:
+        """Run the loop."""
+        if not Threaded.after_fork:
+            return self.jitted(*given)
+        if self._alone is None:
+            self._alone = kept_njit(**{**self._options, "parallel": False})(self._function)
+        return self._alone(*given)
+
+
+def _forked() -> None:
+    with suppress(ValueError):  # no threads had been started
+        numba.threading_layer()
+        Threaded.after_fork = True
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_forked)
+
+
+def kept_njit(**options: Any) -> Callable[[Any], Any]:
+    """Compile like `numba.njit` with these options, with the cache of this module; see `Threaded`."""
+
+    def wrapped(function: Any) -> Any:
+        jitted = numba.njit(**options)(function)
+        _keep(jitted, function, {key: str(value) for key, value in options.items()})
+        return Threaded(jitted, function, options) if options.get("parallel") else jitted
+
+    return wrapped
+
+
+def kept_cfunc(signature: Any, **options: Any) -> Callable[[Any], Any]:
+    """Compile like `numba.cfunc` with these options, with the cache of this module."""
+
+    def wrapped(function: Any) -> Any:
+        compiled = CFunc(function, sigutils.normalize_signature(signature), locals={}, options=options)
+        _keep(compiled, function, {"at": str(signature), **options})
+        compiled.compile()
+        return compiled
+
+    return wrapped
