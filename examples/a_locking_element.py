@@ -5,8 +5,15 @@ quadratic displacements with linear pressures (Taylor and Hood), at three Poisso
 """
 
 import argparse
+import sys
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
+
+from cnnsim.support.extras import install_line
+
+if find_spec("skfem") is None:
+    sys.exit(f"finite elements wanted: {install_line('fem')}")
 
 from tactile.bump.body import Body
 from tactile.bump.kinematics import PRESSED

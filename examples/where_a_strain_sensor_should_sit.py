@@ -6,12 +6,19 @@ opposite signs. All for the body of revolution, nu = 0.499, strain per newton of
 """
 
 import argparse
+import sys
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 
 from cnnsim.support import Floats
+from cnnsim.support.extras import install_line
+
+if find_spec("skfem") is None:
+    sys.exit(f"finite elements wanted: {install_line('fem')}")
+
 from tactile.bump.body import Body
 from tactile.bump.kinematics import PRESSED, SHEARED
 from tactile.bump.law import Mixed

@@ -12,10 +12,10 @@ from numpy.typing import DTypeLike
 
 from cnnsim.backends.base import Backend
 from cnnsim.support import InputError
+from cnnsim.support.extras import install_line
 
 NAMES = ("reference", "cpu", "opencl")
 """Each is a folder of this package, whose module ``backend`` has the class as ``BACKEND``."""
-OPENCL_CURE = 'pip install "cellular-wave-touch[opencl]"'
 
 
 def get(
@@ -40,7 +40,7 @@ def get(
     except ModuleNotFoundError as error:
         if error.name != "pyopencl":
             raise
-        raise InputError(f"the opencl backend needs pyopencl: {OPENCL_CURE}") from error
+        raise InputError(f"the opencl backend needs pyopencl: {install_line('opencl')}") from error
     given = [value for value in (device, threads) if value is not None]
     found: Backend = backend(dtype, *given)
     return found

@@ -7,6 +7,9 @@ from cnnsim.backends.base import Outcome, Stepper
 from cnnsim.backends.slices import Pace
 from cnnsim.planning.plan import Plan
 
+FEW = 256
+"""The most steps before the rate is known: on a busy machine each can wait some milliseconds for its threads."""
+
 
 def run(plan: Plan, stepper: Stepper, spans: Iterable[tuple[int, int]] | None = None) -> Outcome:
     """Run a transient to its end.
@@ -18,7 +21,7 @@ def run(plan: Plan, stepper: Stepper, spans: Iterable[tuple[int, int]] | None = 
     Arguments: ``spans`` are (first step, steps) in which input and bias stand still, None for one span.
     """
     settling, every = plan.duration == "settled", plan.check_every
-    pace, rate = Pace(plan, stepper.work, stepper.together), math.nan
+    pace, rate = Pace(plan, stepper.work, stepper.together, FEW), math.nan
     for first, count in [(0, plan.steps)] if spans is None else spans:
         stepper.start_span(first)
         step, end = first, first + count

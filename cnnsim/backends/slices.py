@@ -28,14 +28,16 @@ _FASTER, _SLOWER = 8.0, 0.1
 class Pace:
     """How many units of work are left in this slice of a plan; ``work`` is a guess at the sums in one unit.
 
+    The first slice has ``most`` units at most.
+
     A slice has whole multiples of ``together`` units, where that many are done at less cost than one by one, unless so
     many alone take more than twice `SLICE`.
     """
 
     __slots__ = ("_most", "_plan", "_since", "_together", "left")
 
-    def __init__(self, plan: Plan, work: float, together: int = 1) -> None:
-        self._plan, self._together, self._most = plan, together, max(1.0, FIRST / max(1.0, work))
+    def __init__(self, plan: Plan, work: float, together: int = 1, most: float = FIRST) -> None:
+        self._plan, self._together, self._most = plan, together, max(1.0, min(most, FIRST / max(1.0, work)))
         self._since = perf_counter()
         self.left = self._whole()
 

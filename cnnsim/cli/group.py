@@ -7,6 +7,7 @@ import click
 from cnnsim import library
 from cnnsim.cli.design import design
 from cnnsim.cli.devices import devices
+from cnnsim.cli.examples import write_examples
 from cnnsim.cli.explain import explain
 from cnnsim.cli.formats import export, import_
 from cnnsim.cli.library import list_
@@ -31,5 +32,19 @@ def main(context: click.Context, folders: tuple[Path, ...]) -> None:
     context.with_resource(library.using(*folders))
 
 
-for command in (list_, show, explain, run, program, trace, robust, new, design, import_, export, devices):
+for command in (
+    list_,
+    show,
+    explain,
+    run,
+    program,
+    trace,
+    robust,
+    new,
+    design,
+    import_,
+    export,
+    devices,
+    write_examples,
+):
     main.add_command(command)

@@ -10,6 +10,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.extras import install_line
 from cnnsim.support.files import writing
 from cnnsim.support.picture import to_image
 from cnnsim.support.types import Array
@@ -79,7 +80,7 @@ def video_library(path: str | Path) -> Any:
     try:
         import av  # heavy, and of an extra
     except ImportError as error:
-        raise InputError(f"{path}: a video needs PyAV: pip install av (or this package's extra [video])") from error
+        raise InputError(f"{path}: a video needs PyAV: {install_line('video')}") from error
     return av
 
 

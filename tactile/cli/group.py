@@ -5,6 +5,7 @@ from tactile.cli.loading import ends_at_once
 with ends_at_once():
     import click
 
+    from cnnsim.cli.examples import write_examples
     from cnnsim.support.command_line import CommandGroup
     from tactile.cli.calibrate import calibrate
     from tactile.cli.convert import convert
@@ -21,5 +22,5 @@ def main() -> None:
     """Turn frames of three-axial taxel arrays into events, located loads and texture figures."""
 
 
-for command in (run, new, calibrate, explain, ports, emulate, record, replay, convert, live):
+for command in (run, new, calibrate, explain, ports, emulate, record, replay, convert, live, write_examples):
     main.add_command(command)

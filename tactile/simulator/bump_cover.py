@@ -7,6 +7,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from cnnsim.support import Floats, InputError
+from cnnsim.support.extras import install_line
 from tactile.bump.shape import Shape
 from tactile.bump.table import Response, remembered
 from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y, TaxelArray
@@ -65,7 +66,7 @@ class Bumps:
             try:
                 from tactile.bump.response import finite_strain, small_strain  # finite elements only where called for
             except ImportError as error:
-                raise InputError("a bump needs finite elements: pip install 'cellular-wave-touch[fem]'") from error
+                raise InputError(f"a bump needs finite elements: {install_line('fem')}") from error
             medium = Medium(1.0, self.nu, "stress" if quantity == "stress" else "strain")
             if self.indentation:
                 return finite_strain(shape, medium, array.depth, radii, self.indentation)

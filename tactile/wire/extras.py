@@ -4,8 +4,7 @@ import importlib
 from types import ModuleType
 
 from cnnsim.support import InputError
-
-INSTALL = "pip install 'cellular-wave-touch[serial]'"
+from cnnsim.support.extras import install_line
 
 
 def need(module: str, what: str) -> ModuleType:
@@ -17,4 +16,4 @@ def need(module: str, what: str) -> ModuleType:
     try:
         return importlib.import_module(module)
     except ModuleNotFoundError as error:
-        raise InputError(f"{what} needs {error.name}, which is not installed: {INSTALL}") from error
+        raise InputError(f"{what} needs {error.name}, which is not installed: {install_line('serial')}") from error

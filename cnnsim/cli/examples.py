@@ -1,0 +1,48 @@
+"""The command `examples`, of both command lines: example scripts, scenes, pictures and pages written into a folder."""
+
+from pathlib import Path
+
+import click
+
+from cnnsim.support import InputError
+from cnnsim.support.command_line import examples as calls
+from cnnsim.support.echo import echo
+from cnnsim.support.files import writing
+
+_PACKAGE = Path(__file__).parents[1]
+_CHECKOUT = _PACKAGE.parent
+PAGES = ("README.md", "CONVENTIONS.md", "templates/README.md", "tactile/CONNECT.md")
+_SKIPPED = {"__pycache__"}
+
+
+def sources() -> dict[str, Path]:
+    """Return what is written, by its path in the folder: from the checkout, or as the wheel carries it.
+
+    Raises:
+        InputError: neither is here.
+    """
+    root = _CHECKOUT if (_CHECKOUT / "examples").is_dir() else _PACKAGE / "shared"
+    if not (root / "examples").is_dir():
+        raise InputError(f"{root / 'examples'} is not there; an installed wheel or a checkout wanted")
+    found = [path for path in sorted((root / "examples").rglob("*")) if path.is_file() and not _SKIPPED & {*path.parts}]
+    return {path.relative_to(root).as_posix(): path for path in (*found, *(root / page for page in PAGES))}
+
+
+@click.command("examples", epilog=calls("cnnsim examples my-examples", "cnnsim examples my-examples --replace"))
+@click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
+@click.option("--replace", is_flag=True, help="Write over files that are there already.")
+def write_examples(folder: Path, replace: bool) -> None:
+    """Write the example scripts, scenes, pictures, a recording, and the pages that explain them, into FOLDER.
+
+    The commands of README.md run there as they stand: `cd FOLDER` and type them.
+    """
+    files = sources()
+    there = sum((folder / name).exists() for name in files)
+    if there and not replace:
+        raise InputError(f"{folder} has {there} of these {len(files)} files already; --replace would write over them")
+    for name, source in files.items():
+        target = folder / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with writing(target, replace=replace) as place:
+            place.write_bytes(source.read_bytes())
+    echo(f"wrote {len(files)} files to {folder}: begin with {folder / 'README.md'}")

@@ -1,0 +1,31 @@
+"""Optional libraries: the line that installs an extra of this package where it is, checkout, wheel or neither."""
+
+import json
+import re
+from importlib import metadata
+from pathlib import Path
+from shlex import quote
+from urllib.parse import unquote, urlsplit
+
+PACKAGE = "cellular-wave-touch"
+
+
+def install_line(extra: str) -> str:
+    """Return the command that installs an extra: of the checkout or wheel that this was installed from.
+
+    Where it was not installed by pip, or from an index, the libraries are named one by one.
+    """
+    try:
+        found = metadata.distribution(PACKAGE)
+    except metadata.PackageNotFoundError:
+        return _from(Path(__file__).parents[2], extra, editable=True)
+    origin = json.loads(found.read_text("direct_url.json") or "{}")
+    url = urlsplit(origin.get("url", ""))
+    if url.scheme == "file":
+        return _from(Path(unquote(url.path)), extra, editable=origin.get("dir_info", {}).get("editable", False))
+    wanted = [line.split(";")[0].strip() for line in found.requires or () if re.search(rf"extra == .{extra}\b", line)]
+    return "pip install " + " ".join(map(quote, wanted))
+
+
+def _from(place: Path, extra: str, *, editable: bool) -> str:
+    return f"pip install {'-e ' if editable else ''}{quote(f'{place}[{extra}]')}"
