@@ -11,10 +11,11 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from cnnsim import library, read_picture, write_picture
+from cnnsim import read_picture, write_picture
 from cnnsim.cli.group import main as cnnsim
 from cnnsim.support.extras import install_line
 from tactile.cli.group import main as tactile
@@ -58,7 +59,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("commands")
     written = CliRunner().invoke(cnnsim, ["examples", str(folder)])
     assert written.exit_code == 0, written.output
-    square, picture = library.load("edge").examples[0].input, scan()
+    square, picture = np.pad(np.ones((9, 9)), 5, constant_values=-1), scan()
     for name in ("square", "before", "after"):
         write_picture(square if name != "after" else -square, folder / f"{name}.png")
     for name in ("scan.png", "photo.jpg", "photo.png", "f1.png", "f2.png", "frame1.png", "frame2.png", "frame3.png"):
@@ -136,8 +137,9 @@ def started(line: str, folder: Path) -> "subprocess.Popen[str]":
     program, *words = shlex.split(line, comments=True)
     code = f"from {program}.cli.group import main; main()"
     return subprocess.Popen(
-        [sys.executable, "-c", code, *words], cwd=folder, env=environment(), stdout=subprocess.PIPE, text=True
-    )
+        [sys.executable, "-c", code, *words], cwd=folder, env=environment(), stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE, text=True,
+    )  # fmt: skip
 
 
 def first_word(reader: "subprocess.Popen[str]", folder: Path) -> None:
