@@ -17,8 +17,8 @@ from cnnsim.program.program import Program
 from cnnsim.program.run import run_program
 from cnnsim.result import Result
 from cnnsim.support import InputError
-from cnnsim.support.picture import read_picture, write_picture
-from cnnsim.support.sequences import read_pictures
+from cnnsim.support.pictures.picture import read_picture, write_picture
+from cnnsim.support.pictures.read import read_pictures
 from cnnsim.support.values import from_gray, to_planes
 from cnnsim.trajectory import Trajectory
 from cnnsim.transient import NotSettledError, run_transient, trajectory

@@ -58,7 +58,7 @@ class Result:
         )
 
     def _repr_png_(self) -> bytes:
-        from cnnsim.support.picture import to_png
+        from cnnsim.support.pictures.picture import to_png
 
         return to_png(self.y)
 

@@ -10,10 +10,10 @@ import numpy as np
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.network import LayeredTemplate
 from cnnsim.support import Array, InputError
-from cnnsim.support.film import filming, is_film
-from cnnsim.support.picture import write_picture
-from cnnsim.support.picture_sequence import Reading
-from cnnsim.support.sequences import read_pictures
+from cnnsim.support.pictures.film import filming, is_film
+from cnnsim.support.pictures.picture import write_picture
+from cnnsim.support.pictures.read import read_pictures
+from cnnsim.support.pictures.sequence import Reading
 
 FRAME_RATE = 10.0
 """Pictures a second of a film of results, where the pictures that came in do not say it."""

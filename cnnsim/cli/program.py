@@ -14,10 +14,10 @@ from cnnsim.support import Array, InputError
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.echo import say
 from cnnsim.support.files import make_folder
-from cnnsim.support.film import filming, is_film
-from cnnsim.support.picture import write_picture
-from cnnsim.support.picture_sequence import PictureSequence, Reading
-from cnnsim.support.sequences import sequence_of
+from cnnsim.support.pictures.film import filming, is_film
+from cnnsim.support.pictures.picture import write_picture
+from cnnsim.support.pictures.read import sequence_of
+from cnnsim.support.pictures.sequence import PictureSequence, Reading
 
 _SHOWN = 10
 """Steps of which each number is printed; of more, the least and the most."""

@@ -10,8 +10,8 @@ from cnnsim.cli.run import json_option
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, progress
 from cnnsim.support.echo import echo, say, say_table
-from cnnsim.support.picture import read_picture
-from cnnsim.support.sequences import read_pictures
+from cnnsim.support.pictures.picture import read_picture
+from cnnsim.support.pictures.read import read_pictures
 
 
 @click.command(

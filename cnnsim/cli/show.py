@@ -16,7 +16,7 @@ from cnnsim.program.words import step_rows
 from cnnsim.support import Floats
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.echo import echo, hanging, say_table
-from cnnsim.support.picture import to_ascii
+from cnnsim.support.pictures.picture import to_ascii
 from cnnsim.support.toml_file import read_toml
 
 

@@ -13,8 +13,8 @@ from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.echo import say
-from cnnsim.support.film import write_film
-from cnnsim.support.picture_sequence import Reading
+from cnnsim.support.pictures.film import write_film
+from cnnsim.support.pictures.sequence import Reading
 
 _FILE = click.Path(path_type=Path)
 

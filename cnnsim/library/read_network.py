@@ -21,7 +21,7 @@ import numpy as np
 from cnnsim.network import AnyTemplate, LayeredTemplate, Template, Term
 from cnnsim.network.table import parse_table
 from cnnsim.support import Floats, InputError, naming
-from cnnsim.support.picture import parse_ascii
+from cnnsim.support.pictures.picture import parse_ascii
 from cnnsim.support.toml_file import check_keys, line_of, located, take_tables
 
 TEMPLATE_KEYS = ("A", "B", "z", "term", "layer")

@@ -13,7 +13,7 @@ from cnnsim.network.boundary import boundary_value
 from cnnsim.network.characteristic import cell_value
 from cnnsim.support import Floats
 from cnnsim.support.numbers import written
-from cnnsim.support.picture import to_ascii
+from cnnsim.support.pictures.picture import to_ascii
 
 _TABLES = ("layer", "term")
 

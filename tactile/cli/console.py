@@ -125,14 +125,11 @@ def tell(line: dict[str, Any]) -> None:
     if line["type"] == "program":
         echo(f"{line['t_s']:10.3f}  {line['finger']}  {line['program']}: {line['outputs']}")
     if line["type"] == "tare":
+        from tactile.cli.live import tare_words  # is loaded where there are tares
+
         echo(f"{line['t_s']:10.3f}  {line['finger']}  tare {tare_words(line)}")
     if line["type"] == "event":
         echo(f"{line['t_s']:10.3f}  {line['finger']}  {line['words']}")
-
-
-def tare_words(line: dict[str, Any]) -> str:
-    """Return what became of a tare: why it was taken or refused, and how much was taken away or is wrong."""
-    return f"{line['why']}: {line['detail']}" if line["detail"] else str(line["why"])
 
 
 def nothing(line: dict[str, Any]) -> None:

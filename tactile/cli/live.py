@@ -181,3 +181,8 @@ def paced(
         if pause > 0:
             wait(pause)
         yield chunk
+
+
+def tare_words(line: dict[str, Any]) -> str:
+    """Return what became of a tare: why it was taken or refused, and how much was taken away or is wrong."""
+    return f"{line['why']}: {line['detail']}" if line["detail"] else str(line["why"])

@@ -71,7 +71,7 @@ def _foreign(path: Path) -> None:
 
 
 def _picture(path: Path) -> None:
-    from cnnsim.support.sequences import read_pictures
+    from cnnsim.support.pictures.read import read_pictures
 
     read_pictures(path)
 

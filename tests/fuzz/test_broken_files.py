@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from cnnsim.cli.group import main as cnnsim
 from cnnsim.support import InputError
 from cnnsim.support.bounds import TAXELS, check_unpacked
-from cnnsim.support.picture import write_picture
+from cnnsim.support.pictures.picture import write_picture
 from tactile.cli.group import main as tactile
 from tactile.core.frame import TaxelArray
 from tests.kits.paths import ROOT, SCENES

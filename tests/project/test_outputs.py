@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cnnsim.support.picture import write_picture
+from cnnsim.support.pictures.picture import write_picture
 from tests.kits.paths import ROOT, SCENES
 
 GROUPS = {"cnnsim": "cnnsim.cli.group", "tactile": "tactile.cli.group"}

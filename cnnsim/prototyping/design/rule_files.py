@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from cnnsim.network import Boundary
 from cnnsim.prototyping.design.rule import WindowRule, window_text, windows
 from cnnsim.support import Flags, Floats, InputError, naming
-from cnnsim.support.picture import read_picture
+from cnnsim.support.pictures.picture import read_picture
 from cnnsim.support.toml_file import check_keys, line_of, located, read_toml
 from cnnsim.support.values import as_numbers
 

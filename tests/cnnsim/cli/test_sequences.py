@@ -11,7 +11,7 @@ from PIL import Image
 
 from cnnsim import UniversalMachine, load_program, read_picture, read_pictures, write_picture
 from cnnsim.cli.group import main
-from cnnsim.support.film import filming, write_film
+from cnnsim.support.pictures.film import filming, write_film
 from tests.kits.paths import ROOT
 
 
@@ -92,7 +92,7 @@ def sources(folder: Path, kind: str) -> tuple[str, ...]:
 
 @pytest.mark.parametrize("kind", ["files", "folder", "npy", "npz", "gif", "tif", "mp4"])
 def test_every_source_gives_all_pictures_in_order(folder: Path, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cnnsim.support.film._WIDE", 1)  # nothing is enlarged
+    monkeypatch.setattr("cnnsim.support.pictures.film._WIDE", 1)  # nothing is enlarged
     inputs = [word for source in sources(folder, kind) for word in ("--input", f"frame={source}")]
     done = call("program", "motion-detection", *inputs, "--binary", "-o", "out", "--json")
     assert done.exit_code == 0, done.output

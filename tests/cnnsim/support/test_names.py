@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from cnnsim.cli.group import main
 from cnnsim.support import InputError
 from cnnsim.support.names import check_name
-from cnnsim.support.picture import write_picture
+from cnnsim.support.pictures.picture import write_picture
 from tactile.core.frame import TaxelArray
 from tests.cnnsim.support.test_echo import TEMPLATE
 

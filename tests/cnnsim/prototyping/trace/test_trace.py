@@ -14,7 +14,7 @@ from cnnsim.network.cell import output, uncoupled_state
 from cnnsim.prototyping.trace.plot import given_pictures
 from cnnsim.prototyping.trace.trace import parse_cell_index, record, representative_cells, watching_time
 from cnnsim.support import InputError
-from cnnsim.support.film import STRIP, write_film
+from cnnsim.support.pictures.film import STRIP, write_film
 from cnnsim.trajectory import SHEET, Trajectory, sheet_frames
 from cnnsim.transient import Task, make_task, run_transient
 

@@ -14,7 +14,7 @@ from PIL import Image, UnidentifiedImageError
 from cnnsim.support.errors import InputError
 from cnnsim.support.files import writing
 from cnnsim.support.memory import check_memory
-from cnnsim.support.pixels import Levels, pixel_bytes, values_of
+from cnnsim.support.pictures.pixels import Levels, pixel_bytes, values_of
 from cnnsim.support.types import Array, Floats
 
 _RAMP = ".:-=+*%#"
@@ -36,7 +36,7 @@ def read_picture(
 
     Raises:
         InputError: the file is missing or no picture, holds several, has a range that is not known (see
-            `cnnsim.support.pixels`), or does not fit into memory.
+            `cnnsim.support.pictures.pixels`), or does not fit into memory.
     """
     with opened(path) as image:
         if pictures_in(image) > 1:

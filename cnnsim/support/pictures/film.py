@@ -12,7 +12,7 @@ from PIL import Image, ImageDraw, ImageFont
 from cnnsim.support.errors import InputError
 from cnnsim.support.extras import install_line
 from cnnsim.support.files import writing
-from cnnsim.support.picture import to_image
+from cnnsim.support.pictures.picture import to_image
 from cnnsim.support.types import Array
 
 _CODECS = {".mp4": "libx264", ".mkv": "libx264", ".mov": "libx264", ".avi": "mpeg4"}

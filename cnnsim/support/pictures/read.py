@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from cnnsim.support.array_pictures import of_array
 from cnnsim.support.errors import InputError
-from cnnsim.support.film import VIDEO_ENDINGS
 from cnnsim.support.memory import check_memory
-from cnnsim.support.picture_sequence import PictureSequence, Reading, of_file, of_video, size_text
-from cnnsim.support.pixels import Levels
+from cnnsim.support.pictures.arrays import of_array
+from cnnsim.support.pictures.film import VIDEO_ENDINGS
+from cnnsim.support.pictures.pixels import Levels
+from cnnsim.support.pictures.sequence import PictureSequence, Reading, of_file, of_video, size_text
 from cnnsim.support.types import Array
 
 

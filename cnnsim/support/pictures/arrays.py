@@ -10,8 +10,8 @@ from PIL import Image
 from cnnsim.support.bounds import check_unpacked, one_line
 from cnnsim.support.errors import InputError
 from cnnsim.support.memory import check_memory
-from cnnsim.support.picture_sequence import PictureSequence, Reading
-from cnnsim.support.pixels import from_levels, range_of
+from cnnsim.support.pictures.pixels import from_levels, range_of
+from cnnsim.support.pictures.sequence import PictureSequence, Reading
 from cnnsim.support.types import Array
 
 

@@ -9,15 +9,15 @@ import numpy as np
 from PIL import Image
 
 from cnnsim.support.errors import InputError
-from cnnsim.support.film import video_library
-from cnnsim.support.picture import check_size, opened, pictures_in
-from cnnsim.support.pixels import Levels, values_of
+from cnnsim.support.pictures.film import video_library
+from cnnsim.support.pictures.picture import check_size, opened, pictures_in
+from cnnsim.support.pictures.pixels import Levels, values_of
 from cnnsim.support.types import Array
 
 
 @dataclass(frozen=True)
 class Reading:
-    """How pictures are turned into CNN values, see `cnnsim.support.picture.read_picture`."""
+    """How pictures are turned into CNN values, see `cnnsim.support.pictures.picture.read_picture`."""
 
     binary: bool = False
     levels: Levels | None = None
