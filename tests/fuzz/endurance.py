@@ -15,7 +15,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -75,6 +75,8 @@ def emulator(
     )
     assert process.stdout is not None
     process.stdout.readline()
+    with suppress(OSError, AttributeError):  # as if it had a processor of its own, where that is allowed
+        os.sched_setscheduler(process.pid, os.SCHED_RR, os.sched_param(1))
 
     def end() -> str:
         process.send_signal(signal.SIGINT)
