@@ -11,7 +11,7 @@ COMPILE = printf 'pip\nhatchling\neditables\n' | uv pip compile pyproject.toml -
 	--python-version 3.11 --generate-hashes --no-annotate --no-header --quiet
 SCENE  ?= examples/scenes/grip.toml
 
-.PHONY: run test check bench format clean lock
+.PHONY: run test check bench endurance format clean lock
 
 run: $(VENV)/.run            ## the main job: two fingers grip, lift, let slip and release
 	$(BIN)/tactile run $(SCENE) -o out/$(basename $(notdir $(SCENE)))
@@ -26,6 +26,9 @@ check: $(VENV)/.test
 
 bench: $(VENV)/.bench        ## speed, as ratios to peers measured in the same run
 	$(BIN)/python -m tests.benchmarks -o out/bench
+
+endurance: $(VENV)/.test     ## long runs and fuzzing, into docs/reliability.md; short: make endurance ENDURANCE=--short
+	$(BIN)/python -m tests.fuzz.report $(ENDURANCE) -o docs/reliability.md
 
 format: $(VENV)/.test
 	$(BIN)/ruff format .

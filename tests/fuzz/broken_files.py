@@ -206,7 +206,7 @@ def foreign_files() -> Broken:
         yield "t.tem", text.encode()
 
 
-def picture_files() -> Broken:
+def picture_files(count: int) -> Broken:
     """Pictures: heads of 10^9 x 10^9 pixels, chunks that end nowhere, and what Pillow trips over."""
     from PIL import Image
 
@@ -214,7 +214,7 @@ def picture_files() -> Broken:
                        ("PPM", "p.pgm")):  # fmt: skip
         out = io.BytesIO()
         Image.fromarray(np.arange(64 * 64, dtype=np.uint16).astype(np.uint8).reshape(64, 64)).save(out, format=form)
-        yield from bytes_changed(name, out.getvalue(), 12)
+        yield from bytes_changed(name, out.getvalue(), count)
         big = bytearray(out.getvalue())
         places = {"PNG": 16, "BMP": 18, "GIF": 6}
         if form in places:
@@ -283,12 +283,12 @@ def mcap_files() -> Broken:
 
 
 def all_files(folder: Path, count: int) -> Broken:
-    """Yield them all, and ``count`` changes of a good recording in every form."""
+    """Yield them all, and three times ``count`` changes of a good file of every kind."""
     yield from toml_files()
     yield from array_files()
     yield from csv_files()
     yield from foreign_files()
-    yield from picture_files()
+    yield from picture_files(count)
     yield from bag_files()
     yield from mcap_files()
     write = frames()
@@ -298,5 +298,7 @@ def all_files(folder: Path, count: int) -> Broken:
         yield from bytes_changed(f"r{suffix}", path.read_bytes(), count)
     json_text = b'{"name": "x", "feedback": [[1]], "control": [[2]], "bias": 1, "tags": ["a"]}'
     matlab = b"X_A = [1 2 1; 0 1 0; 0 0 0];\nX_B = [1]; X_I = -1;\n"
+    for kind, words in TEXTS.items():
+        yield from bytes_changed(kind, words.encode(), count)
     for name, text in (("t.m", matlab), ("t.gene", b"1 " * 19), ("t.json", json_text)):
         yield from bytes_changed(name, text, count)

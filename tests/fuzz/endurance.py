@@ -230,6 +230,10 @@ def kill(times: int, hz: float, seed: int) -> None:
     print(f"{times} kills at {hz:g}/s: of {least} frames or more none missing, at most the last {worst:.3f} s gone")
 
 
+WRONG = {"reskin": 0.15, "lowiek": 0.15, "csv": 0.15, "papillarray": 1e-3, "paxini-fast": 0.01, "paxini-serial": 0.01}
+"""Parts of the frames that may be wrong where one byte in 500 is: none with a CRC, few with a sum of 16 or 8 bits."""
+
+
 @main.command("random")
 @click.option("--count", type=int, default=1_000_000)
 @click.option("--seed", type=int, default=1)
@@ -251,6 +255,7 @@ def random_bytes(count: int, seed: int, names: tuple[str, ...]) -> None:
         decoder, begun = pair(name)[0], time.perf_counter()
         got = [reading for at in range(0, len(mutated), 4096) for reading in decoder.feed(mutated[at : at + 4096])]
         wrong = sum(reading.values.tobytes() not in truth for reading in got)
+        assert wrong <= WRONG.get(name, 0.0) * len(got), f"{name}: {wrong} of {len(got)} frames are wrong"
         print(f"{name}: random {count} bytes: {false} false frames in {seconds:.1f} s; mutated: {len(got)} frames,"
               f" {wrong} wrong in {time.perf_counter() - begun:.1f} s; {decoder.counts} ({whole} clean)")  # fmt: skip
         assert false == 0

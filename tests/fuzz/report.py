@@ -1,0 +1,165 @@
+"""The page docs/reliability.md: long runs, kills, unplugging, fuzzed packets and files, false frames over a bad cable.
+
+python -m tests.fuzz.report -o docs/reliability.md            some hours
+python -m tests.fuzz.report --short -o docs/reliability.md    some minutes
+"""
+
+import importlib.util
+import json
+import os
+import platform
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import click
+
+from cnnsim.support.command_line import watched
+from cnnsim.support.files import write_text
+from tests.fuzz.cable import BURST, BYTE, judge
+from tests.kits.wire import SHAPES, VARIANTS
+
+RATES = {"native": 1000, "csv": 1000, "papillarray": 1000, "reskin": 400, "lowiek": 200, "paxini-fast": 91}
+"""Frames a second that the devices of a format send."""
+LIMITS = {
+    "native": "CRC-16: one damaged packet in 65 536; every loss is counted",
+    "csv": "without HH a changed digit is another number; columns tell a lost comma",
+    "csv, check": "8 bits: one damaged line in 256, and two faults of one bit's place",
+    "reskin": "no sum, no number: a changed number within 100 mT is one; losses cannot be counted",
+    "papillarray": "sum of 16 bits: changes that cancel; every loss is counted",
+    "paxini-fast": "8 bits: one damaged packet in 256; losses cannot be counted",
+    "paxini-serial": "8 bits: one damaged packet in 256; losses cannot be counted",
+    "lowiek": "no sum, no number: a changed word is one; a first and a last word of AAAA cannot be told apart",
+}
+
+ABOUT = {
+    "False frames over a bad cable": f"""\
+The cable: each byte with probability {BYTE:g} is changed in one bit (half of the faults), lost (a quarter) or followed
+by one at random (a quarter); before each packet, with probability {BURST:g}, 1 to 40 bytes are lost. A frame is right
+if its values and its number are those that were sent, in their order, and false if they are not. Packets of small
+arrays; one of n times as many bytes is damaged about n times as often.""",
+    "Random bytes": "Noise at full rate, and streams of frames in which one byte in 500 is changed, lost or added.",
+    "Broken files": "Cut short, changed, of wrong types, of huge sizes in few bytes, to every reader.",
+    "Frames held and lost": """\
+Through a pseudo-terminal, with the pipeline running and a recording written. A device that finds no room for a packet
+drops it; formats with numbers count that as missing.""",
+    "Kills": "The recorder is killed at random moments; what is on the disk then is compared with what was sent.",
+    "Unplugging": "The port is taken away and comes back.",
+}
+
+
+def run(*words: str) -> tuple[bool, str]:
+    """Run one of the long runs, and return whether it held what it checks, and what it said."""
+    done = subprocess.run([sys.executable, "-m", *words], capture_output=True, text=True, check=False)
+    return done.returncode == 0, done.stdout if done.returncode == 0 else (done.stdout + done.stderr)
+
+
+def rates(seconds: float) -> list[str]:
+    """Return the table of frames held and lost by format, alone and beside busy processes."""
+    lines = ["| format | frames/s sent | busy beside | frames read | lost, by the counters | latency 99 % | held |",
+             "|---|---|---|---|---|---|---|"]  # fmt: skip
+    for name, hz in watched(list(RATES.items()), "rates"):
+        for others in (1, 4):
+            good, said = run("tests.fuzz.endurance", "rate", "--protocol", name, "--hz", str(hz), "--seconds",
+                             str(seconds), "--others", str(others))  # fmt: skip
+            counts = {key: int(value) for key, value in re.findall(r"'(\w+)': (\d+)", said)}
+            lost = sum(counts.get(key, 0) for key in ("missing", "bad_checksum", "unfit"))
+            p99 = re.search(r"latency_p99_s': '([\d.]+ ms)", said)
+            lines.append(
+                f"| {name} | {hz} | {others} | {counts.get('good', 0)} | {lost}, {counts.get('overflowed', 0)} bytes |"
+                f" {p99[1] if p99 else '-'} | {'yes' if good else 'no: ' + last_line(said)} |"
+            )
+    return lines
+
+
+def cable(packets: int) -> list[str]:
+    """Return the table of false frames."""
+    lines = ["| format | packets | damaged | right frames | false frames | false a damaged packet | lost | said to be lost"
+             " | limit of the format |", "|---|---|---|---|---|---|---|---|---|"]  # fmt: skip
+    for name, extra in watched(VARIANTS, "cable"):
+        found = judge(name, extra, packets)
+        chosen = [value for value in extra.values() if value not in (False, [])]
+        more = ", ".join("check" if value is True else str(value) for value in chosen)
+        kind = f"{name}, check" if extra.get("check") else name
+        part = found.false / max(1, found.damaged)
+        lines.append(
+            f"| {name}{f' ({more})' if more else ''} | {packets} | {found.damaged} | {found.right} | {found.false} |"
+            f" {part:.2g} | {found.lost} | {found.said} | {LIMITS[kind]} |"
+        )
+    return lines
+
+
+def random_bytes(count: int) -> list[str]:
+    """Return what random and heavily changed bytes came to."""
+    lines = ["| format | random bytes | false frames | of as many bytes, one in 500 changed: frames, wrong ones |",
+             "|---|---|---|---|"]  # fmt: skip
+    for name in watched(list(SHAPES), "bytes"):
+        good, said = run("tests.fuzz.endurance", "random", "--count", str(count), name)
+        found = re.search(r"(\d+) false frames.*mutated: (\d+) frames, (\d+) wrong", said)
+        lines.append(
+            f"| {name} | {count} | {found[1]} | {found[2]}, {found[3]} |" if found and good
+            else f"| {name} | {count} | failed | {last_line(said)} |"
+        )  # fmt: skip
+    return lines
+
+
+def files(count: int) -> list[str]:
+    """Return what broken files came to."""
+    good, said = run("tests.fuzz.readers", str(count))
+    if not good:
+        return [f"failed: {last_line(said)}"]
+    found = json.loads(said)
+    kinds = ", ".join(f"{number} {suffix}" for suffix, number in found["seen"].items())
+    bad = "\n".join(f"- {line[:300]}" for line in found["bad"][:20])
+    return [f"{sum(found['seen'].values())} files ({kinds}); {len(found['bad'])} of them were not refused in one line,"
+            " took 5 s or a gigabyte." + (f"\n\n{bad}" if bad else "")]  # fmt: skip
+
+
+def last_line(said: str) -> str:
+    """Return the last line of what a run said."""
+    return (said.strip().splitlines() or ["nothing said"])[-1][:200].replace("|", "/")
+
+
+def machine() -> str:
+    """Return what the figures were taken on."""
+    info = Path("/proc/cpuinfo")
+    names = re.findall(r"model name\s*: (.*)", info.read_text(encoding="utf-8")) if info.exists() else []
+    return f"{names[0] if names else platform.machine()}, {os.cpu_count()} cores, {platform.system()}, Python " + (
+        platform.python_version()
+    )
+
+
+@click.command()
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="The page.")
+@click.option("--short", is_flag=True, help="A hundredth of the packets, bytes and files, short runs.")
+@click.option("--seconds", type=float, default=60.0, show_default=True, help="Of each rate.")
+@click.option("--kills", type=int, default=20, show_default=True)
+@click.option("--unplugs", type=int, default=50, show_default=True)
+@click.option("--packets", type=int, default=1_000_000, show_default=True, help="Of each decoder.")
+@click.option("--count", type=int, default=3400, show_default=True, help="A third of the files of each reader.")
+def main(output: Path, short: bool, seconds: float, kills: int, unplugs: int, packets: int, count: int) -> None:
+    """Write the page."""
+    if short:
+        seconds, kills, unplugs, packets, count = 5.0, 3, 3, packets // 100, count // 100
+    begun, load = time.monotonic(), os.getloadavg()[0]
+    parts = {"False frames over a bad cable": cable(packets), "Random bytes": random_bytes(packets),
+             "Broken files": files(count), "Frames held and lost": rates(seconds)}  # fmt: skip
+    for title, kind, times in (("Kills", "kill", kills), ("Unplugging", "unplug", unplugs)):
+        good, said = run("tests.fuzz.endurance", kind, "--times", str(times))
+        parts[title] = [said.strip() if good else f"failed: {last_line(said)}"]
+    if importlib.util.find_spec("atheris") is not None:
+        runs = max(1000, packets // 10)
+        told = [(name, run("tests.fuzz.harness", name, f"-runs={runs}")[0]) for name in SHAPES]
+        parts["Fuzzing guided by coverage"] = [f"{runs} inputs a decoder: " + ", ".join(
+            f"{name} {'held' if good else 'failed'}" for name, good in told)]  # fmt: skip
+    text = "# Reliability\n\nMade by `make endurance`, which takes its figures anew.\n\n"
+    text += f"{machine()}; load {load:.1f} when it began; {(time.monotonic() - begun) / 60:.0f} minutes.\n"
+    for title, lines in parts.items():
+        text += f"\n## {title}\n\n" + (f"{ABOUT[title]}\n\n" if title in ABOUT else "") + "\n".join(lines) + "\n"
+    write_text(output, text)
+
+
+if __name__ == "__main__":
+    main()
