@@ -76,8 +76,8 @@ def rates(seconds: float) -> list[str]:
 
 def cable(packets: int) -> list[str]:
     """Return the table of false frames."""
-    lines = ["| format | packets | damaged | right frames | false frames | false a damaged packet | lost | said to be lost"
-             " | limit of the format |", "|---|---|---|---|---|---|---|---|---|"]  # fmt: skip
+    lines = ["| format | packets | damaged | right frames | false frames | false a damaged packet | lost |"
+             " said to be lost | limit of the format |", "|---|---|---|---|---|---|---|---|---|"]  # fmt: skip
     for name, extra in watched(VARIANTS, "cable"):
         found = judge(name, extra, packets)
         chosen = [value for value in extra.values() if value not in (False, [])]
