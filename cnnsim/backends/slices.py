@@ -11,7 +11,7 @@ from time import perf_counter
 from cnnsim.planning.plan import SETTLED_RATE, Plan
 from cnnsim.support.progress import watcher
 
-SLICE = 0.2
+SLICE = 0.1
 """Seconds. A stop is heard after one slice; and the bookkeeping of a slice, some microseconds, is nothing to that."""
 FIRST = 1 << 24
 """Sums of a weighted neighbour in the first slice, before the rate is known: 3 to 50 ms."""

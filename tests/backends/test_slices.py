@@ -142,7 +142,7 @@ def test_slices_follow_the_rate(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(slices, "perf_counter", lambda: now[0])
     pace = slices.Pace(task("hole-filler", {}).plan, slices.FIRST / 100, together=10)
     assert pace.left == 100
-    for seconds, left in ((0.1, 200), (0.2, 200), (0.05, 800), (0.0, 6400), (100.0, 640)):
+    for seconds, left in ((0.05, 200), (0.1, 200), (0.025, 800), (0.0, 6400), (100.0, 640)):
         now[0] += seconds
         pace.turn(0, 0.0)
         assert pace.left == left
