@@ -140,13 +140,14 @@ def test_who_watches_is_told_how_far_it_is(kind: str, backend: Backend, short: C
 def test_slices_follow_the_rate(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [0.0]
     monkeypatch.setattr(slices, "perf_counter", lambda: now[0])
+    monkeypatch.setattr(slices, "SLICE", 0.25)  # times that are exact
     pace = slices.Pace(task("hole-filler", {}).plan, slices.FIRST / 100, together=10)
     assert pace.left == 100
-    for seconds, left in ((0.05, 200), (0.1, 200), (0.025, 800), (0.0, 6400), (100.0, 640)):
+    for seconds, left in ((0.125, 200), (0.25, 200), (0.0625, 800), (0.0, 6400), (128.0, 640)):
         now[0] += seconds
         pace.turn(0, 0.0)
         assert pace.left == left
     for _ in range(5):
-        now[0] += 100.0
+        now[0] += 128.0
         pace.turn(0, 0.0)
     assert pace.left == 1  # ten together would take far too long
