@@ -14,6 +14,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from threading import Timer
 from typing import IO, Any
@@ -22,6 +23,7 @@ import numpy as np
 
 from cnnsim.support import InputError
 from cnnsim.support.bounds import one_line
+from cnnsim.support.extras import install_line
 from cnnsim.support.names import LONGEST
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import Provenance
@@ -98,6 +100,8 @@ def _finger(topic: str) -> str:
 @contextmanager
 def _bag(path: Path) -> Iterator[tuple[dict[str, Any], IO[bytes]]]:
     """Give what a bag holds and the stream of its frames, from a process with limits."""
+    if find_spec("rosbags") is None:
+        raise InputError(f"a ROS bag needs rosbags, which is not installed: {install_line('serial')}")
     # a thread of linear algebra takes memory for nothing; no path of ours may come before the installed library's
     process = subprocess.Popen(
         [sys.executable, "-P", "-m", "tactile.sources.bag_process", str(path.absolute())], stdin=subprocess.DEVNULL,

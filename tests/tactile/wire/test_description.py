@@ -1,6 +1,5 @@
 """Array descriptions: chips arranged to frames and back, and what is wrong in a file."""
 
-
 import numpy as np
 import pytest
 
