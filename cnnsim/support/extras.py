@@ -2,7 +2,6 @@
 
 import json
 import re
-from importlib import metadata
 from pathlib import Path
 from shlex import quote
 from urllib.parse import unquote, urlsplit
@@ -15,6 +14,8 @@ def install_line(extra: str) -> str:
 
     Where it was not installed by pip, or from an index, the libraries are named one by one.
     """
+    from importlib import metadata  # slow to import, and only wanted where a library is missing
+
     try:
         found = metadata.distribution(PACKAGE)
     except metadata.PackageNotFoundError:

@@ -6,8 +6,6 @@ from contextlib import contextmanager
 from time import monotonic
 from typing import Any, Protocol
 
-from cnnsim.support.echo import console
-
 PATIENCE = 1.0
 """Seconds of a command before a bar is shown."""
 
@@ -79,6 +77,8 @@ def _bar() -> Any:
         TimeElapsedColumn,
         TimeRemainingColumn,
     )
+
+    from cnnsim.support.echo import console  # the same
 
     columns = TextColumn("{task.description}", markup=False), BarColumn(20), TimeElapsedColumn(), TimeRemainingColumn()
     return Progress(*columns, console=console(err=True), transient=True, redirect_stdout=False, redirect_stderr=False)
