@@ -234,7 +234,7 @@ def test_a_missing_library_is_told_with_what_to_install(monkeypatch: pytest.Monk
         raise ModuleNotFoundError(f"No module named {name!r}", name="cobs")
 
     monkeypatch.setattr(importlib, "import_module", missing)
-    with pytest.raises(InputError, match=r"needs cobs.*pip install 'cellular-wave-touch\[serial\]'"):
+    with pytest.raises(InputError, match=r"needs cobs.*pip install .*\[serial\]"):
         find_format("native")
 
 
