@@ -12,6 +12,7 @@ import re
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import click
@@ -117,6 +118,20 @@ def files(count: int) -> list[str]:
             " took 5 s or a gigabyte." + (f"\n\n{bad}" if bad else "")]  # fmt: skip
 
 
+def told(kind: str, times: int) -> list[str]:
+    """Return what kills or unplugging came to."""
+    good, said = run("tests.fuzz.endurance", kind, "--times", str(times))
+    return [said.strip() if good else f"failed: {last_line(said)}"]
+
+
+def guided(runs: int) -> list[str]:
+    """Return what atheris found, where it is installed."""
+    if importlib.util.find_spec("atheris") is None:
+        return ["atheris is not installed here."]
+    held = [f"{name} {'held' if run('tests.fuzz.harness', name, f'-runs={runs}')[0] else 'failed'}" for name in SHAPES]
+    return [f"{runs} inputs a decoder: {', '.join(held)}."]
+
+
 def last_line(said: str) -> str:
     """Return the last line of what a run said."""
     return (said.strip().splitlines() or ["nothing said"])[-1][:200].replace("|", "/")
@@ -139,23 +154,28 @@ def machine() -> str:
 @click.option("--unplugs", type=int, default=50, show_default=True)
 @click.option("--packets", type=int, default=1_000_000, show_default=True, help="Of each decoder.")
 @click.option("--count", type=int, default=3400, show_default=True, help="A third of the files of each reader.")
-def main(output: Path, short: bool, seconds: float, kills: int, unplugs: int, packets: int, count: int) -> None:
+@click.option("--only", multiple=True, type=click.Choice(list(ABOUT)), help="Parts of the page, all unless given.")
+def main(
+    output: Path, short: bool, seconds: float, kills: int, unplugs: int, packets: int, count: int, only: tuple[str, ...]
+) -> None:  # fmt: skip
     """Write the page."""
     if short:
         seconds, kills, unplugs, packets, count = 5.0, 3, 3, packets // 100, count // 100
     begun, load = time.monotonic(), os.getloadavg()[0]
-    parts = {"False frames over a bad cable": cable(packets), "Random bytes": random_bytes(packets),
-             "Broken files": files(count), "Frames held and lost": rates(seconds)}  # fmt: skip
-    for title, kind, times in (("Kills", "kill", kills), ("Unplugging", "unplug", unplugs)):
-        good, said = run("tests.fuzz.endurance", kind, "--times", str(times))
-        parts[title] = [said.strip() if good else f"failed: {last_line(said)}"]
-    if importlib.util.find_spec("atheris") is not None:
-        runs = max(1000, packets // 10)
-        told = [(name, run("tests.fuzz.harness", name, f"-runs={runs}")[0]) for name in SHAPES]
-        parts["Fuzzing guided by coverage"] = [f"{runs} inputs a decoder: " + ", ".join(
-            f"{name} {'held' if good else 'failed'}" for name, good in told)]  # fmt: skip
+    makers: dict[str, Callable[[], list[str]]] = {
+        "False frames over a bad cable": lambda: cable(packets),
+        "Random bytes": lambda: random_bytes(packets),
+        "Broken files": lambda: files(count),
+        "Frames held and lost": lambda: rates(seconds),
+        "Kills": lambda: told("kill", kills),
+        "Unplugging": lambda: told("unplug", unplugs),
+        "Fuzzing guided by coverage": lambda: guided(max(1000, packets // 10)),
+    }
+    parts = {title: make() for title, make in makers.items() if not only or title in only}
     text = "# Reliability\n\nMade by `make endurance`, which takes its figures anew.\n\n"
     text += f"{machine()}; load {load:.1f} when it began; {(time.monotonic() - begun) / 60:.0f} minutes.\n"
+    if len(parts) < len(makers):
+        text += f"Left out in this run: {', '.join(title for title in makers if title not in parts)}.\n"
     for title, lines in parts.items():
         text += f"\n## {title}\n\n" + (f"{ABOUT[title]}\n\n" if title in ABOUT else "") + "\n".join(lines) + "\n"
     write_text(output, text)
