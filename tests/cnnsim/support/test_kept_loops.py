@@ -4,12 +4,13 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from cnnsim.support import kept_loops
 from cnnsim.support.kept_loops import kept_njit
-from cnnsim.support.private_folder import Notices
+from cnnsim.support.private_folder import Notices, first_usable, is_private
 from tests.kits.paths import ROOT
 
 TEMPLATE = """
@@ -61,14 +62,13 @@ def test_a_damaged_file_is_noticed_and_made_anew(cache: Path, damage: str) -> No
     assert run(cache) == (cache, 1, "")
 
 
-@pytest.mark.parametrize("mode", [0o770, 0o777])
-def test_a_folder_that_others_can_write_is_not_used_and_said_once(cache: Path, mode: int) -> None:
+def test_a_folder_that_others_can_write_is_left_in_silence_for_one_of_the_users_own(cache: Path) -> None:
     cache.mkdir()
-    cache.chmod(mode)
+    cache.chmod(0o777)
     folder, hits, told = run(cache)
     assert folder != cache
     assert not hits
-    assert told.count("others can write") == 1
+    assert told == ""
     assert not list(cache.glob("*.loop"))
 
 
@@ -79,21 +79,66 @@ def test_a_file_that_others_can_write_is_not_used(cache: Path) -> None:
     assert run(cache)[1] == 0
 
 
-def test_a_folder_that_cannot_be_used_is_a_word_and_no_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whoever is root can write everywhere, so a file stands where the folder should be."""
-    wall = tmp_path / "file"
-    wall.write_text("")
+GROUPS = {
+    "own": ("ana", 1000, [], True),
+    "own, with the owner as a member": ("ana", 1000, ["ana"], True),
+    "own, with another member": ("ana", 1000, ["ana", "bert"], False),
+    "first of many": ("users", 1000, [], False),
+    "another one": ("ana", 1001, [], False),
+}
+
+
+@pytest.mark.parametrize("kind", GROUPS)
+def test_a_group_of_one_is_private(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As after a checkout under umask 002, where each user has a group of their own."""
+    import grp
+    import pwd
+
+    name, first, members, private = GROUPS[kind]
     told: list[str] = []
     monkeypatch.setattr(Notices, "tell", told.append)
     monkeypatch.setattr(Notices, "_told", set())
-    from cnnsim.support.private_folder import first_usable
+    monkeypatch.setattr(pwd, "getpwuid", lambda _: SimpleNamespace(pw_name="ana", pw_gid=first))
+    monkeypatch.setattr(grp, "getgrgid", lambda _: SimpleNamespace(gr_name=name, gr_mem=members))
+    beside, own = tmp_path / "__pycache__", tmp_path / "cache"
+    beside.mkdir()
+    beside.chmod(0o775)
+    found = os.stat_result((0o40775, 1, 1, 2, os.geteuid(), 1000, 4096, 0, 0, 0))
+    stat = Path.stat
+    monkeypatch.setattr(Path, "stat", lambda path, **options: found if path == beside else stat(path, **options))
+    assert is_private(beside) is private
+    assert first_usable([beside, own], "compiled loops") == (beside if private else own)
+    assert private or stat(own).st_mode & 0o777 == 0o700
+    assert not told
 
-    folder = first_usable([wall / "a", wall], "compiled loops")
+
+def test_the_first_group_of_root_is_not_private(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import grp
+    import pwd
+
+    monkeypatch.setattr(pwd, "getpwuid", lambda _: SimpleNamespace(pw_name="root", pw_gid=0))
+    monkeypatch.setattr(grp, "getgrgid", lambda _: SimpleNamespace(gr_name="root", gr_mem=[]))
+    found = os.stat_result((0o40775, 1, 1, 2, os.geteuid(), 0, 4096, 0, 0, 0))
+    monkeypatch.setattr(Path, "stat", lambda _: found)
+    assert not is_private(tmp_path)
+
+
+def test_a_folder_that_cannot_be_used_is_a_word_and_no_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever is root can write everywhere, so a file stands where the folder should be."""
+    wall, open_to_all = tmp_path / "file", tmp_path / "open"
+    wall.write_text("")
+    open_to_all.mkdir()
+    open_to_all.chmod(0o777)
+    told: list[str] = []
+    monkeypatch.setattr(Notices, "tell", told.append)
+    monkeypatch.setattr(Notices, "_told", set())
+    folder = first_usable([wall / "a", wall, open_to_all], "compiled loops")
     assert folder.is_dir()
-    assert first_usable([wall / "a", wall], "compiled loops") != wall
+    assert first_usable([wall / "a", wall, open_to_all], "compiled loops") not in (wall, open_to_all)
     assert len(told) == 1
     assert "made anew" in told[0]
     assert str(wall) in told[0]
+    assert f"{open_to_all}: others can write it" in told[0]
 
 
 def test_a_full_disk_keeps_nothing_and_stops_nothing(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
