@@ -1,12 +1,13 @@
 """Result: where a transient ended, in words and as a picture."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from math import nan
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cnnsim.planning.plan import Plan
-from cnnsim.support import Array
+from cnnsim.support import Array, Integers
 from cnnsim.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -19,6 +20,9 @@ class Result:
 
     ``settled`` says whether nothing changes any more (see `Plan`); after a fixed duration that is not checked and it is
     False. ``rate`` is the largest |dx/dt| at the end, NaN if it was not computed. ``trajectory`` has what was recorded.
+    ``distance`` is how far an output of a settled network may still be from its end, NaN of one that has not settled,
+    and ``how`` says from what that is known. ``undecided`` (n, 2), or more columns for layers and batches, has the
+    cells whose output is decided by the smallest push.
     """
 
     x: Array
@@ -27,6 +31,9 @@ class Result:
     rate: float
     plan: Plan
     trajectory: Trajectory | None = None
+    distance: float = nan
+    undecided: Integers = field(default_factory=lambda: np.empty((0, 2), np.int64))
+    how: str = ""
 
     @property
     def y(self) -> Array:
@@ -51,9 +58,11 @@ class Result:
     def _words(self) -> str:
         size = " x ".join(map(str, self.x.shape))
         rate = "" if np.isnan(self.rate) or not np.isfinite(self.t) else f", rate {self.rate:.3g}"
+        away = "" if not self.distance > 0 else f", within {self.distance:.2g} of its end"
+        away += f", {len(self.undecided)} undecided" if len(self.undecided) else ""
         y = self.y
         return (
-            f"{self.plan.template.name!r}, {self._ended()}{rate}, {size} {self.x.dtype}, x {self.x.min():.3g} to "
+            f"{self.plan.template.name!r}, {self._ended()}{rate}{away}, {size} {self.x.dtype}, x {self.x.min():.3g} to "
             f"{self.x.max():.3g}, {int((y > 0).sum())} black"
         )
 

@@ -8,13 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim import backends
+from cnnsim.accuracy.at_rest import seen_to_the_end
+from cnnsim.accuracy.settle import SETTLED_DISTANCE
 from cnnsim.backends.base import Backend, Outcome
 from cnnsim.backends.memory import cell_bytes
 from cnnsim.keywords import spelled
 from cnnsim.network import ZERO_FLUX, AnyTemplate, Boundary, Cell, CellModel, Frames
 from cnnsim.network.boundary import parse_boundary
 from cnnsim.planning.duration import Duration
-from cnnsim.planning.plan import Plan, make_plan
+from cnnsim.planning.plan import SETTLED_RATE, Plan, make_plan
 from cnnsim.recording import Record, parse_record, recorded
 from cnnsim.result import Result
 from cnnsim.support import Array, Flags, Floats, InputError
@@ -201,10 +203,30 @@ def run_transient(
     result = Result(where.read(outcome.x, copy=False), outcome.t, outcome.settled, outcome.rate, task.plan)
     if wanted is not None:
         result = replace(result, trajectory=task.recorded(where, wanted, result))
-    if task.plan.duration == "settled" and not result.settled:
+    return _ended(task, where, outcome, result)
+
+
+def _ended(task: Task, where: Backend, outcome: Outcome, result: Result) -> Result:
+    """Return the result of a run that was to settle only when its outputs are as near to their end as promised."""
+    if task.plan.duration != "settled":
+        return result
+    name = f"template {task.plan.template.name!r}"
+    if not result.settled:
         raise NotSettledError(
-            f"template {template.name!r} has not settled after {result.t:g} time constants: |dx/dt| is still "
+            f"{name} has not settled after {result.t:g} time constants: |dx/dt| is still "
             f"{result.rate:.3g} somewhere; give a duration, or a higher limit",
+            result,
+        )
+    planes = [_load(where, task.input), _load(where, task.bias)]
+    planes.append(None if task.mask is None else where.load(task.mask, "llm"))
+    seen, ending = seen_to_the_end(where, task.plan, outcome, *planes, SETTLED_DISTANCE)
+    if ending.x is not None:
+        result = replace(result, x=ending.x, t=seen.t, settled=seen.settled, rate=seen.rate)
+    result = replace(result, distance=ending.distance, undecided=np.argwhere(ending.undecided), how=ending.how)
+    if not result.settled:
+        raise NotSettledError(
+            f"{name} moves no faster than {SETTLED_RATE:g} after {result.t:g} time constants, but may be "
+            f"{result.distance:.2g} from its end; give a duration, or a higher limit",
             result,
         )
     return result

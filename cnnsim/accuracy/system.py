@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from cnnsim.accuracy.spectral import Inverse, is_definite, spectral_inverse
 from cnnsim.network import Boundary, Tap
 from cnnsim.network.boundary import virtual_index
 from cnnsim.network.weights import reach
@@ -17,13 +18,16 @@ class LinearSystem:
     """dx/dt = -x + A y + w in the ``free`` cells and 0 in the others, all cells of a grid in one row.
 
     ``matrix`` (cells, cells) is A as a sparse matrix, to which virtual cells that repeat real ones belong; ``drive``
-    (cells,) is w = B*u + z + bias, and what virtual cells of constant output add. ``limited``: full-range cells.
+    (cells,) is w = B*u + z + bias, and what virtual cells of constant output add. ``limited``: full-range cells;
+    ``inverse``: roughly that of I - A; ``definite``: no mode of it, among whatever cells, grows.
     """
 
     matrix: Any
     drive: Floats
     free: Flags
     limited: bool = False
+    inverse: Inverse | None = None
+    definite: bool = False
 
     def with_planes(self, drive: Floats, free: Flags) -> "LinearSystem":
         """Return the same A with another w (cells,), to which the virtual cells are added, and other free cells."""
@@ -61,4 +65,4 @@ def linear_system(
         drive[~real] += weight * boundary.y
         at.append((here[real], there[real], np.full(int(real.sum()), weight)))
     i, j, values = (np.concatenate(part) for part in zip(*at, strict=True)) if at else (here[:0], here[:0], drive[:0])
-    return LinearSystem(coo_matrix((values, (i, j)), (cells, cells)).tocsr(), drive, np.ones(cells, bool), limited)
+    return LinearSystem(coo_matrix((values, (i, j)), (cells, cells)).tocsr(), drive, np.ones(cells, bool), limited, spectral_inverse(taps, shape, boundary), is_definite(taps, boundary))

@@ -44,3 +44,13 @@ def get(
     given = [value for value in (device, threads) if value is not None]
     found: Backend = backend(dtype, *given)
     return found
+
+
+def in_float64(backend: Backend) -> Backend:
+    """Return a backend like this one that computes in float64, or this one if its device cannot."""
+    if backend.dtype == "float64":
+        return backend
+    try:
+        return get(backend.name, "float64", getattr(backend, "chosen_device", None))
+    except InputError:
+        return backend

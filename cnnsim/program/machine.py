@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim import backends, library
+from cnnsim.accuracy.at_rest import seen_to_the_end
+from cnnsim.accuracy.settle import SETTLED_DISTANCE
 from cnnsim.backends.base import Backend, Plane
 from cnnsim.keywords import spelled
 from cnnsim.operations.bitwise import BitRule
@@ -160,7 +162,10 @@ class UniversalMachine:
         if step.mask is not None and program.memory[step.mask] == "lam":
             mask = self.backend.convert(mask, "llm")
         with naming(step.where):
-            outcome = self.backend.transient(plan, plane(step.state), plane(step.input), plane(step.bias), mask)
+            u, bias = plane(step.input), plane(step.bias)
+            outcome = self.backend.transient(plan, plane(step.state), u, bias, mask)
+            if outcome.settled:
+                outcome, _ = seen_to_the_end(self.backend, plan, outcome, u, bias, mask, SETTLED_DISTANCE)
         if step.duration == "settled" and not outcome.settled:
             raise InputError(
                 f"{step.where}: has not settled after {outcome.t:g} time constants; |dx/dt| {outcome.rate:.3g}"

@@ -43,7 +43,7 @@ class OpenCLBackend(Backend):
         self.dtype = parse_dtype(np.float32 if dtype is None else dtype)
         if self.dtype not in (np.float32, np.float64):
             raise InputError(f"the opencl backend computes in float32 or float64, not in {self.dtype}")
-        self.device = choose_device(device)
+        self.device, self.chosen_device = choose_device(device), None if device is None else str(device)
         if self.dtype == np.float64 and not has_float64(self.device):
             raise InputError(f"{title(self.device)} has no float64; use float32, or another device")
         pocl.name_processor(self.device)

@@ -1,0 +1,56 @@
+"""Planes of a backend that have settled: seen to their end, as `settle` promises, before they are called so."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from cnnsim.accuracy.settle import Ending, Settling, contraction_bound
+from cnnsim.backends import in_float64
+from cnnsim.backends.base import Backend, Outcome
+from cnnsim.backends.reference.drive import control
+from cnnsim.planning.plan import SETTLED_RATE, Plan
+from cnnsim.support import Array
+
+_NOWHERE = np.zeros((0, 0), bool)
+
+
+def seen_to_the_end(
+    backend: Backend, plan: Plan, outcome: Outcome, u: Any, bias: Any, mask: Any, promise: float
+) -> tuple[Outcome, Ending]:
+    """Return the settled outcome with its outputs within ``promise`` of their end, or as one that has not settled.
+
+    Arguments: planes of the backend, as `Backend.transient` takes them. The ``x`` of the ending is None where the state
+    stays as it is.
+    """
+    if plan.cell == "discrete-time" or outcome.rate > 1.001 * SETTLED_RATE:  # by which float32 may miss it
+        return outcome, Ending(None, outcome.t, 0.0, _NOWHERE, "no output can change")
+    if plan.method == "closed form":
+        x = backend.read(outcome.x)
+        ridge = (np.abs(x) < 1) & (plan.template.self_feedback > 1)
+        return outcome, Ending(None, outcome.t, 0.0, ridge, "each cell has an exact solution")
+    if (bound := contraction_bound(plan, outcome.rate)) <= promise:
+        return outcome, Ending(None, outcome.t, bound, _NOWHERE, "A is a contraction: |dx/dt| / (1 - sum|A|)")
+    x = backend.read(outcome.x)
+    given = [None if plane is None else backend.read(plane).astype(np.float64) for plane in (u, bias)]
+    black = None if mask is None else backend.read(mask)
+    drive = control(plan, x.astype(np.float64), *given) if plan.method == "stepped" else None
+    exact: list[Any] = []  # float32 stands still far from the end of slow modes
+
+    def run(state: Array, duration: float) -> Array:
+        if not exact:
+            where = in_float64(backend)
+            planes = [None if plane is None else where.load(plane, "lam") for plane in given]
+            exact.extend((where, *planes, None if black is None else where.load(black, "llm")))
+        where, *planes = exact
+        onward = replace(plan, duration=duration, savings=plan.savings - {"sleep"})
+        return where.read(where.transient(onward, where.load(state, "lam"), *planes).x)
+
+    ending = Settling(plan, drive, black, run).end(x, outcome.t, outcome.rate, promise)
+    if ending.x is x:
+        return outcome, ending._replace(x=None)
+    ending = ending._replace(x=ending.x.astype(backend.dtype))
+    settled = ending.distance <= promise
+    rate = 0.0 if ending.t == math.inf else outcome.rate
+    return Outcome(backend.load(ending.x, "lam"), ending.t, settled, rate), ending
