@@ -22,7 +22,8 @@ class Result:
     False. ``rate`` is the largest |dx/dt| at the end, NaN if it was not computed. ``trajectory`` has what was recorded.
     ``distance`` is how far an output of a settled network may still be from its end, NaN of one that has not settled,
     and ``how`` says from what that is known. ``undecided`` (n, 2), or more columns for layers and batches, has the
-    cells whose output is decided by the smallest push.
+    cells whose output is decided by the smallest push. ``error`` is that of the state by the run's own estimate, where
+    an accuracy was asked for, else NaN.
     """
 
     x: Array
@@ -34,6 +35,7 @@ class Result:
     distance: float = nan
     undecided: Integers = field(default_factory=lambda: np.empty((0, 2), np.int64))
     how: str = ""
+    error: float = nan
 
     @property
     def y(self) -> Array:
@@ -59,6 +61,7 @@ class Result:
         size = " x ".join(map(str, self.x.shape))
         rate = "" if np.isnan(self.rate) or not np.isfinite(self.t) else f", rate {self.rate:.3g}"
         away = "" if not self.distance > 0 else f", within {self.distance:.2g} of its end"
+        away += "" if np.isnan(self.error) else f", error {self.error:.2g}"
         away += f", {len(self.undecided)} undecided" if len(self.undecided) else ""
         y = self.y
         return (

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
+from math import nan
 from typing import Any, Literal, TypedDict, Unpack
 
 import numpy as np
@@ -9,7 +10,9 @@ from numpy.typing import ArrayLike
 
 from cnnsim import backends
 from cnnsim.accuracy.at_rest import seen_to_the_end
+from cnnsim.accuracy.reach import Transient, decided
 from cnnsim.accuracy.settle import SETTLED_DISTANCE
+from cnnsim.accuracy.wanted import Accuracy, Wanted, parse_accuracy
 from cnnsim.backends.base import Backend, Outcome
 from cnnsim.backends.memory import cell_bytes
 from cnnsim.keywords import spelled
@@ -42,6 +45,7 @@ class Task:
     input: Array | Frames[Array] | None
     bias: Array | Frames[Array] | None
     mask: Flags | None
+    accuracy: Wanted | None = None
 
     def owned(self) -> "Task":
         """Return the task with planes of its own, for runs that go on while the caller may change what was given."""
@@ -133,6 +137,7 @@ class TaskOptions(TypedDict, total=False):
     step: float | None
     limit: float | None
     without: Collection[str]
+    accuracy: Accuracy | None
 
 
 def make_task(
@@ -149,6 +154,7 @@ def make_task(
     step: float | None = None,
     limit: float | None = None,
     without: Collection[str] = (),
+    accuracy: Accuracy | None = None,
 ) -> Task:
     """Check the planes against each other and plan the transient.
 
@@ -156,11 +162,16 @@ def make_task(
     (n, layers, rows, cols), where a plane (rows, cols) stands for all grids and layers; ``input`` and ``bias`` may be
     `Frames`; ``bias`` is added to z cell by cell; ``mask`` > 0 keeps a cell's state; ``duration`` in time constants or
     ``"settled"`` (see `Plan`), then at most ``limit``;
-    ``scheme`` and ``step`` as in `planning.scheme`, or None to let the plan choose; ``without`` as in `make_plan`.
+    ``scheme`` and ``step`` as in `planning.scheme`, or None to let the plan choose; ``without`` as in `make_plan`;
+    ``accuracy`` instead of scheme and step: a distance from the truth that no state may have, ``"binary"`` where only
+    the signs of the outputs count, or ``"exact"`` for what float64 can give.
 
     Raises:
         InputError: planes that do not fit or are not finite, a step that cannot be stable.
     """
+    wanted = None if accuracy is None else parse_accuracy(accuracy)
+    if wanted is not None and (scheme is not None or step is not None):
+        raise InputError(f"accuracy {wanted} chooses scheme and step; one or the other wanted")
     x = _plane("state", state, None)
     u, w = _planes("input", input, x.shape), _planes("bias", bias, x.shape)
     if u is None and template.reads_input:
@@ -171,7 +182,9 @@ def make_task(
     )  # fmt: skip
     if plan.cell == "full-range" and largest(x) > 1:
         raise InputError(f"state reaches {largest(x):g}; the full-range model keeps it from -1 to 1")
-    return Task(plan, x, u, w, None if mask is None else _plane("mask", mask, x.shape) > 0)
+    if wanted is not None:
+        plan = replace(plan, decisions=(*plan.decisions, decided(plan, wanted)))
+    return Task(plan, x, u, w, None if mask is None else _plane("mask", mask, x.shape) > 0, wanted)
 
 
 @spelled(TaskOptions)
@@ -187,16 +200,21 @@ def run_transient(
 ) -> Result:
     """Run one template from x(0) = ``state`` with u = ``input`` and return where it ends.
 
-    Arguments: ``choices`` are input, bias, mask, boundary, duration, cell, scheme, step, limit, without, as in
-    `make_task`; ``backend`` a name or a backend; ``dtype`` the numbers it computes with, None for its own; ``threads``
-    of the cpu backend, None for as many as pay; ``record`` times [time constants], or cells (row, column) to be kept at
-    every step: the result then has them as its ``trajectory``, by the steps of the run itself.
+    Arguments: ``choices`` are input, bias, mask, boundary, duration, cell, scheme, step, limit, without, accuracy, as
+    in `make_task`; ``backend`` a name or a backend; ``dtype`` the numbers it computes with, None for its own;
+    ``threads`` of the cpu backend, None for as many as pay; ``record`` times [time constants], or cells (row, column)
+    to be kept at every step: the result then has them as its ``trajectory``, by the steps of the run itself.
 
     Raises:
         InputError: as `make_task`; no such backend; times or cells that cannot be recorded.
         NotSettledError: the network did not settle within ``limit``; the error carries the result.
     """
     task = make_task(template, state=state, **choices)
+    if task.accuracy is not None:
+        if record is not None:
+            raise InputError("record with an accuracy: several runs are made; give scheme and step to record one")
+        where = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend
+        return _reached(task, where)
     wanted = None if record is None else parse_record(record, task.state.shape)
     where = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend
     outcome = task.start(where)
@@ -204,6 +222,29 @@ def run_transient(
     if wanted is not None:
         result = replace(result, trajectory=task.recorded(where, wanted, result))
     return _ended(task, where, outcome, result)
+
+
+def _reached(task: Task, where: Backend) -> Result:
+    """Return the result of a run to the task's accuracy."""
+
+    def start(backend: Backend, plan: Plan) -> Outcome:
+        return task.start(backend, plan=plan)
+
+    assert task.accuracy is not None
+    planes = task.state, task.input, task.bias, task.mask
+    found = Transient(task.plan, start, planes).reach(where, task.accuracy)
+    plan = replace(found.plan, decisions=(*found.plan.decisions, decided(task.plan, task.accuracy)))
+    result = Result(
+        found.x, found.t, found.settled, found.rate, plan, None, found.error if found.settled else nan,
+        np.argwhere(found.undecided), found.how, found.error,
+    )  # fmt: skip
+    if task.plan.duration == "settled" and not found.settled:
+        raise NotSettledError(
+            f"template {plan.template.name!r} has not settled after {found.t:g} time constants within {task.accuracy}; "
+            "give a duration, or a higher limit",
+            result,
+        )
+    return result
 
 
 def _ended(task: Task, where: Backend, outcome: Outcome, result: Result) -> Result:
@@ -217,9 +258,9 @@ def _ended(task: Task, where: Backend, outcome: Outcome, result: Result) -> Resu
             f"{result.rate:.3g} somewhere; give a duration, or a higher limit",
             result,
         )
-    planes = [_load(where, task.input), _load(where, task.bias)]
-    planes.append(None if task.mask is None else where.load(task.mask, "llm"))
-    seen, ending = seen_to_the_end(where, task.plan, outcome, *planes, SETTLED_DISTANCE)
+    u, bias = _load(where, task.input), _load(where, task.bias)
+    mask = None if task.mask is None else where.load(task.mask, "llm")
+    seen, ending = seen_to_the_end(where, task.plan, outcome, u, bias, mask, SETTLED_DISTANCE)
     if ending.x is not None:
         result = replace(result, x=ending.x, t=seen.t, settled=seen.settled, rate=seen.rate)
     result = replace(result, distance=ending.distance, undecided=np.argwhere(ending.undecided), how=ending.how)

@@ -82,7 +82,7 @@ class Settling:
         if distance <= promise:
             return Ending(x, t, distance, undecided, f"the rest was solved for: {distance:.2g} away")
         return Ending(end, math.inf, float(np.finfo(x.dtype).eps), undecided,
-                      f"at |dx/dt| <= {SETTLED_RATE:g} still {distance:.2g} from rest, which was solved for")  # fmt: skip
+                      f"at |dx/dt| <= {SETTLED_RATE:g} it was {distance:.2g} away: solved for")  # fmt: skip
 
     def _decayed(self, x: Array, t: float, promise: float) -> Ending:
         """Go on until the changes of three spans, which decay by the same factor, add up to less than the promise."""

@@ -13,7 +13,7 @@ Inverse = Callable[[Floats], Floats]
 def spectral_inverse(taps: tuple[Tap, ...], shape: tuple[int, int], boundary: Boundary) -> Inverse:
     """Return v -> (I - A)^-1 v of planes in one row (cells,).
 
-    Sines vanish on virtual cells of output 0, cosines repeat themselves beyond an edge, and a torus has Fourier's waves;
+    Sines vanish on virtual cells of output 0, cosines repeat themselves beyond an edge, a torus has Fourier's waves;
     (I - A) times such a wave is 1 - sum A(k, l) cos(k p) cos(l q) times it. That is exact for a symmetric A of radius
     1, and near enough for `scipy.sparse.linalg.cg` else. Waves that A leaves as they are, are left as they are.
     """

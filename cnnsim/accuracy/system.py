@@ -65,4 +65,11 @@ def linear_system(
         drive[~real] += weight * boundary.y
         at.append((here[real], there[real], np.full(int(real.sum()), weight)))
     i, j, values = (np.concatenate(part) for part in zip(*at, strict=True)) if at else (here[:0], here[:0], drive[:0])
-    return LinearSystem(coo_matrix((values, (i, j)), (cells, cells)).tocsr(), drive, np.ones(cells, bool), limited, spectral_inverse(taps, shape, boundary), is_definite(taps, boundary))
+    return LinearSystem(
+        coo_matrix((values, (i, j)), (cells, cells)).tocsr(),
+        drive,
+        np.ones(cells, bool),
+        limited,
+        spectral_inverse(taps, shape, boundary),
+        is_definite(taps, boundary),
+    )

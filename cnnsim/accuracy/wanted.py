@@ -1,0 +1,53 @@
+"""The accuracy that a run is asked for: a distance of the state from the truth, only the signs, or all there is."""
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from cnnsim.support import InputError
+from cnnsim.support.values import is_number
+
+Accuracy = float | Literal["binary", "exact"]
+
+FLOAT32 = 3e-4
+"""What float32 is asked for at most: of 400 random transients its rounding alone cost 2e-5 in one of twenty."""
+EXACT = 1e-10
+LEAST = 1e-12
+"""Sums of a hundred steps in float64 are no more certain than that."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """``error``: the largest that |x - truth| may be; ``signs``: only the signs of the outputs count."""
+
+    error: float
+    signs: bool = False
+
+    @property
+    def dtype(self) -> str:
+        """The shortest numbers that can give it."""
+        return "float32" if self.error >= FLOAT32 else "float64"
+
+    def __str__(self) -> str:
+        return "the signs of all outputs" if self.signs else f"{self.error:g}"
+
+
+def parse_accuracy(value: Any) -> Wanted:
+    """Read an accuracy: a number, ``"binary"``, ``"exact"``, or a number as the command line writes it.
+
+    Raises:
+        InputError: anything else, or more than float64 can give.
+    """
+    if value == "binary":
+        return Wanted(0.03, signs=True)
+    if value == "exact":
+        return Wanted(EXACT)
+    if isinstance(value, str):
+        try:
+            value = float(value)
+        except ValueError:
+            value = str(value)
+    if not is_number(value) or not 0 < value <= 1:
+        raise InputError(f"accuracy {value!r}; a number from {LEAST:g} to 1, 'binary' or 'exact' wanted")
+    if value < LEAST:
+        raise InputError(f"accuracy {value:g}; float64 can give no more than {LEAST:g}")
+    return Wanted(float(value))

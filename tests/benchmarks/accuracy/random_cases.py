@@ -1,0 +1,115 @@
+"""Random transients with exact answers: stable templates, pictures, boundaries, times; what an accuracy keeps of it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cnnsim import PERIODIC, ZERO_FLUX, InputError, Template, fixed, run_transient
+from cnnsim.accuracy.exact_flow import exact_state
+from cnnsim.accuracy.system import linear_system
+from cnnsim.backends import get
+from cnnsim.backends.base import Backend
+from cnnsim.backends.reference.drive import control
+from cnnsim.support import Floats
+from cnnsim.transient import make_task
+
+SCHEMES = ("euler", "heun", "rk4")
+STEPS = tuple(0.8 * 0.5**k for k in range(15))
+ACCURACIES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
+
+
+@dataclass(frozen=True)
+class Case:
+    """What `run_transient` takes, and the exact state at the end."""
+
+    given: dict[str, Any]
+    exact: Floats
+
+
+def case(seed: int) -> Case:
+    """A random transient: symmetric, cooperative, diffusive or any template, a picture, an input, a time."""
+    rng = np.random.default_rng(seed)
+    shape = tuple(int(n) for n in rng.integers(2, 14, 2))
+    kind = rng.integers(4)
+    A = rng.normal(size=(3, 3))
+    A = A + A[::-1, ::-1] if kind in (0, 2) else A
+    A = np.abs(A) if kind in (1, 2) else A
+    A *= rng.uniform(0.5, 4 if kind else 3) / np.abs(A).sum()
+    A[1, 1] += 0 if kind == 2 else rng.integers(3)
+    x = np.where(rng.random(shape) < 0.5, 1.0, -1.0) if rng.random() < 0.3 else rng.uniform(-1, 1, shape)
+    boundary = [ZERO_FLUX, PERIODIC, fixed(0.0), fixed(-1.0)][rng.integers(4)]
+    B = rng.normal(size=(3, 3)) * rng.choice([0.0, 0.3])
+    template = Template(A, B, float(rng.normal() * 0.5), f"random {seed}")
+    bias = rng.normal(size=shape) * 0.3
+    duration = float(np.round(rng.uniform(0.5, 12.0), 2))
+    given = {
+        "template": template, "state": x, "input": x[::-1], "bias": bias, "boundary": boundary, "duration": duration,
+    }  # fmt: skip
+    return Case(given, truth(given))
+
+
+def truth(given: dict[str, Any]) -> Floats:
+    """The exact state at the end of a linear transient."""
+    task = make_task(**given)
+    plan, mask = task.plan, task.mask
+    free = np.ones(task.state.size, bool) if mask is None else ~mask.ravel()
+    system = linear_system(plan.template.feedback_taps, plan.shape, plan.boundary, limited=plan.cell == "full-range")
+    drive = control(plan, task.state, task.input, task.bias)  # type: ignore[arg-type]  # no sequences here
+    return exact_state(system.with_planes(drive.ravel(), free), task.state.ravel(), float(plan.duration)).reshape(
+        task.state.shape
+    )
+
+
+class Counting:
+    """A backend that counts how often A*y is evaluated."""
+
+    def __init__(self, backend: Backend) -> None:
+        self._backend, self.evaluations = backend, 0
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._backend, name)
+
+    def transient(self, plan: Any, *planes: Any) -> Any:
+        self.evaluations += plan.steps * (len(plan.scheme.b) if plan.scheme else 1)
+        return self._backend.transient(plan, *planes)
+
+
+def by_hand(one: Case) -> dict[float, int]:
+    """The fewest evaluations with which any scheme and step, tried by hand, keeps each accuracy; in float64."""
+    best: dict[float, int] = {}
+    for scheme in SCHEMES:
+        for step in STEPS:
+            where: Any = Counting(get("cpu", "float64"))
+            try:
+                found = run_transient(**one.given, scheme=scheme, step=step, backend=where)
+            except InputError:  # not stable
+                continue
+            error = float(np.abs(found.x - one.exact).max())
+            for accuracy in ACCURACIES:
+                if error <= accuracy:
+                    best[accuracy] = min(best.get(accuracy, where.evaluations), where.evaluations)
+    return best
+
+
+def kept(seeds: range, *, hand: bool = False) -> Iterator[dict[str, Any]]:
+    """Yield, for each case and accuracy, the error, what the run said of it, and the evaluations."""
+    for seed in seeds:
+        one = case(seed)
+        fewest = by_hand(one) if hand else {}
+        for accuracy in ACCURACIES:
+            where: Any = Counting(get("cpu", "float64"))
+            found = run_transient(**one.given, accuracy=accuracy, backend=where)
+            yield {
+                "seed": seed, "accuracy": accuracy, "error": float(np.abs(found.x - one.exact).max()),
+                "estimate": found.error, "evaluations": where.evaluations, "by hand": fewest.get(accuracy),
+                "how": found.how,
+            }  # fmt: skip
+        signs = run_transient(**one.given, accuracy="binary")
+        wrong = np.argwhere(np.sign(signs.y) != np.sign(one.exact))
+        named = {tuple(cell) for cell in signs.undecided}
+        yield {
+            "seed": seed, "accuracy": "binary", "error": len(wrong), "estimate": len(named),
+            "silent": sum(tuple(cell) not in named for cell in wrong), "how": signs.how,
+        }  # fmt: skip

@@ -1,0 +1,108 @@
+"""An accuracy that is asked for is kept, its estimate is near the true error, and undecided cells are named."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cnnsim import InputError, Template, explain, fixed, run, run_transient
+from cnnsim.backends import NAMES
+from tests.benchmarks.accuracy.random_cases import Counting, by_hand, case
+from tests.kits.backends import build
+
+SEEDS = range(70_000, 70_012)
+
+
+@pytest.mark.parametrize("accuracy", [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8])
+def test_it_is_kept_and_the_estimate_is_near_the_error(accuracy: float) -> None:
+    near = 0
+    for seed in SEEDS:
+        one = case(seed)
+        found = run_transient(**one.given, accuracy=accuracy)
+        error = float(np.abs(found.x - one.exact).max())
+        assert error <= 3 * max(accuracy, found.error), (seed, found.how)
+        assert error <= accuracy, (seed, error, found.how)
+        near += error / 10 <= found.error <= max(10 * error, 1e-11)
+    assert near >= 0.8 * len(SEEDS)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_backend_keeps_it(name: str) -> None:
+    build(name, None, "float64")
+    one = case(3)
+    for accuracy in (1e-2, 1e-5):
+        found = run_transient(**one.given, accuracy=accuracy, backend=name)
+        assert np.abs(found.x - one.exact).max() <= accuracy
+
+
+def test_it_costs_no_more_than_a_setting_found_by_hand() -> None:
+    ratios = []
+    for seed in (3, 5, 8):
+        one, fewest = case(seed), by_hand(case(seed))
+        for accuracy in (1e-3, 1e-4, 1e-5):
+            where: Any = Counting(build("cpu", None, "float64"))
+            run_transient(**one.given, accuracy=accuracy, backend=where)
+            ratios.append(where.evaluations / fewest[accuracy])
+    assert np.median(ratios) <= 3
+
+
+def test_float32_that_cannot_give_it_is_left_and_that_is_said() -> None:
+    one = case(11)
+    found = run_transient(**one.given, accuracy=1e-6, dtype="float32")
+    assert found.x.dtype == np.float64
+    assert "float32 cannot give 1e-06" in found.how
+    assert run_transient(**one.given, accuracy=1e-2, dtype="float32").x.dtype == np.float32
+
+
+def test_exact_is_exact() -> None:
+    one = case(14)
+    assert np.abs(run_transient(**one.given, accuracy="exact").x - one.exact).max() < 1e-12
+
+
+def test_signs_that_the_runs_do_not_agree_on_are_named() -> None:
+    for seed in SEEDS:
+        one = case(seed)
+        found = run_transient(**one.given, accuracy="binary")
+        wrong = {tuple(cell) for cell in np.argwhere(np.sign(found.y) != np.sign(one.exact))}
+        assert wrong <= {tuple(cell) for cell in found.undecided}
+    ridge = Template([[0, 0.3, 0], [0.3, 2, 0.3], [0, 0.3, 0]])
+    x = np.full((3, 4), 0.5)
+    x[1, 1] = 0.0
+    lone = run_transient(ridge, state=x * 0, duration=3.0, accuracy="binary", boundary=fixed(0))
+    assert len(lone.undecided) == x.size
+
+
+def test_settled_templates_end_where_shorter_steps_do() -> None:
+    picture = np.where(np.random.default_rng(2).random((20, 20)) < 0.5, 1.0, -1.0)
+    for accuracy in ("binary", 1e-3):
+        found = run("hole-filler", picture, accuracy=accuracy)
+        assert np.array_equal(found.y > 0, run("hole-filler", picture, scheme="rk4", step=0.02).y > 0)
+        assert not len(found.undecided)
+    fine = run("laplace-solver", picture * 0.5, mask=picture, accuracy=1e-7)
+    assert fine.error <= 1e-7
+    assert "accuracy 1e-07" in fine.how
+
+
+def test_delays_and_layers_are_run_by_steps_that_divide_their_times() -> None:
+    from cnnsim.network import Term
+
+    late = Template(0.5, z=0.3, terms=[Term([[-0.8]], "y_kl", delay=1.0)])
+    found = run_transient(late, state=np.full((1, 2), 0.4), duration=5.0, accuracy=1e-3)
+    finer = run_transient(late, state=np.full((1, 2), 0.4), duration=5.0, scheme="heun", step=0.001, dtype="float64")
+    assert np.abs(found.x - finer.x).max() <= 1e-3
+
+
+def test_explain_says_what_an_accuracy_decides() -> None:
+    assert "accuracy 0.001" in str(explain("diffusion", (32, 32), accuracy=1e-3))
+    assert "kink to kink" in str(explain("diffusion", (8, 8), accuracy="exact"))
+
+
+@pytest.mark.parametrize("wrong", [0, -1, 2, "fine", 1e-15, True, float("nan")])
+def test_accuracies_that_are_none_are_refused(wrong: Any) -> None:
+    with pytest.raises(InputError, match="accuracy"):
+        run_transient(Template(0.5), state=np.zeros((2, 2)), accuracy=wrong)
+
+
+def test_scheme_and_accuracy_exclude_each_other() -> None:
+    with pytest.raises(InputError, match="one or the other"):
+        run_transient(Template(0.5), state=np.zeros((2, 2)), accuracy=1e-3, scheme="rk4")
