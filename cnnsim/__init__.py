@@ -8,6 +8,7 @@ write_picture(result.y, "edge.png")
 
 from cnnsim import library, plot
 from cnnsim.backends.opencl.devices import devices
+from cnnsim.ended import NotSettledError
 from cnnsim.library.catalogue import run
 from cnnsim.library.explain import explain
 from cnnsim.network import PERIODIC, ZERO_FLUX, Boundary, Cell, Frames, LayeredTemplate, Table, Template, Term, fixed
@@ -21,7 +22,7 @@ from cnnsim.support.pictures.picture import read_picture, write_picture
 from cnnsim.support.pictures.read import read_pictures
 from cnnsim.support.values import from_gray, to_planes
 from cnnsim.trajectory import Trajectory
-from cnnsim.transient import NotSettledError, run_transient, trajectory
+from cnnsim.transient import run_transient, trajectory
 
 __version__ = "0.1.0"
 

@@ -2,38 +2,28 @@
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
-from math import nan
 from typing import Any, Literal, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim import backends
-from cnnsim.accuracy.at_rest import seen_to_the_end
 from cnnsim.accuracy.reach import Transient, decided
-from cnnsim.accuracy.settle import SETTLED_DISTANCE
 from cnnsim.accuracy.wanted import Accuracy, Wanted, parse_accuracy
 from cnnsim.backends.base import Backend, Outcome
 from cnnsim.backends.memory import cell_bytes
+from cnnsim.ended import ended, reached
 from cnnsim.keywords import spelled
 from cnnsim.network import ZERO_FLUX, AnyTemplate, Boundary, Cell, CellModel, Frames
 from cnnsim.network.boundary import parse_boundary
 from cnnsim.planning.duration import Duration
-from cnnsim.planning.plan import SETTLED_RATE, Plan, make_plan
+from cnnsim.planning.plan import Plan, make_plan
 from cnnsim.recording import Record, parse_record, recorded
 from cnnsim.result import Result
 from cnnsim.support import Array, Flags, Floats, InputError
 from cnnsim.support.memory import LARGE, check_memory
 from cnnsim.support.values import as_numbers, largest
 from cnnsim.trajectory import CellIndex, Trajectory
-
-
-class NotSettledError(InputError):
-    """A transient was to settle and did not within its limit; ``result`` has what there is."""
-
-    def __init__(self, message: str, result: Result) -> None:
-        super().__init__(message)
-        self.result = result
 
 
 @dataclass(frozen=True)
@@ -214,63 +204,19 @@ def run_transient(
         if record is not None:
             raise InputError("record with an accuracy: several runs are made; give scheme and step to record one")
         where = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend
-        return _reached(task, where)
+        given = task.state, task.input, task.bias, task.mask
+        again = Transient(task.plan, lambda backend, plan: task.start(backend, plan=plan), given)
+        return reached(again, where, task.accuracy)
     wanted = None if record is None else parse_record(record, task.state.shape)
     where = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend
     outcome = task.start(where)
     result = Result(where.read(outcome.x, copy=False), outcome.t, outcome.settled, outcome.rate, task.plan)
     if wanted is not None:
         result = replace(result, trajectory=task.recorded(where, wanted, result))
-    return _ended(task, where, outcome, result)
-
-
-def _reached(task: Task, where: Backend) -> Result:
-    """Return the result of a run to the task's accuracy."""
-
-    def start(backend: Backend, plan: Plan) -> Outcome:
-        return task.start(backend, plan=plan)
-
-    assert task.accuracy is not None
-    planes = task.state, task.input, task.bias, task.mask
-    found = Transient(task.plan, start, planes).reach(where, task.accuracy)
-    plan = replace(found.plan, decisions=(*found.plan.decisions, decided(task.plan, task.accuracy)))
-    result = Result(
-        found.x, found.t, found.settled, found.rate, plan, None, found.error if found.settled else nan,
-        np.argwhere(found.undecided), found.how, found.error,
-    )  # fmt: skip
-    if task.plan.duration == "settled" and not found.settled:
-        raise NotSettledError(
-            f"template {plan.template.name!r} has not settled after {found.t:g} time constants within {task.accuracy}; "
-            "give a duration, or a higher limit",
-            result,
-        )
-    return result
-
-
-def _ended(task: Task, where: Backend, outcome: Outcome, result: Result) -> Result:
-    """Return the result of a run that was to settle only when its outputs are as near to their end as promised."""
     if task.plan.duration != "settled":
         return result
-    name = f"template {task.plan.template.name!r}"
-    if not result.settled:
-        raise NotSettledError(
-            f"{name} has not settled after {result.t:g} time constants: |dx/dt| is still "
-            f"{result.rate:.3g} somewhere; give a duration, or a higher limit",
-            result,
-        )
-    u, bias = _load(where, task.input), _load(where, task.bias)
     mask = None if task.mask is None else where.load(task.mask, "llm")
-    seen, ending = seen_to_the_end(where, task.plan, outcome, u, bias, mask, SETTLED_DISTANCE)
-    if ending.x is not None:
-        result = replace(result, x=ending.x, t=seen.t, settled=seen.settled, rate=seen.rate)
-    result = replace(result, distance=ending.distance, undecided=np.argwhere(ending.undecided), how=ending.how)
-    if not result.settled:
-        raise NotSettledError(
-            f"{name} moves no faster than {SETTLED_RATE:g} after {result.t:g} time constants, but may be "
-            f"{result.distance:.2g} from its end; give a duration, or a higher limit",
-            result,
-        )
-    return result
+    return ended(result, where, outcome, _load(where, task.input), _load(where, task.bias), mask)
 
 
 @spelled(TaskOptions)

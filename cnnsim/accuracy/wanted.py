@@ -1,18 +1,32 @@
 """The accuracy that a run is asked for: a distance of the state from the truth, only the signs, or all there is."""
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
-from cnnsim.support import InputError
+from cnnsim.support import InputError, naming
 from cnnsim.support.values import is_number
 
-Accuracy = float | Literal["binary", "exact"]
+Accuracy = float | str
+"""A number, "binary" or "exact"; the command line has the number as text."""
 
 FLOAT32 = 3e-4
 """What float32 is asked for at most: of 400 random transients its rounding alone cost 2e-5 in one of twenty."""
 EXACT = 1e-10
 LEAST = 1e-12
 """Sums of a hundred steps in float64 are no more certain than that."""
+
+
+def read_accuracy(data: dict[str, Any], where: str) -> Accuracy | None:
+    """Return the accuracy in a table of a file, None if it has none.
+
+    Raises:
+        InputError: it is none.
+    """
+    if "accuracy" not in data:
+        return None
+    with naming(where):
+        parse_accuracy(data["accuracy"])
+    return data["accuracy"]
 
 
 @dataclass(frozen=True)

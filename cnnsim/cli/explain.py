@@ -16,14 +16,16 @@ from cnnsim.support.echo import say, say_table
     epilog=examples(
         "cnnsim explain edge",
         "cnnsim explain hole-filler --size 512x512 --without sleep",
+        "cnnsim explain diffusion --accuracy 1e-6",
         "cnnsim explain slip-front --size 16x16",
     )
 )
 @click.argument("name")
 @click.option("--size", default="64x64", show_default=True, help="Grid as ROWSxCOLS.")
+@click.option("--accuracy", help="As in `cnnsim run`: what it would decide.")
 @without_option
 @json_option
-def explain(name: str, size: str, without: tuple[str, ...], as_json: bool) -> None:
+def explain(name: str, size: str, accuracy: str | None, without: tuple[str, ...], as_json: bool) -> None:
     """Print what the plan decides for a template, or for each template step of a program, and why.
 
     NAME is one of the library, or a file; where a template and a program share it, programs/NAME is the program.
@@ -31,11 +33,12 @@ def explain(name: str, size: str, without: tuple[str, ...], as_json: bool) -> No
     shape = _shape(size)
     program = program_of(name)
     if program is not None:
-        if without:
-            raise InputError(f"--without {without[0]}: {name} is a program; --without goes with templates")
+        if without or accuracy:
+            given = f"--without {without[0]}" if without else f"--accuracy {accuracy}"
+            raise InputError(f"{given}: {name} is a program; {given.split()[0]} goes with templates")
         _explain_steps(program, shape, as_json)
         return
-    found = explanation(name, shape, without=without)
+    found = explanation(name, shape, without=without, accuracy=accuracy)
     if as_json:
         plan, known = found.plan, found.guaranteed
         facts = {"template": name, "method": plan.method, "step": plan.step, "decisions": plan.decisions}

@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from cnnsim import library
+from cnnsim.cli.accuracy import accuracy
 from cnnsim.cli.design import design
 from cnnsim.cli.devices import devices
 from cnnsim.cli.examples import write_examples
@@ -36,6 +37,7 @@ for command in (
     list_,
     show,
     explain,
+    accuracy,
     run,
     program,
     trace,

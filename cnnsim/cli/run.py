@@ -41,6 +41,7 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON f
         "cnnsim run hole-filler scan.png -o filled.png --binary --trajectory wave.gif",
         "cnnsim run diffusion photo.jpg -o soft.png --time 3 --boundary zero-flux",
         "cnnsim run recall mask.png --state marker.png -o found.png",
+        "cnnsim run diffusion photo.jpg -o soft.png --accuracy 1e-5",
         "cnnsim run edge scans/ -o edges.png",
         "cnnsim run edge walk.mp4 -o edges.gif",
         "cnnsim run hole-filler scan.png --mask keep.png -o filled.png",
@@ -64,6 +65,9 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON f
 )
 @click.option("--step", type=float, help="Step in time constants.")
 @click.option(
+    "--accuracy", help="Instead of scheme and step: the error allowed (1e-3), 'binary' (only signs count) or 'exact'."
+)
+@click.option(
     "--cell", type=click.Choice(["chua-yang", "full-range"]), help="Cell model instead of the template's own."
 )
 @without_option
@@ -85,7 +89,8 @@ def run(
     Several pictures are files, a folder, a GIF, a video, .npy or .npz: templates for moving pictures take them as one
     sequence, others run on each by itself. Of a network of layers each layer has its own output.
     """
-    from cnnsim.transient import NotSettledError, run_transient
+    from cnnsim.ended import NotSettledError
+    from cnnsim.transient import run_transient
     from cnnsim.transient import trajectory as run_over_time
 
     entry = library.load(name)
@@ -96,7 +101,7 @@ def run(
     reading = Reading(binary, levels, where.dtype)
     shown = read_for(entry, pictures, reading, batch=True)
     where = find_backend(backend, where.dtype, device, threads, shown.size)
-    task = {**entry.task(shown, read_beside(state, "--state", shown, reading)), **given}
+    task = entry.changed(entry.task(shown, read_beside(state, "--state", shown, reading)), given)
     for key, path in (("mask", mask), ("bias", bias)):
         if (plane := read_beside(path, f"--{key}", shown, reading)) is not None:
             task[key] = as_map(plane, f"--{key}", task["state"])
@@ -110,6 +115,7 @@ def run(
     written = [] if output is None else write_planes(result.y, output, film=film)
     if trajectory is not None:
         end = result.t if np.isfinite(result.t) else 10.0
+        task.pop("accuracy", None)  # a film shows the plan's own steps
         over_time = run_over_time(entry.network, **task, until=max(end, 1.0), frames=60, backend=where)
         times, frames = zip(*watched(over_time, "film", 61), strict=True)
         write_film(frames, trajectory, times=times)
@@ -117,9 +123,17 @@ def run(
     size = " x ".join(str(n) for n in result.y.shape)
     if as_json:
         facts = {"template": name, "t": result.t, "settled": result.settled, "rate": result.rate}
+        facts |= {"distance": result.distance, "error": result.error, "how": result.how}
+        facts |= {"undecided": result.undecided.tolist()}
         print_json({**facts, "black": black, "cells": result.y.size, "shape": result.y.shape})
     else:
         ended = (
             "at rest" if not np.isfinite(result.t) else f"t = {result.t:g}" + (", settled" if result.settled else "")
         )
-        say(f"{name}: {size} cells, {ended}, {black} black" + arrow(written))
+        known = "" if np.isnan(result.error) else f", error {result.error:.2g}"
+        say(f"{name}: {size} cells, {ended}{known}, {black} black" + arrow(written))
+        if result.how and not np.isnan(result.error):
+            say(f"  {result.how}")
+        if len(result.undecided):
+            cells = [str(tuple(cell)) for cell in result.undecided[:8].tolist()] + ["..."] * (len(result.undecided) > 8)
+            say(f"  {len(result.undecided)} cells are not decided: {' '.join(cells)}")

@@ -26,11 +26,12 @@ def run(
     """Run a library template on a picture (rows, cols) of CNN values as its file says.
 
     ``state`` is the second picture of templates that take one. ``changes`` replace what the file says: boundary,
-    duration, cell, scheme, step, limit, bias, mask, as in `run_transient`; so are ``backend``, ``dtype``, ``threads``
-    and ``record``: times [time constants], or cells (row, column), whose states the result has as its ``trajectory``.
+    duration, cell, scheme, step, accuracy, limit, bias, mask, as in `run_transient`; so are ``backend``, ``dtype``,
+    ``threads`` and ``record``: times [time constants], or cells (row, column), whose states the result has as its
+    ``trajectory``.
     """
     entry = load(entry) if isinstance(entry, str) else entry
-    task = {**entry.task(picture, state), **changes}
+    task = entry.changed(entry.task(picture, state), changes)
     return run_transient(entry.network, **task, backend=backend, dtype=dtype, threads=threads, record=record)
 
 

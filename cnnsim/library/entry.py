@@ -1,5 +1,6 @@
 """Library entry: a template with all that is needed to use it as meant, and its worked examples."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -7,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cnnsim.accuracy.wanted import Accuracy
 from cnnsim.library.folders import folder
 from cnnsim.network import CHUA_YANG, ZERO_FLUX, AnyTemplate, Boundary, Cell, Frames, LayeredTemplate, Template
 from cnnsim.planning.duration import Duration
@@ -51,7 +53,7 @@ class LibraryEntry:
     ``input`` (u): "picture", a constant, or "none". ``initial_state`` (x(0)): "picture" (the same one), "given" (a
     second one), a constant, or "any" (0 is used); for a ``network`` of layers it may be one of these a layer. With
     ``frame_time`` [time constants] the picture is a sequence (frames, rows, cols), x(0) its first frame. ``cell`` and
-    ``step`` belong to the template where it works with no other.
+    ``step`` belong to the template where it works with no other; ``accuracy`` is what it is run to instead of a step.
     """
 
     name: str
@@ -71,6 +73,7 @@ class LibraryEntry:
     cell: Cell = CHUA_YANG
     step: float | None = None
     frame_time: float | None = None
+    accuracy: Accuracy | None = None
 
     def __repr__(self) -> str:
         return f"LibraryEntry({self.name!r}, {self.summary!r}, {self.network!r})"
@@ -135,7 +138,18 @@ class LibraryEntry:
             rules["limit"] = self.limit(grid)
         elif self.frame_time:  # a longer sequence than that of the file is seen to its end
             rules["duration"] = max(self.duration, self.frame_time * frames)
-        return rules if self.step is None else {**rules, "step": self.step}
+        own = {"step": self.step, "accuracy": self.accuracy}
+        return rules | {key: value for key, value in own.items() if value is not None}
+
+    @staticmethod
+    def changed(task: dict[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+        """Return a task with changes: an accuracy takes the place of the file's step, a scheme or step of its accuracy.
+
+        Arguments: ``task`` as from `task`, ``changes`` as in `run_transient`.
+        """
+        dropped = {"step", "scheme"} if changes.get("accuracy") is not None else set()
+        dropped |= {"accuracy"} if changes.get("scheme") is not None or changes.get("step") is not None else set()
+        return {**{key: value for key, value in task.items() if key not in dropped}, **changes}
 
     def planes(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, Any]:
         """Return the planes ``input`` and ``state`` that the picture (and the second one) stand for.

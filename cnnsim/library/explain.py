@@ -72,7 +72,7 @@ def explain(
         values = np.broadcast_to(values, (2, *values.shape))
     roles = entry.initial_state if isinstance(entry.initial_state, tuple) else (entry.initial_state,)
     planes = entry.task(values, np.broadcast_to(-1.0, values.shape[-2:]) if "given" in roles else None)
-    task = make_task(entry.network, **{**planes, **changes})
+    task = make_task(entry.network, **entry.changed(planes, changes))
     return _explained(task, entry.running_time(task.plan.shape))
 
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from cnnsim.accuracy.wanted import read_accuracy
 from cnnsim.library.entry import Example, LibraryEntry, Role
 from cnnsim.library.read_network import TEMPLATE_KEYS, parse_pictures, read_template
 from cnnsim.network import LayeredTemplate, parse_boundary
@@ -13,7 +14,7 @@ from cnnsim.support.names import check_name
 from cnnsim.support.toml_file import check_keys, line_of, located, read_toml, take, take_duration, take_tables
 
 _REQUIRED = ("name", "summary", "reference", "input", "initial_state", "boundary", "duration")
-_OPTIONAL = ("tags", "margin", "note", "aliases", "example", "cell", "step", "frame_time", *TEMPLATE_KEYS)
+_OPTIONAL = ("tags", "margin", "note", "aliases", "example", "cell", "step", "frame_time", "accuracy", *TEMPLATE_KEYS)
 _PLANES = ("input", "state", "output", "mask", "bias")
 
 
@@ -53,7 +54,7 @@ def _entry(data: dict[str, Any], stem: str) -> LibraryEntry:
         take(data, "note", str, "template", ""), _words(data, "aliases"),
         tuple(_example(item) for item in take_tables(data, "example", "template")),
         cell=cell, step=_number(data, "step"),
-        frame_time=_number(data, "frame_time"),
+        frame_time=_number(data, "frame_time"), accuracy=read_accuracy(data, "template"),
     )  # fmt: skip
     if template.reads_input and entry.input == "none":
         raise InputError(f"B is not zero, or a term reads u, but input is 'none'{line_of(data, 'input')}")

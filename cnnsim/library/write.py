@@ -34,6 +34,7 @@ def template_text(entry: LibraryEntry) -> str:
         "cell": None if entry.cell == CHUA_YANG else cell_value(entry.cell),
         "step": entry.step,
         "frame_time": entry.frame_time,
+        "accuracy": entry.accuracy,
         "margin": entry.margin,
         "note": entry.note or None,
         "aliases": entry.aliases or None,

@@ -10,8 +10,11 @@ from numpy.typing import ArrayLike
 
 from cnnsim import backends, library
 from cnnsim.accuracy.at_rest import seen_to_the_end
+from cnnsim.accuracy.reach import Transient
 from cnnsim.accuracy.settle import SETTLED_DISTANCE
-from cnnsim.backends.base import Backend, Plane
+from cnnsim.accuracy.wanted import Wanted, parse_accuracy
+from cnnsim.backends.base import Backend, Outcome, Plane
+from cnnsim.ended import reached
 from cnnsim.keywords import spelled
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.global_wire import read_wire
@@ -149,7 +152,8 @@ class UniversalMachine:
         plan = self._plans.get((step, shape))
         if plan is None:
             plan = self._plans[step, shape] = make_plan(
-                step.template, shape, step.boundary, duration=step.duration, cell=step.cell, step=step.step,
+                step.template, shape, step.boundary, duration=step.duration, cell=step.cell,
+                step=None if step.accuracy is not None else step.step,
                 limit=_limit(step, shape[-2:]),
             )  # fmt: skip
 
@@ -162,8 +166,10 @@ class UniversalMachine:
         if step.mask is not None and program.memory[step.mask] == "lam":
             mask = self.backend.convert(mask, "llm")
         with naming(step.where):
-            u, bias = plane(step.input), plane(step.bias)
-            outcome = self.backend.transient(plan, plane(step.state), u, bias, mask)
+            x, u, bias = plane(step.state), plane(step.input), plane(step.bias)
+            if step.accuracy is not None:
+                return self._to_accuracy(plan, parse_accuracy(step.accuracy), x, u, bias, mask)
+            outcome = self.backend.transient(plan, x, u, bias, mask)
             if outcome.settled:
                 outcome, _ = seen_to_the_end(self.backend, plan, outcome, u, bias, mask, SETTLED_DISTANCE)
         if step.duration == "settled" and not outcome.settled:
@@ -171,6 +177,18 @@ class UniversalMachine:
                 f"{step.where}: has not settled after {outcome.t:g} time constants; |dx/dt| {outcome.rate:.3g}"
             )
         return outcome.x
+
+    def _to_accuracy(self, plan: Plan, wanted: Wanted, *planes: Plane | None) -> Plane:
+        """Run a transient to an accuracy, in float64 where it must be, and return its state."""
+        read = [None if plane is None else self.backend.read(plane) for plane in planes]
+        x, u, bias = (None if plane is None else plane.astype(np.float64) for plane in read[:3])
+
+        def start(where: Backend, again: Plan) -> Outcome:
+            state, shown, added = (None if plane is None else where.load(plane, "lam") for plane in (x, u, bias))
+            return where.transient(again, state, shown, added, None if read[3] is None else where.load(read[3], "llm"))
+
+        found = reached(Transient(plan, start, (x, u, bias, read[3])), self.backend, wanted)
+        return self.backend.load(found.x.astype(self.backend.dtype), "lam")
 
     def _until_unchanged(self, program: Program, step: UntilUnchangedStep, planes: dict[str, Any]) -> None:
         if len(planes[""]) == 3:

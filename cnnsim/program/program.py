@@ -21,6 +21,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from cnnsim.accuracy.wanted import Accuracy
 from cnnsim.library.folders import folder
 from cnnsim.network import CHUA_YANG, Boundary, Cell, Template
 from cnnsim.operations.cellwise import Cellwise
@@ -37,6 +38,7 @@ class TemplateStep:
     """Run ``template`` from ``state`` (a plane, or a constant) with ``input`` and put y into ``to``.
 
     ``name`` is that of the library's template, whose guaranteed running time is waited for; a program's own has none.
+    With ``accuracy`` it is run to that, and ``step`` does not count.
     """
 
     where: str
@@ -51,6 +53,7 @@ class TemplateStep:
     cell: Cell = CHUA_YANG
     step: float | None = None
     name: str = ""
+    accuracy: Accuracy | None = None
 
     def __str__(self) -> str:
         planes = {"u": self.input, "x(0)": self.state, "bias": self.bias, "mask": self.mask}

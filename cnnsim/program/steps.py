@@ -160,7 +160,7 @@ def _whole(value: Any, what: str, where: str, names: Names) -> int:
 _Reader = Callable[[dict[str, Any], str, str, Names], Step]
 
 _READERS: dict[str, tuple[tuple[str, ...], tuple[str, ...], _Reader]] = {
-    "template": (("to",), ("input", "state", "bias", "mask", "boundary", "duration"), read_template_step),
+    "template": (("to",), ("input", "state", "bias", "mask", "boundary", "duration", "accuracy"), read_template_step),
     "cellwise": (("of", "to"), ("parameters",), _cellwise),
     "logic": (("of", "to"), (), _logic),
     "copy": (("to",), (), _copy),

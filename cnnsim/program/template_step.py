@@ -3,6 +3,7 @@
 from typing import Any
 
 from cnnsim import library
+from cnnsim.accuracy.wanted import Accuracy, read_accuracy
 from cnnsim.network import CHUA_YANG, Boundary, Cell, Template, parse_boundary
 from cnnsim.planning.duration import Duration
 from cnnsim.program.names import Names
@@ -17,7 +18,7 @@ def read_template_step(table: dict[str, Any], where: str, _number: str, names: N
     Raises:
         InputError: no such template, or no plane where it needs one.
     """
-    template, boundary, duration, u, x0, cell, step = _find_template(table["template"], where, names)
+    template, boundary, duration, u, x0, cell, step, accuracy = _find_template(table["template"], where, names)
     u = table.get("input", u)
     if template.reads_input and u is None:
         raise InputError(f"{where}: the template has a B, so 'input' must name a plane")
@@ -39,18 +40,20 @@ def read_template_step(table: dict[str, Any], where: str, _number: str, names: N
         cell,
         step,
         "" if table["template"] in names.templates else table["template"],
+        read_accuracy(table, where) or accuracy,
     )
 
 
 def _find_template(
     name: str, where: str, names: Names
-) -> tuple[Template, Boundary, Duration, Any, Any, Cell, float | None]:
-    """Return template, boundary, duration, what u and x(0) are if the step does not say (None: it must), cell, step.
+) -> tuple[Template, Boundary, Duration, Any, Any, Cell, float | None, Accuracy | None]:
+    """Return template, boundary, duration, what u and x(0) are if the step does not say (None: it must), cell, step,
+    accuracy.
 
     A program's own templates are Chua-Yang cells.
     """
     if name in names.templates:
-        return (*names.templates[name], None, None, CHUA_YANG, None)
+        return (*names.templates[name], None, None, CHUA_YANG, None, None)
     with naming(where):
         entry = library.load(name)
         template = entry.template
@@ -58,4 +61,4 @@ def _find_template(
             raise InputError(f"template {name!r} takes a sequence of pictures, a step has one")
     u = entry.input if isinstance(entry.input, int | float) else None
     x0 = 0.0 if entry.initial_state == "any" else entry.initial_state
-    return template, entry.boundary, entry.duration, u, x0, entry.cell, entry.step
+    return template, entry.boundary, entry.duration, u, x0, entry.cell, entry.step, entry.accuracy

@@ -12,12 +12,13 @@ from cnnsim.backends import get
 from cnnsim.backends.cpu.backend import CpuBackend
 from cnnsim.backends.cpu.euler.rows import PAD, STRIDE
 from cnnsim.backends.cpu.prepared import TILE_COLS
+from cnnsim.ended import NotSettledError
 from cnnsim.network import PERIODIC, ZERO_FLUX, Boundary, Template, fixed
 from cnnsim.planning.plan import make_plan
 from cnnsim.planning.savings import MOST_HALO
 from cnnsim.result import Result
 from cnnsim.support import InputError
-from cnnsim.transient import NotSettledError, run_transient
+from cnnsim.transient import run_transient
 
 BACKENDS = {name: get("cpu", name) for name in ("float32", "float64")}
 BOUNDARIES = (fixed(-1), fixed(0.25), ZERO_FLUX, PERIODIC)

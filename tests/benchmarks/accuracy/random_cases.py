@@ -7,13 +7,10 @@ from typing import Any
 import numpy as np
 
 from cnnsim import PERIODIC, ZERO_FLUX, InputError, Template, fixed, run_transient
-from cnnsim.accuracy.exact_flow import exact_state
-from cnnsim.accuracy.system import linear_system
+from cnnsim.accuracy.work_precision import reference_state
 from cnnsim.backends import get
 from cnnsim.backends.base import Backend
-from cnnsim.backends.reference.drive import control
 from cnnsim.support import Floats
-from cnnsim.transient import make_task
 
 SCHEMES = ("euler", "heun", "rk4")
 STEPS = tuple(0.8 * 0.5**k for k in range(15))
@@ -47,19 +44,7 @@ def case(seed: int) -> Case:
     given = {
         "template": template, "state": x, "input": x[::-1], "bias": bias, "boundary": boundary, "duration": duration,
     }  # fmt: skip
-    return Case(given, truth(given))
-
-
-def truth(given: dict[str, Any]) -> Floats:
-    """The exact state at the end of a linear transient."""
-    task = make_task(**given)
-    plan, mask = task.plan, task.mask
-    free = np.ones(task.state.size, bool) if mask is None else ~mask.ravel()
-    system = linear_system(plan.template.feedback_taps, plan.shape, plan.boundary, limited=plan.cell == "full-range")
-    drive = control(plan, task.state, task.input, task.bias)  # type: ignore[arg-type]  # no sequences here
-    return exact_state(system.with_planes(drive.ravel(), free), task.state.ravel(), float(plan.duration)).reshape(
-        task.state.shape
-    )
+    return Case(given, reference_state(given)[0])
 
 
 class Counting:

@@ -8,11 +8,12 @@ import pytest
 from numpy.typing import NDArray
 
 from cnnsim import PERIODIC, ZERO_FLUX, Template, fixed, library
+from cnnsim.ended import NotSettledError
 from cnnsim.planning.plan import usual_limit
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.theory.running_time import guaranteed_time, time_of_picture
-from cnnsim.transient import NotSettledError, run_transient
+from cnnsim.transient import run_transient
 from tests.kits.time import final, guaranteed, pictures
 from tests.oracles.pictures import plane
 

@@ -1,0 +1,89 @@
+"""Work and precision of one transient: its error against evaluations and time, by scheme, step, dtype and backend."""
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cnnsim import backends
+from cnnsim.backends.base import NotFiniteError
+from cnnsim.planning.scheme import SCHEMES
+from cnnsim.support import Floats, InputError
+
+STEPS = tuple(0.8 * 0.5**k for k in range(10))
+
+
+@dataclass(frozen=True)
+class Row:
+    """One run: its setting, the largest error of a state, the share of right signs, evaluations of A*y, seconds."""
+
+    backend: str
+    dtype: str
+    scheme: str
+    step: float
+    error: float
+    signs: float
+    evaluations: int
+    seconds: float
+
+
+def settings(names: Sequence[str], most: int) -> Iterator[tuple[str, str, str, float]]:
+    """Yield backend, dtype, scheme and step of all runs, the longest steps first."""
+    for name in names:
+        for dtype in ("float64",) if name == "reference" else ("float32", "float64"):
+            for scheme in SCHEMES:
+                for step in STEPS[:most]:
+                    yield name, dtype, scheme, step
+
+
+def measured(given: dict[str, Any], exact: Floats, setting: tuple[str, str, str, float], rounds: int = 3) -> Row | None:
+    """Return the row of one setting, the best time of some rounds; None where the step is not stable, or not fitting.
+
+    Arguments: ``given`` as `cnnsim.transient.make_task` takes it, with a duration; ``exact`` the state at its end.
+    """
+    from cnnsim.transient import make_task  # it imports this folder
+
+    name, dtype, scheme, step = setting
+    try:
+        task = make_task(**given, scheme=scheme, step=step)
+        where = backends.get(name, dtype)
+        best = np.inf
+        for _ in range(rounds):
+            start = time.perf_counter()
+            x = where.read(task.start(where).x)
+            best = min(best, time.perf_counter() - start)
+    except (InputError, NotFiniteError):
+        return None
+    error = float(np.abs(x - exact).max())
+    signs = float((np.sign(task.plan.output(x)) == np.sign(task.plan.output(exact))).mean())
+    stages = len(task.plan.scheme.b) if task.plan.scheme else 1
+    return Row(name, dtype, scheme, task.plan.step, error, signs, task.plan.steps * stages, float(best))
+
+
+def reference_state(given: dict[str, Any]) -> tuple[Floats, str]:
+    """Return the exact state at the end of a transient, and how it was found.
+
+    A linear template's is the exact flow; any other's is extrapolated from two runs by short steps.
+    """
+    from cnnsim.accuracy.exact_flow import exact_state  # as below
+    from cnnsim.accuracy.system import linear_system
+    from cnnsim.backends.reference.drive import control
+    from cnnsim.transient import make_task
+
+    task = make_task(**given)
+    plan = task.plan
+    if plan.method in ("stepped", "closed form"):
+        free = np.ones(task.state.size, bool) if task.mask is None else ~task.mask.ravel()
+        system = linear_system(
+            plan.template.feedback_taps, plan.shape, plan.boundary, limited=plan.cell == "full-range"
+        )
+        drive = control(plan, task.state, task.input, task.bias)  # type: ignore[arg-type]  # no sequences here
+        x = exact_state(system.with_planes(drive.ravel(), free), task.state.ravel(), float(plan.duration))
+        return x.reshape(task.state.shape), "exact flow"
+    where, ends = backends.get("cpu", "float64"), []
+    for step in (1 / 512, 1 / 1024):
+        fine = make_task(**given, scheme="heun", step=step)
+        ends.append(where.read(fine.start(where).x))
+    return ends[1] + (ends[1] - ends[0]) / 3, f"heun by 1/512 and 1/1024, {np.abs(ends[1] - ends[0]).max():.0e} apart"
