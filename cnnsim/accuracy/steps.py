@@ -6,12 +6,9 @@ from dataclasses import replace
 from cnnsim.planning.network_modes import step_bound
 from cnnsim.planning.plan import Plan
 from cnnsim.planning.savings import stepped_savings
-from cnnsim.planning.scheme import EULER, Scheme
+from cnnsim.planning.scheme import Scheme
 from cnnsim.planning.stability import step_limit
 from cnnsim.planning.step import check_count, divided
-
-_CHEAP_CELLS = 20_000
-"""Cells from which on a few steps less pay for finding the limit of stability, some milliseconds."""
 
 
 def by_steps(plan: Plan, scheme: Scheme, step: float, *, timed: bool = False) -> Plan:
@@ -27,9 +24,7 @@ def by_steps(plan: Plan, scheme: Scheme, step: float, *, timed: bool = False) ->
 
 
 def longest_step(plan: Plan, scheme: Scheme) -> float:
-    """Return a step with which the scheme is stable: twice the plan's own, or on a large grid the longest there is."""
-    if plan.scheme is EULER and math.prod(plan.shape) < _CHEAP_CELLS:
-        return 2 * plan.step  # the plan took half the limit of Euler or less, and no table here has a lower one
+    """Return a step with which the scheme is stable."""
     if plan.method == "general":
         assert plan.network is not None
         return 0.95 * step_bound(plan.network, plan.characteristic, plan.duration, scheme)

@@ -83,7 +83,7 @@ def reference_state(given: dict[str, Any]) -> tuple[Floats, str]:
         x = exact_state(system.with_planes(drive.ravel(), free), task.state.ravel(), float(plan.duration))
         return x.reshape(task.state.shape), "exact flow"
     where, ends = backends.get("cpu", "float64"), []
-    for step in (1 / 512, 1 / 1024):
+    for step in (1 / 500, 1 / 1000):
         fine = make_task(**given, scheme="heun", step=step)
         ends.append(where.read(fine.start(where).x))
-    return ends[1] + (ends[1] - ends[0]) / 3, f"heun by 1/512 and 1/1024, {np.abs(ends[1] - ends[0]).max():.0e} apart"
+    return ends[1] + (ends[1] - ends[0]) / 3, f"heun by 1/500 and 1/1000, {np.abs(ends[1] - ends[0]).max():.0e} apart"
