@@ -13,7 +13,7 @@ from cnnsim.cli.run import json_option
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.echo import say
-from cnnsim.support.picture import read_picture
+from cnnsim.support.pictures.picture import read_picture
 
 _FILE = click.Path(path_type=Path)
 
@@ -41,7 +41,7 @@ def accuracy(
     Without a picture a random one of 16 x 16 is taken; of a larger one its middle, 24 x 24, because the exact answer
     goes from kink to kink.
     """
-    from cnnsim.accuracy.work_precision import measured, reference_state, settings
+    from cnnsim.prototyping.accuracy.work_precision import measured, reference_state, settings
 
     entry = library.load(name)
     shown = np.random.default_rng(1).uniform(-1, 1, (16, 16)) if picture is None else _middle(read_picture(picture))
@@ -66,7 +66,7 @@ def accuracy(
     if output is not None:
         from matplotlib.figure import Figure  # slow to import, and only needed for the diagram
 
-        from cnnsim.accuracy.plot import draw
+        from cnnsim.prototyping.accuracy.plot import draw
 
         figure = Figure(figsize=(11, 4.5), layout="constrained")
         left, right = figure.subplots(1, 2)

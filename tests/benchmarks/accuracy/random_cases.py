@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from cnnsim import PERIODIC, ZERO_FLUX, InputError, Template, fixed, run_transient
-from cnnsim.accuracy.work_precision import reference_state
 from cnnsim.backends import get
 from cnnsim.backends.base import Backend
+from cnnsim.prototyping.accuracy.work_precision import reference_state
 from cnnsim.support import Floats
 
 SCHEMES = ("euler", "heun", "rk4")

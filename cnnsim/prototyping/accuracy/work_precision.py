@@ -8,9 +8,13 @@ from typing import Any
 import numpy as np
 
 from cnnsim import backends
+from cnnsim.accuracy.exact_flow import exact_state
+from cnnsim.accuracy.system import linear_system
 from cnnsim.backends.base import NotFiniteError
+from cnnsim.backends.reference.drive import control
 from cnnsim.planning.scheme import SCHEMES
 from cnnsim.support import Floats, InputError
+from cnnsim.transient import make_task
 
 STEPS = tuple(0.8 * 0.5**k for k in range(10))
 
@@ -43,8 +47,6 @@ def measured(given: dict[str, Any], exact: Floats, setting: tuple[str, str, str,
 
     Arguments: ``given`` as `cnnsim.transient.make_task` takes it, with a duration; ``exact`` the state at its end.
     """
-    from cnnsim.transient import make_task  # it imports this folder
-
     name, dtype, scheme, step = setting
     try:
         task = make_task(**given, scheme=scheme, step=step)
@@ -67,11 +69,6 @@ def reference_state(given: dict[str, Any]) -> tuple[Floats, str]:
 
     A linear template's is the exact flow; any other's is extrapolated from two runs by short steps.
     """
-    from cnnsim.accuracy.exact_flow import exact_state  # as below
-    from cnnsim.accuracy.system import linear_system
-    from cnnsim.backends.reference.drive import control
-    from cnnsim.transient import make_task
-
     task = make_task(**given)
     plan = task.plan
     if plan.method in ("stepped", "closed form"):

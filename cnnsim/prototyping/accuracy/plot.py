@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from cnnsim.accuracy.work_precision import Row
 from cnnsim.plot.figures import COLOURS
+from cnnsim.prototyping.accuracy.work_precision import Row
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
