@@ -17,7 +17,7 @@ from cnnsim.support import InputError
 from tests.fuzz.broken_files import all_files
 
 SLOW = 5.0
-"""[s] that no file may take."""
+"""[s] of the processor that no file may take."""
 LARGE = 1000 * 2**20
 """Bytes that no file may take beyond what the readers themselves need."""
 LIMIT = 3000 * 2**20
@@ -93,7 +93,7 @@ def judge(path: Path) -> list[str]:
     found = []
     readers = (BY_NAME[path.name],) if path.name in BY_NAME else BY_SUFFIX[path.suffix]
     for reader in readers:
-        begun = time.perf_counter()
+        begun = time.process_time()  # a busy machine is not the file's fault
         try:
             reader(path)
         except InputError as error:
@@ -104,7 +104,7 @@ def judge(path: Path) -> list[str]:
         except Exception as error:
             last = traceback.extract_tb(error.__traceback__)[-1]
             found.append(f"{type(error).__name__}: {str(error)[:100]} at {last.filename}:{last.lineno}")
-        seconds = time.perf_counter() - begun
+        seconds = time.process_time() - begun
         if seconds > SLOW:
             found.append(f"{seconds:.1f} s")
     return found
