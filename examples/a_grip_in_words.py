@@ -2,21 +2,21 @@
 
 from pathlib import Path
 
-from tactile import Event, Settings, open_source, run
+from tactile import EventLog, Settings, open_source, run
 
 SCENE = Path(__file__).parent / "scenes" / "grip.toml"
 
 
 def main() -> None:
     """Print the events of the left finger and see how far the object slipped."""
-    events: list[Event] = []
-    run(open_source(SCENE), Settings(), [lambda report: events.extend(report.events)])
-    left = [event for event in events if event.finger == "left"]
+    log = EventLog()
+    run(open_source(SCENE), Settings(), [lambda report: log.add(report.events, report.ended)])
+    left = [event for event in log.events if event.finger == "left"]
     for event in left:
         print(f"{event.t:5.2f} s  {event.arrows}  {event.words}")
-    kinds = [event.kind.label for event in left]
+    kinds = [event.kind for event in left]
     assert kinds.count("contact") == kinds.count("release") == 1
-    (length,) = (event.data["length_m"] for event in left if event.kind.label == "slip_ends")
+    (length,) = (event.data["length_m"] for event in left if event.kind == "slip")
     assert abs(float(length) - 0.5e-3) < 1e-6  # the scene's contact point goes from y = -0.3 to 0.2 mm
 
 

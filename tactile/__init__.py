@@ -13,8 +13,8 @@ if TYPE_CHECKING:  # at run time a name is imported when it is first asked for: 
     from tactile.core.frame import Frame, TaxelArray
     from tactile.core.source import Source
     from tactile.events.code import Threshold
-    from tactile.events.detector import Detector, Observation
-    from tactile.events.event import Event, EventKind
+    from tactile.events.detector_file import DetectorFile, EventRule, read_detector
+    from tactile.events.event import Event, EventLog
     from tactile.inverse.load import Load
     from tactile.inverse.validity import Validity
     from tactile.pipeline import FrameReport, Sink, run, warm_up
@@ -28,9 +28,9 @@ if TYPE_CHECKING:  # at run time a name is imported when it is first asked for: 
     from tactile.sources import open_source
 
 __all__ = [
-    "Calibration", "Detector", "Event", "EventKind", "Frame", "FrameReport", "Indenter", "InputError", "Load",
-    "MovingContact", "MovingLoad", "Observation", "Scene", "Settings", "Sink", "SlidingTexture", "Source",
-    "TaxelArray", "Threshold", "Validity", "load_calibration", "make_effect", "open_source", "run", "warm_up",
+    "Calibration", "DetectorFile", "Event", "EventLog", "EventRule", "Frame", "FrameReport", "Indenter", "InputError",
+    "Load", "MovingContact", "MovingLoad", "Scene", "Settings", "Sink", "SlidingTexture", "Source", "TaxelArray",
+    "Threshold", "Validity", "load_calibration", "make_effect", "open_source", "read_detector", "run", "warm_up",
 ]  # fmt: skip
 
 _MODULES = {
@@ -39,8 +39,8 @@ _MODULES = {
     "tactile.core.frame": ("Frame", "TaxelArray"),
     "tactile.core.source": ("Source",),
     "tactile.events.code": ("Threshold",),
-    "tactile.events.detector": ("Detector", "Observation"),
-    "tactile.events.event": ("Event", "EventKind"),
+    "tactile.events.detector_file": ("DetectorFile", "EventRule", "read_detector"),
+    "tactile.events.event": ("Event", "EventLog"),
     "tactile.inverse.load": ("Load",),
     "tactile.inverse.validity": ("Validity",),
     "tactile.pipeline": ("FrameReport", "Sink", "run", "warm_up"),

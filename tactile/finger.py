@@ -1,82 +1,185 @@
 """Finger: the state of one taxel array between frames, and the stages of the pipeline that a frame passes."""
 
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from cnnsim import InputError
+from cnnsim.library.folders import folder
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import Program
-from tactile.calibration.tare import Tare
-from tactile.calibration.tare_check import TareCheck
+from cnnsim.support import Flags
+from tactile.calibration.live_tare import LiveTare, TareNote
 from tactile.core.frame import Frame, TaxelArray
-from tactile.events.code import CONTACT, SHEAR, encode
-from tactile.events.comparators import Comparators
-from tactile.events.detector import Observation
-from tactile.events.event import Happening
-from tactile.events.registry import detectors
+from tactile.events.code import CONTACT, SIGN, Code, encode
+from tactile.events.comparators import BINARY, Comparators
+from tactile.events.detector import Detector, Happening
+from tactile.events.detector_file import published, read_detector, shipped_detectors
+from tactile.events.planes import CODE, NAMES, Moment, PlanePool
+from tactile.events.registry import SHIPPED
+from tactile.events.signals import Signals
+from tactile.events.thresholds import levels
+from tactile.events.travel import Travel
 from tactile.inverse.load import Load
 from tactile.inverse.localise import localise
+from tactile.inverse.summed import summed
 from tactile.settings import Settings
 from tactile.texture.figures import Texture, TextureFigures
 
+STILL = 0.6
+"""[s] without any sign of sliding after which nothing slides."""
+LIVELY = 0.25
+"""Unrest of a normal load under which a texture passes: 1 % of it, above its noise; a grip is ten times stiller."""
+
 
 class Finger:
-    """One array with its tare, its inverse, its comparators, its event detectors and its texture figures."""
+    """One array with its tare, its inverse, its comparators, its detectors and its texture figures."""
 
-    def __init__(self, array: TaxelArray, modulus: float | None, settings: Settings) -> None:
+    def __init__(self, array: TaxelArray, modulus: float | None, settings: Settings, number: int = 0) -> None:
         contact = settings.contact or CONTACT[array.quantity]
-        shear = settings.shear or SHEAR[array.quantity]
         machine = UniversalMachine(settings.backend, "float64")
         self.array = array = array if settings.depth is None else replace(array, depth=settings.depth)
-        self._shear, self._contact = shear, contact
-        self._tare, self._gains, self._radial = Tare(settings.tare), settings.gains, settings.radial
-        self.tared: TareCheck | None = None  # what the tare took away, after the last of its frames
-        self.taxels = Comparators(machine, array.shape, shear, contact)
-        self._detectors = detectors(machine)
-        self._texture = Texture(settings.window, contact.dead_band if settings.floor is None else settings.floor)
+        self._settings, self._gains, self._radial = settings, settings.gains, settings.radial
+        self.tare = LiveTare(number, array, settings.tare, settings.gains)
+        self._signs = settings.shear == SIGN
+        self.taxels = Comparators(machine, array.shape, SIGN if self._signs else BINARY, BINARY)
+        self._signals, self._pool = Signals(array.shape, array.quantity), PlanePool(machine, array.shape)
+        files = shipped_detectors(SHIPPED)
+        known = (*NAMES, *published()) if settings.programs else ()
+        files += [read_detector(name, known) for name in settings.programs]
+        # a machine each: programs of one name keep nothing of each other's
+        self._detectors = [Detector(file, UniversalMachine(settings.backend, "float64"), self._pool) for file in files]
+        self._own = self._detectors[len(SHIPPED) :]
+        self._travel, self._whole = Travel(), Signals((1, 1), "force")
+        least = contact.dead_band if array.quantity == "force" else CONTACT["force"].dead_band
+        self._texture = Texture(settings.window, least if settings.floor is None else settings.floor)
         self._machine, self._inverse = machine, _inverse(array, modulus, contact.dead_band)
         self._positions = array.positions()
+        self._nothing = np.full((1, 1, 3) if self._inverse is not None else (*array.shape, 3), np.nan)
+        self._noise: Any = None
+        self._slid = -np.inf
+        self._travels, self._all_used = False, True
+        self._set_noise()
 
     def calibrate(self, raw: Frame) -> Frame:
         """Return the frame less its tare, times the gains."""
-        frame = self._tare(raw)
-        self.tared = self._tare.check(self.array, self._gains)
+        frame = self.tare(raw)
+        if self.tare.noise is not self._noise:
+            self._set_noise()
         return frame if self._gains is None else replace(frame, values=self._gains(frame.values))
 
-    def locate(self, frame: Frame) -> Load | None:
-        """Return the load under this finger: the inverse in every cell, then the taxels' consensus.
+    def _set_noise(self) -> None:
+        self._noise = noise = self.tare.noise
+        if noise is not None and self._gains is not None:
+            scale = np.abs(self._gains(np.ones(3)))
+            noise = replace(noise, sigma=noise.sigma * scale, jitter=noise.jitter * scale)
+        shear = None if self._signs else self._settings.shear
+        array = self.array
+        self._levels = levels(array.shape, array.quantity, self._settings.sigmas, shear, self._settings.contact, noise)
+        self._signals.set_noise(noise, self._levels)
+        self._left_out: Flags = np.zeros(array.shape, bool) if noise is None else noise.left_out
+        self._floor = float(np.median(self._levels.off[..., 2]))
 
-        None for arrays that measure force themselves.
-        """
+    def locate(self, frame: Frame) -> Load:
+        """Return the load under this finger: the inverse in every cell, then the taxels' consensus; or their sum."""
         if self._inverse is None:
-            return None
-        values = np.where(frame.valid[..., None], frame.values, np.nan)
+            return summed(self._positions, frame.values, frame.valid, self._floor)
+        values = frame.values if frame.valid.all() else np.where(frame.valid[..., None], frame.values, np.nan)
         signals = {name: values[..., i] for i, name in enumerate(self._inverse.inputs)}
         planes = tuple(self._machine.run(self._inverse, **signals).values())
         if self._radial is not None:
             planes = tuple(plane for k in range(0, len(planes), 4) for plane in self._radial(planes[k : k + 4]))
         return localise(self._positions, planes[:4], planes[4:] or None, self.array.depth)
 
-    def notice(self, frame: Frame, load: Load | None) -> list[Happening]:
-        """Run the comparators on the frame and return what the detectors say has happened."""
-        changed = self.taxels.update(encode(frame, self.array.quantity, self._shear, self._contact))
-        seen = Observation(frame, self.taxels.before, self.taxels.code, changed, load)
-        return [what for detector in self._detectors for what in detector.detect(seen)]
+    def notice(self, frame: Frame, load: Load) -> list[Happening]:
+        """Run the comparators and the detectors on the frame and return what begins and what ends."""
+        use = frame.valid & ~self._left_out
+        if not frame.valid.any() and self.tare.noise is None and self._settings.tare != "off":
+            return []  # there is no offset yet
+        before = self._signals.planes.copy() if self._own else self._signals.planes
+        self._signals.update(frame, use, self._levels)
+        if self._inverse is not None:
+            self._whole.take_load(frame.t, load)
+            self._signals.put_load(self._whole)
+        planes = self._signals.planes
+        array, pool = self.array, self._pool
+        if self._signs:
+            signs = encode(frame, array.quantity, SIGN, BINARY)
+            changed = self.taxels.update(
+                {"shear_x": signs["shear_x"], "shear_y": signs["shear_y"], "pressing": planes[2]}
+            )
+        else:
+            changed = self.taxels.update({"shear_x": planes[0], "shear_y": planes[1], "pressing": planes[2]})
+        if changed:
+            code = self.taxels.code
+            for name, on in zip(CODE, (code.x > 0, code.x < 0, code.y > 0, code.y < 0, code.contact), strict=True):
+                pool.set_logic(name, on)
+        if not (use.all() and self._all_used):
+            self._all_used = bool(use.all())
+            pool.set_logic("usable", use)
+        half = max(array.cols, 1) * array.pitch / 2, max(array.rows, 1) * array.pitch / 2
+        pool.update(Moment(frame, array.quantity, self._signals, before, load, half, array.origin))
+        if self._inverse is not None:
+            travels = self._travel.update(frame.t, load, bool(self.taxels.code.contact.any()))
+            if travels != self._travels:
+                self._travels = travels
+                pool.set_logic("travelling", travels)
+        return [what for detector in self._detectors for what in detector.update(frame.t)]
 
-    def feel(self, frame: Frame) -> TextureFigures:
-        """Return the texture figures after this frame."""
-        return self._texture.update(np.where(frame.valid[..., None], frame.values, np.nan))
+    def feel(self, frame: Frame, load: Load) -> TextureFigures:
+        """Return the texture figures after this frame: of every taxel that measures force, else of the located load.
+
+        Frames in which nothing slides do not count: neither slip nor a change of the tangential load for a while, nor a
+        normal load as restless as a texture makes it.
+        """
+        pool, whole = self._pool, self._signals if self._inverse is None else self._whole
+        lively = whole.unrest > LIVELY and not (pool.black("rising") or pool.black("dropping"))
+        if pool.black("slides") or pool.black("driven") or lively:
+            self._slid = frame.t
+        if frame.t - self._slid > STILL:
+            values = self._nothing
+        elif self._inverse is not None:
+            values = np.array([[[load.Q, load.R, load.F]]])
+        else:
+            values = frame.values if frame.valid.all() else np.where(frame.valid[..., None], frame.values, np.nan)
+        return self._texture.update(values)
+
+    @property
+    def code(self) -> Code:
+        """What the comparators say now."""
+        return self.taxels.code
+
+    @property
+    def travelled(self) -> tuple[float, float] | None:
+        """How far the located load has travelled in its last slip [m]; None where loads are not located."""
+        return None if self._inverse is None else self._travel.way
+
+    def tare_notes(self) -> tuple[TareNote, ...]:
+        """Return what became of tares since this was last called."""
+        if not self.tare.notes:
+            return ()
+        notes = tuple(self.tare.notes)
+        self.tare.notes.clear()
+        return notes
+
+    def said(self) -> Mapping[str, Mapping[str, Any]]:
+        """Return the outputs of users' programs that have changed with this frame."""
+        return {one.file.name: one.outputs for one in self._own if one.changed}
 
 
 def _inverse(array: TaxelArray, modulus: float | None, floor: float) -> Program | None:
     if array.quantity == "force":
         return None
+    programs = folder() / "programs"  # as they came: users' files of these names replace them nowhere
     if array.quantity == "stress":
-        return load_program("locate-stress", parameters={"depth": array.depth, "floor": floor})
+        return load_program(programs / "locate-stress.toml", parameters={"depth": array.depth, "floor": floor})
     if modulus is None:
         raise InputError(
             f"taxel array {array.name!r} measures strain; the cover's Young's modulus is wanted, none is given"
         )
-    return load_program("locate-strain", parameters={"depth": array.depth, "modulus": modulus, "floor": floor})
+    return load_program(
+        programs / "locate-strain.toml", parameters={"depth": array.depth, "modulus": modulus, "floor": floor}
+    )

@@ -1,16 +1,19 @@
 """The tactile pipeline: frames are calibrated, located, watched for events, and reported. Start reading here."""
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
+from tactile.calibration.live_tare import TareNote
 from tactile.calibration.tare_check import TareCheck
-from tactile.core.frame import Frame, TaxelArray
+from tactile.core.frame import NORMAL, Frame, TaxelArray
 from tactile.core.source import FrameStream, Source
-from tactile.events.code import Code, hand_code
+from tactile.events.code import CONTACT, SHEAR, Code
 from tactile.events.event import Event
+from tactile.events.narrator import Narrator
 from tactile.finger import Finger
 from tactile.inverse.load import Load
 from tactile.settings import Settings
@@ -21,22 +24,31 @@ from tactile.texture.figures import TextureFigures
 class FrameReport:
     """Everything known after one frame of one finger.
 
-    ``load`` is None for arrays that measure force themselves; ``tare``: what the tare took away, in the report of the
-    last frame that it averaged, else None.
+    ``events`` that this frame tells to have begun, ``ended`` those it tells to be over (see `Event.key`); ``tares``:
+    what has become of tares, ``tare`` what the first took away; ``said``: changed outputs of the user's programs by
+    name.
     """
 
     array: TaxelArray
     frame: Frame
     code: Code
-    load: Load | None
+    load: Load
     texture: TextureFigures
     events: tuple[Event, ...]
+    ended: tuple[Event, ...] = ()
+    tares: tuple[TareNote, ...] = ()
     tare: TareCheck | None = None
+    said: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         happened = [event.words for event in self.events]
         return f"FrameReport({self.array.name}, t={self.frame.t:g}, {happened}, {self.load!r})"
 
+
+WARM = 20.0
+"""Times its largest level that the made-up touch of `warm_up` presses."""
+WARM_SCRIPT = [(0, 0, 0)] * 2 + [(0, 0, 1)] * 30 + [(0.2 * n, 0, 1) for n in range(6)] + [(0, 0, 0)] * 20
+"""Shear x, shear y, normal of its frames, one each 20 ms."""
 
 Sink = Callable[[FrameReport], None]
 
@@ -44,33 +56,52 @@ Sink = Callable[[FrameReport], None]
 def run(source: Source, settings: Settings, sinks: Iterable[Sink]) -> None:
     """Take every frame of the source through the pipeline and hand the report to each sink."""
     sinks = tuple(sinks)
-    fingers = [Finger(array, source.modulus, settings) for array in source.arrays]
+    fingers = [Finger(array, source.modulus, settings, number) for number, array in enumerate(source.arrays)]
+    told = Narrator(fingers)
+    requests = getattr(source, "tare_requests", None)  # of sources that people can talk to
     for raw in source:
         arrived = perf_counter()
+        while requests:
+            force = requests.popleft()
+            for one in fingers:
+                one.tare.ask(force)
         finger = fingers[raw.finger]
         frame = finger.calibrate(raw)
         load = finger.locate(frame)
         happened = finger.notice(frame, load)
-        texture = finger.feel(frame)
-        array, code = finger.array, finger.taxels.code
-        hand = hand_code([one.taxels.code for one in fingers]) if happened else 0
-        latency = perf_counter() - arrived
-        events = tuple(
-            Event(frame.t, array.name, frame.sequence, kind, data, code.arrows(), code.ternary(), hand, latency, load)
-            for kind, data in happened
+        texture = finger.feel(frame, load)
+        begun, ended = told.events(finger, frame, load, happened, arrived) if happened else ((), ())
+        report = FrameReport(
+            finger.array, frame, finger.taxels.code, load, texture, begun, ended, *_tares(finger), finger.said()
         )
-        report = FrameReport(array, frame, code, load, texture, events, finger.tared)
         for sink in sinks:
             sink(report)
+
+
+def _tares(finger: Finger) -> tuple[tuple[TareNote, ...], TareCheck | None]:
+    """Return what became of tares with this frame, and what the first took away."""
+    notes = finger.tare_notes()
+    return notes, next((note.check for note in notes if note.check is not None), None)
 
 
 def warm_up(
     arrays: tuple[TaxelArray, ...], modulus: float | None, settings: Settings, sinks: Iterable[Sink] = ()
 ) -> None:
-    """Run on a made-up firm touch of every array, so that nothing is compiled or refused once real frames arrive."""
-    touch = [
-        Frame(finger, 0.0, n, np.full((*array.shape, 3), 0.01), np.ones(array.shape, bool))
-        for finger, array in enumerate(arrays)
-        for n in range(2)
-    ]
-    run(FrameStream("made up", arrays, modulus, len(touch), touch), replace(settings, tare=0), sinks)
+    """Run on a made-up grip of every array, so that nothing is compiled or refused once real frames arrive.
+
+    It goes the way of a real one: nothing, a firm touch, a pull, and nothing again, above every level of the settings.
+    """
+    made = []
+    for finger, array in enumerate(arrays):
+        size = WARM * max(
+            threshold.dead_band + threshold.hysteresis
+            for threshold in (SHEAR[array.quantity], CONTACT[array.quantity], settings.shear, settings.contact)
+            if threshold is not None
+        )
+        touch = np.zeros((len(WARM_SCRIPT), *array.shape, 3))
+        touch[..., NORMAL] = size if array.quantity == "force" else -size
+        touch *= np.array(WARM_SCRIPT)[:, None, None, :]
+        touch[..., :NORMAL] = np.array(WARM_SCRIPT)[:, None, None, :NORMAL] * size
+        valid = np.ones(array.shape, bool)
+        made += [Frame(finger, 0.02 * n, n, values, valid) for n, values in enumerate(touch)]
+    run(FrameStream("made up", arrays, modulus, len(made), made), replace(settings, tare="off"), sinks)

@@ -36,12 +36,17 @@ def load_program(
         file = program_file(str(path))
     data = read_toml(file, "program file")
     with naming(file):
-        return _program(data, templates or {}, parameters or {}, file)
+        return program_of(data, templates or {}, parameters or {}, file)
 
 
-def _program(
+def program_of(
     data: dict[str, Any], templates: Mapping[str, Template], parameters: Mapping[str, float], path: Path
 ) -> Program:
+    """Return the program that the tables of a file are; the other arguments as in `load_program`.
+
+    Raises:
+        InputError: the step and what is wrong with it.
+    """
     check_keys(data, (*_REQUIRED, *_OPTIONAL), required=_REQUIRED)
     with located(data, "name"):
         own_name = check_name(take(data, "name", str, "program"), "program")

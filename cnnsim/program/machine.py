@@ -67,6 +67,11 @@ class UniversalMachine:
         """Forget all kept planes."""
         self._kept.clear()
 
+    def kept(self, program: Program) -> dict[str, Array]:
+        """Return the planes that a program kept in its last run: floats from a LAM, booleans from an LLM."""
+        kept = self._kept.get(program, {})
+        return {name: self.backend.read(plane) for name, plane in kept.items() if name}
+
     def run(self, program: Program, **inputs: ArrayLike) -> dict[str, Any]:
         """Run a program on planes (rows, cols) of one shape and return its outputs: arrays, and numbers from wires.
 

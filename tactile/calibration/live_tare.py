@@ -1,27 +1,40 @@
-"""Tare of arriving frames: renewed at the start, on request, and by itself while nothing touches; not under load."""
+"""Tare of arriving frames: taken at the start, on request, and by itself while nothing touches; not under load."""
 
+import warnings
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
-from cnnsim.support import Floats
+from cnnsim.support import Floats, InputError
 from tactile.calibration.gains import Gains
-from tactile.calibration.tare_check import check_tare, measure
+from tactile.calibration.tare_check import PARTS, TareCheck, check_tare
 from tactile.core.frame import NORMAL, Frame, TaxelArray
+from tactile.core.noise import Noise, measured
 from tactile.events.code import CONTACT, SHEAR
 
-BLOCK = 100
-"""Frames whose mean is taken together."""
+TareMode = Literal["auto", "manual", "off"] | int
+SECONDS = 0.2
+"""[s] of frames that are judged together, ..."""
+FRAMES = 20
+"""... and at least so many."""
+STRETCHES = 4
+"""Still: the means of so many parts of a block agree."""
 IDLE = "idle"
 """Why an offset was renewed that nobody asked for."""
 CURE = "let nothing touch it, then ask for a tare"
+MUCH = 4.0
+"""Half of the taxels may wander on their own, by up to so many times as much."""
+WANDER = 7.0
+"""Times the jitter of a taxel that its mean may wander in a block and still be called still."""
 
 
 @dataclass(frozen=True)
 class TareNote:
     """What became of a block: ``offset`` (rows, cols, 3) where it was taken, else None and ``why`` in words.
 
-    ``detail``: how much was taken away, or what was wrong and what to do; empty for renewals while idle.
+    ``detail``: how much was taken away and which taxels are left out, or what was wrong and what to do; empty for
+    renewals while idle. ``check``: the same figures of the first offset.
     """
 
     finger: int
@@ -29,93 +42,144 @@ class TareNote:
     why: str
     offset: Floats | None
     detail: str = ""
+    check: TareCheck | None = None
 
 
 class LiveTare:
-    """Subtracts an offset from one finger's frames and renews it from blocks of frames that are still and unloaded.
+    """Subtracts an offset from one finger's frames, renews it from blocks that are still and unloaded, measures noise.
 
-    Still: no component moves by more than the dead band within the block. Unloaded: the block's mean is within half a
-    dead band of the offset on every taxel. The first block only has to be still, since there is nothing yet to tell a
-    load by: let nothing touch the array then. A load that grows by less than half a dead band per block, the slowest of
-    all, is taken for drift.
+    Still: in at most half of the taxels do the means of a block's parts differ by more than half of the dead band, or
+    than seven times the taxel's own jitter, so noise alone is never taken for motion; in none by four times that.
+    Unloaded: the block's mean is within half a dead band (or three sigma) of the offset. The first one only has to be
+    still and press no more than the first frames did, since there is nothing yet to tell a load by. A load that grows
+    by less than half a dead band per block, the slowest of all, is taken for drift.
 
-    Until there is an offset no taxel is valid. ``automatic`` False renews on request only. ``gains``: what takes the
-    readings to the array's quantity, in which the dead bands are; None where they are in it.
+    Until there is an offset no taxel is valid, except in mode "off", where there is none and only the ``noise`` is
+    measured; "manual" renews on request only; a number takes just the first so many frames, whatever is in them.
+    ``gains``: what takes the readings to the array's quantity, in which
+    the dead bands are; None where they are in it.
     """
 
     def __init__(
-        self, finger: int, array: TaxelArray, automatic: bool = True, block: int = BLOCK, gains: Gains | None = None
-    ) -> None:
+        self, finger: int, array: TaxelArray, mode: TareMode = "auto", gains: Gains | None = None,
+        seconds: float = SECONDS,
+    ) -> None:  # fmt: skip
         self.notes: list[TareNote] = []
-        self._finger, self._automatic, self._block = finger, automatic, block
-        self._array, self._gains = array, gains
+        self.noise: Noise | None = None
+        self._finger, self._seconds, self._array, self._gains = finger, seconds, array, gains
+        self._frames = 0 if isinstance(mode, str) else mode
+        self._mode = "off" if mode == 0 else mode
+        if self._frames < 0:
+            raise InputError(f"tare over {mode} frames, 0 or more wanted")
         self._limit = np.full(3, SHEAR[array.quantity].dead_band)
         self._limit[NORMAL] = CONTACT[array.quantity].dead_band
         if gains is not None:
             self._limit /= np.abs(gains(np.ones(3)))
-        self._offset: Floats | None = None
-        self._asked = False
-        self._begin()
+        # along the last axis of the readings, a pressing load has this sign
+        self._inward = 1.0 if array.quantity == "force" else -1.0
+        if gains is not None:
+            self._inward *= np.sign(gains.normal)
+        self._offset: Floats | None = np.zeros((*array.shape, 3)) if self._mode == "off" else None
+        self._asked = self._forced = self._said_negative = False
+        self._start: Floats | None = None
+        self._block: list[Floats] = []
+        self._since = 0.0
 
-    def _begin(self) -> None:
-        self._count = 0
-        self._sum: Floats | float = 0.0
-        self._low: Floats | float = np.inf
-        self._high: Floats | float = -np.inf
-
-    def ask(self) -> None:
-        """Renew the offset from the next block, if that is unloaded."""
-        self._asked = True
-        self._begin()
+    def ask(self, force: bool = False) -> None:
+        """Renew the offset from the next block, if that is unloaded, or by ``force`` whatever is in it."""
+        self._asked, self._forced = True, force
+        self._block = []
 
     def __call__(self, frame: Frame) -> Frame:
         """Return the frame less the offset."""
-        values = np.where(frame.valid[..., None], frame.values, np.nan)
-        self._sum, self._count = self._sum + values, self._count + 1
-        self._low, self._high = np.minimum(self._low, values), np.maximum(self._high, values)
-        if self._count == self._block:
-            self._end_block(frame.t)
-            self._begin()
+        values = frame.values
+        if not frame.valid.all():
+            values = np.where(frame.valid[..., None], values, np.nan)
+        if not self._block:
+            self._since = frame.t
+        self._block.append(values)
+        counted = self._frames and self._offset is None
+        if len(self._block) == self._frames if counted else self._full(frame.t):
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", RuntimeWarning)  # a taxel without readings has no mean
+                self._end_block(frame.t, np.array(self._block))
+            self._block = []
+            if counted:  # the frames that were averaged are not to be used
+                return replace(frame, valid=np.zeros_like(frame.valid))
         if self._offset is None:
             return replace(frame, valid=np.zeros_like(frame.valid))
+        if self._mode == "off":
+            return frame
         tared = frame.values - self._offset
         return replace(frame, values=tared, valid=frame.valid & np.isfinite(tared).all(-1))
 
-    def _end_block(self, t: float) -> None:
-        mean = np.asarray(self._sum) / self._count
-        still = not (np.asarray(self._high) - self._low > self._limit).any()  # a taxel without readings is still
-        loaded = self._offset is not None and bool((np.abs(mean - self._offset) > self._limit / 2).any())
-        first, asked = self._offset is None, self._asked
-        if not still or loaded:
-            if asked or first:
-                self._note(t, "refused: " + ("loaded" if loaded else "not still"), None, self._fault(mean, loaded))
-            self._asked = False
+    def _full(self, t: float) -> bool:
+        return len(self._block) >= FRAMES and t - self._since >= self._seconds
+
+    def _end_block(self, t: float, block: Floats) -> None:
+        mean, noise = np.nanmean(block, axis=0), measured(block)
+        parts = np.array([np.nanmean(part, axis=0) for part in np.array_split(block, STRETCHES)])
+        wander = parts.max(axis=0) - parts.min(axis=0)
+        # one without readings is still; taxels with slow noise of their own are not an array that moves
+        far = wander / np.maximum(self._limit / 2, WANDER * noise.jitter)
+        still = 2 * (far > 1).any(-1).sum() <= max(far.shape[0] * far.shape[1], 2) and not (far > MUCH).any()
+        if self._start is None:
+            self._start = parts[0]
+        away = None if self._offset is None else mean - self._offset
+        bound = np.maximum(self._limit / 2, 3 * noise.sigma / np.sqrt(FRAMES / 4))
+        if away is None:  # a later block is loaded where it presses more than the first frames did
+            more = self._inward * (mean - self._start)[..., NORMAL]
+            loaded = bool((more > MUCH * bound[..., NORMAL]).any())
+        else:
+            known = np.ones(mean.shape[:2], bool) if self.noise is None else ~self.noise.left_out
+            loaded = bool((np.abs(away) > bound)[known].any())
+        if self._mode == "off":
+            if still and not loaded:
+                self._learn(noise)
             return
-        if first or asked or self._automatic:
-            self._asked = False
-            before = self._offset
+        first, asked, forced = self._offset is None, self._asked, self._forced
+        forced = forced or bool(self._frames and first)
+        self._asked = self._forced = False
+        if not forced and (not still or loaded):
+            self._refuse(t, away if away is not None else mean - self._start, still, first or asked, float(far.max()))
+        elif first or asked or self._mode == "auto":
             # a taxel that was silent during this block keeps what it had
-            self._offset = mean if before is None else np.where(np.isfinite(mean), mean, before)
-            why = "at the start" if first else "on request" if asked else IDLE
-            self._note(t, why, self._offset, self._taken(mean) if first or asked else "")
+            self._offset = mean if self._offset is None else np.where(np.isfinite(mean), mean, self._offset)
+            self._said_negative = False
+            why = "at the start" if first else "by force" if forced else "on request" if asked else IDLE
+            if still:
+                self._learn(noise)
+            check = self._check(block, t) if first or asked else None
+            detail = "" if check is None else "; ".join([_taken(check), *(noise.words() if still else [])])
+            self.notes.append(TareNote(self._finger, t, why, self._offset, detail, check if first else None))
 
-    def _taken(self, mean: Floats) -> str:
-        """Say how much was taken away, and whether that looks like a load."""
-        check = check_tare(self._array, self._in_quantity(mean)[None], self._block, 0.0)
-        said = f"{check.amount} taken away"
-        return f"{said}; loaded, or an offset of that size: {CURE}" if check.loaded else said
+    def _refuse(self, t: float, away: Floats, still: bool, wanted: bool, far: float) -> None:
+        """Say why no offset is taken; a pad that reads a pull all over was pressed when it was tared."""
+        press = self._inward * away[..., NORMAL]
+        negative = bool((press < -self._limit[NORMAL]).sum() * 2 > (press > 0).sum() + 1)
+        negative = negative and float(np.nansum(press)) < -2 * float(self._limit[NORMAL])
+        if wanted or (negative and still and not self._said_negative):
+            why, detail = "moving", f"means move {far:.2g} times as far as noise and offsets do: {CURE}"
+            if still:
+                amount = check_tare(self._array, self._in_quantity(away)[None], len(self._block), 0.0).amount
+                why, detail = "loaded", f"{amount} off the tare: {CURE}"
+            if negative and still:
+                detail = f"{amount} off the tare: it was pressed when it was tared; t! zeroes it by force"
+                self._said_negative = True
+            self.notes.append(TareNote(self._finger, t, f"refused: {why}", None, detail))
 
-    def _fault(self, mean: Floats, loaded: bool) -> str:
-        """Say by how much the block is loaded or moving."""
-        if loaded:
-            check = check_tare(self._array, self._in_quantity(mean - np.asarray(self._offset))[None], self._block, 0.0)
-            return f"{check.amount} off the tare: {CURE}"
-        moves = np.abs(self._in_quantity(np.nan_to_num(np.asarray(self._high) - self._low)))
-        at = np.unravel_index((moves / np.abs(self._in_quantity(self._limit))).argmax(), moves.shape)
-        return f"a taxel moves by {measure(float(moves[at]), self._array.quantity)}: {CURE}"
+    def _learn(self, noise: Noise) -> None:
+        self.noise = noise.and_before(self.noise)
+
+    def _check(self, block: Floats, t: float) -> TareCheck:
+        parts = np.array([np.nanmean(part, axis=0) for part in np.array_split(block, min(PARTS, len(block)))])
+        return check_tare(self._array, self._in_quantity(parts), len(block), t - self._since)
 
     def _in_quantity(self, readings: Floats) -> Floats:
         return readings if self._gains is None else self._gains(readings)
 
-    def _note(self, t: float, why: str, offset: Floats | None, detail: str) -> None:
-        self.notes.append(TareNote(self._finger, t, why, offset, detail))
+
+def _taken(check: TareCheck) -> str:
+    """Say how much was taken away, and whether that looks like a load."""
+    said = f"{check.amount} taken away"
+    return f"{said}; loaded, or an offset of that size: {CURE}" if check.loaded else said

@@ -26,11 +26,8 @@ ENDS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if has
 def warm_up(description: "Description", options: "LiveOptions") -> None:
     """Compile and refuse whatever there is to it before the port is opened."""
     from tactile import pipeline  # the machine is loaded only when it runs
-    from tactile.cli.user_program import UserProgram  # the same
 
-    settings = options.settings(description.arrays, options.skin)
-    own = [] if options.program is None else [UserProgram(options.program, settings.shear, options.backend, nothing)]
-    pipeline.warm_up(description.arrays, description.modulus, settings, own)
+    pipeline.warm_up(description.arrays, description.modulus, options.settings(description.arrays, options.skin))
 
 
 @contextlib.contextmanager
@@ -104,6 +101,8 @@ def listen(session: "Session") -> None:
         for line in sys.stdin:
             if line.strip() == "t":
                 session.reader.ask_tare()
+            elif line.strip() == "t!":
+                session.reader.ask_tare(force=True)
             elif line.strip() == "q":
                 session.stop()
 
@@ -128,6 +127,9 @@ def tell(line: dict[str, Any]) -> None:
         from tactile.cli.live import tare_words  # is loaded where there are tares
 
         echo(f"{line['t_s']:10.3f}  {line['finger']}  tare {tare_words(line)}")
+    if line["type"] == "event_end":
+        length = line["end_s"] - line["t_s"]
+        echo(f"{line['end_s']:10.3f}  {line['finger']}  {line['words']} ends after {length:.3f} s")
     if line["type"] == "event":
         echo(f"{line['t_s']:10.3f}  {line['finger']}  {line['words']}")
 

@@ -3,28 +3,30 @@
 import json
 import sys
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import asdict, dataclass, fields
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, fields, replace
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+import numpy as np
 
 from cnnsim import backends
 from cnnsim.support import InputError
 from cnnsim.support.echo import json_line
 from cnnsim.support.toml_file import check_keys, take
 from tactile import pipeline
-from tactile.calibration.live_tare import IDLE, LiveTare, TareNote
+from tactile.calibration.live_tare import IDLE, TareNote
 from tactile.cli.meter import Meter
-from tactile.core.frame import TaxelArray
 from tactile.events.event import Event
 from tactile.output.event_data import EventData, finite
-from tactile.pipeline import FrameReport, Sink
+from tactile.pipeline import FrameReport
 from tactile.settings import PipelineOptions
-from tactile.wire.source import Chunk, WireSource, tares_for
+from tactile.wire.source import Chunk, WireSource
 
 if TYPE_CHECKING:
     from tactile.calibration.file import Calibration
 
-AUTO, MANUAL, OFF = "auto", "manual", "off"
+AUTO: Final = "auto"
+MANUAL, OFF = "manual", "off"
 EVENTS_KEPT = 12
 STATUS = 10**9
 """[ns] from one status to the next."""
@@ -37,14 +39,8 @@ class LiveOptions(PipelineOptions):
     ``calibration`` is the text of a calibration's file. The tare and the description's gains come before the pipeline.
     """
 
-    tare: str = AUTO
-    program: str | None = None
+    tare: Literal["auto", "manual", "off"] = AUTO
     calibration: str | None = None
-
-    def tares(self, arrays: tuple[TaxelArray, ...]) -> tuple[LiveTare, ...]:
-        """Return each finger's tare, which sees readings that the calibration's gains are still to come to."""
-        skin = self.skin
-        return () if self.tare == OFF else tares_for(arrays, self.tare == AUTO, skin.gains if skin else None)
 
     @property
     def skin(self) -> "Calibration | None":
@@ -59,6 +55,10 @@ class LiveOptions(PipelineOptions):
 
         return parse_calibration(self.calibration, "calibration")
 
+    def but(self, chosen: Mapping[str, Any]) -> "LiveOptions":
+        """Return the options with those in place that a user chose again."""
+        return replace(self, **{name: value for name, value in chosen.items() if value})
+
     def text(self) -> str:
         """Return all as JSON."""
         return json.dumps(asdict(self))
@@ -70,7 +70,16 @@ def recorded_options(text: str, where: str) -> LiveOptions:
     Raises:
         InputError: no JSON, an option that this version does not know, or a value of another kind.
     """
-    kinds = {"window": int, "sign_code": bool, "dead_band": float, "hysteresis": float, "floor": float}
+    kinds = {
+        "window": int,
+        "sign_code": bool,
+        "dead_band": float,
+        "hysteresis": float,
+        "floor": float,
+        "contact_level": float,
+        "program": list,
+        "sigmas": list,
+    }
     lead = f"{where}: choices of the live run"
     try:
         found = json.loads(text)
@@ -84,7 +93,21 @@ def recorded_options(text: str, where: str) -> LiveOptions:
     for name, known in (("tare", (AUTO, MANUAL, OFF)), ("backend", backends.NAMES)):
         if found.get(name, known[0]) not in known:
             raise InputError(f"{lead}: {name} = {found[name]!r}; one of {', '.join(known)} wanted")
+    for name in ("program", "sigmas"):  # JSON has no tuples
+        if found.get(name) is not None:
+            found[name] = tuple(found[name])
     return LiveOptions(**found)
+
+
+def program_line(report: FrameReport, name: str, outputs: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a program of the user's says as plain data: logic as 0 and 1, analog numbers to six digits."""
+    plain = {}
+    for output, value in outputs.items():
+        values = np.asarray(value)
+        plain[output] = (values.astype(int) if values.dtype == bool else np.round(values.astype(float), 6)).tolist()
+    return {
+        "type": "program", "t_s": report.frame.t, "finger": report.array.name, "program": name, "outputs": plain,
+    }  # fmt: skip
 
 
 def tare_line(note: TareNote, finger: str) -> dict[str, Any]:
@@ -127,7 +150,13 @@ class LiveMonitor:
             line = {"type": "event"} | self._plain(event)
             self._say(line)
             self._note("/events", arrival, line)
-        for tared in self._source.notes():
+        for event in report.ended:
+            line = {"type": "event_end"} | self._plain.end(event)
+            self._say(line)
+            self._note("/events", arrival, line)
+        for name, outputs in report.said.items():
+            self._say(program_line(report, name, outputs))
+        for tared in report.tares:
             line = tare_line(tared, self._source.arrays[tared.finger].name)
             again = line["why"] == IDLE == self.tared.get(line["finger"], line | {"why": ""})["why"]
             self.tared[line["finger"]] = line
@@ -155,14 +184,8 @@ class LiveMonitor:
         }  # fmt: skip
 
     def run(self, options: LiveOptions) -> None:
-        """Take all frames of the source through the pipeline, and through the user's program if there is one."""
-        settings = options.settings(self._source.arrays, options.skin)
-        sinks: list[Sink] = [self]
-        if options.program is not None:
-            from tactile.cli.user_program import UserProgram  # only where it is wanted
-
-            sinks.insert(0, UserProgram(options.program, settings.shear, options.backend, self._say))
-        pipeline.run(self._source, settings, sinks)
+        """Take all frames of the source through the pipeline."""
+        pipeline.run(self._source, options.settings(self._source.arrays, options.skin), [self])
 
 
 def print_line(line: dict[str, Any]) -> None:

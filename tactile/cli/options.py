@@ -1,6 +1,7 @@
 """Options that several commands share, and what they name: array descriptions, calibrations, files to write."""
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -76,6 +77,51 @@ def write_new_text(path: Path, text: str) -> None:
         raise InputError(f"{path}: there is something else of that name; another name wanted")
     with writing(path) as beside:
         beside.write_bytes(text.encode())
+
+
+class TareChoice(click.ParamType):  # type: ignore[type-arg]  # generic only in newer versions
+    """How an offset is taken: auto, off, or a number of frames."""
+
+    name = "auto|off|N"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the mode or the number."""
+        if value in ("auto", "off"):
+            return value
+        try:
+            return int(value)
+        except ValueError:
+            self.fail(f"{value!r}; auto, off or a number of frames wanted", param, ctx)
+
+
+def detection(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command the options of thresholds and detectors."""
+    for option in reversed((
+        click.option("--dead-band", type=float, help="Least shear that is a direction [unit of the quantity]."),
+        click.option("--hysteresis", type=float, help="A direction starts only this much above the dead band."),
+        click.option("--contact-level", type=float, help="Least pressing at which a taxel stays in contact [unit]."),
+        click.option(
+            "--sigmas", type=float, nargs=3,
+            help="Dead band, hysteresis, contact level in sigma of a taxel's noise [4 6 4]; 0 0 0: fixed thresholds.",
+        ),
+        click.option("--sign-code", is_flag=True, help="The paper's code: the bare signs, no dead band."),
+        click.option(
+            "--program", multiple=True,
+            help="Also run this detector or program (a name or a .toml file) on every frame; may be given again.",
+        ),
+        click.option(
+            "--library", type=click.Path(path_type=Path), multiple=True, expose_value=False, callback=_add_library,
+            is_eager=True, help="Look for programs and templates in this folder, too; may be given again.",
+        ),
+    )):  # fmt: skip
+        command = option(command)
+    return command
+
+
+def _add_library(_context: click.Context, _option: click.Parameter, folders: tuple[Path, ...]) -> None:
+    from cnnsim import library  # not for --help
+
+    library.add(*folders)
 
 
 def check_thresholds(chosen: dict[str, Any]) -> None:

@@ -1,5 +1,6 @@
 """The command that runs a scene or a recording through the pipeline."""
 
+from collections import deque
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,23 +11,22 @@ from cnnsim import InputError, backends
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.echo import echo
 from tactile.calibration.gains import Gains
-from tactile.cli.options import check_thresholds
+from tactile.calibration.live_tare import TareMode
+from tactile.cli.options import TareChoice, check_thresholds, detection
 from tactile.core.frame import TaxelArray
 from tactile.core.source import FrameStream, provenance
 from tactile.settings import PipelineOptions, Settings
 from tactile.sources import open_source
 
 if TYPE_CHECKING:
+    from tactile.cli.live import LiveOptions
     from tactile.simulator.bump_cover import Bumps
-
-TARE = 100
-"""Frames averaged away at the start of a device's readings unless the user says otherwise; others have no offset."""
 
 
 @click.command(
     epilog=examples(
         "tactile run examples/scenes/grip.toml -o out/grip",
-        "tactile run grasp.npz -o out/grasp --tare 100",
+        "tactile run grasp.npz -o out/grasp --program two-blobs.toml",
         "tactile run grasp.npz --sign-code --json",
     )
 )
@@ -34,19 +34,22 @@ TARE = 100
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), help="Folder for frames.csv, events.json and touch.png."
 )
-@click.option("--dead-band", type=float, help="Shear below this is no direction [unit of the signal].")
-@click.option("--hysteresis", type=float, help="A direction starts only this much above the dead band.")
-@click.option("--sign-code", is_flag=True, help="The paper's code: the bare signs, no dead band.")
+@detection
 @click.option("--window", type=int, default=128, show_default=True, help="Frames a texture figure averages.")
 @click.option("--floor", type=float, help="Normal signal below which texture figures are not valid.")
-@click.option("--tare", type=int, help=f"Unloaded frames at the start to average away [{TARE} for a device's, else 0].")
+@click.option(
+    "--tare",
+    type=TareChoice(),
+    help="How the offset is taken: auto from still, unloaded frames, off, or from so many frames at the start"
+    " [auto for a device's readings, else off].",
+)
 @click.option("--gains", help="SHEAR,NORMAL: factors from readings to strain, stress or force (eq. 15).")
 @click.option("--calibration", type=click.Path(path_type=Path), help="Gains, depth and correction of a skin.")
 @click.option("--backend", type=click.Choice(backends.NAMES), default="cpu", show_default=True)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
 def run(
-    source: Path, output: Path | None, tare: int | None, gains: str | None, calibration: Path | None, as_json: bool,
-    **chosen: Any,
+    source: Path, output: Path | None, tare: TareMode | None, gains: str | None, calibration: Path | None, as_json:
+    bool, **chosen: Any,
 ) -> None:  # fmt: skip
     """Run SOURCE through the pipeline.
 
@@ -69,13 +72,15 @@ def run(
             f"{source}: finger {known.uncalibrated[0]!r}: readings in the unit of the wire, which is no quantity;"
             " --gains SHEAR,NORMAL or --calibration FILE wanted"
         )
-    offset = tare if tare is not None else (TARE if known.untared else 0)
-    skin = None
+    lived = _recorded(known.choices, source)
+    mode = tare if tare is not None else lived.tare if lived else ("auto" if known.untared else "off")
+    skin = lived.skin if lived else None
     if calibration is not None:
         from tactile.calibration.file import load_calibration  # SciPy's splines are slow to import
 
         skin = load_calibration(calibration)
-    settings = PipelineOptions(**chosen).settings(frames.arrays, skin, offset, _gains(gains))
+    options = lived.but(chosen) if lived else PipelineOptions(**chosen)
+    settings = replace(options, tare=mode).settings(frames.arrays, skin, _gains(gains))
     bumps = getattr(frames, "bumps", None)  # scenes may have them
     note = ""
     if bumps is not None and calibration is None:
@@ -84,23 +89,28 @@ def run(
     truth = truth_of(frames)
     collected = Collected(truth)
     seen = watched(frames, "touch", frames.frames)
-    passed = FrameStream(frames.title, frames.arrays, frames.modulus, frames.frames, seen)
+    asked: deque[bool] = getattr(frames, "tare_requests", deque())  # of recordings in which a tare was asked for
+    passed = FrameStream(frames.title, frames.arrays, frames.modulus, frames.frames, seen, known, asked)
     if output is None:
         pipeline.run(passed, settings, [collected])
     else:
         with Record(
-            output, frames.arrays, {"source": source.name, "title": frames.title, "tare": offset}, truth
+            output, frames.arrays, {"source": source.name, "title": frames.title, "tare": mode}, truth
         ) as record:
             pipeline.run(passed, settings, [collected, record])
     if as_json:
         print_json(run_data(collected, frames.arrays))
     else:
         tables(collected, frames.arrays)
-    for array in frames.arrays if offset else ():
+    for array in frames.arrays if mode not in ("off", 0) else ():
         check = collected.tare(array)
         if check is None:
             count = collected.columns(array.name).t.size
-            echo(f"{array.name}: tare over {offset} frames, {count} there; fewer wanted (--tare N)", err=True)
+            if isinstance(mode, int):
+                echo(f"{array.name}: tare over {mode} frames, {count} there; fewer wanted (--tare N)", err=True)
+                continue
+            why = next((f"{note.why}: {note.detail}" for note in reversed(collected.notes) if note.detail), "too few")
+            echo(f"{array.name}: no tare in {count} frames ({why}); --tare N takes the first N", err=True)
         elif check.warning and as_json:
             echo(f"{array.name}: tare: {check.words}", err=True)
     if note:
@@ -110,6 +120,15 @@ def run(
 
         draw(collected, frames.arrays, frames.title, output / "touch.png")
         echo(f"wrote {output / 'frames.csv'}, {output / 'events.json'}, {output / 'touch.png'}", err=as_json)
+
+
+def _recorded(choices: str, source: Path) -> "LiveOptions | None":
+    """Return the options of the live run that recorded a source, None where it was none."""
+    if not choices:
+        return None
+    from tactile.cli.live import recorded_options  # only here
+
+    return recorded_options(choices, str(source))
 
 
 def _gains(text: str | None) -> Gains | None:

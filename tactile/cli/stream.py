@@ -14,7 +14,16 @@ from cnnsim.support.command_line import examples
 from cnnsim.support.echo import echo
 from tactile.cli import console
 from tactile.cli.loading import ends_at_once
-from tactile.cli.options import ARRAY, FILE, PROTOCOL, check_thresholds, chosen_description, kept_calibration, new_mcap
+from tactile.cli.options import (
+    ARRAY,
+    FILE,
+    PROTOCOL,
+    check_thresholds,
+    chosen_description,
+    detection,
+    kept_calibration,
+    new_mcap,
+)
 
 PORT = click.option("--port", "-p", required=True, help="Port to read; `tactile ports` lists them.")
 SECONDS = click.option("--seconds", type=click.FloatRange(0, min_open=True), help="Stop after this time [s].")
@@ -72,10 +81,7 @@ def record(
     help="Renew the offset from still, unloaded frames by itself, only when t is typed, or never.",
 )  # fmt: skip
 @click.option("--calibration", type=FILE, help="Gains, depth and correction of a skin, as `tactile calibrate` writes.")
-@click.option("--dead-band", type=float, help="Shear below this is no direction [unit of the quantity].")
-@click.option("--hysteresis", type=float, help="A direction starts only this much above the dead band.")
-@click.option("--program", help="Also run this analogic program (a name or a .toml file) on every frame.")
-@click.option("--sign-code", is_flag=True, help="The paper's code: the bare signs, no dead band.")
+@detection
 @click.option("--window", type=int, default=128, show_default=True, help="Frames a texture figure averages.")
 @click.option("--floor", type=float, help="Normal signal below which texture figures are not valid.")
 @click.option("--backend", type=click.Choice(backends.NAMES), default="cpu", show_default=True)
@@ -88,7 +94,8 @@ def live(
     port: str, protocol: str | None, array: Path | None, output: Path | None, seconds: float | None, once: bool,
     overwrite: bool, as_json: bool, calibration: Path | None, **chosen: Any,
 ) -> None:  # fmt: skip
-    """Run the pipeline on frames as they arrive. Typing t and Return asks for a tare, q or Ctrl-C ends."""
+    """Run the pipeline on frames as they arrive. Typing t and Return asks for a tare, t! takes it
+    whatever presses, q or Ctrl-C ends."""
     from tactile.cli.live import LiveMonitor, LiveOptions, print_line  # the same
     from tactile.recording.writer import Recording  # only here
     from tactile.serial.session import Session  # the same
@@ -101,13 +108,12 @@ def live(
         origin = {"port": port, "choices": options.text()}
         into = partial(Recording, new_mcap(output, overwrite), description, origin, overwrite=overwrite)
     console.warm_up(description, options)
-    tares = options.tares(description.arrays)
     console.be_steady()
     view = sys.stdout.isatty() and not as_json
     say = print_line if as_json else console.nothing if view else console.tell
     ending, warn = threading.Event(), console.warn_json if as_json else console.warn
     with console.stopping(ending.set):
-        session = Session(port, description, into, tares, seconds, once, ending, warn)
+        session = Session(port, description, into, seconds, once, ending, warn)
         monitor = LiveMonitor(session.source, say, session.now, session.note, lambda: session.counts)
         threading.Thread(target=console.listen, args=(session,), daemon=True).start()
         with console.closing(session, as_json, monitor), console.viewing(monitor, session, port, view):
@@ -118,9 +124,13 @@ def live(
 @click.argument("recording", type=FILE)
 @click.option("--paced", is_flag=True, help="At the recording's own speed instead of as fast as possible.")
 @click.option("--speed", type=click.FloatRange(0, min_open=True), help="As --paced, this many times as fast.")
+@detection
 @JSON
-def replay(recording: Path, paced: bool, speed: float | None, as_json: bool) -> None:
-    """Run the pipeline on a recording (.mcap): byte for byte through the decoder, with the settings of the live run."""
+def replay(recording: Path, paced: bool, speed: float | None, as_json: bool, **chosen: Any) -> None:
+    """Run the pipeline on a recording (.mcap): byte for byte through the decoder, with the settings of the live run.
+
+    Options of thresholds and programs take the place of those of the live run.
+    """
     import time  # only here
 
     from tactile.cli.live import LiveMonitor, print_line, recorded_options  # the same
@@ -131,13 +141,14 @@ def replay(recording: Path, paced: bool, speed: float | None, as_json: bool) -> 
     recorded = open_recording(recording)
     if not recorded.has_wire:
         raise InputError(f"{recording}: holds no bytes of a wire; `tactile run {recording}` takes its frames")
-    options = recorded_options(recorded.made.get("choices", "{}"), str(recording))
+    check_thresholds(chosen)
+    options = recorded_options(recorded.made.get("choices", "{}"), str(recording)).but(chosen)
     if options.calibration is None:
         recorded.description.check_calibrated()
     chunks = recorded.chunks()
     if paced or speed is not None:
         chunks = at_its_time(chunks, speed or 1.0, time.monotonic, time.sleep)
-    source = WireSource(recorded.description, chunks, options.tares(recorded.description.arrays))
+    source = WireSource(recorded.description, chunks)
     say = print_line if as_json else console.tell
     monitor = LiveMonitor(source, say)
     monitor.run(options)

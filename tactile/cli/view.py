@@ -14,7 +14,7 @@ from tactile.core.frame import NORMAL
 from tactile.events.code import CONTACT
 from tactile.pipeline import FrameReport
 
-KEYS = "t and Return: tare; q and Return, or Ctrl-C: end"
+KEYS = "t and Return: tare; t! and Return: tare by force; q and Return, or Ctrl-C: end"
 SHADES = ("dim", "white", "yellow", "red")
 """A taxel's pressing: below the dead band, up to 4, 16 times it, beyond."""
 

@@ -1,5 +1,6 @@
 """Sources of frames: what live, recorded and simulated ones have in common, and one of given frames."""
 
+from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -33,13 +34,14 @@ class Provenance:
     ``untared``: the readings have the offsets of a device, so that a tare is wanted; ``uncalibrated``: names of the
     fingers whose readings are in the unit of the wire and not in that of their array's quantity; ``start_ns``: the
     time since 1970 [ns] from which ``Frame.t`` counts, None where nobody knows; ``description``: the text of the
-    device's array description, empty without one.
+    device's array description, ``choices`` the options of the live run that recorded it, as JSON, empty without one.
     """
 
     untared: bool = False
     uncalibrated: tuple[str, ...] = ()
     start_ns: int | None = None
     description: str = ""
+    choices: str = ""
 
 
 def provenance(source: Source) -> Provenance:
@@ -50,7 +52,10 @@ def provenance(source: Source) -> Provenance:
 
 @dataclass(frozen=True)
 class FrameStream:
-    """A source of given frames, as often as ``stream`` can be gone through; the others as in ``Source``."""
+    """A source of given frames, as often as ``stream`` can be gone through; the others as in ``Source``.
+
+    ``tare_requests``: whether by force, one for each tare that was asked for and not yet taken.
+    """
 
     title: str
     arrays: tuple[TaxelArray, ...]
@@ -58,6 +63,7 @@ class FrameStream:
     frames: int | None
     stream: Iterable[Frame] = field(repr=False)
     provenance: Provenance = field(default_factory=Provenance, repr=False)
+    tare_requests: deque[bool] = field(default_factory=deque, repr=False)
 
     def __iter__(self) -> Iterator[Frame]:
         return iter(self.stream)

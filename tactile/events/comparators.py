@@ -1,12 +1,19 @@
 """Comparators: cells that compare traction planes with thresholds, and remember the outcome for the hysteresis."""
 
+from collections.abc import Sequence
+from pathlib import Path
+
 import numpy as np
 
+from cnnsim.library.folders import folder
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
-from cnnsim.support import Array
+from cnnsim.support import Array, Flags, Floats
 from tactile.events.code import Code, Threshold, decode
 
+BINARY = Threshold(1 / 6, 1 / 12)
+"""The binary scale: off below 1/6, on above 1/4."""
+AS_THEY_ARE, ONCE = np.arange(3), np.ones(3)
 SLACK = 1e-6
 """CNN value by which an input must miss every threshold for its cells to sleep; far above any rounding."""
 
@@ -21,7 +28,7 @@ class Comparators:
 
     def __init__(self, machine: UniversalMachine, shape: tuple[int, int], shear: Threshold, contact: Threshold) -> None:
         cells = {"plus": shear.comparator(1), "minus": shear.comparator(-1), "press": contact.comparator(1)}
-        self._machine, self._program = machine, load_program("event-code", templates=cells)
+        self._machine, self._program = machine, load_program(shipped("event-code"), templates=cells)
         self._shear, self._contact = _levels(shear), _levels(contact)
         nothing = np.zeros(shape, dtype=np.int8)
         self.code = self.before = Code(nothing, nothing, nothing.astype(bool))
@@ -29,8 +36,10 @@ class Comparators:
 
     def update(self, planes: dict[str, Array]) -> bool:
         """Take the planes of `encode` and return whether the code has changed."""
+        from tactile.events.signals_numba import quiet  # numba is slow to import
+
         inputs = np.array([planes["shear_x"], planes["shear_y"], planes["pressing"]])
-        if ((inputs > self._low) & (inputs < self._high)).all():
+        if quiet(inputs, AS_THEY_ARE, ONCE, self._low, self._high):
             self.before = self.code
             return False
         out = self._machine.run(self._program, **planes)
@@ -46,6 +55,44 @@ class Comparators:
         low = np.select([signs > 0, signs == 0], [off, -on], -np.inf), np.where(contact, gone, -np.inf)[None]
         high = np.select([signs < 0, signs == 0], [-off, on], np.inf), np.where(contact, np.inf, touched)[None]
         self._low, self._high = np.concatenate(low) + SLACK, np.concatenate(high) - SLACK
+
+
+class Switches:
+    """The analogic program ``comparators`` on planes in the binary scale, asleep while none of its cells can switch.
+
+    Arguments: ``shape`` (rows, cols); ``sources``: which plane each of the n signals is, ``factors`` times what. ``on``
+    (n, rows, cols) says of every signal where it is on.
+    """
+
+    def __init__(
+        self, machine: UniversalMachine, shape: tuple[int, int], sources: Sequence[int], factors: Sequence[float]
+    ) -> None:
+        self._machine, self._program = machine, load_program(shipped("comparators"))
+        self._off, self._on = _levels(BINARY)
+        self._sources, self._factors = np.array(sources), np.array(factors, dtype=np.float64)
+        self.on: Flags = np.zeros((len(sources), *shape), dtype=bool)
+        self._set_quiet_range()
+
+    def update(self, planes: Floats) -> bool:
+        """Take planes (planes, rows, cols) and return whether any cell has switched."""
+        from tactile.events.signals_numba import quiet  # numba is slow to import
+
+        if quiet(planes, self._sources, self._factors, self._low, self._high):
+            return False
+        on = self._machine.run(self._program, signal=planes[self._sources] * self._factors[:, None, None])["on"]
+        switched = not np.array_equal(on, self.on)
+        self.on = on
+        self._set_quiet_range()
+        return switched
+
+    def _set_quiet_range(self) -> None:
+        self._low = np.where(self.on, self._off + SLACK, -np.inf)
+        self._high = np.where(self.on, np.inf, self._on - SLACK)
+
+
+def shipped(name: str) -> Path:
+    """Return the file of a program that came with the library: users' files of that name replace it nowhere."""
+    return folder() / "programs" / f"{name}.toml"
 
 
 def _levels(threshold: Threshold) -> tuple[float, float]:

@@ -1,32 +1,119 @@
-"""Event detectors: what one is given of every frame, and what it returns."""
+"""Detectors at work: the program of a detector file on a finger's planes, frame by frame, and what it says."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any
 
-from tactile.core.frame import Frame
-from tactile.events.code import Code
-from tactile.events.event import Happening
-from tactile.inverse.load import Load
+import numpy as np
+
+from cnnsim.program.machine import UniversalMachine
+from cnnsim.support import Flags
+from tactile.events.detector_file import DetectorFile, EventRule
+from tactile.events.planes import PlanePool
+from tactile.events.tracker import Tracker, Turn
 
 
 @dataclass(frozen=True)
-class Observation:
-    """What is known of one finger after a frame.
+class Happening:
+    """That an event of a rule begins or ends: from ``onset`` to ``end`` [s]; what the program's outputs say of it."""
 
-    ``frame`` calibrated; ``code`` of its taxels, ``before`` that of the frame before, ``changed`` whether they differ;
-    ``load`` located in the frame, None for arrays that measure force themselves.
+    rule: EventRule
+    turn: Turn
+    onset: float
+    end: float | None
+    taxels: Flags | None
+    direction: str
+    sense: str
+
+
+class Detector:
+    """One detector on one finger, with its machine's memory.
+
+    A program sees every frame. It is not run where that could not tell: while its planes are those of the frame before,
+    all of them logic, and its memory came out of the last run as it went in, its outputs are the same again.
     """
 
-    frame: Frame
-    before: Code
-    code: Code
-    changed: bool
-    load: Load | None
+    def __init__(self, file: DetectorFile, machine: UniversalMachine, pool: PlanePool) -> None:
+        self.file, self.outputs, self.changed = file, dict[str, Any](), False
+        self._machine, self._pool = machine, pool
+        self._trackers = [Tracker(rule) for rule in file.rules]
+        self._seen = -1
+        self._fixed = False
+        self._last: dict[str, Any] | None = None
+        self._kept: dict[str, Any] = {}
+
+    def update(self, t: float) -> list[Happening]:
+        """Take the planes of the pool at ``t`` [s] and return what begins and ends."""
+        ran = self._run()
+        found = []
+        for tracker in self._trackers:
+            if not (ran or tracker.waits):
+                continue
+            turn = tracker.update(t, _on(self.outputs[tracker.rule.when]))
+            if turn is not None:
+                assert tracker.onset is not None
+                found.append(self._happening(tracker, turn))
+                if turn == "ends":
+                    tracker.onset = tracker.end = None
+        return found
+
+    def _run(self) -> bool:
+        program, pool = self.file.program, self._pool
+        if self._fixed and pool.version == self._seen:
+            return False
+        inputs = {name: pool[name] for name in program.inputs}
+        logic = all(pool.is_logic(name) for name in program.inputs)
+        same = logic and self._last is not None and all(inputs[n] is self._last[n] for n in inputs)
+        self._seen = pool.version
+        if same and self._fixed:
+            return False
+        before = self.outputs
+        self.outputs = self._machine.run(program, **inputs)
+        kept = self._machine.kept(program) if program.keep else {}
+        self._fixed = logic and self._last is not None and _alike(kept, self._kept)
+        self._last, self._kept = inputs, kept
+        self.changed = not _alike(self.outputs, before)
+        for name, out in self.outputs.items():  # for the detectors that follow
+            if program.memory[name] == "llm":
+                pool.set_logic(name, out)
+            elif program.memory[name] == "wire":
+                pool.set_logic(name, bool(out))
+        self._seen = pool.version
+        return True
+
+    def _happening(self, tracker: Tracker, turn: Turn) -> Happening:
+        rule, out = tracker.rule, self.outputs
+        votes = [_count(out[name]) for name in rule.direction] or [0] * 4
+        turns = [_count(out[name]) for name in rule.sense]
+        sense = "" if not turns else "clockwise" if turns[0] >= turns[1] else "anticlockwise"
+        taxels = out[rule.taxels] if rule.taxels else None
+        assert tracker.onset is not None
+        return Happening(
+            rule,
+            turn,
+            tracker.onset,
+            tracker.end if turn == "ends" else None,
+            taxels,
+            direction_of((votes[0] - votes[1], votes[2] - votes[3])),
+            sense,
+        )
 
 
-class Detector(Protocol):
-    """Recognises events of one finger; it may remember what it has seen of earlier frames."""
+def direction_of(along: tuple[float, float]) -> str:
+    """Return "+x", "-y", "+x -y" of what points along x and y; nothing where it points nowhere."""
+    most = max(map(abs, along))
+    if not most > 0:  # NaN neither
+        return ""
+    return " ".join(f"{'+' if v > 0 else '-'}{axis}" for v, axis in zip(along, "xy", strict=True) if 2 * abs(v) > most)
 
-    def detect(self, seen: Observation) -> list[Happening]:
-        """Return what has happened in this frame, each as a kind and its data; `pipeline.run` makes events of them."""
-        ...
+
+def _on(value: Any) -> bool:
+    return bool(np.any(value))
+
+
+def _count(value: Any) -> int:
+    return int(np.sum(value))
+
+
+def _alike(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+    return one.keys() == other.keys() and all(np.array_equal(one[name], other[name]) for name in one)

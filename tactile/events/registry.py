@@ -1,12 +1,4 @@
-"""Which event detectors watch a finger. Adding one is one file with its kinds, and its name here."""
+"""Which detectors watch every finger. Adding one is one file under ``templates/programs/touch``, and its name here."""
 
-from cnnsim.program.machine import UniversalMachine
-from tactile.events.contact_and_shear import ContactAndShear
-from tactile.events.detector import Detector
-from tactile.events.slip import SlipDetector
-from tactile.events.tangential_load import TangentialLoad
-
-
-def detectors(machine: UniversalMachine) -> tuple[Detector, ...]:
-    """Return one finger's detectors, in the order in which events of the same frame are told."""
-    return ContactAndShear(), TangentialLoad(machine), SlipDetector()
+SHIPPED = ("contact", "tangential", "slip")
+"""In the order in which they run: a later one may have the outputs of an earlier one as inputs."""

@@ -1,13 +1,15 @@
 """A run kept in memory: its events, the figures of every frame as named columns, and the firmest frame."""
 
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from cnnsim.support import Floats
+from tactile.calibration.live_tare import TareNote
 from tactile.calibration.tare_check import TareCheck
 from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y, TaxelArray
-from tactile.events.event import Event
+from tactile.events.event import Event, EventLog
 from tactile.output.truth import Truth
 from tactile.pipeline import FrameReport
 
@@ -20,7 +22,7 @@ class Columns(NamedTuple):
 
     ``t`` [s]; ``shear_x``, ``shear_y``, ``normal``: sums over the valid taxels, in the unit of the array's quantity,
     NaN without any;
-    ``x``, ``y`` [m], ``Q``, ``R``, ``F`` [N] and ``validity`` of the located load, NaN for arrays that measure force;
+    ``x``, ``y`` [m], ``Q``, ``R``, ``F`` [N] and ``validity`` of the load, located or summed;
     ``friction``, ``roughness``: means over the taxels where they are valid, NaN where there are none.
     """
 
@@ -55,7 +57,9 @@ class Collected:
     def __init__(self, truth: Truth | None = None) -> None:
         self._truth = truth
         self._errors: dict[str, list[tuple[float, float]]] = {}
-        self.events: list[Event] = []
+        self._log = EventLog()
+        self.notes: list[TareNote] = []
+        self.said: list[tuple[float, str, str, dict[str, Any]]] = []
         self.strongest: dict[str, Floats] = {}
         self._tares: dict[str, TareCheck] = {}
         self.frames = 0
@@ -68,18 +72,29 @@ class Collected:
         best = self.strongest.setdefault(report.array.name, values)
         if abs(values[..., NORMAL].sum()) > abs(best[..., NORMAL].sum()):
             self.strongest[report.array.name] = values
-        self.events += report.events
+        self.take(report.events, report.ended)
+        self.notes += report.tares
+        self.said += [(report.frame.t, report.array.name, name, dict(out)) for name, out in report.said.items()]
         if report.tare is not None:
             self._tares[report.array.name] = report.tare
         load, texture = report.load, report.texture
         if self._truth is not None:
             true = self._truth(report)
             self._errors.setdefault(report.array.name, []).append((true.error_m, true.error_n))
-        place = (np.nan,) * 6 if load is None else (load.x, load.y, load.Q, load.R, load.F, float(load.validity))
+        place = load.x, load.y, load.Q, load.R, load.F, float(load.validity)
         self._rows.setdefault(report.array.name, []).append((
             report.frame.t, total(report, SHEAR_X), total(report, SHEAR_Y), total(report, NORMAL), *place,
             texture_mean(texture.friction, texture.valid), texture_mean(texture.roughness, texture.valid),
         ))  # fmt: skip
+
+    def take(self, begun: Iterable[Event], ended: Iterable[Event]) -> None:
+        """Take events that have begun, and such that are over."""
+        self._log.add(begun, ended)
+
+    @property
+    def events(self) -> list[Event]:
+        """All events in the order of their onsets, each with its end if it is over."""
+        return self._log.events
 
     def columns(self, finger: str) -> Columns:
         """Return the figures of one finger's frames."""

@@ -31,10 +31,15 @@ class EventData:
         data = event_data(event)
         if not self._hand:
             del data["hand"]
-        if self._sizes[event.finger] > INLINE:
+        if self._sizes.get(event.finger, 0) > INLINE:
             del data["arrows"], data["ternary"]
             data["changed"] = self._changed(event)
         return data
+
+    def end(self, event: Event) -> dict[str, Any]:
+        """Return what is new of an event that is over: its end, and data that grew."""
+        whole = event_data(event)
+        return {name: whole[name] for name in ("t_s", "end_s", "finger", "kind", "data", "words")}
 
     def _changed(self, event: Event) -> dict[str, Any]:
         code = np.frombuffer(event.ternary.encode(), "S2")
@@ -48,8 +53,10 @@ def event_data(event: Event) -> dict[str, Any]:
     """Return an event: all that follows from the frames, so not its latency."""
     data = {name: finite(value) if isinstance(value, float) else value for name, value in event.data.items()}
     return {
-        "t_s": event.t, "finger": event.finger, "sequence": event.sequence, "kind": event.kind.label, "data": data,
-        "words": event.words, "arrows": event.arrows, "ternary": event.ternary, "hand": f"{event.hand:x}",
+        "t_s": event.t, "end_s": event.end, "told_s": finite(event.told), "finger": event.finger,
+        "sequence": event.sequence, "kind": event.kind, "data": data, "taxels": event.taxels,
+        "confidence": event.confidence, "words": event.words,
+        "arrows": event.arrows, "ternary": event.ternary, "hand": f"{event.hand:x}",
         "load": load_data(event.load),
     }  # fmt: skip
 

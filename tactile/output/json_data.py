@@ -6,6 +6,7 @@ import numpy as np
 
 from cnnsim.support import Floats
 from tactile.core.frame import TaxelArray
+from tactile.events.phases import Phase, phases
 from tactile.inverse.validity import Validity
 from tactile.output.collected import Collected
 from tactile.output.event_data import EventData
@@ -26,11 +27,23 @@ def run_data(collected: Collected, arrays: tuple[TaxelArray, ...]) -> dict[str, 
             "friction": _median(columns.friction),
             "roughness": _median(columns.roughness),
             "error": error_data(collected.errors(array.name)),
+            "phases": [phase._asdict() for phase in _phases(collected, array.name)],
             "tare": None if (tare := collected.tare(array)) is None else tare.plain(),
         }
     told = EventData(arrays)
     events = [told(event) | {"latency_s": event.latency} for event in collected.events]
-    return {"seconds": collected.seconds, "frames": collected.frames, "fingers": fingers, "events": events}
+    return {
+        "seconds": collected.seconds, "frames": collected.frames, "fingers": fingers, "events": events,
+        "tares": [
+            {"t_s": note.t, "finger": arrays[note.finger].name, "why": note.why, "detail": note.detail}
+            for note in collected.notes if note.detail
+        ],
+    }  # fmt: skip
+
+
+def _phases(collected: Collected, finger: str) -> list[Phase]:
+    t = collected.columns(finger).t
+    return phases(collected.events, finger, float(t[0]), float(t[-1])) if t.size else []
 
 
 def error_data(errors: Floats) -> dict[str, Any] | None:

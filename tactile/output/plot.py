@@ -10,10 +10,10 @@ from cnnsim.support.files import writing
 from tactile.calibration.tare_check import UNITS
 from tactile.core.frame import TaxelArray
 from tactile.events.code import CONTACT
+from tactile.events.event import HAND
 from tactile.output.collected import Collected, Columns
 from tactile.output.plot_labels import label, mark
 from tactile.output.plot_plane import SURE, draw_plane
-from tactile.output.tables import grouped
 
 LEAST = 0.1
 """Least height of an axis over the largest value: a constant is drawn as one, not as its rounding."""
@@ -41,8 +41,8 @@ def picture(collected: Collected, arrays: tuple[TaxelArray, ...], title: str) ->
     labelled = []
     for part, array in zip(figure.subfigures(len(arrays), 1, squeeze=False)[:, 0], arrays, strict=True):
         columns = collected.columns(array.name)
-        events = [event for event in collected.events if event.finger == array.name]
-        room = 0.2 + 0.1 * min(len(grouped(events)), 8)
+        events = [event for event in collected.events if event.finger in (array.name, HAND)]
+        room = 0.2 + 0.1 * min(len(events), 8)
         grid = part.add_gridspec(3, 2, width_ratios=[3.0, 1.1], height_ratios=[room, 1, 1])
         normal = part.add_subplot(grid[1, 0])
         shear = part.add_subplot(grid[2, 0], sharex=normal)

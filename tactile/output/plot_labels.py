@@ -4,19 +4,19 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from tactile.events.contact_and_shear import TouchKind
-from tactile.events.event import Event, EventKind
-from tactile.events.slip import SlipKind
-from tactile.events.tangential_load import LoadKind
-from tactile.output.tables import grouped
+from tactile.events.event import Event
 
-COLOURS: dict[EventKind, str] = {
-    TouchKind.CONTACT: "tab:green",
-    TouchKind.RELEASE: "tab:red",
-    **dict.fromkeys(SlipKind, "tab:purple"),
-    **dict.fromkeys(LoadKind, "tab:brown"),
-}
-"""Colours of the important kinds of event; the others are grey."""
+COLOURS = {
+    "contact": "tab:green", "grip": "tab:green", "release": "tab:red",
+    **dict.fromkeys(("slip", "incipient_slip"), "tab:purple"),
+    **dict.fromkeys(("tangential_load", "pull", "lift", "twist", "pinch", "spread"), "tab:brown"),
+    **dict.fromkeys(("load", "hold"), "0.6"),
+}  # fmt: skip
+"""Colours of the kinds of event that come with the library."""
+OWN = "tab:blue"
+"""Colour of kinds that a user's detector makes."""
+MINOR = ("load", "hold", "pull")
+"""Kinds that are written down where there is room left."""
 SIZE = 8
 """[pt] of the labels."""
 GAP = 6.0
@@ -39,7 +39,7 @@ def mark(axes: Iterable[Any], events: Iterable[Event]) -> None:
     """Draw a line for every event on the axes of the signals."""
     for axis in axes:
         for event in events:
-            axis.axvline(event.t, color=COLOURS.get(event.kind, "0.88"), linewidth=0.7, zorder=0)
+            axis.axvline(event.t, color=COLOURS.get(event.kind, OWN), linewidth=0.7, zorder=0)
 
 
 def label(axis: Any, events: Iterable[Event]) -> int:
@@ -52,9 +52,8 @@ def label(axis: Any, events: Iterable[Event]) -> int:
     height = SIZE * inches.dpi / 72 * 1.6
     rows = [Row((number + 0.5) * height / box.height, []) for number in range(max(1, int(box.height / height)))]
     told = 0
-    for event, changes in sorted(grouped(events), key=lambda line: line[0].kind not in COLOURS):
-        text = event.words if changes == 1 else f"{event.words} ({changes}x)"
-        colour = COLOURS.get(event.kind, "0.4")
+    for event in sorted(events, key=lambda event: event.kind in MINOR):
+        text, colour = event.words, COLOURS.get(event.kind, OWN)
         place = axis.transData.transform((event.t, 0.0))[0]
         written = axis.text(
             event.t, 0, text, transform=axis.get_xaxis_transform(), fontsize=SIZE, color=colour, va="center",
@@ -72,5 +71,5 @@ def label(axis: Any, events: Iterable[Event]) -> int:
             [event.t, event.t], [0, row.y], transform=axis.get_xaxis_transform(), color=colour, linewidth=0.7,
             zorder=0, clip_on=False,
         )  # fmt: skip
-        told += changes
+        told += 1
     return told

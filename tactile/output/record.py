@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 from contextlib import nullcontext, suppress
 from pathlib import Path
 from types import TracebackType
@@ -9,6 +10,8 @@ from typing import Any, Self
 
 from cnnsim.support.files import make_folder, write_text, writing
 from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y, TaxelArray
+from tactile.events.event import EventLog
+from tactile.events.phases import phases
 from tactile.output.collected import texture_mean, total
 from tactile.output.event_data import INLINE, EventData
 from tactile.output.truth import Truth
@@ -42,7 +45,8 @@ class Record:
         self, folder: Path, arrays: tuple[TaxelArray, ...], provenance: dict[str, Any], truth: Truth | None = None
     ) -> None:
         self._folder, self._provenance, self._plain = folder, provenance, EventData(arrays)
-        self._events: list[str] = []
+        self._log = EventLog()
+        self._arrays, self._span = arrays, {array.name: [math.inf, -math.inf] for array in arrays}
         self._codes: dict[str, str] = {}
         self._truth = truth
         self._tares: dict[str, dict[str, Any]] = {}
@@ -65,20 +69,26 @@ class Record:
             return
         self._whole.__exit__(None, None, None)
         record = {**self._provenance, "complete": kind is None, "tares": self._tares}
+        found = self._log.events
+        record["phases"] = {
+            name: [phase._asdict() for phase in phases(found, name, *span)]
+            for name, span in self._span.items() if span[0] <= span[1]
+        }  # fmt: skip
         head = json.dumps(record, indent=1, ensure_ascii=False).removesuffix("\n}")
-        events = ",\n  ".join(self._events)  # one line, one event
+        # one line, one event
+        events = ",\n  ".join(json.dumps(self._plain(event), ensure_ascii=False) for event in found)
         text = f'{head},\n "events": [\n  {events}\n ]\n}}\n'
         write_text(self._folder / "events.json", text, follow=False)
 
     def __call__(self, report: FrameReport) -> None:
         """Write one report."""
-        self._events += [json.dumps(self._plain(event), ensure_ascii=False) for event in report.events]
+        self._log.add(report.events, report.ended)
+        span = self._span[report.array.name]
+        span[0], span[1] = min(span[0], report.frame.t), max(span[1], report.frame.t)
         if report.tare is not None:
             self._tares[report.array.name] = report.tare.plain()
         load, texture, frame = report.load, report.texture, report.frame
-        located: tuple[Any, ...] = ("",) * 8
-        if load is not None:
-            located = (load.x, load.y, load.Q, load.R, load.F, load.validity.name.lower(), load.taxels, load.misfit)
+        located = (load.x, load.y, load.Q, load.R, load.F, load.validity.name.lower(), load.taxels, load.misfit)
         code = self._code(report)
         happened = text_cell("; ".join(event.words for event in report.events))
         self._csv.writerow((

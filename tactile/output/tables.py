@@ -1,13 +1,11 @@
 """Tables of a run on the terminal: the events, and the figures of each finger."""
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cnnsim.support.echo import console
 from tactile.core.frame import TaxelArray
-from tactile.events.contact_and_shear import TouchKind
 from tactile.events.event import Event
 from tactile.inverse.load import Load
 from tactile.output.collected import Collected
@@ -17,16 +15,14 @@ if TYPE_CHECKING:  # rich is slow to import
     from rich.console import Console
     from rich.table import Table
 
-TIME, FINGER, CODE, HAND, MEANING = "time [s]", "finger", "code", "hand", "meaning"
+TIME, UNTIL, FINGER, CODE, HAND, MEANING = "time [s]", "until", "finger", "code", "hand", "meaning"
 LOAD, LATENCY = "load: (x, y) [mm], Q R F [N]", "latency [µs]"
 WIDE = 10_000
 """Columns in which any line has room: how wide a table would be is measured in that."""
+SAID = 5
+"""Most lines of what users' programs have said that are shown: the last ones."""
 LEGIBLE = 16
 """Most taxels of an array whose code is in the table, and most hexadecimal digits of the hand's code."""
-PATTERNS = frozenset(TouchKind) - {TouchKind.CONTACT, TouchKind.RELEASE}
-"""Kinds of event that come in quick succession: changes of the taxels' code while they touch."""
-TOGETHER = 0.05
-"""[s] Events of these kinds of one finger that follow each other faster than this are one line of the table."""
 
 
 def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
@@ -43,6 +39,9 @@ def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
             place = f"{error['place_median_m'] * 1e3:.2g} mm, at most {error['place_max_m'] * 1e3:.2g}"
             force = f"{error['force_median_n']:.2g} N, at most {error['force_max_n']:.2g}"
             screen.print(f"{name}: off the truth by {place}; {force}", highlight=False, markup=False)
+    for t, finger, name, outputs in collected.said[-SAID:]:
+        plain = ", ".join(f"{key} {_short(value)}" for key, value in outputs.items())
+        screen.print(f"{t:.3f} {finger}: {name}: {plain}", highlight=False, markup=False)
     for array in arrays:
         if (tare := collected.tare(array)) is not None:
             screen.print(f"{array.name}: tare: {tare.words}", highlight=False, markup=False)
@@ -53,17 +52,18 @@ def _print_events(screen: "Console", events: list[Event], arrays: tuple[TaxelArr
     taxels = [array.rows * array.cols for array in arrays]
     digits = -(-sum(2 * count for count in taxels) // 4)
     wanted = {CODE: max(taxels) <= LEGIBLE, HAND: digits <= LEGIBLE, LOAD: located}
-    headings = [name for name in (TIME, FINGER, CODE, HAND, MEANING, LOAD, LATENCY) if wanted.get(name, True)]
+    headings = [name for name in (TIME, UNTIL, FINGER, CODE, HAND, MEANING, LOAD, LATENCY) if wanted.get(name, True)]
     rows = []
-    for event, changes in grouped(events):
+    for event in events:
         rows.append({
-            TIME: f"{event.t:.3f}", FINGER: event.finger, CODE: event.arrows, HAND: f"{event.hand:0{digits}x}",
-            MEANING: event.words if changes == 1 else f"{event.words} ({changes} changes)",
+            TIME: f"{event.t:.3f}", UNTIL: "" if event.end is None else f"{event.end:.3f}", FINGER: event.finger,
+            CODE: event.arrows, HAND: f"{event.hand:0{digits}x}",
+            MEANING: event.words,
             LOAD: _located(event.load), LATENCY: f"{event.latency * 1e6:.0f}",
         })  # fmt: skip
     dropped = []
     table = _table(headings, rows)
-    for heading in (HAND, LATENCY, CODE, LOAD):
+    for heading in (HAND, LATENCY, CODE, LOAD, UNTIL):
         if screen.measure(table, options=screen.options.update(width=WIDE)).maximum <= screen.width:
             break
         if heading in headings:
@@ -84,28 +84,11 @@ def _table(headings: list[str], rows: list[dict[str, str]]) -> "Table":
     table = Table(title="Events", title_justify="left")
     for heading in headings:
         table.add_column(
-            heading, justify="right" if heading in (TIME, LATENCY) else "left", no_wrap=True, overflow="ellipsis"
+            heading, justify="right" if heading in (TIME, UNTIL, LATENCY) else "left", no_wrap=True, overflow="ellipsis"
         )
     for row in rows:
         table.add_row(*(row[heading] for heading in headings))
     return table
-
-
-def grouped(events: Iterable[Event]) -> list[tuple[Event, int]]:
-    """Return the events in the order of time, quick successions of `PATTERNS` as the last one and their number."""
-    lines: list[tuple[Event, int]] = []
-    open_line: dict[str, int] = {}
-    for event in events:
-        pattern = event.kind in PATTERNS
-        at = open_line.get(event.finger)
-        if pattern and at is not None and event.t - lines[at][0].t <= TOGETHER:
-            lines[at] = (event, lines[at][1] + 1)
-            continue
-        open_line.pop(event.finger, None)
-        if pattern:
-            open_line[event.finger] = len(lines)
-        lines.append((event, 1))
-    return sorted(lines, key=lambda line: line[0].t)
 
 
 def _located(load: Load | None) -> str:
@@ -116,6 +99,13 @@ def _located(load: Load | None) -> str:
     forces = " ".join(_signed(part, 3) for part in (load.Q, load.R, load.F) if np.isfinite(part))
     taxels = "1 taxel" if load.taxels == 1 else f"{load.taxels} taxels"
     return f"{place} {forces}, {load.validity.name.lower().replace('_', ' ')}, {taxels}"
+
+
+def _short(value: Any) -> str:
+    values = np.asarray(value)
+    if values.ndim == 0:
+        return f"{values.item()}"
+    return f"on {int(values.sum())} taxels" if values.dtype == bool else f"{values.min():.3g} to {values.max():.3g}"
 
 
 def _signed(value: float, digits: int) -> str:

@@ -99,7 +99,7 @@ class Recorded:
         if not self.has_wire:
             return StoredSource(self)
         source = WireSource(self.description, self.chunks())
-        source.provenance = replace(source.provenance, start_ns=self.start)
+        source.provenance = replace(source.provenance, start_ns=self.start, choices=self.made.get("choices", ""))
         return source
 
     def _topic(self, record: Any) -> str:

@@ -11,7 +11,7 @@ from tactile.serial.drain import DATA, DROPPED, GONE
 from tactile.serial.drained import Drained
 from tactile.serial.port import open_port, take
 from tactile.wire.base import Talk
-from tactile.wire.source import PLUGGED, TARE, UNPLUGGED, Chunk
+from tactile.wire.source import FORCED_TARE, PLUGGED, TARE, UNPLUGGED, Chunk
 
 FIRST_PAUSE, LONGEST_PAUSE = 0.1, 0.5
 """[s] between tries to open a port that was unplugged: doubled each time."""
@@ -53,9 +53,9 @@ class PortReader:
         """Begin to read."""
         self._thread.start()
 
-    def ask_tare(self) -> None:
-        """Put a request for a tare into the stream, where a recording keeps it."""
-        self._note(TARE)
+    def ask_tare(self, force: bool = False) -> None:
+        """Put a request for a tare into the stream, where a recording keeps it; by ``force`` also of what is loaded."""
+        self._note(FORCED_TARE if force else TARE)
 
     def close(self) -> None:
         """Stop reading and let go of the port; what has come by now is handed on."""

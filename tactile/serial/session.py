@@ -5,7 +5,6 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from tactile.calibration.live_tare import LiveTare
 from tactile.core.epoch import Epoch
 from tactile.core.frame import Frame
 from tactile.recording.writer import Recording
@@ -36,7 +35,7 @@ class Session:
 
     def __init__(
         self, port: str, description: Description, record: Callable[[Epoch], Recording] | None = None,
-        tares: tuple[LiveTare, ...] = (), seconds: float | None = None, once: bool = False,
+        seconds: float | None = None, once: bool = False,
         stopped: threading.Event | None = None, warn: Callable[[str], None] = lambda text: None,
     ) -> None:  # fmt: skip
         self._ready = Ring()
@@ -51,7 +50,7 @@ class Session:
                 self.reader.close()
                 raise
         self._until = float("inf") if seconds is None else time.monotonic() + seconds
-        self.source = WireSource(description, self._chunks(), tares, None if self.recording is None else self._keep)
+        self.source = WireSource(description, self._chunks(), None if self.recording is None else self._keep)
         self.check = PortCheck(port, description, lambda: self.source.counts, warn)
         self.reader.start()
 

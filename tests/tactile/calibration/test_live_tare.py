@@ -1,72 +1,114 @@
-"""Tares of a live run: when they are taken, and what readings are after them."""
+"""Tares of arriving frames: when they are taken, what readings are after them, and the noise they measure."""
 
 import numpy as np
+import pytest
 
 from tactile.calibration.gains import Gains
 from tactile.calibration.live_tare import LiveTare
 from tactile.core.frame import Frame, TaxelArray
+from tactile.core.noise import measured
 
 ARRAY = TaxelArray("tip", 1, 2, 1e-3, 1e-3, quantity="strain")
+PAD = TaxelArray("pad", 3, 3, 7e-3, 0.0, quantity="force")
 
 
 def fed(tare: LiveTare, values: np.ndarray, start: int = 0) -> list[Frame]:
-    return [tare(Frame(0, 0.01 * (start + n), start + n, one, np.ones((1, 2), bool))) for n, one in enumerate(values)]
+    return [tare(Frame(0, 0.01 * (start + n), start + n, v, np.ones(v.shape[:2], bool))) for n, v in enumerate(values)]
+
+
+def noise(sigma: float, frames: int = 21, seed: int = 3) -> np.ndarray:
+    return sigma * np.random.default_rng(seed).standard_normal((frames, 3, 3, 3))
 
 
 def test_tare_at_the_start_idle_and_never_while_loaded() -> None:
     rng = np.random.default_rng(3)
 
-    def held(level: float, n: int = 50, noise: float = 1e-5) -> np.ndarray:
-        return 0.5 + level + noise * rng.standard_normal((n, 1, 2, 3))
+    def held(level: float, n: int = 21, size: float = 1e-5) -> np.ndarray:
+        return 0.5 + level + size * rng.standard_normal((n, 1, 2, 3))
 
-    tare = LiveTare(0, ARRAY, block=50)
-    assert not any(frame.valid.any() for frame in fed(tare, held(0.0)[:49]))
-    (first,) = fed(tare, held(0.0, 1))
+    tare = LiveTare(0, ARRAY)
+    assert not any(frame.valid.any() for frame in fed(tare, held(0.0)[:20]))
+    (first,) = fed(tare, held(0.0, 1), 20)
     assert np.abs(first.values).max() < 1e-4
-    assert [note.why for note in tare.notes] == ["at the start"]
-    fed(tare, held(2e-4))  # drift, well below half a dead band
-    assert tare.notes[-1].why == "idle"
-    assert np.abs(fed(tare, held(2e-4, 1))[0].values).max() < 1e-4
-    fed(tare, held(2e-4, 49))
+    fed(tare, held(2e-4), 21)  # drift, well below half a dead band
+    assert [note.why for note in tare.notes] == ["at the start", "idle"]
+    assert "taken away" in tare.notes[0].detail
     known = len(tare.notes)
-    loaded = fed(tare, held(-0.01, 200))  # a still load is no drift
+    loaded = fed(tare, held(-0.01, 210), 42)  # a still load is no drift
     assert len(tare.notes) == known
     assert np.abs(loaded[-1].values + 0.0102).max() < 1e-4
     tare.ask()
-    fed(tare, held(-0.01, 50))
+    fed(tare, held(-0.01), 252)
     assert (tare.notes[-1].why, tare.notes[-1].offset) == ("refused: loaded", None)
-    assert tare.notes[-1].detail.startswith("20.")
-    assert "‰ normal, " in tare.notes[-1].detail
-    assert tare.notes[-1].detail.endswith("off the tare: let nothing touch it, then ask for a tare")
-    tare.ask()
-    fed(tare, held(2e-4, 50))
-    assert tare.notes[-1].why == "on request"
-    manual = LiveTare(0, ARRAY, automatic=False, block=50)
+    assert "off the tare: let nothing touch it, then ask for a tare" in tare.notes[-1].detail
+    tare.ask(force=True)
+    fed(tare, held(-0.01), 273)
+    assert tare.notes[-1].why == "by force"
+    manual = LiveTare(0, ARRAY, "manual")
     fed(manual, held(0.0))
-    fed(manual, held(1e-4))
+    fed(manual, held(1e-4), 21)
     assert [note.why for note in manual.notes] == ["at the start"]
-    assert "taken away; loaded, or an offset of that size" in manual.notes[0].detail
 
 
 def test_the_first_tare_waits_for_stillness() -> None:
-    tare = LiveTare(0, ARRAY, block=20)
-    moving = np.linspace(0, 0.01, 20)[:, None, None, None] * np.ones((1, 1, 2, 3))
+    tare = LiveTare(0, ARRAY)
+    moving = np.linspace(0, 0.01, 21)[:, None, None, None] * np.ones((1, 1, 2, 3))
     assert not fed(tare, moving)[-1].valid.any()
-    assert tare.notes[-1].why == "refused: not still"
-    assert tare.notes[-1].detail == "a taxel moves by 10.00 ‰: let nothing touch it, then ask for a tare"
-    still = np.full((20, 1, 2, 3), 0.3)
+    assert tare.notes[-1].why == "refused: moving"
+    still = np.full((21, 1, 2, 3), 0.0)
     still[:, 0, 1] = np.nan  # a taxel without readings is not waited for
-    last = fed(tare, still)[-1]
+    last = fed(tare, still, 21)[-1]
     assert last.valid.tolist() == [[True, False]]
     assert np.abs(last.values[0, 0]).max() < 1e-15
 
 
+def test_a_load_that_came_before_the_first_tare_is_none() -> None:
+    """The finger closes while the first block is taken, then holds still: that hold is not zero."""
+    tare = LiveTare(0, PAD)
+    values = noise(2e-3, 84)
+    values[10:, :, :, 2] += np.clip(np.arange(74) / 10, 0, 1)[:, None, None]
+    fed(tare, values)
+    assert {note.why for note in tare.notes} == {"refused: moving", "refused: loaded"}
+
+
+@pytest.mark.parametrize("sigma", [1e-3, 0.04, 0.2])
+def test_noise_alone_is_neither_motion_nor_load(sigma: float) -> None:
+    tare = LiveTare(0, PAD)
+    fed(tare, noise(sigma, 84))
+    assert tare.notes[0].why == "at the start"
+    assert tare.noise is not None
+    assert tare.noise.sigma == pytest.approx(np.full((3, 3, 3), sigma), rel=0.9)
+
+
+def test_a_pad_that_was_pressed_says_so_when_it_is_free() -> None:
+    tare = LiveTare(0, PAD)
+    fed(tare, noise(2e-3) + np.array([0, 0, 1.0]))
+    fed(tare, noise(2e-3, 84), 21)
+    (_, note) = tare.notes
+    assert note.why == "refused: loaded"
+    assert "it was pressed when it was tared; t! zeroes it by force" in note.detail
+    tare.ask(force=True)
+    free = fed(tare, noise(2e-3, 22), 105)[-1]
+    assert np.abs(free.values).max() < 0.02
+
+
+def test_noisy_and_dead_taxels_are_named() -> None:
+    block = noise(2e-3, 100)
+    block[:, 0, 1] *= 20
+    block[:, 2, 2] = 0.25
+    found = measured(block)
+    assert found.words() == ["taxel (0, 1) is noisy, left out", "taxel (2, 2) is dead, left out"]
+    assert found.left_out.sum() == 2
+    assert not measured(noise(2e-3, 100)).left_out.any()
+    assert not measured(np.zeros((20, 3, 3, 3))).left_out.any()  # an array without noise is not dead
+
+
 def test_a_tare_knows_what_its_readings_will_be() -> None:
     """Readings over the gains are judged like the readings."""
-    rng, gains = np.random.default_rng(4), Gains(2.0**-10, -(2.0**-6))
-    quiet, loud = (size * rng.standard_normal((20, 1, 2, 3)) for size in (1e-4, 1e-2))
-    for values, why in ((quiet, "at the start"), (loud, "refused: not still")):
-        plain, scaled = LiveTare(0, ARRAY, block=20), LiveTare(0, ARRAY, block=20, gains=gains)
-        fed(plain, values)
-        fed(scaled, values / gains(np.ones(3)))
+    gains = Gains(2.0**-10, -(2.0**-6))
+    for values, why in ((noise(1e-4), "at the start"), (np.linspace(0, 1, 21)[:, None, None, None], "refused: moving")):
+        given = np.broadcast_to(values, (21, 3, 3, 3))[:, :1, :2]
+        plain, scaled = LiveTare(0, ARRAY), LiveTare(0, ARRAY, gains=gains)
+        fed(plain, given)
+        fed(scaled, given / gains(np.ones(3)))
         assert [note.why for note in plain.notes] == [note.why for note in scaled.notes] == [why]

@@ -93,5 +93,6 @@ def test_a_run_says_it_in_table_json_and_record(tmp_path: Path) -> None:
     assert "pad: tare: 4.20 N normal" in plain.stderr
     assert json.loads((tmp_path / "out" / "events.json").read_text())["tares"]["pad"]["loaded"]
     assert json.loads(call("run", pressed, "--json", "--tare", "0").stdout)["fingers"]["pad"]["tare"] is None
-    short = call("run", recorded(tmp_path / "s.npz", [*readings(0.0, frames=60)]), "--json")
-    assert "pad: tare over 100 frames, 60 there" in short.stderr
+    short = recorded(tmp_path / "s.npz", [*readings(0.0, frames=15)])
+    assert "pad: no tare in 15 frames (too few); --tare N takes the first N" in call("run", short, "--json").stderr
+    assert "pad: tare over 100 frames, 15 there" in call("run", short, "--json", "--tare", "100").stderr

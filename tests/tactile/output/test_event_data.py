@@ -38,7 +38,7 @@ def recorded(folder: Path, source: FrameStream) -> list[Event]:
 def test_codes_can_be_followed(tmp_path: Path, side: int, inline: bool) -> None:
     events = recorded(tmp_path, pressed(side, 5))
     told = json.loads((tmp_path / "events.json").read_text(encoding="utf-8"))["events"]
-    assert len(told) == len(events) > 3
+    assert len(told) == len(events) > 1
     code = ["00"] * side**2
     for one, event in zip(told, events, strict=True):
         assert ("ternary" in one, "arrows" in one, "hand" in one) == (inline, inline, inline)

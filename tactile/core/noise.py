@@ -1,0 +1,83 @@
+"""Noise of every taxel, from frames in which nothing happens: how large, how slow, and whose readings to leave out."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from cnnsim.support import Flags, Floats
+
+NORMAL_MAD = 0.6745
+"""Median absolute deviation of a normal distribution of sigma 1."""
+NOISY = 6.0
+"""A taxel this many times as noisy as the median one of its array, in any component, is left out ..."""
+FADE = 0.95
+"""Part of the noise known before that is kept with each block."""
+FEW = 4
+"""... where there are at least so many to compare with."""
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Noise of an array: ``sigma`` (rows, cols, 3) in all, ``jitter`` (rows, cols, 3) from one frame to the next.
+
+    ``dead`` (rows, cols): taxels that read the same to the last bit while most others do not.
+    """
+
+    sigma: Floats
+    jitter: Floats
+    dead: Flags
+
+    @cached_property
+    def noisy(self) -> Flags:
+        """(rows, cols), True where a taxel has far more noise than the median one of a larger array."""
+        typical = np.median(self.sigma.reshape(-1, 3), axis=0)
+        enough = self.dead.size >= FEW and bool((typical > 0).all())
+        return (self.sigma > NOISY * typical).any(-1) & ~self.dead & enough
+
+    def and_before(self, before: "Noise | None") -> "Noise":
+        """Return the larger of this noise and what was known before, which fades: a calm block proves little."""
+        if before is None:
+            return self
+        sigma, jitter = np.maximum(self.sigma, FADE * before.sigma), np.maximum(self.jitter, FADE * before.jitter)
+        return Noise(sigma, jitter, self.dead)
+
+    @property
+    def left_out(self) -> Flags:
+        """(rows, cols), True where a taxel's reading is not to be used."""
+        return self.noisy | self.dead
+
+    @property
+    def slow(self) -> Floats:
+        """(rows, cols, 3), the part of the noise that is correlated from frame to frame."""
+        # white noise of 20 frames has a measured sigma up to a third above its jitter
+        return np.sqrt(np.maximum(self.sigma**2 - 1.7 * self.jitter**2, 0.0))
+
+    def words(self) -> list[str]:
+        """Name the taxels that are left out, and why."""
+        said = [f"taxel ({i}, {j}) is noisy, left out" for i, j in np.argwhere(self.noisy & ~self.dead).tolist()]
+        return said + [f"taxel ({i}, {j}) is dead, left out" for i, j in np.argwhere(self.dead).tolist()]
+
+
+def measured(block: Floats) -> Noise:
+    """Return the noise of frames (n, rows, cols, 3) without a load; NaN where a taxel did not read.
+
+    Robust: median absolute deviations, about the median and from frame to frame, where frames that repeat the one
+    before do not count, unless most do. No component is taken for calmer than two thirds of the array's median one:
+    few frames measure a sigma badly.
+    """
+    differs = np.any(np.diff(block, axis=0) != 0, axis=(1, 2, 3))
+    fresh = np.concatenate([block[:1], block[1:][differs]]) if 2 * differs.sum() > differs.size else block
+    sigma = _spread(fresh - np.nanmedian(fresh, axis=0))
+    jitter = _spread(np.diff(fresh, axis=0)) / np.sqrt(2) if len(fresh) > 2 else np.zeros_like(sigma)
+    still = (np.nanmax(block, axis=0) == np.nanmin(block, axis=0)).all(-1)
+    dead = still & (2 * still.sum() < still.size)
+    alive = np.where(dead[..., None], np.nan, sigma)
+    typical = np.nan_to_num(np.nanmedian(alive.reshape(-1, 3), axis=0))
+    calm = np.nanmedian(jitter.reshape(-1, 3), axis=0) * 2 / 3
+    return Noise(np.maximum(sigma, typical * 2 / 3), np.maximum(jitter, calm), dead)
+
+
+def _spread(values: Floats) -> Floats:
+    spread: Floats = np.nan_to_num(np.nanmedian(np.abs(values), axis=0)) / NORMAL_MAD
+    return spread

@@ -1,0 +1,164 @@
+"""Detector files: an analogic program, and a table of what its planes and registers mean, read and checked."""
+
+import re
+from collections.abc import Collection
+from dataclasses import dataclass
+from pathlib import Path
+from string import Formatter
+from typing import Any
+
+from cnnsim import InputError
+from cnnsim.library.folders import folder, folders, not_found, program_file
+from cnnsim.program.file import load_program, program_of
+from cnnsim.program.program import Program
+from cnnsim.support import naming
+from cnnsim.support.toml_file import check_keys, read_toml, take, take_tables
+from tactile.events.planes import NAMES
+
+EVENT_KEYS = ("kind", "when", "words", "taxels", "direction", "sense", "confirm_ms", "release_ms")
+OF_THE_DATA = ("direction", "sense", "taxels", "of_taxels", "force_n", "shear_n", "length_mm")
+"""What the words of an event may name in braces."""
+OF_LOAD = "load"
+"""A direction that is that of the whole tangential load."""
+WAYS = ("right", "left", "down", "up")
+KIND = re.compile(r"[a-z][a-z0-9_]*")
+
+
+@dataclass(frozen=True)
+class EventRule:
+    """When a detector's outputs mean an event.
+
+    ``when``: the plane (any cell black) or register (not 0) that is on while it lasts; ``taxels``: the plane of the
+    taxels concerned; ``direction``: four planes or registers for +x, -x, +y, -y, of which the larger ones give it, or
+    ``along_load``: that of the whole tangential load; ``sense``: two, clockwise and anticlockwise as seen in the
+    picture; it begins once it was on for ``confirm`` [s] and ends once it was off for ``release`` [s].
+    """
+
+    kind: str
+    when: str
+    words: str
+    taxels: str | None = None
+    direction: tuple[str, ...] = ()
+    sense: tuple[str, ...] = ()
+    confirm: float = 0.0
+    release: float = 0.0
+    along_load: bool = False
+
+    @property
+    def outputs(self) -> set[str]:
+        """The program's outputs that the rule reads."""
+        return {self.when, *self.direction, *self.sense, *([self.taxels] if self.taxels else [])}
+
+
+@dataclass(frozen=True)
+class DetectorFile:
+    """A program and the events it makes; none for a program whose outputs alone are asked for."""
+
+    name: str
+    program: Program
+    rules: tuple[EventRule, ...]
+
+
+def read_detector(name: str | Path, known: Collection[str] = NAMES) -> DetectorFile:
+    """Return the detector that a file is, or that has this name in the library.
+
+    Arguments: ``name`` of a file (.toml), of a detector (``programs/touch``) or of a program of the library, which
+    makes no events; ``known``: the planes that there are.
+
+    Raises:
+        InputError: no such file, what is wrong in it, or a plane that a frame does not have.
+    """
+    path = Path(name)
+    if not path.suffix:
+        path = _named(str(name))
+    table = read_toml(path, "detector or program file")
+    with naming(path):
+        rules = tuple(_rule(event, f"event {n}") for n, event in enumerate(take_tables(table, "event", "detector"), 1))
+        program = _program(table, path)
+        _check(program, rules, known)
+    return DetectorFile(program.name, program, rules)
+
+
+def shipped_detectors(names: Collection[str]) -> list[DetectorFile]:
+    """Return detectors that came with the library; users' files of these names do not replace them."""
+    found, known = [], [*NAMES]
+    for name in names:
+        found.append(read_detector(folder() / "programs" / "touch" / f"{name}.toml", known))
+        known += found[-1].program.outputs
+    return found
+
+
+def published() -> tuple[str, ...]:
+    """Return the outputs of the shipped detectors, which users' detectors may have as inputs, too."""
+    from tactile.events.registry import SHIPPED  # which reads with this module
+
+    return tuple(name for detector in shipped_detectors(SHIPPED) for name in detector.program.outputs)
+
+
+def _named(name: str) -> Path:
+    found = {path.stem: path for place in folders() for path in (place / "programs" / "touch").glob("*.toml")}
+    if name in found:
+        return found[name]
+    try:
+        return program_file(name)
+    except InputError as error:
+        if found and "did you mean" not in str(error):
+            raise not_found("detector or program", name, found, "cnnsim list --programs") from error
+        raise
+
+
+def _program(table: dict[str, Any], path: Path) -> Program:
+    if "program" not in table:
+        return program_of({key: value for key, value in table.items() if key != "event"}, {}, {}, path)
+    check_keys(table, ("name", "summary", "reference", "program", "parameters", "event"), "detector", ("name", "event"))
+    chosen = take(table, "program", str, "detector")
+    beside = path.parent / chosen
+    numbers = take(table, "parameters", dict, "detector", {})
+    return load_program(beside if beside.suffix else chosen, parameters=numbers)
+
+
+def _rule(table: dict[str, Any], where: str) -> EventRule:
+    check_keys(table, EVENT_KEYS, where, ("kind", "when"))
+    kind, words = take(table, "kind", str, where), take(table, "words", str, where, "")
+    if not KIND.fullmatch(kind):
+        raise InputError(f"{where}: kind = {kind!r}; small letters, digits and _ wanted, such as 'two_blobs'")
+    words = words or kind.replace("_", " ")
+    try:
+        unknown = {name for _, name, _, _ in Formatter().parse(words) if name is not None} - set(OF_THE_DATA)
+    except ValueError as error:
+        raise InputError(f"{where}: words = {words!r}: {error}") from error
+    if unknown:
+        raise InputError(f"{where}: words name {', '.join(sorted(unknown))}; of {', '.join(OF_THE_DATA)} wanted")
+    lists: dict[str, tuple[str, ...]] = {}
+    along = table.get("direction") == OF_LOAD
+    if along:
+        table = {key: value for key, value in table.items() if key != "direction"}
+    for key, count in (("direction", len(WAYS)), ("sense", 2)):
+        names = take(table, key, list, where, [])
+        if len(names) not in (0, count) or not all(isinstance(name, str) for name in names):
+            raise InputError(f"{where}: {key} = {names!r}; {count} names of outputs wanted")
+        lists[key] = tuple(names)
+    times = {key: take(table, key, float, where, 0.0) * 1e-3 for key in ("confirm_ms", "release_ms")}
+    if min(times.values()) < 0:
+        raise InputError(f"{where}: confirm_ms, release_ms of {times}; numbers from 0 wanted")
+    taxels = take(table, "taxels", str, where) if "taxels" in table else None
+    return EventRule(
+        kind, take(table, "when", str, where), words, taxels, lists["direction"], lists["sense"],
+        times["confirm_ms"], times["release_ms"], along,
+    )  # fmt: skip
+
+
+def _check(program: Program, rules: tuple[EventRule, ...], known: Collection[str]) -> None:
+    wrong = [plane for plane in program.inputs if plane not in known]
+    if wrong:
+        raise InputError(f"inputs {', '.join(wrong)}; of {', '.join(known)} wanted")
+    for rule in rules:
+        missing = sorted(rule.outputs - set(program.outputs))
+        if missing:
+            raise InputError(
+                f"event {rule.kind!r}: {', '.join(missing)}; of the outputs {', '.join(program.outputs)} wanted"
+            )
+        if rule.taxels is not None and program.memory[rule.taxels] != "llm":
+            raise InputError(f"event {rule.kind!r}: taxels = {rule.taxels!r} is no logic plane; one in llm wanted")
+        if program.memory[rule.when] == "lam":
+            raise InputError(f"event {rule.kind!r}: when = {rule.when!r} is analog; a logic plane or a register wanted")

@@ -1,0 +1,86 @@
+"""Events of a hand out of what its fingers' detectors say: with codes, load, newtons and words; joined to grips."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from time import perf_counter
+from typing import Protocol
+
+import numpy as np
+
+from tactile.core.frame import Frame, TaxelArray
+from tactile.events.code import Code, hand_code
+from tactile.events.detector import Happening, direction_of
+from tactile.events.event import Data, Event
+from tactile.events.hand import Hand
+from tactile.inverse.load import Load
+
+
+class Told(Protocol):
+    """What the narrator reads of a finger."""
+
+    @property
+    def array(self) -> TaxelArray: ...  # noqa: D102 - the finger's array
+    @property
+    def code(self) -> Code: ...  # noqa: D102 - what its comparators say now
+    @property
+    def travelled(self) -> tuple[float, float] | None: ...  # noqa: D102 - how far the load has travelled [m], if it is located
+
+
+class Narrator:
+    """Makes events of happenings; remembers those that last, so that an end is the end of the event that began."""
+
+    def __init__(self, fingers: Sequence[Told]) -> None:
+        self._fingers = fingers
+        self._open: dict[tuple[str, str], Event] = {}
+        self._hand = Hand(len(fingers))
+
+    def events(
+        self, finger: Told, frame: Frame, load: Load, happened: list[Happening], arrived: float
+    ) -> tuple[tuple[Event, ...], tuple[Event, ...]]:
+        """Return the events that begin and those that end; ``arrived`` is when the frame came, by `perf_counter`."""
+        begun, ended = [], []
+        code = finger.code
+        hand = hand_code([one.code for one in self._fingers])
+        for what in happened:
+            name = finger.array.name
+            if what.turn == "begins":
+                data = _data(what, load, code)
+                rest = data["of_taxels"] if what.taxels is None else max(int(code.contact.sum()), 1)
+                taxels = () if what.taxels is None else tuple((i, j) for i, j in np.argwhere(what.taxels).tolist())
+                sure = 1.0 if what.taxels is None else min(len(taxels) / float(rest), 1.0)
+                event = Event(
+                    what.onset, name, frame.sequence, what.rule.kind, data, what.rule.words, code.arrows(),
+                    code.ternary(), hand, perf_counter() - arrived, load, frame.t, None, taxels, round(sure, 4),
+                )  # fmt: skip
+                self._open[name, what.rule.kind] = event
+                begun.append(event)
+            else:
+                event = self._open.pop((name, what.rule.kind))
+                ended.append(_ended(event, what.end, finger.travelled))
+        joined, parted = self._hand.join(begun, ended)
+        return (*begun, *joined), (*ended, *parted)
+
+
+def _data(what: Happening, load: Load, code: Code) -> Data:
+    data: dict[str, str | int | float] = {"of_taxels": code.contact.size}
+    direction = direction_of((load.Q, load.R)) if what.rule.along_load else what.direction
+    if direction:
+        data["direction"] = direction
+    if what.sense:
+        data["sense"] = what.sense
+    if what.taxels is not None:
+        data["taxels"] = int(what.taxels.sum())
+    if np.isfinite(load.F):
+        data["force_n"] = load.F
+    if np.isfinite(load.Q) and np.isfinite(load.R):
+        data["shear_n"] = float(np.hypot(load.Q, load.R))
+    return data
+
+
+def _ended(event: Event, end: float | None, travelled: tuple[float, float] | None) -> Event:
+    """Return the event with its end; a slip with how far the located load has travelled."""
+    data = dict(event.data)
+    if travelled is not None and event.kind == "slip":
+        dx, dy = travelled
+        data |= {"length_m": float(np.hypot(dx, dy)), "dx_m": dx, "dy_m": dy}
+    return replace(event, end=end, data=data)

@@ -1,0 +1,114 @@
+"""Signals of a finger: what a frame and those before it say of every taxel and of the whole load, as CNN values."""
+
+import numpy as np
+
+from cnnsim.support import Flags
+from tactile.core.frame import Frame, Quantity
+from tactile.core.noise import Noise
+from tactile.events.thresholds import Levels
+from tactile.inverse.load import Load
+from tactile.inverse.validity import Validity
+
+FAST, SLOW = 0.01, 0.2
+"""[s] Time constants of the taxels' two means; the change that is looked at is the fast one less the slow one."""
+LOAD = (0.004, 0.015, 0.1, 0.3, 0.3, 0.05, 0.08)
+"""[s] Time constants of the whole load: three means, the held load, the memory of the steepest fall, and of
+unrest; and the slow mean while the load is unsteady."""
+KEPT = 12
+"""Numbers that `signals_numba.step` keeps."""
+DRAWN = 9.0
+"""An unexplained change of shear counts from so many sigma of it; it is tried on every taxel in every frame."""
+PLANES = ("shear_x", "shear_y", "pressing", "drawn_x", "drawn_y", "share", "firmness")
+LEVELS = ("loaded", "rising", "falling", "steep", "large", "unsteady", "sheared", "driven", "dropping")
+
+
+ALWAYS = np.ones((1, 1), bool)
+ONE = Levels(np.full((1, 1, 3), 0.01), np.full((1, 1, 3), 0.015))
+"""Levels [N] of a located load as a taxel; only its numbers and what is drawn are used."""
+
+
+class Signals:
+    """Seven planes and nine numbers of one finger, renewed with every frame.
+
+    Planes (rows, cols), binary scale (1/6 where a comparator goes off, 1/4 where it goes on):
+    ``shear_x``, ``shear_y``, ``pressing``: the reading over the taxel's own levels; of shear, levels of at least 2 %
+    of the pressing on the taxel. ``drawn_x``, ``drawn_y``: change of the shear s that the change of the normal n does
+    not explain, ds - (s/n) dn, with d the mean of 10 ms (two frames at least) less that of 200 ms (80 while the load
+    is unsteady), and ds alone where shear is most of what changes; on from 9 sigma and from 0.4 % of the load.
+    ``share``: a taxel's part of the shear over its part of the pressing, (q.Q / |Q|^2) / (n / F): the same number for
+    all where all slide. 1/4 from 0.85 on, -1/4 from 0.75 down, 0 where noise leaves it open. ``firmness``: the slow
+    mean of pressing over three times its levels, or the fast one over five times.
+
+    Numbers, of the whole normal load F (sum over the taxels), binary scale: ``loaded`` F against its noise; ``rising``
+    F against its mean of 100 ms (25 %); ``falling`` the fall from the mean of 15 ms to that of 4 ms (1.5 % of the held
+    load); ``steep`` this fall over the steepest of late (off below 0.4); ``large`` F over the held load (off below
+    0.15); ``unsteady`` F away from its mean of 100 ms (3 %); ``sheared`` whether shear changes by more than about half
+    of what the pressing does (sums of squares over the taxels, 0.3); ``driven`` change of the whole shear (mean of 10
+    ms less that of 200 ms) against 6 sigma and 0.4 % of F; ``dropping`` a fall of 4 %, as of a finger that opens.
+
+    In strain the pressing of a point load sums to 0 over the plane, so F is the sum of the pressed taxels alone.
+    """
+
+    def __init__(self, shape: tuple[int, int], quantity: Quantity) -> None:
+        self.planes = np.zeros((len(PLANES), *shape))
+        self.levels = np.zeros(len(LEVELS))
+        self.force = 0.0
+        self._inward, self._rectify = 1.0 if quantity == "force" else -1.0, quantity == "strain"
+        self._fast, self._slow, self._scalars = np.zeros((*shape, 3)), np.zeros((*shape, 3)), np.zeros(KEPT)
+        self._taps = np.array([FAST, SLOW, *LOAD])
+        self._t: float | None = None
+        self._interval = FAST
+        self._drawn, self._quiet = np.zeros(shape), np.zeros((2, *shape))
+        self._one = np.zeros((1, 1, 3))
+
+    def set_noise(self, noise: Noise | None, levels: Levels) -> None:
+        """Take the noise: what is left of it after the means, and from where on a change is one."""
+        if noise is None or not noise.sigma.any():
+            self._quiet[:] = 0
+            self._drawn = levels.on[..., :2].max(axis=-1)
+            return
+        keep = 1 - np.exp(-self._interval / max(FAST, 2 * self._interval))
+        left = np.sqrt(noise.jitter**2 * keep / (2 - keep) + noise.slow**2)
+        self._quiet = np.stack([left[..., :2].max(axis=-1), left[..., 2]])
+        self._drawn = DRAWN * self._quiet[0]
+
+    def update(self, frame: Frame, use: Flags, levels: Levels) -> None:
+        """Take a frame; ``use`` (rows, cols) which taxels count, ``levels`` of their comparators."""
+        from tactile.events.signals_numba import step  # numba is slow to import
+
+        dt = 0.0 if self._t is None else max(frame.t - self._t, 0.0)
+        self._interval += 0.05 * (dt - self._interval)
+        self._t = frame.t
+        step(
+            frame.values, use, self._inward, self._rectify, dt, levels.off, levels.on, self._drawn, self._quiet[0],
+            self._quiet[1], self._fast, self._slow, self._scalars, self._taps, self.planes, self.levels,
+        )  # fmt: skip
+        self.force = float(self._scalars[0])
+
+    @property
+    def unrest(self) -> float:
+        """How restless the whole normal load is: 1 where it is unsteady at 4 %, the largest of the last 50 ms."""
+        return float(self._scalars[10])
+
+    def take_load(self, t: float, load: Load) -> None:
+        """Take a located load as if it were one taxel that measures force; no load is 0 N, what is not known stays."""
+        lost = load.validity in (Validity.NO_LOAD,)
+        self._one[0, 0] = (0.0, 0.0, 0.0) if lost else (load.Q, load.R, load.F)
+        sigma = load.sigma[2:]
+        if np.isfinite(sigma).all() and not lost:
+            keep = self._interval / (self._interval + 2 * FAST)
+            self._quiet[0] += 0.1 * (max(sigma[:2]) * keep**0.5 - self._quiet[0])
+            self._quiet[1] += 0.1 * (sigma[2] * keep**0.5 - self._quiet[1])
+            self._drawn = DRAWN * self._quiet[0]
+        self.update(Frame(0, t, 0, self._one, ALWAYS), ALWAYS, ONE)
+
+    def put_load(self, load: "Signals") -> None:
+        """Let the numbers and what is drawn be those of the located load: shear strain alone is no tangential load."""
+        self.planes[3:5] = load.planes[3:5]
+        self.planes[5] = 0.0
+        self.levels[:] = load.levels
+
+    @property
+    def shear(self) -> tuple[float, float]:
+        """The whole tangential load after 10 ms, in the unit of the signal."""
+        return float(self._scalars[5]), float(self._scalars[6])

@@ -1,0 +1,137 @@
+"""One frame of a finger's signals, compiled: the loops of `tactile.events.signals.Signals`, which has the formulas."""
+
+import math
+
+from numba import njit
+
+CROSS = 0.02
+"""Shear below this part of the normal component has no direction: axes of real taxels see each other so much."""
+
+
+@njit(cache=True, error_model="numpy")
+def binary(value, off, on):  # type: ignore[no-untyped-def]  # typed at the call
+    """Return a CNN value: 1/6 at ``off``, 1/4 at ``on``, straight between, then 1/4 for each ``on`` up to 1."""
+    size = abs(value)
+    if size >= on:
+        out = min(0.25 * size / on, 1.0) if on > 0 else 1.0
+    elif size > off:
+        out = 1 / 6 + (size - off) / (on - off) / 12
+    else:
+        out = size / (6 * off) if off > 0 else 0.0
+    return out if value >= 0 else -out
+
+
+@njit(cache=True, error_model="numpy")
+def quiet(planes, sources, factors, low, high):  # type: ignore[no-untyped-def]
+    """Return whether every signal, plane ``sources[n]`` times ``factors[n]``, lies between ``low`` and ``high``."""
+    count, rows, cols = low.shape
+    for n in range(count):
+        plane, factor = planes[sources[n]], factors[n]
+        for i in range(rows):
+            for j in range(cols):
+                value = plane[i, j] * factor
+                if not (low[n, i, j] < value < high[n, i, j]):
+                    return False
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def step(  # type: ignore[no-untyped-def]  # typed at the call
+    values, use, inward, rectify, dt, off, on, drawn_on, noise_q, noise_n, fast, slow, scalars, taps, planes, levels
+):
+    """Take one frame (rows, cols, 3); write ``planes`` (7, rows, cols) and ``levels`` (9,), all in CNN values.
+
+    ``use`` (rows, cols); ``off``, ``on`` (rows, cols, 3) thresholds; ``drawn_on`` (rows, cols) of an unexplained
+    change of shear; ``noise_q``, ``noise_n`` of shear and normal after 10 ms; ``taps`` the nine time constants [s];
+    ``fast``, ``slow`` (rows, cols, 3) and ``scalars`` are kept from frame to frame: F after 4, 15 and 100 ms, the held
+    load, the steepest fall, Q and R after 10 ms, frames seen, the changes
+    of shear and of pressing, the largest unrest of late.
+    """
+    rows, cols = use.shape
+    a_fast = 1 - math.exp(-dt / max(taps[0], 2 * dt)) if dt > 0 else 0.0
+    sheared = scalars[8] > 0.25 * scalars[9]
+    # while the load changes the slow mean has to keep up: what was before says nothing of what is drawn now
+    a_slow = 1 - math.exp(-dt / (taps[8] if scalars[10] > 1 and not sheared else taps[1]))
+    first = scalars[7] == 0
+    force = q = r = q_slow = r_slow = most = press_noise = shear_noise = 0.0
+    for i in range(rows):
+        for j in range(cols):
+            for k in range(3):
+                value = values[i, j, k] * (inward if k == 2 else 1.0)
+                if not math.isfinite(value):
+                    value = fast[i, j, k]
+                if first:
+                    fast[i, j, k] = slow[i, j, k] = value
+                fast[i, j, k] += a_fast * (value - fast[i, j, k])
+                slow[i, j, k] += a_slow * (value - slow[i, j, k])
+                # where it presses hard, a small part of that is no shear to be sure of
+                extra = 0.0 if k == 2 else CROSS * max(fast[i, j, 2], 0.0)
+                low = max(off[i, j, k], extra)
+                planes[k, i, j] = binary(value, low, low + max(on[i, j, k] - off[i, j, k], extra)) if use[i, j] else 0.0
+                if k == 2:
+                    force += max(value, 0.0) if rectify else value
+            low, high = off[i, j, 2], on[i, j, 2]
+            firm = max(binary(slow[i, j, 2], 3 * low, 3 * high), binary(fast[i, j, 2], 5 * low, 5 * high))
+            planes[6, i, j] = firm if use[i, j] else 0.0
+            if use[i, j]:
+                q += fast[i, j, 0]
+                r += fast[i, j, 1]
+                q_slow += slow[i, j, 0]
+                r_slow += slow[i, j, 1]
+                shear_noise += noise_q[i, j] ** 2
+                most = max(most, fast[i, j, 2])
+            press_noise += noise_n[i, j] ** 2
+    f4, f15, f100, held, steepest, seen = scalars[0], scalars[1], scalars[2], scalars[3], scalars[4], scalars[7]
+    if first:
+        f4 = f15 = f100 = held = force
+    f4 += (1 - math.exp(-dt / taps[2])) * (force - f4)
+    f15 += (1 - math.exp(-dt / taps[3])) * (force - f15)
+    f100 += (1 - math.exp(-dt / taps[4])) * (force - f100)
+    held += (1 - math.exp(-dt / taps[5])) * (force - held)
+    fall = f15 - f4
+    steepest = max(fall, steepest * math.exp(-dt / taps[6]))
+    scalars[0], scalars[1], scalars[2], scalars[3], scalars[4] = f4, f15, f100, held, steepest
+    scalars[5], scalars[6], scalars[7] = q, r, seen + 1
+    noise = 3 * math.sqrt(press_noise) + 1e-12
+    top = max(held, noise)
+    levels[0] = binary(f4, 2 * noise, 3 * noise)
+    levels[1] = binary(f4 - f100, 0.15 * max(f100, 0.0) + noise, 0.25 * max(f100, 0.0) + 1.5 * noise)
+    levels[2] = binary(fall, 0.01 * top + noise / 3, 0.015 * top + noise / 2)
+    levels[3] = binary(fall / steepest, 0.4, 0.6) if steepest > 0 else 0.0
+    levels[4] = binary(f4 / top, 0.15, 0.225)
+    away = abs(f4 - f100) / (0.04 * max(f100, 0.0) + 0.75 * noise)
+    scalars[10] = max(away, scalars[10] * math.exp(-dt / taps[7]))
+    levels[5] = binary(scalars[10], 1.0, 1.5)
+    driven = math.hypot(q - q_slow, r - r_slow)
+    least = max(6 * math.sqrt(shear_noise), 0.004 * max(f100, 0.0), 1e-12)
+    levels[7] = binary(driven, least / 1.5, least)
+    levels[8] = binary(fall, 0.027 * top + noise / 3, 0.04 * top + noise / 2)
+    shear = math.hypot(q, r)
+    ratio = shear / f4 if f4 > noise else 0.0
+    moved = pressed = 0.0
+    for i in range(rows):
+        for j in range(cols):
+            change_n = fast[i, j, 2] - slow[i, j, 2]
+            under = max(slow[i, j, 2], 0.0)
+            least = max(drawn_on[i, j], 0.004 * f100)
+            for k in range(2):
+                change = fast[i, j, k] - slow[i, j, k]
+                part = slow[i, j, k] / under if under > 3 * on[i, j, 2] and not sheared else 0.0
+                change -= part * change_n
+                planes[3 + k, i, j] = binary(change, least / 1.5, least) if use[i, j] else 0.0
+                if use[i, j]:
+                    moved += change * change
+            if use[i, j]:
+                pressed += change_n * change_n
+            planes[5, i, j] = 0.0
+            press = fast[i, j, 2]
+            if use[i, j] and ratio > 0 and press > 0.25 * most:
+                doubt = math.hypot(noise_q[i, j], ratio * noise_n[i, j]) / (ratio * press)
+                if doubt < 0.12:  # the share is known well enough to be asked for
+                    share = (fast[i, j, 0] * q + fast[i, j, 1] * r) / (shear * press * ratio)
+                    # stuck is -1/4 and below, full 1/4 and above
+                    planes[5, i, j] = max(-1.0, min(1.0, 0.25 + (share - 0.85) / 0.2))
+    calm = 1 - math.exp(-dt / taps[7])
+    scalars[8] += calm * (moved - scalars[8])
+    scalars[9] += calm * (pressed - scalars[9])
+    levels[6] = binary(scalars[8], 0.2 * scalars[9], 0.3 * scalars[9]) if scalars[8] > 0 else 0.0

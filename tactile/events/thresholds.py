@@ -1,0 +1,71 @@
+"""Thresholds of every taxel: so many times its own noise, and never below a floor."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cnnsim import InputError
+from cnnsim.support import Floats
+from tactile.core.frame import NORMAL, Quantity
+from tactile.core.noise import Noise
+from tactile.events.code import CONTACT, SHEAR, Threshold
+
+CALM = 0.05
+"""Part of the thresholds used without any noise that is the floor once noise is measured."""
+
+
+@dataclass(frozen=True)
+class Sigmas:
+    """Thresholds as multiples of sigma: ``dead_band``, ``hysteresis`` above it, ``contact`` level (end of contact).
+
+    Normal noise passes 4 sigma once in 10^4 readings, 6 once in 10^9; noise that is slow or grows under a load passes
+    more often, which is what the hysteresis is for.
+
+    Raises:
+        InputError: a negative or infinite number.
+    """
+
+    dead_band: float = 4.0
+    hysteresis: float = 6.0
+    contact: float = 4.0
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not 0 <= value < float("inf"):
+                raise InputError(f"{name} of {value!r} sigma; a number from 0 wanted")
+
+
+SIGMAS = Sigmas()
+"""What is used where a user says nothing."""
+
+
+@dataclass(frozen=True)
+class Levels:
+    """Where each taxel's comparators switch: ``off`` and ``on`` (rows, cols, 3) [unit of the signal], on above off."""
+
+    off: Floats
+    on: Floats
+
+
+def levels(
+    shape: tuple[int, int], quantity: Quantity, sigmas: Sigmas, shear: Threshold | None, contact: Threshold | None,
+    noise: Noise | None,
+) -> Levels:  # fmt: skip
+    """Return the levels: dead_band sigma and hysteresis sigma more, for the normal component contact and half more.
+
+    ``shear`` and ``contact`` are the floors that a user gives. Without them the floor is the quantity's own threshold
+    (`SHEAR`, `CONTACT`) while no noise is known, and a twentieth of it once it is: then the noise decides.
+    """
+    off, on = np.empty((*shape, 3)), np.empty((*shape, 3))
+    known = noise is not None and bool(noise.sigma.any())
+    sigma = noise.sigma if noise is not None else np.zeros((*shape, 3))
+    for part, floor, own, k, more in (
+        (slice(0, NORMAL), shear, SHEAR[quantity], sigmas.dead_band, sigmas.hysteresis),
+        (slice(NORMAL, NORMAL + 1), contact, CONTACT[quantity], sigmas.contact, sigmas.contact / 2),
+    ):
+        factor = CALM if known and floor is None else 1.0
+        least = own if floor is None else floor
+        off[..., part] = np.maximum(k * sigma[..., part], factor * least.dead_band)
+        width = np.maximum(more * sigma[..., part], factor * least.hysteresis)
+        on[..., part] = off[..., part] + width
+    return Levels(off, on)

@@ -1,0 +1,68 @@
+"""Travel of a located load over the skin: whether it leaves the place where it rested, by more than its own unrest."""
+
+from math import exp, hypot
+
+from tactile.inverse.load import Load
+from tactile.inverse.validity import Validity
+
+START = 50e-6
+"""[m] of travel that begins a slip: ten times the precision of localisation (3-5 um, paper, section 4) ..."""
+SIGMAS = 6.0
+"""... and at least so many times the unrest of the place from frame to frame."""
+REST = 0.25
+"""[s] without so much travel that ends one: longer than the sticking phases of stick-slip."""
+MEMORY = 0.5
+"""[s] over which the unrest is averaged."""
+
+
+class Travel:
+    """Follows one finger's located load from contact to release; ``way`` (x, y) [m] that it went in its last slip.
+
+    The unrest is that of second differences, which a steady motion does not have.
+    """
+
+    def __init__(self) -> None:
+        self._mark: tuple[float, float, float] | None = None
+        self._last: list[tuple[float, float, float]] = []
+        self._unrest = 0.0
+        self._travels = False
+        self._away = 0
+        self._start = (0.0, 0.0)
+        self.way = (0.0, 0.0)
+
+    def update(self, t: float, load: Load, contact: bool) -> bool:
+        """Return whether the load travels."""
+        if not contact:
+            self._mark, self._travels = None, False
+            self._last.clear()
+            return False
+        if load.validity not in (Validity.INSIDE, Validity.OUTSIDE) or load.taxels < 3:
+            return self._travels
+        self._learn(t, load)
+        if self._mark is None:
+            self._mark = (t, load.x, load.y)
+            return False
+        since, x, y = self._mark
+        least = max(START, SIGMAS * self._unrest)
+        self._away = self._away + 1 if hypot(load.x - x, load.y - y) > least else 0
+        # with noise one reading proves little
+        if self._away >= (1 if self._unrest < START / SIGMAS else 3):
+            self._mark, self._away = (t, load.x, load.y), 0
+            if not self._travels:
+                self._start = (x, y)
+            self.way = (load.x - self._start[0], load.y - self._start[1])
+            self._travels = True
+        elif t - since > REST:
+            self._travels = False
+        return self._travels
+
+    def _learn(self, t: float, load: Load) -> None:
+        self._last.append((t, load.x, load.y))
+        if len(self._last) < 3:
+            return
+        (t0, x0, y0), (_, x1, y1), (t2, x2, y2) = self._last
+        self._last.pop(0)
+        bend = hypot(x2 - 2 * x1 + x0, y2 - 2 * y1 + y0) / 3.46  # of two independent components, over three readings
+        weight = 1 - exp(-(t2 - t0) / 2 / MEMORY)
+        if bend < START or self._unrest > 0:  # a jump is no noise
+            self._unrest = (self._unrest**2 * (1 - weight) + min(bend, START) ** 2 * weight) ** 0.5

@@ -1,0 +1,27 @@
+"""Ten-line detectors that a real one has to beat: fixed thresholds on the sums of a finger's forces."""
+
+import numpy as np
+
+from cnnsim.support import Floats
+
+TARE = 100
+"""Frames averaged away at the start."""
+ON, OFF = 0.3, 0.15
+"""[N] Contact begins and ends with the total normal force."""
+AWAY = 0.2
+"""[N] Tangential load begins when the total shear force leaves that of the last `REST` frames by so much."""
+REST = 150
+
+
+def baseline(t: Floats, values: Floats, inward: float) -> list[tuple[float, str]]:
+    """Return (time, kind) of what fixed thresholds find in one finger's values (frames, rows, cols, 3)."""
+    total = np.nansum(values - np.nanmean(values[:TARE], axis=0), axis=(1, 2)) * (1, 1, inward)
+    found, touches = [], False
+    for n in range(TARE, len(t)):
+        if (total[n, 2] > ON and not touches) or (total[n, 2] < OFF and touches):
+            touches = not touches
+            found.append((float(t[n]), "contact" if touches else "release"))
+        held = total[max(n - REST, 0) : n, :2].mean(axis=0)
+        if touches and n % REST == 0 and np.hypot(*(total[n, :2] - held)) > AWAY:
+            found.append((float(t[n]), "tangential_load"))
+    return found

@@ -1,0 +1,124 @@
+"""Recordings with labels taken through the pipeline: how well the events agree, and how calm the codes are."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cnnsim.support import InputError
+from tactile import pipeline
+from tactile.core.source import Source
+from tactile.events.event import Event, EventLog
+from tactile.pipeline import FrameReport
+from tactile.score.baselines import baseline
+from tactile.score.labels import Labelled
+from tactile.score.match import WINDOW, Tally
+from tactile.settings import Settings
+
+SUFFIXES = (".mcap", ".npz", ".csv", ".toml")
+MARK = "baseline: "
+
+
+class Watched:
+    """A sink that keeps the events, and when each finger's code changes."""
+
+    def __init__(self) -> None:
+        self._log = EventLog()
+        self.changes: dict[str, list[float]] = {}
+        self._codes: dict[str, str] = {}
+
+    @property
+    def events(self) -> list[Event]:
+        """All events so far."""
+        return self._log.events
+
+    def __call__(self, report: FrameReport) -> None:
+        """Take one report."""
+        name, code = report.array.name, report.code.ternary()
+        self._log.add(report.events, report.ended)
+        if code != self._codes.setdefault(name, code):
+            self.changes.setdefault(name, []).append(report.frame.t)
+            self._codes[name] = code
+
+
+@dataclass
+class Score:
+    """What many recordings together say, the baselines' figures under names that begin with "baseline: "."""
+
+    kinds: dict[str, Tally] = field(default_factory=dict)
+    before_flag: list[bool] = field(default_factory=list)
+    held_s: dict[int, float] = field(default_factory=dict)
+    changes: dict[int, int] = field(default_factory=dict)
+    held_events: int = 0
+    events: list[int] = field(default_factory=list)
+
+    def plain(self) -> dict[str, Any]:
+        """Return all as plain data."""
+        minutes = sum(self.held_s.values()) / 60
+        per_second = {str(n): round(self.changes.get(n, 0) / s, 4) for n, s in sorted(self.held_s.items()) if s}
+        return {
+            "kinds": {name: tally.plain() for name, tally in sorted(self.kinds.items())},
+            "contact_before_flag": round(float(np.mean(self.before_flag)), 4) if self.before_flag else None,
+            "code_changes_a_second_of_hold": per_second,
+            "events_a_minute_of_hold": round(self.held_events / minutes, 3) if minutes else None,
+            "events_a_recording": {"median": float(np.median(self.events)), "most": max(self.events)},
+        }
+
+
+def score(
+    folder: Path, labels: Iterable[Labelled], open_one: Callable[[Path], tuple[Source, Settings]],
+    window: float = WINDOW,
+) -> Score:  # fmt: skip
+    """Take every recording that has labels through the pipeline and count.
+
+    Arguments: ``open_one`` opens a recording and says its settings; ``window`` [s] of a match. Where a recording's
+    labels name a kind for one finger, that kind is judged on all its labelled fingers.
+
+    Raises:
+        InputError: a recording that is not there, or without the labelled finger.
+    """
+    total, by_name = Score(), dict[str, list[Labelled]]()
+    for label in labels:
+        by_name.setdefault(label.recording, []).append(label)
+    for name, fingers in by_name.items():
+        source, settings = open_one(_find(folder, name))
+        seen = Watched()
+        pipeline.run(source, settings, [seen])
+        total.events.append(len(seen.events))
+        for label in fingers:
+            if label.finger >= len(source.arrays):
+                raise InputError(f"{name}: {len(source.arrays)} fingers; the labels have finger {label.finger}")
+            _judge(total, seen, label, source, window)
+    return total
+
+
+def _judge(total: Score, seen: Watched, label: Labelled, source: Source, window: float) -> None:
+    array = source.arrays[label.finger]
+    mine = [(event.t, event.kind) for event in seen.events if event.finger == array.name]
+    raw = [(one.t, np.where(one.valid[..., None], one.values, np.nan)) for one in source if one.finger == label.finger]
+    times, values = zip(*raw, strict=True)
+    plain = baseline(np.array(times), np.array(values), 1.0 if array.quantity == "force" else -1.0)
+    for kind, known in label.times.items():
+        for prefix, found in (("", mine), (MARK, plain)):
+            # a tangential load may come again; its first onset is the labelled one
+            onsets = [t for t, what in found if what == kind]
+            total.kinds.setdefault(prefix + kind, Tally()).add(onsets, [known], window)
+    if label.flag is not None:
+        contacts = [t for t, what in mine if what == "contact"]
+        total.before_flag.append(bool(contacts) and min(contacts) < label.flag)
+    if label.holds is not None:
+        start, stop = label.holds
+        changed = [t for t in seen.changes.get(array.name, []) if start <= t <= stop]
+        total.held_s[label.finger] = total.held_s.get(label.finger, 0.0) + stop - start
+        total.changes[label.finger] = total.changes.get(label.finger, 0) + len(changed)
+        total.held_events += sum(start <= t <= stop for t, _ in mine)
+
+
+def _find(folder: Path, name: str) -> Path:
+    for suffix in SUFFIXES:
+        path = folder / f"{name}{suffix}"
+        if path.is_file():
+            return path
+    raise InputError(f"no recording {folder / name} with a suffix of {', '.join(SUFFIXES)}")
