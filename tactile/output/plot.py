@@ -68,7 +68,7 @@ def picture(collected: Collected, arrays: tuple[TaxelArray, ...], title: str) ->
 def _signals(normal: Any, shear: Any, columns: Columns, array: TaxelArray) -> None:
     """Draw the load's components where it was located, else the taxels' sums."""
     t = columns.t
-    located = np.isfinite((columns.Q, columns.R, columns.F)).any()
+    located = array.quantity != "force" and np.isfinite((columns.Q, columns.R, columns.F)).any()
     if located:
         pressing, along_x, along_y, unit, what = columns.F, columns.Q, columns.R, "N", "located load"
         least = LEAST_FORCE

@@ -53,14 +53,19 @@ def _print_events(screen: "Console", events: list[Event], arrays: tuple[TaxelArr
     digits = -(-sum(2 * count for count in taxels) // 4)
     wanted = {CODE: max(taxels) <= LEGIBLE, HAND: digits <= LEGIBLE, LOAD: located}
     headings = [name for name in (TIME, UNTIL, FINGER, CODE, HAND, MEANING, LOAD, LATENCY) if wanted.get(name, True)]
-    rows = []
-    for event in events:
-        rows.append({
-            TIME: f"{event.t:.3f}", UNTIL: "" if event.end is None else f"{event.end:.3f}", FINGER: event.finger,
-            CODE: event.arrows, HAND: f"{event.hand:0{digits}x}",
+    rows = [
+        {
+            TIME: f"{event.t:.3f}",
+            UNTIL: "" if event.end is None else f"{event.end:.3f}",
+            FINGER: event.finger,
+            CODE: event.arrows,
+            HAND: f"{event.hand:0{digits}x}",
             MEANING: event.words,
-            LOAD: _located(event.load), LATENCY: f"{event.latency * 1e6:.0f}",
-        })  # fmt: skip
+            LOAD: _located(event.load),
+            LATENCY: f"{event.latency * 1e6:.0f}",
+        }
+        for event in events
+    ]
     dropped = []
     table = _table(headings, rows)
     for heading in (HAND, LATENCY, CODE, LOAD, UNTIL):
