@@ -12,7 +12,9 @@ with ends_at_once():
     from tactile.cli.devices import emulate, ports
     from tactile.cli.explain import explain
     from tactile.cli.new import new
+    from tactile.cli.planes import planes
     from tactile.cli.run import run
+    from tactile.cli.score import score
     from tactile.cli.stream import live, record, replay
 
 
@@ -22,5 +24,19 @@ def main() -> None:
     """Turn frames of three-axial taxel arrays into events, located loads and texture figures."""
 
 
-for command in (run, new, calibrate, explain, ports, emulate, record, replay, convert, live, write_examples):
+for command in (
+    run,
+    score,
+    planes,
+    new,
+    calibrate,
+    explain,
+    ports,
+    emulate,
+    record,
+    replay,
+    convert,
+    live,
+    write_examples,
+):
     main.add_command(command)

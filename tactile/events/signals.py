@@ -34,7 +34,8 @@ class Signals:
     ``shear_x``, ``shear_y``, ``pressing``: the reading over the taxel's own levels; of shear, levels of at least 2 %
     of the pressing on the taxel. ``drawn_x``, ``drawn_y``: change of the shear s that the change of the normal n does
     not explain, ds - (s/n) dn, with d the mean of 10 ms (two frames at least) less that of 200 ms (80 while the load
-    is unsteady), and ds alone where shear is most of what changes; on from 9 sigma and from 0.4 % of the load.
+    is unsteady), and ds alone where shear is most of what changes; on from 9 sigma and from 1.6 % of what a taxel
+    typically bears.
     ``share``: a taxel's part of the shear over its part of the pressing, (q.Q / |Q|^2) / (n / F): the same number for
     all where all slide. 1/4 from 0.85 on, -1/4 from 0.75 down, 0 where noise leaves it open. ``firmness``: the slow
     mean of pressing over three times its levels, or the fast one over five times.

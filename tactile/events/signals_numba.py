@@ -53,7 +53,7 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     # while the load changes the slow mean has to keep up: what was before says nothing of what is drawn now
     a_slow = 1 - math.exp(-dt / (taps[8] if scalars[10] > 1 and not sheared else taps[1]))
     first = scalars[7] == 0
-    force = q = r = q_slow = r_slow = most = press_noise = shear_noise = 0.0
+    force = q = r = q_slow = r_slow = most = press_noise = shear_noise = squares = 0.0
     for i in range(rows):
         for j in range(cols):
             for k in range(3):
@@ -80,6 +80,7 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
                 r_slow += slow[i, j, 1]
                 shear_noise += noise_q[i, j] ** 2
                 most = max(most, fast[i, j, 2])
+                squares += fast[i, j, 2] ** 2
             press_noise += noise_n[i, j] ** 2
     f4, f15, f100, held, steepest, seen = scalars[0], scalars[1], scalars[2], scalars[3], scalars[4], scalars[7]
     if first:
@@ -100,7 +101,7 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     levels[3] = binary(fall / steepest, 0.4, 0.6) if steepest > 0 else 0.0
     levels[4] = binary(f4 / top, 0.15, 0.225)
     away = abs(f4 - f100) / (0.04 * max(f100, 0.0) + 0.75 * noise)
-    scalars[10] = max(away, scalars[10] * math.exp(-dt / taps[7]))
+    scalars[10] = max(min(away, 4.0), scalars[10] * math.exp(-dt / taps[7]))
     levels[5] = binary(scalars[10], 1.0, 1.5)
     driven = math.hypot(q - q_slow, r - r_slow)
     least = max(6 * math.sqrt(shear_noise), 0.004 * max(f100, 0.0), 1e-12)
@@ -109,11 +110,12 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     shear = math.hypot(q, r)
     ratio = shear / f4 if f4 > noise else 0.0
     moved = pressed = 0.0
+    typical = squares / f100 if f100 > 0 else 0.0  # pressing of a taxel, weighted by itself
     for i in range(rows):
         for j in range(cols):
             change_n = fast[i, j, 2] - slow[i, j, 2]
             under = max(slow[i, j, 2], 0.0)
-            least = max(drawn_on[i, j], 0.004 * f100)
+            least = max(drawn_on[i, j], 0.016 * typical)
             for k in range(2):
                 change = fast[i, j, k] - slow[i, j, k]
                 part = slow[i, j, k] / under if under > 3 * on[i, j, 2] and not sheared else 0.0

@@ -1,0 +1,179 @@
+"""Detectors: files of users beside the shipped ones, alike on all backends and roads; intervals, votes and noise."""
+
+import json
+import re
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cnnsim import InputError
+from tactile.core.frame import Frame, TaxelArray
+from tactile.core.source import FrameStream
+from tactile.events.detector_file import EventRule, read_detector, shipped_detectors
+from tactile.events.event import Event, EventLog
+from tactile.events.phases import phases
+from tactile.events.registry import SHIPPED
+from tactile.events.tracker import Tracker
+from tactile.pipeline import run
+from tactile.settings import Settings
+from tests.kits.paths import ROOT
+from tests.kits.serial import call
+
+PAD = TaxelArray("pad", 6, 6, 3e-3, 0.0, quantity="force")
+PAGE = (ROOT / "docs" / "detectors.md").read_text(encoding="utf-8")
+TWO_BLOBS = re.findall(r"```toml\n(.*?)```", PAGE, re.S)[0]
+
+
+def stream(forces: np.ndarray, rate: float = 200.0, noise: float = 2e-3, seed: int = 1) -> FrameStream:
+    """Frames (n, 6, 6, 3) after half a second of nothing, with noise."""
+    quiet = np.zeros((round(rate / 2), *forces.shape[1:]))
+    values = np.concatenate([quiet, forces]) + noise * np.random.default_rng(seed).standard_normal(
+        (len(quiet) + len(forces), *forces.shape[1:])
+    )
+    frames = [Frame(0, n / rate, n, one, np.ones(PAD.shape, bool)) for n, one in enumerate(values)]
+    return FrameStream("made", (PAD,), None, len(frames), frames)
+
+
+def events(source: FrameStream, **settings: Any) -> list[Event]:
+    log = EventLog()
+    run(source, Settings(**settings), [lambda report: log.add(report.events, report.ended)])
+    return log.events
+
+
+def patch(frames: int, rows: slice, cols: slice, force: tuple[float, float, float]) -> np.ndarray:
+    out = np.zeros((frames, 6, 6, 3))
+    out[:, rows, cols] = force
+    return out
+
+
+def grip(frames: int = 200) -> np.ndarray:
+    return patch(frames, slice(1, 5), slice(1, 5), (0.0, 0.0, 0.5))
+
+
+def two_blobs(tmp_path: Path) -> Path:
+    path = tmp_path / "two-blobs.toml"
+    path.write_text(TWO_BLOBS, encoding="utf-8")
+    return path
+
+
+def test_the_detector_on_the_page_runs_on_recordings(tmp_path: Path) -> None:
+    one, other = (patch(100, slice(0, 2), slice(n, n + 2), (0, 0, 0.5)) for n in (0, 4))
+    source = stream(np.concatenate([one, one + other, one, np.zeros_like(one)]))
+    (event,) = (found for found in events(source, programs=(str(two_blobs(tmp_path)),)) if found.kind == "two_blobs")
+    assert (event.t, event.end) == pytest.approx((1.0, 1.5), abs=0.006)
+    assert event.told - event.t >= 0.02
+    assert event.words == "separate contacts on 8 taxels"
+    assert len(event.taxels) == 8
+
+
+def test_the_detector_on_the_page_runs_on_a_scene(tmp_path: Path) -> None:
+    loads = "".join(
+        f'[[load]]\nfinger = "tip"\npath = [[0.5, {x}, 0, 0, 0, 0], [0.6, {x}, 0, 0, 0, 0.3], [1.2, {x}, 0, 0, 0, 0.3]]'
+        "\n"
+        for x in (-3, 3)
+    )
+    scene = tmp_path / "scene.toml"
+    scene.write_text(
+        'title = "two"\nrate_hz = 100\nduration_s = 1.5\n[cover]\nyoungs_modulus_mpa = 2.4\n[[finger]]\nname = "tip"\n'
+        f"rows = 8\ncols = 8\npitch_mm = 1.0\ndepth_mm = 1.0\n{loads}",
+        encoding="utf-8",
+    )
+    result = call("run", scene, "--program", two_blobs(tmp_path), "-o", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert "separate contacts on" in result.stdout
+    record = json.loads((tmp_path / "out" / "events.json").read_text(encoding="utf-8"))
+    assert "two_blobs" in [event["kind"] for event in record["events"]]
+
+
+@pytest.mark.parametrize(("change", "message"), [
+    (('when       = "several"', 'when = "many"'), "event 'two_blobs': many; of the outputs touch, blobs, several"),
+    (('inputs  = ["touch"]', 'inputs  = ["toch"]'), "toch"),
+    (('"two_blobs"', '"Two blobs"'), "small letters"),
+    (("{taxels}", "{taxel}"), "words name taxel"),
+    (("confirm_ms", "confirms_ms"), "did you mean 'confirm_ms'"),
+])  # fmt: skip
+def test_wrong_detectors_are_refused(tmp_path: Path, change: tuple[str, str], message: str) -> None:
+    path = two_blobs(tmp_path)
+    path.write_text(TWO_BLOBS.replace(*change), encoding="utf-8")
+    with pytest.raises(InputError, match=re.escape(message)):
+        read_detector(path)
+
+
+@pytest.mark.parametrize(("along", "direction"), [((1, 0), "+x"), ((0, -1), "-y"), ((-1, 1), "-x +y")])
+def test_a_pull_in_a_hold_has_its_direction(along: tuple[int, int], direction: str) -> None:
+    ramp = np.concatenate([np.zeros(160), np.linspace(0, 0.2, 80), np.full(60, 0.2)])
+    forces = grip(300)
+    forces[:, 1:5, 1:5, :2] = ramp[:, None, None, None] * along
+    found = {event.kind: event for event in events(stream(forces))}
+    assert found["tangential_load"].t == pytest.approx(0.5 + 160 / 200, abs=0.06)
+    assert found["tangential_load"].data["direction"] == direction
+    assert "twist" not in found
+
+
+@pytest.mark.parametrize(("turn", "kind", "sense"), [
+    ((-1, 1), "twist", "clockwise"), ((1, -1), "twist", "anticlockwise"), ((1, 1), "spread", None),
+    ((-1, -1), "pinch", None),
+])  # fmt: skip
+def test_turns_and_spreads_are_told_apart(turn: tuple[int, int], kind: str, sense: str | None) -> None:
+    """Shear (-y, x) about the middle is a clockwise turn as seen in the picture, (x, y) a spread."""
+    ramp = np.concatenate([np.zeros(160), np.linspace(0, 0.1, 80), np.full(60, 0.1)])
+    y, x = np.mgrid[-2.5:3.5, -2.5:3.5]
+    field = np.stack([turn[0] * (y if kind == "twist" else x), turn[1] * (x if kind == "twist" else y)], axis=-1)
+    forces = grip(300)
+    forces[:, 1:5, 1:5, :2] = (ramp[:, None, None, None] * field)[:, 1:5, 1:5]
+    found = {event.kind: event for event in events(stream(forces))}
+    assert kind in found
+    assert not {"twist", "spread", "pinch", "pull"} & (set(found) - {kind})
+    assert found[kind].data.get("sense") == sense
+
+
+@pytest.mark.parametrize("backend", ["reference", "opencl"])
+def test_events_are_the_same_on_every_backend(backend: str) -> None:
+    if backend == "opencl":
+        pytest.importorskip("pyopencl")
+    forces = grip(120)
+    forces[80:, 1:5, 1:5, 0] = np.linspace(0, 0.2, 40)[:, None, None]
+    plain, other = (
+        [(e.t, e.end, e.kind, e.words, e.taxels) for e in events(stream(forces), backend=name)]
+        for name in ("cpu", backend)
+    )
+    assert plain == other
+    assert len(plain) >= 3
+
+
+def test_idle_noise_is_nothing_and_one_noisy_taxel_too() -> None:
+    source = stream(np.zeros((1000, 6, 6, 3)))
+    rng = np.random.default_rng(2)
+    for frame in source.stream:
+        frame.values[2, 3] = 0.05 * rng.standard_normal(3)
+    assert events(source, tare="auto") == []
+
+
+def test_a_shipped_detector_is_a_file_that_users_can_read() -> None:
+    found = shipped_detectors(SHIPPED)
+    kinds = {rule.kind for detector in found for rule in detector.rules}
+    assert kinds == {
+        "contact", "release", "load", "hold", "tangential_load", "pull", "twist", "spread", "pinch", "slip",
+        "incipient_slip",
+    }  # fmt: skip
+
+
+def test_an_interval_begins_where_it_was_first_on_and_ends_where_it_was_first_off() -> None:
+    tracker = Tracker(EventRule("x", "w", "x", confirm=0.02, release=0.03))
+    turns = []
+    for n, on in enumerate([0, 1, 0, 1, 1, 1, 1, 0, 1, 0, 0, 0, 0]):
+        turn = tracker.update(n / 100, bool(on))
+        if turn is not None:
+            turns.append((turn, tracker.onset, tracker.end, n))
+    assert turns == [("begins", 0.03, None, 5), ("ends", 0.03, 0.09, 12)]
+
+
+def test_phases_tile_the_time() -> None:
+    found = events(stream(np.concatenate([grip(200), np.zeros((60, 6, 6, 3))])))
+    tiles = phases(found, "pad", 0.0, 1.8)
+    assert [tile.phase for tile in tiles][:3] == ["approach", "load", "hold"]
+    assert all(one.end == other.start for one, other in pairwise(tiles))
+    assert (tiles[0].start, tiles[-1].end) == (0.0, 1.8)
