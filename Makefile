@@ -11,7 +11,7 @@ COMPILE = printf 'pip\nhatchling\neditables\n' | uv pip compile pyproject.toml -
 	--python-version 3.11 --generate-hashes --no-annotate --no-header --quiet
 SCENE  ?= examples/scenes/grip.toml
 
-.PHONY: run test check bench endurance format clean lock
+.PHONY: run test check bench accuracy hard-cases endurance format clean lock
 
 run: $(VENV)/.run            ## the main job: two fingers grip, lift, let slip and release
 	$(BIN)/tactile run $(SCENE) -o out/$(basename $(notdir $(SCENE)))
@@ -29,6 +29,12 @@ bench: $(VENV)/.bench        ## speed, as ratios to peers measured in the same r
 
 endurance: $(VENV)/.test     ## long runs and fuzzing, into docs/reliability.md; short: make endurance ENDURANCE=--short
 	$(BIN)/python -m tests.fuzz.report $(ENDURANCE) -o docs/reliability.md
+
+accuracy: $(VENV)/.test     ## what accuracy costs in time: docs/accuracy.md, its figures and diagrams
+	$(BIN)/python -m tests.benchmarks.accuracy -o docs
+
+hard-cases: $(VENV)/.test   ## exact answers of hard cases against ours and the naive form: docs/hard-cases.md
+	$(BIN)/python -m tests.hard_cases -o docs
 
 format: $(VENV)/.test
 	$(BIN)/ruff format .

@@ -1,0 +1,41 @@
+"""The accuracy page: Markdown, CSV, JSON and PNG of all sections, the plain-words answers first."""
+
+import csv
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from tests.benchmarks.accuracy.section import Section
+
+_HEAD = """# What accuracy costs in time
+
+Rebuilt by `make accuracy`; of one template of your own, on your own picture: `cnnsim accuracy TEMPLATE [PICTURE]`.
+"""
+
+
+def write_page(sections: Sequence[Section], folder: Path) -> None:
+    """Write ``accuracy.md`` and beside it ``accuracy/STEM.csv``, ``.json`` and ``.png`` of each section."""
+    files = folder / "accuracy"
+    files.mkdir(parents=True, exist_ok=True)
+    lines = [_HEAD, *(f"- {section.answer}" for section in sections)]
+    for section in sections:
+        with (files / f"{section.stem}.csv").open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, list(section.rows[0]))
+            writer.writeheader()
+            writer.writerows(section.rows)
+        (files / f"{section.stem}.json").write_text(json.dumps(list(section.rows), indent=1) + "\n", encoding="utf-8")
+        figure = Figure(figsize=section.size, layout="constrained")
+        section.draw(figure)
+        figure.savefig(files / f"{section.stem}.png", dpi=90)
+        lines += [
+            "",
+            f"## {section.title}",
+            "",
+            f"![{section.title}](accuracy/{section.stem}.png)",
+            "",
+            section.text.strip(),
+        ]
+        lines += ["", f"Figures: [CSV](accuracy/{section.stem}.csv), [JSON](accuracy/{section.stem}.json)."]
+    (folder / "accuracy.md").write_text("\n".join(lines) + "\n", encoding="utf-8")

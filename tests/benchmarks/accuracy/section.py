@@ -1,0 +1,25 @@
+"""A section of the accuracy page: its figures as rows, its plain words, and what draws its diagram."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+Draw = Callable[[Any], None]
+
+
+@dataclass(frozen=True)
+class Section:
+    """One section.
+
+    ``stem`` names its files, ``answer`` is its one sentence on top of the page, ``text`` its paragraphs (Markdown),
+    ``rows`` the figures for CSV and JSON, all with the same keys; ``draw`` draws into a figure of matplotlib of
+    ``size`` [inch].
+    """
+
+    stem: str
+    title: str
+    answer: str
+    text: str
+    rows: Sequence[dict[str, Any]]
+    draw: Draw
+    size: tuple[float, float] = (11.0, 10.0)

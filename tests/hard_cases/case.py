@@ -1,0 +1,29 @@
+"""A hard case: what is computed, the exact answer, how far it may be off, and what the naive form gives."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from cnnsim.backends.base import Backend
+from cnnsim.support import Array
+
+Compute = Callable[[Backend], Array]
+
+
+@dataclass(frozen=True)
+class HardCase:
+    """One case of a family.
+
+    ``ours`` computes on a backend, ``exact`` is the answer in high precision or in closed form; their largest
+    difference must be at most ``bound`` (``bound32`` in float32). ``naive`` is the form one would write first; where
+    ``naive_fails`` it must be off by more than the bound, else within it. ``refused``: part of the message instead.
+    """
+
+    name: str
+    why: str
+    ours: Compute
+    exact: Callable[[], Array] | None = None
+    bound: float = 1e-11
+    bound32: float = 1e-4
+    naive: Callable[[], Array] | None = None
+    naive_fails: bool = True
+    refused: str = ""
