@@ -16,6 +16,7 @@ class HardCase:
     ``ours`` computes on a backend, ``exact`` is the answer in high precision or in closed form; their largest
     difference must be at most ``bound`` (``bound32`` in float32). ``naive`` is the form one would write first; where
     ``naive_fails`` it must be off by more than the bound, else within it. ``refused``: part of the message instead.
+    ``slow``: only the compiled loops of the cpu backend take less than seconds.
     """
 
     name: str
@@ -27,3 +28,4 @@ class HardCase:
     naive: Callable[[], Array] | None = None
     naive_fails: bool = True
     refused: str = ""
+    slow: bool = False

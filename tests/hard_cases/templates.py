@@ -96,7 +96,7 @@ def _long() -> HardCase:
     return HardCase(
         "10^6 steps", "rounding errors of a mode that does not decay, the mean, add up",
         _ours(Template(HEAT), START, 1e5, boundary=PERIODIC, scheme="euler", step=0.1), lambda: mean, 1e-11, 1e-3,
-        lambda: _euler(START, HEAT, 0.1, 5_000, np.float16).astype(float),
+        lambda: _euler(START, HEAT, 0.1, 5_000, np.float16).astype(float), slow=True,
     )  # fmt: skip
 
 

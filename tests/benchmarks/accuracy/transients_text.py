@@ -64,7 +64,7 @@ def text(found: dict[str, list[Row]], ideas: Any, tries: list[Any], hand: list[A
     for name, rows in found.items():
         orders = " | ".join(f"{_order(rows, scheme):.1f}" for scheme in _SCHEMES)
         needs = " | ".join(f"{fewest(rows, accuracy):g}" for accuracy in (1e-3, 1e-6, "binary"))
-        lines.append(f"| {name} | {orders} | {needs} |")
+        lines.append(f"| {name} | {orders} | {needs} |".replace("nan", "none"))
     kinks = "; ".join(f"{name} {points[0][1]} evaluations" for name, points in ideas.items() if points)
     lines += ["", _ORDERS, "", _IDEAS.format(kinks=kinks), "", _KEPT]
     lines += [_row(accuracy, tries, hand) for accuracy in ACCURACIES]
