@@ -21,7 +21,7 @@ CELLS: tuple[tuple[str, str, float, str], ...] = (
     ("drawn_down", "drawn_y", 1, "the same downwards"),
     ("drawn_up", "drawn_y", -1, "the same upwards"),
     ("full", "share", 1, "carries as much shear for its pressing as the whole contact: slides if all do"),
-    ("stuck", "share", -1, "carries at most 0.75 of that: sticks"),
+    ("stuck", "share", -1, "carries at most 0.83 of that: sticks"),
 )
 """Logic planes: name, the analog plane that a comparator watches, times what, and the meaning where black."""
 CODE = {
@@ -44,7 +44,7 @@ GREY = {
     "shear_y": "the same", "pressing": "the same of the normal component, positive when pressed",
     "drawn_x": "unexplained change of shear, mean of 10 ms less that of 200 ms, in the same scale",
     "drawn_y": "the same",
-    "share": "share of the shear over share of the pressing: 1/4 from 0.85 on, -1/4 from 0.75 down, 0 unknown",
+    "share": "share of the shear over share of the pressing: 1/4 from 0.93 on, -1/4 from 0.83 down, 0 unknown",
     "firmness": "mean of 200 ms (80 if unsteady) over three times the levels of pressing, or of 10 ms over five",
     "shear_x_full": "shear over full scale: 10 N, strain 0.1 or 200 kPa a taxel, whatever the levels",
     "shear_y_full": "the same", "normal_full": "the same of the normal component, positive when pressed",

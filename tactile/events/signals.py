@@ -37,7 +37,7 @@ class Signals:
     is unsteady), and ds alone where shear is most of what changes; on from 9 sigma and from 1.6 % of what a taxel
     typically bears.
     ``share``: a taxel's part of the shear over its part of the pressing, (q.Q / |Q|^2) / (n / F): the same number for
-    all where all slide. 1/4 from 0.85 on, -1/4 from 0.75 down, 0 where noise leaves it open. ``firmness``: the slow
+    all where all slide. 1/4 from 0.93 on, -1/4 from 0.83 down, 0 where noise leaves it open. ``firmness``: the slow
     mean of pressing over three times its levels, or the fast one over five times.
 
     Numbers, of the whole normal load F (sum over the taxels), binary scale: ``loaded`` F against its noise; ``rising``

@@ -132,7 +132,7 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
                 if doubt < 0.12:  # the share is known well enough to be asked for
                     share = (fast[i, j, 0] * q + fast[i, j, 1] * r) / (shear * press * ratio)
                     # stuck is -1/4 and below, full 1/4 and above
-                    planes[5, i, j] = max(-1.0, min(1.0, 0.25 + (share - 0.85) / 0.2))
+                    planes[5, i, j] = max(-1.0, min(1.0, 0.25 + (share - 0.93) / 0.2))
     calm = 1 - math.exp(-dt / taps[7])
     scalars[8] += calm * (moved - scalars[8])
     scalars[9] += calm * (pressed - scalars[9])
