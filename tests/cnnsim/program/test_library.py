@@ -48,6 +48,7 @@ TOUCH = {
     "shear-flow",
     "coherent-shear",
     "onset-wave",
+    "comparators",
 }  # tests/tactile/events/test_programs.py
 
 PIPELINE = {"event-code", "locate-strain", "locate-stress"}

@@ -49,8 +49,8 @@ def test_numbers_of_wires(backend: str, tmp_path: Path) -> None:
     ('fill = "twice"', 'fill = "rounds"', "'rounds' is read before anything has been written"),
     ('{ fill = 0,', "{ fill = 0.5,", "0.5; a whole number wanted"),
     ('repeat = "times"', 'repeat = "time"', "no parameter 'time'; defined are times, many"),
-    ("times = 3", "times = 2.5", "times 2.5; a whole number from 1 wanted"),
-    ("times = 3", "times = 0", "times 0.0; a whole number from 1 wanted"),
+    ("times = 3", "times = 2.5", "times 2.5; a whole number from 1 to 1000000 wanted"),
+    ("times = 3", "times = 0", "times 0.0; a whole number from 1 to 1000000 wanted"),
 ])  # fmt: skip
 def test_wrong_numbers_are_refused(old: str, new: str, message: str, tmp_path: Path) -> None:
     assert old in COUNTING

@@ -132,3 +132,16 @@ def test_the_wave_keeps_to_the_contact() -> None:
     assert np.array_equal(np.argwhere(out["reached"]).max(axis=0), [6, 4])
     assert out["arrival"].max() == 5
     assert (out["arrival"][:, 6:] == -1).all()
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("shape", [(1, 1), (2, 3), (4, 1, 5), (7, 8, 8)])
+def test_comparators_switch_with_hysteresis(backend: str, shape: tuple[int, ...]) -> None:
+    """Signals in steps of 1/8 stay away from both thresholds, 1/6 and 1/4."""
+    runs, on = machine(backend), np.zeros(shape, bool)
+    rng = np.random.default_rng(len(shape))
+    for _ in range(20):
+        signal = rng.integers(-8, 9, shape) / 8 + 1 / 16
+        on = np.where(signal > 1 / 4, True, np.where(signal < 1 / 6, False, on))
+        out = runs.run(program("comparators"), signal=signal)
+        assert np.array_equal(out["on"] > 0, on)
