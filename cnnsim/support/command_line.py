@@ -65,7 +65,7 @@ class CommandGroup(click.Group):
             with _printable_mistakes(), watched_by(terminal_bar()):
                 return super().invoke(ctx)
         except KeyboardInterrupt:
-            click.echo("stopped", err=True)
+            echo("stopped", err=True)
             ctx.exit(STOPPED)
         except InputError as error:
             raise _Mistake(str(error)) from error
