@@ -160,6 +160,8 @@ class LibraryEntry:
             InputError: a second picture is missing, or there is no use for it; whole numbers as of grey levels.
         """
         picture, state = as_picture("picture", picture), None if state is None else as_picture("state", state)
+        if picture.ndim < 2:
+            raise InputError(f"picture has shape {picture.shape}; (rows, cols) with at least one cell wanted")
         roles = self.initial_state if isinstance(self.initial_state, tuple) else (self.initial_state,)
         layers = len(self.network.layers) if isinstance(self.network, LayeredTemplate) else 0
         shape = (layers, *picture.shape[-2:]) if layers else picture.shape

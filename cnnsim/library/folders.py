@@ -51,8 +51,10 @@ def not_found(what: str, name: str, found: Collection[str], command: str) -> Inp
         return InputError(f"no template {name!r}, but a program of that name: `cnnsim program {name}` runs it")
     if what == "program" and name in files():
         return InputError(f"no program {name!r}, but a template of that name: `cnnsim run {name}` runs it")
-    near = get_close_matches(name.lower(), found, n=3, cutoff=0.4)
-    hint = f"; did you mean {' or '.join(near)}?" if near else ""
+    others = sorted(set(programs()) - set(found)) if what == "template" else []
+    near = get_close_matches(name.lower(), [*found, *others], n=3, cutoff=0.4)
+    words = [f"the program {match}" if match in others else match for match in near]
+    hint = f"; did you mean {' or '.join(words)}?" if near else ""
     return InputError(f"no {what} {name!r} in the library{hint} `{command}` shows all {len(found)}")
 
 

@@ -97,11 +97,11 @@ def _table(headings: list[str], rows: list[dict[str, str]]) -> "Table":
 
 
 def _located(load: Load | None) -> str:
-    """Say where a load is and how sure that is."""
+    """Say where a load is and how sure that is; a part of it that is not known keeps its place."""
     if load is None or not np.isfinite(load.F):
         return "" if load is None else load.validity.name.lower().replace("_", " ")
     place = f"({_signed(load.x * 1e3, 2)}, {_signed(load.y * 1e3, 2)})"
-    forces = " ".join(_signed(part, 3) for part in (load.Q, load.R, load.F) if np.isfinite(part))
+    forces = " ".join(_signed(part, 3) if np.isfinite(part) else "?" for part in (load.Q, load.R, load.F))
     taxels = "1 taxel" if load.taxels == 1 else f"{load.taxels} taxels"
     return f"{place} {forces}, {load.validity.name.lower().replace('_', ' ')}, {taxels}"
 

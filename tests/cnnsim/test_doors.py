@@ -99,3 +99,10 @@ def test_the_warning_names_the_caller_s_line() -> None:
     with pytest.warns(UserWarning, match=r"picture reaches 2\.5") as said:
         cnnsim.run("edge", 2.5 * VALUES, backend="reference")
     assert said[0].filename == __file__
+
+
+@pytest.mark.parametrize("picture", [1.0, True, np.ones(9)])
+def test_a_picture_has_rows_and_columns(picture: Any) -> None:
+    for name in ("edge", "autowave", "moving-parts"):
+        with pytest.raises(InputError, match=r"shape .*; \(rows, cols\) with at least one cell wanted"):
+            cnnsim.run(name, picture)

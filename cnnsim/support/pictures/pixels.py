@@ -65,7 +65,7 @@ def from_levels(numbers: Array, name: str, levels: Levels, dtype: Any = np.float
     black, white = levels
     if not (np.isfinite(levels).all() and black != white):
         raise InputError(f"black is {black:g} and white {white:g}; two different numbers wanted")
-    least, most = float(numbers.min()), float(numbers.max())
+    least, most = _extremes(numbers, name)
     if not min(levels) <= least <= most <= max(levels):
         raise InputError(f"{name} holds numbers from {least:g} to {most:g}; {black:g} (black) to {white:g} wanted")
     values = np.empty(numbers.shape, dtype)
@@ -76,13 +76,20 @@ def from_levels(numbers: Array, name: str, levels: Levels, dtype: Any = np.float
     return values
 
 
+def _extremes(numbers: Array, name: str) -> tuple[float, float]:
+    least, most = float(numbers.min()), float(numbers.max())
+    if not np.isfinite(most - least):
+        raise InputError(f"{name} holds {most if np.isfinite(least) else least:g}; finite numbers wanted")
+    return least, most
+
+
 def range_of(numbers: Array, name: str) -> Levels:
     """Return the levels that numbers of a kind without a range can be meant in: [0, 1] as grey, [-1, 1] as CNN values.
 
     Raises:
         InputError: they are in neither.
     """
-    least, most = float(numbers.min()), float(numbers.max())
+    least, most = _extremes(numbers, name)
     if 0 <= least <= most <= 1:
         return 0.0, 1.0
     if -1 <= least <= most <= 1:

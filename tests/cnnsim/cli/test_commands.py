@@ -135,6 +135,7 @@ def test_explain_says_what_was_decided() -> None:
     (("list", "--tag", "nonsense"), "tags are"),
     (("program", "none.toml"), "no program file"),
     (("program", "skelton"), "did you mean skeleton"),
+    (("show", "slip-frnt"), "did you mean the program slip-front"),
     (("list", "--programs", "--tag", "morphology"), "programs have no tags"),
     (("trace", "edge", "BLOBS", "BLOBS", "--json"), "takes one picture, 2 were given"),
     (("program", "opening", "--input", "picture"), "NAME=VALUE wanted"),

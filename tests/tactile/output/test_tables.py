@@ -67,6 +67,15 @@ def test_codes_of_many_taxels_stay_in_the_record(
     assert "(+1.00, -2.00) +0.000 +0.000 +0.004, inside, 1 taxel " in row
 
 
+def test_a_force_that_is_not_known_keeps_its_place(capsys: pytest.CaptureFixture[str]) -> None:
+    """One row of taxels tells nothing of the shear across it: without a mark F would stand where R stands."""
+    load = Load(1e-3, 0.0, 0.15, float("nan"), 0.4, taxels=2, validity=Validity.INSIDE)
+    collected = Collected()
+    collected.events.append(Event(1.0, "row", 3, TouchKind.RELEASE, {}, "···", "000", 0, 1e-4, load))
+    tables(collected, (TaxelArray("row", 1, 3, 1e-3, 1e-3),))
+    assert "(+1.00, +0.00) +0.150 ? +0.400, inside, 2 taxels" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("text", ["=1+1", "+a", "-0+0", "@x", "\tx"])
 def test_a_cell_of_text_is_no_formula_and_a_code_no_number(text: str) -> None:
     assert text_cell(text) == f"'{text}"

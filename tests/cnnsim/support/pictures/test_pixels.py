@@ -102,8 +102,9 @@ def test_numbers_without_a_range_are_refused_or_told(tmp_path: Path) -> None:
         read_picture(tmp_path / "float.tif")
     with pytest.raises(InputError, match=r"32 bits from 7 to 70000"):
         read_picture(tmp_path / "whole.tif")
-    with pytest.raises(InputError, match="nan"):
-        read_picture(tmp_path / "nan.tif")
+    for levels in (None, (0, 1)):
+        with pytest.raises(InputError, match=r"nan\.tif holds nan; finite numbers wanted"):
+            read_picture(tmp_path / "nan.tif", levels=levels)
     assert read_picture(tmp_path / "float.tif", levels=(3, -0.5)).tolist() == [[-1, 1]]
     assert read_picture(tmp_path / "whole.tif", levels=(0, 140000))[0] == pytest.approx([1 - 1e-4, 0])
     with pytest.raises(InputError, match=r"from 7 to 70000; 0 \(black\) to 4095 wanted"):
