@@ -40,6 +40,16 @@ def check_most(value: float, most: float, what: str) -> None:
         raise InputError(f"{what}: {str(value)[:40]}; {most:g} at most wanted")
 
 
+def check_plain(path: Path, what: str) -> None:
+    """Refuse what is there but no file, such as a folder, a device or a pipe: that would be waited for without end.
+
+    Raises:
+        InputError: so it is.
+    """
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path}: no plain file; a {what} wanted")
+
+
 def check_file(path: Path, what: str, most: int) -> None:
     """Refuse a file that is none, such as a folder or a pipe, or is too large.
 
@@ -48,8 +58,7 @@ def check_file(path: Path, what: str, most: int) -> None:
         OSError: it is not there.
     """
     size = path.stat().st_size
-    if not path.is_file():
-        raise InputError(f"{path}: no plain file; a {what} wanted")
+    check_plain(path, what)
     if size > most:
         raise InputError(f"{path}: {size} bytes; {most} at most wanted for a {what}")
 
@@ -77,11 +86,12 @@ def one_line(path: Path, what: str) -> Iterator[None]:
     except InputError:
         raise
     except OSError as error:
-        raise InputError(f"{path}: cannot be read as {what}: {_line(error.strerror or error)}") from error
+        raise InputError(f"{path}: cannot be read as {what}: {line_of(error.strerror or error)}") from error
     except Exception as error:
-        raise InputError(f"{path}: cannot be read as {what}: {_line(error)}") from error
+        raise InputError(f"{path}: cannot be read as {what}: {line_of(error)}") from error
 
 
-def _line(said: object) -> str:
+def line_of(said: object) -> str:
+    """Return what a library said as one line of bounded length, the name of its kind where it said nothing."""
     text = " ".join(str(said).split()) or type(said).__name__
     return text if len(text) <= LINE else text[:LINE] + " ..."

@@ -20,7 +20,7 @@ from mcap.records import Chunk, DataEnd, Footer
 from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
 
 from cnnsim.support import InputError
-from cnnsim.support.bounds import CHUNK, RECORD
+from cnnsim.support.bounds import CHUNK, RECORD, check_plain
 
 MAGIC = b"\x89MCAP0\r\n"
 BROKEN = (McapError, CRCValidationError, zstandard.ZstdError, struct.error, ValueError, OverflowError, MemoryError,
@@ -44,9 +44,10 @@ def records(path: Path) -> Iterator[Any]:
     """Yield the records of an MCAP file, those of chunks in their places, up to its end or where it breaks off.
 
     Raises:
-        InputError: it cannot be opened.
+        InputError: it cannot be opened, or is no plain file.
     """
     try:
+        check_plain(path, "recording")
         with path.open("rb") as file:
             yield from _records(file)
     except OSError as error:

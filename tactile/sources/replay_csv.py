@@ -70,21 +70,19 @@ def write_csv(path: Path, source: Source) -> None:
     Taxels that are not valid become empty cells, whatever they read.
 
     Raises:
-        InputError: two fingers have one name, or the file cannot be written.
+        InputError: two fingers have one name.
+        OSError: the file cannot be written.
     """
     names = [array.name for array in source.arrays]
     header = header_text(source).rstrip("\n").split("\n")
-    try:
-        with path.open("w", encoding="utf-8", newline="") as file:
-            file.writelines(f"# {line}\n" for line in header)
-            out = csv.writer(file, lineterminator="\n")
-            out.writerow(_columns(source.arrays))
-            for frame in source:
-                values = np.where(frame.valid[..., None], frame.values, np.nan).ravel().tolist()
-                cells = [_cell(value) for value in (frame.t, frame.t_device, *values)]
-                out.writerow([*cells[:2], names[frame.finger], frame.sequence, *cells[2:]])
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error}") from error
+    with path.open("w", encoding="utf-8", newline="") as file:
+        file.writelines(f"# {line}\n" for line in header)
+        out = csv.writer(file, lineterminator="\n")
+        out.writerow(_columns(source.arrays))
+        for frame in source:
+            values = np.where(frame.valid[..., None], frame.values, np.nan).ravel().tolist()
+            cells = [_cell(value) for value in (frame.t, frame.t_device, *values)]
+            out.writerow([*cells[:2], names[frame.finger], frame.sequence, *cells[2:]])
 
 
 def _columns(arrays: tuple[TaxelArray, ...]) -> list[str]:

@@ -13,7 +13,7 @@ import pyarrow as pa  # type: ignore[import-untyped]  # it ships no types
 from pyarrow import parquet
 
 from cnnsim.support import InputError
-from cnnsim.support.bounds import check_unpacked, one_line
+from cnnsim.support.bounds import check_plain, check_unpacked, one_line
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.header import Header, header_text, read_header
 from tactile.core.source import Provenance, Source
@@ -65,6 +65,7 @@ def read_parquet(path: Path) -> ParquetReplay:
     Raises:
         InputError: no Parquet file, no header in it or a wrong one, other columns.
     """
+    check_plain(path, "recording")
     with one_line(path, "a Parquet recording"), parquet.ParquetFile(path) as file:
         schema, rows, groups = file.schema_arrow, file.metadata.num_rows, file.metadata.num_row_groups
         check_unpacked(path, sum(file.metadata.row_group(group).total_byte_size for group in range(groups)))

@@ -25,6 +25,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Floats, InputError, Integers
+from cnnsim.support.bounds import TEXT, check_file
 from cnnsim.support.toml_file import KeyFaults, check_keys, parse_toml, take, take_numbers, take_tables
 from tactile.calibration.gains import Gains
 from tactile.core.array_table import take_array
@@ -47,6 +48,7 @@ def read_description(path: Path) -> Description:
         InputError: no such file, no TOML, an unknown or missing key, a wrong value.
     """
     try:
+        check_file(path, "file that describes an array", TEXT)
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError as error:
         raise InputError(f"no array description {path}") from error

@@ -11,7 +11,6 @@ import os
 import random
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -24,9 +23,9 @@ import numpy as np
 
 from tactile.recording.reader import open_recording
 from tactile.wire.registry import NAMES
+from tests.kits.processes import code_line, command_line, ended
 from tests.kits.wire import pair, stream
 
-TACTILE = [sys.executable, "-c", "from tactile.cli.group import main; main()"]
 SCENE = """
 title = "endurance"
 rate_hz = {hz}
@@ -70,32 +69,30 @@ def emulator(
     arguments = ["emulate", "--protocol", protocol, "--scene", str(folder / "scene.toml"), "--link",
                  str(folder / "skin"), "--write-array", str(folder / "array.toml"), *more]  # fmt: skip
     # a session of its own: where the kernel shares the processors out by session, a device takes none of the reader's
-    process = subprocess.Popen(
-        [*TACTILE, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
-    )
-    assert process.stdout is not None
-    process.stdout.readline()
-    with suppress(OSError, AttributeError):  # as if it had a processor of its own, where that is allowed
-        os.sched_setscheduler(process.pid, os.SCHED_RR, os.sched_param(1))
+    with ended(subprocess.Popen(
+        command_line("tactile", *arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        start_new_session=True,
+    )) as process:  # fmt: skip
+        assert process.stdout is not None
+        process.stdout.readline()
+        with suppress(OSError, AttributeError):  # as if it had a processor of its own, where that is allowed
+            os.sched_setscheduler(process.pid, os.SCHED_RR, os.sched_param(1))
 
-    def end() -> str:
-        process.send_signal(signal.SIGINT)
-        return process.communicate()[1].strip()
+        def end() -> str:
+            process.send_signal(signal.SIGINT)
+            return process.communicate()[1].strip()
 
-    try:
         yield end
-    finally:
-        if process.poll() is None:
-            process.kill()
-            process.communicate()
 
 
 def reader(folder: Path, name: str, *more: str, command: str = "live") -> "subprocess.Popen[str]":
     """Start a reader that writes JSON lines and a recording."""
     record = ["-o" if command == "record" else "--record", str(folder / f"{name}.mcap")]
     arguments = [command, "-p", str(folder / "skin"), "-a", str(folder / "array.toml"), "--json", *record, *more]
-    return subprocess.Popen([*TACTILE, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                            stdin=subprocess.DEVNULL)  # fmt: skip
+    return subprocess.Popen(
+        command_line("tactile", *arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        stdin=subprocess.DEVNULL, text=True,
+    )  # fmt: skip
 
 
 def peak_mib(process: "subprocess.Popen[str]") -> float:
@@ -113,7 +110,7 @@ def processor_seconds(process: "subprocess.Popen[str]") -> float:
 @contextmanager
 def busy(count: int) -> Iterator[None]:
     """So many other processes that compute all the time."""
-    others = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(count)]
+    others = [subprocess.Popen(code_line("while True: pass")) for _ in range(count)]
     try:
         yield
     finally:

@@ -4,11 +4,14 @@ import json
 import os
 import subprocess
 import sys
+import threading
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from PIL import Image
 
 from cnnsim.cli.group import main as cnnsim
 from cnnsim.support import InputError
@@ -66,6 +69,62 @@ def test_bounds_are_said_with_both_numbers(tmp_path: Path) -> None:
     check_unpacked(tmp_path / "small", 60_000_000)
     with pytest.raises(InputError, match="1000 bytes that unpack to 70000000; 200 times as many at most wanted"):
         check_unpacked(tmp_path / "small", 70_000_000)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "tactile run p.mcap", "tactile run p.parquet", "tactile run p.npz", "tactile run p.csv", "tactile run p.toml",
+        "tactile replay p.mcap", "tactile convert p.mcap o.npz", "tactile emulate --recording p.mcap",
+        "tactile record -p no -a p.toml -o o.mcap", "cnnsim run edge p.png -o o.png",
+        "cnnsim run p.toml p.png -o o.png", "cnnsim run edge p.mp4 -o o.mp4", "cnnsim import p.tem -o library",
+    ],
+)  # fmt: skip
+def test_nobody_waits_for_a_pipe(words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in ("serial", "mcap", "pyarrow", "av"):
+        pytest.importorskip(module, reason="every reader is tried")
+    monkeypatch.chdir(tmp_path)
+    command = words.split()
+    (name,) = {word for word in command if word.startswith("p.")} - ({"p.png"} if "p.toml" in words else set())
+    os.mkfifo(name)
+    done, waited = threading.Event(), []
+
+    def open_the_other_end() -> None:
+        while not done.wait(4):
+            with suppress(OSError):  # nobody is there
+                os.close(os.open(name, os.O_WRONLY | os.O_NONBLOCK))
+                waited.append(name)
+
+    helper = threading.Thread(target=open_the_other_end)
+    helper.start()
+    try:
+        result = CliRunner().invoke(cnnsim if command[0] == "cnnsim" else tactile, command[1:])
+    finally:
+        done.set()
+        helper.join()
+    assert not waited
+    assert result.exit_code == 2
+    assert "plain file" in result.output or "no regular file" in result.output
+    assert "Traceback" not in result.output
+
+
+@pytest.mark.parametrize("name", ["p.png", "size.tif", "flags.dds"])
+def test_whatever_pillow_raises_becomes_a_line(name: str, tmp_path: Path) -> None:
+    """AssertionError without a word, TypeError and NotImplementedError."""
+    path, grey = tmp_path / name, Image.new("P", (4, 4))
+    if name == "p.png":  # a palette is wanted, and none is there
+        grey.save(path)
+        path.write_bytes(path.read_bytes().replace(b"PLTE", b"abCd"))
+    elif name == "size.tif":  # the tag of the width is another's
+        grey.convert("L").save(path)
+        path.write_bytes(path.read_bytes().replace(b"\x00\x01\x04\x00", b"\x00\x7f\x04\x00", 1))
+    else:
+        grey.convert("RGB").save(path)
+        path.write_bytes(path.read_bytes()[:80] + bytes(4) + path.read_bytes()[84:])
+    result = CliRunner().invoke(cnnsim, ["run", "edge", str(path), "-o", str(tmp_path / "o.png")])
+    assert result.exit_code == 2, result.output
+    assert "is no picture that Pillow can read: " in result.stderr
+    assert result.stderr.strip()[-1] != ":"
 
 
 def test_a_pipe_and_an_empty_file_in_a_library_do_not_stop_it(tmp_path: Path) -> None:

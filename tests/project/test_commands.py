@@ -7,8 +7,9 @@ import shlex
 import shutil
 import signal
 import subprocess
-import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from cnnsim.support.extras import install_line
 from tactile.cli.group import main as tactile
 from tests.kits.example_files import PICTURE, RECORDING, SCENE, scan
 from tests.kits.paths import ROOT
+from tests.kits.processes import command_line, ended
 
 GROUPS = {"cnnsim": cnnsim, "tactile": tactile}
 PORT = "/dev/ttyACM0"
@@ -70,6 +72,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (folder / name).mkdir()
         for number in (1, 2):
             write_picture(picture, folder / name / f"{number}.png")
+    (folder / "my-library").mkdir()
     (folder / "grasp.npz").write_bytes(RECORDING.read_bytes())
     (folder / "scene.toml").write_bytes(SCENE.read_bytes())
     return folder
@@ -133,13 +136,13 @@ def environment() -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": str(ROOT)}
 
 
-def started(line: str, folder: Path) -> "subprocess.Popen[str]":
-    program, *words = shlex.split(line, comments=True)
-    code = f"from {program}.cli.group import main; main()"
-    return subprocess.Popen(
-        [sys.executable, "-c", code, *words], cwd=folder, env=environment(), stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE, text=True,
-    )  # fmt: skip
+@contextmanager
+def started(line: str, folder: Path) -> "Iterator[subprocess.Popen[str]]":
+    command = command_line(*shlex.split(line, comments=True))
+    with ended(subprocess.Popen(
+        command, cwd=folder, env=environment(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True
+    )) as process:  # fmt: skip
+        yield process
 
 
 def first_word(reader: "subprocess.Popen[str]", folder: Path) -> None:
@@ -169,6 +172,7 @@ def test_the_commands_of_a_port_run_on_an_emulated_one(folder: Path, monkeypatch
                 told, _ = reader.communicate(timeout=30)
             assert reader.returncode == 0, told
             device.send_signal(signal.SIGINT)
+            device.wait(timeout=30)
     for line in [line for line in lines if line.startswith(("tactile replay", "tactile convert"))]:
         monkeypatch.chdir(folder)
         done = CliRunner().invoke(tactile, shlex.split(line, comments=True)[1:])

@@ -1,6 +1,5 @@
 """Picture files read and written as CNN values, and pictures drawn in text."""
 
-import struct
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
@@ -9,8 +8,9 @@ from threading import Lock
 from typing import Any
 
 import numpy as np
-from PIL import Image, UnidentifiedImageError
+from PIL import Image
 
+from cnnsim.support.bounds import check_plain, line_of
 from cnnsim.support.errors import InputError
 from cnnsim.support.files import writing
 from cnnsim.support.memory import check_memory
@@ -21,8 +21,6 @@ _RAMP = ".:-=+*%#"
 """Characters from white to black."""
 _MORE_THAN_PICTURES = {"MPO", "PSD"}
 """Formats whose further frames are no pictures of a sequence: a camera's previews, the layers of a drawing."""
-_BROKEN = UnidentifiedImageError, OSError, SyntaxError, ValueError, EOFError, struct.error
-"""What Pillow raises for files that are no pictures, or broken."""
 _TOO_LARGE = "cut it into tiles, make it smaller, or use a machine with more memory"
 
 
@@ -53,14 +51,19 @@ def opened(path: str | Path) -> Iterator[Image.Image]:
         InputError: the file is missing or no picture, also where that shows only later.
     """
     try:
+        check_plain(Path(path), "picture")
         with _AnySize(), Image.open(path) as image:
             yield image
     except InputError:
         raise
     except FileNotFoundError as error:
         raise InputError(f"no picture {path}") from error
-    except _BROKEN as error:
-        raise InputError(f"{path} is no picture that Pillow can read: {error}") from error
+    except MemoryError:
+        raise
+    except (
+        Exception
+    ) as error:  # Pillow's decoders let through whatever goes wrong inside: AssertionError, TypeError ...
+        raise InputError(f"{path} is no picture that Pillow can read: {line_of(error)}") from error
 
 
 def pictures_in(image: Image.Image) -> int:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
+from cnnsim.support.bounds import check_plain
 from cnnsim.support.errors import InputError
 from cnnsim.support.pictures.film import video_library
 from cnnsim.support.pictures.picture import check_size, opened, pictures_in
@@ -81,6 +82,7 @@ def of_video(path: Path, reading: Reading) -> PictureSequence:
     """
     if not path.exists():
         raise InputError(f"no video {path}")
+    check_plain(path, "video")
     av = video_library(path)
 
     def decoded() -> Iterator[Any]:

@@ -4,7 +4,6 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import threading
 import time
 from dataclasses import replace
@@ -28,6 +27,7 @@ from tactile.serial.session import Session
 from tactile.settings import Settings
 from tactile.wire.packets import emulated_description, packets
 from tactile.wire.source import WireSource
+from tests.kits.processes import command_line
 from tests.kits.serial import GRIP, call, device, grip, sent
 
 LIMIT = "20"
@@ -176,14 +176,11 @@ def test_mistakes_are_one_line(tmp_path: Path) -> None:
     assert not (tmp_path / "r.mcap").exists()
 
 
-PROGRAM = "from tactile.cli.group import main; main()"
-
-
 def start(*arguments: Any) -> "subprocess.Popen[str]":
-    command = [sys.executable, "-c", PROGRAM, *(str(argument) for argument in arguments)]
     return subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True
-    )
+        command_line("tactile", *arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        stdin=subprocess.DEVNULL, text=True,
+    )  # fmt: skip
 
 
 def test_two_programs_and_ctrl_c(tmp_path: Path) -> None:

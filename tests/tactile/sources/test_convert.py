@@ -200,3 +200,18 @@ def test_recordings_of_other_kinds_become_mcap_and_come_back(tmp_path: Path) -> 
     for wrong, message in (("x.bag2", "one of .csv"), ("run.npz", "is the recording itself")):
         with pytest.raises(InputError, match=message):
             convert(npz, tmp_path / wrong)
+
+
+@pytest.mark.parametrize(("name", "room"), [("g.csv", 300), ("g.npz", 300), ("g.parquet", 300), ("g.mcap", 2500)])
+def test_a_full_disk_is_told_of_the_file_that_was_asked_for(name: str, room: int, tmp_path: Path) -> None:
+    resource = pytest.importorskip("resource", reason="only Unix bounds the size of files")
+    most = resource.getrlimit(resource.RLIMIT_FSIZE)
+    write_csv(tmp_path / "from.csv", grip(0.1))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, most[1]))
+    try:
+        with pytest.raises(InputError) as told:
+            convert(tmp_path / "from.csv", tmp_path / name)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, most)
+    assert str(told.value).startswith(f"cannot write {tmp_path / name}: ")
+    assert [path.name for path in tmp_path.iterdir()] == ["from.csv"]
