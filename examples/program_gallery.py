@@ -128,6 +128,7 @@ def scenes() -> list[tuple[str, list[Planes], str]]:
         ("slip-front", [{"pressing": pressing, "shear_x": shear, "shear_y": 0 * drag} for shear in (drag, core)],
          "slid stuck front"),
         ("event-code", [{**spread, "pressing": pressing}], "x_plus x_minus y_plus y_minus contact moved"),
+        ("comparators", [{"signal": field["shear_x"][None]}], "on"),
         ("locate-strain", [strain], "dx dy force"),
         ("locate-stress", [stress], "dx dy force"),
         ("shear-flow", [field], "divergence curl"),
@@ -161,6 +162,7 @@ def main(output: Path) -> None:
 
 def draw(axes: Any, title: str, plane: NDArray[Any], *, given: bool, size: float) -> None:
     """Draw one plane: black is +1, white -1; signed quantities in red and blue, densities from 0 up."""
+    plane = plane.reshape(plane.shape[-2:])  # one of a batch
     values = np.where(plane, 1.0, -1.0) if plane.dtype == bool else plane
     most = float(np.nanmax(np.abs(values))) if title in SIGNED | FROM_ZERO else 1.0
     least = 0.0 if title in FROM_ZERO else -most

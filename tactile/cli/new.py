@@ -1,4 +1,4 @@
-"""The command `new`: a commented file of a scene or an array description that runs as it is."""
+"""The command `new`: a commented file of a scene, an array description or a detector, which runs as it is."""
 
 from pathlib import Path
 
@@ -8,16 +8,17 @@ from cnnsim.support.command_line import examples
 from cnnsim.support.echo import echo
 from cnnsim.support.files import write_text
 from cnnsim.support.names import check_name
-from tactile.cli.new_texts import ARRAY, SCENE
+from tactile.cli.new_texts import ARRAY, DETECTOR, SCENE
 
 
 @click.command(
     epilog=examples(
         "tactile new scene my-touch", "tactile run my-touch.toml",
         "tactile new array my-skin -o skins/", "tactile emulate --array my-skin.toml --scene my-touch.toml",
+        "tactile new detector my-events", "tactile run my-touch.toml --program my-events.toml",
     )
 )  # fmt: skip
-@click.argument("kind", type=click.Choice(["scene", "array"]))
+@click.argument("kind", type=click.Choice(["scene", "array", "detector"]))
 @click.argument("name")
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=Path(), show_default=".",
               help="Folder for it.")  # fmt: skip
@@ -25,13 +26,16 @@ from tactile.cli.new_texts import ARRAY, SCENE
 def new(kind: str, name: str, output: Path, replace: bool) -> None:
     """Write a commented file NAME.toml, which runs as it is.
 
-    A scene is what touches simulated fingers; an array says what is on the other end of a cable.
+    A scene is what touches simulated fingers; an array says what is on the other end of a cable; a
+    detector is a program whose planes mean events.
     """
     path = output / f"{check_name(name, kind)}.toml"
-    write_text(path, {"scene": SCENE, "array": ARRAY}[kind].replace("NAME", name), replace=replace)
+    write_text(path, {"scene": SCENE, "array": ARRAY, "detector": DETECTOR}[kind].replace("NAME", name), replace=replace)
     echo(f"-> {path}")
     if kind == "scene":
         echo(f"to run it: tactile run {path} -o out/")
+    elif kind == "detector":
+        echo(f"to run it: tactile run SCENE.toml --program {path}; its planes: tactile planes")
     else:
         echo(f"to read a board: tactile live -p PORT -a {path}; PORT is one of `tactile ports`")
         echo(f"without one: tactile emulate --array {path} --scene SCENE.toml prints a port")

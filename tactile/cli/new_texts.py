@@ -1,4 +1,4 @@
-"""Texts of new scene files and array descriptions: every key, most of them as comments."""
+"""Texts of new scene files, array descriptions and detectors: every key, most of them as comments."""
 
 SCENE = """\
 # A finger is touched, pushed to the right and released. Lengths in mm, forces in N, times in s.
@@ -74,4 +74,37 @@ quantity = "strain"         # strain, stress or force: what the readings are aft
 # axes  = ["x", "y", "-z"]  # which of the device's axes are shear_x, shear_y and normal
 # gains = [1e-5, 1e-5]      # shear, normal: quantity per unit of the wire; microtesla of magnetometers need them
 # cells = [[0, 1], [2, 3]]  # the device's number of the chip in each cell, -1 where none is
+"""
+
+DETECTOR = """\
+# A detector: steps on the planes of one finger, frame by frame, and what its outputs mean. tactile planes names the planes;
+# templates/README.md has the steps. Run it: tactile run SCENE.toml --program NAME.toml
+
+name    = "NAME"
+summary = "At least three taxels that touch and stand together."
+llm     = ["touch", "beside", "together"]   # logic planes, white and black
+wire    = ["count", "enough"]               # registers: numbers
+inputs  = ["touch"]                         # planes of the finger
+outputs = ["together", "enough"]
+# keep  = { together = -1 }                 # planes kept from frame to frame, and what they are at first
+
+step = [
+  { template = "beside", input = "touch", state = 0, to = "beside" },
+  { logic = "and", of = ["touch", "beside"], to = "together" },
+  { wire = "count", of = "together", to = "count" },
+  { number = "less", of = [2, "count"], to = "enough" },
+]
+
+[templates]                                 # black where one of the eight neighbours is black
+beside = { A = [[1]], B = [[1, 1, 1], [1, 0, 1], [1, 1, 1]], z = 7, boundary = { fixed = -1 } }
+
+[[event]]                                   # one table for each kind of event
+kind       = "together"
+when       = "enough"                       # the register (not 0) or plane (any cell black) that is on while it lasts
+taxels     = "together"                     # the taxels concerned
+words      = "{taxels} of {of_taxels} taxels together"
+confirm_ms = 20                             # how long it is on before it is told ...
+release_ms = 50                             # ... and off before it is over
+# direction = "load"                        # or four outputs for +x, -x, +y, -y; {direction} in the words
+# sense     = ["clockwise", "anticlockwise"]  # two outputs; {sense} in the words
 """

@@ -98,6 +98,7 @@ def test_the_commands_of_a_page_run_in_their_order(page: str, folder: Path, monk
 
 OWN_FILES = {  # files that only the reader can have; the reading of such files has tests of its own
     "walk.mp4", "my-program.toml", "rule.toml", "EDGE.tem", "temlib.m", "best.txt", "scan.csv", "grasp.csv",
+    "grasp.npz", "labels.csv", "l.csv",
 }  # fmt: skip
 
 

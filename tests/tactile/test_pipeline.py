@@ -84,13 +84,15 @@ def test_the_grip_scene_tells_its_story() -> None:
         story = [event for event in collected.events if event.finger == finger]
         chapters = [event.kind for event in story if event.kind != "pull"]
         assert chapters == [
-            "contact", "load", "hold", "tangential_load", "slip", "hold", "tangential_load", "release",
+            "contact", "load", "hold", "tangential_load", "tangential_load", "slip", "hold", "tangential_load", "release",
         ]  # fmt: skip
-        (contact, _, _, lifted, slip, _, lowered, release) = (event for event in story if event.kind != "pull")
+        (contact, _, _, lifted, eased, slip, _, lowered, release) = (event for event in story if event.kind != "pull")
         assert contact.t == pytest.approx(0.55, abs=0.06)
-        assert lifted.t == pytest.approx(1.5, abs=0.03)
+        assert lifted.t == pytest.approx(1.5, abs=0.0301)
+        assert eased.t == pytest.approx(3.0, abs=0.01)  # friction drops as it slips
+        assert "-y" in str(eased.data["direction"])
         assert (slip.t, slip.end) == pytest.approx((3.01, 3.7), abs=0.02)
-        assert lowered.t == pytest.approx(4.6, abs=0.03)
+        assert lowered.t == pytest.approx(4.6, abs=0.0301)  # six frames
         assert release.t == contact.end == pytest.approx(5.48, abs=0.05)
         assert ("+y" in str(lifted.data["direction"]), "-y" in str(lowered.data["direction"])) == (True, True)
     (slip,) = (one for one in collected.events if one.finger == "left" and one.kind == "slip")
@@ -238,7 +240,7 @@ def test_other_mistakes_are_told(tmp_path: Path) -> None:
         ((GRIP, "--gains", "2"), "two numbers SHEAR,NORMAL wanted"),
         ((GRIP, "--gains", "0,1"), "shear gain 0.0"),
         ((GRIP, "--tare", "-1"), "tare over -1 frames"),
-        ((GRIP, "-o", GRIP), "cannot write the record"),
+        ((GRIP, "-o", GRIP), "cannot make the folder"),
     ):
         result = _call(*arguments)
         assert result.exit_code == 2, arguments

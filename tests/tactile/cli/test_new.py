@@ -19,12 +19,23 @@ def test_a_new_scene_runs_as_it_is(tmp_path: Path) -> None:
     done = call("run", path, "--json")
     assert done.exit_code == 0, done.output
     kinds = [event["kind"] for event in json.loads(done.stdout)["events"]]
-    assert {"contact", "shear_begins", "release"} <= set(kinds)
+    assert {"contact", "tangential_load", "release"} <= set(kinds)
     refused = call("new", "scene", "my-touch", "-o", tmp_path)
     assert refused.exit_code == 2
     assert "is there already; --replace" in refused.stderr
     assert call("new", "scene", "my-touch", "-o", tmp_path, "--replace").exit_code == 0
     assert call("new", "scene", "../x", "-o", tmp_path).exit_code == 2
+
+
+def test_a_new_detector_tells_its_event_of_a_new_scene(tmp_path: Path) -> None:
+    call("new", "scene", "my-touch", "-o", tmp_path)
+    made = call("new", "detector", "my-events", "-o", tmp_path)
+    path = tmp_path / "my-events.toml"
+    assert made.stdout.splitlines()[0] == f"-> {path}"
+    done = call("run", tmp_path / "my-touch.toml", "--program", path, "--json")
+    assert done.exit_code == 0, done.output
+    events = json.loads(done.stdout)["events"]
+    assert [event["words"] for event in events if event["kind"] == "together"] == ["3 of 4 taxels together"]
 
 
 def test_what_a_new_scene_has_as_comments_is_right(tmp_path: Path) -> None:
