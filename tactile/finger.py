@@ -127,7 +127,10 @@ class Finger:
             if travels != self._travels:
                 self._travels = travels
                 pool.set_logic("travelling", travels)
-        return [what for detector in self._detectors for what in detector.update(frame.t)]
+        found = [what for detector in self._detectors for what in detector.update(frame.t)]
+        if pool.black("in_contact"):
+            self.tare.touched(frame.t)
+        return found
 
     def feel(self, frame: Frame, load: Load) -> TextureFigures:
         """Return the texture figures after this frame: of every taxel that measures force, else of the located load.

@@ -25,6 +25,8 @@ IDLE = "idle"
 CURE = "let nothing touch it, then ask for a tare"
 MUCH = 4.0
 """Half of the taxels may wander on their own, by up to so many times as much."""
+AFTER = 0.1
+"""[s] after a contact from which no frame is used: silicone creeps back."""
 WANDER = 7.0
 """Times the jitter of a taxel that its mean may wander in a block and still be called still."""
 
@@ -52,7 +54,8 @@ class LiveTare:
     than seven times the taxel's own jitter, so noise alone is never taken for motion; in none by four times that.
     Unloaded: the block's mean is within half a dead band (or three sigma) of the offset. The first one only has to be
     still and press no more than the first frames did, since there is nothing yet to tell a load by. A load that grows
-    by less than half a dead band per block, the slowest of all, is taken for drift.
+    by less than half a dead band per block, the slowest of all, is taken for drift, unless a contact was told of: a
+    block with any of one in it, or that begins soon after, is neither taken nor learned from, however weak the load.
 
     Until there is an offset no taxel is valid, except in mode "off", where there is none and only the ``noise`` is
     measured; "manual" renews on request only; a number takes just the first so many frames, whatever is in them.
@@ -84,6 +87,11 @@ class LiveTare:
         self._start: Floats | None = None
         self._block: list[Floats] = []
         self._since = 0.0
+        self._touched = -np.inf
+
+    def touched(self, t: float) -> None:
+        """Take note that something is in contact at ``t`` [s]."""
+        self._touched = t
 
     def ask(self, force: bool = False) -> None:
         """Renew the offset from the next block, if that is unloaded, or by ``force`` whatever is in it."""
@@ -132,7 +140,7 @@ class LiveTare:
             loaded = bool((more > MUCH * bound[..., NORMAL]).any())
         else:
             known = np.ones(mean.shape[:2], bool) if self.noise is None else ~self.noise.left_out
-            loaded = bool((np.abs(away) > bound)[known].any())
+            loaded = bool((np.abs(away) > bound)[known].any()) or self._since - self._touched < AFTER
         if self._mode == "off":
             if still and not loaded:
                 self._learn(noise)

@@ -30,7 +30,9 @@ def new(kind: str, name: str, output: Path, replace: bool) -> None:
     detector is a program whose planes mean events.
     """
     path = output / f"{check_name(name, kind)}.toml"
-    write_text(path, {"scene": SCENE, "array": ARRAY, "detector": DETECTOR}[kind].replace("NAME", name), replace=replace)
+    write_text(
+        path, {"scene": SCENE, "array": ARRAY, "detector": DETECTOR}[kind].replace("NAME", name), replace=replace
+    )
     echo(f"-> {path}")
     if kind == "scene":
         echo(f"to run it: tactile run {path} -o out/")

@@ -144,6 +144,25 @@ def test_events_are_the_same_on_every_backend(backend: str) -> None:
     assert len(plain) >= 3
 
 
+@pytest.mark.parametrize(("size", "load"), [(2, 0.1), (2, 1.0), (4, 0.2), (4, 0.5), (8, 0.5), (8, 1.0)])
+@pytest.mark.parametrize("tare", ["auto", "off"])
+def test_a_weak_contact_lasts_until_it_is_over(size: int, load: float, tare: str) -> None:
+    """Offset and noise are renewed every 0.2 s, but not while, or just after, something touches."""
+    rng, t = np.random.default_rng(0), np.arange(440) / 200
+    y, x = np.mgrid[0:size, 0:size] - (size - 1) / 2
+    under = np.exp(-(x**2 + y**2) / 2 / (size / 6 + 0.3) ** 2)
+    forces = rng.standard_normal((len(t), size, size, 3)) * (1.2e-3, 1.2e-3, 3.6e-3)
+    ramp = load * np.clip((t - 0.5) / 0.05, 0, 1) * np.clip((1.6 - t) / 0.05, 0, 1)
+    forces[..., 2] += ramp[:, None, None] * under / under.sum()
+    pad, every = TaxelArray("pad", size, size, 2e-3, 0.0, quantity="force"), np.ones((size, size), bool)
+    frames = [Frame(0, time, n, one, every) for n, (time, one) in enumerate(zip(t.tolist(), forces, strict=True))]
+    found = [e for e in events(FrameStream("weak", (pad,), None, len(frames), frames), tare=tare)
+             if e.kind in ("contact", "release")]  # fmt: skip
+    assert [event.kind for event in found] == ["contact", "release"]
+    assert found[0].t == pytest.approx(0.525, abs=0.025)
+    assert found[1].t == pytest.approx(1.59, abs=0.025)
+
+
 def test_idle_noise_is_nothing_and_one_noisy_taxel_too() -> None:
     source = stream(np.zeros((1000, 6, 6, 3)))
     rng = np.random.default_rng(2)
