@@ -79,16 +79,19 @@ def _signals(normal: Any, shear: Any, columns: Columns, array: TaxelArray) -> No
         what, least = "sum of taxels", scale * CONTACT[array.quantity].dead_band
     doubted = np.isfinite(pressing) & ~np.isin(columns.validity, SURE) & located
     _line(normal, t, pressing, doubted, "black", "")
-    if np.isfinite(along_x).any():
-        _line(shear, t, along_x, doubted, "tab:blue", "x")
-        _line(shear, t, along_y, doubted, "tab:orange", "y")
+    sheared = bool(
+        np.isfinite(along_x).any() or np.isfinite(along_y).any()
+    )  # a row knows one alone, a column the other
+    if sheared:
+        for signal, colour, name in ((along_x, "tab:blue", "x"), (along_y, "tab:orange", "y")):
+            _line(shear, t, signal, doubted, colour, name if np.isfinite(signal).any() else f"{name}: not known")
     else:
         words = "one taxel alone cannot tell shear from place" if located else "nothing felt"
         shear.text(0.5, 0.5, words, transform=shear.transAxes, ha="center", va="center", backgroundcolor="white")
     if doubted.any():
         normal.plot([], [], ".", color="0.6", label="not sure: ambiguous, or no single point load")
         normal.legend(loc="lower right", bbox_to_anchor=(1, 0.98), fontsize=8, frameon=False)
-    if np.isfinite(along_x).any():
+    if sheared:
         shear.legend(loc="lower right", bbox_to_anchor=(1, 0.98), ncols=2, fontsize=8, frameon=False)
     for axis, signals, which in ((normal, (pressing,), "normal"), (shear, (along_x, along_y), "shear")):
         sure = np.concatenate([np.where(doubted, np.nan, signal) for signal in signals])

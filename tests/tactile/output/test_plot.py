@@ -123,3 +123,15 @@ def test_nothing_at_all_can_be_drawn(tmp_path: Path) -> None:
     run(source, Settings(backend="reference"), [collected])
     draw(collected, source.arrays, "zeros", tmp_path / "zeros.png")
     assert (tmp_path / "none.png").stat().st_size > 5_000
+
+
+@pytest.mark.parametrize(("rows", "cols", "names"), [(1, 3, ["x", "y: not known"]), (3, 1, ["x: not known", "y"])])
+def test_one_row_or_column_knows_one_shear_and_says_so(tmp_path: Path, rows: int, cols: int, names: list[str]) -> None:
+    (tmp_path / "line.toml").write_text(
+        "title = 'line'\nrate_hz = 50\nduration_s = 0.5\n[cover]\nyoungs_modulus_mpa = 2.4\nquantity = 'stress'\n"
+        f"[[finger]]\nname = 'line'\nrows = {rows}\ncols = {cols}\npitch_mm = 1.5\ndepth_mm = 1.5\n"
+        "[[load]]\nfinger = 'line'\npath = [[0, 0, 0, 0.1, 0.1, 0.3], [0.5, 0, 0, 0.1, 0.1, 0.5]]\n"
+    )
+    figure, _ = drawn(open_source(tmp_path / "line.toml"))
+    legend = axis(figure, "shear").get_legend()
+    assert [text.get_text() for text in legend.get_texts()] == names

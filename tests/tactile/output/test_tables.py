@@ -71,7 +71,7 @@ def test_a_force_that_is_not_known_keeps_its_place(capsys: pytest.CaptureFixture
     """One row of taxels tells nothing of the shear across it: without a mark F would stand where R stands."""
     load = Load(1e-3, 0.0, 0.15, float("nan"), 0.4, taxels=2, validity=Validity.INSIDE)
     collected = Collected()
-    collected.events.append(Event(1.0, "row", 3, TouchKind.RELEASE, {}, "···", "000", 0, 1e-4, load))
+    collected.take([Event(1.0, "row", 3, "release", {}, "release", "···", "000", 0, 1e-4, load)], [])
     tables(collected, (TaxelArray("row", 1, 3, 1e-3, 1e-3),))
     assert "(+1.00, +0.00) +0.150 ? +0.400, inside, 2 taxels" in capsys.readouterr().out
 
