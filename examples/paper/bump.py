@@ -1,12 +1,19 @@
 """The paper's bump (sect. 5): its section in plane stress, and the body of revolution that it is a picture of."""
 
+import sys
 from dataclasses import dataclass
 from functools import cache
+from importlib.util import find_spec
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.support import Floats
+from cnnsim.support.extras import install_line
+
+if find_spec("skfem") is None:
+    sys.exit(f"finite elements wanted: {install_line('fem')}")
+
 from tactile.bump.body import Body
 from tactile.bump.kinematics import PLANE, PRESSED, SHEARED
 from tactile.bump.law import Mixed, PlaneStress

@@ -43,9 +43,7 @@ class Response:
 
 def folder() -> Path:
     """Where tables are kept: the user's cache."""
-    from platformdirs import user_cache_path  # only for bumps
-
-    return user_cache_path("cellular-wave-touch", appauthor=False) / "bumps"
+    return user_cache() / "cellular-wave-touch" / "bumps"
 
 
 def remembered(key: str, make: Callable[[], Response]) -> Response:
