@@ -52,14 +52,7 @@ class Settling:
 
     def end(self, x: Array, t: float, rate: float, promise: float) -> Ending:
         """Return how the transient ends from a state that hardly moves, with its outputs within ``promise``."""
-        nowhere = np.zeros(x.shape, bool)
-        if self._saturated(x):
-            return Ending(x, t, 0.0, nowhere, "no output can change")
         return self._solved(x, t, rate, promise) or self._decayed(x, t, promise)
-
-    def _saturated(self, x: Array) -> bool:
-        outside = np.abs(x) >= 1
-        return self.drive is not None and self.plan.cell == "chua-yang" and bool((outside | self._held(x)).all())
 
     def _held(self, x: Array) -> Flags:
         return np.zeros(x.shape, bool) if self.mask is None else self.mask

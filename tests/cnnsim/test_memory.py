@@ -58,7 +58,7 @@ def test_library_templates_from_python(name: str, planes: int) -> None:
 
     def prepared(size: int) -> Callable[[], Any]:
         picture = picture_of(size)
-        return lambda: run(name, picture, duration=3.0 if name != "edge" else "settled")
+        return lambda: run(name, picture, duration=3.0 if name in ("diffusion", "threshold-zero") else "settled")
 
     found = bytes_per_cell(4, prepared)
     assert found <= 4 * planes + 0.3
