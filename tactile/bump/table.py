@@ -13,6 +13,7 @@ import numpy as np
 
 from cnnsim.support import Floats
 from cnnsim.support.echo import echo
+from cnnsim.support.private_folder import user_cache
 
 VERSION = 1
 """Goes up when the same bump gets other numbers: older tables are then computed anew."""

@@ -14,7 +14,7 @@ from tactile.cli.new_texts import ARRAY, DETECTOR, SCENE
 @click.command(
     epilog=examples(
         "tactile new scene my-touch", "tactile run my-touch.toml",
-        "tactile new array my-skin -o skins/", "tactile emulate --array my-skin.toml --scene my-touch.toml",
+        "tactile new array my-skin -o skins/", "tactile emulate --array skins/my-skin.toml --scene my-touch.toml",
         "tactile new detector my-events", "tactile run my-touch.toml --program my-events.toml",
     )
 )  # fmt: skip

@@ -10,40 +10,39 @@ import subprocess
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 
-import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from cnnsim import read_picture, write_picture
+from cnnsim import read_picture
 from cnnsim.cli.group import main as cnnsim
 from cnnsim.support.extras import install_line
 from tactile.cli.group import main as tactile
 from tests.kits.example_files import PICTURE, RECORDING, SCENE, scan
+from tests.kits.own_files import write_own_files
 from tests.kits.paths import ROOT
 from tests.kits.processes import command_line, ended
 
 GROUPS = {"cnnsim": cnnsim, "tactile": tactile}
 PORT = "/dev/ttyACM0"
-NOT_RUN = {
-    "make ": "the makefile itself, which runs these tests",
+SKIPPED = {  # by how a line begins
+    "make ": "the makefile itself, which runs these tests; its targets are looked for below",
     "pip install": "no network; the extras are compared with pyproject.toml below",
-    "cnnsim devices": "what there is depends on the machine; tests/backends/opencl runs it",
-    "CNNSIM_DEVICE=1": "the same",
-    "tactile ports": "the same; tests/tactile/serial runs it",
-    "tactile emulate": "runs until it is stopped: the test of the port runs it",
-    "tactile live": "the same",
-    "tactile record": "the same",
-    "tactile replay": "the same, and what it has recorded",
-    "tactile convert hand.mcap": "the same",
+    "CNNSIM_DEVICE=1": "a second device, which few machines have",
 }
+OPTIONAL = {"walk.mp4": "av", "cnnsim devices": "pyopencl", "tactile ports": "serial", ".parquet": "pyarrow",
+            ".mcap": "mcap"}  # fmt: skip
 
 
-def blocks(path: Path) -> list[str]:
+def commands(path: Path) -> list[str]:
+    """Return what a page has typed: the lines of blocks without a language or of the shell's, and of indented ones."""
     text = path.read_text(encoding="utf-8")
-    found = re.findall(r"^```(?:sh)?\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
-    return [line for block in found for line in block.splitlines() if line.strip()]
+    blocks = re.findall(r"^```(\w*)\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
+    lines = [line for kind, block in blocks if kind in ("", "sh") for line in block.splitlines() if line.strip()]
+    indented = re.findall(r"^ {4}((?:cnnsim|tactile|make|pip) .*)$", text, re.MULTILINE)
+    return [*lines, *indented]
 
 
 def epilog(group: str, name: str) -> list[str]:
@@ -51,63 +50,89 @@ def epilog(group: str, name: str) -> list[str]:
     return [line.strip() for line in lines if line.startswith("  ")]
 
 
-PAGES = {page: blocks(ROOT / page) for page in ("README.md", "tactile/CONNECT.md")}
+DOCS = [path.relative_to(ROOT).as_posix() for path in sorted(ROOT.glob("docs/*.md"))]
+ALL_PAGES = ["README.md", "CONTRIBUTING.md", "CONVENTIONS.md", "SECURITY.md", "templates/README.md",
+             "tactile/CONNECT.md", *DOCS]  # fmt: skip
+PAGES = {page: lines for page in ALL_PAGES if (lines := commands(ROOT / page))}
 HELP = {f"{group} {name}": epilog(group, name) for group, main in GROUPS.items() for name in main.commands}
+LINES = list(
+    dict.fromkeys(line.split(" #")[0].strip() for lines in [*PAGES.values(), *HELP.values()] for line in lines)
+)
+
+
+def wants_port(line: str) -> bool:
+    """Return whether a line needs a board, or what one has recorded."""
+    return line.split()[1] in ("emulate", "live", "record", "replay") or "hand.mcap" in line
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What `cnnsim examples` writes, and files with the names that the help takes for the reader's own."""
-    folder = tmp_path_factory.mktemp("commands")
+    folder = tmp_path_factory.mktemp("made")
     written = CliRunner().invoke(cnnsim, ["examples", str(folder)])
     assert written.exit_code == 0, written.output
-    square, picture = np.pad(np.ones((9, 9)), 5, constant_values=-1), scan()
-    for name in ("square", "before", "after"):
-        write_picture(square if name != "after" else -square, folder / f"{name}.png")
-    for name in ("scan.png", "photo.jpg", "photo.png", "f1.png", "f2.png", "frame1.png", "frame2.png", "frame3.png"):
-        write_picture(picture, folder / name)
-    for name in ("mask", "marker", "keep"):
-        write_picture(abs(picture) * (1 if name == "mask" else -1), folder / f"{name}.png")
-    for name in ("scans", "left", "right"):
-        (folder / name).mkdir()
-        for number in (1, 2):
-            write_picture(picture, folder / name / f"{number}.png")
-    (folder / "my-library").mkdir()
-    (folder / "grasp.npz").write_bytes(RECORDING.read_bytes())
-    (folder / "scene.toml").write_bytes(SCENE.read_bytes())
+    write_own_files(folder)
     return folder
 
 
-def run(line: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    if any(line.startswith(start) for start in NOT_RUN):
-        return
-    monkeypatch.chdir(folder)
-    monkeypatch.setenv("COLUMNS", "100")
+@pytest.fixture
+def folder(made: Path, tmp_path: Path) -> Path:
+    """A copy of them."""
+    return shutil.copytree(made, tmp_path / "here")
+
+
+def run(line: str) -> None:
     program, *words = shlex.split(line, comments=True)
     done = CliRunner().invoke(GROUPS[program], words)
     assert done.exit_code == 0, f"{line}\n{done.output}"
 
 
+def run_all(lines: list[str], folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run the lines in their order, but for those of a port, whose test is below, and those of `SKIPPED`."""
+    monkeypatch.chdir(folder)
+    monkeypatch.setenv("COLUMNS", "100")
+    left = []
+    for line in lines:
+        if line.startswith(tuple(SKIPPED)) or wants_port(line):
+            continue
+        missing = [library for name, library in OPTIONAL.items() if name in line and find_spec(library) is None]
+        if missing:
+            left.append(f"{line}: needs {', '.join(missing)}")
+        else:
+            run(line)
+    if left:
+        pytest.skip("; ".join(left))
+
+
 @pytest.mark.parametrize("page", PAGES)
 def test_the_commands_of_a_page_run_in_their_order(page: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    lines = [line for line in PAGES[page] if line.split()[0] in ("cnnsim", "tactile")]
-    assert lines
-    for line in lines:
-        run(line, folder, monkeypatch)
-
-
-OWN_FILES = {  # files that only the reader can have; the reading of such files has tests of its own
-    "walk.mp4", "my-program.toml", "rule.toml", "EDGE.tem", "temlib.m", "best.txt", "scan.csv", "grasp.csv",
-    "grasp.npz", "labels.csv", "l.csv",
-}  # fmt: skip
+    run_all(PAGES[page], folder, monkeypatch)
 
 
 @pytest.mark.parametrize("command", [name for name, lines in HELP.items() if lines])
 def test_the_examples_in_the_help_run(command: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    shutil.rmtree(folder / "my-examples", ignore_errors=True)  # the README has them made, too
-    for line in HELP[command]:
-        if not any(own in line for own in OWN_FILES):
-            run(line, folder, monkeypatch)
+    run_all(HELP[command], folder, monkeypatch)
+
+
+def test_every_line_is_one_that_runs_or_has_a_reason_not_to() -> None:
+    unknown = [line for line in LINES if line.split()[0] not in GROUPS and not line.startswith(tuple(SKIPPED))]
+    assert not unknown
+    assert not [start for start in SKIPPED if not any(line.startswith(start) for line in LINES)]
+    assert {"README.md", "tactile/CONNECT.md"} <= PAGES.keys()
+
+
+@pytest.mark.parametrize("page", ALL_PAGES)
+def test_commands_and_options_within_the_text_are_there(page: str) -> None:
+    text = (ROOT / page).read_text(encoding="utf-8")
+    targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+    assert {*re.findall(r"`make ([a-z-]+)", text)} <= {*targets}
+    for program, words in re.findall(r"`(cnnsim|tactile) ([a-z-][^`]*)`", text):
+        group, given = GROUPS[program], words.split()
+        names = [word for word in given if word in group.commands]
+        command = group.commands[names[0]] if names else group
+        options = {name for one in (group, command) for option in one.params for name in option.opts}
+        assert names, words
+        assert {word for word in given if re.match(r"--?[a-z]", word)} <= options, words
 
 
 def test_every_command_has_examples_in_its_help() -> None:
@@ -146,38 +171,52 @@ def started(line: str, folder: Path) -> "Iterator[subprocess.Popen[str]]":
         yield process
 
 
-def first_word(reader: "subprocess.Popen[str]", folder: Path) -> None:
-    """Wait for what a reader of a port prints first, or for its recording."""
-    assert reader.stdout is not None
-    until = time.monotonic() + 40
-    before = set(folder.glob("*.mcap*"))
-    while time.monotonic() < until and reader.poll() is None:
-        if select.select([reader.stdout], [], [], 0.1)[0] or set(folder.glob("*.mcap*")) - before:
+def first_word(process: "subprocess.Popen[str]", folder: Path) -> None:
+    """Wait for what a device or a reader prints first, or for its recording."""
+    assert process.stdout is not None
+    until, before = time.monotonic() + 60, set(folder.glob("*.mcap*"))
+    while time.monotonic() < until and process.poll() is None:
+        if select.select([process.stdout], [], [], 0.1)[0] or set(folder.glob("*.mcap*")) - before:
             break
-    time.sleep(0.5)
+    time.sleep(0.3)
+
+
+def stop(process: "subprocess.Popen[str]", line: str) -> None:
+    process.send_signal(signal.SIGINT)
+    told, _ = process.communicate(timeout=60)
+    assert process.returncode == 0, f"{line}\n{told}"
 
 
 def test_the_commands_of_a_port_run_on_an_emulated_one(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("serial", reason="needs pyserial")
-    lines = PAGES["tactile/CONNECT.md"]
-    (emulate,) = [line for line in lines if "emulate" in line]
-    (record,) = [line for line in lines if line.startswith("tactile record")]
-    (live,) = [line for line in lines if line.startswith("tactile live -p hand.port")]
-    for line in (record.replace(PORT, "hand.port"), live):
-        with started(emulate, folder) as device:
-            assert device.stdout is not None
-            assert device.stdout.readline().strip()  # the port is there
-            with started(line, folder) as reader:
+    lines = [line for line in LINES if line.split()[0] in GROUPS and wants_port(line)]
+    live = [line for line in lines if line.split()[1] in ("record", "live")]
+    devices = [line for line in lines if line.split()[1] == "emulate"]
+    (native,) = [line for line in devices if "--protocol native" in line]
+    papillarray = native.replace("native", "papillarray").replace("hand.", "pillars.")
+    assert live
+    for line in live:
+        emulated = papillarray if "papillarray" in line else native
+        port = "pillars.port" if emulated == papillarray else "hand.port"
+        if "hand.mcap" in line:  # each writes it anew
+            (folder / "hand.mcap").unlink(missing_ok=True)
+        with started(emulated, folder) as device:
+            first_word(device, folder)
+            with started(line.replace(PORT, port), folder) as reader:
                 first_word(reader, folder)
-                reader.send_signal(signal.SIGINT)
-                told, _ = reader.communicate(timeout=30)
-            assert reader.returncode == 0, told
-            device.send_signal(signal.SIGINT)
-            device.wait(timeout=30)
-    for line in [line for line in lines if line.startswith(("tactile replay", "tactile convert"))]:
-        monkeypatch.chdir(folder)
-        done = CliRunner().invoke(tactile, shlex.split(line, comments=True)[1:])
-        assert done.exit_code == 0, f"{line}\n{done.output}"
+                stop(reader, line)
+            stop(device, emulated)
+    monkeypatch.chdir(folder)
+    run("tactile new scene my-touch")
+    run("tactile new array my-skin -o skins")  # with a description of the reader's own
+    for line in lines:
+        if line.split()[1] in ("replay", "convert"):
+            run(line)
+    for line in devices:
+        if line != native:
+            with started(line, folder) as device:
+                first_word(device, folder)
+                stop(device, line)
 
 
 def test_example_files_are_what_the_code_makes(tmp_path: Path) -> None:

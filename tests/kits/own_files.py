@@ -1,0 +1,67 @@
+"""Files with the names that pages and help take for the reader's own, made from what the examples hold."""
+
+import re
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+
+from cnnsim import write_picture
+from cnnsim.support.pictures.film import write_film
+from tactile.sources.convert import convert
+from tests.kits.example_files import RECORDING, SCENE, scan
+from tests.kits.formats import HOLE
+from tests.kits.paths import ROOT, SCENES
+
+TEMLIB = "RIM_A = [0 0 0; 0 1 0; 0 0 0];\nRIM_B = [-1 -1 -1; -1 8 -1; -1 -1 -1];\nRIM_I = -1;\n"
+GENE = "-1 -1 -1 -1 -1 8 -1 -1 -1 -1 0 0 0 0 1 0 0 0 0\n"
+RULE = 'black = [["???", "?#?", "???"]]\ndefault = "white"\n'
+LABELS = "recording,sensor,contact_s,release_s\ngrasp,0,0.4,5.2\ngrasp,1,0.4,5.2\n"
+PROGRAM = """
+name = "my-program"
+llm = ["a", "b", "mask", "changed"]
+inputs = ["a", "b", "mask"]
+outputs = ["changed"]
+step = [
+  { logic = "xor", of = ["a", "b"], to = "changed" },
+  { logic = "and", of = ["changed", "mask"], to = "changed" },
+]
+"""
+
+
+def detector() -> str:
+    """Return the detector of docs/detectors.md."""
+    (text,) = re.findall(
+        r"^```toml\n(name +=.*?)^```", (ROOT / "docs" / "detectors.md").read_text("utf-8"), re.M | re.S
+    )
+    return str(text)
+
+
+def write_own_files(folder: Path) -> None:
+    """Write all of them into a folder."""
+    square, picture = np.pad(np.ones((9, 9)), 5, constant_values=-1), scan()
+    for name in ("square", "before", "after"):
+        write_picture(square if name != "after" else -square, folder / f"{name}.png")
+    for name in ("scan.png", "photo.jpg", "photo.png", "f1.png", "f2.png", "frame1.png", "frame2.png", "frame3.png"):
+        write_picture(picture if name == "scan.png" else picture[::2, ::2], folder / name)
+    for name in ("mask", "marker", "keep"):
+        write_picture(abs(picture) * (1 if name == "mask" else -1), folder / f"{name}.png")
+    for name in ("scans", "left", "right"):
+        (folder / name).mkdir()
+        for number in (1, 2):
+            write_picture(np.roll(picture, number, axis=1), folder / name / f"{number}.png")
+    if find_spec("av") is not None:
+        write_film([np.roll(picture, number, axis=1) for number in range(4)], folder / "walk.mp4")
+    texts = {
+        "EDGE.tem": HOLE.replace("HoleFiller", "Edge"), "HOLE.tem": HOLE, "temlib.m": TEMLIB, "best.txt": GENE,
+        "rule.toml": RULE, "my-program.toml": PROGRAM, "two-blobs.toml": detector(), "l.csv": LABELS,
+    }  # fmt: skip
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    (folder / "grasps").mkdir()
+    (folder / "grasps" / "labels.csv").write_text(LABELS, encoding="utf-8")
+    for path in (folder / "grasp.npz", folder / "grasps" / "grasp.npz"):
+        path.write_bytes(RECORDING.read_bytes())
+    (folder / "scene.toml").write_bytes(SCENE.read_bytes())
+    for name in ("scan.csv", "scan.npz", "grasp.csv"):
+        convert(SCENES / "needle.toml", folder / name)
