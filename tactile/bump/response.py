@@ -11,6 +11,7 @@ At small strain N is F times its value per newton; at finite strain N and S are 
 import numpy as np
 
 from cnnsim.support import Floats, InputError
+from cnnsim.support.progress import watcher
 from tactile.bump.body import Body
 from tactile.bump.kinematics import PRESSED, SHEARED
 from tactile.bump.law import Mixed
@@ -74,8 +75,10 @@ def finite_strain(
     probe, beside = Probe(pressed, points), Probe(sheared, points)
     stride = STEPS // (KNOTS - 1)
     forces, depths, normal, shear = [0.0], [0.0], [np.zeros((len(radii), 3, 3))], []
-    stiffnesses = np.zeros(2)
+    stiffnesses, watched_by = np.zeros(2), watcher()
     for number, touch in enumerate(lower(pressed, shape, indentation * np.arange(1, STEPS + 1) / STEPS, True), 1):
+        if watched_by is not None:
+            watched_by(number / STEPS, f"bump pressed in {touch.indentation * 1e6:.3g} um")
         if number % stride and number != 1:
             continue
         gradient, pressure = pressed.at_points(touch.state)
@@ -91,6 +94,8 @@ def finite_strain(
             forces.append(touch.force)
             depths.append(touch.indentation)
             normal.append(probe.read((np.swapaxes(gradient, -1, -2) @ gradient - np.eye(3)) / 2))
+    if watched_by is not None:
+        watched_by.over()
     return Response(radii, np.array(forces), np.array(depths), *_five(np.array(normal), np.array(shear)), stiffnesses)
 
 

@@ -12,7 +12,6 @@ from zipfile import BadZipFile
 import numpy as np
 
 from cnnsim.support import Floats
-from cnnsim.support.echo import echo
 from cnnsim.support.private_folder import user_cache
 
 VERSION = 1
@@ -59,7 +58,6 @@ def remembered(key: str, make: Callable[[], Response]) -> Response:
         kept = np.load(file)
         if str(kept["key"]) == key:
             return Response(**{part.name: kept[part.name] for part in fields(Response)})
-    echo("bump: finite elements, once for these dimensions", err=True)
     table = make()
     with contextlib.suppress(OSError):
         _keep(path, key, table)

@@ -6,7 +6,7 @@ import click
 import numpy as np
 
 from cnnsim.support import InputError
-from cnnsim.support.command_line import examples, print_json
+from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.echo import echo
 from tactile.calibration.tare import Tare
 
@@ -46,7 +46,7 @@ def calibrate(
         kinds = ", ".join(f"{one.name} ({one.quantity})" for one in source.arrays)
         raise InputError(f"{scan}: arrays {kinds}, modulus {modulus}: one strain array with a known modulus wanted")
     offset = Tare(tare)
-    frames = [frame for frame in map(offset, source) if frame.valid.any()]
+    frames = [frame for frame in map(offset, watched(source, "scan", source.frames)) if frame.valid.any()]
     if not frames:
         raise InputError(f"{scan}: no frame with a valid taxel after {tare} frames of tare, some wanted")
     values = np.array([np.where(frame.valid[..., None], frame.values, 0.0) for frame in frames])

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from cnnsim.support import Floats, InputError
+from cnnsim.support.echo import echo
 from cnnsim.support.extras import install_line
 from tactile.bump.shape import Shape
 from tactile.bump.table import Response, remembered
@@ -67,6 +68,7 @@ class Bumps:
                 from tactile.bump.response import finite_strain, small_strain  # finite elements only where called for
             except ImportError as error:
                 raise InputError(f"a bump needs finite elements: {install_line('fem')}") from error
+            echo("bump: finite elements, once for these dimensions", err=True)
             medium = Medium(1.0, self.nu, "stress" if quantity == "stress" else "strain")
             if self.indentation:
                 return finite_strain(shape, medium, array.depth, radii, self.indentation)
