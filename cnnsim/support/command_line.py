@@ -17,12 +17,9 @@ from cnnsim.support.errors import InputError
 from cnnsim.support.files import Replaced
 from cnnsim.support.private_folder import Notices
 from cnnsim.support.progress import terminal_bar, watched_by
+from cnnsim.support.stopping import STOPPED, Stopping, leave
 
 Item = TypeVar("Item")
-STOPPED = 130
-"""The exit code after Ctrl-C: 128 and the number of SIGINT, as shells have it."""
-
-
 LONGEST = 1000
 """Characters of a message."""
 
@@ -61,11 +58,15 @@ class CommandGroup(click.Group):
         Terminal.wanted = sys.stderr.isatty()
         Replaced.tell = _tell_replaced
         Notices.tell = _tell
+        Stopping.command_line = True
         try:
             with _printable_mistakes(), watched_by(terminal_bar()):
                 return super().invoke(ctx)
         except KeyboardInterrupt:
             echo("stopped", err=True)
+            if Stopping.foreign:
+                sys.stdout.flush()
+                leave()
             ctx.exit(STOPPED)
         except InputError as error:
             raise _Mistake(str(error)) from error

@@ -21,8 +21,11 @@ from numba.core.ccallback import CFunc
 from numba.core.serialize import dumps
 
 from cnnsim.support.private_folder import first_usable, is_private, user_cache
+from cnnsim.support.stopping import listen_to_numba
 
 _BYTES = sha256().digest_size
+
+listen_to_numba()
 
 
 @cache

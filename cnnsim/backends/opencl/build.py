@@ -17,6 +17,7 @@ from cnnsim.backends.opencl import pocl
 from cnnsim.network import Boundary, Tap, reach
 from cnnsim.planning.plan import Plan
 from cnnsim.support import InputError
+from cnnsim.support.stopping import foreign_call
 
 Defines = Mapping[str, str | int]
 
@@ -53,7 +54,9 @@ def _beside(work: Callable[[], cl.Program]) -> cl.Program:
 
     def run() -> None:
         try:
-            done.set_result(work())
+            with foreign_call():
+                made = work()
+            done.set_result(made)
         except BaseException as error:
             done.set_exception(error)
 
