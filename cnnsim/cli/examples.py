@@ -11,6 +11,7 @@ from cnnsim.support.files import writing
 
 _PACKAGE = Path(__file__).parents[1]
 _CHECKOUT = _PACKAGE.parent
+FOLDERS = ("examples", "docs")
 PAGES = ("README.md", "CONVENTIONS.md", "templates/README.md", "tactile/CONNECT.md")
 _SKIPPED = {"__pycache__"}
 
@@ -24,7 +25,8 @@ def sources() -> dict[str, Path]:
     root = _CHECKOUT if (_CHECKOUT / "examples").is_dir() else _PACKAGE / "shared"
     if not (root / "examples").is_dir():
         raise InputError(f"{root / 'examples'} is not there; an installed wheel or a checkout wanted")
-    found = [path for path in sorted((root / "examples").rglob("*")) if path.is_file() and not _SKIPPED & {*path.parts}]
+    there = [path for name in FOLDERS for path in sorted((root / name).rglob("*")) if path.is_file()]
+    found = [path for path in there if not _SKIPPED & {*path.parts}]
     return {path.relative_to(root).as_posix(): path for path in (*found, *(root / page for page in PAGES))}
 
 

@@ -65,7 +65,12 @@ def _examples_without_extras(folder: Path, wheel: Path) -> None:
         _run(programs / program, "examples", folder / program, cwd=folder)
     here = folder / "tactile"
     written = {path.relative_to(here) for path in here.rglob("*") if path.is_file()}
-    assert {Path("README.md"), Path("examples/grasp.npz"), Path("examples/scenes/grip.toml")} <= written
+    assert {
+        Path("README.md"),
+        Path("examples/grasp.npz"),
+        Path("examples/scenes/grip.toml"),
+        Path("docs/detectors.md"),
+    } <= written
     assert written == {path.relative_to(folder / "cnnsim") for path in (folder / "cnnsim").rglob("*") if path.is_file()}
     assert _run(programs / "python", "examples/edge_of_a_picture.py", cwd=here)
     wanting: dict[str, tuple[str | Path, ...]] = {

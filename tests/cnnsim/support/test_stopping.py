@@ -62,9 +62,11 @@ from cnnsim.support.stopping import foreign_call
 @click.group(cls=CommandGroup)
 def main(): pass
 
+call = foreign_call()
+
 @main.command()
 def wait():
-    foreign_call().__enter__()  # a compiler's thread that goes on
+    call.__enter__()  # a compiler's thread that goes on
     print("told")
     raise KeyboardInterrupt
 
