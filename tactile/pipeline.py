@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from cnnsim.support import Floats
 from tactile.calibration.live_tare import TareNote
 from tactile.calibration.tare_check import TareCheck
-from tactile.core.frame import NORMAL, Frame, TaxelArray
+from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream, Source
 from tactile.events.code import CONTACT, SHEAR, Code
 from tactile.events.event import Event
@@ -47,8 +48,11 @@ class FrameReport:
 
 WARM = 20.0
 """Times its largest level that the made-up touch of `warm_up` presses."""
-WARM_SCRIPT = [(0, 0, 0)] * 2 + [(0, 0, 1)] * 30 + [(0.2 * n, 0, 1) for n in range(6)] + [(0, 0, 0)] * 20
-"""Shear x, shear y, normal of its frames, one each 20 ms."""
+WARM_SCRIPT = (
+    [(0, 0, 0)] * 2 + [(0, 0, 1)] * 30 + [(0.02 * n, 0, 1) for n in range(25)] + [(0.5, 0.05 * n, 1) for n in range(12)]
+    + [(0, 0, 0)] * 20
+)  # fmt: skip
+"""Pull, way along x in pitches, pressing of its frames, one each 20 ms."""
 
 Sink = Callable[[FrameReport], None]
 
@@ -98,10 +102,25 @@ def warm_up(
             for threshold in (SHEAR[array.quantity], CONTACT[array.quantity], settings.shear, settings.contact)
             if threshold is not None
         )
-        touch = np.zeros((len(WARM_SCRIPT), *array.shape, 3))
-        touch[..., NORMAL] = size if array.quantity == "force" else -size
-        touch *= np.array(WARM_SCRIPT)[:, None, None, :]
-        touch[..., :NORMAL] = np.array(WARM_SCRIPT)[:, None, None, :NORMAL] * size
+        touch = _touch(array, modulus) * size
         valid = np.ones(array.shape, bool)
         made += [Frame(finger, 0.02 * n, n, values, valid) for n, values in enumerate(touch)]
     run(FrameStream("made up", arrays, modulus, len(made), made), replace(settings, tare="off"), sinks)
+
+
+def _touch(array: TaxelArray, modulus: float | None) -> Floats:
+    """Return the frames (n, rows, cols, 3) of a made-up grip: of a point load where loads are located, largest 1."""
+    if array.quantity == "force":
+        pull, _, press = np.array(WARM_SCRIPT).T
+        return np.broadcast_to(np.stack([pull, 0 * pull, press], -1)[:, None, None], (len(pull), *array.shape, 3))
+    from tactile.elastic.halfspace import point_load_strain, point_load_stress  # only here
+
+    frames = np.zeros((len(WARM_SCRIPT), *array.shape, 3))
+    places, middle = array.positions(), array.positions().mean(axis=(0, 1))
+    for frame, (pull, way, press) in zip(frames, WARM_SCRIPT, strict=True):
+        load = [[middle[0] + way * array.pitch, middle[1], pull, 0.0, press]]
+        if array.quantity == "strain":
+            frame[:] = point_load_strain(places, array.depth, load, modulus or 1.0)
+        else:
+            frame[:] = point_load_stress(places, array.depth, load)
+    return frames / max(float(np.abs(frames).max()), 1e-300)

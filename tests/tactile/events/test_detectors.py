@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from cnnsim import InputError
-from tactile.core.frame import Frame, TaxelArray
+from tactile.core.frame import Frame, Quantity, TaxelArray
 from tactile.core.source import FrameStream
 from tactile.events.detector_file import EventRule, read_detector, shipped_detectors
 from tactile.events.event import Event, EventLog
 from tactile.events.phases import phases
 from tactile.events.registry import SHIPPED
 from tactile.events.tracker import Tracker
-from tactile.pipeline import run
+from tactile.pipeline import run, warm_up
 from tactile.settings import Settings
 from tests.kits.paths import ROOT
 from tests.kits.serial import call
@@ -161,6 +161,17 @@ def test_a_weak_contact_lasts_until_it_is_over(size: int, load: float, tare: str
     assert [event.kind for event in found] == ["contact", "release"]
     assert found[0].t == pytest.approx(0.525, abs=0.025)
     assert found[1].t == pytest.approx(1.59, abs=0.025)
+
+
+@pytest.mark.parametrize("quantity", ["force", "strain", "stress"])
+def test_the_warm_up_goes_through_contact_load_hold_pull_slip_and_release(quantity: Quantity) -> None:
+    depth, modulus = (0.0, None) if quantity == "force" else (2e-3, 2.4e6)
+    arrays = tuple(TaxelArray(name, 4, 4, 2e-3, depth, quantity=quantity) for name in ("left", "right"))
+    told: list[Event] = []
+    warm_up(arrays, modulus, Settings(), [lambda report: told.extend(report.events)])
+    wanted = {"contact", "load", "hold", "tangential_load", "pull", "release"} | ({"slip"} if depth else set())
+    for finger in ("left", "right"):
+        assert {event.kind for event in told if event.finger == finger} >= wanted
 
 
 def test_idle_noise_is_nothing_and_one_noisy_taxel_too() -> None:
