@@ -22,6 +22,7 @@ from cnnsim.backends.opencl import devices as opencl_devices  # noqa: E402
 from cnnsim.backends.opencl import pocl  # noqa: E402
 from cnnsim.backends.opencl.backend import OpenCLBackend  # noqa: E402
 from cnnsim.backends.opencl.planes import DevicePlane  # noqa: E402
+from cnnsim.support.extras import install_line  # noqa: E402
 
 if not opencl_devices.all_devices():
     pytest.skip("there is no OpenCL device", allow_module_level=True)
