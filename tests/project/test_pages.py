@@ -51,7 +51,7 @@ def test_paths_in_tables_are_there(name: str) -> None:
 def test_files_to_touch_stand_in_the_folder_to_open() -> None:
     rows = [row.split("|") for row in (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").splitlines()]
     tasks = [(row[2].strip(" `"), re.findall(r"`(\w+\.py)`", row[3])) for row in rows if len(row) == 5]
-    assert sum(len(files) for _, files in tasks) > 10
+    assert sum(len(files) for _, files in tasks) >= 10
     for folder, files in tasks:
         for file in files:
             assert (ROOT / folder / file).is_file() or file == "backend.py", f"{folder}{file}"

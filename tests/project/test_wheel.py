@@ -83,9 +83,9 @@ def _examples_without_extras(folder: Path, wheel: Path) -> None:
             "edge",
             "examples/scan.png",
             "-o",
-            "edge.png",
+            "rim.png",
             "--trajectory",
-            "edge.mp4",
+            "rim.mp4",
         ),
     }
     for extra, call in wanting.items():

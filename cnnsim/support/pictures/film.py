@@ -51,6 +51,8 @@ def filming(path: str | Path, rate: float) -> Iterator[AddPicture]:
     """
     if not is_film(path):
         raise InputError(f"cannot write {path}: a film is one of {', '.join(FILM_ENDINGS)}")
+    if Path(path).suffix.lower() != ".gif":
+        video_library(path)  # said of the user's path, before one of our own is made
     with writing(path) as beside:
         yield from (_gif if beside.suffix.lower() == ".gif" else _video)(beside, rate)
 
