@@ -52,12 +52,14 @@ class Settling:
 
     def end(self, x: Array, t: float, rate: float, promise: float) -> Ending:
         """Return how the transient ends from a state that hardly moves, with its outputs within ``promise``."""
-        return self._solved(x, t, rate, promise) or self._decayed(x, t, promise)
+        ridge = np.zeros(x.shape, bool)
+        return self._solved(x, t, rate, promise, ridge) or self._decayed(x, t, promise, ridge)
 
     def _held(self, x: Array) -> Flags:
         return np.zeros(x.shape, bool) if self.mask is None else self.mask
 
-    def _solved(self, x: Array, t: float, rate: float, promise: float) -> Ending | None:
+    def _solved(self, x: Array, t: float, rate: float, promise: float, ridge: Flags) -> Ending | None:
+        """Return the end that is solved for, None where it cannot be told; cells on a ridge are marked in ``ridge``."""
         if self.drive is None:
             return None
         plan = self.plan
@@ -69,6 +71,7 @@ class Settling:
                 return None
         distance = float(np.abs(plan.output(end) - plan.output(x.astype(np.float64))).max())
         if undecided.any() and rate > 100 * np.finfo(x.dtype).eps:
+            ridge[...] = undecided
             return None  # it has begun to leave the ridge
         if undecided.any():
             return Ending(x, t, 0.0, undecided, f"{int(undecided.sum())} cells stand on a ridge")
@@ -77,21 +80,27 @@ class Settling:
         return Ending(end, math.inf, float(np.finfo(x.dtype).eps), undecided,
                       f"at |dx/dt| <= {SETTLED_RATE:g} it was {distance:.2g} away: solved for")  # fmt: skip
 
-    def _decayed(self, x: Array, t: float, promise: float) -> Ending:
-        """Go on until the changes of three spans, which decay by the same factor, add up to less than the promise."""
-        span, nowhere, distance, before = 5.0, np.zeros(x.shape, bool), math.inf, math.nan
+    def _decayed(self, x: Array, t: float, promise: float, ridge: Flags) -> Ending:
+        """Go on until the changes of three spans, which decay by the same factor, add up to less than the promise.
+
+        Changes near a ridge decay first and then grow: its cells are followed until they have left it, and named.
+        """
+        span, distance, before = 5.0, math.inf, math.nan
         while t < self.plan.limit:
             after = self.run(x, span)
             moved, x, t = float(np.abs(self.plan.output(after) - self.plan.output(x)).max()), after, t + span
             factor = moved / before if before > 0 else math.nan
             distance = moved * factor / (1 - factor) if factor < 1 else 0.0 if moved == 0 else math.inf
-            if distance <= promise / 2:  # a sum of many modes decays ever more slowly
+            if distance <= promise / 2 and not (ridge & (np.abs(x) < 1)).any():  # many modes decay ever more slowly
                 break
             if factor > 0.5:
                 span, before = 2 * span, math.nan
             else:
                 before = moved
-        return Ending(x, t, 2 * distance, nowhere, f"its changes decay so that {2 * distance:.2g} is left")
+        how = f"its changes decay so that {2 * distance:.2g} is left"
+        if ridge.any():
+            how = f"{int(ridge.sum())} cells stood on a ridge, where the smallest push decides; {how}"
+        return Ending(x, t, 2 * distance, ridge, how)
 
 
 def contraction_bound(plan: Plan, rate: float) -> float:

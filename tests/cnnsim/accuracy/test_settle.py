@@ -1,6 +1,6 @@
 """What is called settled lies within the promised distance of the end, on every backend; what cannot be is told."""
 
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -105,3 +105,13 @@ def test_a_cell_that_hardly_leaves_its_ridge_is_followed() -> None:
     found = run_transient(template, state=np.full((3, 3), 3e-5), boundary=fixed(0), dtype="float64")
     assert (found.y == 1).all()
     assert not len(found.undecided)
+
+
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+def test_ties_that_rounding_decides_are_named(dtype: Literal["float32", "float64"]) -> None:
+    """A ramp whose rows are all equal: the four cells in the middle stand on a ridge until rounding takes them off."""
+    ramp = np.linspace(-1, 1, 48)[None, :].repeat(32, axis=0)
+    result = run("halftone-3x3", ramp, dtype=dtype)
+    assert (np.abs(result.x) >= 1).all()
+    assert result.undecided is not None
+    assert len(result.undecided) == 4
