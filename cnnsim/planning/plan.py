@@ -25,7 +25,7 @@ from cnnsim.planning.general import check_grid, decide_general, why_general
 from cnnsim.planning.savings import Saving, stepped_savings, steps_a_pass
 from cnnsim.planning.scheme import ADAPTIVE, Scheme, find_scheme
 from cnnsim.planning.stability import step_limit, usual_scheme
-from cnnsim.planning.step import DEFAULT_STEP, check_count, check_step, divided
+from cnnsim.planning.step import DEFAULT_STEP, check_count, check_step, divided, usual_step
 from cnnsim.support import Array, InputError
 from cnnsim.support.values import is_number
 
@@ -177,8 +177,9 @@ def make_plan(
     table = usual_scheme(limit_of, DEFAULT_STEP) if scheme is None else find_scheme(scheme)
     longest = limit_of(table)
     if step is None:
-        h = min(DEFAULT_STEP, longest / 2)
-        why = "the default" if h == DEFAULT_STEP else f"half the stability limit {longest:.4g} of this template"
+        h = usual_step(table, longest)
+        part = "a sixth of" if table.order >= 4 else "half"
+        why = "the default" if h == DEFAULT_STEP else f"{part} the stability limit {longest:.4g} of this template"
     else:
         check_step(step, longest, table, "cannot be stable")
         h, why = step, f"as asked; stable below {longest:.4g}"

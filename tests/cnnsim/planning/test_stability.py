@@ -65,3 +65,18 @@ def test_a_mode_that_hardly_decays_does_not_forbid_a_short_run() -> None:
 def test_a_mode_that_stands_still_limits_nothing() -> None:
     """Modes of +-1e-9 i beside the saturated cells' -1."""
     assert limit_of(np.array([-1e-9 + 1e-9j, -1.0]), "settled", EULER) == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_strong_oscillations_are_followed_not_only_kept_stable(seed: int) -> None:
+    """Random antisymmetric templates of size 12 without a step asked for, against steps of 0.002 in float64."""
+    random = np.random.default_rng(seed)
+    weights = random.uniform(-1, 1, (3, 3))
+    weights -= weights[::-1, ::-1]
+    template = Template(12 / np.abs(weights).sum() * weights)
+    state = random.uniform(-0.05, 0.05, (16, 16))
+    found = run_transient(template, state=state, boundary=PERIODIC, duration=4.0)
+    exact = run_transient(
+        template, state=state, boundary=PERIODIC, duration=4.0, scheme="rk4", step=0.002, dtype="float64"
+    )
+    assert np.abs(found.x - exact.x).max() < 0.01 * np.abs(exact.x).max()
