@@ -64,8 +64,9 @@ NOTES: dict[str, tuple[str, bytes]] = {
     "/events": (
         "tactile.Event",
         _object(
-            type=TEXT, t_s=NUMBER, finger=TEXT, sequence=WHOLE, kind=TEXT, data={"type": "object"}, words=TEXT,
-            arrows=TEXT, ternary=TEXT, hand=TEXT, load=LOAD,
+            type=TEXT, t_s=NUMBER, end_s=NUMBER, told_s=NUMBER, finger=TEXT, sequence=WHOLE, kind=TEXT,
+            data={"type": "object"}, taxels=LISTS, confidence=NUMBER, words=TEXT, arrows=TEXT, ternary=TEXT, hand=TEXT,
+            load=LOAD,
         ),
     ),
     "/counts": (

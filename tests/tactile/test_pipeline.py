@@ -207,7 +207,7 @@ def test_tare_and_gains_bring_readings_back_to_strain(tmp_path: Path) -> None:
 @recordings
 def test_real_grasps_run(tmp_path: Path) -> None:
     for path in (sorted(DATA.glob("grasp*.npz"))[0], DATA / "rigid_obj_slide_23-08-23.npz"):
-        data = json.loads(_call(path, "--json", "-o", tmp_path).output.split("wrote")[0])
+        data = json.loads(_call(path, "--json", "-o", tmp_path).stdout)
         assert "contact" in [event["kind"] for event in data["events"]]
         assert len(data["events"]) <= 20
         assert all(facts["located"]["inside"] > 1000 for facts in data["fingers"].values())

@@ -11,6 +11,7 @@ from PIL import Image
 
 from cnnsim import UniversalMachine, load_program, read_picture, read_pictures, write_picture
 from cnnsim.cli.group import main
+from cnnsim.support.extras import install_line
 from cnnsim.support.pictures.film import filming, write_film
 from tests.kits.paths import ROOT
 
@@ -229,7 +230,7 @@ def test_a_video_without_pyav_says_what_to_install(folder: Path, monkeypatch: py
     monkeypatch.setitem(__import__("sys").modules, "av", None)
     done = call("program", "motion-detection", "--input", "frame=film.mp4")
     assert done.exit_code == 2
-    assert "film.mp4: a video needs PyAV: pip install av" in done.stderr
+    assert f"film.mp4: a video needs PyAV: {install_line('video')}" in done.stderr
 
 
 def test_masks_and_bias_maps(folder: Path) -> None:
