@@ -85,6 +85,7 @@ class Settling:
 
         Changes near a ridge decay first and then grow: its cells are followed until they have left it, and named.
         """
+        start, begun = x, t
         span, distance, before = 5.0, math.inf, math.nan
         while t < self.plan.limit:
             after = self.run(x, span)
@@ -98,9 +99,16 @@ class Settling:
             else:
                 before = moved
         how = f"its changes decay so that {2 * distance:.2g} is left"
+        ridge = ridge & self._ties(start, t - begun, x) if ridge.any() else ridge
         if ridge.any():
             how = f"{int(ridge.sum())} cells stood on a ridge, where the smallest push decides; {how}"
         return Ending(x, t, 2 * distance, ridge, how)
+
+    def _ties(self, start: Array, duration: float, end: Array) -> Flags:
+        """Return the cells that end with another sign after pushes of a hundred roundings this way or that."""
+        push = 100 * np.finfo(start.dtype).eps * np.random.default_rng(0).choice([-1.0, 1.0], start.shape)
+        ends = [self.run(start.astype(np.float64) + way, duration) for way in (push, -push)]
+        return np.logical_or(*((one > 0) != (end > 0) for one in ends))
 
 
 def contraction_bound(plan: Plan, rate: float) -> float:
