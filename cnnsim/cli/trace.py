@@ -52,7 +52,7 @@ def trace(
     Templates for moving pictures take several: files, a folder, a GIF, a video, .npy or .npz.
     """
     from cnnsim.prototyping.trace.trace import parse_cell_index, record, representative_cells, watching_time
-    from cnnsim.transient import make_task
+    from cnnsim.task import make_task
 
     if output is None and film is None and not as_json:
         raise InputError("nothing to do: give -o for a plot, --film for a film, or --json")

@@ -14,7 +14,8 @@ from cnnsim.library.read import load_file
 from cnnsim.recording import Record
 from cnnsim.result import Result
 from cnnsim.support import InputError
-from cnnsim.transient import Dtype, TaskOptions, run_transient
+from cnnsim.task import Dtype, TaskOptions
+from cnnsim.transient import run_transient
 
 
 @spelled(TaskOptions)

@@ -13,8 +13,8 @@ from cnnsim.network import AnyTemplate, layered
 from cnnsim.planning.plan import Plan, lines_of
 from cnnsim.support import Array, InputError
 from cnnsim.support.memory import free_memory, in_words
+from cnnsim.task import Task, TaskOptions, make_task
 from cnnsim.theory.running_time import RunningTime
-from cnnsim.transient import Task, TaskOptions, make_task
 
 
 @dataclass(frozen=True)

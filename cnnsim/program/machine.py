@@ -40,7 +40,7 @@ from cnnsim.support import Array, InputError, naming
 from cnnsim.support.memory import LARGE, check_memory
 from cnnsim.support.progress import watcher
 from cnnsim.support.values import as_numbers
-from cnnsim.transient import Dtype
+from cnnsim.task import Dtype
 
 _XOR = function_number("xor")
 

@@ -11,7 +11,7 @@ from cnnsim.keywords import unknown_keyword
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import Program
-from cnnsim.transient import Dtype
+from cnnsim.task import Dtype
 
 
 def run_program(

@@ -12,7 +12,7 @@ from cnnsim import library
 from cnnsim.backends import slices
 from cnnsim.backends.base import Backend, Outcome
 from cnnsim.support.progress import watched_by
-from cnnsim.transient import Task, make_task
+from cnnsim.task import Task, make_task
 from tests.kits.backends import build, variants
 
 SHAPE = (40, 100)

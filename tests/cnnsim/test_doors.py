@@ -13,7 +13,7 @@ from cnnsim.prototyping.design.expression import parse_rule
 from cnnsim.prototyping.design.fit import fit
 from cnnsim.prototyping.design.rule_files import rule_of_pairs
 from cnnsim.prototyping.trace.trace import record
-from cnnsim.transient import make_task
+from cnnsim.task import make_task
 
 BLACK = np.zeros((9, 9), dtype=bool)
 BLACK[2:7, 2:7] = True

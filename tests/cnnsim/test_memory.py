@@ -27,7 +27,7 @@ from cnnsim import (
 )
 from cnnsim.cli.group import main
 from cnnsim.support import memory
-from cnnsim.transient import make_task
+from cnnsim.task import make_task
 from tests.kits.paths import ROOT
 
 SIZES = (160, 520)

@@ -10,7 +10,7 @@ from cnnsim.backends.base import Backend, Outcome
 from cnnsim.network import Cell, Characteristic, Frames, LayeredTemplate, Table, Term
 from cnnsim.network.table import lines
 from cnnsim.planning.scheme import SCHEMES
-from cnnsim.transient import Task
+from cnnsim.task import Task
 from tests.kits.backends import REFERENCE, TOLERANCE
 
 BOUNDARIES = [ZERO_FLUX, PERIODIC, fixed(-1.0), fixed(0.3, -0.7)]

@@ -14,7 +14,7 @@ from cnnsim.backends.base import NotFiniteError
 from cnnsim.backends.reference.drive import control
 from cnnsim.planning.scheme import SCHEMES
 from cnnsim.support import Floats, InputError
-from cnnsim.transient import make_task
+from cnnsim.task import make_task
 
 STEPS = tuple(0.8 * 0.5**k for k in range(10))
 
@@ -45,7 +45,7 @@ def settings(names: Sequence[str], most: int) -> Iterator[tuple[str, str, str, f
 def measured(given: dict[str, Any], exact: Floats, setting: tuple[str, str, str, float], rounds: int = 3) -> Row | None:
     """Return the row of one setting, the best time of some rounds; None where the step is not stable, or not fitting.
 
-    Arguments: ``given`` as `cnnsim.transient.make_task` takes it, with a duration; ``exact`` the state at its end.
+    Arguments: ``given`` as `cnnsim.task.make_task` takes it, with a duration; ``exact`` the state at its end.
     """
     name, dtype, scheme, step = setting
     try:

@@ -17,7 +17,7 @@ from cnnsim.network.cell import output
 from cnnsim.planning.step import DEFAULT_STEP
 from cnnsim.prototyping.design.rule_files import PicturePair, as_pair
 from cnnsim.support import Array, Floats, InputError
-from cnnsim.transient import make_task
+from cnnsim.task import make_task
 
 Symmetry = Literal["all", "mirror", "none"]
 

@@ -11,7 +11,7 @@ from cnnsim.library.entry import Example, LibraryEntry
 from cnnsim.network import AnyTemplate, Frames, Tap, Template, layered
 from cnnsim.prototyping.robust.margin import margin_of, works_on_grey
 from cnnsim.support import Array, InputError
-from cnnsim.transient import Task, make_task
+from cnnsim.task import Task, make_task
 
 MOST_WINDOWS = 4096
 _WAIT = 100.0

@@ -13,8 +13,8 @@ from cnnsim.network.frames import at_step
 from cnnsim.plot.figures import COLOURS
 from cnnsim.support import Array
 from cnnsim.support.files import writing
+from cnnsim.task import Task
 from cnnsim.trajectory import CellIndex, Trajectory, sheet_frames
-from cnnsim.transient import Task
 
 Pictures = list[tuple[str, Array]]
 

@@ -6,9 +6,9 @@ import numpy as np
 
 from cnnsim.backends.base import Backend
 from cnnsim.support import InputError
+from cnnsim.task import Task
 from cnnsim.theory.running_time import time_of_picture
 from cnnsim.trajectory import CellIndex, Trajectory
-from cnnsim.transient import Task
 
 _UNKNOWN = 10.0
 

@@ -9,7 +9,7 @@ from cnnsim import PERIODIC, ZERO_FLUX, Frames, LayeredTemplate, Template, Term,
 from cnnsim.backends.base import Backend
 from cnnsim.network import Cell, Characteristic
 from cnnsim.network.table import lines, steps
-from cnnsim.transient import make_task
+from cnnsim.task import make_task
 from tests.kits.networks import assert_like_the_reference
 
 RNG = np.random.default_rng(1)

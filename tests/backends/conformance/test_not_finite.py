@@ -7,7 +7,7 @@ import pytest
 
 from cnnsim import InputError, Template, Term, run, run_transient
 from cnnsim.backends.base import Backend, NotFiniteError
-from cnnsim.transient import make_task
+from cnnsim.task import make_task
 
 NINE = np.arange(1, 10).reshape(3, 3) * 0.03 * np.array([[1, -1, 1], [-1, 1, 1], [1, 1, -1]])
 

@@ -8,7 +8,7 @@ import pytest
 from cnnsim import InputError, Template, Term
 from cnnsim.backends.base import Backend
 from cnnsim.planning.scheme import SCHEMES, Scheme
-from cnnsim.transient import make_task
+from cnnsim.task import make_task
 from tests.kits.networks import assert_like_the_reference
 
 KUTTA_3 = Scheme("kutta-3", ((), (1 / 2,), (-1.0, 2.0)), (1 / 6, 2 / 3, 1 / 6), order=3)

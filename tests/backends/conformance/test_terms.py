@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cnnsim import Table, Template, Term, run_transient
 from cnnsim.backends.base import Backend
-from cnnsim.transient import make_task
+from cnnsim.task import make_task
 from tests.kits.networks import assert_like_the_reference, general_task, number_of_examples
 
 

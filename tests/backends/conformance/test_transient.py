@@ -8,7 +8,7 @@ from hypothesis import given, settings
 
 from cnnsim import PERIODIC, ZERO_FLUX, Boundary, Template, fixed, run_transient
 from cnnsim.backends.base import Backend
-from cnnsim.transient import make_task
+from cnnsim.task import make_task
 from tests.kits.networks import assert_like_the_reference, linear_tasks, number_of_examples, settling_task
 
 NINE = np.arange(1, 10).reshape(3, 3) * 0.03 * np.array([[1, -1, 1], [-1, 1, 1], [1, 1, -1]])

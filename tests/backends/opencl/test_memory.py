@@ -9,7 +9,7 @@ import pytest
 from cnnsim import Template
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
-from cnnsim.transient import make_task
+from cnnsim.task import make_task
 from tests.kits.opencl import OpenCLBackend, cl
 
 NINE = np.arange(1, 10).reshape(3, 3) * 0.03 * np.array([[1, -1, 1], [-1, 1, 1], [1, 1, -1]])

@@ -8,7 +8,8 @@ import pytest
 
 from cnnsim import PERIODIC, ZERO_FLUX, InputError, Template, fixed, library
 from cnnsim.planning.plan import make_plan
-from cnnsim.transient import make_task, run_transient
+from cnnsim.task import make_task
+from cnnsim.transient import run_transient
 from tests.kits.opencl import FAMILIES, Family, OpenCLBackend
 
 NINE = np.arange(1, 10).reshape(3, 3) * 0.03 * np.array([[1, -1, 1], [-1, 1, 1], [1, 1, -1]])

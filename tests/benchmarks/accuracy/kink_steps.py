@@ -8,7 +8,7 @@ from cnnsim.accuracy import exact_flow
 from cnnsim.accuracy.system import LinearSystem, linear_system
 from cnnsim.backends.reference.drive import control
 from cnnsim.support import Floats
-from cnnsim.transient import make_task
+from cnnsim.task import make_task
 
 
 def system_of(given: dict[str, Any]) -> tuple[LinearSystem, Floats, float]:

@@ -10,7 +10,7 @@ from cnnsim.accuracy.exact_flow import exact_state
 from cnnsim.accuracy.system import LinearSystem, linear_system
 from cnnsim.network.cell import uncoupled_state
 from cnnsim.support import Floats
-from cnnsim.transient import make_task
+from cnnsim.task import make_task
 from tests.kits.backends import REFERENCE
 from tests.oracles import exact_transient
 

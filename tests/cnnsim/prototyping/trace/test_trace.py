@@ -15,8 +15,9 @@ from cnnsim.prototyping.trace.plot import given_pictures
 from cnnsim.prototyping.trace.trace import parse_cell_index, record, representative_cells, watching_time
 from cnnsim.support import InputError
 from cnnsim.support.pictures.film import STRIP, write_film
+from cnnsim.task import Task, make_task
 from cnnsim.trajectory import SHEET, Trajectory, sheet_frames
-from cnnsim.transient import Task, make_task, run_transient
+from cnnsim.transient import run_transient
 
 
 def task_of(name: str, **changes: object) -> Task:

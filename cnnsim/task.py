@@ -1,0 +1,203 @@
+"""A task: the planes of a transient checked against each other, its plan made, ready for any backend."""
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, replace
+from typing import Any, Literal, TypedDict
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cnnsim.accuracy.reach import decided
+from cnnsim.accuracy.wanted import Accuracy, Wanted, parse_accuracy
+from cnnsim.backends.base import Backend, Outcome
+from cnnsim.backends.memory import cell_bytes
+from cnnsim.network import ZERO_FLUX, AnyTemplate, Boundary, Cell, CellModel, Frames
+from cnnsim.network.boundary import parse_boundary
+from cnnsim.planning.duration import Duration
+from cnnsim.planning.plan import Plan, make_plan
+from cnnsim.recording import recorded
+from cnnsim.result import Result
+from cnnsim.support import Array, Flags, Floats, InputError
+from cnnsim.support.memory import LARGE, check_memory
+from cnnsim.support.values import as_numbers, largest
+from cnnsim.trajectory import CellIndex, Trajectory
+
+
+@dataclass(frozen=True)
+class Task:
+    """A template with its planes checked and its plan made, ready for any backend."""
+
+    plan: Plan
+    state: Array
+    input: Array | Frames[Array] | None
+    bias: Array | Frames[Array] | None
+    mask: Flags | None
+    accuracy: Wanted | None = None
+
+    def owned(self) -> "Task":
+        """Return the task with planes of its own, for runs that go on while the caller may change what was given."""
+
+        def own(value: Any) -> Any:
+            return value.map(own) if isinstance(value, Frames) else None if value is None else value.copy()
+
+        return replace(self, state=own(self.state), input=own(self.input), bias=own(self.bias))
+
+    @property
+    def planes(self) -> list[Array]:
+        """The planes that are given, each once: often the input is the state."""
+        values = (self.state, self.input, self.bias)
+        planes = [p for value in values for p in (value.planes if isinstance(value, Frames) else (value,))]
+        return list({id(plane): plane for plane in planes if plane is not None}.values())
+
+    def cell_bytes(self, itemsize: int) -> float:
+        """Return the bytes a cell that a run takes, with what is given and the result, in numbers of so many bytes."""
+        return cell_bytes(self.plan, len(self.planes), itemsize, has_mask=self.mask is not None)
+
+    def check_memory(self, backend: Backend) -> None:
+        """Refuse a run on a large grid that needs more memory than is free, before the machine swaps.
+
+        Raises:
+            InputError: both sizes, and what to do.
+        """
+        if self.state.size < LARGE:
+            return
+        there = sum(plane.dtype == backend.dtype and plane.flags.c_contiguous for plane in self.planes)
+        needed = self.cell_bytes(backend.dtype.itemsize) - there * backend.dtype.itemsize
+        name, size = self.plan.template.name, " x ".join(map(str, self.state.shape))
+        cure = "a smaller grid, float32 for float64, or a machine with more memory wanted"
+        check_memory(f"template {name!r} on {size} cells", needed * self.state.size, cure)
+
+    def start(self, backend: Backend, state: Array | None = None, plan: Plan | None = None) -> Outcome:
+        """Load the planes and run; ``state`` and ``plan`` replace the task's own (to go on from an earlier end)."""
+        self.check_memory(backend)
+        given = self.state if state is None else state
+        x = backend.load(given, "lam", copy=False)
+        return backend.transient(
+            self.plan if plan is None else plan,
+            x,
+            x if self.input is given else load(backend, self.input),
+            load(backend, self.bias),
+            None if self.mask is None else backend.load(self.mask, "llm"),
+        )
+
+    def recorded(self, backend: Backend, wanted: tuple[CellIndex, ...] | Floats, result: Result) -> Trajectory:
+        """Return states at times, or of cells at every step, of a run that ended as ``result``."""
+
+        def end(x: Array, plan: Plan) -> Array:
+            return backend.read(self.start(backend, x, plan).x)
+
+        sequences = any(isinstance(value, Frames) for value in (self.input, self.bias))
+        first = backend.read(backend.load(self.state, "lam"))
+        return recorded(self.plan, first, end, wanted, result.t, result.y, sequences=sequences)
+
+    def states(self, backend: Backend, until: float, frames: int, *, first: int = 0) -> Iterator[tuple[float, Array]]:
+        """Yield (t, x) at ``frames`` evenly spaced times up to ``until``; with terms after ``first`` steps or more."""
+        old, x = self.plan, self.state
+        if old.method == "general":  # with delays and sequences a run cannot be cut in two, so each state has its own
+            for frame in range(1, frames + 1):
+                t = max(first, round(frame * until / frames / old.step)) * old.step
+                yield t, backend.read(self.start(backend, plan=replace(old, duration=t)).x)
+            return
+        scheme = old.scheme.name if old.scheme is not None else None
+        plan = make_plan(
+            old.template, old.shape, old.boundary, duration=until / frames, cell=old.cell,
+            scheme="adaptive" if old.method == "adaptive" else scheme, step=old.step if scheme else None,
+        )  # fmt: skip
+        for frame in range(1, frames + 1):
+            x = backend.read(self.start(backend, x, plan).x)
+            yield frame * until / frames, x
+
+
+Dtype = Literal["float32", "float64"]
+
+
+class TaskOptions(TypedDict, total=False):
+    """What `make_task` takes besides a template and a state; its signature has the defaults."""
+
+    input: ArrayLike | Frames[Any] | None
+    bias: ArrayLike | Frames[Any] | None
+    mask: ArrayLike | None
+    boundary: Boundary | str
+    duration: Duration
+    cell: CellModel | Cell
+    scheme: str | None
+    step: float | None
+    limit: float | None
+    without: Collection[str]
+    accuracy: Accuracy | None
+
+
+def make_task(
+    template: AnyTemplate,
+    *,
+    state: ArrayLike,
+    input: ArrayLike | Frames[Any] | None = None,  # noqa: A002 - the field's word for u
+    bias: ArrayLike | Frames[Any] | None = None,
+    mask: ArrayLike | None = None,
+    boundary: Boundary | str = ZERO_FLUX,
+    duration: Duration = "settled",
+    cell: CellModel | Cell = "chua-yang",
+    scheme: str | None = None,
+    step: float | None = None,
+    limit: float | None = None,
+    without: Collection[str] = (),
+    accuracy: Accuracy | None = None,
+) -> Task:
+    """Check the planes against each other and plan the transient.
+
+    Arguments: planes (rows, cols) or (n, rows, cols) of one shape, of a network of layers (layers, rows, cols) or
+    (n, layers, rows, cols), where a plane (rows, cols) stands for all grids and layers; ``input`` and ``bias`` may be
+    `Frames`; ``bias`` is added to z cell by cell; ``mask`` > 0 keeps a cell's state; ``duration`` in time constants or
+    ``"settled"`` (see `Plan`), then at most ``limit``;
+    ``scheme`` and ``step`` as in `planning.scheme`, or None to let the plan choose; ``without`` as in `make_plan`;
+    ``accuracy`` instead of scheme and step: a distance from the truth that no state may have, ``"binary"`` where only
+    the signs of the outputs count, or ``"exact"`` for what float64 can give.
+
+    Raises:
+        InputError: planes that do not fit or are not finite, a step that cannot be stable.
+    """
+    wanted = None if accuracy is None else parse_accuracy(accuracy)
+    if wanted is not None and (scheme is not None or step is not None):
+        raise InputError(f"accuracy {wanted} chooses scheme and step; one or the other wanted")
+    x = _plane("state", state, None)
+    u, w = _planes("input", input, x.shape), _planes("bias", bias, x.shape)
+    if u is None and template.reads_input:
+        raise InputError(f"template {template.name!r} has a B, or a term of u, so it needs an input plane")
+    plan = make_plan(
+        template, x.shape, parse_boundary(boundary), duration=duration, cell=cell, scheme=scheme, step=step,
+        limit=limit, without=without, periods=[value.period for value in (u, w) if isinstance(value, Frames)],
+    )  # fmt: skip
+    if plan.cell == "full-range" and largest(x) > 1:
+        raise InputError(f"state reaches {largest(x):g}; the full-range model keeps it from -1 to 1")
+    if wanted is not None:
+        plan = replace(plan, decisions=(*plan.decisions, decided(plan, wanted)))
+    return Task(plan, x, u, w, None if mask is None else _plane("mask", mask, x.shape) > 0, wanted)
+
+
+def load(backend: Backend, value: Any) -> Any:
+    """Return a plane, the planes of a sequence, or None, where the backend computes."""
+    if isinstance(value, Frames):
+        return value.map(lambda plane: backend.load(plane, "lam", copy=False))
+    return None if value is None else backend.load(value, "lam", copy=False)
+
+
+def _planes(name: str, value: Any, shape: tuple[int, ...]) -> Any:
+    if isinstance(value, Frames):
+        return value.map(lambda plane: _plane(name, plane, shape))
+    return None if value is None else _plane(name, value, shape)
+
+
+def _plane(name: str, values: ArrayLike, shape: tuple[int, ...] | None) -> Array:
+    """Return a plane of floats of that shape: the very array that was given where it is one, to save its memory."""
+    plane = as_numbers(name, values, levels=name == "bias", logic=name == "mask")
+    plane = plane if plane.dtype.kind == "f" else plane.astype(np.float64)
+    if shape is not None and (plane.ndim == 0 or (len(shape) > 2 and plane.shape == shape[-2:])):
+        plane = np.broadcast_to(plane, shape)
+    if plane.ndim not in (2, 3, 4) or plane.size == 0:
+        raise InputError(f"{name} has shape {plane.shape}; (rows, cols) with at least one cell wanted")
+    if shape is not None and plane.shape != shape:
+        raise InputError(f"{name} has shape {plane.shape}, the state has {shape}; one shape wanted")
+    if not np.isfinite(largest(plane)):
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(plane))[0])
+        raise InputError(f"{name} holds {plane[where]} in cell {where}; finite numbers wanted")
+    return plane
