@@ -6,6 +6,7 @@ Lengths are in depths, seen from the strongest taxel; ``planes`` (families, 4, t
 import math
 
 import numpy as np
+from numba import njit
 
 from cnnsim.support.kept_loops import kept_njit
 from tactile.inverse.fit import TIED
@@ -45,6 +46,30 @@ def strongest(planes, depth, strain):  # type: ignore[no-untyped-def]
     return signal, peak, use[:count]
 
 
+@njit(inline="always")
+def _nearest(place, i, x, y):  # type: ignore[no-untyped-def]
+    """Return which of the candidates (families, taxels, 2) of taxel i is nearest to (x, y), and how far squared."""
+    chosen, nearest = 0, np.inf
+    for f in range(len(place)):
+        far = (place[f, i, 0] - x) ** 2 + (place[f, i, 1] - y) ** 2
+        if far < nearest:
+            chosen, nearest = f, far
+    return chosen, nearest
+
+
+@kept_njit(error_model="numpy")
+def candidates(at, planes, order, depth):  # type: ignore[no-untyped-def]
+    """Return the places (families, taxels, 2) that the taxels' answers name, infinite where there is none."""
+    place = np.full((len(planes), order.size, 2), np.inf)
+    for i in range(order.size):
+        n = order[i]
+        for f in range(len(planes)):
+            if planes[f, 3, n] == INSIDE or planes[f, 3, n] == OUTSIDE:
+                place[f, i, 0] = (planes[f, 0, n] + at[n, 0] - at[order[0], 0]) / depth
+                place[f, i, 1] = (planes[f, 1, n] + at[n, 1] - at[order[0], 1]) / depth
+    return place
+
+
 @kept_njit(error_model="numpy")
 def consensus(at, planes, signal, order, depth, seeds):  # type: ignore[no-untyped-def]
     """Return the place (x, y) with its scatter, and the place that is next best.
@@ -53,15 +78,13 @@ def consensus(at, planes, signal, order, depth, seeds):  # type: ignore[no-untyp
     of those within a depth. Answers farther away count as one depth, so that one false taxel cannot pull the place.
     """
     families, taxels = signal.shape[0], order.size
-    place, weight = np.full((families, taxels, 2), np.inf), np.zeros((families, taxels))
+    place, weight = candidates(at, planes, order, depth), np.zeros((families, taxels))
     top = signal[:, order[0]].max()  # squares of very small and very large signals would be 0 and infinite
     for i in range(taxels):
         n = order[i]
         for f in range(families):
             if planes[f, 3, n] == INSIDE or planes[f, 3, n] == OUTSIDE:
                 dx, dy = planes[f, 0, n] / depth, planes[f, 1, n] / depth
-                place[f, i, 0] = dx + (at[n, 0] - at[order[0], 0]) / depth
-                place[f, i, 1] = dy + (at[n, 1] - at[order[0], 1]) / depth
                 weight[f, i] = (signal[f, n] / top / (1 + dx * dx + dy * dy)) ** 2
     tried = np.full((seeds * families, 3), np.inf)
     best = -1
@@ -73,11 +96,7 @@ def consensus(at, planes, signal, order, depth, seeds):  # type: ignore[no-untyp
                 continue
             total = sum_x = sum_y = 0.0
             for i in range(taxels):
-                nearest, chosen = np.inf, 0
-                for f in range(families):
-                    far = (place[f, i, 0] - x0) ** 2 + (place[f, i, 1] - y0) ** 2
-                    if far < nearest:
-                        nearest, chosen = far, f
+                chosen, nearest = _nearest(place, i, x0, y0)
                 if nearest <= 1:
                     w = weight[chosen, i]
                     total += w
@@ -85,11 +104,7 @@ def consensus(at, planes, signal, order, depth, seeds):  # type: ignore[no-untyp
                     sum_y += w * place[chosen, i, 1]
             x, y, scatter = sum_x / total, sum_y / total, 0.0
             for i in range(taxels):
-                nearest, chosen = np.inf, 0
-                for f in range(families):
-                    far = (place[f, i, 0] - x) ** 2 + (place[f, i, 1] - y) ** 2
-                    if far < nearest:
-                        nearest, chosen = far, f
+                chosen, nearest = _nearest(place, i, x, y)
                 scatter += weight[chosen, i] * min(nearest, 1.0)
             # one by one: to assign a tuple to a row takes numba two seconds to compile
             tried[k, 0], tried[k, 1], tried[k, 2] = x, y, scatter
@@ -112,17 +127,12 @@ def signals(at, planes, order, place, depth, strain, top):  # type: ignore[no-un
     """
     taxels = order.size
     seen, felt, tie = np.empty((taxels, 2)), np.empty((taxels, 3)), np.zeros(3)
+    answers = candidates(at, planes, order, depth)
     for i in range(taxels):
         n = order[i]
         seen[i, 0] = (at[n, 0] - at[order[0], 0]) / depth
         seen[i, 1] = (at[n, 1] - at[order[0], 1]) / depth
-        nearest, chosen = np.inf, 0
-        for f in range(len(planes)):
-            if planes[f, 3, n] == INSIDE or planes[f, 3, n] == OUTSIDE:
-                x, y = planes[f, 0, n] / depth + seen[i, 0], planes[f, 1, n] / depth + seen[i, 1]
-                far = (x - place[0]) ** 2 + (y - place[1]) ** 2
-                if far < nearest:
-                    nearest, chosen = far, f
+        chosen, _ = _nearest(answers, i, place[0], place[1])
         x, y = -planes[chosen, 0, n] / depth, -planes[chosen, 1, n] / depth
         near = 1 / (1 + x * x + y * y)
         g = near * near * math.sqrt(near) * (planes[chosen, 2, n] / top)
