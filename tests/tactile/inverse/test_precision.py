@@ -1,0 +1,71 @@
+"""How precise located loads are under noise, and how well that is known."""
+
+import numpy as np
+import pytest
+
+from tactile.elastic.halfspace import point_load_strain
+from tests.kits.pads import DEPTH, MODULUS, SCALE, array, as_row, felt, found, locate, random_load
+from tests.oracles.localise import bound, nearest
+
+
+def test_noise_of_one_percent_is_not_blown_up() -> None:
+    """A far taxel's tiny signal must not spoil the answer: with more taxels it only gets better."""
+    random = np.random.default_rng(7)
+    for shape in ((2, 2), (8, 8)):
+        at = array(*shape)
+        place, force = [], []
+        for _ in range(100):
+            wanted = np.array([4.2e-3, -2.3e-3, 0.1, -0.05, 0.3])
+            strain = point_load_strain(at, DEPTH, [wanted], MODULUS)
+            strain += random.normal(size=strain.shape) * 0.01 * np.abs(strain).max()
+            load = np.array(as_row(locate(at, strain)))
+            place.append(np.hypot(*(load - wanted)[:2]) / DEPTH)
+            force.append(np.abs((load - wanted)[2:]).max() / 0.3)
+        assert np.quantile(place, 0.95) < 0.03
+        assert np.quantile(force, 0.95) < 0.1
+
+
+@pytest.mark.parametrize("stress", [False, True])
+@pytest.mark.parametrize("shape", [(2, 2), (3, 3), (8, 8)])
+def test_the_answer_is_that_of_least_squares(shape: tuple[int, int], stress: bool) -> None:
+    random, at = np.random.default_rng(5), array(*shape)
+    for _ in range(20):
+        wanted = random_load(random, *shape) * [1, 1, 0.2, 0.2, 0] + [0, 0, 0, 0, 1]
+        signals = felt(at, [wanted], stress)
+        signals = signals + random.normal(size=signals.shape) * np.abs(signals).max() * 0.01
+        load, best = found(at, signals, stress), nearest(lambda p: felt(at, p, stress), signals, wanted[None], SCALE)[0]
+        assert np.abs((np.array(as_row(load)) - best) / SCALE).max() < 2e-3
+
+
+def test_taxels_on_a_line_use_all_of_them() -> None:
+    """Errors near the bound of an estimate of x, y, Q and F."""
+    random, wanted, at = np.random.default_rng(3), np.array([4.2e-3, -2.3e-3, 0.1, 0.0, 0.4]), array(1, 9)
+    strain = felt(at, [wanted], False)
+    noise, errors = 0.01 * float(np.abs(strain).max()), []
+    for _ in range(200):
+        load = locate(at, strain + random.normal(size=strain.shape) * noise)
+        errors.append(np.array(as_row(load))[[0, 1, 2, 4]] - wanted[[0, 1, 2, 4]])
+    least = bound(lambda p: felt(at, p, False), wanted, noise, SCALE, (0, 1, 2, 4))
+    assert (np.sqrt(np.mean(np.square(errors), axis=0)) < 1.2 * least).all()
+
+
+@pytest.mark.parametrize("given_noise", [False, True])
+@pytest.mark.parametrize("stress", [False, True])
+@pytest.mark.parametrize(("side", "level"), [(2, 1e-6), (2, 3e-2), (4, 1e-3), (8, 3e-2), (32, 1e-2), (32, 3e-2)])
+def test_errors_are_near_the_cramer_rao_bound_and_known(
+    side: int, level: float, stress: bool, given_noise: bool
+) -> None:
+    random, at = np.random.default_rng(side), array(side, side)
+    ratio, own = [], []
+    for _ in range(60 if side < 32 else 25):
+        wanted = random_load(random, side, side) * [1, 1, 0.1, 0.1, 0] + [0, 0, 0, 0, 1]
+        signals = felt(at, [wanted], stress)
+        noise = level * float(np.abs(signals).max())
+        noisy = signals + random.normal(size=signals.shape) * noise
+        load = found(at, noisy, stress, noise if given_noise else None)
+        error = (np.array(as_row(load)) - wanted)[:2]
+        ratio.append(error / bound(lambda p: felt(at, p, stress), wanted, noise, SCALE)[:2])
+        own.append(error / load.sigma[:2])
+    assert np.sqrt(np.mean(np.square(ratio))) < 1.3
+    assert np.mean(np.abs(own) < 2) > 0.85
+    assert np.mean(np.abs(own) < 0.5) < 0.6
