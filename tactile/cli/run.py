@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), help="Folder for frames.csv, events.json and touch.png."
 )
+@click.option("--parquet", is_flag=True, help="Write the rows of frames.csv as frames.parquet, too.")
 @detection
 @click.option("--window", type=int, default=128, show_default=True, help="Frames a texture figure averages.")
 @click.option("--floor", type=float, help="Normal signal below which texture figures are not valid.")
@@ -48,8 +49,8 @@ if TYPE_CHECKING:
 @click.option("--backend", type=click.Choice(backends.NAMES), default="cpu", show_default=True)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
 def run(
-    source: Path, output: Path | None, tare: TareMode | None, gains: str | None, calibration: Path | None, as_json:
-    bool, **chosen: Any,
+    source: Path, output: Path | None, parquet: bool, tare: TareMode | None, gains: str | None,
+    calibration: Path | None, as_json: bool, **chosen: Any,
 ) -> None:  # fmt: skip
     """Run SOURCE through the pipeline.
 
@@ -62,6 +63,8 @@ def run(
     from tactile.output.tables import tables  # the same
     from tactile.output.truth import truth_of  # the same
 
+    if parquet and output is None:
+        raise click.UsageError("--parquet writes beside frames.csv; -o FOLDER wanted")
     frames = open_source(source)
     check_thresholds(chosen)
     if calibration is not None and gains is not None:
@@ -95,7 +98,11 @@ def run(
         pipeline.run(passed, settings, [collected])
     else:
         with Record(
-            output, frames.arrays, {"source": source.name, "title": frames.title, "tare": mode}, truth
+            output,
+            frames.arrays,
+            {"source": source.name, "title": frames.title, "tare": mode},
+            truth,
+            parquet=parquet,
         ) as record:
             pipeline.run(passed, settings, [collected, record])
     if as_json:
@@ -119,7 +126,8 @@ def run(
         from tactile.output.plot import draw  # matplotlib is slow to import
 
         draw(collected, frames.arrays, frames.title, output / "touch.png")
-        echo(f"wrote {output / 'frames.csv'}, {output / 'events.json'}, {output / 'touch.png'}", err=as_json)
+        also = f", {output / 'frames.parquet'}" if parquet else ""
+        echo(f"wrote {output / 'frames.csv'}, {output / 'events.json'}, {output / 'touch.png'}{also}", err=as_json)
 
 
 def _recorded(choices: str, source: Path) -> "LiveOptions | None":

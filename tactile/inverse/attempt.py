@@ -16,6 +16,8 @@ VOTERS = 16
 """That many of the strongest taxels vote on the place: the others add noise to a start, all of them are fitted then."""
 RIVAL = 3.0
 """A second place that fits less than so many times worse than the best leaves the answer ambiguous."""
+ROUNDING = 1e-24
+"""Two places of which both leave a smaller share of the signals' energy explain them alike."""
 UNSURE = 0.5
 """A place that is not known to so many depths is none."""
 DOUBT = 0.05
@@ -66,11 +68,11 @@ class Taxels:
         signals, top = self.felt(order, best)
         fit = _from(signals, best)
         ambiguous = False
-        if rival[2] < RIVAL * best[2]:
+        if len(order) > 1 and rival[2] < RIVAL * best[2]:  # to one taxel a pull fits as well: it is taken to be pressed
             other = _from(signals, rival)
             if np.hypot(*(other.loads - fit.loads)[0, :2]) > SAME:
                 fit, other = sorted((fit, other), key=lambda one: one.chi)
-                ambiguous = other.chi < RIVAL * fit.chi
+                ambiguous = other.chi < max(RIVAL * fit.chi, ROUNDING * fit.whole)
         if len(order) == 1 or fit.unsure > UNSURE:
             fit = self._pressing(fit, int(order[0]))
         return Attempt(order, fit, top, ambiguous or fit.unsure > UNSURE)

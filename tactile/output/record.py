@@ -1,9 +1,9 @@
-"""The record of a run: frames.csv, a row a frame, and events.json."""
+"""The record of a run: frames.csv (and frames.parquet where it is wanted), a row a frame, and events.json."""
 
 import csv
 import json
 import math
-from contextlib import nullcontext, suppress
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -16,6 +16,7 @@ from tactile.output.collected import texture_mean, total
 from tactile.output.event_data import INLINE, EventData
 from tactile.output.truth import Truth
 from tactile.pipeline import FrameReport
+from tactile.wire.extras import need
 
 COLUMNS = (
     "t_s", "finger", "sequence", "shear_x", "shear_y", "normal", "code", "load_x_m", "load_y_m", "load_q_n", "load_r_n",
@@ -26,6 +27,10 @@ TRUE_COLUMNS = (
     "true_loads", "true_x_m", "true_y_m", "true_q_n", "true_r_n", "true_f_n", "error_m", "error_n",
 )  # fmt: skip
 """Further columns where a scene knows the truth."""
+KINDS = dict.fromkeys(("finger", "code", "load_validity", "events"), str) | dict.fromkeys(
+    ("sequence", "load_taxels", "true_loads"), int
+)
+"""Columns that are texts and whole numbers; all others are floating-point numbers."""
 FORMULA = tuple("=+-@\t\r")
 """What a cell begins with that a spreadsheet computes."""
 
@@ -39,11 +44,18 @@ def text_cell(text: str, *, always: bool = False) -> str:
 
 
 class Record:
-    """A sink that writes frames.csv as the frames come, and events.json (with what made them) at the end."""
+    """A sink that writes frames.csv as the frames come, and events.json (with what made them) at the end.
+
+    ``parquet``: the rows of frames.csv as frames.parquet, too; texts are there as they are, without an apostrophe.
+
+    Raises:
+        InputError: a file cannot be written, or Parquet's library is not installed.
+    """
 
     def __init__(
-        self, folder: Path, arrays: tuple[TaxelArray, ...], provenance: dict[str, Any], truth: Truth | None = None
-    ) -> None:
+        self, folder: Path, arrays: tuple[TaxelArray, ...], provenance: dict[str, Any], truth: Truth | None = None, *,
+        parquet: bool = False,
+    ) -> None:  # fmt: skip
         self._folder, self._provenance, self._plain = folder, provenance, EventData(arrays)
         self._log = EventLog()
         self._arrays, self._span = arrays, {array.name: [math.inf, -math.inf] for array in arrays}
@@ -51,10 +63,19 @@ class Record:
         self._truth = truth
         self._tares: dict[str, dict[str, Any]] = {}
         make_folder(folder)
-        self._whole = writing(folder / "frames.csv", follow=False)
-        self._file = self._whole.__enter__().open("w", newline="", encoding="utf-8")
-        self._csv = csv.writer(self._file)
-        self._csv.writerow(COLUMNS + (TRUE_COLUMNS if truth is not None else ()))
+        columns = COLUMNS + (TRUE_COLUMNS if truth is not None else ())
+        self._rows: Any = None
+        with ExitStack() as whole:
+            if parquet:
+                rows = need("tactile.recording.parquet_rows", "a Parquet table")
+                beside = whole.enter_context(writing(folder / "frames.parquet", follow=False))
+                kinds = {name: KINDS.get(name, float) for name in columns}
+                self._rows = whole.enter_context(rows.ParquetRows(beside, kinds))
+            beside = whole.enter_context(writing(folder / "frames.csv", follow=False))
+            file = whole.enter_context(beside.open("w", newline="", encoding="utf-8"))
+            self._csv = csv.writer(file)
+            self._csv.writerow(columns)
+            self._whole = whole.pop_all()
 
     def __enter__(self) -> Self:
         return self
@@ -62,12 +83,10 @@ class Record:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        with suppress(OSError) if isinstance(error, OSError) else nullcontext():
-            self._file.close()  # a full disk says so twice
         if isinstance(error, OSError):  # what could not be written as a whole is not kept
             self._whole.__exit__(kind, error, trace)
             return
-        self._whole.__exit__(None, None, None)
+        self._whole.close()
         record = {**self._provenance, "complete": kind is None, "tares": self._tares}
         found = self._log.events
         record["phases"] = {
@@ -90,18 +109,21 @@ class Record:
         load, texture, frame = report.load, report.texture, report.frame
         located = (load.x, load.y, load.Q, load.R, load.F, load.validity.name.lower(), load.taxels, load.misfit)
         code = self._code(report)
-        happened = text_cell("; ".join(event.words for event in report.events))
-        self._csv.writerow((
-            frame.t, text_cell(report.array.name), frame.sequence, total(report, SHEAR_X), total(report, SHEAR_Y),
-            total(report, NORMAL), code, *located, texture_mean(texture.friction, texture.valid),
-            texture_mean(texture.roughness, texture.valid), happened,
-            *(() if self._truth is None else self._truth(report)),
-        ))  # fmt: skip
+        happened = "; ".join(event.words for event in report.events)
+        figures = total(report, SHEAR_X), total(report, SHEAR_Y), total(report, NORMAL)
+        felt = texture_mean(texture.friction, texture.valid), texture_mean(texture.roughness, texture.valid)
+        true = () if self._truth is None else self._truth(report)
+        name, cell = report.array.name, "" if code is None else text_cell(code, always=True)
+        self._csv.writerow(
+            (frame.t, text_cell(name), frame.sequence, *figures, cell, *located, *felt, text_cell(happened), *true)
+        )
+        if self._rows is not None:
+            self._rows(frame.t, name, frame.sequence, *figures, code, *located, *felt, happened, *true)
 
-    def _code(self, report: FrameReport) -> str:
-        """Return the ternary code; of a large array nothing where it is that of the frame before."""
+    def _code(self, report: FrameReport) -> str | None:
+        """Return the ternary code; of a large array None where it is that of the frame before."""
         name, code = report.array.name, report.code.ternary()
         if report.array.rows * report.array.cols > INLINE and self._codes.get(name) == code:
-            return ""
+            return None
         self._codes[name] = code
-        return text_cell(code, always=True)
+        return code

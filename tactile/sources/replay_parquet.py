@@ -9,22 +9,21 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyarrow as pa  # type: ignore[import-untyped]  # it ships no types
-from pyarrow import parquet
+from pyarrow import parquet  # type: ignore[import-untyped]  # it ships no types
 
 from cnnsim.support import InputError
 from cnnsim.support.bounds import check_plain, check_unpacked, one_line
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.header import Header, header_text, read_header
 from tactile.core.source import Provenance, Source
+from tactile.recording.parquet_rows import ParquetRows
 
 KEY = b"tactile"
 BATCH = 4096
-"""Rows written or read at once."""
-COLUMNS = (
-    ("t_s", pa.float64()), ("t_device_s", pa.float64()), ("finger", pa.string()), ("sequence", pa.int64()),
-    ("values", pa.list_(pa.float64())), ("valid", pa.list_(pa.bool_())),
-)  # fmt: skip
+"""Rows read at once."""
+COLUMNS = {
+    "t_s": float, "t_device_s": float, "finger": str, "sequence": int, "values": list[float], "valid": list[bool],
+}  # fmt: skip
 
 
 class ParquetReplay:
@@ -70,11 +69,11 @@ def read_parquet(path: Path) -> ParquetReplay:
         schema, rows, groups = file.schema_arrow, file.metadata.num_rows, file.metadata.num_row_groups
         check_unpacked(path, sum(file.metadata.row_group(group).total_byte_size for group in range(groups)))
     text = (schema.metadata or {}).get(KEY)
-    missing = [name for name, _ in COLUMNS if name not in schema.names]
+    missing = [name for name in COLUMNS if name not in schema.names]
     if text is None or missing:
         raise InputError(
             f"{path}: columns {', '.join(schema.names)}, {'a' if text is not None else 'no'} header; columns"
-            f" {', '.join(name for name, _ in COLUMNS)} and a header {KEY.decode()!r} in the metadata wanted"
+            f" {', '.join(COLUMNS)} and a header {KEY.decode()!r} in the metadata wanted"
         )
     return ParquetReplay(path, read_header(text.decode(errors="replace"), str(path), "metadata tactile"), rows)
 
@@ -86,16 +85,7 @@ def write_parquet(path: Path, source: Source) -> None:
         InputError: two fingers have one name.
         OSError: the file cannot be written.
     """
-    columns = pa.schema(COLUMNS, metadata={KEY: header_text(source).encode()})
-    with parquet.ParquetWriter(path, columns) as out:
-        rows: list[dict[str, Any]] = []
+    with ParquetRows(path, COLUMNS, {KEY: header_text(source).encode()}) as out:
         for frame in source:
-            rows.append({
-                "t_s": frame.t, "t_device_s": frame.t_device, "finger": source.arrays[frame.finger].name,
-                "sequence": frame.sequence, "values": frame.values.ravel(), "valid": frame.valid.ravel(),
-            })  # fmt: skip
-            if len(rows) == BATCH:
-                out.write_batch(pa.RecordBatch.from_pylist(rows, columns))
-                rows = []
-        if rows:
-            out.write_batch(pa.RecordBatch.from_pylist(rows, columns))
+            name = source.arrays[frame.finger].name
+            out(frame.t, frame.t_device, name, frame.sequence, frame.values.ravel(), frame.valid.ravel())

@@ -106,3 +106,13 @@ def test_taxels_on_a_line_say_what_they_cannot_tell(shape: tuple[int, int], told
         assert name != told or value == pytest.approx(0.1, rel=1e-9)
     assert load.taxels == at.shape[0] * at.shape[1]
     assert load.validity == Validity.INSIDE
+
+
+def test_rounding_does_not_make_one_taxel_doubtful() -> None:
+    """To one taxel a pull elsewhere fits as well; it is taken to be pressed, whatever the last bits are."""
+    at, random = array(1, 1), np.random.default_rng(1)
+    for _ in range(200):
+        wanted = np.array([*at[0, 0] + random.uniform(-2, 2, 2) * DEPTH, 0.0, 0.0, 0.4])
+        load = locate(at, point_load_strain(at, DEPTH, [wanted], MODULUS))
+        assert (load.x, load.y, load.F) == pytest.approx(wanted[[0, 1, 4]], rel=1e-9)
+        assert load.validity in (Validity.INSIDE, Validity.OUTSIDE)

@@ -38,6 +38,25 @@ def test_errors_stand_beside_what_was_located(tmp_path: Path) -> None:
     assert errors["place_max_m"] < 1e-3
 
 
+def test_parquet_has_the_rows_of_the_table(tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet", reason="the serial extra is not installed")
+    said = call("run", GRIP, "-o", tmp_path / "out", "--parquet")
+    assert "frames.parquet" in said.stdout
+    columns = parquet.read_table(tmp_path / "out" / "frames.parquet").to_pydict()
+    rows = table(tmp_path / "out" / "frames.csv")
+    assert list(columns) == list(rows[0])
+    for name, values in columns.items():
+        written = [row[name] for row in rows]
+        if isinstance(values[0], str):
+            assert values == [text.removeprefix("'") for text in written]
+        else:
+            np.testing.assert_array_equal(values, np.array(written, np.float64))
+    assert {type(columns[name][0]) for name in ("sequence", "load_taxels", "true_loads")} == {int}
+    refused = call("run", GRIP, "--parquet")
+    assert refused.exit_code == 2
+    assert "-o FOLDER wanted" in refused.output
+
+
 def test_recordings_know_no_truth(tmp_path: Path) -> None:
     write_csv(tmp_path / "g.csv", grip(0.5))
     plain = call("run", tmp_path / "g.csv", "-o", tmp_path / "out", "--json")
