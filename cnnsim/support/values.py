@@ -88,8 +88,17 @@ def largest(array: Array) -> float:
 
 
 def as_picture(name: str, values: ArrayLike) -> Array:
-    """Return a picture as `as_numbers`; one that leaves [-1, 1] is warned of."""
+    """Return a picture as `as_numbers`; one that leaves [-1, 1] is warned of.
+
+    Raises:
+        InputError: as `as_numbers`; an array (rows, cols, 3 or 4), which would be taken for rows many narrow grids.
+    """
     array = as_numbers(name, values)
+    if array.ndim == 3 and array.shape[-1] in (3, 4) and min(array.shape[:2]) > 4:
+        raise InputError(
+            f"{name} has shape {array.shape}, which reads as colours; (rows, cols) or (n, rows, cols) wanted: "
+            f"cnnsim.to_planes(values, top) makes a plane a colour; grids {array.shape[-1]} wide are run one by one"
+        )
     most = largest(array)
     if 1 < most < np.inf:
         said = f"{name} reaches {most:g}; CNN values lie from -1 (white) to 1 (black)"

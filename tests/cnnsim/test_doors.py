@@ -84,6 +84,13 @@ def test_colours_are_refused(door: str) -> None:
         DOORS[door](np.zeros((9, 9, 3), np.uint8))
 
 
+@pytest.mark.parametrize("channels", [3, 4])
+def test_colours_between_0_and_1_are_no_narrow_grids(channels: int) -> None:
+    with pytest.raises(InputError, match=r"\(9, 9, .\), which reads as colours.*to_planes"):
+        cnnsim.run("edge", np.ones((9, 9, channels)), backend="reference")
+    assert cnnsim.run("edge", np.ones((9, 4, channels)), backend="reference").y.shape == (9, 4, channels)
+
+
 @pytest.mark.parametrize("door", DOORS)
 def test_whole_numbers_0_and_1_are_no_black_and_white(door: str) -> None:
     with pytest.raises(InputError, match=r"0 and 1, and 0 is mid-grey.*values > 0"):
