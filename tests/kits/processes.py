@@ -34,3 +34,11 @@ def ended(process: "subprocess.Popen[str]") -> "Iterator[subprocess.Popen[str]]"
         finally:
             if process.poll() is None:
                 process.kill()
+
+
+def start(*arguments: Any) -> "subprocess.Popen[str]":
+    """Start a command of `tactile` beside the test."""
+    return subprocess.Popen(
+        command_line("tactile", *arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        stdin=subprocess.DEVNULL, text=True,
+    )  # fmt: skip

@@ -1,9 +1,11 @@
 """What the tests of ports share: a device on a pseudo-terminal in a thread, and scenes for it."""
 
+import json
 import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from click.testing import CliRunner, Result
@@ -48,3 +50,15 @@ def device(stream: Iterable[TimedPacket], faults: Faults | None = None, **more: 
 
 def call(*arguments: Any, text: str = "") -> Result:
     return CliRunner().invoke(main, [str(argument) for argument in arguments], input=text)
+
+
+def lines(text: str, kind: str) -> list[str]:
+    """Return the lines of JSON of one type."""
+    return [line for line in text.splitlines() if json.loads(line)["type"] == kind]
+
+
+def write_array(tmp_path: Path, text: str) -> Path:
+    """Return an array file with this text."""
+    path = tmp_path / "array.toml"
+    path.write_text(text, encoding="utf-8")
+    return path

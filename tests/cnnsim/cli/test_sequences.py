@@ -233,41 +233,6 @@ def test_a_video_without_pyav_says_what_to_install(folder: Path, monkeypatch: py
     assert f"film.mp4: a video needs PyAV: {install_line('video')}" in done.stderr
 
 
-def test_masks_and_bias_maps(folder: Path) -> None:
-    """A mask keeps cells as they start; a bias of +1 over EDGE's z of -1 makes lone windows black, see the oracle."""
-    rng = np.random.default_rng(0)
-    picture = np.where(rng.random((20, 24)) < 0.5, 1.0, -1.0)
-    keep = np.zeros((20, 24), bool)
-    keep[:, :7] = True
-    write_picture(picture, "in.png")
-    write_picture(keep, "keep.png")
-    done = call("run", "hole-filler", "in.png", "--mask", "keep.png", "-o", "out.png", "--boundary", "fixed:0")
-    assert done.exit_code == 0, done.output
-    found = read_picture("out.png")
-    assert np.all(found[:, :7] == 1)  # x(0) = 1 is what they keep
-    assert np.any(found[:, 7:] == -1)
-    np.save("bias.npy", np.where(keep, 0.0, 1.0))
-    done = call("run", "threshold-zero", "in.png", "--bias", "bias.npy", "-o", "lifted.png")
-    assert done.exit_code == 0, done.output
-    lifted = read_picture("lifted.png") > 0
-    assert np.array_equal(lifted[:, :7], picture[:, :7] > 0)
-    write_picture(np.ones((4, 4)), "small.png")
-    for option in ("--mask", "--bias"):
-        done = call("run", "hole-filler", "in.png", option, "small.png")
-        assert done.exit_code == 2
-        assert f"{option} has shape (4, 4), the picture (20, 24); one shape wanted" in done.stderr
-
-
-def test_levels_are_told_on_the_command_line(folder: Path) -> None:
-    Image.fromarray(np.array([[0, 4095], [1000, 3000]], np.uint16)).save("camera.png")
-    call("run", "threshold-zero", "camera.png", "--range", "0,4095", "-o", "out.png")
-    assert (read_picture("out.png") > 0).tolist() == [[True, False], [True, False]]
-    done = call("run", "threshold-zero", "camera.png", "--range", "0")
-    assert "range '0'; BLACK,WHITE wanted" in done.stderr
-    done = call("run", "threshold-zero", "camera.png", "--range", "0,1000")
-    assert "from 0 to 4095; 0 (black) to 1000 wanted" in done.stderr
-
-
 def test_the_shipped_programs_for_sequences_run_on_a_folder(folder: Path) -> None:
     assert (ROOT / "templates" / "programs" / "motion-direction.toml").is_file()
     done = call("program", "motion-direction", "--input", "frame=bar", "-o", "out")

@@ -2,8 +2,6 @@
 
 import json
 import os
-import signal
-import subprocess
 import threading
 import time
 from dataclasses import replace
@@ -14,10 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tactile.calibration.file import Calibration, write_calibration
-from tactile.calibration.gains import Gains
 from tactile.calibration.live_tare import LiveTare
-from tactile.calibration.radial import RadialCorrection
 from tactile.cli.live import LiveMonitor, LiveOptions
 from tactile.core.frame import Frame, TaxelArray
 from tactile.pipeline import FrameReport, warm_up
@@ -27,20 +22,9 @@ from tactile.serial.session import Session
 from tactile.settings import Settings
 from tactile.wire.packets import emulated_description, packets
 from tactile.wire.source import WireSource
-from tests.kits.processes import command_line
-from tests.kits.serial import GRIP, call, device, grip, sent
+from tests.kits.serial import GRIP, call, device, grip, lines, sent, write_array
 
 LIMIT = "20"
-
-
-def lines(text: str, kind: str) -> list[str]:
-    return [line for line in text.splitlines() if json.loads(line)["type"] == kind]
-
-
-def write_array(tmp_path: Path, text: str) -> Path:
-    path = tmp_path / "array.toml"
-    path.write_text(text, encoding="utf-8")
-    return path
 
 
 @pytest.mark.parametrize(("protocol", "tare"), [("native", "off"), ("native", "auto"), ("reskin", "off")])
@@ -176,70 +160,6 @@ def test_mistakes_are_one_line(tmp_path: Path) -> None:
     assert not (tmp_path / "r.mcap").exists()
 
 
-def start(*arguments: Any) -> "subprocess.Popen[str]":
-    return subprocess.Popen(
-        command_line("tactile", *arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-        stdin=subprocess.DEVNULL, text=True,
-    )  # fmt: skip
-
-
-def test_two_programs_and_ctrl_c(tmp_path: Path) -> None:
-    """Emulator and reader as a user starts them; Ctrl-C ends the reader with its recording closed."""
-    link, array, mcap = tmp_path / "skin", tmp_path / "array.toml", tmp_path / "r.mcap"
-    emulator = start(
-        "emulate", "--protocol", "lowiek", "--scene", GRIP, "--link", link, "--write-array", array, "--loop"
-    )
-    reader = None
-    try:
-        assert emulator.stdout is not None
-        assert emulator.stdout.readline() == f"{link}\n"
-        reader = start("live", "-p", link, "-a", array, "--record", mcap, "--json", "--tare", "off")
-        assert reader.stdout is not None
-        first = reader.stdout.readline()
-        assert json.loads(first)["type"] in ("event", "status")
-        reader.send_signal(signal.SIGINT)
-        out, errors = reader.communicate(timeout=30)
-        assert (reader.returncode, errors) == (0, "")
-        end = json.loads(out.splitlines()[-1])
-        assert end["type"] == "end"
-        assert end["counts"]["good"] > 10
-        emulator.send_signal(signal.SIGTERM)
-        _, said = emulator.communicate(timeout=30)
-        assert emulator.returncode == 0
-        assert said.startswith("sent ")
-    finally:
-        for process in (emulator, reader):
-            if process is not None and process.poll() is None:
-                process.kill()
-                process.communicate()
-    assert not os.path.lexists(link)
-    recorded = open_recording(mcap)
-    assert recorded.complete
-    assert recorded.counts is not None
-    assert recorded.counts["counts"] == end["counts"]
-
-
-def test_a_killed_recorder_leaves_what_is_older_than_half_a_second(tmp_path: Path) -> None:
-    description, _ = sent("native", 0.1)
-    scene = grip(6.0)
-    array, mcap = write_array(tmp_path, description.text), tmp_path / "r.mcap"
-    with device(list(packets(description, scene))) as emulator:
-        recorder = start("record", "-p", emulator.port, "-a", array, "-o", mcap)
-        until = time.monotonic() + 20
-        while (not mcap.exists() or mcap.stat().st_size < 100_000) and time.monotonic() < until:
-            time.sleep(0.01)
-        recorder.kill()
-        killed = time.time_ns()
-        recorder.communicate()
-    recorded = open_recording(mcap)
-    assert not recorded.complete
-    frames = [frame.sequence for frame in recorded.source() if frame.finger == 0]
-    assert len(frames) > 50
-    assert (np.diff(frames) == 1).all()
-    last = max(chunk.t for chunk in recorded.chunks())
-    assert (killed - recorded.start - last) * 1e-9 < 0.5
-
-
 def test_a_program_of_one_s_own_runs_beside_the_pipeline(tmp_path: Path) -> None:
     """contact-blob on the grip: four taxels in contact are a blob of area 4; the replay runs it again."""
     description, stream = sent("native", 0.4)
@@ -276,57 +196,6 @@ def test_a_recording_can_be_emulated(tmp_path: Path) -> None:
     assert (again.exit_code, results[0].exit_code) == (0, 0), again.output + results[0].output
     one, two = (b"".join(chunk.data for chunk in open_recording(path).chunks()) for path in (first, second))
     assert one == two == b"".join(data for _, data in stream)
-
-
-def test_a_calibration_stands_for_the_gains_and_is_kept_for_the_replay(tmp_path: Path) -> None:
-    """Readings in microtesla and the gains in a calibration are the readings with the gains in the description."""
-    scene = grip(2.2)
-    scene = replace(
-        scene, loads=tuple(replace(load, path=np.add(load.path, [0.7, 0, 0, 0, 0, 0])) for load in scene.loads)
-    )
-    description = emulated_description("reskin", scene)
-    bare = "\n".join(line for line in description.text.splitlines() if not line.startswith("gains"))
-    array, mcap, skin = write_array(tmp_path, bare), tmp_path / "r.mcap", tmp_path / "skin.toml"
-    gains = description.boards[0].gains
-    assert gains is not None
-    write_calibration(skin, Calibration(gains, scene.arrays[0].depth, RadialCorrection((0, 1), (0, 1), (2, 2))))
-    with device(list(packets(description, scene))) as emulator:
-        live = call("live", "-p", emulator.port, "-a", array, "--record", mcap, "--json", "--once", "--seconds", LIMIT,
-                    "--calibration", skin)  # fmt: skip
-    assert live.exit_code == 0, live.output
-    skin.unlink()
-    replayed = call("replay", mcap, "--json")
-    assert lines(replayed.stdout, "event") == lines(live.stdout, "event")
-    assert lines(replayed.stdout, "tare") == lines(live.stdout, "tare")
-
-    said: list[dict[str, Any]] = []
-    LiveMonitor(WireSource(description, open_recording(mcap).chunks()), said.append).run(LiveOptions())
-    events = [line for line in said if line["type"] == "event" and not line["kind"].startswith("tangential")]
-    told = [json.loads(line) for line in lines(live.stdout, "event")]
-    told = [line for line in told if not line["kind"].startswith("tangential")]  # their threshold sees twice the force
-    assert len(events) >= 10
-    same = "finger", "kind", "t_s", "sequence"
-    assert [[line[name] for name in same] for line in told] == [[line[name] for name in same] for line in events]
-    for one, other in zip(told, events, strict=True):
-        assert (one["load"] is None) == (other["load"] is None)
-        if other["load"] is not None:
-            x, y, force = (other["load"][name] for name in ("x", "y", "F"))
-            assert [one["load"][name] for name in ("x", "y", "F")] == pytest.approx((x, y, 2 * force), rel=1e-6)
-
-
-def test_a_calibration_is_of_strain(tmp_path: Path) -> None:
-    skin = tmp_path / "skin.toml"
-    for text, message in (("", "'radial'"), (None, "no calibration")):
-        if text is not None:
-            skin.write_text(text, encoding="utf-8")
-        result = call("live", "-p", "x", "--protocol", "papillarray", "--calibration", skin)
-        assert result.exit_code == 2
-        assert message in result.stderr
-        skin.unlink(missing_ok=True)
-    write_calibration(skin, Calibration(Gains(1, 1), 1e-3, RadialCorrection((0, 1), (0, 1), (1, 1))))
-    result = call("live", "-p", "x", "--protocol", "papillarray", "--calibration", skin)
-    assert result.exit_code == 2
-    assert "array 'sensor-0' of force; strain wanted" in result.stderr
 
 
 def test_renewals_while_idle_are_said_once_and_all_recorded() -> None:

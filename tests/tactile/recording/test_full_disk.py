@@ -12,8 +12,8 @@ import pytest
 
 from tactile.recording.reader import open_recording
 from tactile.wire.packets import packets
+from tests.kits.processes import start
 from tests.kits.serial import call, device, grip, sent
-from tests.tactile.cli.test_live import start
 
 ROOM = 160 * 1024
 

@@ -12,8 +12,8 @@ from click.testing import Result
 from tactile.recording.reader import open_recording
 from tactile.serial.emulator import Emulator
 from tactile.wire.packets import packets
-from tests.kits.serial import GRIP, call, device, grip, sent
-from tests.tactile.cli.test_live import start, write_array
+from tests.kits.processes import start
+from tests.kits.serial import GRIP, call, device, grip, sent, write_array
 from tests.tactile.recording.test_reader import recorded
 
 TAKEN = "there is something of that name; another name or --overwrite wanted"

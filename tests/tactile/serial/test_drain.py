@@ -21,8 +21,8 @@ from tactile.serial.port import open_port
 from tactile.serial.session import Session
 from tactile.wire.base import Talk
 from tactile.wire.packets import emulated_description, packets
-from tests.kits.serial import GRIP, call, device, grip, sent
-from tests.tactile.cli.test_live import start, write_array
+from tests.kits.processes import start
+from tests.kits.serial import GRIP, call, device, grip, sent, write_array
 
 LIMIT = 20.0
 

@@ -12,8 +12,7 @@ from tactile.serial import port_check, session
 from tactile.wire.description import Description
 from tactile.wire.description_file import parse_description
 from tactile.wire.packets import packets
-from tests.kits.serial import call, device, grip, sent
-from tests.tactile.cli.test_live import write_array
+from tests.kits.serial import call, device, grip, sent, write_array
 
 
 def described(protocol: str, rows: int, cols: int, fingers: int = 1) -> Description:
