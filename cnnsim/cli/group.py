@@ -17,6 +17,7 @@ from cnnsim.cli.program import program
 from cnnsim.cli.robust import robust
 from cnnsim.cli.run import run
 from cnnsim.cli.show import show
+from cnnsim.cli.sweep import sweep
 from cnnsim.cli.trace import trace
 from cnnsim.support.command_line import CommandGroup
 
@@ -42,6 +43,7 @@ for command in (
     program,
     trace,
     robust,
+    sweep,
     new,
     design,
     import_,

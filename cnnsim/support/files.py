@@ -15,6 +15,16 @@ class Replaced:
 
 
 @contextmanager
+def telling_nobody() -> Iterator[None]:
+    """Tell nobody of files that are written over in a block: our own, brought up to date."""
+    tell, Replaced.tell = Replaced.tell, None
+    try:
+        yield
+    finally:
+        Replaced.tell = tell
+
+
+@contextmanager
 def writing(path: str | Path, *, replace: bool = True, follow: bool = True) -> Iterator[Path]:
     """Give the path to write under; when the block ends well the file is renamed to ``path``, else it is gone.
 

@@ -16,6 +16,7 @@ with ends_at_once():
     from tactile.cli.run import run
     from tactile.cli.score import score
     from tactile.cli.stream import live, record, replay
+    from tactile.cli.sweep import sweep
 
 
 @click.group(cls=CommandGroup, context_settings={"help_option_names": ["-h", "--help"]})
@@ -27,6 +28,7 @@ def main() -> None:
 for command in (
     run,
     score,
+    sweep,
     planes,
     new,
     calibrate,

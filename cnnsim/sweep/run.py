@@ -1,0 +1,122 @@
+"""Runs a sweep on worker processes or on a Dask cluster, and goes on with one that was stopped."""
+
+from collections import defaultdict, deque
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from cnnsim.support.progress import watcher
+from cnnsim.sweep.job import Done, Job, died, run_job
+from cnnsim.sweep.kind import Row
+from cnnsim.sweep.spec import Sweep
+from cnnsim.sweep.table import SweepTable
+from cnnsim.workers import Lost, Workers, open_workers
+
+JOB_SECONDS = 1.0
+"""How long a job is to take: to hand one out costs some milliseconds."""
+PART_SECONDS = 5.0
+"""How often rows are written: what a crash may cost."""
+FIRST, MOST = 4, 4096
+"""Cases in the first launch of a group, when nobody knows how long one takes, and the most: more gain nothing."""
+
+
+@dataclass(frozen=True)
+class SweepSummary:
+    """How a sweep went: all its rows, how many failed, how many were run now, and the share of the cores in kernels."""
+
+    rows: list[Row]
+    failed: int
+    run: int
+    seconds: float
+    busy: float
+    file: Path
+
+
+class _Pace:
+    """Cuts what is left into jobs whose size follows the seconds that cases of their group took."""
+
+    def __init__(self, sweep: Sweep, left: Iterable[int]) -> None:
+        self._sweep, self._each = sweep, dict[Any, float]()
+        self._waiting: dict[Any, deque[int]] = defaultdict(deque)
+        group = sweep.kind.group
+        for number in left:
+            self._waiting[None if group is None else group(sweep.case(number))].append(number)
+
+    def learn(self, done: Done) -> None:
+        """Take how long a job took; compiling makes the first one slow, so the least counts."""
+        each = done.seconds / len(done.rows)
+        self._each[done.job.group] = min(each, self._each.get(done.job.group, each))
+
+    def jobs(self) -> Iterator[Job]:
+        """Yield jobs until no case is left; each is as long as what has been learnt by then says."""
+        while self._waiting:
+            group = next(iter(self._waiting))
+            numbers = self._waiting.pop(group)
+            each = self._each.get(group)
+            most = FIRST if each is None else max(1, min(MOST, int(JOB_SECONDS / max(each, 1e-6))))
+            now = [numbers.popleft() for _ in range(min(most, len(numbers)))]
+            if numbers:
+                self._waiting[group] = numbers  # at the end: other groups have their turn
+            yield Job(self._sweep.module, [(number, self._sweep.case(number)) for number in now], group)
+
+
+def run_sweep(sweep: Sweep, folder: Path, *, engine: str = "processes", workers: int | None = None) -> SweepSummary:
+    """Run the cases that have no row in ``folder`` yet, and return all rows, of earlier runs too.
+
+    Arguments: ``engine`` and ``workers`` as `cnnsim.workers.open_workers` takes them.
+
+    Raises:
+        InputError: a folder of another sweep; an unknown engine; a missing library; no scheduler, or one that has gone.
+    """
+    table, begun = SweepTable(folder, sweep.digest), perf_counter()
+    have = table.done()
+    left = [number for number in range(len(sweep)) if number not in have]
+    seconds = busy = 0.0
+    if left:
+        with open_workers(engine, workers) as crew:
+            busy = _run(sweep, left, table, crew)
+            seconds = perf_counter() - begun
+            busy /= seconds * crew.count
+    rows = table.finish()
+    failed = sum(row.get("error") is not None for row in rows)
+    return SweepSummary(rows, failed, len(left), seconds, busy, table.file)
+
+
+def _run(sweep: Sweep, left: list[int], table: SweepTable, workers: Workers) -> float:
+    """Run cases, write their rows now and then, and return the seconds in kernels."""
+    pace, rows, written, kernels, count = _Pace(sweep, left), list[Row](), perf_counter(), 0.0, 0
+    try:
+        for done in _survivors(pace, workers):
+            pace.learn(done)
+            rows, kernels, count = rows + done.rows, kernels + done.kernels, count + len(done.rows)
+            if perf_counter() - written > PART_SECONDS:
+                table.add(rows)
+                rows, written = [], perf_counter()
+            if (told := watcher()) is not None:
+                told(count / len(left), f"{count} of {len(left)} cases")
+    finally:
+        table.add(rows)
+    return kernels
+
+
+def _survivors(pace: _Pace, workers: Workers) -> Iterator[Done]:
+    """Yield what came of all jobs; where a process died on one, its halves are run, down to the case that did it."""
+    fatal = list[Job]()
+    for done in workers.map(run_job, pace.jobs()):
+        if isinstance(done, Lost):
+            fatal.append(done.task)
+        else:
+            yield done
+    while fatal:
+        job = fatal.pop()
+        if len(job.cases) == 1:
+            yield died(job)
+            continue
+        for half in job.halves():
+            for done in workers.map(run_job, [half]):
+                if isinstance(done, Lost):
+                    fatal.append(half)
+                else:
+                    yield done

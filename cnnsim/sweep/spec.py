@@ -1,0 +1,130 @@
+"""Sweep files: the choices of each key, read from TOML and multiplied out to cases."""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cnnsim.support import InputError
+from cnnsim.support.errors import naming
+from cnnsim.support.toml_file import check_keys, line_of, located, read_toml, take
+from cnnsim.sweep.kind import Case, Kind, load_kind
+
+MOST_CASES = 10**8
+"""Cases of a sweep: more rows than a table on one disk is good for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """A grid of cases of one kind: case k is the k-th combination, the last key of ``grid`` changing fastest."""
+
+    kind: Kind
+    module: str
+    grid: Mapping[str, tuple[Any, ...]]
+    fixed: Mapping[str, Any]
+    name: str
+
+    def __len__(self) -> int:
+        return math.prod(len(values) for values in self.grid.values())
+
+    def case(self, number: int) -> dict[str, Any]:
+        """Return what is chosen in case ``number``."""
+        sizes = tuple(len(values) for values in self.grid.values())
+        at = np.unravel_index(number, sizes) if sizes else ()
+        return {**self.fixed, **{key: self.grid[key][int(i)] for key, i in zip(self.grid, at, strict=True)}}
+
+    @property
+    def digest(self) -> str:
+        """What tells this sweep from another one: of its module, its grid and what is fixed."""
+        return sha256(json.dumps([self.module, list(self.grid.items()), dict(self.fixed)]).encode()).hexdigest()
+
+
+def read_sweep(path: Path, kinds: Mapping[str, str]) -> Sweep:
+    """Read a sweep's file: ``kind``, [grid] with a list or a range for each key, and [fixed]; all cases are checked.
+
+    A range is { from = 0, count = 100 }, { from = 0.1, to = 0.9, count = 9 }, or with spacing = "log".
+
+    Raises:
+        InputError: unknown keys or kinds, keys given twice, no case, a case that cannot be.
+    """
+    table = read_toml(path, "sweep")
+    with naming(path):
+        check_keys(table, ("kind", "grid", "fixed"), required=("kind", "grid"))
+        with located(table, "kind"):
+            kind = load_kind(table["kind"], kinds)
+        grid, fixed = take(table, "grid", dict, "sweep"), take(table, "fixed", dict, "sweep", {})
+        for part, name in ((grid, "[grid]"), (fixed, "[fixed]")):
+            check_keys(part, kind.keys, name)
+        if twice := grid.keys() & fixed.keys():
+            raise InputError(f"{', '.join(sorted(twice))} in [grid] and in [fixed]; one of them wanted")
+        if missing := [key for key in kind.needed if key not in grid and key not in fixed]:
+            raise InputError(f"no {', '.join(map(repr, missing))} in [grid] or [fixed]{line_of(grid)}")
+        values = {key: _values(grid, key) for key in grid}
+        chosen = {key: _plain(value) for key, value in fixed.items()}
+        for key in kind.paths:
+            if key in values:
+                values[key] = tuple(_beside(path, value) for value in values[key])
+            if key in chosen:
+                chosen[key] = _beside(path, chosen[key])
+        sweep = Sweep(kind, kinds[table["kind"]], values, chosen, path.stem)
+        if not 0 < len(sweep) <= MOST_CASES:
+            raise InputError(f"{len(sweep)} cases; 1 to {MOST_CASES:.0e} wanted")
+        _check(sweep)
+    return sweep
+
+
+def _check(sweep: Sweep) -> None:
+    """Check each value of each key once, beside the first values of the others."""
+    if sweep.kind.check is None:
+        return
+    first: Case = sweep.case(0)
+    sweep.kind.check(first)
+    for key, values in sweep.grid.items():
+        for value in values[1:]:
+            sweep.kind.check({**first, key: value})
+
+
+def _values(grid: Mapping[str, Any], key: str) -> tuple[Any, ...]:
+    value, where = grid[key], f"[grid]: {key}"
+    with located(grid, key):
+        if isinstance(value, dict):
+            return _range(value, where)
+        if not isinstance(value, list) or not value:
+            raise InputError(f"{where} = {value!r}; a list of values, or a range with from and count, wanted")
+        return tuple(_plain(entry) for entry in value)
+
+
+def _range(table: Mapping[str, Any], where: str) -> tuple[Any, ...]:
+    check_keys(table, ("from", "to", "count", "spacing"), where, required=("from", "count"))
+    count, spacing = take(table, "count", int, where), take(table, "spacing", str, where, "linear")
+    if not 0 < count <= MOST_CASES:
+        raise InputError(f"{where}: count = {count}; 1 to {MOST_CASES:.0e} wanted")
+    if "to" not in table:
+        if spacing != "linear":
+            raise InputError(f"{where}: spacing = {spacing!r} without 'to'; both wanted")
+        first = take(table, "from", int, where)
+        return tuple(range(first, first + count))
+    low, high = take(table, "from", float, where), take(table, "to", float, where)
+    if spacing == "linear":
+        return tuple(float(f"{value:.12g}") for value in np.linspace(low, high, count))
+    if spacing != "log" or not (low > 0 and high > 0):
+        raise InputError(f"{where}: spacing = {spacing!r} from {low:g} to {high:g}; linear, or log above 0, wanted")
+    return tuple(float(f"{value:.12g}") for value in np.geomspace(low, high, count))
+
+
+def _plain(value: Any) -> Any:
+    """Return tables and lists of a file as plain ones: they travel to other processes, and into the digest."""
+    if isinstance(value, dict):
+        return {key: _plain(entry) for key, entry in value.items()}
+    return [_plain(entry) for entry in value] if isinstance(value, list) else value
+
+
+def _beside(path: Path, value: Any) -> Any:
+    if not isinstance(value, str) or not (path.parent / value).exists():
+        return value  # a name of the library, say; a missing file is found by the kind's own check
+    return str((path.parent / value).resolve())

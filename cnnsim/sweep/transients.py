@@ -1,0 +1,108 @@
+"""Transients as cases of a sweep: a template on a random picture, many grids of one shape in one launch."""
+
+from collections.abc import Hashable, Sequence
+from typing import Any
+
+import numpy as np
+
+from cnnsim.library.catalogue import load
+from cnnsim.network import Template, parse_boundary
+from cnnsim.support import Array, InputError
+from cnnsim.support.toml_file import in_range
+from cnnsim.sweep.kind import Case, Kind, Row, in_kernels
+from cnnsim.transient import run_transient
+
+KEYS = {
+    "template": "a template of the library, or a file",
+    "rows": "rows of the grid; 64 without it",
+    "cols": "columns; as many as rows without it",
+    "density": "the share of black cells of the random picture; 0.5 without it",
+    "noise": "standard deviation of what is added to the picture, which is then clipped to +-1",
+    "seed": "of the random picture and its noise; 0 without it",
+    "z": "the bias in place of the template's",
+    "gain": "a factor on A and B",
+    "boundary": "zero-flux, periodic, or fixed:v in place of the template's",
+    "time": "time constants in place of the template's rule",
+    "step": "step in time constants",
+    "scheme": "integration scheme",
+    "limit": "time constants to wait for rest at most",
+    "dtype": "float32 or float64",
+    "backend": "cpu, opencl or reference",
+}
+_OF_A_PLANE = ("density", "noise", "seed")
+"""What may differ between the grids of one launch."""
+
+
+def group(case: Case) -> Hashable:
+    """Return what cases of one launch share: all but the picture."""
+    return repr(sorted((key, value) for key, value in case.items() if key not in _OF_A_PLANE))
+
+
+def check(case: Case) -> None:
+    """Check names and sizes of a case, before any is run."""
+    if load(case["template"]).frame_time is not None:
+        raise InputError(f"template {case['template']!r} takes moving pictures; one for single pictures wanted")
+    for key in ("rows", "cols"):
+        size = case.get(key, 64)
+        if type(size) is not int or not 1 <= size <= 1 << 14:
+            raise InputError(f"{key} = {size!r}; a whole number from 1 to {1 << 14} wanted")
+    if type(case.get("seed", 0)) is not int or case.get("seed", 0) < 0:
+        raise InputError(f"seed = {case['seed']!r}; a whole number from 0 on wanted")
+    for key, low, high in (("density", 0.0, 1.0), ("noise", 0.0, np.inf)):
+        number = case.get(key, low)
+        if type(number) not in (int, float) or not (low <= number <= high and in_range(number)):
+            raise InputError(f"{key} = {number!r}; a number from {low:g} to {high:g} wanted")
+
+
+def picture(case: Case) -> Array:
+    """Return the random picture of a case."""
+    rows = case.get("rows", 64)
+    random = np.random.default_rng(case.get("seed", 0))
+    shown = np.where(random.random((rows, case.get("cols", rows))) < case.get("density", 0.5), 1.0, -1.0)
+    if case.get("noise"):
+        shown = np.clip(shown + case["noise"] * random.standard_normal(shown.shape), -1.0, 1.0)
+    return shown
+
+
+def run(cases: Sequence[Case]) -> list[Row]:
+    """Run cases of one group as one batch; to ``"settled"`` all go on until the last of them has settled."""
+    first = cases[0]
+    entry = load(first["template"])
+    shown = np.array([picture(case) for case in cases])
+    planes = entry.planes(shown, shown if "given" in _roles(entry.initial_state) else None)
+    changes: dict[str, Any] = {key: first[key] for key in ("step", "scheme", "limit") if key in first}
+    if "boundary" in first:
+        changes["boundary"] = parse_boundary(first["boundary"])
+    if "time" in first:
+        changes["duration"] = first["time"]
+    task = entry.changed({**planes, **entry.rules(shown.shape[-2:], 1)}, changes)
+    where = {"backend": first.get("backend", "cpu"), "dtype": first.get("dtype")}
+    with in_kernels():
+        y = run_transient(_changed(entry.network, first), **task, **where).y
+    return [_row(plane, given) for plane, given in zip(y, shown, strict=True)]
+
+
+def _row(y: Array, shown: Array) -> Row:
+    return {
+        "black": int((y > 0).sum()),
+        "mean": float(y.mean()),
+        "changed": int(((y > 0) != (shown > 0)).sum()),
+        "grey": int((np.abs(y) < 1).sum()),
+    }
+
+
+def _roles(initial_state: Any) -> tuple[Any, ...]:
+    return initial_state if isinstance(initial_state, tuple) else (initial_state,)
+
+
+def _changed(network: Any, case: Case) -> Any:
+    """Return the template with the bias and the gain of a case."""
+    if "z" not in case and "gain" not in case:
+        return network
+    if not isinstance(network, Template):
+        raise InputError(f"template {case['template']!r} has layers; z and gain change a single one")
+    gain = case.get("gain", 1.0)
+    return Template(gain * network.A, gain * network.B, case.get("z", network.z), network.name, network.terms)
+
+
+KIND = Kind(keys=KEYS, run=run, group=group, needed=("template",), check=check)

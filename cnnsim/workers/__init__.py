@@ -1,0 +1,5 @@
+"""Workers: processes of this machine or of a Dask cluster that take tasks, and what happens when one of them dies."""
+
+from cnnsim.workers.base import Lost, Workers, open_workers
+
+__all__ = ["Lost", "Workers", "open_workers"]

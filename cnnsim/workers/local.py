@@ -1,0 +1,75 @@
+"""Workers as processes of this machine: joblib's, which are started afresh when one of them was killed."""
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, TypeVar
+
+from cnnsim.support import InputError
+from cnnsim.support.extras import install_line
+from cnnsim.workers.base import Lost, Workers
+
+Task = TypeVar("Task")
+Outcome = TypeVar("Outcome")
+
+
+class LocalWorkers(Workers):
+    """``count`` processes; a single worker is this process."""
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+        try:
+            import joblib  # type: ignore[import-untyped]  # it ships no types
+        except ImportError as error:
+            raise InputError(f"worker processes are joblib's, which is missing: {install_line('scale')}") from error
+        self._joblib = joblib
+
+    def map(self, function: Callable[[Task], Outcome], tasks: Iterable[Task]) -> Iterator[Outcome | Lost]:
+        """See `Workers.map`."""
+        if self.count == 1:
+            yield from map(function, tasks)
+            return
+        waiting, drawn = iter(tasks), dict[int, Task]()
+        numbered = self._numbered(waiting, drawn)
+        while True:
+            try:
+                for number, outcome in self._run(function, numbered):
+                    del drawn[number]
+                    yield outcome
+            except self._died():
+                for number, task in list(drawn.items()):  # those that were under way, one by one: which was it?
+                    yield self._alone(function, task)
+                    del drawn[number]
+                numbered = self._numbered(waiting, drawn)
+                continue
+            return
+
+    def _alone(self, function: Callable[[Task], Outcome], task: Task) -> Outcome | Lost:
+        try:
+            return next(iter(self._run(function, [(0, task)])))[1]
+        except self._died():
+            return Lost(task)
+
+    @staticmethod
+    def _numbered(tasks: Iterator[Task], drawn: dict[int, Task]) -> Iterator[tuple[int, Task]]:
+        for task in tasks:
+            number = max(drawn, default=-1) + 1
+            drawn[number] = task  # before it is handed out: what was drawn and not handed back is run again
+            yield number, task
+
+    def _run(self, function: Callable[[Task], Outcome], tasks: Iterable[tuple[int, Task]]) -> Iterable[Any]:
+        parallel = self._joblib.Parallel(
+            n_jobs=self.count, return_as="generator_unordered", batch_size=1, pre_dispatch=2 * self.count,
+            max_nbytes=None,
+        )  # fmt: skip
+        return parallel(self._joblib.delayed(_with_number)(function, *task) for task in tasks)
+
+    @staticmethod
+    def _died() -> type[Exception]:
+        from joblib.externals.loky.process_executor import (  # type: ignore[import-untyped]  # the same
+            TerminatedWorkerError,  # joblib has it under no other name
+        )
+
+        return TerminatedWorkerError
+
+
+def _with_number(function: Callable[[Task], Outcome], number: int, task: Task) -> tuple[int, Outcome]:
+    return number, function(task)

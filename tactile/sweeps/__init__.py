@@ -1,0 +1,1 @@
+"""Kinds of sweep of the tactile layer, see `cnnsim.sweep`."""
