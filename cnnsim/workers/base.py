@@ -1,4 +1,4 @@
-"""Workers by their name: "processes" of this machine, "dask" on it, or "dask=ADDRESS" of a scheduler."""
+"""What workers are: processes that take tasks, each computed on one thread."""
 
 import os
 from collections.abc import Callable, Iterable, Iterator
@@ -6,8 +6,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from threading import Lock
 from typing import Any, Protocol, TypeVar
-
-from cnnsim.support import InputError
 
 Task = TypeVar("Task")
 Outcome = TypeVar("Outcome")
@@ -30,28 +28,6 @@ class Workers(Protocol):
 
         A task may be run again where a process died, so it must do the same each time. What it raises is raised here.
         """
-
-
-@contextmanager
-def open_workers(name: str, count: int | None = None) -> Iterator[Workers]:
-    """Give workers by their name, see above; ``count`` of them, None for one a core, or for all that a cluster has.
-
-    Raises:
-        InputError: an unknown name, a library that is missing, a scheduler that does not answer.
-    """
-    if count is not None and count < 1:
-        raise InputError(f"{count} workers; 1 or more wanted")
-    if name == "processes":
-        from cnnsim.workers.local import LocalWorkers  # joblib is slow to import
-
-        yield LocalWorkers(count or cores())
-    elif name == "dask" or name.startswith("dask="):
-        from cnnsim.workers.cluster import cluster_workers  # so is dask
-
-        with cluster_workers(name.removeprefix("dask").removeprefix("="), count) as workers:
-            yield workers
-    else:
-        raise InputError(f"engine {name!r}; processes, dask or dask=ADDRESS wanted")
 
 
 _ONE_AT_A_TIME = Lock()
