@@ -11,14 +11,23 @@ FULL = 1000
 """Columns where the output is no terminal: no line of a scene is longer, and nothing is cut."""
 
 
-@click.command(epilog=examples("tactile explain examples/scenes/grip.toml", "tactile explain scene.toml --json"))
+@click.command(
+    epilog=examples(
+        "tactile explain examples/scenes/grip.toml",
+        "tactile explain scene.toml --json",
+        "tactile explain scene.toml --write chosen.toml",
+    )
+)
 @click.argument("scene", type=click.Path(path_type=Path))
+@click.option(
+    "--write", type=click.Path(path_type=Path), help="Keep the effects chosen by effects = 'auto' in this scene file."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
-def explain(scene: Path, as_json: bool) -> None:
-    """Show what SCENE computes: each part's size and time per frame, and what leaving the others out costs."""
+def explain(scene: Path, write: Path | None, as_json: bool) -> None:
+    """Show what SCENE computes: each part's size and time per frame, and what adding the others would change."""
     from tactile.simulator.scene.explain import explain_file  # not for --help
 
-    told = explain_file(scene)
+    told = explain_file(scene, write)
     if as_json:
         print_json(
             {
@@ -38,7 +47,7 @@ def explain(scene: Path, as_json: bool) -> None:
     for line in told.lines:
         tree.add(line)
     on = tree.add("on: size in the signal relative to the peak, time per frame")
-    off = tree.add("off: what leaving it out costs, relative to the peak (at the strength given, or a typical one)")
+    off = tree.add("off: what adding it would change, relative to the peak (at the strength given, or a typical one)")
     for part in told.parts:
         text = f"{part.name:<20} {'' if part.name == 'contacts' else f'{part.size:.2g}':>9}"
         if part.on:

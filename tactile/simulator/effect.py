@@ -28,7 +28,7 @@ def parameter(
 
 
 @dataclass_transform(frozen_default=True)
-def effect(stage: str, random: bool = False) -> Callable[[type[Kind]], type[Kind]]:
+def effect(stage: str, random: bool = False, normal: bool = False) -> Callable[[type[Kind]], type[Kind]]:
     """Make a class an effect: a frozen dataclass of parameters with what ``effects.Effect`` says of them.
 
     Its parameters are refused outside their ranges, before its own ``__post_init__``. Where all strengths are zero its
@@ -48,17 +48,21 @@ def effect(stage: str, random: bool = False) -> Callable[[type[Kind]], type[Kind
                 own_check(self)
 
         def call(self: Any, stream: Iterable[Any], random: np.random.Generator) -> Iterator[Any]:
-            off = all(getattr(self, name) == value for name, value in kind.NONE.items())
-            return iter(stream) if off else act(self, stream, random)
+            return iter(stream) if is_off(self) else act(self, stream, random)
 
         kind.__post_init__, kind.__call__ = check, call
         kind = dataclass(frozen=True)(kind)
-        kind.STAGE, kind.RANDOM = stage, random
+        kind.STAGE, kind.RANDOM, kind.NORMAL = stage, random or normal, normal
         kind.KEYS = {one.metadata["key"] or one.name: (one.name, one.metadata["unit"]) for one in fields(kind)}
         kind.NONE = {one.name: one.metadata["none"] for one in fields(kind) if one.metadata["none"] is not NEEDED}
         return given
 
     return define
+
+
+def is_off(effect: Any) -> bool:
+    """Whether all strengths of an effect are zero."""
+    return all(getattr(effect, name) == value for name, value in effect.NONE.items())
 
 
 def within(name: str, value: Any, low: float = 0.0, high: float = math.inf) -> None:

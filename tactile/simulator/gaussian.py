@@ -11,6 +11,8 @@ from cnnsim.support.kept_loops import kept_njit
 
 BITS = 13
 """The table has 2^13 quantiles: 32 KiB, the first-level cache."""
+LARGEST = 5.7
+"""No number is larger."""
 SERIAL_BELOW = 200_000
 """Fewer pairs than this are done before the threads have woken up, or soon after."""
 BLOCK = 512

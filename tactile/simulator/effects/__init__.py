@@ -6,10 +6,21 @@ nothing. Its class says
 
     STAGE   "field" or "frames": where in the chain it acts
     RANDOM  whether it draws random numbers
+    NORMAL  whether what it changes is normally distributed, or nearly: such changes add up by their squares
     KEYS    the keys of its table in a scene: name -> (attribute, factor to SI units)
     NONE    the attributes that make its strength zero, and their values then
 
-and its attributes' defaults are typical values, which estimates use where a scene does not give any.
+and, so that ``effects = "auto"`` may leave it out,
+
+    reach(seen) -> float             an effect on frames: bound of what it changes, given bounds of the readings
+    strays(field, frames) -> float   a random one on fields: the same, for frames of a field
+    passes(seen) -> float            where it lets a change before it grow: by how much at most
+    behind(seen) -> Seen             where the bounds do not grow by all that it changes: those behind it
+    grain(seen) -> float             where the smallest change before it may become a large one: that
+
+What holds of something random holds for 999 seeds in a thousand.
+
+Its attributes' defaults are typical values, which estimates use where a scene does not give any.
 """
 
 import importlib
@@ -41,10 +52,11 @@ ORDER = (
 
 
 class Effect(Protocol):
-    """What all effects have in common: these four attributes."""
+    """What all effects have in common: these attributes."""
 
     STAGE: ClassVar[str]
     RANDOM: ClassVar[bool]
+    NORMAL: ClassVar[bool]
     KEYS: ClassVar[Mapping[str, tuple[str, float]]]
     NONE: ClassVar[Mapping[str, Any]]
 

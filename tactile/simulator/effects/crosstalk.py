@@ -7,6 +7,7 @@ import numpy as np
 
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
+from tactile.simulator.seen import Seen
 
 
 @effect("frames")
@@ -21,6 +22,18 @@ class Crosstalk:
 
     cross_axis: float = parameter(0.01, -1.0, 1.0, none=0.0)
     neighbour: float = parameter(0.005, -1.0, 1.0, none=0.0)
+
+    def reach(self, seen: Seen) -> float:
+        """Bound of the change: two other components, and the neighbours that there are."""
+        across = 2 * abs(self.cross_axis)
+        return seen.largest * (across + (1 + across) * self._around(seen))
+
+    def passes(self, seen: Seen) -> float:
+        """By what a change before it may grow."""
+        return (1 + 2 * abs(self.cross_axis)) * (1 + self._around(seen))
+
+    def _around(self, seen: Seen) -> float:
+        return abs(self.neighbour) * sum(min(side - 1, 2) for side in seen.array.shape)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Mixed frames."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter, within
+from tactile.simulator.seen import RARE, Seen
 
 
 @effect("frames", random=True)
@@ -22,6 +23,16 @@ class DeadTaxels:
 
     def __post_init__(self) -> None:
         within("stuck", self.stuck, 0.0, 1.0 - self.dead)
+
+    def reach(self, seen: Seen) -> float:
+        """Bound of the change; none where no taxel is concerned, but for one in 1 / RARE seeds."""
+        dead, stuck = (1 - (1 - chance) ** seen.taxels > RARE for chance in (self.dead, self.stuck))
+        return max(seen.largest * dead, (seen.largest + seen.full_scale) * stuck)
+
+    def behind(self, seen: Seen) -> Seen:
+        """The bounds behind it: a silent taxel does not change, and a stuck one reads no more than full scale."""
+        most = max(seen.largest, seen.full_scale * (self.stuck > 0))
+        return replace(seen, largest=most, normal=(-most, most) if self.stuck > 0 else seen.normal)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames with silent taxels."""

@@ -7,9 +7,10 @@ import numpy as np
 
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
+from tactile.simulator.seen import Seen, sigmas
 
 
-@effect("frames", random=True)
+@effect("frames", normal=True)
 class Drift:
     """Adds full scale * (``rate`` * s_c * t + ``walk`` * W_c(t)) to channel c, t from the first frame.
 
@@ -20,6 +21,11 @@ class Drift:
 
     rate: float = parameter(2e-4, key="rate_per_s", none=0.0)
     walk: float = parameter(2e-4, key="walk_per_sqrt_s", none=0.0)
+
+    def reach(self, seen: Seen) -> float:
+        """Bound of the change; a walk goes as far before its end as at its end for one seed in two."""
+        spread = np.sqrt((self.rate * seen.duration) ** 2 + self.walk**2 * seen.duration)
+        return seen.full_scale * float(spread) * sigmas(2 * 3 * seen.taxels)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames with wandering zeros."""

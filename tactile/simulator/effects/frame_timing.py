@@ -7,6 +7,7 @@ import numpy as np
 
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
+from tactile.simulator.seen import Seen, longest_run, sigmas
 
 
 @effect("frames", random=True)
@@ -21,6 +22,12 @@ class FrameTiming:
     jitter: float = parameter(1e-4, key="jitter_ms", unit=1e-3, none=0.0)
     repeats: float = parameter(0.001, 0.0, 1.0, none=0.0)
     drops: float = parameter(0.001, 0.0, 1.0, none=0.0)
+
+    def reach(self, seen: Seen) -> float:
+        """Bound of the change at the frames' own times, lost frames read by straight lines."""
+        late = self.jitter * seen.rate * sigmas(seen.frames) if self.jitter else 0.0
+        rows = sum(longest_run(chance, seen.frames) for chance in (self.repeats, self.drops))
+        return min(seen.change * (late + rows), 2 * seen.largest)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames as they arrive."""

@@ -8,6 +8,7 @@ import numpy as np
 from cnnsim.support.kept_loops import kept_njit
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
+from tactile.simulator.seen import Seen
 
 PLAYS = 4
 
@@ -25,6 +26,11 @@ class Hysteresis:
 
     weight: float = parameter(0.2, 0.0, 1.0, none=0.0)
     width: float = parameter(0.05)
+
+    def reach(self, seen: Seen) -> float:
+        """Bound of the change: no play is off by more than its half-width, nor by more than the signal."""
+        radii = np.arange(1, PLAYS + 1) / PLAYS * self.width * seen.full_scale
+        return self.weight * float(np.minimum(radii, seen.largest).mean())
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames that lag."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
+from tactile.simulator.seen import Seen
 
 
 @effect("frames", random=True)
@@ -24,6 +25,10 @@ class MotorNoise:
     frequency: float = parameter(1600.0, key="frequency_hz")
     duty: float = parameter(0.2, 0.0, 1.0)
     burst: float = parameter(0.1, 1e-6, key="burst_s")
+
+    def reach(self, seen: Seen) -> float:
+        """Bound of the change."""
+        return self.amplitude * seen.full_scale * (self.duty > 0)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames with the tone."""

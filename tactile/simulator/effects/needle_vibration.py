@@ -7,10 +7,14 @@ import numpy as np
 from tactile.core.loads import F
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
-from tactile.simulator.held_needle import force_factor
+from tactile.simulator.held_needle import force_factor, raised
+from tactile.simulator.seen import sigmas
+
+STEEPEST = 2.0
+"""No reading changes faster across the surface than by so many times the largest one a depth: point loads 1 to 1.5."""
 
 
-@effect("field", random=True)
+@effect("field", normal=True)
 class NeedleVibration:
     """Every frame all contacts of a finger are displaced together, x and y by ``lateral`` and z by ``vertical`` [m].
 
@@ -33,3 +37,9 @@ class NeedleVibration:
             shift = np.broadcast_to(moves[..., :2], (*forces.shape, 2))
             factor = force_factor(forces, np.broadcast_to(moves[..., 2], forces.shape), self.tip_radius, field.medium)
             yield field.under(field.loads.moved(shift, factor), field.medium)
+
+    def strays(self, field: Field, frames: int) -> float:
+        """Bound of the change in so many frames, for the frames of a field."""
+        most = sigmas(frames)
+        aside = STEEPEST * most * self.lateral / field.array.depth * float(np.abs(field.values).max(initial=0))
+        return float(np.hypot(aside, raised(field, most * self.vertical, self.tip_radius)))

@@ -6,10 +6,11 @@ import numpy as np
 
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
-from tactile.simulator.gaussian import GaussianNoise
+from tactile.simulator.gaussian import LARGEST, GaussianNoise
+from tactile.simulator.seen import Seen, sigmas
 
 
-@effect("frames", random=True)
+@effect("frames", normal=True)
 class ReadNoise:
     """Adds normal noise of standard deviation ``rms`` (of full scale) to every reading.
 
@@ -17,6 +18,10 @@ class ReadNoise:
     """
 
     rms: float = parameter(0.002, none=0.0)
+
+    def reach(self, seen: Seen) -> float:
+        """Bound of the change."""
+        return self.rms * seen.full_scale * min(sigmas(3 * seen.taxels * seen.frames), LARGEST)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Noisy frames; the noise is added in place, for it must be no slower than the field."""

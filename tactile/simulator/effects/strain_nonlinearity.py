@@ -8,6 +8,7 @@ import numpy as np
 from cnnsim.support import Floats
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
+from tactile.simulator.seen import Seen
 
 
 @effect("frames")
@@ -23,6 +24,16 @@ class StrainNonlinearity:
     """
 
     strength: float = parameter(1.0, 0.0, 1.0, none=0.0)
+
+    def reach(self, seen: Seen) -> float:
+        """Bound of the change: it grows to both sides of zero."""
+        ends = np.array(seen.normal) / seen.unit
+        return self.strength * seen.unit * float(np.abs(stretch(ends) - 1 - ends).max())
+
+    def passes(self, seen: Seen) -> float:
+        """By what a change before it may grow: by the slope of the stretch, steepest where most is pulled."""
+        steepest = 3 / (1 + 2 * stretch(np.array(seen.normal[1] / seen.unit)) ** -3)
+        return 1 + self.strength * max(float(steepest) - 1, 0.0)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames of rubber."""

@@ -1,5 +1,6 @@
 """Surface waviness: a held needle meets hills and valleys of the cover."""
 
+import math
 from collections.abc import Iterable, Iterator
 
 import numpy as np
@@ -7,12 +8,13 @@ import numpy as np
 from tactile.core.loads import PLACE, F
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
-from tactile.simulator.held_needle import force_factor
+from tactile.simulator.held_needle import force_factor, raised
+from tactile.simulator.seen import sigmas
 
 WAVES = 32
 
 
-@effect("field", random=True)
+@effect("field", normal=True)
 class SurfaceWaviness:
     """A random surface of standard deviation ``rms`` [m] over hills ``wavelength`` [m] apart.
 
@@ -38,3 +40,7 @@ class SurfaceWaviness:
             height = self.rms * np.sqrt(2 / WAVES) * np.cos(totals[..., PLACE] @ waves + phase).sum(axis=-1)
             factor = force_factor(totals[..., F], height, self.tip_radius, field.medium)
             yield field.under(field.loads.moved(np.zeros((*factor.shape, 2)), factor), field.medium)
+
+    def strays(self, field: Field, frames: int) -> float:
+        """Bound of the change on hills as high as there are under so many frames, for the frames of a field."""
+        return raised(field, self.rms * min(sigmas(frames), math.sqrt(2 * WAVES)), self.tip_radius)

@@ -1,5 +1,6 @@
 """Viscoelasticity: a Prony series between the elastic field and the readings."""
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
@@ -9,6 +10,7 @@ from cnnsim.support import InputError
 from cnnsim.support.kept_loops import kept_njit
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
+from tactile.simulator.seen import Seen
 
 
 @effect("frames")
@@ -45,6 +47,14 @@ class Viscoelastic:
             total <= 1 or (self.creep and total < np.inf)
         ):
             raise InputError(f"parts = {pairs}, shares from 0 up with a sum of at most 1 and positive times wanted")
+
+    def reach(self, seen: Seen) -> float:
+        """Bound of the change: x - h_i is a mean over the past, as far back as the recording goes."""
+        return sum(g * -math.expm1(-seen.duration / tau) for g, tau in self.parts) * seen.largest
+
+    def passes(self, seen: Seen) -> float:
+        """By what a change before it may grow."""
+        return 1 + sum(g for g, _ in self.parts)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames with memory."""

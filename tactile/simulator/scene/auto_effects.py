@@ -1,11 +1,10 @@
 """Automatic choice of effects by size: ``effects = "auto"`` keeps what matters in a scene and says what it left out."""
 
 from dataclasses import dataclass
-from typing import Any
 
 from cnnsim.support import InputError
 from tactile.simulator.effects import ORDER, effect_class
-from tactile.simulator.scene.estimate import Named, Sample
+from tactile.simulator.scene.effect_bounds import EffectBounds, Named
 from tactile.simulator.scene.scene import Scene
 
 
@@ -13,10 +12,9 @@ from tactile.simulator.scene.scene import Scene
 class Choice:
     """What the automatic choice decided.
 
-    ``scene`` with the chosen effects; ``sizes``: estimated size of every effect, relative to the peak; ``left_out``:
-    name -> size, the bound of what its absence costs; ``together``: effects smaller than the tolerance that are on
-    because without them the others left out would have exceeded it together; ``joint``: measured error of the choice
-    against everything on, over the sample.
+    ``scene`` with the chosen effects; ``sizes``: bound of what every effect changes with the others on, relative to the
+    peak; ``left_out``: those of the effects that are off; ``together``: effects smaller than the tolerance that are on
+    because with them the others left out would exceed it; ``bound``: of the error against everything on.
     """
 
     scene: Scene
@@ -24,7 +22,7 @@ class Choice:
     sizes: dict[str, float]
     left_out: dict[str, float]
     together: tuple[str, ...]
-    joint: float
+    bound: float
 
 
 def candidates(scene: Scene) -> list[Named]:
@@ -34,43 +32,48 @@ def candidates(scene: Scene) -> list[Named]:
     return [(name, effect) for name, effect in effects if scene.bumps is None or effect.STAGE != "field"]
 
 
-def size_of(sample: Sample, name: str, effect: Any) -> float:
-    """Estimated size of one effect in a scene: the largest change it makes on its own, relative to the peak."""
-    alone = sample.gap(sample.run([(name, effect)]), sample.run([]))
-    return alone * (sample.stretch if effect.RANDOM else 1.0)
-
-
 def choose(scene: Scene, tolerance: float) -> Choice:
-    """Turn on exactly the effects whose estimated size exceeds the tolerance.
+    """Leave out the effects that together change no reading by more than the tolerance times the peak.
 
-    All effects are candidates: those that the scene describes with its numbers, the others at typical strength. As
-    small errors add, the choice is then run against everything on, over the sample; while the error exceeds the
-    tolerance, the effect that mends most of it is turned on too.
+    All effects are candidates: those that the scene describes with its numbers, the others at typical strength. Bounds
+    hold over the whole recording, and what is random for all seeds but one in a thousand. Effects on fields, which
+    cost most, are left out first, each time the smallest; what those left out do together is then tried on the frames
+    with the largest readings.
 
     Raises:
         InputError: a tolerance that is not positive.
     """
     if not tolerance > 0:
         raise InputError(f"tolerance {tolerance}, a positive number wanted")
-    sample = Sample(scene)
     effects = candidates(scene)
-    sizes = {name: size_of(sample, name, effect) for name, effect in effects}
-    on = {name for name, size in sizes.items() if size > tolerance}
-    everything = sample.run(effects)
+    bounds = EffectBounds(scene, effects)
+    sizes = bounds.sizes()
+    fields = {name for name, effect in effects if effect.STAGE == "field"}
+    order = sorted(sizes, key=lambda name: (name not in fields, sizes[name]))
+    off, joint = _left_out(bounds, order, fields, tolerance)
+    while bounds.bends(off):
+        joint = bounds.without(off).change(off)
+        if joint <= tolerance:
+            break
+        # it does more beside the others than alone, as Poisson's ratio at the bottom of a layer
+        order.remove(max(off & fields, key=lambda name: sizes[name]))
+        off, joint = _left_out(bounds, order, fields, tolerance)
+    chosen = scene.with_effects((name, effect) for name, effect in effects if name not in off)
+    together = tuple(name for name in sizes if name not in off and sizes[name] <= tolerance)
+    return Choice(chosen, tolerance, sizes, {n: sizes[n] for n in sizes if n in off}, together, joint)
 
-    def error(names: set[str]) -> float:
-        return sample.gap(sample.run([(name, effect) for name, effect in effects if name in names]), everything)
 
-    together: list[str] = []
-    joint = error(on)
-    while joint > tolerance / sample.stretch:
-        # which one mends most is measured, for small alone is not small beside others: what Poisson's ratio does
-        # at the bottom of a layer is large
-        off = [name for name in sizes if name not in on]
-        worth = [name for name in off if sizes[name] > tolerance / (4 * len(off))] or off
-        joint, name = min((error({*on, name}), name) for name in worth)
-        on.add(name)
-        together.append(name)
-    chosen = scene.with_effects((name, effect) for name, effect in effects if name in on)
-    left_out = {name: sizes[name] for name in sizes if name not in on}
-    return Choice(chosen, tolerance, sizes, left_out, tuple(together), joint)
+def _left_out(bounds: EffectBounds, order: list[str], fields: set[str], tolerance: float) -> tuple[set[str], float]:
+    """What can be left out of the effects in an order, and the bound of the error."""
+    # where a converter's steps are coarse nothing before it may be left out, or the converter itself
+    grains = {name for one in bounds.fingers for name in one.grains}
+    found: list[tuple[set[str], float]] = []
+    for ranked in [order, sorted(order, key=lambda name: name not in grains)][: 1 + bool(grains)]:
+        off: set[str] = set()
+        joint = 0.0
+        for name in ranked:
+            change = bounds.change({*off, name})
+            if change <= tolerance:
+                off, joint = {*off, name}, change
+        found.append((off, joint))
+    return max(found, key=lambda one: (len(one[0] & fields), len(one[0])))

@@ -1,7 +1,7 @@
 """Size and cost of effects, measured on a sample of a scene's frames."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from time import perf_counter
 from typing import Any
@@ -14,20 +14,25 @@ from tactile.simulator.field import Field
 from tactile.simulator.scene.scene import Scene
 
 Named = tuple[str, Any]
-FRAMES = 512
-"""Frames of each finger in a sample."""
+FRAMES = 4096
+"""Frames of each finger in a sample: the whole recording of all but long scenes."""
 
 
 @dataclass(frozen=True)
 class Sample:
-    """Frames spread evenly over a scene, with what presses and what the ideal taxels feel: the base of estimates."""
+    """Frames spread evenly over a scene, with what presses and what the ideal taxels feel: the base of estimates.
+
+    ``most``: how many frames.
+    """
 
     scene: Scene
+    most: int = FRAMES
+    _memory: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @cached_property
     def numbers(self) -> Integers:
         """Which frames: all of a short scene, else evenly spread ones, the first and the last among them."""
-        count = min(self.scene.samples, FRAMES)
+        count = min(self.scene.samples, self.most)
         return np.unique(np.linspace(0, self.scene.samples - 1, count).round().astype(np.int64))
 
     @cached_property
@@ -43,29 +48,29 @@ class Sample:
     @cached_property
     def peak(self) -> float:
         """The largest reading of the ideal skin; a share of the full scale where nothing presses."""
-        largest = max((float(np.abs(field.values).max()) for fields in self.fields for field in fields), default=0.0)
+        largest = max((float(np.abs(one.values).max()) for fields in self.fields for one in fields), default=0.0)
         return largest if largest > 0 else max(self.scene.full_scale * self.scene.unit(0), np.finfo(float).tiny)
-
-    @cached_property
-    def stretch(self) -> float:
-        """By what a random effect's largest value in the whole scene exceeds that in the sample, in the mean.
-
-        The largest of n normal numbers grows like sqrt(2 ln n).
-        """
-        taxels = sum(3 * array.rows * array.cols for array in self.scene.arrays)
-        return float(np.sqrt(np.log(2 * taxels * self.scene.samples) / np.log(2 * taxels * len(self.numbers))))
 
     def run(self, effects: Iterable[Named]) -> list[list[Batch]]:
         """The sample's frames of every finger through a chain of effects, ending with batches."""
         chosen, frames = list(effects), []
-        for finger in range(len(self.scene.arrays)):
-            fields = self.scene.affected(self.fields[finger], "field", chosen, finger)
-            batches = [self._batch(finger, field) for field in fields]
+        for finger, fields in enumerate(self._affected([one for one in chosen if one[1].STAGE == "field"])):
+            batches = [self._batch(finger, one) for one in fields]
             frames.append(list(self.scene.affected(batches, "frames", chosen, finger)))
         return frames
 
-    def _batch(self, finger: int, field: Field) -> Batch:
-        batch = self.scene.batch(finger, field)
+    def _affected(self, effects: list[Named]) -> list[list[Field]]:
+        """The fields after effects on them, the last ones remembered: effects on frames are tried on the same."""
+        kept = self._memory.get("fields")
+        if kept is None or kept[0] != effects:
+            fingers = range(len(self.scene.arrays))
+            made = [list(self.scene.affected(self.fields[n], "field", effects, n)) for n in fingers]
+            self._memory["fields"] = kept = effects, made
+        found: list[list[Field]] = kept[1]
+        return found
+
+    def _batch(self, finger: int, given: Field) -> Batch:
+        batch = self.scene.batch(finger, given)
         return replace(batch, values=batch.values.copy())
 
     def gap(self, one: list[list[Batch]], other: list[list[Batch]]) -> float:
@@ -101,7 +106,7 @@ class Sample:
                 stage = "field"
                 for name, effect in effects:
                     if stage != effect.STAGE:
-                        stream, stage = [self._batch(finger, field) for field in stream], effect.STAGE
+                        stream, stage = [self._batch(finger, one) for one in stream], effect.STAGE
                     begin = perf_counter()
                     stream = list(effect(iter(stream), self.scene.random(name, finger)))
                     spent[name] += perf_counter() - begin

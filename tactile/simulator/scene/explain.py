@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support.toml_file import read_toml
-from tactile.simulator.scene.auto_effects import candidates, choose, size_of
+from tactile.simulator.scene.auto_effects import Choice, candidates, choose
 from tactile.simulator.scene.estimate import Sample
 from tactile.simulator.scene.file import bare_scene
 from tactile.simulator.scene.scene import Scene
+from tactile.simulator.scene.sizes import sizes_in
 
 WORDS = {"MovingLoad": "load", "MovingContact": "contact", "SlidingTexture": "texture", "TractionMap": "map"}
 """What the kinds of contact are called in a scene."""
@@ -22,8 +23,9 @@ WORDS = {"MovingLoad": "load", "MovingContact": "contact", "SlidingTexture": "te
 class ScenePart:
     """One part of a scene.
 
-    ``size``: largest change it makes to the signal, relative to the peak; ``seconds``: measured time per frame,
-    None for what is off. For an effect that is off ``size`` is the estimate of what leaving it out costs.
+    ``size``: largest change of a reading, relative to the peak, when an effect alone is taken away or, where it is off,
+    added; of a random one a bound that all seeds but one in a thousand keep. ``seconds``: measured time per frame, None
+    for what is off.
     """
 
     name: str
@@ -45,25 +47,31 @@ class SceneExplanation:
     notes: tuple[str, ...]
 
 
-def explain_file(path: Path) -> SceneExplanation:
-    """Explain the scene in a file.
+def explain_file(path: Path, write: Path | None = None) -> SceneExplanation:
+    """Explain the scene in a file; with ``write`` keep the effects that it chooses in a scene file of their own.
 
     Raises:
-        InputError: as ``read_scene``.
+        InputError: as ``read_scene``; ``write`` for a scene without effects = "auto", or where its files are not found.
     """
-    scene, tolerance = bare_scene(read_toml(path, "scene"), str(path), path.parent)
-    return explain(scene, tolerance)
+    table = read_toml(path, "scene")
+    scene, tolerance = bare_scene(table, str(path), path.parent)
+    choice = choose(scene, tolerance) if tolerance is not None else None
+    if write is not None:
+        from tactile.simulator.scene.kept_choice import write_choice  # only where called for
+
+        write_choice(path, table, choice, write)
+    return explain(scene, choice)
 
 
-def explain(scene: Scene, tolerance: float | None = None) -> SceneExplanation:
-    """Explain a scene; with a ``tolerance`` its effects are chosen first, as ``effects = "auto"`` does."""
-    described = scene
+def explain(scene: Scene, choice: Choice | None = None) -> SceneExplanation:
+    """Explain a scene; with a ``choice`` that one of its effects."""
+    effects = candidates(scene)
     notes: list[str] = []
-    choice = None
-    if tolerance is not None:
-        choice = choose(scene, tolerance)
+    if choice is not None:
         scene = choice.scene
-        notes.append(f"effects chosen for a tolerance of {tolerance:g} of the peak; measured error {choice.joint:.2g}")
+        notes.append(
+            f"effects chosen for a tolerance of {choice.tolerance:g} of the peak; error at most {choice.bound:.2g}"
+        )
         if choice.together:
             notes.append(f"on although small, for what is left out adds up: {', '.join(choice.together)}")
         if choice.left_out:
@@ -86,9 +94,9 @@ def explain(scene: Scene, tolerance: float | None = None) -> SceneExplanation:
         notes.append(
             f"against the flat cover the bumps change the signal by up to {_departure(scene, sample):.2g} of its peak"
         )
-    for name, effect in candidates(described):
-        size = choice.sizes[name] if choice else size_of(sample, name, effect)
-        parts.append(ScenePart(name, _describe(effect), name in on, size, seconds.get(name)))
+    sizes = sizes_in(scene, effects)
+    for name, effect in effects:
+        parts.append(ScenePart(name, _describe(effect), name in on, sizes[name], seconds.get(name)))
     quantity = scene.arrays[0].quantity
     return SceneExplanation(
         scene.title,

@@ -1,0 +1,100 @@
+"""Scenes for the choice of effects: a needle over four taxels, with any effect at any strength."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from tactile.core.frame import TaxelArray
+from tactile.simulator.contacts.moving_load import MovingLoad
+from tactile.simulator.effects import ORDER, effect_class, without
+from tactile.simulator.effects.crosstalk import Crosstalk
+from tactile.simulator.effects.dead_taxels import DeadTaxels
+from tactile.simulator.effects.drift import Drift
+from tactile.simulator.effects.finite_thickness import FiniteThickness
+from tactile.simulator.effects.finite_tip import FiniteTip
+from tactile.simulator.effects.frame_timing import FrameTiming
+from tactile.simulator.effects.hysteresis import Hysteresis
+from tactile.simulator.effects.motor_noise import MotorNoise
+from tactile.simulator.effects.needle_vibration import NeedleVibration
+from tactile.simulator.effects.poisson_ratio import PoissonRatio
+from tactile.simulator.effects.quantisation import Quantisation
+from tactile.simulator.effects.read_noise import ReadNoise
+from tactile.simulator.effects.strain_nonlinearity import StrainNonlinearity
+from tactile.simulator.effects.surface_waviness import SurfaceWaviness
+from tactile.simulator.effects.taxel_area import TaxelArea
+from tactile.simulator.effects.viscoelastic import Viscoelastic
+from tactile.simulator.scene.auto_effects import candidates
+from tactile.simulator.scene.estimate import Sample
+from tactile.simulator.scene.scene import Scene
+
+QUIET = [(name, without(effect_class(name))) for name in ORDER]
+"""Every effect at strength zero: candidates that only a test turns up."""
+CHIP = TaxelArray("chip", 2, 2, 4e-4, 2e-4)
+
+
+def needle(*effects: tuple[str, Any], duration: float = 1.0, seed: int = 0) -> Scene:
+    """A needle drawn over the chip, with these effects and all others at strength zero."""
+    path = np.array([(0.0, -3e-4, 1e-4, 0.002, 0, 0.02), (duration, 3e-4, 0, -0.002, 0.001, 0.015)])
+    chosen = dict(QUIET) | dict(effects)
+    return Scene("n", 100.0, duration, 2.4e6, (CHIP,), (MovingLoad(0, path),), (), tuple(chosen.items()), 0.15, seed)
+
+
+def random_scene(random: np.random.Generator) -> Scene:
+    """Any effect at any strength, from far below to far above a tolerance of some hundredths, and any load."""
+
+    def some(low: float, high: float) -> float:
+        return float(np.exp(random.uniform(np.log(low), np.log(high))))
+
+    effects: list[tuple[str, Any]] = [
+        ("needle_vibration", NeedleVibration(some(1e-9, 3e-6), some(1e-9, 1e-6))),
+        ("surface_waviness", SurfaceWaviness(some(1e-9, 2e-6), some(2e-4, 2e-3))),
+        ("poisson_ratio", PoissonRatio(0.5 - some(1e-4, 0.4))),
+        ("finite_tip", FiniteTip(some(2e-6, 1e-4))),
+        ("finite_thickness", FiniteThickness(2e-4 * some(1.2, 50))),
+        ("taxel_area", TaxelArea(some(5e-6, 3e-4))),
+        ("strain_nonlinearity", StrainNonlinearity(some(1e-3, 1))),
+        ("viscoelastic", Viscoelastic(((some(1e-4, 0.2), some(1e-2, 10)),))),
+        ("hysteresis", Hysteresis(some(1e-3, 0.5), some(1e-2, 0.3))),
+        ("crosstalk", Crosstalk(some(1e-4, 0.1), some(1e-4, 0.1))),
+        ("motor_noise", MotorNoise(some(1e-5, 0.05))),
+        ("drift", Drift(some(1e-5, 0.05), some(1e-5, 0.05))),
+        ("read_noise", ReadNoise(some(1e-5, 0.02))),
+        ("dead_taxels", DeadTaxels(some(1e-3, 0.1), some(1e-3, 0.1))),
+        ("quantisation", Quantisation(int(random.integers(6, 17)), 2.0)),
+        ("frame_timing", FrameTiming(some(1e-6, 1e-3), some(1e-5, 1e-2), some(1e-5, 1e-2))),
+    ]
+    duration = some(0.3, 3.5)
+    x, y = random.uniform(-4e-4, 4e-4, (2, 2))
+    forces = [(*random.uniform(-5e-3, 5e-3, 2), some(1e-3, 0.03)) for _ in range(2)]
+    path = np.array([(0.0, x[0], y[0], *forces[0]), (duration, x[1], y[1], *forces[1])])
+    # some take part, the others are off
+    taken = [one for one in effects if random.random() < 0.5]
+    chosen = dict(QUIET) | dict(taken if random.random() < 0.5 else effects)
+    seed = int(random.integers(1000))
+    return Scene("r", 50.0, duration, 2.4e6, (CHIP,), (MovingLoad(0, path),), (), tuple(chosen.items()), 0.15, seed)
+
+
+def everything(scene: Scene) -> Scene:
+    """The scene with all effects on."""
+    return scene.with_effects(candidates(scene))
+
+
+def error(one: Scene, other: Scene) -> float:
+    """Largest difference of two scenes over all their frames, read by straight lines, over the ideal skin's peak."""
+    times, largest = np.arange(one.samples) / one.rate, 0.0
+    for finger in range(len(one.arrays)):
+        sides = []
+        for scene in (one, other):
+            batches = list(scene.batches(finger))
+            t = np.concatenate([batch.t for batch in batches])
+            read = np.concatenate([batch.values for batch in batches]).reshape(len(t), -1)
+            t, first = np.unique(t, return_index=True)
+            sides.append(np.stack([np.interp(times, t, column) for column in read[first].T]))
+        largest = max(largest, float(np.abs(sides[0] - sides[1]).max()))
+    return largest / Sample(one).peak
+
+
+def error_of_seeds(chosen: Scene, whole: Scene, seeds: Any) -> float:
+    """The largest error of a choice of effects over some seeds."""
+    return max(error(replace(chosen, seed=seed), replace(whole, seed=seed)) for seed in seeds)
