@@ -15,7 +15,7 @@ FULL = 1000
     epilog=examples(
         "tactile explain examples/scenes/grip.toml",
         "tactile explain scene.toml --json",
-        "tactile explain scene.toml --write chosen.toml",
+        "tactile explain examples/scenes/textures.toml --write chosen.toml",
     )
 )
 @click.argument("scene", type=click.Path(path_type=Path))
