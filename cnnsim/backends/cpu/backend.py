@@ -119,21 +119,24 @@ class CpuBackend(Backend):
             given = ready.z, self._nothing if bias is None else grids(bias), grids(x if u is None else u), ready.control
             work, lines = x.size * max(1, ready.control.size), x.size // x.shape[-1]
             if plan.method == "closed form":
-                end = np.empty_like(x)
+                end, parts = (
+                    np.empty_like(x),
+                    pieces(lines, (work + (0 if ready.settles else EXPONENTIALS * x.size)) / lines),
+                )
                 loop = closed.closed_form.for_work(work)
-                for part in pieces(lines, (work + (0 if ready.settles else EXPONENTIALS * x.size)) / lines):
-                    loop(grids(x), grids(end), cells, ready.cell, given, ready.around_u, *part)
-                outcome = Outcome(end, ready.t, ready.settles, 0.0 if ready.settles else math.nan)
+                fine = [loop(grids(x), grids(end), cells, ready.cell, given, ready.around_u, *part) for part in parts]
+                if not all(fine):
+                    check_finite(end, ready.t)
+                return Outcome(end, ready.t, ready.settles, 0.0 if ready.settles else math.nan)
+            w = self._pool.plane(x)
+            loop = control.for_work(work)
+            for part in pieces(lines, work / lines):
+                loop(controlling(self.dtype).address, grids(w), given, ready.around_u, *part)
+            if ready.fused_euler and mask is None:
+                outcome = fused_euler(plan, ready, x, w, self._pool)
             else:
-                w = self._pool.plane(x)
-                loop = control.for_work(work)
-                for part in pieces(lines, work / lines):
-                    loop(controlling(self.dtype).address, grids(w), given, ready.around_u, *part)
-                if ready.fused_euler and mask is None:
-                    outcome = fused_euler(plan, ready, x, w, self._pool)
-                else:
-                    outcome = driver.run(plan, CompiledSteps(plan, ready, x, w, cells))
-                self._pool.keep(w)
+                outcome = driver.run(plan, CompiledSteps(plan, ready, x, w, cells))
+            self._pool.keep(w)
         if not planes.all_finite.for_work(x.size)(grids(outcome.x)):
             check_finite(outcome.x, outcome.t)
         return outcome

@@ -2,11 +2,13 @@
 
 import math
 
+import numpy as np
 from numba import prange
 
 from cnnsim.backends.cpu.boundary import VirtualCells
 from cnnsim.backends.cpu.drive import Control, control_row
 from cnnsim.backends.cpu.jit.compile import helper, twins
+from cnnsim.backends.cpu.planes import all_true, finite_row
 from cnnsim.support import Array
 
 
@@ -62,8 +64,10 @@ def cell_at_rest(x: float, s: float, a: float, one: float, limited: bool) -> flo
 def closed_form(
     x: Array, end: Array, mask: Array, cell: tuple[float, float, bool], control: Control, virtual: VirtualCells,
     first: int, after: int,
-) -> None:  # fmt: skip
-    """Write the states of cells that start at x, in the rows from ``first`` on, counted through all grids.
+) -> bool:  # fmt: skip
+    """Write the states of cells that start at x, in the rows from ``first`` on, and return whether all are finite.
+
+    Rows are counted through all grids, and each is looked at while it is near: another pass takes a fifth of the time.
 
     ``cell`` is (self-feedback a, time t or infinity, limited). A mask that is not given has no cells.
     """
@@ -71,6 +75,7 @@ def closed_form(
     one = x.dtype.type(1)
     a, t, limited = cell
     z, bias, u, taps = control
+    fine = np.empty(after - first, np.bool_)
     for line in prange(first, after):
         g, p = line // height, line % height
         row, drive = x[g, p], end[g, p]
@@ -89,3 +94,5 @@ def closed_form(
         if mask.size:
             for j in range(width):
                 drive[j] = row[j] if mask[g, p, j] else drive[j]
+        fine[line - first] = finite_row(drive)
+    return all_true(fine)
