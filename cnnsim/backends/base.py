@@ -1,6 +1,7 @@
 """The protocol of a backend: the whole transient is its business, so the time loop never crosses this line."""
 
-from collections.abc import Sequence
+from collections.abc import Callable
+from collections.abc import Sequence as Several
 from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import DTypeLike
 from cnnsim.network import Boundary
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
+from cnnsim.operations.sequence import Sequence, Stores
 from cnnsim.planning.plan import SETTLED_RATE, Plan
 from cnnsim.support import Array, InputError, Integers
 
@@ -57,7 +59,7 @@ class Backend(Protocol):
     def output(self, x: Plane) -> Plane:
         """Give y = clip(x, -1, 1)."""
 
-    def cellwise(self, operation: Cellwise, planes: Sequence[Plane], parameters: Sequence[float]) -> tuple[Plane, ...]:
+    def cellwise(self, operation: Cellwise, planes: Several[Plane], parameters: Several[float]) -> tuple[Plane, ...]:
         """Apply a per-cell operation to LAM planes."""
 
     def logic(self, function: int, p: Plane, q: Plane) -> Plane:
@@ -68,6 +70,14 @@ class Backend(Protocol):
 
     def count(self, plane: Plane) -> int | Integers:
         """Count the black cells of an LLM plane, the global wire: a number, or (n,) numbers for n grids."""
+
+    def prepared(self, sequence: Sequence) -> Callable[[Stores], Stores | None] | None:
+        """Give what does a sequence at one go; None where that saves nothing, so that its steps are done one by one.
+
+        It takes the planes and registers that are given and returns the results, or None where step by step is to tell
+        why there are none.
+        """
+        return None
 
 
 class Check(NamedTuple):

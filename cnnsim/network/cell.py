@@ -76,4 +76,4 @@ def _through_linear(x: Array, s: Array, a: float, t: Array, *, limited: bool) ->
     reaches = (rate > 0) & (rate_at_one > 0) & (until_one <= t)
     left = np.where(np.isinf(t), 0.0, np.exp(-(t - until_one)))  # next to a tie, until_one may round to infinity too
     beyond = np.ones_like(x) if limited else (a + s) + (1 - a - s) * left
-    return ahead * np.where(reaches, beyond, np.where(rate > 0, x + moved, x))
+    return ahead * np.where(reaches, beyond, np.where(rate == 0, x, x + moved))  # a rate that is NaN is to be found

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from difflib import get_close_matches
+from functools import partial
 from typing import Any, assert_never
 
 import numpy as np
@@ -21,6 +21,7 @@ from cnnsim.operations.global_wire import read_wire
 from cnnsim.operations.logic import function_number
 from cnnsim.planning.plan import Plan, make_plan
 from cnnsim.program.bit_steps import rule_of
+from cnnsim.program.inputs import check_inputs, check_planes_fit
 from cnnsim.program.program import (
     ARITHMETIC,
     BranchStep,
@@ -36,13 +37,15 @@ from cnnsim.program.program import (
     UntilUnchangedStep,
     WireStep,
 )
+from cnnsim.program.stretch import AtOneGo, Known, Stretch, stretches
 from cnnsim.support import Array, InputError, naming
-from cnnsim.support.memory import LARGE, check_memory
+from cnnsim.support.memory import LARGE
 from cnnsim.support.progress import watcher
-from cnnsim.support.values import as_numbers
 from cnnsim.task import Dtype
 
 _XOR = function_number("xor")
+Part = tuple[AtOneGo | None, Stretch | Step]
+"""A step, or a stretch with what the backend does it with at one go, None where step by step is as good."""
 
 
 class UniversalMachine:
@@ -62,6 +65,7 @@ class UniversalMachine:
         self._kept: dict[Program, dict[str, Plane]] = {}
         self._plans: dict[tuple[TemplateStep, tuple[int, ...]], Plan] = {}
         self._rules: dict[TemplateStep, BitRule | None] = {}
+        self._stretches: dict[tuple[int, tuple[int, ...]], tuple[tuple[Step, ...], list[Part]]] = {}
 
     def reset(self) -> None:
         """Forget all kept planes."""
@@ -81,10 +85,10 @@ class UniversalMachine:
         Raises:
             InputError: an input is missing, unknown or of another shape; a step fails (the message names it).
         """
-        arrays = _check(program, inputs)
+        arrays = check_inputs(program, inputs)
         shape = next(iter(arrays.values())).shape
         if math.prod(shape) >= LARGE:
-            _check_memory(program, shape, self.backend.dtype.itemsize)
+            check_planes_fit(program, shape, self.backend.dtype.itemsize)
         planes: dict[str, Any] = {
             name: self.backend.load(array, program.memory[name])  # type: ignore[arg-type]  # inputs are never wires
             for name, array in arrays.items()
@@ -102,49 +106,66 @@ class UniversalMachine:
         }
 
     def _execute(self, program: Program, steps: tuple[Step, ...], planes: dict[str, Any]) -> None:
-        backend, memory, watched_by = self.backend, program.memory, watcher()
-        for step in steps:
+        watched_by = watcher()
+        for at_one_go, part in self._parts(program, steps, planes[""]):
+            inside = part.steps if isinstance(part, Stretch) else (part,)
             if watched_by is not None:
-                watched_by(None, step.where)
-            match step:
-                case TemplateStep(to=to, input=u):
-                    rule = self._rule(program, step)
-                    if rule is not None:
-                        planes[to] = backend.neighbourhood(rule, step.boundary, planes[u])  # type: ignore[index]  # a rule has an input plane
-                        continue
-                    x = self._transient(program, step, planes)
-                    planes[to] = backend.output(x) if memory[to] == "lam" else backend.convert(x, "llm")
-                case CellwiseStep(operation=operation, of=of, to=to, parameters=parameters):
-                    planes.update(
-                        zip(to, backend.cellwise(operation, [planes[p] for p in of], parameters), strict=True)
-                    )
-                case LogicStep(function=function, p=p, q=q, to=to):
-                    planes[to] = backend.logic(function, planes[p], planes[q])
-                case CopyStep(source=source, to=to):
-                    same = memory[source] == memory[to]
-                    planes[to] = planes[source] if same else backend.convert(planes[source], memory[to])  # type: ignore[arg-type]  # wires are not copied
-                case FillStep(value=value, to=to):
-                    number = planes[value] if isinstance(value, str) else value
-                    planes[to] = number if memory[to] == "wire" else self._constant(program, to, number, planes[""])
-                case WireStep(wire=wire, of=of, to=to):
-                    planes[to] = read_wire(wire, backend.count(planes[of]), math.prod(planes[""][-2:]))
-                case NumberStep(function=function, of=of, to=to):
-                    numbers = [planes[n] if isinstance(n, str) else n for n in of]
-                    if any(isinstance(n, np.ndarray) for n in numbers):  # a number for each grid of a batch
-                        planes[to] = np.vectorize(ARITHMETIC[function], otypes=[np.int64])(*numbers)
-                    else:
-                        planes[to] = ARITHMETIC[function](*numbers)
-                case RepeatStep(times=times, do=do):
-                    for _ in range(times):
-                        self._execute(program, do, planes)
-                case UntilUnchangedStep():
-                    self._until_unchanged(program, step, planes)
-                case BranchStep(register=register, do=do, otherwise=otherwise):
-                    if len(planes[""]) == 3:
-                        raise InputError(f"{step.where}: grids of a batch may go different ways; run them one by one")
-                    self._execute(program, do if planes[register] else otherwise, planes)
-                case _:
-                    assert_never(step)
+                watched_by(None, inside[0].where)
+            if not (isinstance(part, Stretch) and at_one_go is not None and part.done(at_one_go, planes)):
+                for step in inside:
+                    self._step(program, step, planes)
+
+    def _parts(self, program: Program, steps: tuple[Step, ...], shape: tuple[int, ...]) -> list[Part]:
+        """Return the steps, those of a stretch together with what the backend does it with; found once."""
+        found = self._stretches.get((id(steps), shape))
+        if found is None:  # with the steps, whose id is theirs as long as they are there
+            known = Known(partial(self._rule, program), partial(self._plan, shape=shape))
+            parts: list[Part] = [
+                (self.backend.prepared(part.sequence), part) if isinstance(part, Stretch) else (None, part)
+                for part in stretches(program, steps, shape, known)
+            ]
+            found = self._stretches[id(steps), shape] = steps, parts
+        return found[1]
+
+    def _step(self, program: Program, step: Step, planes: dict[str, Any]) -> None:
+        backend, memory = self.backend, program.memory
+        match step:
+            case TemplateStep(to=to, input=u):
+                rule = self._rule(program, step)
+                if rule is not None:
+                    planes[to] = backend.neighbourhood(rule, step.boundary, planes[u])  # type: ignore[index]  # a rule has an input plane
+                    return
+                x = self._transient(program, step, planes)
+                planes[to] = backend.output(x) if memory[to] == "lam" else backend.convert(x, "llm")
+            case CellwiseStep(operation=operation, of=of, to=to, parameters=parameters):
+                planes.update(zip(to, backend.cellwise(operation, [planes[p] for p in of], parameters), strict=True))
+            case LogicStep(function=function, p=p, q=q, to=to):
+                planes[to] = backend.logic(function, planes[p], planes[q])
+            case CopyStep(source=source, to=to):
+                same = memory[source] == memory[to]
+                planes[to] = planes[source] if same else backend.convert(planes[source], memory[to])  # type: ignore[arg-type]  # wires are not copied
+            case FillStep(value=value, to=to):
+                number = planes[value] if isinstance(value, str) else value
+                planes[to] = number if memory[to] == "wire" else self._constant(program, to, number, planes[""])
+            case WireStep(wire=wire, of=of, to=to):
+                planes[to] = read_wire(wire, backend.count(planes[of]), math.prod(planes[""][-2:]))
+            case NumberStep(function=function, of=of, to=to):
+                numbers = [planes[n] if isinstance(n, str) else n for n in of]
+                if any(isinstance(n, np.ndarray) for n in numbers):  # a number for each grid of a batch
+                    planes[to] = np.vectorize(ARITHMETIC[function], otypes=[np.int64])(*numbers)
+                else:
+                    planes[to] = ARITHMETIC[function](*numbers)
+            case RepeatStep(times=times, do=do):
+                for _ in range(times):
+                    self._execute(program, do, planes)
+            case UntilUnchangedStep():
+                self._until_unchanged(program, step, planes)
+            case BranchStep(register=register, do=do, otherwise=otherwise):
+                if len(planes[""]) == 3:
+                    raise InputError(f"{step.where}: grids of a batch may go different ways; run them one by one")
+                self._execute(program, do if planes[register] else otherwise, planes)
+            case _:
+                assert_never(step)
 
     def _rule(self, program: Program, step: TemplateStep) -> BitRule | None:
         """Return `rule_of`, found once."""
@@ -152,15 +173,19 @@ class UniversalMachine:
             self._rules[step] = rule_of(program, step)
         return self._rules[step]
 
-    def _transient(self, program: Program, step: TemplateStep, planes: dict[str, Any]) -> Plane:
-        shape = planes[""]
+    def _plan(self, step: TemplateStep, shape: tuple[int, ...]) -> Plan:
         plan = self._plans.get((step, shape))
         if plan is None:
             plan = self._plans[step, shape] = make_plan(
                 step.template, shape, step.boundary, duration=step.duration, cell=step.cell,
                 step=None if step.accuracy is not None else step.step,
-                limit=_limit(step, shape[-2:]),
+                limit=_limit(step, shape),
             )  # fmt: skip
+        return plan
+
+    def _transient(self, program: Program, step: TemplateStep, planes: dict[str, Any]) -> Plane:
+        shape = planes[""]
+        plan = self._plan(step, shape)
 
         def plane(name: str | float | None) -> Plane:
             if isinstance(name, str):
@@ -210,31 +235,9 @@ class UniversalMachine:
         return self.backend.load(np.full(shape, each), program.memory[name])  # type: ignore[arg-type]  # planes only
 
 
-def _check(program: Program, inputs: dict[str, ArrayLike]) -> dict[str, Array]:
-    if set(inputs) != set(program.inputs):
-        near = [get_close_matches(name, program.inputs, 1) for name in inputs if name not in program.inputs]
-        hint = f"; did you mean {' and '.join(repr(match[0]) for match in near if match)}?" if any(near) else ""
-        raise InputError(
-            f"program {program.name!r} got {', '.join(inputs) or 'nothing'}; {', '.join(program.inputs)} wanted{hint}"
-        )
-    arrays = {name: as_numbers(name, inputs[name], logic=program.memory[name] == "llm") for name in program.inputs}
-    shapes = {name: array.shape for name, array in arrays.items()}
-    if len(set(shapes.values())) > 1 or any(array.ndim not in (2, 3) or not array.size for array in arrays.values()):
-        raise InputError(f"program {program.name!r} got planes of shapes {shapes}; one shape (rows, cols) wanted")
-    return arrays
-
-
-def _check_memory(program: Program, shape: tuple[int, ...], itemsize: int) -> None:
-    """Refuse a grid whose planes, and those of a transient's steps, need more memory than is free."""
-    kinds = list(program.memory.values())
-    cell = (kinds.count("lam") + 3) * itemsize + kinds.count("llm") / 8
-    cure = "a smaller grid, float32 for float64, or a machine with more memory wanted"
-    check_memory(f"program {program.name!r} on {' x '.join(map(str, shape))} cells", cell * math.prod(shape), cure)
-
-
-def _limit(step: TemplateStep, grid: tuple[int, int]) -> float | None:
+def _limit(step: TemplateStep, grid: tuple[int, ...]) -> float | None:
     """Return how long a step waits for rest: a template of the library for its guaranteed time, if that is longer."""
     if not step.name or step.duration != "settled":
         return None
     entry = replace(library.load(step.name), boundary=step.boundary)
-    return entry.limit(grid, has_mask=step.mask is not None)
+    return entry.limit((grid[-2], grid[-1]), has_mask=step.mask is not None)

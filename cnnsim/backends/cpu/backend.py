@@ -1,7 +1,7 @@
 """The CPU backend: numba loops over whole transients, float32 or float64, on all cores."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -21,6 +21,7 @@ from cnnsim.backends.cpu.neighbourhood import literals, neighbourhood
 from cnnsim.backends.cpu.planes import grids
 from cnnsim.backends.cpu.pool import Pool
 from cnnsim.backends.cpu.prepared import Prepared
+from cnnsim.backends.cpu.sequence import MOST_CELLS, CompiledSequence
 from cnnsim.backends.cpu.term_steps import CompiledDiscreteSteps, CompiledTermSteps
 from cnnsim.backends.cpu.terms import CompiledNetwork, with_control_terms
 from cnnsim.backends.cpu.threads import checked_threads, on_threads
@@ -29,6 +30,8 @@ from cnnsim.backends.slices import EXPONENTIALS, pieces
 from cnnsim.network import Boundary
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
+from cnnsim.operations.sequence import Sequence as Straight
+from cnnsim.operations.sequence import Stores
 from cnnsim.planning.plan import Plan
 from cnnsim.support import Array, InputError, Integers
 from cnnsim.support.compile_notice import announce
@@ -176,6 +179,9 @@ class CpuBackend(Backend):
         totals = np.empty(plane.words.shape[0], np.int64)
         packed.count.for_work(plane.words.size // 64)(plane.words, totals)
         return totals if len(plane.shape) == 3 else int(totals[0])
+
+    def prepared(self, sequence: Straight) -> Callable[[Stores], Stores | None] | None:
+        return CompiledSequence(sequence, self.dtype) if math.prod(sequence.shape) <= MOST_CELLS else None
 
 
 BACKEND = CpuBackend

@@ -1,9 +1,15 @@
 """Programs on a backend: batches, and planes that come from one verb and go into the next."""
 
-import numpy as np
+from pathlib import Path
+from typing import Any
 
-from cnnsim import UniversalMachine, load_program
+import numpy as np
+import pytest
+
+from cnnsim import InputError, UniversalMachine, load_program
 from cnnsim.backends.base import Backend
+from cnnsim.operations.sequence import Sequence
+from tests.kits.program import load
 
 
 def test_a_program_on_a_batch_is_the_program_on_each_grid(backend: Backend) -> None:
@@ -15,3 +21,71 @@ def test_a_program_on_a_batch_is_the_program_on_each_grid(backend: Backend) -> N
         alone = UniversalMachine(backend).run(program, **{name: picture})
         for output, value in alone.items():
             np.testing.assert_array_equal(batch[output][i], value)
+
+
+STRAIGHT = """
+name = "straight"
+lam = ["a", "b", "half"]
+llm = ["p", "q", "r", "kept"]
+wire = ["n", "m", "many"]
+inputs = ["a", "p"]
+outputs = ["q", "r", "b", "n", "m", "many", "kept"]
+keep = { kept = -1 }
+step = [
+  { template = "near", input = "p", state = 0, to = "q" },
+  { template = "on", input = "a", state = "kept", to = "kept" },
+  { template = "mean", input = "a", state = 0.25, to = "b" },
+  { template = "mean", input = "p", state = "p", to = "half" },
+  { logic = "xor", of = ["q", "kept"], to = "r" },
+  { copy = "half", to = "p" },
+  { wire = "count", of = "r", to = "n" },
+  { wire = "all", of = "p", to = "m" },
+  { number = "multiply", of = ["n", 100000], to = "many" },
+  { number = "multiply", of = ["many", "many"], to = "many" },
+  { number = "multiply", of = ["many", SQUARED], to = "many" },
+  { number = "less", of = ["m", 1], to = "m" },
+  { fill = "m", to = "q" },
+  { logic = "p-or-not-q", of = ["q", "r"], to = "q" },
+]
+[templates]
+near = { A = [[1]], B = [[1, 1, 1], [1, 0, 1], [1, 1, 1]], z = 7, boundary = { fixed = -1 } }
+on = { A = [[2]], B = [[24]], z = -5 }
+mean = { A = [[0]], B = [[0.1, 0.2, 0.1], [0.2, 0.3, 0.2], [0.1, 0.2, 0.1]], boundary = "periodic" }
+"""
+
+
+class OneByOne:
+    """A backend that does every step alone."""
+
+    def __init__(self, backend: Backend) -> None:
+        self._backend = backend
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._backend, name)
+
+    def prepared(self, _sequence: Sequence) -> None:
+        return None
+
+
+@pytest.mark.parametrize("factor", ["1", "many"])
+def test_steps_at_one_go_are_the_steps_one_by_one(backend: Backend, tmp_path: Path, factor: str) -> None:
+    """Bit for bit, over several frames; also where a number is larger than a register of 64 bits."""
+    program = load(tmp_path, STRAIGHT.replace("SQUARED", '"many"' if factor == "many" else factor))
+    rng = np.random.default_rng(5)
+    whole, steps = UniversalMachine(backend), UniversalMachine(OneByOne(backend))
+    for shape in ((8, 8), (1, 70), (3, 2)):
+        for _ in range(3):
+            given = {"a": rng.uniform(-1, 1, shape), "p": rng.random(shape) < 0.4}
+            ours, theirs = whole.run(program, **given), steps.run(program, **given)
+            for name, value in theirs.items():
+                np.testing.assert_array_equal(ours[name], value, err_msg=name, strict=isinstance(value, np.ndarray))
+                assert type(ours[name]) is type(value)
+            np.testing.assert_array_equal(whole.kept(program)["kept"], steps.kept(program)["kept"])
+
+
+def test_a_value_that_is_not_finite_is_told_by_its_step(backend: Backend, tmp_path: Path) -> None:
+    program = load(tmp_path, STRAIGHT.replace("SQUARED", "1"))
+    a = np.zeros((4, 4))
+    a[1, 2] = np.nan
+    with pytest.raises(InputError, match=r"step 2.*cell \(1, 2\)"):
+        UniversalMachine(backend).run(program, a=a, p=a > 0)

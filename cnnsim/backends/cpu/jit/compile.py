@@ -58,6 +58,11 @@ def fused(function: Kernel) -> Kernel:
     return _compiled(function, "_fused", fastmath={"contract"}, **_INNER)
 
 
+def kernel(function: Kernel) -> Kernel:
+    """Compile a function for one core that Python calls."""
+    return _compiled(function, "")
+
+
 def twins(function: Kernel) -> Twins:
     """Compile a loop over `numba.prange` in both versions."""
     return Twins(_compiled(function, ""), _compiled(function, "_threaded", parallel=True))

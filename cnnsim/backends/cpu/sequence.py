@@ -1,0 +1,186 @@
+"""Sequences of operations on small grids, compiled into numbers: one loop goes through them, no call from Python each.
+
+Each instruction calls the loop that it has when it comes alone, so its answer is the same bit for bit.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from cnnsim.backends.cpu import bits as packed
+from cnnsim.backends.cpu import closed, planes
+from cnnsim.backends.cpu.bits import Bits
+from cnnsim.backends.cpu.boundary import virtual_cells
+from cnnsim.backends.cpu.jit.columns import tap_records, tap_type
+from cnnsim.backends.cpu.jit.compile import kernel
+from cnnsim.backends.cpu.neighbourhood import LITERAL, literals, neighbourhood
+from cnnsim.network import reach
+from cnnsim.operations.sequence import Op, Sequence, Stores
+from cnnsim.support import Array
+
+MOST_CELLS = 4096
+"""Cells from which on threads, and memory that is not held for all planes at once, are worth more than few calls."""
+DONE = -1
+MOST = 1 << 30
+"""Size of numbers in registers from which on their product may not fit one."""
+COLUMNS = 10
+"""Stores of an instruction: op, to, p, q, by; then first and last record, reach, place of the virtual cells, a flag."""
+
+_pack, _unpack, _logic, _count = (twins.serial for twins in (packed.pack, packed.unpack, packed.logic, packed.count))
+_neighbourhood, _closed_form, _clip = neighbourhood.serial, closed.closed_form.serial, planes.clip.serial
+_all_finite = planes.all_finite.serial
+_LOGIC, _NEIGHBOURHOOD, _BLACK_ABOVE, _SHADE, _SHADE_BY = range(5)
+_VALUES, _CONSTANT, _CONSTANT_BY, _SETTLE, _CLIP = range(5, 10)
+_COUNT, _ANY, _ALL, _NUMBER, _ADD, _SUBTRACT, _MULTIPLY, _LESS = range(10, 18)
+
+
+@kernel
+def go_through(
+    code: Array, constants: Array, rules: Array, taps: Array, around: Array, llm: Array, lam: Array, wire: Array
+) -> int:
+    """Do all instructions; return the number of one that comes to no finite or no safe number, `DONE` if none does.
+
+    ``llm`` (planes, n, rows, words), ``lam`` (planes, n, rows, cols), ``wire`` (registers, n); the others as
+    `CompiledSequence` makes them.
+    """
+    _, n, rows, cols = lam.shape
+    one = lam.dtype.type(1)
+    no_plane, no_mask = np.empty((1, 1, 0), lam.dtype), np.empty((1, 1, 0), np.bool_)
+    for at in range(code.shape[0]):
+        op, to, p, q, by = code[at, 0], code[at, 1], code[at, 2], code[at, 3], code[at, 4]
+        first, after, r, place, flag = code[at, 5], code[at, 6], code[at, 7], code[at, 8], code[at, 9]
+        lines, columns = (
+            around[place : place + rows + 2 * r],
+            around[place + rows + 2 * r : place + rows + cols + 4 * r],
+        )
+        if op == _LOGIC:
+            _logic(by, llm[p], llm[q], llm[to], cols)
+        elif op == _NEIGHBOURHOOD:
+            virtual = (lines, columns, r, by)
+            _neighbourhood(llm[p], llm[to], cols, rules[first:after], flag != 0, virtual)
+        elif op == _BLACK_ABOVE:
+            _pack(lam[p], llm[to])
+        elif op in (_SHADE, _SHADE_BY):
+            for g in range(n):
+                black = wire[p, g] > 0 if op == _SHADE_BY else by > 0
+                llm[to, g] = ~np.uint64(0) if black else np.uint64(0)
+            _logic(12, llm[to], llm[to], llm[to], cols)  # bits beyond the last column are 0
+        elif op == _VALUES:
+            _unpack(llm[p], lam[to], one, -one)
+        elif op == _CONSTANT:
+            lam[to] = constants[by]
+        elif op == _CONSTANT_BY:
+            for g in range(n):
+                lam[to, g] = wire[p, g]
+        elif op == _SETTLE:
+            virtual = (lines, columns, r, constants[by + 2])
+            cell = (constants[by + 1], math.inf, flag != 0)
+            control = (constants[by], no_plane, lam[q], taps[first:after])
+            _closed_form(lam[p], lam[to], no_mask, cell, control, virtual, 0, n * rows)
+            if not _all_finite(lam[to]):
+                return at
+        elif op == _CLIP:
+            _clip(lam[p], lam[to])
+        elif op in (_COUNT, _ANY, _ALL):
+            _count(llm[p], wire[to])
+            for g in range(n):
+                if op == _ANY:
+                    wire[to, g] = wire[to, g] > 0
+                elif op == _ALL:
+                    wire[to, g] = wire[to, g] == rows * cols
+        elif op == _NUMBER:
+            wire[to] = by
+        else:
+            for g in range(n):
+                a, b = wire[p, g], wire[q, g]
+                if max(abs(a), abs(b)) > MOST:
+                    return at
+                if op == _ADD:
+                    wire[to, g] = a + b
+                elif op == _SUBTRACT:
+                    wire[to, g] = a - b
+                elif op == _MULTIPLY:
+                    wire[to, g] = a * b
+                else:
+                    wire[to, g] = a < b
+    return DONE
+
+
+class CompiledSequence:
+    """A sequence as arrays of numbers, for one dtype; called with planes and registers it returns its results.
+
+    It returns None where an instruction comes to no finite number, or to one that may be too large for a register: done
+    one by one they say so, or have room.
+    """
+
+    def __init__(self, sequence: Sequence, dtype: np.dtype[Any]) -> None:
+        self._shape, self._dtype = sequence.shape, dtype
+        self._takes, self._results = sequence.given, sequence.results
+        self._rules, self._taps = [np.empty(0, LITERAL)], [np.empty(0, tap_type(dtype))]
+        self._around: list[Array] = [np.empty(0, np.int64)]
+        self._constants: list[Any] = []
+        rows = [self._row(*instruction) for instruction in sequence.instructions]
+        self._given = (
+            np.array(rows, np.int64), np.array(self._constants, dtype), np.concatenate(self._rules),
+            np.concatenate(self._taps), np.concatenate(self._around),
+        )  # fmt: skip
+        n, (height, width) = math.prod(sequence.shape[:-2]), sequence.shape[-2:]
+        self._llm = sequence.sizes.llm, n, height, -(-width // 64)
+        self._lam = sequence.sizes.lam, n, height, width
+        self._wire = sequence.sizes.wire, n
+
+    def __call__(self, given: Stores) -> Stores | None:
+        """Return the planes and registers that are results."""
+        llm, lam, wire = (
+            np.empty(self._llm, np.uint64),
+            np.empty(self._lam, self._dtype),
+            np.empty(self._wire, np.int64),
+        )
+        for i, plane in zip(self._takes.llm, given.llm, strict=True):
+            llm[i] = plane.words
+        for i, plane in zip(self._takes.lam, given.lam, strict=True):
+            lam[i] = plane
+        for i, number in zip(self._takes.wire, given.wire, strict=True):
+            wire[i] = number
+        if go_through(*self._given, llm, lam, wire) != DONE:
+            return None
+        return Stores(
+            [Bits(llm[i], self._shape) for i in self._results.llm],
+            [lam[i].reshape(self._shape) for i in self._results.lam],
+            wire[self._results.wire, 0].tolist() if self._results.wire else [],
+        )
+
+    def _row(self, op: Op, to: int, p: int, q: int, by: Any) -> tuple[Any, ...]:
+        if op is Op.NEIGHBOURHOOD:
+            rule, boundary = by
+            place = self._put_around(rule.radius, boundary)
+            first, after = _put(self._rules, literals(rule))
+            return op, to, p, q, int(boundary.u > 0), first, after, rule.radius, place, rule.conjunction
+        if op is Op.SETTLE:
+            template = by.template
+            r = reach((tap.k, tap.l) for tap in template.control_taps)
+            place = self._put_around(r, by.boundary)
+            first, after = _put(self._taps, tap_records(template.control_taps, self._dtype))
+            start = self._put_constants(template.z, template.self_feedback, by.boundary.u)
+            return op, to, p, q, start, first, after, r, place, by.cell == "full-range"
+        if op is Op.CONSTANT:
+            by = self._put_constants(by)
+        if op is Op.SHADE:
+            by = by > 0
+        return op, to, p, q, 0 if by is None else int(by), 0, 0, 0, 0, 0
+
+    def _put_constants(self, *values: float) -> int:
+        self._constants += values
+        return len(self._constants) - len(values)
+
+    def _put_around(self, r: int, boundary: Any) -> int:
+        rows, cols, *_ = virtual_cells(self._shape, r, boundary, 0)
+        return _put(self._around, np.concatenate([rows, cols]))[0]
+
+
+def _put(parts: list[Array], more: Array) -> tuple[int, int]:
+    """Append an array; return where it begins and ends among all of them."""
+    first = sum(part.size for part in parts)
+    parts.append(more)
+    return first, first + more.size

@@ -1,0 +1,72 @@
+"""Straight sequences of a machine's operations on numbered planes and registers, as its control unit would hold them.
+
+The CNN universal machine keeps the words of its logic and the templates of a program in registers of its own (the
+global analogic programming unit), so that nobody outside has to say each step: Roska and Chua, IEEE Trans. CAS-II 40
+(1993) 163. A sequence is such a stretch of a program. Planes of either memory and registers have numbers of their own;
+none is written twice.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+
+class Op(IntEnum):
+    """What an instruction does: its ``to``, ``p``, ``q`` are numbers of planes or registers, ``by`` what else it says.
+
+    LLM planes: ``LOGIC`` (by a function's number), ``NEIGHBOURHOOD`` of p (by a rule and a boundary), ``BLACK_ABOVE`` 0
+    of the LAM plane p, ``SHADE`` (by a number, above 0 is black), ``SHADE_BY`` the register p. LAM planes: ``VALUES``
+    of the LLM plane p, ``CONSTANT`` (by a number), ``CONSTANT_BY`` the register p, ``SETTLE`` from state p with input q
+    (by a plan in closed form), ``CLIP`` of p. Registers: ``COUNT``, ``ANY``, ``ALL`` of the LLM plane p, ``NUMBER`` (by
+    a whole number), ``ADD``, ``SUBTRACT``, ``MULTIPLY``, ``LESS`` of p and q.
+    """
+
+    LOGIC = 0
+    NEIGHBOURHOOD = 1
+    BLACK_ABOVE = 2
+    SHADE = 3
+    SHADE_BY = 4
+    VALUES = 5
+    CONSTANT = 6
+    CONSTANT_BY = 7
+    SETTLE = 8
+    CLIP = 9
+    COUNT = 10
+    ANY = 11
+    ALL = 12
+    NUMBER = 13
+    ADD = 14
+    SUBTRACT = 15
+    MULTIPLY = 16
+    LESS = 17
+
+
+class Instruction(NamedTuple):
+    """One operation (see `Op`)."""
+
+    op: Op
+    to: int
+    p: int = 0
+    q: int = 0
+    by: Any = None
+
+
+class Stores(NamedTuple):
+    """Something for each kind of store: ``llm`` and ``lam`` planes, ``wire`` registers."""
+
+    llm: Any
+    lam: Any
+    wire: Any
+
+
+@dataclass(frozen=True, eq=False)
+class Sequence:
+    """Instructions on planes of ``shape``: how many planes and registers they use, and the numbers of those that are
+    given and of those that are results.
+    """
+
+    shape: tuple[int, ...]
+    instructions: tuple[Instruction, ...]
+    sizes: Stores
+    given: Stores
+    results: Stores
