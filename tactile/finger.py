@@ -58,6 +58,7 @@ class Finger:
         self._texture = Texture(settings.window, least if settings.floor is None else settings.floor)
         self._machine, self._inverse = machine, _inverse(array, modulus, contact.dead_band)
         self._positions = array.positions()
+        self._half = array.cols * array.pitch / 2, array.rows * array.pitch / 2
         self._nothing = np.full((1, 1, 3) if self._inverse is not None else (*array.shape, 3), np.nan)
         self._noise: Any = None
         self._slid = -np.inf
@@ -81,13 +82,14 @@ class Finger:
         self._levels = levels(array.shape, array.quantity, self._settings.sigmas, shear, self._settings.contact, noise)
         self._signals.set_noise(noise, self._levels)
         self._left_out: Flags = np.zeros(array.shape, bool) if noise is None else noise.left_out
+        self._none_left_out = not self._left_out.any()
         self._floor = float(np.median(self._levels.off[..., 2]))
 
     def locate(self, frame: Frame) -> Load:
         """Return the load under this finger: the inverse in every cell, then the taxels' consensus; or their sum."""
         if self._inverse is None:
             return summed(self._positions, frame.values, frame.valid, self._floor)
-        values = frame.values if frame.valid.all() else np.where(frame.valid[..., None], frame.values, np.nan)
+        values = frame.values if frame.whole else np.where(frame.valid[..., None], frame.values, np.nan)
         signals = {name: values[..., i] for i, name in enumerate(self._inverse.inputs)}
         planes = tuple(self._machine.run(self._inverse, **signals).values())
         if self._radial is not None:
@@ -96,9 +98,11 @@ class Finger:
 
     def notice(self, frame: Frame, load: Load) -> list[Happening]:
         """Run the comparators and the detectors on the frame and return what begins and what ends."""
-        use = frame.valid & ~self._left_out
-        if not frame.valid.any() and self.tare.noise is None and self._settings.tare != "off":
+        if self.tare.noise is None and self._settings.tare != "off" and not frame.valid.any():
             return []  # there is no offset yet
+        use, all_used = frame.valid, frame.whole and self._none_left_out
+        if not self._none_left_out:
+            use = use & ~self._left_out
         before = self._signals.planes.copy() if self._own else self._signals.planes
         self._signals.update(frame, use, self._levels)
         if self._inverse is not None:
@@ -108,20 +112,17 @@ class Finger:
         array, pool = self.array, self._pool
         if self._signs:
             signs = encode(frame, array.quantity, SIGN, BINARY)
-            changed = self.taxels.update(
-                {"shear_x": signs["shear_x"], "shear_y": signs["shear_y"], "pressing": planes[2]}
-            )
+            changed = self.taxels.update(np.array([signs["shear_x"], signs["shear_y"], planes[2]]))
         else:
-            changed = self.taxels.update({"shear_x": planes[0], "shear_y": planes[1], "pressing": planes[2]})
+            changed = self.taxels.update(planes)
         if changed:
             code = self.taxels.code
             for name, on in zip(CODE, (code.x > 0, code.x < 0, code.y > 0, code.y < 0, code.contact), strict=True):
                 pool.set_logic(name, on)
-        if not (use.all() and self._all_used):
-            self._all_used = bool(use.all())
+        if not (all_used and self._all_used):
+            self._all_used = all_used
             pool.set_logic("usable", use)
-        half = max(array.cols, 1) * array.pitch / 2, max(array.rows, 1) * array.pitch / 2
-        pool.update(Moment(frame, array.quantity, self._signals, before, load, half, array.origin))
+        pool.update(Moment(frame, array.quantity, self._signals, before, load, self._half, array.origin))
         if self._inverse is not None:
             travels = self._travel.update(frame.t, load, bool(self.taxels.code.contact.any()))
             if travels != self._travels:
@@ -147,7 +148,7 @@ class Finger:
         elif self._inverse is not None:
             values = np.array([[[load.Q, load.R, load.F]]])
         else:
-            values = frame.values if frame.valid.all() else np.where(frame.valid[..., None], frame.values, np.nan)
+            values = frame.values if frame.whole else np.where(frame.valid[..., None], frame.values, np.nan)
         return self._texture.update(values)
 
     @property

@@ -101,7 +101,7 @@ class LiveTare:
     def __call__(self, frame: Frame) -> Frame:
         """Return the frame less the offset."""
         values = frame.values
-        if not frame.valid.all():
+        if not frame.whole:
             values = np.where(frame.valid[..., None], values, np.nan)
         if not self._block:
             self._since = frame.t
@@ -118,8 +118,11 @@ class LiveTare:
             return replace(frame, valid=np.zeros_like(frame.valid))
         if self._mode == "off":
             return frame
-        tared = frame.values - self._offset
-        return replace(frame, values=tared, valid=frame.valid & np.isfinite(tared).all(-1))
+        tared, valid = frame.values - self._offset, frame.valid
+        finite = np.isfinite(tared)
+        if not finite.all():
+            valid = valid & finite.all(-1)
+        return Frame(frame.finger, frame.t, frame.sequence, tared, valid, frame.t_device)
 
     def _full(self, t: float) -> bool:
         return len(self._block) >= FRAMES and t - self._since >= self._seconds

@@ -1,6 +1,7 @@
 """Taxel arrays and their frames: shapes, units, axes and signs (CONVENTIONS.md)."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal, get_args
 
 import numpy as np
@@ -76,6 +77,11 @@ class Frame:
     values: Floats
     valid: Flags
     t_device: float = float("nan")
+
+    @cached_property
+    def whole(self) -> bool:
+        """Whether every taxel is valid."""
+        return bool(self.valid.all())
 
     def __repr__(self) -> str:
         rows, cols = self.valid.shape

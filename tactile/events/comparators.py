@@ -8,7 +8,7 @@ import numpy as np
 from cnnsim.library.folders import folder
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
-from cnnsim.support import Array, Flags, Floats
+from cnnsim.support import Flags, Floats
 from tactile.events.code import Code, Threshold, decode
 
 BINARY = Threshold(1 / 6, 1 / 12)
@@ -29,20 +29,25 @@ class Comparators:
     def __init__(self, machine: UniversalMachine, shape: tuple[int, int], shear: Threshold, contact: Threshold) -> None:
         cells = {"plus": shear.comparator(1), "minus": shear.comparator(-1), "press": contact.comparator(1)}
         self._machine, self._program = machine, load_program(shipped("event-code"), templates=cells)
-        self._shear, self._contact = _levels(shear), _levels(contact)
+        (off, on), (gone, touched) = _levels(shear), _levels(contact)
+        along = np.array([-np.inf, -on, off]) + SLACK, np.array([-off, on, np.inf]) - SLACK  # of a code -1, 0, +1
+        pressed = np.array([-np.inf, gone]) + SLACK, np.array([touched, np.inf]) - SLACK
+        self._bounds = along, along, pressed
         nothing = np.zeros(shape, dtype=np.int8)
         self.code = self.before = Code(nothing, nothing, nothing.astype(bool))
         self._set_quiet_range()
 
-    def update(self, planes: dict[str, Array]) -> bool:
-        """Take the planes of `encode` and return whether the code has changed."""
+    def update(self, planes: Floats) -> bool:
+        """Take the planes shear_x, shear_y, pressing (3, rows, cols) of `encode`; return whether the code has changed.
+
+        Planes after these three are not looked at.
+        """
         from tactile.events.signals_numba import quiet  # numba is slow to import
 
-        inputs = np.array([planes["shear_x"], planes["shear_y"], planes["pressing"]])
-        if quiet(inputs, AS_THEY_ARE, ONCE, self._low, self._high):
+        if quiet(planes, AS_THEY_ARE, ONCE, self._low, self._high):
             self.before = self.code
             return False
-        out = self._machine.run(self._program, **planes)
+        out = self._machine.run(self._program, shear_x=planes[0], shear_y=planes[1], pressing=planes[2])
         self.before, self.code = self.code, decode(out)
         if out["moved"]:
             self._set_quiet_range()
@@ -50,11 +55,10 @@ class Comparators:
 
     def _set_quiet_range(self) -> None:
         """Note between which inputs (3, rows, cols) every cell stays as it is."""
-        signs, contact = np.stack((self.code.x, self.code.y)), self.code.contact
-        (off, on), (gone, touched) = self._shear, self._contact
-        low = np.select([signs > 0, signs == 0], [off, -on], -np.inf), np.where(contact, gone, -np.inf)[None]
-        high = np.select([signs < 0, signs == 0], [-off, on], np.inf), np.where(contact, np.inf, touched)[None]
-        self._low, self._high = np.concatenate(low) + SLACK, np.concatenate(high) - SLACK
+        code = self.code
+        cells = code.x + 1, code.y + 1, code.contact.view(np.int8)
+        self._low = np.array([low[kind] for (low, _), kind in zip(self._bounds, cells, strict=True)])
+        self._high = np.array([high[kind] for (_, high), kind in zip(self._bounds, cells, strict=True)])
 
 
 class Switches:

@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from operator import is_
 from typing import Any
 
 import numpy as np
 
 from cnnsim.program.machine import UniversalMachine
-from cnnsim.support import Flags
+from cnnsim.support import Flags, Floats
 from tactile.events.detector_file import DetectorFile, EventRule
 from tactile.events.planes import PlanePool
 from tactile.events.tracker import Tracker, Turn
@@ -39,7 +40,7 @@ class Detector:
         self._trackers = [Tracker(rule) for rule in file.rules]
         self._seen = -1
         self._fixed = False
-        self._last: dict[str, Any] | None = None
+        self._last: list[Floats] = []
         self._kept: dict[str, Any] = {}
 
     def update(self, t: float) -> list[Happening]:
@@ -61,18 +62,17 @@ class Detector:
         program, pool = self.file.program, self._pool
         if self._fixed and pool.version == self._seen:
             return False
-        inputs = {name: pool[name] for name in program.inputs}
-        logic = all(pool.is_logic(name) for name in program.inputs)
-        same = logic and self._last is not None and all(inputs[n] is self._last[n] for n in inputs)
+        inputs = [pool[name] for name in program.inputs]
         self._seen = pool.version
-        if same and self._fixed:
+        if self._fixed and all(map(is_, inputs, self._last)):  # an analog plane is a new one in every frame
             return False
         before = self.outputs
-        self.outputs = self._machine.run(program, **inputs)
-        kept = self._machine.kept(program) if program.keep else {}
-        self._fixed = logic and self._last is not None and _alike(kept, self._kept)
-        self._last, self._kept = inputs, kept
+        self.outputs = self._machine.run(program, **dict(zip(program.inputs, inputs, strict=True)))
         self.changed = not _alike(self.outputs, before)
+        logic = all(map(pool.is_logic, program.inputs))
+        kept = self._machine.kept(program) if logic and program.keep else {}
+        self._fixed = logic and _alike(kept, self._kept)
+        self._last, self._kept = inputs, kept
         for name, out in self.outputs.items():  # for the detectors that follow
             if program.memory[name] == "llm":
                 pool.set_logic(name, out)
@@ -108,7 +108,7 @@ def direction_of(along: tuple[float, float]) -> str:
 
 
 def _on(value: Any) -> bool:
-    return bool(np.any(value))
+    return bool(value.any() if isinstance(value, np.ndarray) else value)
 
 
 def _count(value: Any) -> int:
@@ -116,4 +116,9 @@ def _count(value: Any) -> int:
 
 
 def _alike(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
-    return one.keys() == other.keys() and all(np.array_equal(one[name], other[name]) for name in one)
+    return one.keys() == other.keys() and all(_is(one[name], other[name]) for name in one)
+
+
+def _is(one: Any, other: Any) -> bool:
+    """Whether two outputs, of which analog ones may hold NaN, are the same to the last bit."""
+    return bool(one.tobytes() == other.tobytes() if isinstance(one, np.ndarray) else one == other)

@@ -94,19 +94,22 @@ class PlanePool:
         self._black, self._white = np.ones(shape), -np.ones(shape)
         self._logic: dict[str, Floats] = dict.fromkeys((*CODE, *WHOLE, *(c[0] for c in CELLS)), self._white)
         self._logic["usable"] = self._black
+        self._cells_of = dict[str, bytes]()  # what planes that differ from cell to cell were made of
         self._names = [name for name, *_ in CELLS]
         self._moment: Moment | None = None
 
     def set_logic(self, name: str, black: Flags | bool) -> None:
         """Renew one logic plane (rows, cols), or all of it by one truth value."""
         if isinstance(black, np.ndarray):
-            plane = np.where(black, 1.0, -1.0)
-            if name in self._logic and np.array_equal(plane, self._logic[name]):
+            cells = black.tobytes()
+            if self._cells_of.get(name) == cells:
                 return
+            self._cells_of[name], plane = cells, np.where(black, 1.0, -1.0)
         else:
             plane = self._black if black else self._white
             if self._logic.get(name) is plane:
                 return
+            self._cells_of.pop(name, None)
         self._logic[name] = plane
         self.version += 1
 

@@ -1,5 +1,7 @@
 """Signals of a finger: what a frame and those before it say of every taxel and of the whole load, as CNN values."""
 
+from math import isfinite
+
 import numpy as np
 
 from cnnsim.support import Flags
@@ -93,10 +95,10 @@ class Signals:
 
     def take_load(self, t: float, load: Load) -> None:
         """Take a located load as if it were one taxel that measures force; no load is 0 N, what is not known stays."""
-        lost = load.validity in (Validity.NO_LOAD,)
+        lost = load.validity is Validity.NO_LOAD
         self._one[0, 0] = (0.0, 0.0, 0.0) if lost else (load.Q, load.R, load.F)
         sigma = load.sigma[2:]
-        if np.isfinite(sigma).all() and not lost:
+        if not lost and all(map(isfinite, sigma)):
             keep = self._interval / (self._interval + 2 * FAST)
             self._quiet[0] += 0.1 * (max(sigma[:2]) * keep**0.5 - self._quiet[0])
             self._quiet[1] += 0.1 * (sigma[2] * keep**0.5 - self._quiet[1])

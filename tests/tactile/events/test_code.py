@@ -74,7 +74,7 @@ def test_cells_that_sleep_would_not_have_switched(seed: int, dead_band: float, p
     for i, values in enumerate(walk):
         planes = encode(Frame(0, i / 100, i, values, np.ones((2, 3), bool)), "force", shear, contact)
         out = always.run(program, **planes)
-        assert comparators.update(planes) == out["moved"]
+        assert comparators.update(np.array([*planes.values()])) == out["moved"]
         wanted = decode(out)
         for name in ("x", "y", "contact"):
             assert np.array_equal(getattr(comparators.code, name), getattr(wanted, name))
@@ -90,7 +90,7 @@ def test_cells_sleep_while_nothing_comes_near_a_threshold() -> None:
     for n, level in enumerate([0.0, 1.4, -1.4, 1.6, 1.1, 9.0, 0.9, 1.4, 0.0]):
         values = np.full((1, 1, 3), [level, 0, 0])
         planes = encode(Frame(0, 0.0, n, values, np.ones((1, 1), bool)), "force", Threshold(1, 0.5), Threshold(1, 0.5))
-        comparators.update(planes)
+        comparators.update(np.array([*planes.values()]))
     assert run.call_count == 2  # when 1.6 turns it on and 0.9 off
     assert comparators.code.arrows() == "·"
 
