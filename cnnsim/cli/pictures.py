@@ -1,6 +1,7 @@
 """Pictures of the commands: options that say how they are read; results as a file, as numbered files, as a film."""
 
 from collections.abc import Sequence
+from glob import escape
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.network import LayeredTemplate
 from cnnsim.support import Array, InputError
+from cnnsim.support.files import make_folder
 from cnnsim.support.pictures.film import filming, is_film
 from cnnsim.support.pictures.picture import write_picture
 from cnnsim.support.pictures.read import read_pictures
@@ -76,8 +78,14 @@ def read_beside(path: Path | None, what: str, pictures: Array, reading: Reading)
     return planes
 
 
-def write_planes(y: Array, path: Path, *, film: bool) -> list[Path]:
-    """Write a picture, or several: each its own, numbered; ``film`` says that they follow one another."""
+def write_planes(y: Array, path: Path, *, film: bool, name: str = "") -> list[Path]:
+    """Write a picture, or several: each its own, numbered; ``film`` says that they follow one another.
+
+    A path that is a folder, or has no ending, is the folder in which they go, as PNG under that ``name``.
+    """
+    if path.is_dir() or not path.suffix:
+        make_folder(path)
+        path /= f"{name}.png"
     if y.ndim == 2:
         write_picture(y, path)
         return [path]
@@ -93,10 +101,24 @@ def write_planes(y: Array, path: Path, *, film: bool) -> list[Path]:
 
 
 def arrow(paths: Sequence[Any]) -> str:
-    """Return where something was written, as lines of the commands end: the first and the last of many files."""
+    """Return where something was written, as lines of the commands end: the first and the last of many files.
+
+    What is numbered beyond them is of an earlier run, and is told.
+    """
     if not paths:
         return ""
-    return f" -> {paths[0]}" + (f" to {paths[-1]}" if len(paths) > 1 else "")
+    old = _numbered_beyond(Path(paths[-1])) if len(paths) > 1 else []
+    stale = f"; of an earlier run: {old[0]}" + (f" to {old[-1]}" if len(old) > 1 else "") if old else ""
+    return f" -> {paths[0]}" + (f" to {paths[-1]}" if len(paths) > 1 else "") + stale
+
+
+def _numbered_beyond(last: Path) -> list[Path]:
+    stem, _, number = last.stem.rpartition("-")
+    if not number.isdecimal():
+        return []
+    beside = {path: path.stem[len(stem) + 1 :] for path in last.parent.glob(f"{escape(stem)}-*{last.suffix}")}
+    later = {path: int(text) for path, text in beside.items() if text.isdecimal() and int(text) > int(number)}
+    return sorted(later, key=lambda path: later[path])
 
 
 def as_map(values: Array, what: str, pictures: Array) -> Any:

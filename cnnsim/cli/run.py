@@ -51,7 +51,7 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON f
 @picture_argument
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path),
-    help="Where the output picture goes; of several each its own, numbered, or a film (.gif, .mp4).",
+    help="Where the output picture goes; or a folder; several are numbered, or a film (.gif, .mp4).",
 )  # fmt: skip
 @click.option("--state", type=click.Path(path_type=Path), help="The second picture, for templates that take one.")
 @click.option("--mask", type=click.Path(path_type=Path), help="Fixed-state map: black cells keep their state.")
@@ -110,9 +110,9 @@ def run(
         result = run_transient(entry.network, **task, backend=where)
     except NotSettledError as error:
         if output is not None:
-            write_planes(error.result.y, output, film=film)
+            write_planes(error.result.y, output, film=film, name=name)
         raise
-    written = [] if output is None else write_planes(result.y, output, film=film)
+    written = [] if output is None else write_planes(result.y, output, film=film, name=name)
     if trajectory is not None:
         end = result.t if np.isfinite(result.t) else 10.0
         task.pop("accuracy", None)  # a film shows the plan's own steps

@@ -51,3 +51,17 @@ def test_levels_are_told_on_the_command_line(tmp_path: Path, monkeypatch: pytest
     assert "range '0'; BLACK,WHITE wanted" in done.stderr
     done = call("run", "threshold-zero", "camera.png", "--range", "0,1000")
     assert "from 0 to 4095; 0 (black) to 1000 wanted" in done.stderr
+
+
+def test_several_results_go_into_a_folder_and_older_ones_are_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in "abc":
+        write_picture(np.ones((5, 6)), f"{name}.png")
+    done = call("run", "threshold-zero", "a.png", "b.png", "c.png", "-o", "many")
+    assert " ".join(done.stdout.split()).endswith("-> many/threshold-zero-0.png to many/threshold-zero-2.png")
+    done = call("run", "threshold-zero", "a.png", "b.png", "-o", "many")
+    assert " ".join(done.stdout.split()).endswith("; of an earlier run: many/threshold-zero-2.png")
+    assert call("run", "threshold-zero", "a.png", "-o", "many/").exit_code == 0
+    assert read_picture("many/threshold-zero.png").shape == (5, 6)
