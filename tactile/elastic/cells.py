@@ -5,7 +5,8 @@ from numpy.typing import ArrayLike
 
 from cnnsim.support import Floats
 from tactile.core.loads import COLUMNS, Q
-from tactile.elastic.halfspace import point_load, point_scale
+from tactile.elastic.halfspace import point_scale
+from tactile.elastic.layer_loads import layer_term, layered_load
 from tactile.elastic.medium import Medium
 
 
@@ -14,10 +15,18 @@ def point_cell(x: ArrayLike, y: ArrayLike, depth: float, pitch: float, medium: M
 
     Unit: reading per Pa. Good where the taxels lie deeper than about two cells.
     """
-    at = np.stack(np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float)), axis=-1)
+    at = _places(x, y)
+    return np.stack([layered_load(at, depth, load, medium) for load in _units(pitch)], axis=-1)
+
+
+def _places(x: ArrayLike, y: ArrayLike) -> Floats:
+    return np.stack(np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float)), axis=-1)
+
+
+def _units(pitch: float) -> Floats:
     unit = np.zeros((3, 1, COLUMNS))
     unit[range(3), 0, range(Q, COLUMNS)] = pitch**2
-    return np.stack([point_load(at, depth, load, medium) for load in unit], axis=-1)
+    return unit
 
 
 def uniform_cell(x: ArrayLike, y: ArrayLike, depth: float, pitch: float, medium: Medium) -> Floats:
@@ -35,7 +44,12 @@ def uniform_cell(x: ArrayLike, y: ArrayLike, depth: float, pitch: float, medium:
             b = (np.asarray(y, float) + sign_y * pitch / 2) / depth
             out = out + sign_x * sign_y * _corner(a + 0 * b, b + 0 * a, trace)
     # point_scale is per area of a depth squared, and the sums above count the cell in that unit
-    return np.asarray(scale * depth**2 * out)
+    felt = np.asarray(scale * depth**2 * out)
+    if np.isfinite(medium.thickness):
+        at = _places(x, y)  # what a layer adds is smooth over a cell that is narrower than the layer is thick
+        added = [layer_term(at, depth, load, medium.thickness, medium) for load in _units(pitch)]
+        felt = felt + np.stack(added, axis=-1)
+    return felt
 
 
 def _corner(x: Floats, y: Floats, trace: float) -> Floats:

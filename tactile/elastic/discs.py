@@ -46,7 +46,7 @@ def disc_load(
     x = (at[..., 0, None] - rows[..., X]) / depth
     y = (at[..., 1, None] - rows[..., Y]) / depth
     size = np.asarray(radii, dtype=np.float64) / depth
-    a, b, c, h = _potential(np.hypot(x, y), size, profile, np.asarray(lam), (rows[..., FORCE] != 0).any(axis=-1))
+    a, b, c, h = potential(np.hypot(x, y), size, profile, np.asarray(lam), (rows[..., FORCE] != 0).any(axis=-1))
     q, r, f = rows[..., Q], rows[..., R], rows[..., F]
     s = q * x + r * y
     t_x = q * (b - a) - x * (h * s + f * c)
@@ -77,15 +77,21 @@ def twist_load(positions: ArrayLike, depth: float, twists: ArrayLike, radii: Arr
     x = (at[..., 0, None] - rows[..., 0]) / depth
     y = (at[..., 1, None] - rows[..., 1]) / depth
     size = np.asarray(radii, dtype=np.float64) / depth
-    around = _potential(np.hypot(x, y), size, HERTZ, np.zeros(()), rows[..., 2] != 0)[2]
+    around = potential(np.hypot(x, y), size, HERTZ, np.zeros(()), rows[..., 2] != 0)[2]
     swirl = scale / (2 * depth) * rows[..., 2] * around
     return np.stack([(swirl * y).sum(-1), -(swirl * x).sum(-1), np.zeros(swirl.shape[:-1])], axis=-1)
 
 
-def _potential(
+def potential(
     rho: Floats, radius: Floats, profile: Profile, lam: Floats, wanted: ArrayLike
 ) -> tuple[Floats, Floats, Floats, Floats]:
-    """(V_rho / rho, V_z, V_rho_z / rho, (V_rho_rho - V_rho / rho) / rho^2) at depth 1, 0 where not wanted."""
+    """(V_rho / rho, V_z, V_rho_z / rho, (V_rho_rho - V_rho / rho) / rho^2) at depth 1, 0 where not wanted.
+
+    Arguments: ``rho`` and ``radius`` in depths, ``lam`` as in ``Profile``, any shapes that broadcast.
+
+    Raises:
+        InputError: a negative radius, or one of more than 100 depths.
+    """
     shape = np.broadcast_shapes(rho.shape, radius.shape, lam.shape)
     if not (np.isfinite(radius).all() and (radius >= 0).all()):
         raise InputError("contact radii of 0 or more, finite, wanted")

@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike
 
 from cnnsim.support import Floats, InputError
 from tactile.core.loads import COLUMNS, PLACE, Q
-from tactile.elastic.halfspace import point_load
+from tactile.elastic.layer_loads import layered_load
 from tactile.elastic.medium import Medium
 
 
@@ -27,7 +27,7 @@ class Influence:
         unit = np.zeros((len(where), 3, 1, COLUMNS))
         unit[..., 0, PLACE] = where[:, None]
         unit[:, range(3), 0, range(Q, COLUMNS)] = 1
-        felt = point_load(at.reshape(-1, 1, 1, 2), depth, unit, medium)  # (taxels, n, 3 forces, 3 components)
+        felt = layered_load(at.reshape(-1, 1, 1, 2), depth, unit, medium)  # (taxels, n, 3 forces, 3 components)
         self.matrix = np.ascontiguousarray(felt.reshape(-1, 3 * len(where), 3).transpose(1, 0, 2)).reshape(
             3 * len(where), -1
         )

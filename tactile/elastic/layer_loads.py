@@ -67,6 +67,17 @@ def layer_term(positions: ArrayLike, depth: float, loads: ArrayLike, thickness: 
     return added
 
 
+def layered_load(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Medium) -> Floats:
+    """Strain or stress under point loads on the half-space, or on the layer where the medium has a thickness.
+
+    Arguments, shapes and errors: as ``halfspace.point_load`` and ``layer_term``.
+    """
+    values = point_load(positions, depth, loads, medium)
+    if np.isfinite(medium.thickness):
+        values += layer_term(positions, depth, loads, medium.thickness, medium)
+    return values
+
+
 @lru_cache(maxsize=64)
 def _table(depth: float, nu: float, quantity: Felt) -> CubicSpline:
     """The five integrals over sqrt(rho / REACH), for thickness 1 and modulus 1."""

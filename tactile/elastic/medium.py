@@ -16,21 +16,26 @@ class Medium:
     """A homogeneous, isotropic, linear elastic body and what is read from it.
 
     Arguments: ``modulus`` Young's modulus E [Pa]; ``nu`` Poisson's ratio, 0 to 1/2; ``quantity``: "strain" reads
-    (u_xz, u_yz, u_zz), "stress" reads (sigma_xz, sigma_yz, sigma_zz) [Pa].
+    (u_xz, u_yz, u_zz), "stress" reads (sigma_xz, sigma_yz, sigma_zz) [Pa]; ``thickness`` [m] of a layer bonded to a
+    rigid base, infinite for the half-space.
 
     Raises:
-        InputError: a modulus that is not positive, a Poisson's ratio outside 0 .. 1/2, an unknown quantity.
+        InputError: a modulus or thickness that is not positive, a Poisson's ratio outside 0 .. 1/2, an unknown
+            quantity.
     """
 
     modulus: float
     nu: float = 0.5
     quantity: Felt = "strain"
+    thickness: float = np.inf
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.modulus) and self.modulus > 0):
             raise InputError(f"Young's modulus {self.modulus} Pa, a positive number wanted")
         if not 0 <= self.nu <= 0.5:
             raise InputError(f"Poisson's ratio {self.nu}, a number from 0 to 0.5 wanted")
+        if not self.thickness > 0:
+            raise InputError(f"thickness {self.thickness} m of the cover, a positive length wanted")
         if self.quantity not in get_args(Felt):
             raise InputError(f"quantity {self.quantity!r}, one of {', '.join(get_args(Felt))} wanted")
 

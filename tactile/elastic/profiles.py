@@ -21,11 +21,15 @@ from cnnsim.support import Floats, InputError
 class Profile:
     """A shape of pressure. ``weight(theta, lam)`` is w(t) dt / d theta, integral over -pi/2 .. pi/2 equal to 1.
 
-    ``lam`` is the contact radius over the tip radius where the shape depends on it, 0 elsewhere.
+    ``lam`` is the contact radius over the length that the shape depends on (the tip's radius, a layer's thickness), 0
+    elsewhere; ``limit``: the largest lam, which the shape nears without end; ``waves``: its Hankel transform by k a,
+    where that has a closed form.
     """
 
     name: str
     weight: Callable[[Floats, Floats], Floats]
+    limit: float = np.inf
+    waves: Callable[[Floats], Floats] | None = None
 
 
 def _sphere_weight(theta: Floats, lam: Floats) -> Floats:
@@ -37,13 +41,27 @@ def _sphere_weight(theta: Floats, lam: Floats) -> Floats:
     return np.where(lam > 1e-3, shape, 0.75 * np.cos(theta) ** 3)
 
 
-FLAT_PUNCH = Profile("flat punch", lambda theta, _: np.cos(theta) / 2)
+def _hertz_waves(turn: Floats) -> Floats:
+    # 3 (sin t - t cos t) / t^3, by its series where that cancels
+    t = np.maximum(turn, 0.05)
+    closed = 3 * (np.sin(t) - t * np.cos(t)) / t**3
+    return np.where(turn > 0.05, closed, 1 - turn**2 / 10 + turn**4 / 280)
+
+
+def _uniform_waves(turn: Floats) -> Floats:
+    from scipy.special import j1  # only where a layer's table asks for it
+
+    t = np.maximum(turn, 1e-6)
+    return np.where(turn > 1e-6, 2 * j1(t) / t, 1.0)
+
+
+FLAT_PUNCH = Profile("flat punch", lambda theta, _: np.cos(theta) / 2, waves=lambda turn: np.sinc(turn / np.pi))
 """p = P / (2 pi a sqrt(a^2 - r^2)): a rigid flat end."""
-UNIFORM = Profile("uniform", lambda theta, _: 2 / np.pi * np.cos(theta) ** 2)
+UNIFORM = Profile("uniform", lambda theta, _: 2 / np.pi * np.cos(theta) ** 2, waves=_uniform_waves)
 """p = P / (pi a^2)."""
-HERTZ = Profile("hertz", lambda theta, _: 0.75 * np.cos(theta) ** 3)
+HERTZ = Profile("hertz", lambda theta, _: 0.75 * np.cos(theta) ** 3, waves=_hertz_waves)
 """p = 3 P sqrt(1 - r^2 / a^2) / (2 pi a^2): a smooth rounded body, shallow."""
-ROUND_TIP = Profile("round tip", _sphere_weight)
+ROUND_TIP = Profile("round tip", _sphere_weight, 1.0)
 """A rigid hemisphere pressed in to any depth, its contact radius nearing its own; Hertz where it is shallow."""
 
 

@@ -1,59 +1,159 @@
 """The strain or stress field at the taxels of one finger over some frames, before any electronics."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Protocol
 
-from cnnsim.support import Floats
+import numpy as np
+
+from cnnsim.support import Floats, InputError
 from tactile.core.frame import TaxelArray
+from tactile.core.loads import COLUMNS, PLACE
 from tactile.elastic.medium import Medium
-from tactile.simulator.contacts.loads import Loads
-from tactile.simulator.summation import Summation, sum_loads
+from tactile.elastic.profiles import HERTZ, Profile
+from tactile.simulator.contacts.loads import Loads, together
+from tactile.simulator.contacts.rig import STILL, Rig
+from tactile.simulator.summation import DIRECT, Summation, moving, sum_loads
+from tactile.simulator.taxels import Taxels
+
+if TYPE_CHECKING:
+    from tactile.simulator.bump_cover import Bumps
+
+ACCURACY = 1e-4
+"""How far a field may be off, of its peak, unless a scene says."""
+TABLES = 1e-7
+"""To finer accuracies circles are integrated one by one."""
+FINEST = 1e-8
+"""Accuracy of what a layer adds to them."""
+WIDEST = 6.0
+"""Radius in depths up to which tables are made of circles on the half-space; wider ones are integrated one by one."""
+
+
+class Contact(Protocol):
+    """Anything that presses on a finger. Contacts add."""
+
+    @property
+    def finger(self) -> int: ...  # noqa: D102 - the finger's number
+    def loads(self, times: Floats, depth: float, medium: Medium, rig: Rig = ...) -> Loads: ...  # noqa: D102 - what it puts on the finger at the times
 
 
 @dataclass(frozen=True)
 class Field:
-    """What the taxels feel, with all that is needed to add a term to it.
+    """What the taxels feel, as what it comes from: it is computed when it is asked for, with all effects at once.
 
-    ``times`` (n,) [s]; ``first``: number of the first frame; ``values`` (n, rows, cols, 3) in the medium's reading.
+    ``contacts`` on this finger; ``times`` (n,) [s]; ``first``: number of the first frame; ``rig``: how contacts are
+    held; ``taxels``: where they lie; ``method`` of summation; ``accuracy`` of the peak; ``bumps``: the cover has them.
     """
 
     array: TaxelArray
     medium: Medium
     times: Floats
     first: int
-    loads: Loads
-    values: Floats
+    contacts: tuple[Contact, ...]
+    taxels: Taxels
+    rig: Rig = STILL
+    method: Summation = DIRECT
+    accuracy: float = ACCURACY
+    bumps: "Bumps | None" = field(default=None, compare=False)
 
-    def under(self, loads: Loads, medium: Medium) -> "Field":
-        """The same with other loads or another medium: what ideal taxels then feel, less what they felt, is added."""
-        at, depth = self.array.positions(), self.array.depth
-        term = field_at(at, depth, loads, medium) - field_at(at, depth, self.loads, self.medium)
-        return replace(self, loads=loads, medium=medium, values=self.values + term)
+    @cached_property
+    def loads(self) -> Loads:
+        """What presses at the times."""
+        parts = (contact.loads(self.times, self.taxels.depth, self.medium, self.rig) for contact in self.contacts)
+        return together(parts, len(self.times))
+
+    @cached_property
+    def values(self) -> Floats:
+        """(n, rows, cols, 3) in the medium's reading."""
+        if self.bumps is not None:
+            return self.bumps.readings(self.array, self.medium, self.loads)
+        method = DIRECT if self.method.name != "direct" and moving(self.loads.points) else self.method
+        return self.taxels.feel(
+            lambda at, depth, medium: field_at(at, depth, self.loads, medium, method, self.accuracy),
+            self.medium,
+            self.accuracy,
+        )
 
 
-def field_at(positions: Floats, depth: float, loads: Loads, medium: Medium, method: Summation | None = None) -> Floats:
+def field_at(
+    positions: Floats,
+    depth: float,
+    loads: Loads,
+    medium: Medium,
+    method: Summation | None = None,
+    accuracy: float = ACCURACY,
+) -> Floats:
     """What taxels at ``positions`` (..., 2) feel of all loads: (frames, ..., 3).
 
-    Points are summed by the method, circles and twists by their own quadrature; what is not there is not imported.
+    Points are summed by the method; in a layer where it is direct, and circles and twists, from tables as fine as the
+    accuracy asks for, or by quadrature below 1e-7; what is not there is not imported.
+
+    Raises:
+        InputError: taxels below the cover.
     """
-    values = sum_loads(method, positions, depth, loads.points, medium)
-    extra = (1,) * (positions.ndim - 1)
-    for disc in loads.discs:
-        from tactile.elastic.discs import disc_load  # only where called for
-
-        frames, count = disc.radii.shape
-        rows, radii, lam = (
-            part.reshape(frames, *extra, count, *part.shape[2:]) for part in (disc.loads, disc.radii, disc.lam)
+    if depth > medium.thickness:
+        raise InputError(
+            f"taxels {depth * 1e3:g} mm deep in a cover of {medium.thickness * 1e3:g} mm, a thickness of at least the "
+            "depth wanted"
         )
-        values += disc_load(positions, depth, rows, radii, disc.profile, medium, lam)
-    for twist in loads.twists:
-        from tactile.elastic.discs import twist_load  # the same
+    layered = np.isfinite(medium.thickness)
+    directly = method is None or method.name == "direct"
+    by_table = layered and directly and accuracy >= TABLES
+    if by_table:
+        values = np.zeros((len(loads.points), *positions.shape[:-1], 3))
+    else:
+        values = sum_loads(method, positions, depth, loads.points, medium)
+        if layered and directly and loads.points.shape[1]:
+            from tactile.elastic.layer_loads import layer_term  # only where called for
 
-        frames, count = twist.radii.shape
-        values += twist_load(
-            positions,
-            depth,
-            twist.twists.reshape(frames, *extra, count, 3),
-            twist.radii.reshape(frames, *extra, count),
-            medium,
-        )
+            rows = loads.points.reshape(len(values), *(1,) * (positions.ndim - 1), *loads.points.shape[1:])
+            values += layer_term(positions, depth, rows, medium.thickness, medium)
+    spread = [(disc.loads, disc.radii, disc.profile, disc.unit) for disc in loads.discs]
+    spread += [(_as_sixth(twist.twists), twist.radii, HERTZ, np.inf) for twist in loads.twists]
+    if by_table and loads.points.shape[1]:
+        spread.append((loads.points, np.zeros(loads.points.shape[:2]), HERTZ, np.inf))
+    if spread:
+        _add_spread(values.reshape(len(values), -1, 3), positions.reshape(-1, 2), depth, spread, medium, accuracy)
     return values
+
+
+def _as_sixth(twists: Floats) -> Floats:
+    rows = np.zeros((*twists.shape[:2], COLUMNS + 1))
+    rows[..., [0, 1, COLUMNS]] = twists
+    return rows
+
+
+def _add_spread(
+    values: Floats, at: Floats, depth: float, spread: Iterable[tuple[Floats, Floats, Profile, float]], medium: Medium,
+    accuracy: float,
+) -> None:  # fmt: skip
+    from tactile.elastic.disc_loops import add_discs  # only where called for
+    from tactile.elastic.disc_table import disc_table, table_size  # the same
+
+    layered = bool(np.isfinite(medium.thickness))
+    for rows, radii, profile, unit in spread:
+        pressing = (rows[..., PLACE.stop :] != 0).any(axis=-1)
+        alone = pressing & ((radii > WIDEST * depth) | (accuracy < TABLES))
+        if alone.any():
+            _add_exact(values, at, depth, np.where(alone[..., None], rows, 0), radii, profile, unit, medium)
+        size = table_size(radii, depth, profile, unit)
+        for whole, these in ((True, pressing & ~alone), (False, alone & layered)):
+            for top in np.unique(size[these]).tolist():
+                here = these & (size == top)
+                table = disc_table(depth, top, profile, unit, medium, max(accuracy, FINEST), whole)
+                kept = here.any(axis=0)  # most are of one size from the first frame to the last
+                part = np.where(here[:, kept, None], rows[:, kept], 0)
+                add_discs(values, at, depth, part, np.where(here, radii, 0)[:, kept], table, medium)
+
+
+def _add_exact(
+    values: Floats, at: Floats, depth: float, rows: Floats, radii: Floats, profile: Profile, unit: float, medium: Medium
+) -> None:
+    """The half-space's share by quadrature."""
+    from tactile.elastic.discs import disc_load, twist_load  # only where called for
+
+    if rows.shape[-1] == COLUMNS:
+        values += disc_load(at, depth, rows[:, None], radii[:, None], profile, medium, radii[:, None] / unit)
+    else:
+        values += twist_load(at, depth, rows[:, None][..., [0, 1, COLUMNS]], radii[:, None], medium)

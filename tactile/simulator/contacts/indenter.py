@@ -1,6 +1,6 @@
 """Indenters: the contact radius under a force, the pressure profile and the force law of each shape."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -14,6 +14,7 @@ from tactile.elastic.profiles import (
     UNIFORM,
     Profile,
     hertz_force,
+    hertz_indentation,
     hertz_radius,
     punch_force,
     round_tip_radius,
@@ -56,6 +57,10 @@ class Indenter:
             return round_tip_radius(force, self.radius, medium.contact_modulus)
         return np.full(np.shape(force), self.radius)
 
+    def profile(self, medium: Medium) -> tuple[Profile, float]:
+        """Pressure of a round contact, and the length [m] by which its radius becomes the profile's lam."""
+        return ROUND[self.shape], self.radius if self.shape == "needle" else np.inf
+
     def force_at(self, indentation: Floats, medium: Medium) -> Floats:
         """Normal force [N] at an indentation [m].
 
@@ -80,3 +85,55 @@ class Indenter:
             force: Floats = medium.contact_modulus * self.radius**2 * scaled
             return force
         raise InputError(f"an indentation given for a {self.shape}, a sphere, needle or flat_punch wanted")
+
+    def indentation(self, force: Floats, medium: Medium) -> Floats:
+        """Indentation [m] of a body under normal forces [N], 0 where nothing presses.
+
+        An edge is a cylinder of its ``radius``; a uniform disc sinks in like a flat punch.
+
+        Source: Johnson, Contact Mechanics, eqs (4.23), (3.36); Sneddon (1965); for the cylinder the displacement under
+        a pressure uniform along a length L and elliptic across 2 b, P (2 ln(2 L / b) + 1) / (pi E* L).
+        """
+        pressing, stiff = np.maximum(force, 0), medium.contact_modulus
+        if self.shape == "sphere":
+            return hertz_indentation(pressing, self.radius, stiff)
+        if self.shape in ("flat_punch", "disc"):
+            return pressing / (2 * self.radius * stiff)
+        if self.shape == "needle":
+            # Sneddon's radius is found through atanh(a / R), which rounding spoils where a nears R
+            lam = np.minimum(round_tip_radius(pressing, self.radius, stiff) / self.radius, 1 - 1e-15)
+            return self.radius * lam * np.arctanh(lam)
+        if self.shape in ("edge", "cylinder"):
+            from tactile.elastic.lines import cylinder_half_width  # only where called for
+
+            width = cylinder_half_width(pressing, self.length, self.radius, stiff)
+            narrow = np.maximum(width, 1e-12 * self.length)
+            return pressing * (2 * np.log(2 * self.length / narrow) + 1) / (np.pi * stiff * self.length)
+        raise InputError(f"the indentation of a {self.shape}, which has no size; another shape wanted")
+
+    def held_factor(self, force: Floats, rise: Floats, medium: Medium, needle: float) -> Floats:
+        """By what the force of a body that is held at its height grows when the cover rises by ``rise`` [m].
+
+        From the shape's own law of force and indentation; a point is a tip of radius ``needle`` [m], an edge as round
+        as that. What does not press (force 0 or pulling) stays as it is.
+        """
+        if self.shape == "point":
+            return Indenter("sphere", needle).held_factor(force, rise, medium, needle)
+        if self.shape == "edge":
+            return replace(self, shape="cylinder", radius=needle).held_factor(force, rise, medium, needle)
+        deeper = self.indentation(force, medium) + rise
+        pressing = force > 0
+        if self.shape == "cylinder":  # no closed form: by bisection
+            low, high = np.zeros_like(force), np.maximum(force, 1e-30)
+            while (self.indentation(high, medium) < deeper).any():
+                high = np.where(self.indentation(high, medium) < deeper, 2 * high, high)
+            for _ in range(60):
+                middle = (low + high) / 2
+                less = self.indentation(middle, medium) < deeper
+                low, high = np.where(less, middle, low), np.where(less, high, middle)
+            new = (low + high) / 2
+        else:
+            law = replace(self, shape="flat_punch") if self.shape == "disc" else self
+            new = law.force_at(deeper, medium)
+        factor: Floats = np.where(pressing, new / np.where(pressing, force, 1.0), 1.0)
+        return factor

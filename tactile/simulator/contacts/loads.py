@@ -6,18 +6,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cnnsim.support import Floats, Integers
-from tactile.core.loads import COLUMNS, PLACE
+from tactile.core.loads import COLUMNS
 from tactile.elastic.profiles import Profile
 
 
 @dataclass(frozen=True)
 class Disc:
-    """Loads over circles: ``loads`` (frames, k, 5), ``radii`` and ``lam`` (frames, k); ``owner`` (k,) contacts."""
+    """Loads over circles: ``loads`` (frames, k, 5), ``radii`` (frames, k) [m]; ``owner`` (k,) contacts.
+
+    ``unit`` [m]: the profile's lam is the radius over it, infinite where it has none.
+    """
 
     loads: Floats
     radii: Floats
-    lam: Floats
     profile: Profile
+    unit: float
     owner: Integers
 
 
@@ -43,23 +46,6 @@ class Loads:
     owner: Integers
     discs: tuple[Disc, ...] = ()
     twists: tuple[Twist, ...] = ()
-
-    def moved(self, shift: Floats, factor: Floats) -> "Loads":
-        """Contacts displaced by ``shift`` (frames, contacts, 2) [m], forces times ``factor`` (frames, contacts)."""
-
-        def shifted(rows: Floats, owner: Integers) -> Floats:
-            return np.concatenate(
-                [rows[..., PLACE] + shift[:, owner], rows[..., PLACE.stop :] * factor[:, owner, None]], axis=-1
-            )
-
-        contacts = np.arange(self.totals.shape[1])
-        return Loads(
-            shifted(self.totals, contacts),
-            shifted(self.points, self.owner),
-            self.owner,
-            tuple(replace(disc, loads=shifted(disc.loads, disc.owner)) for disc in self.discs),
-            tuple(replace(twist, twists=shifted(twist.twists, twist.owner)) for twist in self.twists),
-        )
 
 
 def point_loads(rows: Floats) -> Loads:

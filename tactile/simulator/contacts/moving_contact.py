@@ -11,8 +11,9 @@ from tactile.core.loads import COLUMNS, PLACE, SHEAR, F, Q, R, X, Y
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.friction import FrictionState, load_to, untouched
 from tactile.simulator.contacts.indenter import ROUND, Indenter
-from tactile.simulator.contacts.loads import Disc, Loads, Twist, point_loads
+from tactile.simulator.contacts.loads import Disc, Loads, Twist
 from tactile.simulator.contacts.moving_load import along_path, checked_path, span
+from tactile.simulator.contacts.rig import STILL, Rig, at_a_point
 
 TORQUE = COLUMNS
 """The column of M, behind those of a load."""
@@ -49,13 +50,19 @@ class MovingContact:
     def __repr__(self) -> str:
         return f"MovingContact(finger={self.finger}, {self.indenter.shape}, {span(self.path)})"
 
-    def loads(self, times: Floats, depth: float, medium: Medium) -> Loads:
-        """The loads on the finger at the times [s], for taxels at ``depth`` [m].
+    def loads(self, times: Floats, depth: float, medium: Medium, rig: Rig = STILL) -> Loads:
+        """The loads on the finger at the times [s], for taxels at ``depth`` [m], as the rig holds the indenter.
+
+        A body that is pulled has lifted off: it carries nothing. A point is a force, and may pull.
 
         Raises:
             InputError: an indentation given for a shape that knows no law for it; a contact too wide for the depth.
         """
         rows = self._at(times, medium)
+        if self.indenter.shape == "point":
+            return at_a_point(rows[:, :COLUMNS], medium, rig)
+        rows = rig.moved(rows, self.indenter, medium)
+        rows[rows[:, F] < 0, PLACE.stop :] = 0
         if self.indenter.shape not in ROUND:
             return self._line(rows, depth, medium)
         states = self._states(times, rows, medium) if self.friction is not None else None
@@ -108,8 +115,6 @@ class MovingContact:
             most = self.friction * np.maximum(rows[:, F], 0)
             rows[:, SHEAR] *= np.where(tangential > most, most / np.where(tangential > 0, tangential, 1), 1)[:, None]
         total, shape = rows[:, :COLUMNS], self.indenter
-        if shape.shape == "point":
-            return point_loads(total)
         from tactile.elastic.lines import cylinder_half_width, cylinder_loads, edge_loads  # only where called for
 
         if shape.shape == "edge":
@@ -134,8 +139,7 @@ class MovingContact:
             normal_at += list(forces.T)
         discs, forces = np.stack(spread, axis=1), np.stack(normal_at, axis=1)
         radii = self.indenter.contact_radius(forces, medium)
-        profile = ROUND[self.indenter.shape]
-        lam = np.minimum(radii / self.indenter.radius, 1.0) if self.indenter.shape == "needle" else np.zeros_like(radii)
+        profile, unit = self.indenter.profile(medium)
         owner = np.zeros(discs.shape[1], np.int64)
         twists: tuple[Twist, ...] = ()
         if rows[:, TORQUE].any():
@@ -147,5 +151,5 @@ class MovingContact:
             twists = (Twist(turned[:, None], radii[:, :1], np.zeros(1, np.int64)),)
         totals = rows[:, None, :COLUMNS]
         return Loads(
-            totals, np.empty((len(rows), 0, COLUMNS)), owner[:0], (Disc(discs, radii, lam, profile, owner),), twists
+            totals, np.empty((len(rows), 0, COLUMNS)), owner[:0], (Disc(discs, radii, profile, unit, owner),), twists
         )

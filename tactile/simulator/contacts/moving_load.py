@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike
 from cnnsim.support import Flags, Floats, InputError
 from tactile.core.loads import COLUMNS, FORCE
 from tactile.elastic.medium import Medium
-from tactile.simulator.contacts.loads import Loads, point_loads
+from tactile.simulator.contacts.loads import Loads
+from tactile.simulator.contacts.rig import STILL, Rig, at_a_point
 
 
 def along_path(path: Floats, times: Floats) -> tuple[Floats, Flags]:
@@ -73,6 +74,6 @@ class MovingLoad:
         rows[gone, FORCE] = 0
         return rows
 
-    def loads(self, times: Floats, depth: float, medium: Medium) -> Loads:
-        """The load on the finger at the times [s]."""
-        return point_loads(self.at(times))
+    def loads(self, times: Floats, depth: float, medium: Medium, rig: Rig = STILL) -> Loads:
+        """The load on the finger at the times [s], as the rig holds it."""
+        return at_a_point(self.at(times), medium, rig)

@@ -7,8 +7,9 @@ import numpy as np
 
 from cnnsim.support import Floats, InputError
 from tactile.elastic.medium import Medium
-from tactile.simulator.contacts.loads import Loads, point_loads
+from tactile.simulator.contacts.loads import Loads
 from tactile.simulator.contacts.materials import Material
+from tactile.simulator.contacts.rig import STILL, Rig, at_a_point
 
 FINEST = 24
 """Steps for the shortest of: grain, period, and the way to build up the shear that slips."""
@@ -86,9 +87,9 @@ class SlidingTexture:
         step = np.clip(np.searchsorted(way, at, side="right") - 1, 0, len(way) - 1)
         return np.where(here, shear[step], 0.0), np.where(here, normal[step], 0.0)
 
-    def loads(self, times: Floats, depth: float, medium: Medium) -> Loads:
-        """The load on the finger at the times [s]."""
+    def loads(self, times: Floats, depth: float, medium: Medium, rig: Rig = STILL) -> Loads:
+        """The load on the finger at the times [s], as the rig holds it."""
         shear, normal = self.series(times)
         x, y = (np.full(len(times), place) for place in self.place)
         pull = shear * np.cos(self.direction), shear * np.sin(self.direction)
-        return point_loads(np.stack([x, y, *pull, normal], axis=-1))
+        return at_a_point(np.stack([x, y, *pull, normal], axis=-1), medium, rig)

@@ -13,8 +13,8 @@ from tactile.simulator.field import Field
 class PoissonRatio:
     """The cover's Poisson's ratio ``nu``; 1/2 is the paper's model and changes nothing.
 
-    Adds strain(nu) - strain(1/2) of the half-space under the same tractions; stress at the taxels does not depend on
-    nu. Effects that come later in the chain (finite tip, finite thickness) then work with this nu.
+    Stress in the half-space under the same tractions does not depend on nu; contact radii and indentations do, and so
+    does the layer.
 
     Source: Johnson, Contact Mechanics, eqs (3.18), (3.75); Vasarhelyi, Fodor, Roska, sect. 4.1.
     """
@@ -24,4 +24,4 @@ class PoissonRatio:
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields in the compressible cover."""
         for field in stream:
-            yield field.under(field.loads, replace(field.medium, nu=self.nu))
+            yield replace(field, medium=replace(field.medium, nu=self.nu))

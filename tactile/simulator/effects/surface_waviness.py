@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from tactile.core.loads import PLACE, F
+from cnnsim.support import Floats
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
-from tactile.simulator.held_needle import force_factor, raised
+from tactile.simulator.held_needle import raised
 from tactile.simulator.seen import sigmas
 
 WAVES = 32
@@ -19,8 +20,9 @@ class SurfaceWaviness:
     """A random surface of standard deviation ``rms`` [m] over hills ``wavelength`` [m] apart.
 
     The height h(x, y) is a sum of 32 plane waves of random directions and phases, wavelengths within a factor 1.5 of
-    ``wavelength``; mean 0 and deviation ``rms`` over the plane, the same surface for the whole scene. A held tip of
-    ``tip_radius`` [m] presses (1 + h / delta)^1.5 times as hard; slopes are too small to turn the force.
+    ``wavelength``; mean 0 and deviation ``rms`` over the plane, the same surface for the whole scene. A held contact
+    presses by h deeper, which its own law of force and indentation turns into force: (1 + h / delta)^1.5 times as hard
+    a sphere; loads at a point are held by a tip of ``tip_radius`` [m]. Slopes are too small to turn the force.
 
     Source: Vasarhelyi, Fodor, Roska, sect. 4.1.
     """
@@ -35,11 +37,13 @@ class SurfaceWaviness:
         turn = random.uniform(0, 2 * np.pi, WAVES)
         waves = 2 * np.pi / length * np.stack([np.cos(turn), np.sin(turn)])
         phase = random.uniform(0, 2 * np.pi, WAVES)
+
+        def move(places: Floats) -> tuple[Floats, Floats]:
+            height = self.rms * np.sqrt(2 / WAVES) * np.cos(places @ waves + phase).sum(axis=-1)
+            return np.zeros_like(places), height
+
         for field in stream:
-            totals = field.loads.totals
-            height = self.rms * np.sqrt(2 / WAVES) * np.cos(totals[..., PLACE] @ waves + phase).sum(axis=-1)
-            factor = force_factor(totals[..., F], height, self.tip_radius, field.medium)
-            yield field.under(field.loads.moved(np.zeros((*factor.shape, 2)), factor), field.medium)
+            yield replace(field, rig=field.rig.with_move(move, self.tip_radius))
 
     def strays(self, field: Field, frames: int) -> float:
         """Bound of the change on hills as high as there are under so many frames, for the frames of a field."""

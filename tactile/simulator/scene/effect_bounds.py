@@ -105,7 +105,7 @@ class EffectBounds:
             elif effect.STAGE == "field":
                 changed = _acted(effect, now)
                 found.terms[name] = changed.values - now.values
-                if changed.loads is not now.loads or changed.medium != now.medium:
+                if changed is not now:  # fields are computed with all effects at once
                     self._bending.add(name)
                 now = changed if name in self._on else now
         seen = (ideal.seen if now is given else _behind(ideal.seen, given, now)).after(shaken, True)

@@ -9,8 +9,9 @@ from cnnsim.support.toml_file import read_toml, take, take_tables
 from tactile.core.array_table import take_array
 from tactile.core.frame import TaxelArray
 from tactile.simulator.contacts.moving_load import MovingLoad
+from tactile.simulator.field import ACCURACY, Contact
 from tactile.simulator.scene.keys import check_scene_keys
-from tactile.simulator.scene.scene import FULL_SCALE, Contact, Scene
+from tactile.simulator.scene.scene import FULL_SCALE, Scene
 from tactile.simulator.scene.table_values import keyframes, one_finger, positive
 
 KEYFRAME = "t_s, x_mm, y_mm, Q_N, R_N, F_N"
@@ -89,6 +90,7 @@ def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tupl
         full_scale=positive(cover, "full_scale", f"{where}: [cover]", FULL_SCALE),
         seed=take(table, "seed", int, where, 0),
         bumps=bumps,
+        accuracy=take(table, "accuracy", float, where, ACCURACY),
     )
     if scene.bumps is not None:
         by_depth = [n for n, contact in enumerate(contacts, 1) if getattr(contact, "given_depth", False)]

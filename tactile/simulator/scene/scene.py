@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 
@@ -15,10 +15,11 @@ from tactile.core.frame import Frame, TaxelArray
 from tactile.core.loads import COLUMNS
 from tactile.elastic.medium import Felt, Medium
 from tactile.simulator.batch import Batch
-from tactile.simulator.contacts.loads import Loads, together
+from tactile.simulator.contacts.loads import Loads
 from tactile.simulator.contacts.moving_load import MovingLoad
-from tactile.simulator.field import Field, field_at
-from tactile.simulator.summation import DIRECT, Summation, choose_method, moving
+from tactile.simulator.field import ACCURACY, Contact, Field
+from tactile.simulator.summation import DIRECT, Summation, choose_method
+from tactile.simulator.taxels import Taxels
 
 if TYPE_CHECKING:
     from tactile.simulator.bump_cover import Bumps
@@ -30,14 +31,6 @@ LOADS_AT_ONCE = 1 << 22
 """Load components held at once: scenes with very many loads are computed in smaller pieces."""
 FULL_SCALE = 0.1
 """Largest strain the electronics are made for, unless a scene says otherwise: the paper's needle just reaches it."""
-
-
-class Contact(Protocol):
-    """Anything that presses on a finger. Contacts add."""
-
-    @property
-    def finger(self) -> int: ...  # noqa: D102 - the finger's number
-    def loads(self, times: Floats, depth: float, medium: Medium) -> Loads: ...  # noqa: D102 - what it puts on the finger at the times
 
 
 def named_effects(effects: Iterable[Any]) -> tuple[tuple[str, Any], ...]:
@@ -58,7 +51,8 @@ class Scene:
     ``rate`` [Hz], ``duration`` [s], ``modulus`` Young's modulus of the cover [Pa]; ``loads``: point loads,
     ``contacts``: all else that presses; what acts on one finger adds. ``effects``: (name, effect) in the order in
     which they act, none for the paper's ideal skin; effects alone, as ``make_effect`` gives them, are put in order.
-    ``full_scale``: the largest strain the electronics are made for. ``seed``: every effect of every finger draws from
+    ``full_scale``: the largest strain the electronics are made for. ``accuracy``: how far the field may be off, of its
+    peak, for speed; 0 for rounding. ``seed``: every effect of every finger draws from
     a generator of its own, so that none changes with the others. ``bumps``: the cover has one over every taxel, None
     for a flat one.
 
@@ -78,16 +72,19 @@ class Scene:
     full_scale: float = FULL_SCALE
     seed: int = 0
     bumps: "Bumps | None" = None
+    accuracy: float = ACCURACY
 
     def __init__(
         self, title: str, rate: float, duration: float, modulus: float, arrays: Iterable[TaxelArray],
         loads: Iterable[MovingLoad] = (), contacts: Iterable[Contact] = (),
         effects: Iterable[Any] = (), full_scale: float = FULL_SCALE, seed: int = 0, bumps: "Bumps | None" = None,
+        accuracy: float = ACCURACY,
     ) -> None:  # fmt: skip
         given = {
             "title": title, "rate": rate, "duration": duration, "modulus": modulus, "arrays": tuple(arrays),
             "loads": tuple(loads), "contacts": tuple(contacts), "effects": named_effects(effects),
             "full_scale": full_scale, "seed": seed, "bumps": bumps,
+            "accuracy": accuracy,
         }  # fmt: skip
         for name, value in given.items():
             object.__setattr__(self, name, value)
@@ -97,6 +94,8 @@ class Scene:
         for name in ("rate", "duration", "modulus", "full_scale"):
             if not 0 < getattr(self, name) < float("inf"):
                 raise InputError(f"scene {self.title!r}: {name} {getattr(self, name)}, a positive number wanted")
+        if not 0 <= self.accuracy <= 0.1:
+            raise InputError(f"scene {self.title!r}: accuracy {self.accuracy}, from 0 to 0.1 of the peak wanted")
         names = [array.name for array in self.arrays]
         if not names or len(set(names)) < len(names):
             raise InputError(f"scene {self.title!r}: arrays {names}, at least one and no name twice wanted")
@@ -152,13 +151,24 @@ class Scene:
 
     def finger_loads(self, finger: int, times: Floats) -> Loads:
         """All loads on a finger at the times [s]."""
-        depth, medium = self.arrays[finger].depth, self.medium(finger)
-        mine = [contact for contact in (*self.loads, *self.contacts) if contact.finger == finger]
-        return together((contact.loads(times, depth, medium) for contact in mine), len(times))
+        return self._field(finger, 0, times, DIRECT).loads
+
+    def _field(self, finger: int, first: int, times: Floats, method: Summation) -> Field:
+        mine = tuple(contact for contact in (*self.loads, *self.contacts) if contact.finger == finger)
+        array = self.arrays[finger]
+        return Field(
+            array, self.medium(finger), times, first, mine, Taxels.of(array),
+            method=method, accuracy=self.accuracy, bumps=self.bumps,
+        )  # fmt: skip
 
     def loads_at(self, finger: int, times: Floats) -> Floats:
-        """Return the (times, contacts, 5) rows (x, y, Q, R, F) on a finger: what a localiser should find."""
-        return self.finger_loads(finger, times).totals
+        """Return the (times, contacts, 5) rows (x, y, Q, R, F) on a finger: what a localiser should find.
+
+        On the cover as the effects make it, which says how hard a contact of a given depth presses; no random effect.
+        """
+        sure = [(name, effect) for name, effect in self.effects if not effect.RANDOM]
+        (field,) = self.affected([self._field(finger, 0, times, DIRECT)], "field", sure, finger)
+        return field.loads.totals
 
     def method(self, finger: int) -> Summation:
         """The method of summation that was chosen for a finger."""
@@ -177,16 +187,8 @@ class Scene:
 
     def fields(self, finger: int, times: Iterable[tuple[int, Floats]]) -> Iterator[Field]:
         """The field at the taxels, without effects, for pieces (first frame, times)."""
-        array, medium = self.arrays[finger], self.medium(finger)
         for first, piece in times:
-            loads, method = self.finger_loads(finger, piece), self.method(finger)
-            if self.bumps is not None:
-                values = self.bumps.readings(array, medium, loads)
-            else:
-                if method.name != "direct" and moving(loads.points):
-                    method = DIRECT
-                values = field_at(array.positions(), array.depth, loads, medium, method)
-            yield Field(array, medium, piece, first, loads, values)
+            yield self._field(finger, first, piece, self.method(finger))
 
     def pieces(self, finger: int) -> Iterator[tuple[int, Floats]]:
         """(first frame, times) of the pieces in which a finger's frames are computed."""

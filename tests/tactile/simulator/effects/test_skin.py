@@ -22,25 +22,20 @@ from tactile.simulator.effects.strain_nonlinearity import StrainNonlinearity, st
 from tactile.simulator.effects.surface_waviness import SurfaceWaviness
 from tactile.simulator.effects.taxel_area import TaxelArea
 from tactile.simulator.effects.viscoelastic import Viscoelastic
-from tactile.simulator.field import Field, field_at
+from tactile.simulator.field import Field
 from tactile.simulator.scene.scene import Scene
-from tactile.simulator.summation import DIRECT
 from tests.kits.effects import ARRAY, FULL, scene, through
 from tests.oracles.layer import layer_load
 
 
 def fields(of: Scene, cut: int = 10**9) -> Iterator[Field]:
     times = np.arange(of.samples) / of.rate
-    for start in range(0, of.samples, cut):
-        here = times[start : start + cut]
-        loads, medium = of.finger_loads(0, here), of.medium(0)
-        values = field_at(ARRAY.positions(), ARRAY.depth, loads, medium, DIRECT)
-        yield Field(ARRAY, medium, here, start, loads, values)
+    return of.fields(0, ((start, times[start : start + cut]) for start in range(0, of.samples, cut)))
 
 
 def term(effect: Any, seed: int = 1, of: Scene | None = None) -> tuple[NDArray[np.float64], Field]:
     """What a field effect adds, and the field before."""
-    (before,) = fields(of or scene())
+    (before,) = fields(of or scene(accuracy=0.0))
     (after,) = effect(iter([before]), np.random.default_rng(seed))
     return after.values - before.values, before
 

@@ -76,6 +76,8 @@ def test_what_a_scene_does_not_name_is_not_imported(tmp_path: Path, extra: str, 
     unnamed = {f"scene.{name}" for name in ("auto", "explain", "estimate", "contact_tables")}
     unnamed |= {f"contacts.{name}" for name in ("sliding_texture", "materials", "traction_map")}
     unnamed |= {f"tactile.elastic.{name}" for name in ("discs", "lines", "influence", "spectral")}
+    if "finite_thickness" in extra:  # a point on a layer is a circle of radius 0 in its table
+        unnamed.remove("tactile.elastic.discs")
     assert not loaded & unnamed
     assert ("tactile.elastic.layer_loads" in loaded) == (module == "effects.finite_thickness")
     assert ("effects" in loaded) == bool(module)

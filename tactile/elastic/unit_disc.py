@@ -1,0 +1,94 @@
+"""Reading under a unit force spread over a circle, as six functions of distance and radius: half-space and layer.
+
+With c = cos, s = sin of the azimuth of the taxel seen from the circle and A = Q c + R s, a load (Q, R, F) and a twist M
+give
+
+    zz: F g[ZZ] - A g[ZR]
+    xz: -F c g[RZ] + Q g[EVEN] - (2 c A - Q) g[ODD] + M s g[TWIST],    yz alike with s, R and -M c
+
+Lengths are counted in depths of the taxel, forces in units of 1 / (the medium's reading).
+"""
+
+import numpy as np
+from scipy.special import j0, j1
+
+from cnnsim.support import Floats
+from tactile.elastic.discs import potential
+from tactile.elastic.gauss import gauss
+from tactile.elastic.layer import transfer
+from tactile.elastic.medium import Medium
+from tactile.elastic.profiles import Profile
+
+ZZ, ZR, RZ, EVEN, ODD, TWIST = range(6)
+PANEL = 14.0
+"""Phase of the fastest wave over one panel of 16 Gauss nodes: good to 1e-10."""
+
+
+def half_space(rho: Floats, radius: Floats, profile: Profile, lam: Floats, trace: float) -> Floats:
+    """The six functions (radii, distances, 6) on the half-space; ``trace`` as ``halfspace.point_scale`` gives it.
+
+    Arguments: ``rho`` (distances,), ``radius`` and ``lam`` (radii,); the twist is that whose traction is -1/2 of the
+    slope of this profile's pressure.
+
+    Source: ``discs``, written by the azimuth.
+    """
+    grown = np.broadcast_to(rho, (len(radius), len(rho)))
+    a, b, c, h = potential(grown, radius[:, None], profile, lam[:, None], True)
+    bend = rho**2 * h / 2
+    return np.stack(
+        [b + 2 * a + 2 * bend - trace * b, rho * (c + trace * a), rho * c, b - a - bend, bend, rho * c / 2], axis=-1
+    )
+
+
+def layer(
+    rho: Floats, radius: Floats, profile: Profile, lam: Floats, medium: Medium, depth: float, fall: float = 46.0
+) -> Floats:
+    """What a bonded layer adds to the half-space's six functions, (radii, distances, 6).
+
+    The integral over the waves k of k N(k) w(k a) J_m(k rho) / 2 pi, where N is the difference of the transfer
+    functions and w the transform of the profile, w(k) = integral of its line weight times cos(k sin(theta)).
+
+    Arguments: ``depth`` of the taxel over the layer's thickness; ``rho``, ``radius`` in thicknesses here; ``fall``: the
+    waves end where the difference, which falls off like exp(-k (2 - depth)), has fallen by exp(-fall).
+
+    Source: Sneddon, Fourier Transforms (1951), ch. 10, for layers under axisymmetric loads.
+    """
+    unit = Medium(1.0, medium.nu, medium.quantity)
+    top = fall / (2 - depth)
+    widest = float(rho.max() + radius.max())
+    edges = np.linspace(0, top, int(np.ceil(top * max(widest, 1.0) / PANEL)) + 1)
+    nodes, weights = gauss(16)
+    k = (((edges[:-1] + edges[1:]) / 2)[:, None] + (edges[1] / 2) * nodes).ravel()
+    step = k * np.tile(weights * edges[1] / 2, len(edges) - 1) / (2 * np.pi)
+    bonded, endless = transfer(k, depth, 1.0, unit), transfer(k, depth, np.inf, unit)
+    zz, zr, rz, shear, across = (
+        (getattr(bonded, name) - getattr(endless, name)) * step
+        for name in ("normal", "normal_shear", "shear_normal", "shear", "across")
+    )
+    phase = k * rho[:, None]
+    zeroth, first = j0(phase), j1(phase)
+    second = np.where(phase > 1e-3, 2 * first / np.maximum(phase, 1e-3) - zeroth, phase**2 / 8)
+    spread = profile_waves(k, radius, profile, lam)
+    columns = (
+        (zeroth, zz), (first, zr), (first, rz), (zeroth, (shear + across) / 2),
+        (second, (shear - across) / 2), (first, -k * across / 2),
+    )  # fmt: skip
+    return np.stack([(spread * part) @ wave.T for wave, part in columns], axis=-1)
+
+
+def profile_waves(k: Floats, radius: Floats, profile: Profile, lam: Floats) -> Floats:
+    """Hankel transform (radii, waves) of a profile's density over circles."""
+    if profile.waves is not None:
+        return profile.waves(np.multiply.outer(radius, k))
+    out = np.empty((len(radius), len(k)))
+    for row, a, shape in zip(out, radius.tolist(), lam.tolist(), strict=True):
+        if a == 0:
+            row[:] = 1
+            continue
+        # the fastest wave turns k a / 2 times over the quarter circle
+        nodes, weights = gauss(20 + int(0.7 * float(k[-1]) * a))
+        theta = (nodes + 1) * np.pi / 4
+        row[:] = np.cos(np.outer(k, a * np.sin(theta))) @ (
+            weights * np.pi / 2 * profile.weight(theta, np.full(len(theta), shape))
+        )
+    return out

@@ -1,0 +1,57 @@
+"""How contacts are held over the cover: by what a rig displaces and raises them, and what they do at its surface."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cnnsim.support import Floats
+from tactile.core.loads import COLUMNS, FORCE, PLACE, F
+from tactile.elastic.medium import Medium
+from tactile.elastic.profiles import ROUND_TIP, round_tip_radius
+from tactile.simulator.contacts.indenter import Indenter
+from tactile.simulator.contacts.loads import Disc, Loads, point_loads
+
+Move = Callable[[Floats], tuple[Floats, Floats]]
+"""From places (frames, 2) [m] to the displacement (frames, 2) [m] and by what the cover rises (frames,) [m]."""
+
+
+@dataclass(frozen=True)
+class Rig:
+    """What holds the contacts: ``moves`` of theirs in turn, each with the tip radius [m] of contacts at a point.
+
+    ``tip`` [m]: the tip under which loads at points are spread, 0 for points.
+    """
+
+    moves: tuple[tuple[Move, float], ...] = ()
+    tip: float = 0.0
+
+    def with_move(self, move: Move, needle: float) -> "Rig":
+        """The same with one more move."""
+        return replace(self, moves=(*self.moves, (move, needle)))
+
+    def moved(self, rows: Floats, body: Indenter, medium: Medium) -> Floats:
+        """Loads (frames, 5 or more) of one contact, displaced and pressed as its own law has it."""
+        for move, needle in self.moves:
+            shift, rise = move(rows[:, PLACE])
+            rows = rows.copy()
+            rows[:, PLACE] += shift
+            if rise.any():
+                rows[:, FORCE] *= body.held_factor(rows[:, F], rise, medium, needle)[:, None]
+        return rows
+
+
+STILL = Rig()
+"""Nothing moves, and points are points."""
+POINT = Indenter()
+
+
+def at_a_point(rows: Floats, medium: Medium, rig: Rig) -> Loads:
+    """What a contact at one point, rows (frames, 5), puts on the cover: a point load, or one under the rig's tip."""
+    held = rig.moved(rows, POINT, medium)
+    if rig.tip == 0:
+        return point_loads(held)
+    radii = round_tip_radius(held[:, None, F], rig.tip, medium.contact_modulus)
+    owner = np.zeros(1, np.int64)
+    spread = Disc(held[:, None], radii, ROUND_TIP, rig.tip, owner)
+    return Loads(held[:, None], np.empty((len(held), 0, COLUMNS)), owner[:0], (spread,))

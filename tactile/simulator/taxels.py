@@ -1,0 +1,94 @@
+"""Where the taxels of a finger lie in the cover, how wide they are and how they are turned."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cnnsim.support import Floats
+from tactile.core.frame import SHEAR_X, SHEAR_Y, TaxelArray
+from tactile.elastic.gauss import gauss
+from tactile.elastic.medium import Medium
+
+MOST = 40
+"""Gauss points across a taxel."""
+DEPTHS = 12
+"""Depths, at most, between which a field is interpolated."""
+
+Reading = Callable[[Floats, float, Medium], Floats]
+"""What points (rows, cols, 2) at a depth feel in a medium: (frames, rows, cols, 3)."""
+
+
+@dataclass(frozen=True)
+class Taxels:
+    """The taxels of one finger: ``places`` (rows, cols, 2) [m], ``depth`` [m].
+
+    ``width`` [m] of square taxels that feel the mean over their area, 0 for points; ``thicker`` (rows, cols) [m]: by
+    what the cover over each is thicker than it should be, None where it is not; ``turn`` [rad] of their axes, x to y.
+    """
+
+    places: Floats
+    depth: float
+    width: float = 0.0
+    thicker: Floats | None = None
+    turn: float = 0.0
+
+    @classmethod
+    def of(cls, array: TaxelArray) -> "Taxels":
+        """Points where the array says they are."""
+        return cls(array.positions(), array.depth)
+
+    def raised(self, thicker: Floats) -> "Taxels":
+        """The same under a cover that is thicker by so much (rows, cols) [m] still."""
+        return replace(self, thicker=thicker if self.thicker is None else self.thicker + thicker)
+
+    def feel(self, reading: Reading, medium: Medium, accuracy: float) -> Floats:
+        """What they feel (frames, rows, cols, 3), to about so much of the peak."""
+        values = (
+            self._mean(reading, medium, accuracy) if self.thicker is None else self._levels(reading, medium, accuracy)
+        )
+        if self.turn:
+            c, s = np.cos(self.turn), np.sin(self.turn)
+            x, y = values[..., SHEAR_X].copy(), values[..., SHEAR_Y].copy()
+            values[..., SHEAR_X], values[..., SHEAR_Y] = c * x + s * y, c * y - s * x
+        return values
+
+    def _levels(self, reading: Reading, medium: Medium, accuracy: float) -> Floats:
+        """Between a few thicknesses by a polynomial: readings are smooth in the depth."""
+        assert self.thicker is not None
+        low, high = float(self.thicker.min()), float(self.thicker.max())
+        middle, half = (low + high) / 2, (high - low) / 2
+        # a field is analytic down to the surface: Chebyshev points converge like (half / 2 depth)^n at worst
+        count = 1
+        if half > 1e-9 * self.depth:
+            share = (self.depth + middle) / half
+            count = min(DEPTHS, 2 + int(np.ceil(-np.log(max(accuracy, 1e-9)) / np.log(share + np.sqrt(share**2 - 1)))))
+        nodes = middle + half * np.cos((np.arange(count) + 0.5) * np.pi / count)
+        values = np.zeros(())
+        for n, node in enumerate(nodes.tolist()):
+            weight = np.ones(self.thicker.shape)
+            for other in np.delete(nodes, n).tolist():
+                weight *= (self.thicker - other) / (node - other)
+            level = replace(self, depth=self.depth + node, thicker=None, turn=0.0)
+            values = values + weight[..., None] * level._mean(
+                reading, replace(medium, thickness=medium.thickness + node), accuracy
+            )
+        return values
+
+    def _mean(self, reading: Reading, medium: Medium, accuracy: float) -> Floats:
+        if self.width == 0:
+            return reading(self.places, self.depth, medium)
+        values = np.zeros(())
+        for step, share in self._nodes(accuracy):
+            values = values + share * reading(self.places + step, self.depth, medium)
+        return values
+
+    def _nodes(self, accuracy: float) -> Iterator[tuple[Floats, float]]:
+        # Gauss converges like exp(-2 n asinh(z / half width))
+        digits = -np.log(max(accuracy, 1e-6)) / 2
+        count = min(MOST, int(np.ceil(digits / np.arcsinh(2 * self.depth / self.width))) + 1)
+        nodes, weights = gauss(count)
+        c, s = np.cos(self.turn), np.sin(self.turn)
+        for a, along in zip(nodes.tolist(), weights.tolist(), strict=True):
+            for b, across in zip(nodes.tolist(), weights.tolist(), strict=True):
+                yield np.array([c * a - s * b, s * a + c * b]) * self.width / 2, along * across / 4
