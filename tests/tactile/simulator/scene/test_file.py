@@ -79,7 +79,7 @@ def test_what_a_scene_does_not_name_is_not_imported(tmp_path: Path, extra: str, 
     if "finite_thickness" in extra:  # a point on a layer is a circle of radius 0 in its table
         unnamed.remove("tactile.elastic.discs")
     assert not loaded & unnamed
-    assert ("tactile.elastic.layer_loads" in loaded) == (module == "effects.finite_thickness")
+    assert ("tactile.elastic.unit_disc" in loaded) == (module == "effects.finite_thickness")
     assert ("effects" in loaded) == bool(module)
 
 
