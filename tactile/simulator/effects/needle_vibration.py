@@ -12,7 +12,6 @@ from tactile.simulator.field import Field
 from tactile.simulator.held_needle import raised
 from tactile.simulator.seen import sigmas
 
-
 STEEPEST = 2.0
 """No reading changes faster across the surface than by so many times the largest one a depth: point loads 1 to 1.5."""
 

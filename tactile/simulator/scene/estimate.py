@@ -123,8 +123,8 @@ class Sample:
 def _computed(fields: list[Field]) -> float:
     """Compute fields, and return how long it took [s]."""
     begin = perf_counter()
-    for field in fields:
-        _ = field.values
+    for one in fields:
+        _ = one.values
     return perf_counter() - begin
 
 
