@@ -1,5 +1,6 @@
 """The tactile pipeline: frames are calibrated, located, watched for events, and reported. Start reading here."""
 
+from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from time import perf_counter
@@ -8,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Floats
-from tactile.calibration.live_tare import TareNote
+from tactile.calibration.live_tare import TareMode, TareNote
 from tactile.calibration.tare_check import TareCheck
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream, Source
@@ -49,10 +50,11 @@ class FrameReport:
 WARM = 20.0
 """Times its largest level that the made-up touch of `warm_up` presses."""
 WARM_SCRIPT = (
-    [(0, 0, 0)] * 2 + [(0, 0, 1)] * 30 + [(0.02 * n, 0, 1) for n in range(25)] + [(0.5, 0.05 * n, 1) for n in range(12)]
-    + [(0, 0, 0)] * 20
+    [(0, 0, 0, 0)] * 42 + [(0, 0, 1, 0)] * 30 + [(0.02 * n, 0, 1, 0) for n in range(25)]
+    + [(0.5, 0.05 * n, 1, 0) for n in range(12)] + [(0, 0, 1, 1)] * 4 + [(0, 0, 0, 0)] * 42
 )  # fmt: skip
-"""Pull, way along x in pitches, pressing of its frames, one each 20 ms."""
+"""Pull, way along x in pitches, pressing, and pressing of a second load of its frames, one each 20 ms: idle for two
+tares before and after."""
 
 Sink = Callable[[FrameReport], None]
 
@@ -93,7 +95,8 @@ def warm_up(
 ) -> None:
     """Run on a made-up grip of every array, so that nothing is compiled or refused once real frames arrive.
 
-    It goes the way of a real one: nothing, a firm touch, a pull, and nothing again, above every level of the settings.
+    It goes the way of a real one: nothing, so that a tare is taken, a firm touch, a pull, a slip, where loads are
+    located two at once and a taxel that contradicts them, and nothing again, above every level of the settings.
     """
     made = []
     for finger, array in enumerate(arrays):
@@ -105,22 +108,27 @@ def warm_up(
         touch = _touch(array, modulus) * size
         valid = np.ones(array.shape, bool)
         made += [Frame(finger, 0.02 * n, n, values, valid) for n, values in enumerate(touch)]
-    run(FrameStream("made up", arrays, modulus, len(made), made), replace(settings, tare="off"), sinks)
+    tare: TareMode = "off" if settings.tare == "off" else "auto"
+    requests = deque([False] * (tare == "auto"))
+    stream = FrameStream("made up", arrays, modulus, len(made), made, tare_requests=requests)
+    run(stream, replace(settings, tare=tare), sinks)
 
 
 def _touch(array: TaxelArray, modulus: float | None) -> Floats:
     """Return the frames (n, rows, cols, 3) of a made-up grip: of a point load where loads are located, largest 1."""
     if array.quantity == "force":
-        pull, _, press = np.array(WARM_SCRIPT).T
+        pull, _, press, _ = np.array(WARM_SCRIPT).T
         return np.broadcast_to(np.stack([pull, 0 * pull, press], -1)[:, None, None], (len(pull), *array.shape, 3))
     from tactile.elastic.halfspace import point_load_strain, point_load_stress  # only here
 
     frames = np.zeros((len(WARM_SCRIPT), *array.shape, 3))
     places, middle = array.positions(), array.positions().mean(axis=(0, 1))
-    for frame, (pull, way, press) in zip(frames, WARM_SCRIPT, strict=True):
-        load = [[middle[0] + way * array.pitch, middle[1], pull, 0.0, press]]
+    for n, (pull, way, press, second) in enumerate(WARM_SCRIPT):
+        load = [[middle[0] + way * array.pitch, middle[1], pull, 0.0, press], [*places[0, 0], 0.0, 0.0, second]]
         if array.quantity == "strain":
-            frame[:] = point_load_strain(places, array.depth, load, modulus or 1.0)
+            frames[n] = point_load_strain(places, array.depth, load, modulus or 1.0)
         else:
-            frame[:] = point_load_stress(places, array.depth, load)
+            frames[n] = point_load_stress(places, array.depth, load)
+        if second and n % 2:  # a taxel that is stuck
+            frames[n, -1, -1] = np.abs(frames[n]).max()
     return frames / max(float(np.abs(frames).max()), 1e-300)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from cnnsim.support import InputError
 from cnnsim.support.echo import console as screen
 from cnnsim.support.echo import echo
+from tactile.serial.kept_memory import keep_memory
 from tactile.serial.time_slice import ask_for_short_slices
 
 if TYPE_CHECKING:
@@ -111,9 +112,11 @@ def be_steady() -> None:
     """Let threads that are started from now on have their turn soon, also while other programs are busy.
 
     The interpreter hands over after 0.25 ms, where its default is 5 ms, and the collector of cyclic garbage leaves
-    alone what all libraries have made so far: looking through that takes longer than a frame.
+    alone what all libraries have made so far: looking through that takes longer than a frame. Memory that was given
+    back is kept.
     """
     ask_for_short_slices()
+    keep_memory()
     sys.setswitchinterval(0.00025)
     gc.collect()
     gc.freeze()

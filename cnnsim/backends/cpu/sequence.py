@@ -29,7 +29,6 @@ COLUMNS = 10
 
 _pack, _unpack, _logic, _count = (twins.serial for twins in (packed.pack, packed.unpack, packed.logic, packed.count))
 _neighbourhood, _closed_form, _clip = neighbourhood.serial, closed.closed_form.serial, planes.clip.serial
-_all_finite = planes.all_finite.serial
 _LOGIC, _NEIGHBOURHOOD, _BLACK_ABOVE, _SHADE, _SHADE_BY = range(5)
 _VALUES, _CONSTANT, _CONSTANT_BY, _SETTLE, _CLIP = range(5, 10)
 _COUNT, _ANY, _ALL, _NUMBER, _ADD, _SUBTRACT, _MULTIPLY, _LESS = range(10, 18)
@@ -77,8 +76,7 @@ def go_through(
             virtual = (lines, columns, r, constants[by + 2])
             cell = (constants[by + 1], math.inf, flag != 0)
             control = (constants[by], no_plane, lam[q], taps[first:after])
-            _closed_form(lam[p], lam[to], no_mask, cell, control, virtual, 0, n * rows)
-            if not _all_finite(lam[to]):
+            if not _closed_form(lam[p], lam[to], no_mask, cell, control, virtual, 0, n * rows):
                 return at
         elif op == _CLIP:
             _clip(lam[p], lam[to])

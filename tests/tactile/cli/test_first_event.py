@@ -1,0 +1,71 @@
+"""The first event of a live run: after the warm-up nothing is compiled, loaded or imported any more."""
+
+import json
+import subprocess
+
+from tests.kits.processes import code_line
+
+RUN = """
+import json, sys, time
+from dataclasses import replace
+import numpy as np
+from numba.core.dispatcher import Dispatcher
+from tactile import pipeline
+from tactile.cli.live import LiveMonitor, LiveOptions
+from tactile.core.source import FrameStream
+from tactile.sources import open_source
+from tactile.wire.packets import emulated_description
+from tactile.wire.source import WireSource
+from tests.kits.serial import GRIP, grip
+
+late = []
+plain = Dispatcher.compile
+Dispatcher.compile = lambda self, signature: (late.append(self.py_func.__name__), plain(self, signature))[1]
+scene = grip(3.0)
+source = WireSource(emulated_description("native", scene), ())
+found = list(open_source(GRIP))
+for quantity, scale in (("strain", 1.0), ("stress", 2e6), ("force", -1e3)):
+    arrays = tuple(replace(array, quantity=quantity) for array in scene.arrays)
+    rng = np.random.default_rng(0)
+    frames = []
+    for frame in found:
+        values = frame.values * scale
+        values += 1e-5 * abs(scale) * rng.standard_normal(values.shape)
+        if 1.2 < frame.t < 1.25:
+            values[0, 0] *= -3.0  # a taxel that contradicts the others
+        frames.append(replace(frame, values=values))
+    options = LiveOptions(tare="auto")
+    modulus = None if quantity == "force" else scene.modulus
+    settings = options.settings(arrays, None)
+    pipeline.warm_up(arrays, modulus, settings)
+    late.clear()
+    before, told, spent = set(sys.modules), [], []
+    source.arrays = arrays
+    monitor = LiveMonitor(source, lambda line: told.append(json.dumps(line)))
+    since = [time.thread_time()]
+
+    def sink(report):
+        monitor(report)
+        now = time.thread_time()
+        if report.events:
+            spent.append(now - since[0])
+        since[0] = time.thread_time()
+
+    pipeline.run(FrameStream("grip", arrays, modulus, len(frames), frames), settings, [sink])
+    kinds = sorted({json.loads(line)["kind"] for line in told if '"kind"' in line})
+    print(json.dumps({"late": late, "imported": sorted(set(sys.modules) - before), "kinds": kinds,
+                      "first_ms": 1e3 * spent[0]}))
+"""
+
+
+def test_nothing_is_made_ready_after_the_warm_up() -> None:
+    """Strain, stress and force; the first event takes 5 ms of the processor at most."""
+    done = subprocess.run(code_line(RUN), capture_output=True, text=True, timeout=280)
+    assert done.returncode == 0, done.stderr
+    for line in done.stdout.splitlines():
+        said = json.loads(line)
+        assert said["late"] == []
+        assert said["imported"] == []
+        assert {"contact", "load", "hold", "tangential_load", "release"} <= set(said["kinds"])
+        assert said["first_ms"] <= 5.0
+    assert len(done.stdout.splitlines()) == 3
