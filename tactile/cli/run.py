@@ -3,13 +3,13 @@
 from collections import deque
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
 from cnnsim import InputError, backends
 from cnnsim.support.command_line import examples, print_json, watched
-from cnnsim.support.echo import echo
+from cnnsim.support.echo import echo, say
 from tactile.calibration.gains import Gains
 from tactile.calibration.live_tare import TareMode
 from tactile.cli.options import TareChoice, check_thresholds, detection
@@ -21,6 +21,7 @@ from tactile.sources import open_source
 if TYPE_CHECKING:
     from tactile.cli.live import LiveOptions
     from tactile.simulator.bump_cover import Bumps
+    from tactile.simulator.scene.scene import Scene
 
 
 @click.command(
@@ -84,6 +85,11 @@ def run(
         skin = load_calibration(calibration)
     options = lived.but(chosen) if lived else PipelineOptions(**chosen)
     settings = replace(options, tare=mode).settings(frames.arrays, skin, _gains(gains))
+    if hasattr(frames, "loads_at"):  # a scene
+        from tactile.simulator.scene.model_range import out_of_range  # only where called for
+
+        for line in out_of_range(cast("Scene", frames)):
+            say(f"note: {line}", err=True)
     bumps = getattr(frames, "bumps", None)  # scenes may have them
     note = ""
     if bumps is not None and calibration is None:

@@ -105,15 +105,29 @@ def round_tip_radius(force: ArrayLike, tip_radius: float, contact_modulus: float
     """
     if not (np.isfinite(tip_radius) and tip_radius > 0):
         raise InputError(f"tip radius {tip_radius} m, a positive length wanted")
+    shallow, bend = _round_tip(force, tip_radius, contact_modulus)
+    lam = np.where(shallow < 1e-3, shallow, np.tanh(bend))
+    radius: Floats = tip_radius * np.minimum(lam, 1.0)
+    return radius
+
+
+def round_tip_indentation(force: ArrayLike, tip_radius: float, contact_modulus: float) -> Floats:
+    """Indentation a atanh(a / R) [m] of a rigid hemisphere under a force [N]. Source: as ``round_tip_radius``."""
+    shallow, bend = _round_tip(force, tip_radius, contact_modulus)
+    depth: Floats = tip_radius * np.where(shallow < 1e-3, shallow**2, np.tanh(bend) * bend)
+    return depth
+
+
+def _round_tip(force: ArrayLike, tip_radius: float, contact_modulus: float) -> tuple[Floats, Floats]:
+    """a / R where it is shallow, and atanh(a / R)."""
     wanted = np.maximum(np.asarray(force, dtype=np.float64), 0) / contact_modulus / tip_radius**2
     shallow = np.cbrt(0.75 * wanted)
     # the root lies below both: P / (E* R^2) >= 4/3 lam^3, and >= atanh(lam) - lam
-    low, high = np.zeros_like(wanted), np.minimum(np.arctanh(np.minimum(shallow, 1 - 1e-15)), wanted + 1)
+    high = np.where(shallow < 1, np.arctanh(np.minimum(shallow, 1 - 1e-15)), np.inf)
+    low, high = np.zeros_like(wanted), np.minimum(high, wanted + 1)
     for _ in range(60):
         middle = (low + high) / 2
         lam = np.tanh(middle)
         less = (lam**2 + 1) * middle - lam < wanted
         low, high = np.where(less, middle, low), np.where(less, high, middle)
-    lam = np.where(shallow < 1e-3, shallow, np.tanh((low + high) / 2))
-    radius: Floats = tip_radius * np.minimum(lam, 1.0)
-    return radius
+    return shallow, (low + high) / 2

@@ -1,7 +1,7 @@
 """Indenters: the contact radius under a force, the pressure profile and the force law of each shape."""
 
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
@@ -17,12 +17,18 @@ from tactile.elastic.profiles import (
     hertz_indentation,
     hertz_radius,
     punch_force,
+    round_tip_indentation,
     round_tip_radius,
 )
+
+if TYPE_CHECKING:
+    from tactile.simulator.contacts.pressed_layer import PressedLayer
 
 ShapeName = Literal["point", "disc", "flat_punch", "sphere", "needle", "edge", "cylinder"]
 ROUND: dict[str, Profile] = {"disc": UNIFORM, "flat_punch": FLAT_PUNCH, "sphere": HERTZ, "needle": ROUND_TIP}
 """Shapes whose contact is a circle, and the pressure on it."""
+LAWS = ("sphere", "needle", "flat_punch")
+"""Shapes with a law of force and indentation."""
 
 
 @dataclass(frozen=True)
@@ -50,59 +56,103 @@ class Indenter:
             raise InputError(f"a {self.shape} of length {self.length} m, a positive length wanted")
 
     def contact_radius(self, force: Floats, medium: Medium) -> Floats:
-        """Radius a [m] of a round contact under normal forces [N]."""
+        """Radius a [m] of a round contact under normal forces [N].
+
+        Raises:
+            InputError: on a layer, forces that press the body through it.
+        """
+        layer = self._on_layer(medium)
+        if layer is not None and self.shape != "flat_punch":
+            return layer.radius(force)
         if self.shape == "sphere":
             return hertz_radius(force, self.radius, medium.contact_modulus)
         if self.shape == "needle":
             return round_tip_radius(force, self.radius, medium.contact_modulus)
         return np.full(np.shape(force), self.radius)
 
-    def profile(self, medium: Medium) -> tuple[Profile, float]:
-        """Pressure of a round contact, and the length [m] by which its radius becomes the profile's lam."""
-        return ROUND[self.shape], self.radius if self.shape == "needle" else np.inf
+    def _on_layer(self, medium: Medium) -> "PressedLayer | None":
+        """The law of this shape on the medium's layer, None on a half-space or for a shape without one."""
+        if np.isinf(medium.thickness) or self.shape not in LAWS:
+            return None
+        from tactile.simulator.contacts.pressed_layer import PressedLayer  # only where called for
+
+        return PressedLayer(self.shape, self.radius, medium)
 
     def force_at(self, indentation: Floats, medium: Medium) -> Floats:
         """Normal force [N] at an indentation [m].
 
         Raises:
-            InputError: a shape for which the half-space gives no such law (a point, an edge, a uniform disc).
+            InputError: a shape for which there is no such law (a point, an edge, a uniform disc); an indentation as
+                deep as the layer is thick.
         """
+        if self.shape not in LAWS:
+            raise InputError(f"an indentation given for a {self.shape}, a sphere, needle or flat_punch wanted")
+        layer = self._on_layer(medium)
+        if layer is not None:
+            return layer.force(indentation)
         if self.shape == "sphere":
             return hertz_force(indentation, self.radius, medium.contact_modulus)
         if self.shape == "flat_punch":
             return punch_force(indentation, self.radius, medium.contact_modulus)
+        # delta = a atanh(a / R), solved for lam = a / R by bisection, then Sneddon's force
+        wanted = np.maximum(indentation, 0) / self.radius
+        low, high = np.zeros_like(wanted), np.maximum(wanted + 1, np.sqrt(wanted))
+        for _ in range(60):
+            middle = (low + high) / 2
+            less = np.tanh(middle) * middle < wanted
+            low, high = np.where(less, middle, low), np.where(less, high, middle)
+        lam, bend = np.tanh((low + high) / 2), (low + high) / 2
+        small = lam < 1e-3
+        scaled = np.where(small, 4 / 3 * wanted**1.5, (lam**2 + 1) * bend - lam)
+        force: Floats = medium.contact_modulus * self.radius**2 * scaled
+        return force
+
+    def force_on(self, radius: Floats, medium: Medium) -> Floats:
+        """Normal force [N] with which the contact is so wide [m]; of a flat punch, at 1 m of indentation.
+
+        Raises:
+            InputError: on a layer, a contact beyond the tables.
+        """
+        layer = self._on_layer(medium)
+        if layer is not None:
+            return layer.force_on(radius)
+        stiff = medium.contact_modulus
+        if self.shape == "flat_punch":
+            return 2 * stiff * radius
         if self.shape == "needle":
-            # delta = a atanh(a / R), solved for lam = a / R by bisection, then Sneddon's force
-            wanted = np.maximum(indentation, 0) / self.radius
-            low, high = np.zeros_like(wanted), np.maximum(wanted + 1, np.sqrt(wanted))
-            for _ in range(60):
-                middle = (low + high) / 2
-                less = np.tanh(middle) * middle < wanted
-                low, high = np.where(less, middle, low), np.where(less, high, middle)
-            lam, bend = np.tanh((low + high) / 2), (low + high) / 2
-            small = lam < 1e-3
-            scaled = np.where(small, 4 / 3 * wanted**1.5, (lam**2 + 1) * bend - lam)
-            force: Floats = medium.contact_modulus * self.radius**2 * scaled
-            return force
-        raise InputError(f"an indentation given for a {self.shape}, a sphere, needle or flat_punch wanted")
+            lam = np.minimum(radius / self.radius, 1 - 1e-15)
+            return stiff * self.radius**2 * ((lam**2 + 1) * np.arctanh(lam) - lam)
+        return 4 / 3 * stiff * radius**3 / self.radius
+
+    def profile(self, medium: Medium) -> tuple[Profile, float]:
+        """Pressure of a round contact, and the length [m] by which its radius becomes the profile's lam."""
+        layer = self._on_layer(medium)
+        if layer is not None:
+            return layer.profile, medium.thickness
+        return ROUND[self.shape], self.radius if self.shape == "needle" else np.inf
 
     def indentation(self, force: Floats, medium: Medium) -> Floats:
         """Indentation [m] of a body under normal forces [N], 0 where nothing presses.
 
-        An edge is a cylinder of its ``radius``; a uniform disc sinks in like a flat punch.
+        An edge is a cylinder of its ``radius``; a uniform disc sinks in like a flat punch. Lines sink into a layer as
+        into the half-space.
+
+        Raises:
+            InputError: as ``contact_radius``; a point, which has no size.
 
         Source: Johnson, Contact Mechanics, eqs (4.23), (3.36); Sneddon (1965); for the cylinder the displacement under
         a pressure uniform along a length L and elliptic across 2 b, P (2 ln(2 L / b) + 1) / (pi E* L).
         """
         pressing, stiff = np.maximum(force, 0), medium.contact_modulus
+        layer = self._on_layer(medium)
+        if layer is not None:
+            return layer.indentation(pressing)
         if self.shape == "sphere":
             return hertz_indentation(pressing, self.radius, stiff)
         if self.shape in ("flat_punch", "disc"):
             return pressing / (2 * self.radius * stiff)
         if self.shape == "needle":
-            # Sneddon's radius is found through atanh(a / R), which rounding spoils where a nears R
-            lam = np.minimum(round_tip_radius(pressing, self.radius, stiff) / self.radius, 1 - 1e-15)
-            return self.radius * lam * np.arctanh(lam)
+            return round_tip_indentation(pressing, self.radius, stiff)
         if self.shape in ("edge", "cylinder"):
             from tactile.elastic.lines import cylinder_half_width  # only where called for
 

@@ -10,7 +10,7 @@ from cnnsim.support import Floats, InputError
 from tactile.core.loads import COLUMNS, PLACE, SHEAR, F, Q, R, X, Y
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.friction import FrictionState, load_to, untouched
-from tactile.simulator.contacts.indenter import ROUND, Indenter
+from tactile.simulator.contacts.indenter import LAWS, ROUND, Indenter
 from tactile.simulator.contacts.loads import Disc, Loads, Twist
 from tactile.simulator.contacts.moving_load import along_path, checked_path, span
 from tactile.simulator.contacts.rig import STILL, Rig, at_a_point
@@ -53,11 +53,14 @@ class MovingContact:
     def loads(self, times: Floats, depth: float, medium: Medium, rig: Rig = STILL) -> Loads:
         """The loads on the finger at the times [s], for taxels at ``depth`` [m], as the rig holds the indenter.
 
-        A body that is pulled has lifted off: it carries nothing. A point is a force, and may pull.
+        A body that is pulled has lifted off: it carries nothing, unless it sticks. A point is a force, and may pull.
 
         Raises:
-            InputError: an indentation given for a shape that knows no law for it; a contact too wide for the depth.
+            InputError: an indentation given for a shape that knows no law for it; a contact too wide for the depth, or
+                that goes through the cover.
         """
+        if rig.work > 0 and self.indenter.shape in LAWS:
+            return self._sticking(times, medium, rig)
         rows = self._at(times, medium)
         if self.indenter.shape == "point":
             return at_a_point(rows[:, :COLUMNS], medium, rig)
@@ -65,7 +68,32 @@ class MovingContact:
         rows[rows[:, F] < 0, PLACE.stop :] = 0
         if self.indenter.shape not in ROUND:
             return self._line(rows, depth, medium)
-        states = self._states(times, rows, medium) if self.friction is not None else None
+        return self._slipping(times, rows, medium, self._histories(medium))
+
+    def _sticking(self, times: Floats, medium: Medium, rig: Rig) -> Loads:
+        from tactile.simulator.contacts.sticking import attached, table, with_pull  # only where called for
+
+        pushes = self.path[:, [0, 1 + F]]
+        law = table(self.indenter, medium, rig.work, pushes, self.given_depth)
+        snap = float((law.indentation if self.given_depth else law.force)[0])
+
+        def held(at: Floats, rows: Floats) -> tuple[Floats, Floats]:
+            force, pressed = law.at(rows[:, F], self.given_depth)
+            holds = attached(pushes, snap, at)
+            rows[~holds, PLACE.stop :] = 0
+            rows[:, F] = np.where(holds, pressed, 0)
+            return np.where(holds, force - pressed, 0), rows
+
+        rows, gone = along_path(self.path, times)
+        rows[gone, PLACE.stop :] = 0
+        pull, rows = held(times, rows)
+        rows = rig.moved(rows, self.indenter, medium)
+        keys = held(self.path[:, 0], self.path[:, 1:].copy())[1]
+        loads = self._slipping(times, rows, medium, self._walked(keys))
+        return with_pull(loads, rows, rows[:, F] + pull, self.indenter, medium)
+
+    def _slipping(self, times: Floats, rows: Floats, medium: Medium, at_keys: list[FrictionState]) -> Loads:
+        states = self._states(times, rows, at_keys) if self.friction is not None else None
         if states is not None:
             rows[:, SHEAR] = [state.force if state.ends.size else (0, 0) for state in states]
         return self._round(rows, states, medium)
@@ -76,7 +104,7 @@ class MovingContact:
         Raises:
             InputError: a contact without friction.
         """
-        return self._states(times, self._at(times, medium), medium)
+        return self._states(times, self._at(times, medium), self._histories(medium))
 
     def _at(self, times: Floats, medium: Medium) -> Floats:
         """Rows (x, y, Q, R, F, M) at the times, without force where the contact is absent."""
@@ -87,23 +115,26 @@ class MovingContact:
     def _forces(self, rows: Floats, medium: Medium) -> Floats:
         rows = rows.copy()
         if self.given_depth:
+            rows[rows[:, F] < 0, PLACE.stop : F] = 0  # off the cover
             rows[:, F] = self.indenter.force_at(rows[:, F], medium)
         return rows
 
-    def _states(self, times: Floats, rows: Floats, medium: Medium) -> list[FrictionState]:
-        at_keys = self._histories(medium)
+    def _states(self, times: Floats, rows: Floats, at_keys: list[FrictionState]) -> list[FrictionState]:
         # the state at the last keyframe before, then one step: a straight way of loading needs no more
         last = np.searchsorted(self.path[:, 0], times, side="right")
         return [load_to(at_keys[k], row[F], row[SHEAR]) for k, row in zip(last.tolist(), rows, strict=True)]
 
     def _histories(self, medium: Medium) -> list[FrictionState]:
-        known = self._history.get(medium)
-        if known is None:
-            known = [untouched(self.friction or 0.0)]
-            for row in self._forces(self.path[:, 1:], medium):
-                known.append(load_to(known[-1], row[F], row[SHEAR]))
-            self._history[medium] = known
-        return known
+        if medium not in self._history:
+            self._history[medium] = self._walked(self._forces(self.path[:, 1:], medium))
+        return self._history[medium]
+
+    def _walked(self, rows: Floats) -> list[FrictionState]:
+        """The states of friction from keyframe to keyframe."""
+        states = [untouched(self.friction or 0.0)]
+        for row in rows:
+            states.append(load_to(states[-1], row[F], row[SHEAR]))
+        return states
 
     @cached_property
     def _history(self) -> dict[Medium, list[FrictionState]]:

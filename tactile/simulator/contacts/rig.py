@@ -20,11 +20,13 @@ Move = Callable[[Floats], tuple[Floats, Floats]]
 class Rig:
     """What holds the contacts: ``moves`` of theirs in turn, each with the tip radius [m] of contacts at a point.
 
-    ``tip`` [m]: the tip under which loads at points are spread, 0 for points.
+    ``tip`` [m]: the tip under which loads at points are spread, 0 for points; ``work`` [J/m^2] of adhesion, 0 where
+    nothing sticks.
     """
 
     moves: tuple[tuple[Move, float], ...] = ()
     tip: float = 0.0
+    work: float = 0.0
 
     def with_move(self, move: Move, needle: float) -> "Rig":
         """The same with one more move."""

@@ -33,6 +33,7 @@ from cnnsim.support.toml_file import check_keys, take
 ORDER = (
     "needle_vibration",
     "surface_waviness",
+    "adhesion",
     "poisson_ratio",
     "finite_tip",
     "finite_thickness",

@@ -2,10 +2,15 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from cnnsim.support import InputError
 from tactile.simulator.effects import ORDER, effect_class
 from tactile.simulator.scene.effect_bounds import EffectBounds, Named
 from tactile.simulator.scene.scene import Scene
+
+MOMENTS = 64
+"""Frames on which a typical effect is tried."""
 
 
 @dataclass(frozen=True)
@@ -26,10 +31,26 @@ class Choice:
 
 
 def candidates(scene: Scene) -> list[Named]:
-    """Every effect there is: as the scene describes it, or typical; on bumps not those of a flat cover."""
+    """Every effect there is: as the scene describes it, or typical; on bumps not those of a flat cover.
+
+    Nor a typical one with which this scene has no meaning, such as a cover thinner than a contact sinks in.
+    """
     named = dict(scene.effects)
     effects = [(name, named[name] if name in named else effect_class(name)()) for name in ORDER]
-    return [(name, effect) for name, effect in effects if scene.bumps is None or effect.STAGE != "field"]
+    effects = [(name, effect) for name, effect in effects if scene.bumps is None or effect.STAGE != "field"]
+    return [(name, effect) for name, effect in effects if name in named or _has_meaning(scene, (name, effect))]
+
+
+def _has_meaning(scene: Scene, one: Named) -> bool:
+    if one[1].STAGE != "field" or one[1].RANDOM or not scene.contacts:
+        return True
+    times = np.linspace(0, (scene.samples - 1) / scene.rate, min(scene.samples, MOMENTS))
+    try:
+        for finger in range(len(scene.arrays)):
+            scene.with_effects([*scene.effects, one]).loads_at(finger, times)
+    except InputError:
+        return False
+    return True
 
 
 def choose(scene: Scene, tolerance: float) -> Choice:

@@ -12,6 +12,7 @@ from cnnsim.support.toml_file import read_toml
 from tactile.simulator.scene.auto_effects import Choice, candidates, choose
 from tactile.simulator.scene.estimate import Sample
 from tactile.simulator.scene.file import bare_scene
+from tactile.simulator.scene.model_range import out_of_range
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.scene.sizes import sizes_in
 
@@ -77,6 +78,7 @@ def explain(scene: Scene, choice: Choice | None = None) -> SceneExplanation:
         if choice.left_out:
             bounds = ", ".join(f"{name} {size:.2g}" for name, size in choice.left_out.items())
             notes.append(f"left out, with the bound of their size: {bounds}")
+    notes += out_of_range(scene)
     sample = Sample(scene)
     on = dict(scene.effects)
     seconds = sample.seconds(list(scene.effects))
@@ -88,7 +90,7 @@ def explain(scene: Scene, choice: Choice | None = None) -> SceneExplanation:
             0.0,
             seconds["contacts"],
         ),
-        ScenePart("field", str(scene.bumps or "elastic half-space, incompressible"), True, 1.0, seconds["field"]),
+        ScenePart("field", _cover(scene), True, 1.0, seconds["field"]),
     ]
     if scene.bumps is not None:
         notes.append(
@@ -106,6 +108,13 @@ def explain(scene: Scene, choice: Choice | None = None) -> SceneExplanation:
         tuple(parts),
         tuple(notes),
     )
+
+
+def _cover(scene: Scene) -> str:
+    if scene.bumps is not None:
+        return str(scene.bumps)
+    said = f"to {scene.accuracy:g} of the peak" if scene.accuracy else "to rounding"
+    return f"elastic half-space, incompressible; {said}"
 
 
 def _departure(scene: Scene, sample: Sample) -> float:

@@ -1,0 +1,119 @@
+"""Round indenters on a cover of finite thickness: radius, force and indentation, refused beyond their range."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from cnnsim.support import Floats, InputError
+from tactile.elastic.layer_contact import Body, LayerContact, layer_contact
+from tactile.elastic.medium import Medium
+from tactile.elastic.profiles import Profile
+
+BODIES: dict[str, Body] = {"sphere": "paraboloid", "needle": "sphere", "flat_punch": "flat"}
+
+
+@dataclass(frozen=True)
+class PressedLayer:
+    """A sphere (as a paraboloid, like Hertz), needle or flat punch of ``radius`` [m] on the medium's layer.
+
+    Source: ``tactile.elastic.layer_contact``.
+    """
+
+    shape: str
+    radius_: float
+    medium: Medium
+
+    @property
+    def law(self) -> LayerContact:
+        """The law for a layer of unit thickness."""
+        size = self.radius_ / self.medium.thickness if self.shape == "needle" else 1.0
+        return layer_contact(BODIES[self.shape], self.medium.nu, size)
+
+    @property
+    def profile(self) -> Profile:
+        """The pressure; its lam is the contact radius over the thickness."""
+        return self.law.profile
+
+    @property
+    def _units(self) -> tuple[float, float]:
+        """Of force [N] and indentation [m] in the tables."""
+        h, stiff = self.medium.thickness, self.medium.contact_modulus
+        if self.shape == "sphere":
+            return stiff * h**3 / self.radius_, h**2 / self.radius_
+        return stiff * h**2, h
+
+    def radius(self, force: Floats) -> Floats:
+        """Contact radius [m] under normal forces [N].
+
+        Raises:
+            InputError: forces that press the body through the layer, or a contact beyond the tables.
+        """
+        h = self.medium.thickness
+        if self.shape == "flat_punch":
+            return np.full(np.shape(force), self.radius_)
+        wide = self._turned(force, "force")
+        deep = self.law.indentation(wide) * self._units[1]
+        self._check(deep, float(np.max(force, initial=0)))
+        return wide * h
+
+    def force_on(self, radius: Floats) -> Floats:
+        """Normal force [N] with which the contact is so wide [m]; of a flat punch, at 1 m of indentation.
+
+        Raises:
+            InputError: a contact beyond the tables.
+        """
+        wide, (force_unit, depth_unit) = radius / self.medium.thickness, self._units
+        if (wide > self.law.widest).any():
+            raise InputError(f"a contact {wide.max():.4g} thicknesses wide, at most {self.law.widest:.4g} wanted")
+        return self.law.force(wide) * force_unit / (depth_unit if self.shape == "flat_punch" else 1.0)
+
+    def force(self, indentation: Floats) -> Floats:
+        """Normal force [N] at indentations [m], 0 where there is no contact.
+
+        Raises:
+            InputError: an indentation as deep as the layer is thick, or a contact beyond the tables.
+        """
+        deep = np.maximum(indentation, 0)
+        self._check(deep, None)
+        force_unit, depth_unit = self._units
+        if self.shape == "flat_punch":
+            wide = np.asarray(self._punch())
+            return np.asarray(self.law.force(wide) * force_unit * deep / depth_unit)
+        return np.asarray(self.law.force(self._turned(deep, "indentation")) * force_unit)
+
+    def indentation(self, force: Floats) -> Floats:
+        """Indentation [m] under normal forces [N]: the inverse of ``force``.
+
+        Raises:
+            InputError: as ``radius``.
+        """
+        force_unit, depth_unit = self._units
+        if self.shape == "flat_punch":
+            deep = force / (self.law.force(np.asarray(self._punch())) * force_unit) * depth_unit
+        else:
+            deep = self.law.indentation(self._turned(force, "force")) * depth_unit
+        self._check(deep, float(np.max(force, initial=0)))
+        return np.asarray(deep)
+
+    def _turned(self, wanted: Floats, by: Literal["force", "indentation"]) -> Floats:
+        unit = self._units[0 if by == "force" else 1]
+        return self.law.radius_of(np.maximum(np.asarray(wanted, dtype=np.float64), 0) / unit, by)
+
+    def _punch(self) -> float:
+        wide = self.radius_ / self.medium.thickness
+        if wide > self.law.widest:
+            raise InputError(
+                f"a flat punch of radius {self.radius_ * 1e3:g} mm on a cover of {self.medium.thickness * 1e3:g} mm, "
+                f"at most {self.law.widest:g} thicknesses wanted"
+            )
+        return wide
+
+    def _check(self, deep: Floats, force: float | None) -> None:
+        most, h = float(np.max(deep, initial=0)), self.medium.thickness
+        if most >= h:
+            by = "" if force is None else f" under {force:.4g} N"
+            raise InputError(
+                f"a {self.shape} of radius {self.radius_ * 1e3:g} mm sinks {most * 1e3:.4g} mm{by} into a cover of "
+                f"{h * 1e3:g} mm; less than its thickness wanted"
+            )

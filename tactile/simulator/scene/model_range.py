@@ -1,0 +1,92 @@
+"""Where a scene leaves the range of its models: contacts that pull, sink in or spread too far, strains too large."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from cnnsim.support import Floats
+from tactile.core.loads import F
+from tactile.elastic.medium import Medium
+from tactile.simulator.contacts.indenter import LAWS
+from tactile.simulator.contacts.moving_contact import MovingContact
+from tactile.simulator.field import Field
+from tactile.simulator.scene.scene import Scene
+
+MOMENTS = 64
+"""Frames looked at, beside those at the keyframes."""
+WIDE = 0.5
+"""Contact over sphere radius from which a paraboloid is no sphere: Hertz' force is 7 % too large there."""
+DEEP = 0.3
+"""Indentation over thickness, and strain, from which linear rubber is off by about a third."""
+
+
+def out_of_range(scene: Scene) -> Iterator[str]:
+    """Say, a line each, where a scene's model is out of its range; it is computed all the same.
+
+    What has no meaning at all, such as a contact that goes through the cover, is an error where it is computed.
+    """
+    sure = [(name, effect) for name, effect in scene.effects if not effect.RANDOM]
+    for finger, array in enumerate(scene.arrays):
+        mine = [
+            contact for contact in scene.contacts if contact.finger == finger and isinstance(contact, MovingContact)
+        ]
+        times = _moments(scene, mine)
+        fields = scene.affected(scene.fields(finger, [(0, times)]), "field", sure, finger)
+        field = next(fields)
+        if scene.bumps is None:
+            for contact in mine:
+                number = 1 + sum(
+                    isinstance(one, MovingContact) for one in scene.contacts[: scene.contacts.index(contact)]
+                )
+                yield from _contact(contact, f"contact {number}, a {contact.indenter.shape}", times, field)
+        strain = np.abs(field.values).max(initial=0) / scene.unit(finger)
+        if strain > DEEP:
+            yield (
+                f"{array.name}: strains to {strain:.3g}; below {DEEP:g} wanted: the cover is taken to be linear"
+                + (", and beyond 1 there would be nothing left of it" if strain > 1 else "")
+            )
+
+
+def _moments(scene: Scene, contacts: list[MovingContact]) -> Floats:
+    last = (scene.samples - 1) / scene.rate
+    keys = [contact.path[:, 0] for contact in contacts]
+    times = np.unique(np.concatenate([np.linspace(0, last, min(MOMENTS, scene.samples)), *keys]))
+    return np.asarray(times[(times >= 0) & (times <= last)])
+
+
+def _contact(contact: MovingContact, name: str, times: Floats, field: Field) -> Iterator[str]:
+    body, medium = contact.indenter, field.medium
+    push = contact.path[:, 1 + F]
+    sticks = field.rig.work > 0 and body.shape in LAWS
+    if push.min() < 0 and not contact.given_depth and not sticks and body.shape != "point":
+        yield (
+            f"{name}: pulled with {-push.min():.3g} N; a dry contact cannot pull: it lifts off and carries nothing"
+            " ([effect.adhesion] lets it stick)"
+        )
+    if body.shape not in LAWS:
+        return
+    force = contact.loads(times, field.taxels.depth, medium, field.rig).totals[:, 0, F]
+    yield from _size(name, float(force.max(initial=0)), contact, medium)
+
+
+def _size(name: str, force: float, contact: MovingContact, medium: Medium) -> Iterator[str]:
+    body = contact.indenter
+    wide = float(body.contact_radius(np.array([force]), medium)[0])
+    deep = float(
+        contact.path[:, 1 + F].max() if contact.given_depth else body.indentation(np.array([force]), medium)[0]
+    )
+    if body.shape == "sphere" and wide > WIDE * body.radius:
+        yield (
+            f"{name}: a contact {wide * 1e3:.3g} mm in radius of a sphere of {body.radius * 1e3:g} mm; at most "
+            f"{WIDE:g} of it wanted, for Hertz takes it for a paraboloid (shape = 'needle' is a sphere)"
+        )
+    if deep > body.radius:
+        yield (
+            f"{name}: {deep * 1e3:.3g} mm deep, {deep / body.radius:.3g} times its radius; at most the radius wanted: "
+            "the cover is taken to be linear"
+        )
+    if deep > DEEP * medium.thickness:
+        yield (
+            f"{name}: {deep * 1e3:.3g} mm deep in a cover of {medium.thickness * 1e3:g} mm; at most {DEEP:g} of it "
+            "wanted: the cover is taken to be linear"
+        )

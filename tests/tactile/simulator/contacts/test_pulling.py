@@ -1,0 +1,109 @@
+"""Contacts that are pulled: they lift off, or stick as Johnson, Kendall and Roberts have it."""
+
+import numpy as np
+import pytest
+
+from tactile.core.frame import TaxelArray
+from tactile.elastic.medium import Medium
+from tactile.simulator.contacts.indenter import Indenter
+from tactile.simulator.contacts.moving_contact import MovingContact
+from tactile.simulator.contacts.rig import Rig
+from tactile.simulator.effects.adhesion import Adhesion
+from tactile.simulator.effects.finite_thickness import FiniteThickness
+from tactile.simulator.scene.model_range import out_of_range
+from tactile.simulator.scene.scene import Scene
+
+RUBBER, WORK, R = Medium(2.4e6), 0.05, 5e-3
+PULL_OFF = 1.5 * np.pi * WORK * R
+STICKY = Rig(work=WORK)
+TIMES = np.linspace(0, 3, 3001)
+
+
+def pressed(
+    *pushes: float, friction: float | None = None, by_depth: bool = False, shape: str = "sphere"
+) -> MovingContact:
+    path = np.array([(t, 0, 0, 1e-4, 0, push) for t, push in enumerate(pushes)])
+    body = Indenter(shape, R, 1e-2)  # type: ignore[arg-type]  # one of its names
+    return MovingContact(0, body, path, friction, by_depth)
+
+
+@pytest.mark.parametrize("shape", ("sphere", "needle", "flat_punch", "disc", "edge", "cylinder"))
+def test_a_dry_body_lifts_off(shape: str) -> None:
+    loads = pressed(0.5, -0.5, 0.5, shape=shape).loads(TIMES, 1e-3, RUBBER)
+    force = loads.totals[:, 0, 2:]
+    assert force[:, 2].min() == 0
+    assert not force[(TIMES > 0.5) & (TIMES < 1.5)].any()
+    spread = [disc.loads for disc in loads.discs] or [loads.points]
+    assert min(part[..., 4].min() for part in spread) >= 0
+
+
+def test_a_point_is_a_force_and_may_pull() -> None:
+    assert pressed(0.5, -0.5, shape="point").loads(TIMES, 1e-3, RUBBER).totals[:, 0, 4].min() == pytest.approx(-0.5)
+
+
+def test_a_sphere_sticks_until_it_snaps_off() -> None:
+    loads = pressed(0.0, 0.01, -0.01, 0.01).loads(TIMES, 1e-3, RUBBER, STICKY)
+    force = loads.totals[:, 0, 4]
+    assert force.min() == pytest.approx(-PULL_OFF, rel=0.02)  # the last frame before
+    snapped = 1 + (0.01 + PULL_OFF) / 0.02
+    assert not force[(snapped + 2e-3 < TIMES) & (TIMES < 2.5)].any()
+    assert force[TIMES > 2.51] == pytest.approx(-0.01 + 0.02 * (TIMES[TIMES > 2.51] - 2))  # and touches again
+    (body, pull) = loads.discs
+    assert body.radii[0, 0] == pytest.approx(np.cbrt(4.5 * np.pi * WORK * R**2 / RUBBER.contact_modulus), rel=1e-5)
+    assert body.loads[..., 4].sum(1) + pull.loads[..., 4].sum(1) == pytest.approx(force, abs=1e-15)
+
+
+def test_a_given_depth_pulls_too() -> None:
+    force = pressed(0.0, 1e-5, -1e-5, by_depth=True).loads(TIMES, 1e-3, RUBBER, STICKY).totals[:, 0, 4]
+    assert force[0] == pytest.approx(-8 / 9 * PULL_OFF, rel=1e-4)  # touching it draws itself in
+    assert force.min() == pytest.approx(-PULL_OFF, rel=1e-3)
+    # delta at the end of the stable branch: 3/4 cbrt(pi^2 w^2 R / E*^2)
+    far = 0.75 * np.cbrt(np.pi**2 * WORK**2 * R / RUBBER.contact_modulus**2)
+    snapped = 1 + (1e-5 + far) / 2e-5
+    assert (force[np.abs(TIMES - snapped + 5e-3) < 2e-3] < 0).all()
+    assert not force[snapped + 2e-3 < TIMES].any()
+
+
+def test_a_flat_end_is_held_by_its_rim_and_no_work_is_no_adhesion() -> None:
+    wanted = np.sqrt(8 * np.pi * RUBBER.contact_modulus * WORK * R**3)
+    force = pressed(0.5, -2 * wanted, shape="flat_punch").loads(TIMES, 1e-3, RUBBER, STICKY).totals[:, 0, 4]
+    assert force.min() == pytest.approx(-wanted, rel=0.01)
+    weak = pressed(0.0, 0.01, 0.02, 0.0, friction=0.5).loads(TIMES, 1e-3, RUBBER, Rig(work=1e-12))
+    dry = pressed(0.0, 0.01, 0.02, 0.0, friction=0.5).loads(TIMES, 1e-3, RUBBER)
+    assert weak.totals == pytest.approx(dry.totals, abs=1e-8)
+
+
+def test_a_scene_says_where_its_models_end() -> None:
+    def said(contact: MovingContact, *effects: object, depth: float = 1e-3) -> str:
+        array = TaxelArray("pad", 2, 2, 1e-3, depth)
+        return "\n".join(out_of_range(Scene("s", 100.0, 2.0, 2.4e6, (array,), (), (contact,), effects)))
+
+    assert said(pressed(0.0, 0.05, 0.0)) == ""
+    pulled = said(pressed(0.5, -0.5))
+    assert "contact 1, a sphere: pulled with 0.5 N; a dry contact cannot pull: it lifts off" in pulled
+    assert "pulled" not in said(pressed(0.05, -0.5), Adhesion())
+    assert "of a sphere of 5 mm; at most 0.5 of it wanted" in said(pressed(0.0, 100.0), depth=5e-3)
+    needle = MovingContact(0, Indenter("needle", 5e-5), np.array([(0.0, 0, 0, 0, 0, 1.5e-3)]), None, True)
+    assert "30 times its radius" in said(needle)
+    assert "strains to" in said(MovingContact(0, Indenter(), np.array([(0.0, 5e-4, 5e-4, 0, 0, 10.0)])))
+    layered = said(pressed(0.0, 5e-4, by_depth=True), FiniteThickness(1.2e-3))
+    assert "0.5 mm deep in a cover of 1.2 mm; at most 0.3 of it wanted" in layered
+
+
+def test_a_rig_presses_by_each_contacts_own_law() -> None:
+    def factor(body: Indenter, force: float, rise: float) -> float:
+        return float(body.held_factor(np.array([force]), np.array([rise]), RUBBER, 50e-6)[0])
+
+    # hertz' indentation of a sphere of 5 mm is cbrt(100) = 4.64 times less than that of one of 50 um
+    sphere, point = factor(Indenter("sphere", R), 0.02, 1e-7) - 1, factor(Indenter(), 0.02, 1e-7) - 1
+    assert sphere / point == pytest.approx(np.cbrt(100), rel=0.02)
+    assert factor(Indenter("flat_punch", 1e-3), 0.02, 1e-7) == pytest.approx(1 + 1e-7 * 2e-3 * 3.2e6 / 0.02)
+    for body in (Indenter("needle", 5e-4), Indenter("cylinder", 2e-3, 1e-2), Indenter("edge", 0, 1e-2)):
+        assert factor(body, 0.02, 0.0) == pytest.approx(1, abs=1e-9)
+        assert factor(body, 0.02, -1e-3) == pytest.approx(0, abs=1e-6)  # off the cover
+        assert 1 < factor(body, 0.02, 1e-7) < factor(body, 0.02, 2e-7)
+    trembling = Rig().with_move(lambda places: (np.zeros_like(places), np.full(len(places), 1e-5)), 50e-6)
+    still, raised = (pressed(0.02, 0.02).loads(TIMES[:1], 1e-3, RUBBER, rig) for rig in (Rig(), trembling))
+    grown = raised.totals[0, 0, 4] / still.totals[0, 0, 4]
+    assert grown > 1.2
+    assert raised.discs[0].radii[0, 0] / still.discs[0].radii[0, 0] == pytest.approx(np.cbrt(grown))
