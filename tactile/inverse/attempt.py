@@ -48,23 +48,34 @@ class Attempt:
 class Taxels:
     """The answers of all taxels of one frame, at places (rows, cols, 2) [m], as planes (families, 4, n).
 
-    ``order``: the taxels that have one, the strongest first.
+    ``order``: the taxels that have one, the strongest first; ``noise``: as `localise` takes it.
     """
 
-    def __init__(self, at: Floats, planes: Floats, depth: float, strain: bool, noise: float | None) -> None:
+    def __init__(
+        self, at: Floats, planes: Floats, depth: float, strain: bool, noise: Floats | float | None = None
+    ) -> None:
         from tactile.inverse import consensus_numba  # numba is slow to import
 
         self.shape: tuple[int, int] = at.shape[0], at.shape[1]
-        self.at, self.planes, self.depth, self.strain, self.noise = at.reshape(-1, 2), planes, depth, strain, noise
+        self.at, self.planes, self.depth, self.strain = at.reshape(-1, 2), planes, depth, strain
+        count = len(self.at)
+        self.noise: float | None = None
+        self.scale, self.trust = np.ones((count, 3)), np.ones(count)
+        if noise is not None:
+            sigma = np.broadcast_to(noise, (*self.shape, 3)).reshape(-1, 3)
+            self.noise = float(np.median(sigma))
+            if np.ndim(noise):
+                self.scale = self.noise / sigma
+                self.trust = self.scale.min(axis=1)
         self.signal, self.peak, usable = consensus_numba.strongest(planes, depth, strain)
-        self.order = usable[np.argsort(-self.peak[usable], kind="stable")]
+        self.order = usable[np.argsort(-(self.peak * self.trust)[usable], kind="stable")]
 
     def attempt(self, order: NDArray[np.intp]) -> Attempt:
         """Return the best single load for these taxels, the strongest of them first."""
         from tactile.inverse import consensus_numba as loops  # as above
 
         voters = order[:VOTERS]
-        best, rival = loops.consensus(self.at, self.planes, self.signal, voters, self.depth, SEEDS)
+        best, rival = loops.consensus(self.at, self.planes, self.signal, self.trust, voters, self.depth, SEEDS)
         signals, top = self.felt(order, best)
         fit = _from(signals, best)
         ambiguous = False
@@ -91,14 +102,16 @@ class Taxels:
         from tactile.inverse import consensus_numba as loops  # as above
 
         top = float(self.peak[order[0]])
-        seen, felt, tie = loops.signals(self.at, self.planes, order, place, self.depth, self.strain, top)
+        seen, felt, scale, tie = loops.signals(
+            self.at, self.planes, self.scale, order, place, self.depth, self.strain, top
+        )
         noise = None if self.noise is None else self.noise / top
-        return Signals(seen, felt, self.strain, tie, order, self.shape, noise), top
+        return Signals(seen, felt, scale, self.strain, tie, order, self.shape, noise), top
 
 
 def _from(signals: Signals, place: Floats) -> Fit:
     from tactile.inverse import consensus_numba as loops  # as above
 
     start = np.array([[place[0], place[1], 0.0, 0.0, 0.0]])
-    loops.components(signals.seen, signals.felt, start[0], signals.strain, signals.tie)
+    loops.components(signals.seen, signals.felt, signals.scale, start[0], signals.strain, signals.tie)
     return Fit(signals, start)

@@ -71,7 +71,7 @@ def candidates(at, planes, order, depth):  # type: ignore[no-untyped-def]
 
 
 @kept_njit(error_model="numpy")
-def consensus(at, planes, signal, order, depth, seeds):  # type: ignore[no-untyped-def]
+def consensus(at, planes, signal, trust, order, depth, seeds):  # type: ignore[no-untyped-def]
     """Return the place (x, y) with its scatter, and the place that is next best.
 
     Every candidate of the first ``seeds`` taxels is tried: each taxel's candidate nearest to it, and the weighted mean
@@ -85,7 +85,7 @@ def consensus(at, planes, signal, order, depth, seeds):  # type: ignore[no-untyp
         for f in range(families):
             if planes[f, 3, n] == INSIDE or planes[f, 3, n] == OUTSIDE:
                 dx, dy = planes[f, 0, n] / depth, planes[f, 1, n] / depth
-                weight[f, i] = (signal[f, n] / top / (1 + dx * dx + dy * dy)) ** 2
+                weight[f, i] = (trust[n] * signal[f, n] / top / (1 + dx * dx + dy * dy)) ** 2
     tried = np.full((seeds * families, 3), np.inf)
     best = -1
     for seed in range(min(seeds, taxels)):
@@ -119,14 +119,14 @@ def consensus(at, planes, signal, order, depth, seeds):  # type: ignore[no-untyp
 
 
 @kept_njit(error_model="numpy")
-def signals(at, planes, order, place, depth, strain, top):  # type: ignore[no-untyped-def]
-    """Return the places (n, 2) of the taxels, their signals (n, 3) over ``top``, and what holds shear at zero.
+def signals(at, planes, scale, order, place, depth, strain, top):  # type: ignore[no-untyped-def]
+    """Return the places (n, 2) of the taxels, their signals (n, 3), what they are scaled by, what holds shear at zero.
 
-    The signals are those of the answer nearest to ``place``. Taxels on a line cannot tell shear across it, one taxel
+    The signals are those of the answer nearest to ``place``, over ``top``, times ``scale`` (taxels, 3). Taxels on a line cannot tell shear across it, one taxel
     none at all: the last (3,) is the part for (Q Q, Q R, R R) of a matrix that then makes it zero.
     """
     taxels = order.size
-    seen, felt, tie = np.empty((taxels, 2)), np.empty((taxels, 3)), np.zeros(3)
+    seen, felt, tie, scaled = np.empty((taxels, 2)), np.empty((taxels, 3)), np.zeros(3), np.empty((taxels, 3))
     answers = candidates(at, planes, order, depth)
     for i in range(taxels):
         n = order[i]
@@ -140,6 +140,9 @@ def signals(at, planes, order, place, depth, strain, top):  # type: ignore[no-un
             felt[i, 0], felt[i, 1], felt[i, 2] = -3 * x * g, -3 * y * g, (x * x + y * y - 2) * g
         else:
             felt[i, 0], felt[i, 1], felt[i, 2] = -x * g, -y * g, -g
+        for k in range(3):
+            scaled[i, k] = scale[n, k]
+            felt[i, k] *= scaled[i, k]
     xx = xy = yy = 0.0
     for i in range(taxels):
         xx += seen[i, 0] * seen[i, 0]
@@ -149,11 +152,11 @@ def signals(at, planes, order, place, depth, strain, top):  # type: ignore[no-un
         tie[0], tie[2] = TIED, TIED
     elif xx * yy - xy * xy <= 1e-12 * (xx + yy) ** 2:
         tie[0], tie[1], tie[2] = TIED * yy / (xx + yy), -TIED * xy / (xx + yy), TIED * xx / (xx + yy)
-    return seen, felt, tie
+    return seen, felt, scaled, tie
 
 
 @kept_njit(error_model="numpy")
-def components(seen, felt, load, strain, tie):  # type: ignore[no-untyped-def]
+def components(seen, felt, scale, load, strain, tie):  # type: ignore[no-untyped-def]
     """Fill in (Q, R, F) of a load by least squares from the part of each signal that a load at its place explains.
 
     For three taxels that is eq. (14); by Householder's reflections, shear held at zero where ``tie`` says so.
@@ -163,15 +166,13 @@ def components(seen, felt, load, strain, tie):  # type: ignore[no-untyped-def]
     for i in range(taxels):
         x, y = seen[i, 0] - load[0], seen[i, 1] - load[1]
         t = x * x + y * y
-        if strain:
-            size = math.sqrt((t + 1) * (t + 4))
-            a, b, c = -3 * x / size, -3 * y / size, (t - 2) / size
-        else:
-            size = math.sqrt(t + 1)
-            a, b, c = -x / size, -y / size, -1 / size
-        lean = gain(t, strain)
-        table[i, 0], table[i, 1], table[i, 2] = x * lean, y * lean, lean
-        table[i, 3] = felt[i, 0] * a + felt[i, 1] * b + felt[i, 2] * c
+        near = 1 / (1 + t)
+        g = near * near * math.sqrt(near)
+        lean, height = (3.0, t - 2) if strain else (1.0, -1.0)
+        a, b, c = -lean * x * g * scale[i, 0], -lean * y * g * scale[i, 1], height * g * scale[i, 2]
+        size = math.sqrt(a * a + b * b + c * c)
+        table[i, 0], table[i, 1], table[i, 2] = x * size, y * size, size
+        table[i, 3] = (felt[i, 0] * a + felt[i, 1] * b + felt[i, 2] * c) / size
     table[taxels, 0] = math.sqrt(tie[0])
     if tie[0] > 0:
         table[taxels, 1] = tie[1] / table[taxels, 0]

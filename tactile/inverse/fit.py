@@ -24,16 +24,22 @@ NORMAL = {0.5: 0.6745, 0.1: 0.1257}
 signals themselves are not larger than the noise."""
 
 
+REACH, ALL = 4.0, 100
+"""Of more than so many taxels those within so many depths are fitted: the others feel a hundredth at most."""
+
+
 @dataclass(frozen=True)
 class Signals:
     """What the taxels of one frame feel: places (n, 2) in depths, signals (n, 3) over the largest of them.
 
-    ``tie`` (3,) holds shear at zero in the directions that these taxels cannot tell; they are the taxels ``cells``
-    (n,) of an array of ``shape``; ``noise``: standard deviation of a signal, None where it is not known.
+    The signals come times ``scale`` (n, 3), which makes their noise equal; ``noise``: its standard deviation, None
+    where it is not known. ``tie`` (3,) holds shear at zero in the directions that these taxels cannot tell; they are
+    the taxels ``cells`` (n,) of an array of ``shape``.
     """
 
     seen: Floats
     felt: Floats
+    scale: Floats
     strain: bool
     tie: Floats
     cells: NDArray[np.intp]
@@ -51,16 +57,21 @@ class Fit:
         from tactile.inverse import fit_numba  # numba is slow to import
 
         self.signals, self.loads = signals, np.array(start, np.float64)
-        self.chi, self.whole, self.spread = fit_numba.fit(
-            signals.seen, signals.felt, self.loads, signals.strain, signals.tie, STEPS
-        )
+        parts = signals.seen, signals.felt, signals.scale
+        if many := len(signals.seen) > ALL:
+            use = fit_numba.within(signals.seen, self.loads, REACH)
+            parts = signals.seen[use], signals.felt[use], signals.scale[use]
+        self.chi, self.whole, self.spread = fit_numba.fit(*parts, self.loads, signals.strain, signals.tie, STEPS)
+        if many:
+            self.chi, self.whole = fit_numba.energy(self.rest), fit_numba.energy(signals.felt)
 
     @cached_property
     def rest(self) -> Floats:
         """The signals (n, 3) that the loads leave unexplained."""
         from tactile.inverse import fit_numba  # as above
 
-        return fit_numba.rest(self.signals.seen, self.signals.felt, self.loads, self.signals.strain)
+        signals = self.signals
+        return fit_numba.rest(signals.seen, signals.felt, signals.scale, self.loads, signals.strain)
 
     @property
     def free(self) -> int:
@@ -85,7 +96,7 @@ class Fit:
         if noise is None:
             noise = min(_quantile(self.rest, 0.5), _quantile(self.signals.felt, 0.1))
             return min(noise**2 * self.signals.felt.size, self.chi * (1 - self._likeness()))
-        return noise * noise * self.signals.felt.size
+        return noise * noise * self.free
 
     def _likeness(self) -> float:
         """Return how like its neighbours' is what a taxel leaves unexplained: 0 for noise, 1 for a smooth field."""

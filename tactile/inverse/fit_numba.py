@@ -2,6 +2,7 @@
 
 Lengths are in depths, signals in newtons: u = (-3 x, -3 y, t - 2) g s of a strain taxel at (x, y) from the load,
 (-x, -y, -1) g s of a stress taxel, with g = (1 + t)^(-5/2), t = x^2 + y^2 and s = Q x + R y + F: eqs (1) and (10).
+Signals come over their standard deviations, and ``scale`` (n, 3) is what they were multiplied by.
 """
 
 import math
@@ -18,7 +19,7 @@ DAMPING, STIFF = 1e-3, 1e6
 
 
 @kept_njit(error_model="numpy", fastmath={"reassoc", "contract", "nsz", "arcp"})
-def equations_of_one(at, felt, load, strain, matrix, vector):  # type: ignore[no-untyped-def]  # numba types it
+def equations_of_one(at, felt, scale, load, strain, matrix, vector):  # type: ignore[no-untyped-def]  # numba types it
     """Fill the normal equations of one load and return chi^2: sums that the compiler takes several taxels at a time.
 
     Every slope is V g times a number, and along x and y the slope of V beside it; only their products are summed.
@@ -34,13 +35,14 @@ def equations_of_one(at, felt, load, strain, matrix, vector):  # type: ignore[no
         g = near * near * math.sqrt(near)
         s = q * x + r * y + f
         height = t - 2 if strain else -1.0
-        a, b, c = -lean * x * g, -lean * y * g, height * g
+        of_a, of_b, of_c = scale[i, 0], scale[i, 1], scale[i, 2]
+        a, b, c = -lean * x * g * of_a, -lean * y * g * of_b, height * g * of_c
         rest_a, rest_b, rest_c = felt[i, 0] - a * s, felt[i, 1] - b * s, felt[i, 2] - c * s
         chi += rest_a * rest_a + rest_b * rest_b + rest_c * rest_c
         gs = g * s
         grow_x, grow_y = 5 * x * near * s - q, 5 * y * near * s - r
-        x_a, x_b, x_c = a * grow_x + lean * gs, b * grow_x, c * grow_x - bend * x * gs
-        y_a, y_b, y_c = a * grow_y, b * grow_y + lean * gs, c * grow_y - bend * y * gs
+        x_a, x_b, x_c = a * grow_x + lean * gs * of_a, b * grow_x, c * grow_x - bend * x * gs * of_c
+        y_a, y_b, y_c = a * grow_y, b * grow_y + lean * gs * of_b, c * grow_y - bend * y * gs * of_c
         own = a * a + b * b + c * c
         of_x, of_y = x_a * a + x_b * b + x_c * c, y_a * a + y_b * b + y_c * c
         left = rest_a * a + rest_b * b + rest_c * c
@@ -73,11 +75,11 @@ def equations_of_one(at, felt, load, strain, matrix, vector):  # type: ignore[no
 
 
 @kept_njit(error_model="numpy")
-def equations(at, felt, loads, strain, matrix, vector):  # type: ignore[no-untyped-def]
+def equations(at, felt, scale, loads, strain, matrix, vector):  # type: ignore[no-untyped-def]
     """Fill the normal equations at these loads and return chi^2."""
     count = len(loads)
     if count == 1:
-        return equations_of_one(at, felt, loads[0], strain, matrix, vector)
+        return equations_of_one(at, felt, scale, loads[0], strain, matrix, vector)
     slope = np.empty((5 * count, 3))
     matrix[:], vector[:] = 0.0, 0.0
     chi = 0.0
@@ -90,23 +92,22 @@ def equations(at, felt, loads, strain, matrix, vector):  # type: ignore[no-untyp
             g = near * near * math.sqrt(near)
             s = q * x + r * y + loads[k, 4]
             if strain:
-                a, b, c, bend = -3 * x, -3 * y, 1 / near - 3, 2.0
-                lean = 3.0
+                a, b, c, bend, lean = -3 * x, -3 * y, 1 / near - 3, 2.0, 3.0
             else:
-                a, b, c, bend = -x, -y, -1.0, 0.0
-                lean = 1.0
+                a, b, c, bend, lean = -x, -y, -1.0, 0.0, 1.0
+            a, b, c = a * scale[i, 0], b * scale[i, 1], c * scale[i, 2]
             rest0 -= a * g * s
             rest1 -= b * g * s
             rest2 -= c * g * s
             along_x, along_y = g * (5 * x * near * s - q), g * (5 * y * near * s - r)  # -d(g s) / dx and dy
             j = 5 * k
             slope[j, 0], slope[j, 1], slope[j, 2] = (
-                a * along_x + lean * g * s,
+                a * along_x + lean * g * s * scale[i, 0],
                 b * along_x,
-                c * along_x - bend * x * g * s,
+                c * along_x - bend * x * g * s * scale[i, 2],
             )
-            slope[j + 1, 0], slope[j + 1, 1] = a * along_y, b * along_y + lean * g * s
-            slope[j + 1, 2] = c * along_y - bend * y * g * s
+            slope[j + 1, 0], slope[j + 1, 1] = a * along_y, b * along_y + lean * g * s * scale[i, 1]
+            slope[j + 1, 2] = c * along_y - bend * y * g * s * scale[i, 2]
             slope[j + 2, 0], slope[j + 2, 1], slope[j + 2, 2] = a * g * x, b * g * x, c * g * x
             slope[j + 3, 0], slope[j + 3, 1], slope[j + 3, 2] = a * g * y, b * g * y, c * g * y
             slope[j + 4, 0], slope[j + 4, 1], slope[j + 4, 2] = a * g, b * g, c * g
@@ -120,7 +121,7 @@ def equations(at, felt, loads, strain, matrix, vector):  # type: ignore[no-untyp
 
 
 @kept_njit(error_model="numpy")
-def fit(at, felt, loads, strain, tie, steps):  # type: ignore[no-untyped-def]
+def fit(at, felt, scale, loads, strain, tie, steps):  # type: ignore[no-untyped-def]
     """Improve the loads (k, 5) in place and return chi^2, that of no load, and the diagonal (k, 5) of the covariance.
 
     The covariance is that for signals of variance 1. ``tie`` (3,): the part of the matrix for (Q Q, Q R, R R) that
@@ -130,7 +131,7 @@ def fit(at, felt, loads, strain, tie, steps):  # type: ignore[no-untyped-def]
     matrix, vector, step = np.empty((size, size)), np.empty(size), np.empty(size)
     tried_matrix, tried_vector, tried = np.empty((size, size)), np.empty(size), loads.copy()
     factor = np.empty((size, size))
-    chi = equations(at, felt, loads, strain, matrix, vector)
+    chi = equations(at, felt, scale, loads, strain, matrix, vector)
     hold(matrix, vector, loads, tie)
     whole = 0.0
     for i in range(len(at)):
@@ -145,7 +146,7 @@ def fit(at, felt, loads, strain, tie, steps):  # type: ignore[no-untyped-def]
         for k in range(len(loads)):
             for j in range(5):
                 tried[k, j] = loads[k, j] + step[5 * k + j]
-        then = equations(at, felt, tried, strain, tried_matrix, tried_vector)
+        then = equations(at, felt, scale, tried, strain, tried_matrix, tried_vector)
         hold(tried_matrix, tried_vector, tried, tie)
         if not then < chi:
             damping = max(10 * damping, DAMPING)
@@ -206,20 +207,38 @@ def solve(matrix, vector, damping, factor, answer):  # type: ignore[no-untyped-d
 
 
 @kept_njit(error_model="numpy")
-def rest(at, felt, loads, strain):  # type: ignore[no-untyped-def]
+def rest(at, felt, scale, loads, strain):  # type: ignore[no-untyped-def]
     """Return the signals (n, 3) that the loads do not explain."""
     left = felt.copy()
+    lean = 3.0 if strain else 1.0
     for i in range(len(at)):
         for k in range(len(loads)):
             x, y = at[i, 0] - loads[k, 0], at[i, 1] - loads[k, 1]
             near = 1 / (1 + x * x + y * y)
             gs = near * near * math.sqrt(near) * (loads[k, 2] * x + loads[k, 3] * y + loads[k, 4])
-            if strain:
-                left[i, 0] += 3 * x * gs
-                left[i, 1] += 3 * y * gs
-                left[i, 2] -= (1 / near - 3) * gs
-            else:
-                left[i, 0] += x * gs
-                left[i, 1] += y * gs
-                left[i, 2] += gs
+            left[i, 0] += lean * x * gs * scale[i, 0]
+            left[i, 1] += lean * y * gs * scale[i, 1]
+            left[i, 2] -= ((1 / near - 3) if strain else -1.0) * gs * scale[i, 2]
     return left
+
+
+@kept_njit(error_model="numpy")
+def energy(signals):  # type: ignore[no-untyped-def]
+    """Return the sum of the squares of signals (n, 3)."""
+    total = 0.0
+    for i in range(len(signals)):
+        total += signals[i, 0] ** 2 + signals[i, 1] ** 2 + signals[i, 2] ** 2
+    return total
+
+
+@kept_njit(error_model="numpy")
+def within(at, loads, reach):  # type: ignore[no-untyped-def]
+    """Return which places (n, 2) are nearer than ``reach`` to one of the loads."""
+    found, count = np.empty(len(at), np.int64), 0
+    for i in range(len(at)):
+        for k in range(len(loads)):
+            if (at[i, 0] - loads[k, 0]) ** 2 + (at[i, 1] - loads[k, 1]) ** 2 < reach * reach:
+                found[count] = i
+                count += 1
+                break
+    return found[:count]

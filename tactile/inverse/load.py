@@ -31,6 +31,7 @@ class Load:
     taxels: int = 0
     validity: Validity = Validity.NO_LOAD
     left_out: tuple[tuple[int, int], ...] = ()
+    saturated: tuple[tuple[int, int], ...] = ()
     others: tuple["Load", ...] = ()
     torque: float = NAN
 

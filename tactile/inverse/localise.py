@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.operations.cellwise import Planes
-from cnnsim.support import Floats, InputError
+from cnnsim.support import Flags, Floats, InputError
 from tactile.inverse.attempt import DOUBT, Attempt, Taxels
 from tactile.inverse.load import INF, NAN, Load
 from tactile.inverse.several import several
@@ -24,8 +24,9 @@ BETTER = 10.0
 
 
 def localise(
-    positions: Floats, pressing: Planes, pulling: Planes | None, depth: float, noise: float | None = None
-) -> Load:
+    positions: Floats, pressing: Planes, pulling: Planes | None, depth: float, noise: Floats | float | None = None,
+    saturated: Flags | None = None,
+) -> Load:  # fmt: skip
     """Find the point load, or the few, that all taxels of an array feel.
 
     Start: the weighted mean of the candidates nearest to each other, one a taxel, where a candidate at
@@ -36,11 +37,13 @@ def localise(
 
     Arguments: ``positions`` (rows, cols, 2) of the taxels [m]; ``pressing``: the planes (dx, dy, force, validity)
     of ``invert_strain`` with pressing = 1, or of ``invert_stress``; ``pulling``: those with pressing = -1, None
-    for stress; ``depth`` z [m]; ``noise``: standard deviation of the signals, times 4 pi E z^2 / 3 for strain and
-    2 pi z^2 / 3 for stress [N]; None: judged by what is left. Taxels that are not INSIDE or OUTSIDE are not used.
+    for stress; ``depth`` z [m]; ``noise``: standard deviation of the signals, one number or (rows, cols, 3), times
+    4 pi E z^2 / 3 for strain and 2 pi z^2 / 3 for stress [N]; None: alike everywhere, judged by what is left;
+    ``saturated`` (rows, cols): taxels of which a reading is at the end of its range, marked and left out. Taxels that
+    are not INSIDE or OUTSIDE are not used.
 
     Raises:
-        InputError: planes that do not have the array's shape.
+        InputError: planes or noise that do not have the array's shape, noise that is not positive.
 
     Source: Vasarhelyi, Fodor, Roska, eqs (1), (10), (12) to (14).
     """
@@ -48,17 +51,29 @@ def localise(
     planes = np.array(families, dtype=np.float64)
     if planes.shape[2:] != positions.shape[:2]:
         raise InputError(f"planes of shape {planes.shape[2:]} for an array of {positions.shape[:2]} taxels")
+    if noise is not None and (np.shape(noise) not in ((), (*positions.shape[:2], 3)) or not np.min(noise) > 0):
+        wanted = f"positive numbers, one or {(*positions.shape[:2], 3)}, wanted"
+        raise InputError(f"noise of shape {np.shape(noise)} from {np.min(noise):g} N on; {wanted}")
     at, strain = np.ascontiguousarray(positions, np.float64), pulling is not None
     planes = planes.reshape(len(families), 4, -1)
+    railed = None if saturated is None or not saturated.any() else saturated.ravel()
+    if railed is not None:
+        planes[:, 3, railed] = Validity.INVALID
     taxels = Taxels(at, planes, depth, strain, noise)
     if not taxels.order.size:
         marked = (planes[:, 3] == Validity.INVALID).any()
-        return Load(validity=Validity.INVALID if marked else Validity.NO_LOAD)
+        named = () if saturated is None else _named(saturated)
+        return Load(validity=Validity.INVALID if marked else Validity.NO_LOAD, saturated=named)
     out: tuple[int, ...] = ()
     found = taxels.attempt(taxels.order)
     if found.fit.misfit > DOUBT and taxels.order.size >= 4:
         found, out = _explained(taxels, found)
-    return _load(taxels, found, [divmod(taxel, positions.shape[1]) for taxel in out])
+    load = _load(taxels, found, [divmod(taxel, positions.shape[1]) for taxel in out])
+    return load if saturated is None or railed is None else replace(load, saturated=_named(saturated))
+
+
+def _named(taxels: Flags) -> tuple[tuple[int, int], ...]:
+    return tuple((row, col) for row, col in np.argwhere(taxels).tolist())
 
 
 def three_taxels(x: ArrayLike, y: ArrayLike, m: ArrayLike, depth: float) -> tuple[float, float, float]:
