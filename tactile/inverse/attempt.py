@@ -70,14 +70,24 @@ class Taxels:
         self.signal, self.peak, usable = consensus_numba.strongest(planes, depth, strain)
         self.order = usable[np.argsort(-(self.peak * self.trust)[usable], kind="stable")]
 
-    def attempt(self, order: NDArray[np.intp]) -> Attempt:
-        """Return the best single load for these taxels, the strongest of them first."""
+    def attempt(self, order: NDArray[np.intp], *, thorough: bool = False) -> Attempt:
+        """Return the best single load for these taxels, the strongest of them first.
+
+        ``thorough``: from every place that was tried, not only from that where most agree.
+        """
         from tactile.inverse import consensus_numba as loops  # as above
 
         voters = order[:VOTERS]
-        best, rival = loops.consensus(self.at, self.planes, self.signal, self.trust, voters, self.depth, SEEDS)
+        tried, first, second = loops.consensus(
+            self.at, self.planes, self.signal, self.trust, voters, self.depth, SEEDS
+        )
+        best, rival = tried[first], tried[second]
         signals, top = self.felt(order, best)
         fit = _from(signals, best)
+        if thorough:
+            places = [place for place in tried if np.isfinite(place[2])]
+            fit = min((_from(self.felt(order, place)[0], place) for place in places), key=lambda one: one.chi)
+            signals = fit.signals
         ambiguous = False
         if len(order) > 1 and rival[2] < RIVAL * best[2]:  # to one taxel a pull fits as well: it is taken to be pressed
             other = _from(signals, rival)

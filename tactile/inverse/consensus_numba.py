@@ -72,7 +72,7 @@ def candidates(at, planes, order, depth):  # type: ignore[no-untyped-def]
 
 @kept_njit(error_model="numpy")
 def consensus(at, planes, signal, trust, order, depth, seeds):  # type: ignore[no-untyped-def]
-    """Return the place (x, y) with its scatter, and the place that is next best.
+    """Return the places (x, y) that were tried with their scatter, which is best, and which is next best.
 
     Every candidate of the first ``seeds`` taxels is tried: each taxel's candidate nearest to it, and the weighted mean
     of those within a depth. Answers farther away count as one depth, so that one false taxel cannot pull the place.
@@ -115,7 +115,7 @@ def consensus(at, planes, signal, trust, order, depth, seeds):  # type: ignore[n
         apart = (tried[k, 0] - tried[best, 0]) ** 2 + (tried[k, 1] - tried[best, 1]) ** 2 > 0.01
         if tried[k, 0] < np.inf and apart and (rival == best or tried[k, 2] < tried[rival, 2]):
             rival = k
-    return tried[best], tried[rival]
+    return tried, best, rival
 
 
 @kept_njit(error_model="numpy")

@@ -19,6 +19,10 @@ USUAL = 0.01
 """Noise of a taxel over its largest signal."""
 SMALL = 2.5e-3
 """Where so much is left of the energy, nobody asks how much of it is noise."""
+CHANCE = 2.0
+"""Standard deviations of a sum of squares that are chance."""
+LOOSE = 12.0
+"""Twice the error of a variance from a tenth's quantile of n numbers, times the root of n."""
 NORMAL = {0.5: 0.6745, 0.1: 0.1257}
 """Quantiles of |x| for normal x of variance 1. What is left of a wide patch is no noise: where nothing presses the
 signals themselves are not larger than the noise."""
@@ -89,14 +93,15 @@ class Fit:
 
     @cached_property
     def random(self) -> float:
-        """The part of chi that is noise."""
+        """The part of chi that is noise, with what chance may add to it."""
+        size = self.signals.felt.size
         noise = self.signals.noise
         if noise is None and (self.chi < SMALL * self.whole or len(self.signals.seen) < MANY):
             return 0.0
         if noise is None:
             noise = min(_quantile(self.rest, 0.5), _quantile(self.signals.felt, 0.1))
-            return min(noise**2 * self.signals.felt.size, self.chi * (1 - self._likeness()))
-        return noise * noise * self.free
+            return min(noise**2 * (size + LOOSE * math.sqrt(size)), self.chi * (1 - self._likeness()))
+        return noise**2 * (self.free + CHANCE * math.sqrt(2 * self.free))
 
     def _likeness(self) -> float:
         """Return how like its neighbours' is what a taxel leaves unexplained: 0 for noise, 1 for a smooth field."""
@@ -106,7 +111,7 @@ class Fit:
         grid = flat.reshape(rows, cols, 3)
         alike = float(np.vdot(grid[1:], grid[:-1]) + np.vdot(grid[:, 1:], grid[:, :-1]))
         pairs = (rows - 1) * cols + rows * (cols - 1)
-        return min(max(alike / pairs * rows * cols / self.chi, 0.0), 1.0)
+        return min(max(alike / pairs * rows * cols / self.chi - CHANCE / math.sqrt(3 * pairs), 0.0), 1.0)
 
     @cached_property
     def misfit(self) -> float:

@@ -14,13 +14,17 @@ from cnnsim.operations.cellwise import Planes
 from cnnsim.support import Flags, Floats, InputError
 from tactile.inverse.attempt import DOUBT, Attempt, Taxels
 from tactile.inverse.load import INF, NAN, Load
-from tactile.inverse.several import several
+from tactile.inverse.several import EXPLAINED, several, simplest
 from tactile.inverse.validity import Validity
 
 POINT = 0.25
 """Loads that leave a larger share of the signals unexplained are not points: a tip of half a depth leaves 0.1."""
-BETTER = 10.0
-"""Without the one taxel the variance of the rest must fall so many times."""
+FEW = 16
+"""With so few taxels every place is tried in doubt."""
+PATCH = 0.1
+"""What leaves so much may be several loads."""
+SHARE = 0.25
+"""A taxel that contradicts all others has so much of what is left, unless that is very much."""
 
 
 def localise(
@@ -102,41 +106,51 @@ def three_taxels(x: ArrayLike, y: ArrayLike, m: ArrayLike, depth: float) -> tupl
 
 def _explained(taxels: Taxels, one: Attempt) -> tuple[Attempt, tuple[int, ...]]:
     """Return the attempt without the taxel that contradicts all others, or with several loads, if it explains more."""
+    if one.fit.misfit > POINT or one.order.size <= FEW:
+        one = taxels.attempt(one.order, thorough=True)
+    if one.fit.misfit <= DOUBT or not _alone(one):
+        return one, ()
     suspects = {0, *one.fit.contrary[:3].tolist()} if one.order.size > 4 else set(range(4))
-    without = [taxels.attempt(np.delete(one.order, k)) for k in sorted(suspects)]
-    best = min(without, key=lambda other: other.left)
-    better = BETTER if len(one.order) > 8 else 3 * BETTER  # so few fit anything without one
-    without_one = best.left * better < one.left and best.fit.misfit < POINT
-    if without_one and best.fit.misfit < DOUBT:
-        return best, tuple(np.setdiff1d(one.order, best.order).tolist())
-    more = several(taxels, one, DOUBT, POINT) if without_one or one.fit.misfit > POINT else None
-    if without_one and (more is None or best.left < more.left):
-        return best, tuple(np.setdiff1d(one.order, best.order).tolist())
-    return more or one, ()
+    best = min((taxels.attempt(np.delete(one.order, k)) for k in sorted(suspects)), key=lambda other: other.left)
+    ways = [one]
+    if best.fit.misfit < POINT and simplest([one, best], POINT) is best:
+        ways.append(best)
+    if ways[-1].fit.misfit > (PATCH if len(ways) == 1 else EXPLAINED):
+        ways += several(taxels, one, POINT)
+    found = simplest(ways, POINT)
+    return found, tuple(np.setdiff1d(one.order, found.order).tolist())
+
+
+def _alone(one: Attempt) -> bool:
+    """Whether one taxel may be to blame for what is left: it has much of it, or so few taxels hide it."""
+    if one.order.size <= 8:
+        return True
+    worst = one.fit.rest[one.fit.contrary[0]]
+    return bool((worst @ worst) > SHARE * one.fit.chi) or one.fit.misfit > PATCH
 
 
 def _load(taxels: Taxels, found: Attempt, out: list[tuple[int, int]]) -> Load:
     """Return the loads of an attempt in metres and newtons."""
     fit, depth, top = found.fit, taxels.depth, found.top
-    x0, y0 = taxels.at[found.order[0]].tolist()
+    seen = fit.signals.seen
+    x0, y0 = (taxels.at[found.order[0]] - depth * seen[0]).tolist()
     told_q, told_r = (held <= 0 for held in fit.signals.tie[::2].tolist())
     deviation = math.sqrt(fit.variance)
-    validity = _validity(found)
     loads = []
     for (x, y, q, r, f), spread in zip(fit.loads.tolist(), fit.spread.tolist(), strict=True):
         dx, dy, dq, dr, df = (deviation * math.sqrt(one) for one in spread)
         sigma = (dx * depth, dy * depth, dq * top if told_q else INF, dr * top if told_r else INF, df * top)
         q, r = q * top if told_q else NAN, r * top if told_r else NAN
+        validity = _validity(found, float(((seen - (x, y)) ** 2).sum(axis=1).min()))
         loads.append(Load(x0 + x * depth, y0 + y * depth, q, r, f * top, sigma, fit.misfit, len(found.order), validity))
     first, *others = loads
     return replace(first, left_out=tuple(out), others=tuple(others)) if out or others else first
 
 
-def _validity(found: Attempt) -> Validity:
-    """Return what the answer is worth."""
+def _validity(found: Attempt, near: float) -> Validity:
+    """Return what the answer is worth, from the nearest taxel's distance, in depths squared."""
     if found.fit.misfit > POINT:
         return Validity.NOT_ONE
     if found.ambiguous:
         return Validity.AMBIGUOUS
-    x, y = found.fit.loads[0, :2].tolist()
-    return Validity.INSIDE if x * x + y * y < 2 else Validity.OUTSIDE
+    return Validity.INSIDE if near < 2 else Validity.OUTSIDE
