@@ -11,9 +11,11 @@ from cnnsim.library.folders import folder
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import Program
-from cnnsim.support import Flags
+from cnnsim.support import Flags, Floats
 from tactile.calibration.live_tare import LiveTare, TareNote
 from tactile.core.frame import Frame, TaxelArray
+from tactile.core.noise import Noise
+from tactile.core.rails import Rails
 from tactile.events.code import CONTACT, SIGN, Code, encode
 from tactile.events.comparators import BINARY, Comparators
 from tactile.events.detector import Detector, Happening
@@ -59,8 +61,12 @@ class Finger:
         self._machine, self._inverse = machine, _inverse(array, modulus, contact.dead_band)
         self._positions = array.positions()
         self._half = array.cols * array.pitch / 2, array.rows * array.pitch / 2
+        self._newtons = _newtons(array, modulus)
+        self._rails = Rails(array.shape)
+        self._saturated: Flags | None = None
+        self._sigma: Floats | None = None
         self._nothing = np.full((1, 1, 3) if self._inverse is not None else (*array.shape, 3), np.nan)
-        self._noise: Any = None
+        self._noise: Noise | None = None
         self._slid = -np.inf
         self._travels, self._all_used = False, True
         self._set_noise()
@@ -70,13 +76,17 @@ class Finger:
         frame = self.tare(raw)
         if self.tare.noise is not self._noise:
             self._set_noise()
+        if self._noise is not None and self._inverse is not None:
+            self._saturated = self._rails(raw.values, self._noise.jitter)
         return frame if self._gains is None else replace(frame, values=self._gains(frame.values))
 
     def _set_noise(self) -> None:
         self._noise = noise = self.tare.noise
         if noise is not None and self._gains is not None:
             scale = np.abs(self._gains(np.ones(3)))
-            noise = replace(noise, sigma=noise.sigma * scale, jitter=noise.jitter * scale)
+            noise = replace(
+                noise, sigma=noise.sigma * scale, jitter=noise.jitter * scale, typical=noise.typical * scale
+            )
         shear = None if self._signs else self._settings.shear
         array = self.array
         self._levels = levels(array.shape, array.quantity, self._settings.sigmas, shear, self._settings.contact, noise)
@@ -84,17 +94,22 @@ class Finger:
         self._left_out: Flags = np.zeros(array.shape, bool) if noise is None else noise.left_out
         self._none_left_out = not self._left_out.any()
         self._floor = float(np.median(self._levels.off[..., 2]))
+        levels_of = None if noise is None else noise.levels
+        self._sigma = None if levels_of is None or not (levels_of > 0).all() else levels_of * self._newtons
 
     def locate(self, frame: Frame) -> Load:
         """Return the load under this finger: the inverse in every cell, then the taxels' consensus; or their sum."""
         if self._inverse is None:
             return summed(self._positions, frame.values, frame.valid, self._floor)
-        values = frame.values if frame.whole else np.where(frame.valid[..., None], frame.values, np.nan)
+        values = frame.values
+        if not (frame.whole and self._none_left_out):
+            values = np.where((frame.valid & ~self._left_out)[..., None], values, np.nan)
         signals = {name: values[..., i] for i, name in enumerate(self._inverse.inputs)}
         planes = tuple(self._machine.run(self._inverse, **signals).values())
         if self._radial is not None:
             planes = tuple(plane for k in range(0, len(planes), 4) for plane in self._radial(planes[k : k + 4]))
-        return localise(self._positions, planes[:4], planes[4:] or None, self.array.depth)
+        pressing, pulling = planes[:4], planes[4:] or None
+        return localise(self._positions, pressing, pulling, self.array.depth, self._sigma, self._saturated)
 
     def notice(self, frame: Frame, load: Load) -> list[Happening]:
         """Run the comparators and the detectors on the frame and return what begins and what ends."""
@@ -172,6 +187,13 @@ class Finger:
     def said(self) -> Mapping[str, Mapping[str, Any]]:
         """Return the outputs of users' programs that have changed with this frame."""
         return {one.file.name: one.outputs for one in self._own if one.changed}
+
+
+def _newtons(array: TaxelArray, modulus: float | None) -> float:
+    """Return what `localise` multiplies a signal with: eqs (1) and (10) in depths and newtons."""
+    if array.quantity == "strain":
+        return 4 * np.pi / 3 * (modulus or 1.0) * array.depth**2
+    return 2 * np.pi / 3 * array.depth**2
 
 
 def _inverse(array: TaxelArray, modulus: float | None, floor: float) -> Program | None:

@@ -11,22 +11,29 @@ NORMAL_MAD = 0.6745
 """Median absolute deviation of a normal distribution of sigma 1."""
 NOISY = 6.0
 """A taxel this many times as noisy as the median one of its array, in any component, is left out ..."""
-FADE = 0.95
-"""Part of the noise known before that is kept with each block."""
 FEW = 4
 """... where there are at least so many to compare with."""
+FADE = 0.95
+"""Part of the noise known before that is kept with each block."""
+UNLIKE = 2.0
+"""From so many times the median taxel's noise a taxel has one of its own."""
+BLOCKS = 20
+"""The median taxel's noise is the mean over so many blocks."""
 
 
 @dataclass(frozen=True)
 class Noise:
     """Noise of an array: ``sigma`` (rows, cols, 3) in all, ``jitter`` (rows, cols, 3) from one frame to the next.
 
-    ``dead`` (rows, cols): taxels that read the same to the last bit while most others do not.
+    ``dead`` (rows, cols): taxels that read the same to the last bit while most others do not. ``typical`` (3,): sigma
+    of the median taxel, the mean over ``blocks`` blocks of frames.
     """
 
     sigma: Floats
     jitter: Floats
     dead: Flags
+    typical: Floats
+    blocks: int = 1
 
     @cached_property
     def noisy(self) -> Flags:
@@ -40,7 +47,17 @@ class Noise:
         if before is None:
             return self
         sigma, jitter = np.maximum(self.sigma, FADE * before.sigma), np.maximum(self.jitter, FADE * before.jitter)
-        return Noise(sigma, jitter, self.dead)
+        blocks = min(before.blocks + 1, BLOCKS)
+        typical = before.typical + (self.typical - before.typical) / blocks
+        return Noise(sigma, jitter, self.dead, typical, blocks)
+
+    @property
+    def levels(self) -> Floats:
+        """Standard deviations (rows, cols, 3) to weigh readings with: the median taxel's, but where one is noisier.
+
+        What 20 frames say of one taxel is wrong by a fourth, and of the largest of many blocks by more.
+        """
+        return np.where(self.sigma > UNLIKE * self.typical, self.sigma, self.typical)
 
     @property
     def left_out(self) -> Flags:
@@ -76,7 +93,7 @@ def measured(block: Floats) -> Noise:
     alive = np.where(dead[..., None], np.nan, sigma)
     typical = np.nan_to_num(_median(alive.reshape(-1, 3).T))
     calm = _median(jitter.reshape(-1, 3).T) * 2 / 3
-    return Noise(np.maximum(sigma, typical * 2 / 3), np.maximum(jitter, calm), dead)
+    return Noise(np.maximum(sigma, typical * 2 / 3), np.maximum(jitter, calm), dead, typical)
 
 
 def _spread(series: Floats) -> Floats:

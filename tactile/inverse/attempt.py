@@ -1,7 +1,7 @@
 """Attempt: one load from the taxels of one frame, or from some of them: their consensus, then least squares."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,7 +48,7 @@ class Attempt:
 class Taxels:
     """The answers of all taxels of one frame, at places (rows, cols, 2) [m], as planes (families, 4, n).
 
-    ``order``: the taxels that have one, the strongest first; ``noise``: as `localise` takes it.
+    ``order``: the taxels that have one, first the strongest, in order; ``noise``: as `localise` takes it.
     """
 
     def __init__(
@@ -67,8 +67,7 @@ class Taxels:
             if np.ndim(noise):
                 self.scale = self.noise / sigma
                 self.trust = self.scale.min(axis=1)
-        self.signal, self.peak, usable = consensus_numba.strongest(planes, depth, strain)
-        self.order = usable[np.argsort(-(self.peak * self.trust)[usable], kind="stable")]
+        self.signal, self.peak, self.order = consensus_numba.strongest(planes, self.trust, depth, strain, VOTERS)
 
     def attempt(self, order: NDArray[np.intp], *, thorough: bool = False) -> Attempt:
         """Return the best single load for these taxels, the strongest of them first.
@@ -78,20 +77,18 @@ class Taxels:
         from tactile.inverse import consensus_numba as loops  # as above
 
         voters = order[:VOTERS]
-        tried, first, second = loops.consensus(
-            self.at, self.planes, self.signal, self.trust, voters, self.depth, SEEDS
-        )
+        tried, first, second = loops.consensus(self.at, self.planes, self.signal, self.trust, voters, self.depth, SEEDS)
         best, rival = tried[first], tried[second]
         signals, top = self.felt(order, best)
-        fit = _from(signals, best)
+        fit = Fit(signals, best[None, :2])
         if thorough:
             places = [place for place in tried if np.isfinite(place[2])]
-            fit = min((_from(self.felt(order, place)[0], place) for place in places), key=lambda one: one.chi)
+            fit = min((Fit(self.felt(order, place)[0], place[None, :2]) for place in places), key=lambda one: one.chi)
             signals = fit.signals
         ambiguous = False
         if len(order) > 1 and rival[2] < RIVAL * best[2]:  # to one taxel a pull fits as well: it is taken to be pressed
-            other = _from(signals, rival)
-            if np.hypot(*(other.loads - fit.loads)[0, :2]) > SAME:
+            other = Fit(signals, rival[None, :2])
+            if math.dist(other.loads[0, :2], fit.loads[0, :2]) > SAME:
                 fit, other = sorted((fit, other), key=lambda one: one.chi)
                 ambiguous = other.chi < max(RIVAL * fit.chi, ROUNDING * fit.whole)
         if len(order) == 1 or fit.unsure > UNSURE:
@@ -103,8 +100,8 @@ class Taxels:
         dx, dy, _, validity = self.planes[0, :, first].tolist()
         if validity not in (Validity.INSIDE, Validity.OUTSIDE):
             return fit
-        start = np.array([dx / self.depth, dy / self.depth])
-        held = _from(replace(fit.signals, tie=np.array([TIED, 0.0, TIED])), start)
+        start = np.array([[dx / self.depth, dy / self.depth]])
+        held = Fit(fit.signals._replace(tie=np.array([TIED, 0.0, TIED])), start)
         return held if held.misfit < DOUBT else fit
 
     def felt(self, order: NDArray[np.intp], place: Floats) -> tuple[Signals, float]:
@@ -117,11 +114,3 @@ class Taxels:
         )
         noise = None if self.noise is None else self.noise / top
         return Signals(seen, felt, scale, self.strain, tie, order, self.shape, noise), top
-
-
-def _from(signals: Signals, place: Floats) -> Fit:
-    from tactile.inverse import consensus_numba as loops  # as above
-
-    start = np.array([[place[0], place[1], 0.0, 0.0, 0.0]])
-    loops.components(signals.seen, signals.felt, signals.scale, start[0], signals.strain, signals.tie)
-    return Fit(signals, start)

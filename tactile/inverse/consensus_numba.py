@@ -24,10 +24,11 @@ def gain(t, strain):  # type: ignore[no-untyped-def]  # numba types it at the ca
 
 
 @kept_njit(error_model="numpy")
-def strongest(planes, depth, strain):  # type: ignore[no-untyped-def]
+def strongest(planes, trust, depth, strain, first):  # type: ignore[no-untyped-def]
     """Return the signals (families, taxels), 0 where there is none, each taxel's largest, and the taxels that have one.
 
-    They are not sorted here: numba needs a second to compile a sort.
+    The ``first`` strongest of them, by signal times ``trust``, come first and in order: they alone are asked for it,
+    and numba needs a second to compile a sort.
     """
     families, _, taxels = planes.shape
     signal, peak, count = np.zeros((families, taxels)), np.zeros(taxels), 0
@@ -41,7 +42,15 @@ def strongest(planes, depth, strain):  # type: ignore[no-untyped-def]
                 peak[n] = max(peak[n], signal[f, n])
                 usable = True
         if usable:
-            use[count] = n
+            k, own = count, peak[n] * trust[n]
+            if k >= first and own > peak[use[first - 1]] * trust[use[first - 1]]:
+                use[k] = use[first - 1]
+                k = first - 1
+            if k < first:
+                while k > 0 and own > peak[use[k - 1]] * trust[use[k - 1]]:
+                    use[k] = use[k - 1]
+                    k -= 1
+            use[k] = n
             count += 1
     return signal, peak, use[:count]
 
@@ -122,8 +131,9 @@ def consensus(at, planes, signal, trust, order, depth, seeds):  # type: ignore[n
 def signals(at, planes, scale, order, place, depth, strain, top):  # type: ignore[no-untyped-def]
     """Return the places (n, 2) of the taxels, their signals (n, 3), what they are scaled by, what holds shear at zero.
 
-    The signals are those of the answer nearest to ``place``, over ``top``, times ``scale`` (taxels, 3). Taxels on a line cannot tell shear across it, one taxel
-    none at all: the last (3,) is the part for (Q Q, Q R, R R) of a matrix that then makes it zero.
+    The signals are those of the answer nearest to ``place``, over ``top``, times ``scale`` (taxels, 3).
+    Taxels on a line cannot tell shear across it, one taxel none at all: the last (3,) is the part for
+    (Q Q, Q R, R R) of a matrix that then makes it zero.
     """
     taxels = order.size
     seen, felt, tie, scaled = np.empty((taxels, 2)), np.empty((taxels, 3)), np.zeros(3), np.empty((taxels, 3))
@@ -153,49 +163,3 @@ def signals(at, planes, scale, order, place, depth, strain, top):  # type: ignor
     elif xx * yy - xy * xy <= 1e-12 * (xx + yy) ** 2:
         tie[0], tie[1], tie[2] = TIED * yy / (xx + yy), -TIED * xy / (xx + yy), TIED * xx / (xx + yy)
     return seen, felt, scaled, tie
-
-
-@kept_njit(error_model="numpy")
-def components(seen, felt, scale, load, strain, tie):  # type: ignore[no-untyped-def]
-    """Fill in (Q, R, F) of a load by least squares from the part of each signal that a load at its place explains.
-
-    For three taxels that is eq. (14); by Householder's reflections, shear held at zero where ``tie`` says so.
-    """
-    taxels = len(seen)
-    table = np.zeros((taxels + 2, 4))
-    for i in range(taxels):
-        x, y = seen[i, 0] - load[0], seen[i, 1] - load[1]
-        t = x * x + y * y
-        near = 1 / (1 + t)
-        g = near * near * math.sqrt(near)
-        lean, height = (3.0, t - 2) if strain else (1.0, -1.0)
-        a, b, c = -lean * x * g * scale[i, 0], -lean * y * g * scale[i, 1], height * g * scale[i, 2]
-        size = math.sqrt(a * a + b * b + c * c)
-        table[i, 0], table[i, 1], table[i, 2] = x * size, y * size, size
-        table[i, 3] = (felt[i, 0] * a + felt[i, 1] * b + felt[i, 2] * c) / size
-    table[taxels, 0] = math.sqrt(tie[0])
-    if tie[0] > 0:
-        table[taxels, 1] = tie[1] / table[taxels, 0]
-        table[taxels + 1, 1] = math.sqrt(max(tie[2] - tie[1] * tie[1] / tie[0], 0.0))
-    else:
-        table[taxels + 1, 1] = math.sqrt(tie[2])
-    for k in range(3):
-        norm = 0.0
-        for i in range(k, len(table)):
-            norm += table[i, k] * table[i, k]
-        norm = math.sqrt(norm)
-        if table[k, k] > 0:
-            norm = -norm
-        head = table[k, k] - norm
-        for j in range(k + 1, 4):
-            along = head * table[k, j]
-            for i in range(k + 1, len(table)):
-                along += table[i, k] * table[i, j]
-            along /= norm * head
-            table[k, j] += along * head
-            for i in range(k + 1, len(table)):
-                table[i, j] += along * table[i, k]
-        table[k, k] = norm
-    load[4] = table[2, 3] / table[2, 2]
-    load[3] = (table[1, 3] - table[1, 2] * load[4]) / table[1, 1]
-    load[2] = (table[0, 3] - table[0, 2] * load[4] - table[0, 1] * load[3]) / table[0, 0]

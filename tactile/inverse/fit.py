@@ -1,8 +1,8 @@
 """Fit: point loads least squares to the signals of all taxels, and what they leave unexplained."""
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,8 +32,7 @@ REACH, ALL = 4.0, 100
 """Of more than so many taxels those within so many depths are fitted: the others feel a hundredth at most."""
 
 
-@dataclass(frozen=True)
-class Signals:
+class Signals(NamedTuple):
     """What the taxels of one frame feel: places (n, 2) in depths, signals (n, 3) over the largest of them.
 
     The signals come times ``scale`` (n, 3), which makes their noise equal; ``noise``: its standard deviation, None
@@ -54,17 +53,22 @@ class Signals:
 class Fit:
     """The loads (k, 5) nearest to the signals from a start on, in depths and as signals are.
 
+    ``start``: loads (k, 5), or the place (1, 2) of one, whose forces are then those that the signals ask for there.
     ``chi``: sum of the squares that they leave of ``whole``; ``spread`` (k, 5): variances for signals of variance 1.
     """
 
     def __init__(self, signals: Signals, start: Floats) -> None:
         from tactile.inverse import fit_numba  # numba is slow to import
 
-        self.signals, self.loads = signals, np.array(start, np.float64)
+        self.signals = signals
         parts = signals.seen, signals.felt, signals.scale
-        if many := len(signals.seen) > ALL:
-            use = fit_numba.within(signals.seen, self.loads, REACH)
+        use = fit_numba.within(signals.seen, start, REACH) if len(signals.seen) > ALL else None
+        if many := use is not None and use.size >= MANY * len(start):
             parts = signals.seen[use], signals.felt[use], signals.scale[use]
+        self.loads = np.zeros((len(start), 5))
+        self.loads[:, : start.shape[1]] = start
+        if start.shape[1] == 2:
+            fit_numba.components(*parts, self.loads[0], signals.strain, signals.tie)
         self.chi, self.whole, self.spread = fit_numba.fit(*parts, self.loads, signals.strain, signals.tie, STEPS)
         if many:
             self.chi, self.whole = fit_numba.energy(self.rest), fit_numba.energy(signals.felt)

@@ -14,9 +14,10 @@ class Load:
     ``sigma``: standard deviations of (x, y, Q, R, F) [m, m, N, N, N], from the noise of the signals and the geometry;
     infinite where the taxels cannot tell (the component is NaN then, and F holds if it is zero). ``misfit``: share of
     the signals, as root mean squares, that neither this load and ``others`` nor the noise explain. ``taxels``: how
-    many were used; ``left_out``: (row, column) of taxels that contradict all others. ``validity``: INSIDE or OUTSIDE
-    as seen from the nearest taxel, AMBIGUOUS where another place fits about as well or the place is known to half a
-    depth only, NOT_ONE where no few point loads fit, NO_LOAD or INVALID without an answer. ``others``: further loads
+    many were used; ``left_out``: (row, column) of taxels that contradict all others; ``saturated`` of those that are
+    not used, since a reading of theirs is at the end of its range. ``validity``: INSIDE or OUTSIDE as seen from the
+    nearest taxel, AMBIGUOUS where another place fits about as well or the place is known to half a depth only, NOT_ONE
+    where no few point loads fit, NO_LOAD or INVALID without an answer. ``others``: further loads
     at the same time, the strongest first. ``torque`` [N m] about the place, from x to y, where taxels measure forces;
     NaN where it is not known.
     """

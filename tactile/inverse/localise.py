@@ -132,25 +132,34 @@ def _alone(one: Attempt) -> bool:
 def _load(taxels: Taxels, found: Attempt, out: list[tuple[int, int]]) -> Load:
     """Return the loads of an attempt in metres and newtons."""
     fit, depth, top = found.fit, taxels.depth, found.top
-    seen = fit.signals.seen
-    x0, y0 = (taxels.at[found.order[0]] - depth * seen[0]).tolist()
-    told_q, told_r = (held <= 0 for held in fit.signals.tie[::2].tolist())
+    seen, tie = fit.signals.seen, fit.signals.tie.tolist()
+    (x0, y0), (x1, y1) = taxels.at[found.order[0]].tolist(), seen[0].tolist()
+    to_q, to_r = top if tie[0] <= 0 else INF, top if tie[2] <= 0 else INF
+    units = depth, depth, to_q, to_r, top
     deviation = math.sqrt(fit.variance)
     loads = []
     for (x, y, q, r, f), spread in zip(fit.loads.tolist(), fit.spread.tolist(), strict=True):
-        dx, dy, dq, dr, df = (deviation * math.sqrt(one) for one in spread)
-        sigma = (dx * depth, dy * depth, dq * top if told_q else INF, dr * top if told_r else INF, df * top)
-        q, r = q * top if told_q else NAN, r * top if told_r else NAN
-        validity = _validity(found, float(((seen - (x, y)) ** 2).sum(axis=1).min()))
-        loads.append(Load(x0 + x * depth, y0 + y * depth, q, r, f * top, sigma, fit.misfit, len(found.order), validity))
+        dx, dy, dq, dr, df = (
+            INF if unit == INF else deviation * math.sqrt(one) * unit for one, unit in zip(spread, units, strict=True)
+        )
+        q, r = q * to_q if to_q < INF else NAN, r * to_r if to_r < INF else NAN
+        place = x0 + (x - x1) * depth, y0 + (y - y1) * depth
+        validity = _validity(found, x, y)
+        loads.append(
+            Load(*place, q, r, f * top, (dx, dy, dq, dr, df), fit.misfit, len(found.order), validity, tuple(out))
+        )
     first, *others = loads
-    return replace(first, left_out=tuple(out), others=tuple(others)) if out or others else first
+    return replace(first, others=tuple(others)) if others else first
 
 
-def _validity(found: Attempt, near: float) -> Validity:
-    """Return what the answer is worth, from the nearest taxel's distance, in depths squared."""
+def _validity(found: Attempt, x: float, y: float) -> Validity:
+    """Return what the answer for a load at (x, y) is worth."""
     if found.fit.misfit > POINT:
         return Validity.NOT_ONE
     if found.ambiguous:
         return Validity.AMBIGUOUS
-    return Validity.INSIDE if near < 2 else Validity.OUTSIDE
+    seen = found.fit.signals.seen
+    x1, y1 = seen[0].tolist()
+    if (x - x1) ** 2 + (y - y1) ** 2 < 2 or ((seen - (x, y)) ** 2).sum(axis=1).min() < 2:
+        return Validity.INSIDE
+    return Validity.OUTSIDE

@@ -1,7 +1,6 @@
 """Several point loads at once: where the signals have their peaks, as many as leave little unexplained."""
 
 import math
-from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -88,8 +87,8 @@ def _without_worst(fit: Fit) -> Fit:
     """Return the fit without the taxel that contradicts it most."""
     worst = int(fit.contrary[0])
     given = fit.signals
-    seen, felt, scale, cells = (np.delete(part, worst, 0) for part in (given.seen, given.felt, given.scale, given.cells))
-    return Fit(replace(given, seen=seen, felt=felt, scale=scale, cells=cells), fit.loads)
+    seen, felt, scale = (np.delete(part, worst, 0) for part in (given.seen, given.felt, given.scale))
+    return Fit(given._replace(seen=seen, felt=felt, scale=scale, cells=np.delete(given.cells, worst)), fit.loads)
 
 
 def _apart(fit: Fit) -> bool:

@@ -67,7 +67,8 @@ def load_data(load: Load | None) -> dict[str, Any] | None:
         return None
     where: dict[str, Any] = {name: finite(getattr(load, name)) for name in ("x", "y", "Q", "R", "F")}
     where |= {"sigma": [finite(one) for one in load.sigma], "misfit": finite(load.misfit), "taxels": load.taxels}
-    where |= {"left_out": load.left_out, "others": [load_data(other) for other in load.others]}
+    where |= {"left_out": load.left_out, "saturated": load.saturated}
+    where |= {"others": [load_data(other) for other in load.others]}
     return where | {"validity": load.validity.name.lower()}
 
 

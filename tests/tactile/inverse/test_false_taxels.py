@@ -4,11 +4,14 @@ import numpy as np
 import pytest
 
 from cnnsim.support import InputError
+from tactile.core.frame import Frame, TaxelArray
 from tactile.elastic.halfspace import point_load_strain
+from tactile.finger import Finger
 from tactile.inverse.load import Load
 from tactile.inverse.localise import localise
 from tactile.inverse.validity import Validity
-from tests.kits.pads import DEPTH, MODULUS, array, as_row, felt, found, locate, random_load
+from tactile.settings import Settings
+from tests.kits.pads import DEPTH, MODULUS, PITCH, array, as_row, felt, found, locate, random_load
 
 
 def test_broken_and_unloaded_taxels() -> None:
@@ -54,3 +57,39 @@ def test_a_stuck_taxel_is_named_and_spoils_nothing(side: int, stress: bool) -> N
         named += load.left_out == ((row, col),)
     assert gross <= 2
     assert named >= 94
+
+
+@pytest.mark.parametrize("stress", [False, True])
+def test_saturated_taxels_are_marked_and_left_out(stress: bool) -> None:
+    random, at = np.random.default_rng(6), array(8, 8)
+    for _ in range(20):
+        wanted = random_load(random, 6, 6) * [1, 1, 0.1, 0.1, 0] + [0, 0, 0, 0, 1]
+        signals = felt(at, [wanted], stress)
+        end = 0.6 * np.abs(signals).max()
+        saturated = (np.abs(signals) > end).any(axis=-1)
+        load = found(at, np.clip(signals, -end, end), stress, saturated=saturated)
+        assert as_row(load) == pytest.approx(tuple(wanted), rel=1e-6, abs=1e-7)
+        assert load.saturated == tuple(map(tuple, np.argwhere(saturated).tolist()))
+        assert load.left_out == ()
+        assert load.taxels == 64 - saturated.sum()
+    assert found(at, signals, stress, saturated=np.ones((8, 8), bool)).validity == Validity.INVALID
+
+
+def test_a_finger_knows_its_noise_and_the_ends_of_its_range() -> None:
+    """After a quiet second with an amplifier that ends at a third of the peak: near the load, with an honest sigma."""
+    random = np.random.default_rng(2)
+    pad = TaxelArray("pad", 6, 6, PITCH, DEPTH)
+    peak = float(np.abs(point_load_strain(pad.positions(), DEPTH, [(0.2e-3, 0.1e-3, 0, 0, 1)], MODULUS)).max())
+    finger, errors, last = Finger(pad, MODULUS, Settings()), [], Load()
+    for n in range(300):
+        strain = point_load_strain(
+            pad.positions(), DEPTH, [(0.2e-3, 0.1e-3, 0, 0, min(max(n - 100, 0) / 50, 1))], MODULUS
+        )
+        strain = strain + random.normal(size=strain.shape) * 1e-3 * peak
+        frame = Frame(0, n / 100, n, np.clip(strain, -peak / 3, peak / 3), np.ones((6, 6), bool))
+        last = finger.locate(finger.calibrate(frame))
+        if n >= 200:
+            errors.append((last.x - 0.2e-3) / last.sigma[0])
+    assert 1 <= len(last.saturated) <= 8
+    assert np.abs(last.x - 0.2e-3) < 0.02 * DEPTH
+    assert 0.5 < np.sqrt(np.mean(np.square(errors))) < 2

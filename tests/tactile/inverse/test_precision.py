@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
+from cnnsim.support import InputError
 from tactile.elastic.halfspace import point_load_strain
+from tactile.inverse.validity import Validity
 from tests.kits.pads import DEPTH, MODULUS, SCALE, array, as_row, felt, found, locate, random_load
 from tests.oracles.localise import bound, nearest
+from tests.tactile.inverse.trials import trial
 
 
 def test_noise_of_one_percent_is_not_blown_up() -> None:
@@ -69,3 +72,41 @@ def test_errors_are_near_the_cramer_rao_bound_and_known(
     assert np.sqrt(np.mean(np.square(ratio))) < 1.3
     assert np.mean(np.abs(own) < 2) > 0.85
     assert np.mean(np.abs(own) < 0.5) < 0.6
+
+
+def test_taxels_weigh_by_their_noise() -> None:
+    """Half of the taxels with ten times the noise, and normals with three times that of shear: near the bound."""
+    random, at = np.random.default_rng(4), array(4, 4)
+    sigma = np.where(random.random((4, 4, 1)) < 0.5, 10.0, 1.0) * [1.0, 1.0, 3.0]
+    weighed, alike = [], []
+    for _ in range(80):
+        wanted = random_load(random, 4, 4) * [1, 1, 0.1, 0.1, 0] + [0, 0, 0, 0, 1]
+        signals = felt(at, [wanted], False)
+        own = sigma * 1e-3 * float(np.abs(signals).max())
+        noisy = signals + random.normal(size=signals.shape) * own
+        least = bound(lambda p, own=own: felt(at, p, False) / own, wanted, 1.0, SCALE)[:2]
+        load = found(at, noisy, False, own)
+        weighed.append((np.array(as_row(load)) - wanted)[:2] / least)
+        assert load.sigma[:2] == pytest.approx(tuple(least), rel=0.6)
+        alike.append((np.array(as_row(found(at, noisy, False))) - wanted)[:2] / least)
+    assert np.sqrt(np.mean(np.square(weighed))) < 1.3
+    assert np.sqrt(np.mean(np.square(alike))) > 2
+
+
+def test_noise_that_is_none_is_refused() -> None:
+    at = array(2, 2)
+    strain = felt(at, [(4e-3, -2e-3, 0, 0, 1)], False)
+    for wrong in (0.0, np.zeros((2, 2, 3)), np.ones((2, 3, 3))):
+        with pytest.raises(InputError, match="positive numbers, one or"):
+            locate(at, strain, wrong)
+
+
+def test_random_trials() -> None:
+    """A few of the thousands of ``python -m tests.tactile.inverse.trials``."""
+    made = [trial(np.random.default_rng((5, n))) for n in range(120)]
+    assert sum(one.gross for one in made if one.fault != "clipped") <= 2
+    assert sum(one.gross for one in made) <= 4
+    sure = [one for one in made if one.load.validity is Validity.INSIDE and one.fault != "clipped" and not one.gross]
+    ratios = np.array([one.ratio for one in sure])
+    assert len(ratios) > 60
+    assert np.sqrt(np.nanmean(ratios**2)) < 1.3

@@ -1,14 +1,16 @@
 """Random trials of located loads against the truth: ``python -m tests.tactile.inverse.trials [--count N] [--seed K]``.
 
-Pads of 2 x 2 to 32 x 32 taxels half a depth to four depths apart and lines of them, strain and stress, noise of 1e-6 to 3e-2 of the largest signal, one
-to three loads at least two depths apart, also outside the pad, and taxels that are stuck, saturated or dead. Gross: a
-load that is told to be inside lies 0.3 depths from any true one, or their number is wrong. Precision: places of single
-loads over the Cramer-Rao bound of the taxels that read rightly.
+Pads of 2 x 2 to 32 x 32 taxels half a depth to four depths apart and lines of them, strain and stress, noise of 1e-6
+to 3e-2 of the largest signal, one to three loads at least two depths apart, also outside the pad, and taxels that are
+stuck, dead, saturated (which is known) or clipped (which is not). Gross: a load that is told to be inside lies 0.3
+depths from any true one, or their number is wrong. Precision: places of single loads that are told to be inside over
+the Cramer-Rao bound of the taxels that read rightly; where nobody knows that some are clipped there is none.
 """
 
 import argparse
-from contextlib import suppress
 from collections import Counter, defaultdict
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -100,7 +102,8 @@ def _loads(random: np.random.Generator, count: int, half: Floats, outside: bool)
 def _broken(random: np.random.Generator, fault: str, read: Floats, peak: float) -> tuple[Flags, Flags | None]:
     """Change readings as the fault has it, and return which are false, and which are known to be saturated."""
     rows, cols = read.shape[:2]
-    false, saturated = np.zeros((rows, cols), bool), None
+    false: Flags = np.zeros((rows, cols), bool)
+    saturated: Flags | None = None
     row, col = random.integers(0, rows), random.integers(0, cols)
     if fault == "stuck":
         read[row, col] = random.normal(size=3) * peak * random.choice([0.3, 1, 3])
@@ -110,7 +113,7 @@ def _broken(random: np.random.Generator, fault: str, read: Floats, peak: float) 
         false[row, col] = True
     elif fault in ("saturated", "clipped"):
         end = random.uniform(0.5, 0.9) * peak
-        false = (np.abs(read) > end).any(axis=-1)
+        false[:] = (np.abs(read) > end).any(axis=-1)
         saturated = false if fault == "saturated" else None
         read[:] = np.clip(read, -end, end)
     return false, saturated
@@ -119,7 +122,7 @@ def _broken(random: np.random.Generator, fault: str, read: Floats, peak: float) 
 def report(trials: list[Trial]) -> str:
     """Return what the trials say, a line for each way in which they were drawn."""
     lines = []
-    ways = {
+    ways: dict[str, Callable[[Trial], object]] = {
         "all": lambda _: "all", "shape": lambda one: "{} x {}".format(*one.shape), "stress": lambda one: one.stress,
         "fault": lambda one: one.fault, "known noise": lambda one: one.known, "loads": lambda one: len(one.loads),
         "outside": lambda one: one.outside,
@@ -156,9 +159,15 @@ def main() -> None:
     for n in range(given.count):
         one = trial(np.random.default_rng((given.seed, n)))
         trials.append(one)
-        far = one.fault != "clipped" and np.isfinite(one.ratio).all() and one.load.validity is Validity.INSIDE and np.abs(one.ratio).max() > 5
+        far = (
+            one.fault != "clipped"
+            and np.isfinite(one.ratio).all()
+            and one.load.validity is Validity.INSIDE
+            and np.abs(one.ratio).max() > 5
+        )
         if given.show and (one.gross or far):
-            print(n, one.shape, one.pitch, "stress" * one.stress, f"{one.level:.1e}", one.known, one.fault, "gross" * one.gross,
+            print(n, one.shape, one.pitch, "stress" * one.stress, f"{one.level:.1e}", one.known, one.fault,
+                  "gross" * one.gross,
                   np.round(one.loads[:, :2] / DEPTH, 2).tolist(), one.loads[:, 4].round(2),
                   [(round(a.x / DEPTH, 2), round(a.y / DEPTH, 2)) for a in (one.load, *one.load.others)],
                   one.ratio.round(1), f"misfit {one.load.misfit:.2g}", one.load.left_out,
