@@ -28,5 +28,6 @@ class Rails:
         """Take a frame; ``jitter`` (rows, cols, 3) from one reading to the next while nothing presses."""
         from tactile.core.rails_numba import watch  # numba is slow to import
 
-        watch(values, self._before, jitter, BAND, self._ends, self._hits, self._steps, (LEAST, OFTEN), self._saturated)
+        read = np.ascontiguousarray(values, np.float64)
+        watch(read, self._before, jitter, BAND, self._ends, self._hits, self._steps, (LEAST, OFTEN), self._saturated)
         return self._saturated if self._saturated.any() else None

@@ -1,9 +1,11 @@
 """How precise located loads are under noise, and how well that is known."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError
 from tactile.elastic.halfspace import point_load_strain
 from tactile.inverse.validity import Validity
 from tests.kits.pads import DEPTH, MODULUS, SCALE, array, as_row, felt, found, locate, random_load
@@ -74,6 +76,10 @@ def test_errors_are_near_the_cramer_rao_bound_and_known(
     assert np.mean(np.abs(own) < 0.5) < 0.6
 
 
+def _over(at: Floats, noise: Floats, loads: Floats) -> Floats:
+    return felt(at, loads, False) / noise
+
+
 def test_taxels_weigh_by_their_noise() -> None:
     """Half of the taxels with ten times the noise, and normals with three times that of shear: near the bound."""
     random, at = np.random.default_rng(4), array(4, 4)
@@ -84,7 +90,7 @@ def test_taxels_weigh_by_their_noise() -> None:
         signals = felt(at, [wanted], False)
         own = sigma * 1e-3 * float(np.abs(signals).max())
         noisy = signals + random.normal(size=signals.shape) * own
-        least = bound(lambda p, own=own: felt(at, p, False) / own, wanted, 1.0, SCALE)[:2]
+        least = bound(partial(_over, at, own), wanted, 1.0, SCALE)[:2]
         load = found(at, noisy, False, own)
         weighed.append((np.array(as_row(load)) - wanted)[:2] / least)
         assert load.sigma[:2] == pytest.approx(tuple(least), rel=0.6)
