@@ -17,6 +17,7 @@ with ends_at_once():
     from tactile.cli.score import score
     from tactile.cli.stream import live, record, replay
     from tactile.cli.sweep import sweep
+    from tactile.cli.texture import texture
 
 
 @click.group(cls=CommandGroup, context_settings={"help_option_names": ["-h", "--help"]})
@@ -29,6 +30,7 @@ for command in (
     run,
     score,
     sweep,
+    texture,
     planes,
     new,
     calibrate,

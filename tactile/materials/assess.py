@@ -1,0 +1,85 @@
+"""How well materials are told: windows of other slides, other blocks of slides, other places, and unknown materials."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cnnsim.support import Integers
+from cnnsim.support.progress import watcher
+from tactile.materials.features import Kind
+from tactile.materials.fit import fit
+from tactile.materials.split import Split, by_block, by_place, by_slide
+from tactile.materials.unknown import numbered, stand_out
+from tactile.materials.windows import WindowTable
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """Shares of windows that are told right, by what was not learned from, and how unknown materials stand out.
+
+    ``by_slide``, ``by_block``, ``by_place``: None where there is nothing to part; ``unknown``: for each material the
+    AUROC with which its windows, it being left out of the learning, lie farther from all known windows than those of
+    other slides of the known materials; ``confusion`` (materials, materials): known by told, by block, else by slide;
+    ``grouped`` says which.
+    """
+
+    kind: Kind
+    materials: tuple[str, ...]
+    by_slide: float
+    by_block: float | None
+    by_place: float | None
+    unknown: dict[str, float]
+    confusion: Integers
+    grouped: str
+
+    @property
+    def auroc(self) -> float | None:
+        """Mean over the materials."""
+        return float(np.mean(list(self.unknown.values()))) if self.unknown else None
+
+    def plain(self) -> dict[str, Any]:
+        """Return all as plain data."""
+        worst = min(self.unknown, key=lambda one: self.unknown[one], default=None)
+        return {
+            "features": self.kind, "by_slide": self.by_slide, "by_block": self.by_block, "other_place": self.by_place,
+            "unknown_auroc": self.auroc, "unknown_auroc_least": None if worst is None else self.unknown[worst],
+            "unknown_auroc_by_material": self.unknown, "chance": 1 / len(self.materials), "materials": self.materials,
+            "confusion": self.confusion.tolist(), "confusion_grouped_by": self.grouped,
+        }  # fmt: skip
+
+
+def assess(table: WindowTable, kind: Kind, window: int) -> Assessment:
+    """Learn and try in turn, for each way to part the windows.
+
+    Raises:
+        InputError: windows without a material, fewer than two materials, or a material with fewer than two slides.
+    """
+    materials, numbers = numbered(table)
+    told: dict[str, tuple[Integers, Integers]] = {}
+    for name, splits in (("slide", by_slide), ("block", by_block), ("place", by_place)):
+        told[name] = _told(table, numbers, len(materials), kind, splits(table, window), f"{kind}: by {name}")
+    shares = {name: float((known == said).mean()) if known.size else None for name, (known, said) in told.items()}
+    grouped = "block" if shares["block"] is not None else "slide"
+    confusion = np.zeros((len(materials), len(materials)), np.int64)
+    np.add.at(confusion, told[grouped], 1)
+    stands = stand_out(table, kind, window)
+    return Assessment(
+        kind, materials, shares["slide"] or 0.0, shares["block"], shares["place"], stands.auroc(materials), confusion,
+        grouped,
+    )  # fmt: skip
+
+
+def _told(
+    table: WindowTable, numbers: Integers, count: int, kind: Kind, splits: Iterable[Split], doing: str
+) -> tuple[Integers, Integers]:
+    """Return the known and the told material of all windows that were tried."""
+    known, said, watch = [np.empty(0, np.int64)], [np.empty(0, np.int64)], watcher()
+    for train, test in splits:
+        if watch is not None:
+            watch(None, doing)
+        space, near = fit(table.values[train], numbers[train], count, kind)
+        known.append(numbers[test])
+        said.append(near.vote(space(table.values[test])).material)
+    return np.concatenate(known), np.concatenate(said)

@@ -1,0 +1,64 @@
+"""The space and the known windows learned from windows with materials, by scikit-learn."""
+
+import importlib
+from types import ModuleType
+
+import numpy as np
+
+from cnnsim.support import Floats, InputError, Integers
+from cnnsim.support.extras import install_line
+from tactile.materials.features import Kind
+from tactile.materials.nearest import Known, Space
+
+LANDMARKS = 600
+"""Windows to which kernels are taken; half as many cost 0.01 of the accuracy."""
+WIDTH = 0.25
+"""Kernels fall by exp(-WIDTH) at a mean squared distance of 1 in each scaled feature."""
+WEIGHT = 4.0
+"""Weight of a kernel's feature, which is within 1, beside the scaled ones."""
+SHRINKAGE = 0.2
+"""Times features over windows: how far the covariance is drawn to a multiple of the identity; 0.02 for 8000 windows."""
+
+
+def learner(module: str) -> ModuleType:
+    """Import a part of scikit-learn.
+
+    Raises:
+        InputError: it is not installed.
+    """
+    try:
+        return importlib.import_module(f"sklearn.{module}")
+    except ModuleNotFoundError as error:
+        raise InputError(
+            f"learning textures needs scikit-learn, which is not installed: {install_line('texture')}"
+        ) from error
+
+
+def fit(values: Floats, material: Integers, count: int, kind: Kind) -> tuple[Space, Known]:
+    """Return the space and the known windows of features (n, k) with materials (n,), numbers below ``count``.
+
+    The two figures are only scaled. The full set is joined by kernels to windows chosen at random (the same each time),
+    and turned to the discriminants of the materials.
+    """
+    centre, spread = values.mean(0), values.std(0)
+    scale = np.where(spread > 0, spread, 1.0)
+    size = values.shape[1]
+    space = Space(centre, scale, np.empty((0, size)), np.empty((0, 0)), WIDTH / size, WEIGHT, np.eye(size))
+    if kind == "full" and len(np.unique(material)) > 1:
+        scaled = (values - centre) / scale
+        chosen = (
+            learner("kernel_approximation")
+            .Nystroem(gamma=space.gamma, n_components=min(LANDMARKS, len(values) // 2), random_state=0)
+            .fit(scaled)
+        )
+        space = Space(centre, scale, chosen.components_, chosen.normalization_, space.gamma, WEIGHT, space.projection)
+        joined = space.joined(scaled)
+        shrinkage = min(SHRINKAGE * joined.shape[1] / len(joined), 1.0)
+        discriminant = learner("discriminant_analysis").LinearDiscriminantAnalysis(solver="eigen", shrinkage=shrinkage)
+        discriminant.fit(joined, material)
+        most = min(len(np.unique(material)) - 1, len(discriminant.scalings_))
+        space = Space(
+            centre, scale, chosen.components_, chosen.normalization_, space.gamma, WEIGHT,
+            np.ascontiguousarray(discriminant.scalings_[:, :most]),
+        )  # fmt: skip
+    return space, Known(space(values), material, count)

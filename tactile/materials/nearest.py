@@ -1,0 +1,84 @@
+"""Materials told by the nearest known windows: the space in which windows are compared, and the vote in it."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from cnnsim.support import Floats, Integers
+
+NEIGHBOURS = 31
+"""Known windows that vote, each by one over its distance; a quarter of a slide's windows overlap one another."""
+NOVEL = 5
+"""The distance to the known window of this rank (from 0) is how new a window is."""
+
+
+@dataclass(frozen=True)
+class Space:
+    """Where windows are compared: features scaled, joined by kernels, and turned to what parts the materials.
+
+        u = (features - centre) / scale,   v = (u, weight * K(u) root),   place = v projection
+        K_j = exp(-gamma |u - landmark_j|^2)
+
+    ``landmarks`` (m, k) and ``root`` (m, m) may be empty; ``projection`` (k + m, d).
+
+    Source: Williams, Seeger, Using the Nystroem method to speed up kernel machines (2001), for the kernels.
+    """
+
+    centre: Floats
+    scale: Floats
+    landmarks: Floats
+    root: Floats
+    gamma: float
+    weight: float
+    projection: Floats
+
+    def __call__(self, values: Floats) -> Floats:
+        """Return the places (n, d) of features (n, k)."""
+        place: Floats = self.joined((values - self.centre) / self.scale) @ self.projection
+        return place
+
+    def joined(self, scaled: Floats) -> Floats:
+        """Return scaled features (n, k) with their kernels (n, k + m)."""
+        if not len(self.landmarks):
+            return scaled
+        square = (scaled**2).sum(1)[:, None] + (self.landmarks**2).sum(1) - 2 * scaled @ self.landmarks.T
+        return np.hstack([scaled, self.weight * np.exp(-self.gamma * np.maximum(square, 0)) @ self.root.T])
+
+
+class Vote(NamedTuple):
+    """Of windows (n,): ``shares`` (n, materials) of the votes, and ``novelty`` (n,), a distance in the space."""
+
+    shares: Floats
+    novelty: Floats
+
+    @property
+    def material(self) -> Integers:
+        """(n,) number of the material with the most votes."""
+        return self.shares.argmax(1)
+
+    @property
+    def share(self) -> Floats:
+        """(n,) its share of them."""
+        return self.shares.max(1)
+
+
+@dataclass(frozen=True)
+class Known:
+    """Windows whose material is known: ``places`` (m, d) and ``material`` (m,), numbers below ``count``."""
+
+    places: Floats
+    material: Integers
+    count: int
+
+    def vote(self, places: Floats) -> Vote:
+        """Return what the nearest known windows say of places (n, d)."""
+        from scipy.spatial import cKDTree  # slow to import
+
+        ranks = min(NEIGHBOURS, len(self.places))
+        distance, nearest = cKDTree(self.places).query(places, np.arange(1, ranks + 1))
+        weight = 1 / np.maximum(distance, 1e-9)
+        votes = np.zeros((len(places), self.count))
+        np.add.at(votes, (np.arange(len(places))[:, None], self.material[nearest]), weight)
+        votes /= votes.sum(1, keepdims=True)
+        return Vote(votes, distance[:, min(NOVEL, ranks - 1)])

@@ -1,0 +1,101 @@
+"""The slides of a folder: files of slides, and recordings whose material a label or their folder's name says."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from cnnsim.support import InputError
+from cnnsim.support.progress import watcher
+from tactile import pipeline
+from tactile.core.source import Source, provenance
+from tactile.materials.slide import Slide
+from tactile.materials.slide_file import blocks, is_slide_file, read_slide_file
+from tactile.materials.slide_labels import SlideLabel
+from tactile.pipeline import FrameReport
+from tactile.settings import Settings
+from tactile.sources import open_source
+from tactile.sources.folder import is_bag, recordings_in
+
+PRESSED = 0.2
+"""A finger slides from the first to the last time that it is pressed with so much of its firm load ..."""
+FIRM = 95
+"""... which is this percentile of its normal load."""
+
+
+def read_slides(path: Path, labels: list[SlideLabel] | None = None) -> list[Slide]:
+    """Return the slides of a file or of all files in a folder.
+
+    An NPZ file of slides says itself what they are over. Of any other recording or scene each finger makes one slide,
+    from the load that the pipeline finds: its material is that of the ``labels``, else the name of the folder that it
+    lies in, if that is a folder within ``path``. Recordings without a label are left out where there are labels.
+
+    Raises:
+        InputError: nothing to read, a label without its recording, or what a reader finds wrong.
+    """
+    files = _files(path)
+    if labels is not None and (missing := {one.recording for one in labels} - {file.stem for file, _ in files}):
+        raise InputError(f"{path}: no recording {', '.join(sorted(missing))}, which the labels name")
+    slides: list[Slide] = []
+    loose: list[int] = []  # of which nobody says the block
+    watch = watcher()
+    for n, (file, folder) in enumerate(files):
+        if watch is not None:
+            watch(n / len(files), f"reading {file.name}")
+        if is_slide_file(file):
+            slides += read_slide_file(file)
+            continue
+        mine = [SlideLabel(file.stem, folder)]
+        if labels is not None:
+            mine = [one for one in labels if one.recording == file.stem]
+        if mine:
+            for label, slide in _slides(open_source(file), mine):
+                loose += [len(slides)] if label.block is None else []
+                slides.append(slide)
+    if not slides:
+        raise InputError(f"{path}: no slides in it; files of slides, or recordings in which something presses, wanted")
+    parts = blocks([slides[n].material for n in loose], range(len(loose)))
+    for n, block in zip(loose, parts, strict=True):
+        slides[n] = replace(slides[n], block=block)
+    return slides
+
+
+def _files(path: Path) -> list[tuple[Path, str]]:
+    """Return the files to read, each with the name of the folder that it lies in within ``path``."""
+    if not path.is_dir() or is_bag(path):
+        return [(path, "")]
+    inside = [one for one in sorted(path.iterdir()) if one.is_dir() and not is_bag(one)]
+    return [(one, "") for one in recordings_in(path)] + [(one, up.name) for up in inside for one in recordings_in(up)]
+
+
+class _Loads:
+    """A sink that keeps each finger's loads: time, Q, R, F."""
+
+    def __init__(self) -> None:
+        self.rows: dict[str, list[tuple[float, float, float, float]]] = {}
+
+    def __call__(self, report: FrameReport) -> None:
+        load = report.load
+        self.rows.setdefault(report.array.name, []).append((report.frame.t, load.Q, load.R, load.F))
+
+
+def _slides(source: Source, labels: list[SlideLabel]) -> Iterator[tuple[SlideLabel, Slide]]:
+    """Give the slides of a recording's fingers: where the label says when, else where they are pressed."""
+    seen = _Loads()
+    pipeline.run(source, Settings(tare="auto" if provenance(source).untared else "off"), [seen])
+    for number, array in enumerate(source.arrays):
+        rows = np.array(seen.rows.get(array.name, []), dtype=np.float64).reshape(-1, 4)
+        rows = rows[np.isfinite(rows).all(axis=1)]
+        t, normal = rows[:, 0], rows[:, 3]
+        new = np.diff(t, prepend=-np.inf) > 0
+        for label in labels:
+            if label.finger not in (None, number) or not new.any():
+                continue
+            start, stop = (float("nan") if at is None else at for at in (label.start, label.stop))
+            use = new & ~(t < start) & ~(t > stop)  # nothing is before or after what nobody knows
+            if np.isnan(start) and np.isnan(stop):
+                use &= normal > PRESSED * np.percentile(normal, FIRM)
+            if use.any():
+                name = f"{label.recording} {array.name}" if len(source.arrays) > 1 else label.recording
+                yield label, Slide(name, t[use], rows[use, 1:], label.material, label.block or 0, label.speed)

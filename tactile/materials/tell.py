@@ -1,0 +1,46 @@
+"""Materials of slides as a model tells them, and what about the slides is strange to it."""
+
+from typing import Any
+
+from cnnsim.support import Floats
+from tactile.materials.conditions import conditions_of
+from tactile.materials.model import TextureModel
+from tactile.materials.windows import WindowTable
+
+SURE = 0.5
+"""Least confidence with which a material is told."""
+UNKNOWN = "unknown"
+
+
+def strange(model: TextureModel, table: WindowTable) -> list[str]:
+    """Return what is unlike the conditions of a model, in words: figures wholly outside of what was learned from."""
+    said, now = [], conditions_of(table, model.features.window)
+    for name, known in model.conditions.items():
+        if isinstance(known, list) and name in now and (now[name][0] > known[1] or now[name][1] < known[0]):
+            have, want = (f"{one[0]:.3g} to {one[1]:.3g}" for one in (now[name], known))
+            said.append(f"{name} {have}; the model learned from {want}")
+    return said
+
+
+def told_slides(model: TextureModel, table: WindowTable, least: float) -> list[dict[str, Any]]:
+    """Return for each slide its material by its windows' mean votes, "unknown" below the ``least`` mean confidence."""
+    shares, sure = model.tell(table)
+    out: list[dict[str, Any]] = []
+    for number, slide in enumerate(table.slides):
+        mine = table.slide == number
+        if not mine.any():
+            out.append({"slide": slide.name, "known": slide.material, "told": None, "confidence": None, "windows": []})
+            continue
+        each = [
+            {"start_s": float(slide.t[start]), "told": _told(model, share, c, least), "confidence": float(c)}
+            for start, share, c in zip(table.start[mine], shares[mine], sure[mine], strict=True)
+        ]
+        confidence = float(sure[mine].mean())
+        told = _told(model, shares[mine].mean(axis=0), confidence, least)
+        whole = {"slide": slide.name, "known": slide.material, "told": told, "confidence": confidence}
+        out.append(whole | {"windows": each})
+    return out
+
+
+def _told(model: TextureModel, shares: Floats, confidence: float, least: float) -> str:
+    return model.materials[int(shares.argmax())] if confidence >= least else UNKNOWN

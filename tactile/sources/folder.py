@@ -1,0 +1,35 @@
+"""The recordings and scenes that lie in a folder, found by their suffixes."""
+
+from pathlib import Path
+
+from cnnsim.support import InputError
+from tactile.sources import KINDS
+
+
+def is_bag(folder: Path) -> bool:
+    """Return whether a folder is a ROS 2 bag."""
+    return (folder / "metadata.yaml").is_file()
+
+
+def recordings_in(folder: Path) -> list[Path]:
+    """Return what of a folder can be opened, in the order of the names: files of `KINDS` and folders that are bags.
+
+    A CSV file without the header of a recording, such as a table of labels, is none of them.
+
+    Raises:
+        InputError: no such folder.
+    """
+    if not folder.is_dir():
+        raise InputError(f"no folder {folder}")
+    return [one for one in sorted(folder.iterdir()) if is_bag(one) or (one.is_file() and _is_recording(one))]
+
+
+def _is_recording(path: Path) -> bool:
+    suffix = path.suffix.lower()
+    if suffix != ".csv":
+        return suffix in KINDS
+    try:
+        with path.open("rb") as file:
+            return file.read(1) == b"#"
+    except OSError:
+        return True  # its reader says what is wrong
