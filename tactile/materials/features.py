@@ -22,6 +22,8 @@ LAGS = np.array([1, 2, 3, 4, 6, 8, 12, 16, 24, 32])
 """Lags of the autocorrelation, in samples of the slides that are learned from."""
 SHIFTS = np.array([-8, -4, -2, -1, 1, 2, 4, 8])
 """Lags of the coupling of two channels."""
+FLOOR = 0.05
+"""A sample pressed with less than this part of the window's mean has no friction of its own: the finger jumps."""
 SHORTEST = 8
 """Samples of a window in which a full set makes sense."""
 
@@ -71,21 +73,26 @@ class FeatureSet:
     def __call__(self, t: Floats, force: Floats, speed: float | None = None) -> Floats:
         """Return the features of one window: ``t`` (n,) [s], ``force`` (n, 3) as in `Slide`, ``speed`` [m/s] by way.
 
-        NaN where the normal is not above 0 or nothing changes.
+        NaN where half of it is not pressed or nothing changes.
         """
         along = (t - t[0]) * (speed if self.by_way and speed is not None else 1.0)
         with np.errstate(all="ignore"):
             return self._features(along, force)
 
     def _features(self, at: Floats, force: Floats) -> Floats:
-        mu = np.hypot(force[:, 0], force[:, 1]) / np.where(force[:, 2] > 0, force[:, 2], np.nan)
-        friction, level = mu.mean(), force[:, 2].mean()
-        two = np.log([friction, 100 * mu.std(ddof=1) / friction])
+        level = force[:, 2].mean()
+        firm = force[:, 2] > FLOOR * level
+        if not (level > 0 and firm.mean() > 0.5):
+            return np.full(len(self.names), np.nan)
+        known = np.hypot(force[firm, 0], force[firm, 1]) / force[firm, 2]
+        friction = known.mean()
+        two = np.log([friction, 100 * known.std(ddof=1) / friction])
         if self.kind == "figures":
             return two
+        mu = np.interp(at, at[firm], known)
         channels = np.column_stack([force, mu * level])
         parabola = np.vander(2 * at / at[-1] - 1, 3)
-        rest = (channels - parabola @ np.linalg.lstsq(parabola, np.nan_to_num(channels), rcond=None)[0]).T
+        rest = (channels - parabola @ np.linalg.lstsq(parabola, channels, rcond=None)[0]).T
         spread = rest.std(axis=1, keepdims=True)
         rest = rest / np.where(spread > 0, spread, np.nan)
         waves = spectrum(at, rest, self.frequencies)

@@ -1,6 +1,7 @@
 """The space and the known windows learned from windows with materials, by scikit-learn."""
 
 import importlib
+from dataclasses import replace
 from types import ModuleType
 
 import numpy as np
@@ -45,20 +46,22 @@ def fit(values: Floats, material: Integers, count: int, kind: Kind) -> tuple[Spa
     size = values.shape[1]
     space = Space(centre, scale, np.empty((0, size)), np.empty((0, 0)), WIDTH / size, WEIGHT, np.eye(size))
     if kind == "full" and len(np.unique(material)) > 1:
-        scaled = (values - centre) / scale
-        chosen = (
-            learner("kernel_approximation")
-            .Nystroem(gamma=space.gamma, n_components=min(LANDMARKS, len(values) // 2), random_state=0)
-            .fit(scaled)
-        )
-        space = Space(centre, scale, chosen.components_, chosen.normalization_, space.gamma, WEIGHT, space.projection)
-        joined = space.joined(scaled)
-        shrinkage = min(SHRINKAGE * joined.shape[1] / len(joined), 1.0)
-        discriminant = learner("discriminant_analysis").LinearDiscriminantAnalysis(solver="eigen", shrinkage=shrinkage)
-        discriminant.fit(joined, material)
-        most = min(len(np.unique(material)) - 1, len(discriminant.scalings_))
-        space = Space(
-            centre, scale, chosen.components_, chosen.normalization_, space.gamma, WEIGHT,
-            np.ascontiguousarray(discriminant.scalings_[:, :most]),
-        )  # fmt: skip
+        # threads of linear algebra that wait for a busy processor cost ten times what they save
+        with importlib.import_module("threadpoolctl").threadpool_limits(1, "blas"):  # scikit-learn brings it
+            space = _turned(space, (values - centre) / scale, material)
     return space, Known(space(values), material, count)
+
+
+def _turned(space: Space, scaled: Floats, material: Integers) -> Space:
+    """Return the space with kernels to some of the scaled windows, turned to their discriminants."""
+    kernels = learner("kernel_approximation").Nystroem(
+        gamma=space.gamma, n_components=min(LANDMARKS, len(scaled) // 2), random_state=0
+    )
+    kernels.fit(scaled)
+    space = replace(space, landmarks=kernels.components_, root=kernels.normalization_)
+    joined = space.joined(scaled)
+    shrinkage = min(SHRINKAGE * joined.shape[1] / len(joined), 1.0)
+    discriminant = learner("discriminant_analysis").LinearDiscriminantAnalysis(solver="eigen", shrinkage=shrinkage)
+    discriminant.fit(joined, material)
+    most = min(len(np.unique(material)) - 1, len(discriminant.scalings_))
+    return replace(space, projection=np.ascontiguousarray(discriminant.scalings_[:, :most]))

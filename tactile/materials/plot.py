@@ -24,6 +24,7 @@ def draw_figures(table: WindowTable, title: str, path: Path) -> None:
         InputError: the file cannot be written.
     """
     from matplotlib.figure import Figure  # slow to import
+    from matplotlib.ticker import LogLocator  # the same
 
     figure = Figure(figsize=(9, 6.5), layout="constrained")
     axis = figure.add_subplot()
@@ -39,6 +40,9 @@ def draw_figures(table: WindowTable, title: str, path: Path) -> None:
     axis.set_xlabel("friction coefficient")
     axis.set_ylabel("roughness")
     axis.set_yscale("log")
+    axis.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    axis.yaxis.set_minor_formatter(lambda *_: "")
     some = f"{len(shown)} of {count}" if len(shown) < count else f"{count}"
     axis.set_title(f"{title}: {some} windows", parse_math=False)
     axis.grid(alpha=0.3, which="both")

@@ -12,6 +12,7 @@ from tactile.sources.convert import convert
 from tests.kits.example_files import RECORDING, SCENE, scan
 from tests.kits.formats import HOLE
 from tests.kits.paths import ROOT, SCENES
+from tests.kits.slides import slides, write_slides
 
 TEMLIB = "RIM_A = [0 0 0; 0 1 0; 0 0 0];\nRIM_B = [-1 -1 -1; -1 8 -1; -1 -1 -1];\nRIM_I = -1;\n"
 GENE = "-1 -1 -1 -1 -1 8 -1 -1 -1 -1 0 0 0 0 1 0 0 0 0\n"
@@ -63,5 +64,7 @@ def write_own_files(folder: Path) -> None:
     for path in (folder / "grasp.npz", folder / "grasps" / "grasp.npz"):
         path.write_bytes(RECORDING.read_bytes())
     (folder / "scene.toml").write_bytes(SCENE.read_bytes())
+    (folder / "slides").mkdir()
+    write_slides(folder / "slides" / "slides.npz", slides(3, ("screw", "rasp", "smooth wood"), 300))
     for name in ("scan.csv", "scan.npz", "grasp.csv"):
         convert(SCENES / "needle.toml", folder / name)
