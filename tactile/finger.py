@@ -83,10 +83,8 @@ class Finger:
     def _set_noise(self) -> None:
         self._noise = noise = self.tare.noise
         if noise is not None and self._gains is not None:
-            scale = np.abs(self._gains(np.ones(3)))
-            noise = replace(
-                noise, sigma=noise.sigma * scale, jitter=noise.jitter * scale, typical=noise.typical * scale
-            )
+            sigma, jitter, typical = (self._gains.spread(one) for one in (noise.sigma, noise.jitter, noise.typical))
+            noise = replace(noise, sigma=sigma, jitter=jitter, typical=typical)
         shear = None if self._signs else self._settings.shear
         array = self.array
         self._levels = levels(array.shape, array.quantity, self._settings.sigmas, shear, self._settings.contact, noise)

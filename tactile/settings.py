@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Self
 from cnnsim.support import InputError
 from tactile.calibration.gains import Gains
 from tactile.calibration.live_tare import TareMode
+from tactile.calibration.taxel_gains import TaxelGains
 from tactile.core.frame import TaxelArray
 from tactile.events.code import SIGN, Threshold
 from tactile.events.thresholds import SIGMAS, Sigmas
@@ -34,18 +35,27 @@ class Settings:
     window: int = 128
     floor: float | None = None
     tare: TareMode = "off"
-    gains: Gains | None = None
+    gains: Gains | TaxelGains | None = None
     depth: float | None = None
     radial: "RadialCorrection | None" = None
     programs: tuple[str, ...] = ()
     backend: str = "cpu"
 
-    def calibrated(self, skin: "Calibration", arrays: Iterable[TaxelArray]) -> Self:
+    def calibrated(self, skin: "Calibration | TaxelGains", arrays: Iterable[TaxelArray]) -> Self:
         """Return the settings with this skin's gains, depth and radial correction.
 
         Raises:
-            InputError: an array that does not measure strain.
+            InputError: an array that does not measure strain, or what the gains of taxels make, or of another shape.
         """
+        if isinstance(skin, TaxelGains):
+            shape = skin.matrix.shape[:2]
+            for array in arrays:
+                if array.quantity != skin.quantity or array.shape != shape:
+                    raise InputError(
+                        f"gains of {shape[0]} x {shape[1]} taxels of {skin.quantity} for taxel array {array.name!r}:"
+                        f" {array.rows} x {array.cols} of {array.quantity}; those of this array wanted"
+                    )
+            return replace(self, gains=skin)
         for array in arrays:
             if array.quantity != "strain":
                 raise InputError(f"a calibration for taxel array {array.name!r} of {array.quantity}; strain wanted")
@@ -72,7 +82,7 @@ class PipelineOptions:
     tare: TareMode = "off"
 
     def settings(
-        self, arrays: Iterable[TaxelArray], skin: "Calibration | None", gains: Gains | None = None
+        self, arrays: Iterable[TaxelArray], skin: "Calibration | TaxelGains | None", gains: Gains | None = None
     ) -> Settings:
         """Return the pipeline's settings for arrays with this skin's calibration, if there is one.
 

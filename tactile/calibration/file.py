@@ -1,4 +1,4 @@
-"""Calibration of a skin as a scan has measured it, and its TOML file, which `calibrate` writes and `run` reads."""
+"""Calibration of a skin as a scan or weights measured it: the TOML file that `calibrate` writes and `run` reads."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +9,8 @@ from cnnsim.support.files import write_text
 from cnnsim.support.toml_file import KeyFaults, parse_toml, read_toml, take, take_numbers
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection
+from tactile.calibration.taxel_file import taxel_gains
+from tactile.calibration.taxel_gains import TaxelGains
 
 KEYS = ("shear_gain", "normal_gain", "depth_mm", "sigma", "radial")
 GAIN_KEYS = ("shear_gain", "normal_gain", "depth_mm")
@@ -28,8 +30,8 @@ class Calibration:
     sigma: tuple[float, float, float] | None = None
 
 
-def load_calibration(path: Path | str) -> Calibration:
-    """Return the calibration that a file holds.
+def load_calibration(path: Path | str) -> Calibration | TaxelGains:
+    """Return the calibration that a file holds: that of a scan, or the gains of every taxel from known loads.
 
     Raises:
         InputError: no such file, no TOML, an unknown or missing key, a wrong type or value.
@@ -37,7 +39,7 @@ def load_calibration(path: Path | str) -> Calibration:
     return _calibration(read_toml(Path(path), "calibration"), str(path))
 
 
-def parse_calibration(text: str, where: str) -> Calibration:
+def parse_calibration(text: str, where: str) -> Calibration | TaxelGains:
     """Return the calibration that a file's text is; ``where`` names it in messages.
 
     Raises:
@@ -46,7 +48,9 @@ def parse_calibration(text: str, where: str) -> Calibration:
     return _calibration(parse_toml(text, where), where)
 
 
-def _calibration(table: dict[str, Any], where: str) -> Calibration:
+def _calibration(table: dict[str, Any], where: str) -> Calibration | TaxelGains:
+    if "taxel" in table:
+        return taxel_gains(table, where)
     faults = KeyFaults(where)
     faults.check(table, KEYS, "", (*GAIN_KEYS, "radial"))
     for name, keys in (("radial", RADIAL_KEYS), ("sigma", GAIN_KEYS)):

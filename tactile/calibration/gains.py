@@ -36,3 +36,11 @@ class Gains:
         """Return strains (..., 3) of the readings (..., 3)."""
         strain: Floats = values * np.array([self.shear, self.shear, self.normal])
         return strain
+
+    def spread(self, sigma: Floats) -> Floats:
+        """Return the standard deviations of the strains for those of the readings (..., 3)."""
+        return np.abs(self(sigma))
+
+    def readings(self, limit: Floats) -> Floats:
+        """Return the sizes (3,) of readings that make these of the strain."""
+        return np.asarray(limit / np.abs(self(np.ones(3))))

@@ -9,6 +9,7 @@ import numpy as np
 from cnnsim.support import Floats, InputError
 from tactile.calibration.gains import Gains
 from tactile.calibration.tare_check import PARTS, TareCheck, check_tare
+from tactile.calibration.taxel_gains import TaxelGains
 from tactile.core.frame import NORMAL, Frame, TaxelArray
 from tactile.core.noise import Noise, measured
 from tactile.events.code import CONTACT, SHEAR
@@ -64,7 +65,7 @@ class LiveTare:
     """
 
     def __init__(
-        self, finger: int, array: TaxelArray, mode: TareMode = "auto", gains: Gains | None = None,
+        self, finger: int, array: TaxelArray, mode: TareMode = "auto", gains: Gains | TaxelGains | None = None,
         seconds: float = SECONDS,
     ) -> None:  # fmt: skip
         self.notes: list[TareNote] = []
@@ -77,7 +78,7 @@ class LiveTare:
         self._limit = np.full(3, SHEAR[array.quantity].dead_band)
         self._limit[NORMAL] = CONTACT[array.quantity].dead_band
         if gains is not None:
-            self._limit /= np.abs(gains(np.ones(3)))
+            self._limit = gains.readings(self._limit)
         # along the last axis of the readings, a pressing load has this sign
         self._inward = 1.0 if array.quantity == "force" else -1.0
         if gains is not None:
@@ -167,8 +168,9 @@ class LiveTare:
     def _refuse(self, t: float, away: Floats, still: bool, wanted: bool, far: float) -> None:
         """Say why no offset is taken; a pad that reads a pull all over was pressed when it was tared."""
         press = self._inward * away[..., NORMAL]
-        negative = bool((press < -self._limit[NORMAL]).sum() * 2 > (press > 0).sum() + 1)
-        negative = negative and float(np.nansum(press)) < -2 * float(self._limit[NORMAL])
+        limit = self._limit[..., NORMAL]
+        negative = bool((press < -limit).sum() * 2 > (press > 0).sum() + 1)
+        negative = negative and float(np.nansum(press)) < -2 * float(np.median(limit))
         if wanted or (negative and still and not self._said_negative):
             why, detail = "moving", f"means move {far:.2g} times as far as noise and offsets do: {CURE}"
             if still:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike
 from scipy.optimize import least_squares, minimize_scalar
+from scipy.signal import fftconvolve
 
 from cnnsim.support import Floats, InputError
 
@@ -126,7 +127,7 @@ def _start(scan: Floats) -> tuple[float, float]:
     for depth in np.geomspace(0.5, count, WIDTHS):
         reach = np.arange(-count + 1, count) / depth
         shape = (reach**2 - 2) * (1 + reach**2) ** -2.5  # the stress has its peak there, too
-        alike = np.abs(np.convolve(scan[0], shape[::-1], mode="valid"))
+        alike = np.abs(fftconvolve(scan[0], shape[::-1], mode="valid"))  # a direct one of a long scan takes seconds
         place = float(alike.argmax())
         left = float((_rest(_amplitudes(scan, place, depth, 1), scan) ** 2).sum())
         best = min(best, (left, place, float(depth)))

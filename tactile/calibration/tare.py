@@ -7,6 +7,7 @@ import numpy as np
 from cnnsim.support import Floats, InputError
 from tactile.calibration.gains import Gains
 from tactile.calibration.tare_check import PARTS, TareCheck, check_tare
+from tactile.calibration.taxel_gains import TaxelGains
 from tactile.core.frame import Frame, TaxelArray
 
 
@@ -51,7 +52,7 @@ class Tare:
         values = frame.values - self._offset
         return replace(frame, values=values, valid=frame.valid & np.isfinite(values).all(-1))
 
-    def check(self, array: TaxelArray, gains: Gains | None) -> TareCheck | None:
+    def check(self, array: TaxelArray, gains: Gains | TaxelGains | None) -> TareCheck | None:
         """Return what the mean took away from an array, once: after the last of its frames, else None.
 
         ``gains``: what takes the readings to the array's quantity, None where they are in it.

@@ -24,6 +24,7 @@ from tactile.wire.source import Chunk, WireSource
 
 if TYPE_CHECKING:
     from tactile.calibration.file import Calibration
+    from tactile.calibration.taxel_gains import TaxelGains
 
 AUTO: Final = "auto"
 MANUAL, OFF = "manual", "off"
@@ -43,7 +44,7 @@ class LiveOptions(PipelineOptions):
     calibration: str | None = None
 
     @property
-    def skin(self) -> "Calibration | None":
+    def skin(self) -> "Calibration | TaxelGains | None":
         """The calibration that the text is.
 
         Raises:

@@ -1,6 +1,8 @@
 """One scan calibrates a skin: against a sensor made up in closed form, through the file and the command line."""
 
 import json
+import signal
+import time
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,7 @@ from tactile.calibration.file import Calibration, load_calibration, write_calibr
 from tactile.calibration.from_scan import calibrate
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection
+from tactile.calibration.sensitivity import beta_from_scan
 from tactile.cli.group import main
 from tactile.elastic.halfspace import point_load_strain
 
@@ -132,7 +135,7 @@ MADE = Calibration(
 
 def test_a_calibration_file_keeps_all(tmp_path: Path) -> None:
     write_calibration(tmp_path / "skin.toml", MADE)
-    back = load_calibration(tmp_path / "skin.toml")
+    back: Any = load_calibration(tmp_path / "skin.toml")
     assert back.gains == SENSOR
     assert back.depth == pytest.approx(MADE.depth, rel=1e-15)
     assert back.sigma == pytest.approx(MADE.sigma, rel=1e-15)
@@ -210,7 +213,8 @@ def test_calibrate_then_run(tmp_path: Path) -> None:
     told = json.loads(done.stdout)
     assert told["taxel"] == [1, 1]
     assert 1.1 < told["beta_ns"] < 1.25  # a layer of twice the depth
-    assert told["depth_mm"] == pytest.approx(load_calibration(tmp_path / "skin.toml").depth * 1e3)
+    made: Any = load_calibration(tmp_path / "skin.toml")
+    assert told["depth_mm"] == pytest.approx(made.depth * 1e3)
     shown = invoke(*scan_words).output
     for word in ("taxel (1, 1), 101 frames", "beta_ns 1.1", "of the nominal one", "radial correction to"):
         assert word in shown
@@ -244,3 +248,21 @@ def test_mistakes_are_told_without_a_traceback(tmp_path: Path) -> None:
         assert done.exit_code == 2
         assert says in done.output
         assert "Traceback" not in done.output
+
+
+def test_a_long_scan_is_interrupted_within_a_second() -> None:
+    """40 000 frames: signals are heard all along, as a Ctrl-C has to be."""
+    heard = [time.monotonic()]
+    _, readings = scan(rate=40_000 / 2)
+    readings = readings + np.random.default_rng(1).normal(size=readings.shape) * 1e-2 * np.abs(readings).max()
+    before = signal.signal(signal.SIGALRM, lambda *_: heard.append(time.monotonic()))
+    signal.setitimer(signal.ITIMER_REAL, 0.02, 0.02)
+    try:
+        beta = beta_from_scan(readings[:, 0], readings[:, 2])
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    heard.append(time.monotonic())
+    assert readings.shape == (40_001, 3)
+    assert beta.beta == pytest.approx(SENSOR.beta_ns, rel=2e-3)
+    assert max(np.diff(heard)) < 1

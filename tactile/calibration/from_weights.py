@@ -1,0 +1,110 @@
+"""Calibration from known loads, one after the other: gains or a cross-axis matrix of every taxel, by least squares."""
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from cnnsim.support import Floats, InputError
+from tactile.calibration.taxel_gains import TaxelGains
+from tactile.core.frame import TaxelArray
+from tactile.elastic.halfspace import point_load_strain, point_load_stress
+
+Model = Literal["matrix", "gains", "common"]
+"""A 3 x 3 matrix of every taxel, three gains of every taxel, one matrix for all."""
+SURE = 5.0
+"""A gain counts that is at least so many of its standard deviations large."""
+NAMES = "x", "y", "normal"
+
+
+class KnownLoads(NamedTuple):
+    """Loads that were there one after the other: ``forces`` (n, 3) Q, R, F [N]; ``places`` (n, 2) [m], or None.
+
+    Taxels that measure force add up to the whole load, wherever it is; others feel it by its place.
+    """
+
+    forces: Floats
+    places: Floats | None
+
+
+def calibrate_loads(
+    readings: Floats, loads: KnownLoads, array: TaxelArray, modulus: float | None, model: Model
+) -> TaxelGains:
+    """Return the gains with which the taxels read what known loads make of them.
+
+    Force:            sum over the taxels of M_n r_n = (Q, R, F)
+    Strain, stress:   M_n r_n = u_n, that of the half-space under the load (eqs (1), (10))
+
+    each by least squares over the loads, component by component; the deviations from what is left. ``model``: M free,
+    diagonal, or free and the same for all taxels.
+
+    Arguments: ``readings`` (n, rows, cols, 3) less their tare under each load; ``modulus`` E [Pa] of a strain array.
+
+    Raises:
+        InputError: shapes that do not match, too few loads, a load without a place where one is wanted, a gain
+            that these loads do not tell.
+    """
+    rows, cols = array.shape
+    if readings.shape[1:] != (rows, cols, 3) or loads.forces.shape != (len(readings), 3):
+        raise InputError(
+            f"readings {readings.shape} and forces {loads.forces.shape}, (n, {rows}, {cols}, 3) and (n, 3) wanted"
+        )
+    if not (np.isfinite(readings).all() and np.isfinite(loads.forces).all()):
+        raise InputError("readings or loads that are not finite, finite ones wanted")
+    taxels = rows * cols
+    read = readings.reshape(-1, taxels, 3)
+    matrix, sigma = np.zeros((taxels, 3, 3)), np.zeros((taxels, 3, 3))
+    for axis in range(3):
+        used = [axis] if model == "gains" else [0, 1, 2]
+        if array.quantity == "force":
+            parts = read[..., used].sum(axis=1) if model == "common" else read[..., used].reshape(len(read), -1)
+            found, error = _solved(parts, loads.forces[:, axis], NAMES[axis])
+            matrix[:, axis, used], sigma[:, axis, used] = (part.reshape(-1, len(used)) for part in (found, error))
+        elif model == "common":
+            felt = _felt(loads, array, modulus)[..., axis]
+            matrix[:, axis], sigma[:, axis] = _solved(read.reshape(-1, 3), felt.ravel(), NAMES[axis])
+        else:
+            felt = _felt(loads, array, modulus)[..., axis]
+            for n in range(taxels):
+                name = f"taxel {divmod(n, cols)}: {NAMES[axis]}"
+                matrix[n, axis, used], sigma[n, axis, used] = _solved(read[:, n][:, used], felt[:, n], name)
+    for n, axis in np.ndindex(taxels, 3):
+        gain, error = matrix[n, axis, axis], sigma[n, axis, axis]
+        if not abs(gain) > SURE * error:
+            raise InputError(
+                f"taxel {divmod(n, cols)}: {NAMES[axis]} gain {gain:.3g} +- {error:.3g}: these loads do not tell it;"
+                " loads that it feels along that axis wanted, or a simpler model"
+            )
+    shape = rows, cols, 3, 3
+    return TaxelGains(matrix.reshape(shape), sigma.reshape(shape), array.quantity)
+
+
+def _felt(loads: KnownLoads, array: TaxelArray, modulus: float | None) -> Floats:
+    """Return what the taxels (n, taxels, 3) feel of the loads."""
+    if loads.places is None:
+        raise InputError(f"loads without a place for taxel array {array.name!r} of {array.quantity}; x and y wanted")
+    rows = np.concatenate([loads.places, loads.forces], axis=1)[:, None]
+    at = array.positions().reshape(-1, 2)
+    if array.quantity == "stress":
+        return np.array([point_load_stress(at, array.depth, row) for row in rows])
+    if modulus is None:
+        raise InputError(f"taxel array {array.name!r} of strain without a Young's modulus, a known one wanted")
+    return np.array([point_load_strain(at, array.depth, row, modulus) for row in rows])
+
+
+def _solved(parts: Floats, wanted: Floats, name: str) -> tuple[Floats, Floats]:
+    """Return the coefficients of the parts (n, k) that give ``wanted`` (n,), and their standard deviations."""
+    loads, unknown = parts.shape
+    if loads <= unknown:
+        raise InputError(f"{name}: {loads} loads for {unknown} coefficients; at least {unknown + 1} wanted")
+    unit = np.abs(parts).max(axis=0)
+    unit[unit == 0] = 1.0
+    found, _, rank, singular = np.linalg.lstsq(parts / unit, wanted, rcond=1e-9)
+    if rank < unknown:
+        raise InputError(
+            f"{name}: the loads tell {rank} of {unknown} coefficients; loads that every taxel feels along every axis,"
+            " not always in the same proportions, or a simpler model wanted"
+        )
+    left = wanted - parts / unit @ found
+    spread = np.linalg.inv((parts / unit).T @ (parts / unit)) if singular[-1] > 0 else np.full((unknown,) * 2, np.inf)
+    error = np.sqrt(float(left @ left) / (loads - unknown) * np.diag(spread))
+    return found / unit, error / unit

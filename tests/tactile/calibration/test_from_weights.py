@@ -1,0 +1,186 @@
+"""Gains and cross-axis matrices of every taxel from known loads, through the file and the command line."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cnnsim.support import Floats, InputError
+from tactile.calibration.file import load_calibration
+from tactile.calibration.from_weights import KnownLoads, calibrate_loads
+from tactile.calibration.taxel_file import write_taxel_gains
+from tactile.calibration.taxel_gains import TaxelGains
+from tactile.core.frame import Frame, TaxelArray
+from tactile.core.source import FrameStream
+from tactile.elastic.halfspace import point_load_strain
+from tactile.settings import Settings
+from tactile.sources.replay_npz import write_npz
+from tests.kits.serial import call
+
+PAD = TaxelArray("pad", 2, 2, 4e-3, 0.0, quantity="force")
+SKIN = TaxelArray("skin", 2, 2, 1.5e-3, 1.5e-3)
+MODULUS = 2.4e6
+
+
+def sensor(random: np.random.Generator, cross: float = 0.1) -> Floats:
+    """Matrices (2, 2, 3, 3) from readings to force: gains that differ by some tenths, and cross-talk."""
+    own = np.eye(3) * random.uniform(0.7, 1.4, (2, 2, 3, 1)) * [2e-3, 2e-3, 5e-3]
+    return np.asarray(own + random.normal(size=(2, 2, 3, 3)) * cross * 2e-3)
+
+
+def pressed(random: np.random.Generator, matrix: Floats, count: int, noise: float = 0.0) -> tuple[Floats, Floats]:
+    """Readings (count, 2, 2, 3) of weights that lie somewhere, and their forces (count, 3)."""
+    forces = np.column_stack([random.normal(size=(count, 2)) * 0.4, random.uniform(0.5, 3, count)])
+    share = random.dirichlet(np.ones(4), count).reshape(count, 2, 2, 1)
+    mine = share * forces[:, None, None] + random.normal(size=(count, 2, 2, 3)) * 0.1 * (share - 0.25)
+    mine += (forces[:, None, None] - mine.sum(axis=(1, 2), keepdims=True)) / 4  # the pad bears the whole load
+    readings = np.linalg.solve(matrix, mine[..., None])[..., 0]
+    return readings + random.normal(size=readings.shape) * noise, forces
+
+
+def test_weights_give_the_matrices_of_a_force_pad() -> None:
+    random = np.random.default_rng(1)
+    matrix = sensor(random)
+    readings, forces = pressed(random, matrix, 40)
+    made = calibrate_loads(readings, KnownLoads(forces, None), PAD, None, "matrix")
+    np.testing.assert_allclose(made.matrix, matrix, rtol=1e-8, atol=1e-11)
+    np.testing.assert_allclose(made(readings).sum(axis=(1, 2)), forces, atol=1e-10)
+
+
+def test_deviations_are_those_of_the_errors() -> None:
+    random = np.random.default_rng(2)
+    matrix, off = sensor(random), []
+    for _ in range(30):
+        readings, forces = pressed(random, matrix, 60)
+        forces = forces + random.normal(size=forces.shape) * 0.01
+        made = calibrate_loads(readings, KnownLoads(forces, None), PAD, None, "matrix")
+        off.append((made.matrix - matrix) / made.sigma)
+    assert np.sqrt(np.mean(np.square(off))) == pytest.approx(1, abs=0.1)
+
+
+def test_simpler_models_want_fewer_loads() -> None:
+    random = np.random.default_rng(3)
+    matrix = sensor(random, cross=0.0)
+    readings, forces = pressed(random, matrix, 6)
+    made = calibrate_loads(readings, KnownLoads(forces, None), PAD, None, "gains")
+    np.testing.assert_allclose(made.matrix, matrix, rtol=1e-8, atol=1e-12)
+    with pytest.raises(InputError, match="6 loads for 12 coefficients; at least 13 wanted"):
+        calibrate_loads(readings, KnownLoads(forces, None), PAD, None, "matrix")
+    same = np.broadcast_to(sensor(random)[0, 0], (2, 2, 3, 3))
+    readings, forces = pressed(random, same, 6)
+    made = calibrate_loads(readings, KnownLoads(forces, None), PAD, None, "common")
+    np.testing.assert_allclose(made.matrix, same, rtol=1e-8, atol=1e-12)
+
+
+def test_what_the_loads_do_not_tell_is_refused() -> None:
+    random = np.random.default_rng(4)
+    matrix = sensor(random)
+    readings, _ = pressed(random, matrix, 40)
+    readings[:, 1, 0] = 0  # nothing ever lies on this one
+    forces = (matrix @ readings[..., None])[..., 0].sum(axis=(1, 2)) + random.normal(size=(40, 3)) * 0.01
+    readings[:, 1, 0] = random.normal(size=(40, 3))
+    with pytest.raises(InputError, match=r"taxel \(1, 0\): . gain .*loads that it feels"):
+        calibrate_loads(readings, KnownLoads(forces, None), PAD, None, "matrix")
+    readings[:, 1, 0] = 0
+    with pytest.raises(InputError, match="tell 9 of 12 coefficients"):
+        calibrate_loads(readings, KnownLoads(forces, None), PAD, None, "matrix")
+
+
+def test_strain_taxels_are_calibrated_by_loads_at_known_places() -> None:
+    random = np.random.default_rng(5)
+    matrix = sensor(random)
+    loads = np.column_stack([random.uniform(-1e-3, 1e-3, (30, 2)), random.normal(size=(30, 3)) * 0.2 + [0, 0, 1]])
+    strain = np.array([point_load_strain(SKIN.positions(), SKIN.depth, [load], MODULUS) for load in loads])
+    readings = np.linalg.solve(matrix, strain[..., None])[..., 0]
+    known = KnownLoads(loads[:, 2:], loads[:, :2])
+    made = calibrate_loads(readings, known, SKIN, MODULUS, "matrix")
+    np.testing.assert_allclose(made.matrix, matrix, rtol=1e-8, atol=1e-11)
+    with pytest.raises(InputError, match="x and y wanted"):
+        calibrate_loads(readings, known._replace(places=None), SKIN, MODULUS, "matrix")
+
+
+def recorded(folder: Path, matrix: Floats) -> tuple[Path, Path]:
+    """A recording of weights on the pad after a second of nothing, and the table that says when they lay there."""
+    random = np.random.default_rng(6)
+    readings, forces = pressed(random, matrix, 30)
+    frames, table = [], ["from_s,to_s,q_n,r_n,grams"]
+    offset = random.normal(size=(2, 2, 3)) * 20
+    for n in range(100 + 30 * 20):
+        at = (n - 100) // 20
+        values = (readings[at] if n >= 100 else np.zeros((2, 2, 3))) + offset + random.normal(size=(2, 2, 3)) * 0.05
+        frames.append(Frame(0, n / 100, n, values, np.ones((2, 2), bool)))
+    for at, force in enumerate(forces):
+        start = 1 + 0.2 * at
+        table.append(f"{start + 0.02:.3f},{start + 0.18:.3f},{force[0]},{force[1]},{force[2] / 9.80665e-3}")
+    write_npz(folder / "pad.npz", FrameStream("pad", (PAD,), None, len(frames), frames))
+    (folder / "weights.csv").write_text("\n".join(table) + "\n", encoding="utf-8")
+    return folder / "pad.npz", folder / "weights.csv"
+
+
+def test_weights_through_the_command_line(tmp_path: Path) -> None:
+    matrix = sensor(np.random.default_rng(7))
+    scan, weights = recorded(tmp_path, matrix)
+    said = call("calibrate", scan, "--weights", weights, "--tare", 100, "-o", tmp_path / "pad.toml")
+    assert said.exit_code == 0, said.output
+    assert "30 loads, 2 x 2 taxels of force" in said.stdout
+    made = load_calibration(tmp_path / "pad.toml")
+    assert isinstance(made, TaxelGains)
+    assert (np.abs(made.matrix - matrix) < 5 * made.sigma + 1e-12).all()
+    told = json.loads(call("calibrate", scan, "--weights", weights, "--tare", 100, "--json").stdout)
+    np.testing.assert_allclose(told["matrix"], made.matrix)
+    np.testing.assert_allclose(told["sigma"], made.sigma)
+    run: Any = call("run", scan, "--calibration", tmp_path / "pad.toml", "--tare", 100, "-o", tmp_path / "out")
+    assert run.exit_code == 0, run.output
+    table: Any = np.genfromtxt(tmp_path / "out" / "frames.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
+    lain = np.genfromtxt(weights, delimiter=",", names=True)
+    for one in lain[:5]:
+        held = (table["t_s"] > one["from_s"]) & (table["t_s"] < one["to_s"])
+        assert table["load_f_n"][held].mean() == pytest.approx(one["grams"] * 9.80665e-3, rel=5e-3)
+        assert table["load_q_n"][held].mean() == pytest.approx(one["q_n"], abs=5e-3)
+    live = Settings().calibrated(made, (PAD,))
+    assert live.gains is made
+    with pytest.raises(InputError, match=r"2 x 2 taxels of force for taxel array 'skin'"):
+        Settings().calibrated(made, (SKIN,))
+
+
+def test_what_is_wrong_with_a_table_is_said_in_one_line(tmp_path: Path) -> None:
+    scan, weights = recorded(tmp_path, sensor(np.random.default_rng(7)))
+    text = weights.read_text(encoding="utf-8")
+    for changed, said in (
+        (text.replace("grams", "pounds"), "one of grams and f_n"),
+        (text.replace("\n1.020,", "\none,"), "line 2: from_s 'one', a number wanted"),
+        (text.replace("\n1.020,1.180", "\n1.020,0.9"), "an end after its start wanted"),
+        (text.replace("\n1.020,1.180", "\n1.020,1.380"), "a load that lies still"),
+        (text.replace("\n1.020,1.180", "\n91.020,91.180"), "0 frames, at least 2"),
+        ("from_s,to_s,grams\n", "0 loads"),
+    ):
+        weights.write_text(changed, encoding="utf-8")
+        refused = call("calibrate", scan, "--weights", weights, "--tare", 100)
+        assert refused.exit_code == 2
+        assert said in refused.output
+    assert call("calibrate", scan).exit_code == 2
+    assert call("calibrate", scan, "--weights", weights, "--load-n", 1).exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("rows = 2", "rows = 3", "4 \\[\\[taxel\\]\\] of 3 x 2"),
+        ("at = [0, 1]", "at = [0, 0]", "that is not there before"),
+        ("quantity = ", "quantities = ", "quantit"),
+        ('"force"', '"weight"', "one of strain, stress, force"),
+        ("matrix = [[", "matrix = [[1], [", "three rows of three numbers"),
+    ],
+)
+def test_files_of_taxel_gains_are_checked(old: str, new: str, said: str, tmp_path: Path) -> None:
+    made = TaxelGains(np.broadcast_to(np.eye(3), (2, 2, 3, 3)), np.zeros((2, 2, 3, 3)), "force")
+    path = tmp_path / "pad.toml"
+    write_taxel_gains(path, made)
+    again = load_calibration(path)
+    assert isinstance(again, TaxelGains)
+    np.testing.assert_array_equal(again.matrix, made.matrix)
+    path.write_text(path.read_text(encoding="utf-8").replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(InputError, match=said):
+        load_calibration(path)
