@@ -1,15 +1,13 @@
 """Coulomb friction on a round contact that slips from its rim inwards, with its memory of past loads."""
 
-import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from cnnsim.support import Floats, InputError
+from cnnsim.support import Floats, InputError, Integers
 
 Vector = Floats
-MEMORY = 12
-"""Rings remembered; older, inner ones are merged beyond that."""
 
 
 @dataclass(frozen=True)
@@ -63,62 +61,30 @@ def load_to(before: FrictionState, normal: float, tangential: Vector) -> Frictio
     slip: from the rim inwards everything takes the full share in the direction that is missing, down to the circle
     that sticks. Beyond friction * normal all of it slides and carries just that.
     """
-    mu = before.friction
-    size = float(np.hypot(*tangential))
-    if normal <= 0 or mu == 0:
-        return FrictionState(mu, np.zeros(0), np.zeros((0, 2)), 0.0, size > 0)
-    if size >= mu * normal:
-        return FrictionState(mu, np.array([normal]), (tangential / size)[None], 0.0, True)
-    ends, shares = _cut(before.ends, before.shares, normal)
-    old = float(ends[-1]) if ends.size else 0.0
-    missing = tangential / mu - np.diff(ends, prepend=0.0) @ shares
-    grown = normal - old
-    gap = float(np.hypot(*missing))
-    if gap <= grown:
-        ring = missing / grown if grown > 0 else np.zeros(2)
-        if grown > 0:
-            ends, shares = np.append(ends, normal), np.vstack([shares, ring])
-        return FrictionState(mu, *_short(ends, shares), normal)
-    # |wanted - carried by the circle c| = normal - c; the ring from c out takes the full share. The difference
-    # rises with c because shares are at most 1, so walking in from the rim finds the largest c first.
-    wanted = tangential / mu
-    inner = np.append(0.0, ends)
-    carried = np.vstack([np.zeros(2), np.cumsum(np.diff(ends, prepend=0.0)[:, None] * shares, axis=0)])
-    for k in range(len(ends) - 1, -1, -1):
-        low, start = float(inner[k]), wanted - carried[k]
-        if float(np.hypot(*start)) <= normal - low:
-            step = _root(start, shares[k], normal - low, float(inner[k + 1]) - low)
-            c = low + step
-            rest = start - step * shares[k]
-            way = rest / max(float(np.hypot(*rest)), 1e-300)
-            kept = k + (1 if step > 0 else 0)
-            new_ends = np.append(np.append(ends[:k], c) if step > 0 else ends[:k], normal)
-            return FrictionState(mu, *_short(new_ends, np.vstack([shares[:kept], way])), c)
-    return FrictionState(mu, np.array([normal]), (tangential / size)[None], 0.0, True)
+    from tactile.simulator.contacts.friction_loops import rooms, step  # compiled, so only where called for
+
+    (ends,), (shares,) = rooms(1)
+    count = before.ends.size
+    ends[:count], shares[:count] = before.ends, before.shares
+    pull = float(tangential[0]), float(tangential[1])
+    count, sticks, slipping = step(float(before.friction), ends, shares, count, float(normal), *pull)
+    return FrictionState(before.friction, ends[:count].copy(), shares[:count].copy(), sticks, slipping)
 
 
-def _root(start: Vector, share: Vector, left: float, most: float) -> float:
-    """Largest step s in 0 .. most with |start - s share| = left - s."""
-    # squared: (1 - |share|^2) s^2 - 2 (left - start . share) s + left^2 - |start|^2 = 0
-    a, b, c = 1 - float(share @ share), left - float(start @ share), left**2 - float(start @ start)
-    if b <= 0:
-        return 0.0
-    return min(max(c / (b + math.sqrt(max(b * b - a * c, 0.0))), 0.0), most)
+def follow(states: Sequence[FrictionState], which: Integers, loads: Floats) -> tuple[Vector, Vector]:
+    """What ``load_to`` and ``terms`` give for many loads (n, 3), rows (Q, R, F), each from one of the states.
 
+    Returns normal forces (n, k) and tangential forces (n, k, 2) [N], spread like p(s_k), 0 where there is no ring.
+    """
+    from tactile.simulator.contacts.friction_loops import rooms, steps  # the same
 
-def _cut(ends: Vector, shares: Vector, normal: float) -> tuple[Vector, Vector]:
-    """What is left of the rings when the contact shrinks to ``normal``."""
-    count = int(np.searchsorted(ends, normal))
-    if count >= len(ends):
-        return ends, shares
-    return np.append(ends[:count], normal), shares[: count + 1]
-
-
-def _short(ends: Vector, shares: Vector) -> tuple[Vector, Vector]:
-    """Rings that slipped the same way are one ring, and there are no more than MEMORY of them."""
-    differ = np.append(np.abs(np.diff(shares, axis=0)).max(axis=1) > 1e-12, True)
-    ends, shares = ends[differ], shares[differ]
-    while len(ends) > MEMORY:  # the two innermost rings become one that carries the same
-        both = (ends[0] * shares[0] + (ends[1] - ends[0]) * shares[1]) / ends[1]
-        ends, shares = ends[1:], np.vstack([both, shares[2:]])
-    return ends, shares
+    known, shared = rooms(len(states))
+    for row, share, state in zip(known, shared, states, strict=True):
+        row[: state.ends.size], share[: state.ends.size] = state.ends, state.shares
+    sizes = np.array([state.ends.size for state in states])
+    ends, shares = rooms(len(loads))
+    counts, mu = np.zeros(len(loads), np.int64), float(states[0].friction)
+    steps(mu, known, shared, sizes, np.ascontiguousarray(which), np.ascontiguousarray(loads), ends, shares, counts)
+    most = int(counts.max(initial=0))
+    following = np.concatenate([shares[:, 1 : most + 1], np.zeros((len(loads), 1, 2))], axis=1)[:, :most]
+    return ends[:, :most], mu * ends[:, :most, None] * (shares[:, :most] - following)

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.support import Floats, InputError
-from tactile.core.loads import COLUMNS, PLACE, SHEAR, F, Q, R, X, Y
+from tactile.core.loads import COLUMNS, FORCE, PLACE, SHEAR, F, Q, R, X, Y
 from tactile.elastic.medium import Medium
-from tactile.simulator.contacts.friction import FrictionState, load_to, untouched
+from tactile.simulator.contacts.friction import FrictionState, follow, load_to, untouched
 from tactile.simulator.contacts.indenter import LAWS, ROUND, Indenter
 from tactile.simulator.contacts.loads import Disc, Loads, Twist
 from tactile.simulator.contacts.moving_load import along_path, checked_path, span
@@ -93,10 +93,12 @@ class MovingContact:
         return with_pull(loads, rows, rows[:, F] + pull, self.indenter, medium)
 
     def _slipping(self, times: Floats, rows: Floats, medium: Medium, at_keys: list[FrictionState]) -> Loads:
-        states = self._states(times, rows, at_keys) if self.friction is not None else None
-        if states is not None:
-            rows[:, SHEAR] = [state.force if state.ends.size else (0, 0) for state in states]
-        return self._round(rows, states, medium)
+        if self.friction is None:
+            return self._round(rows, None, medium)
+        which = np.searchsorted(self.path[:, 0], times, side="right")
+        ends, terms = follow(at_keys, which, rows[:, FORCE])
+        rows[:, SHEAR] = terms.sum(axis=1)
+        return self._round(rows, (ends, terms), medium)
 
     def friction_at(self, times: Floats, medium: Medium) -> list[FrictionState]:
         """The state of friction at the times [s]: what sticks, what the contact carries.
@@ -155,17 +157,14 @@ class MovingContact:
             points = cylinder_loads(total, shape.length, width, shape.angle, depth)
         return Loads(total[:, None], points, np.zeros(points.shape[1], np.int64))
 
-    def _round(self, rows: Floats, states: list[FrictionState] | None, medium: Medium) -> Loads:
+    def _round(self, rows: Floats, slipped: tuple[Floats, Floats] | None, medium: Medium) -> Loads:
         spread = [rows[:, :COLUMNS]]
         normal_at = [rows[:, F]]
-        if states is not None:
+        if slipped is not None:
             spread[0] = rows[:, :COLUMNS] * (1, 1, 0, 0, 1)
-            most = max((state.ends.size for state in states), default=0)
-            shear, forces = np.zeros((len(rows), most, COLUMNS)), np.zeros((len(rows), most))
-            shear[..., PLACE] = rows[:, None, PLACE]
-            for n, state in enumerate(states):
-                if state.ends.size:
-                    forces[n, : state.ends.size], shear[n, : state.ends.size, SHEAR] = state.terms()
+            forces, terms = slipped
+            shear = np.zeros((*forces.shape, COLUMNS))
+            shear[..., PLACE], shear[..., SHEAR] = rows[:, None, PLACE], terms
             spread += list(np.moveaxis(shear, 1, 0))
             normal_at += list(forces.T)
         discs, forces = np.stack(spread, axis=1), np.stack(normal_at, axis=1)
