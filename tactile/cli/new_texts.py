@@ -10,6 +10,7 @@ duration_s = 2.0
 # seed       = 1            # of all random effects
 # effects    = "auto"       # exactly the effects that change the signal by more than the tolerance
 # tolerance  = 0.02         # of its peak
+# accuracy   = 1e-4         # of the field, of its peak; 0 for rounding, which takes ten times as long under wide contacts
 
 [cover]
 youngs_modulus_mpa = 2.4    # soft silicone rubber
@@ -51,7 +52,7 @@ path = [
 # start_s    = 0.2
 # stop_s     = 1.8
 
-# [effect.read_noise]       # one table an effect; examples/scenes/needle.toml has more
+# [effect.read_noise]       # one table an effect; docs/effects.md lists all of them
 # rms = 0.001               # of full scale
 """
 

@@ -28,7 +28,9 @@ def parameter(
 
 
 @dataclass_transform(frozen_default=True)
-def effect(stage: str, random: bool = False, normal: bool = False) -> Callable[[type[Kind]], type[Kind]]:
+def effect(
+    stage: str, random: bool = False, normal: bool = False, assumed: bool = True
+) -> Callable[[type[Kind]], type[Kind]]:
     """Make a class an effect: a frozen dataclass of parameters with what ``effects.Effect`` says of them.
 
     Its parameters are refused outside their ranges, before its own ``__post_init__``. Where all strengths are zero its
@@ -52,7 +54,7 @@ def effect(stage: str, random: bool = False, normal: bool = False) -> Callable[[
 
         kind.__post_init__, kind.__call__ = check, call
         kind = dataclass(frozen=True)(kind)
-        kind.STAGE, kind.RANDOM, kind.NORMAL = stage, random or normal, normal
+        kind.STAGE, kind.RANDOM, kind.NORMAL, kind.ASSUMED = stage, random or normal, normal, assumed
         kind.KEYS = {one.metadata["key"] or one.name: (one.name, one.metadata["unit"]) for one in fields(kind)}
         kind.NONE = {one.name: one.metadata["none"] for one in fields(kind) if one.metadata["none"] is not NEEDED}
         return given

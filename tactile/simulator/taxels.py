@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cnnsim.support import Floats
+from cnnsim.support import Floats, InputError
 from tactile.core.frame import SHEAR_X, SHEAR_Y, TaxelArray
 from tactile.elastic.gauss import gauss
 from tactile.elastic.medium import Medium
@@ -57,6 +57,10 @@ class Taxels:
         """Between a few thicknesses by a polynomial: readings are smooth in the depth."""
         assert self.thicker is not None
         low, high = float(self.thicker.min()), float(self.thicker.max())
+        if self.depth + low <= 0:
+            raise InputError(
+                f"a cover {-low * 1e3:.4g} mm thinner over taxels {self.depth * 1e3:g} mm deep; less than that wanted"
+            )
         middle, half = (low + high) / 2, (high - low) / 2
         # a field is analytic down to the surface: Chebyshev points converge like (half / 2 depth)^n at worst
         count = 1

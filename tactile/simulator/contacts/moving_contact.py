@@ -1,6 +1,6 @@
 """Indenters that move over a finger, pressed by force or by depth, with friction or without."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -59,6 +59,9 @@ class MovingContact:
             InputError: an indentation given for a shape that knows no law for it; a contact too wide for the depth, or
                 that goes through the cover.
         """
+        if rig.curvature:
+            curved = replace(self, indenter=rig.touching(self.indenter))
+            return curved.loads(times, depth, medium, replace(rig, curvature=0.0))
         if rig.work > 0 and self.indenter.shape in LAWS:
             return self._sticking(times, medium, rig)
         rows = self._at(times, medium)

@@ -21,12 +21,19 @@ class Rig:
     """What holds the contacts: ``moves`` of theirs in turn, each with the tip radius [m] of contacts at a point.
 
     ``tip`` [m]: the tip under which loads at points are spread, 0 for points; ``work`` [J/m^2] of adhesion, 0 where
-    nothing sticks.
+    nothing sticks; ``curvature`` [1/m] of the cover's surface.
     """
 
     moves: tuple[tuple[Move, float], ...] = ()
     tip: float = 0.0
     work: float = 0.0
+    curvature: float = 0.0
+
+    def touching(self, body: Indenter) -> Indenter:
+        """The body that touches a plane as this one touches the curved cover: 1 / R grows by its curvature."""
+        if self.curvature == 0 or body.shape not in ("sphere", "cylinder"):
+            return body
+        return replace(body, radius=1 / (1 / body.radius + self.curvature))
 
     def with_move(self, move: Move, needle: float) -> "Rig":
         """The same with one more move."""

@@ -1,4 +1,4 @@
-"""Effects of a scene: one file each, imported only when a scene names it. A new one is its file and its name in ORDER.
+"""Effects of a scene: one file each, imported only when a scene names it. A new one is a file and a name in MODULES.
 
 An effect is a frozen value as ``simulator.effect`` makes them, called with a stream (fields before the electronics,
 batches of frames after) and a random generator; it gives the stream back, changed. At strength zero it changes
@@ -6,6 +6,8 @@ nothing. Its class says
 
     STAGE   "field" or "frames": where in the chain it acts
     RANDOM  whether it draws random numbers
+    ASSUMED whether ``effects = "auto"`` takes a scene to have it that does not describe it; not so the faults of a
+            single array, which nobody can guess
     NORMAL  whether what it changes is normally distributed, or nearly: such changes add up by their squares
     KEYS    the keys of its table in a scene: name -> (attribute, factor to SI units)
     NONE    the attributes that make its strength zero, and their values then
@@ -30,10 +32,13 @@ from typing import Any, ClassVar, Protocol, cast
 from cnnsim.support import InputError
 from cnnsim.support.toml_file import check_keys, take
 
-ORDER = (
+MODULES = (
     "needle_vibration",
     "surface_waviness",
     "adhesion",
+    "mounting.curved_fingertip",
+    "mounting.cover_error",
+    "mounting.misplacement",
     "poisson_ratio",
     "finite_tip",
     "finite_thickness",
@@ -42,14 +47,22 @@ ORDER = (
     "viscoelastic",
     "hysteresis",
     "crosstalk",
+    "electronics.taxel_mismatch",
+    "electronics.temperature",
     "motor_noise",
     "drift",
+    "electronics.pink_noise",
     "read_noise",
+    "electronics.clipping",
+    "electronics.low_pass",
+    "electronics.multiplex_skew",
     "dead_taxels",
     "quantisation",
     "frame_timing",
 )
-"""Names of all effects in the order in which they act: what presses, the cover, the taxels, the electronics."""
+"""The effects' files in the order in which they act: what presses, the cover, the taxels, the electronics."""
+ORDER = tuple(module.rpartition(".")[2] for module in MODULES)
+"""Names of all effects in that order."""
 
 
 class Effect(Protocol):
@@ -58,6 +71,7 @@ class Effect(Protocol):
     STAGE: ClassVar[str]
     RANDOM: ClassVar[bool]
     NORMAL: ClassVar[bool]
+    ASSUMED: ClassVar[bool]
     KEYS: ClassVar[Mapping[str, tuple[str, float]]]
     NONE: ClassVar[Mapping[str, Any]]
 
@@ -69,7 +83,7 @@ def effect_class(name: str) -> type[Effect]:
         InputError: no effect of that name.
     """
     check_keys({name: None}, ORDER, "effect")
-    module = importlib.import_module(f"tactile.simulator.effects.{name}")
+    module = importlib.import_module(f"tactile.simulator.effects.{MODULES[ORDER.index(name)]}")
     return cast(type[Effect], getattr(module, "".join(part.capitalize() for part in name.split("_"))))
 
 

@@ -9,7 +9,7 @@ from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
 
 
-@effect("field")
+@effect("field", assumed=False)
 class Adhesion:
     """Spheres, needles and flat punches stick, with ``work`` [J/m^2] of adhesion.
 

@@ -56,7 +56,7 @@ def _has_meaning(scene: Scene, one: Named) -> bool:
 def choose(scene: Scene, tolerance: float) -> Choice:
     """Leave out the effects that together change no reading by more than the tolerance times the peak.
 
-    All effects are candidates: those that the scene describes with its numbers, the others at typical strength. Bounds
+    Candidates are the effects that the scene describes, and at typical strength those that every skin has. Bounds
     hold over the whole recording, and what is random for all seeds but one in a thousand. Effects on fields, which
     cost most, are left out first, each time the smallest; what those left out do together is then tried on the frames
     with the largest readings.
@@ -66,7 +66,8 @@ def choose(scene: Scene, tolerance: float) -> Choice:
     """
     if not tolerance > 0:
         raise InputError(f"tolerance {tolerance}, a positive number wanted")
-    effects = candidates(scene)
+    named = dict(scene.effects)
+    effects = [(name, effect) for name, effect in candidates(scene) if name in named or effect.ASSUMED]
     bounds = EffectBounds(scene, effects)
     sizes = bounds.sizes()
     fields = {name for name, effect in effects if effect.STAGE == "field"}

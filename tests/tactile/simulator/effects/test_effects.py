@@ -12,11 +12,13 @@ from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.effects import ORDER, effect_class, read_effect, without
 from tactile.simulator.effects.dead_taxels import DeadTaxels
+from tactile.simulator.effects.electronics.clipping import Clipping
 from tactile.simulator.effects.finite_thickness import FiniteThickness
 from tactile.simulator.effects.frame_timing import FrameTiming
 from tactile.simulator.effects.quantisation import Quantisation
 from tactile.simulator.effects.viscoelastic import Viscoelastic
 from tests.kits.effects import ARRAY, scene
+from tests.kits.paths import ROOT
 
 
 @pytest.mark.parametrize("name", ORDER)
@@ -37,6 +39,8 @@ def test_effects_do_something_and_do_not_care_how_frames_are_cut(
     effect: Any = effect_class(name)()
     if name == "dead_taxels":
         effect = DeadTaxels(0.3, 0.3)
+    if name == "clipping":
+        effect = Clipping(0.3)
     if name == "frame_timing":
         effect = FrameTiming(1e-3, 0.2, 0.2)
     touched = scene(effects=((name, effect),), arrays=(replace(ARRAY, quantity=quantity),))
@@ -91,3 +95,13 @@ def test_effects_read_their_tables() -> None:
             read_effect(name, given, "here")
     with pytest.raises(InputError, match="thickness of at least the depth"):
         list(scene(effects=(("finite_thickness", FiniteThickness(1e-4)),)))
+
+
+def test_the_page_of_effects_has_every_effect_and_key() -> None:
+    rows = [line for line in (ROOT / "docs" / "effects.md").read_text().splitlines() if line.startswith("| `")]
+    assert [row.split("`")[1] for row in rows] == list(ORDER)
+    for name, row in zip(ORDER, rows, strict=True):
+        kind = effect_class(name)
+        assert row.split(" | ")[0].endswith("` a") == kind.ASSUMED, name
+        for key in kind.KEYS:
+            assert f"`{key}` " in row, (name, key)

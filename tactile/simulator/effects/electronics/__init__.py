@@ -1,0 +1,1 @@
+"""Effects of what stands between a taxel and its number: mismatch, temperature, noise, amplifier, multiplexer."""

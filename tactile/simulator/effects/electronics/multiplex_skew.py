@@ -1,0 +1,42 @@
+"""Multiplex skew: one converter reads the channels one after the other, not at once."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from tactile.simulator.batch import Batch
+from tactile.simulator.effect import effect, parameter
+from tactile.simulator.seen import Seen
+
+
+@effect("frames", assumed=False)
+class MultiplexSkew:
+    """Channel k of n is read (n - 1 - k) ``slot`` [s] before the frame's time, at which the last one is; 0 for at once.
+
+    Channels go row by row, in a taxel shear_x, shear_y, normal. Between frames readings are taken to be straight; what
+    would be read before the frame before is read with that frame.
+    """
+
+    slot: float = parameter(1e-5, key="slot_us", unit=1e-6, none=0.0)
+
+    def reach(self, seen: Seen) -> float:
+        """Bound of the change."""
+        return seen.change * min(self.slot * (3 * seen.taxels - 1) * seen.rate, 1.0)
+
+    def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
+        """Skewed frames."""
+        before, last = np.zeros(0), 0.0
+        for batch in stream:
+            if not len(batch.t):
+                yield batch
+                continue
+            if not before.size:
+                before, last = batch.values[0], float(batch.t[0])
+            shape = batch.values.shape[1:]
+            early = np.arange(int(np.prod(shape)) - 1, -1, -1).reshape(shape) * self.slot
+            steps = np.maximum(np.diff(batch.t, prepend=last), 1e-300)[:, None, None, None]
+            previous = np.concatenate([before[None], batch.values[:-1]])
+            before, last = batch.values[-1], float(batch.t[-1])
+            share = np.minimum(early / steps, 1.0)
+            yield replace(batch, values=batch.values + share * (previous - batch.values))

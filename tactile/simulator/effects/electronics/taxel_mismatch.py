@@ -1,0 +1,48 @@
+"""Taxel mismatch: no two taxels have the same gain, zero and ratio of shear to normal."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from tactile.core.frame import NORMAL
+from tactile.simulator.batch import Batch
+from tactile.simulator.effect import effect, parameter
+from tactile.simulator.seen import Seen, sigmas
+
+
+@effect("frames", normal=True, assumed=False)
+class TaxelMismatch:
+    """A taxel reads (1 + g) x + o in its normal component and (1 + g) (1 + b) x + o in its shears.
+
+    Statistics: g and b, the mismatch of its gain and of its beta_ns, are drawn once a taxel, o once a channel; normal,
+    of mean 0 and deviations ``gain``, ``beta_ns`` and ``offset`` (of full scale), independent of each other.
+
+    Source: Vasarhelyi, Fodor, Roska, eqs (15), (16), and sect. 4 for the spread of beta_ns (1.46 +- 0.04).
+    """
+
+    gain: float = parameter(0.01, none=0.0)
+    offset: float = parameter(0.002, none=0.0)
+    beta_ns: float = parameter(0.02, none=0.0)
+
+    def reach(self, seen: Seen) -> float:
+        """Bound of the change."""
+        most = sigmas(6 * seen.taxels)
+        g, b = most * self.gain, most * self.beta_ns
+        return seen.largest * (g + b + g * b) + most * self.offset * seen.full_scale
+
+    def passes(self, seen: Seen) -> float:
+        """By what a change before it may grow."""
+        most = sigmas(6 * seen.taxels)
+        return (1 + most * self.gain) * (1 + most * self.beta_ns)
+
+    def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
+        """Frames as each taxel reads them."""
+        gain, offset = np.zeros(0), np.zeros(0)
+        for batch in stream:
+            if not gain.size:
+                shape = batch.array.shape
+                gain = np.repeat(1 + self.gain * random.standard_normal((*shape, 1)), 3, axis=-1)
+                gain[..., :NORMAL] *= 1 + self.beta_ns * random.standard_normal((*shape, 1))
+                offset = self.offset * batch.full_scale * random.standard_normal((*shape, 3))
+            yield replace(batch, values=batch.values * gain + offset)
