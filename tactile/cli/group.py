@@ -7,6 +7,7 @@ with ends_at_once():
 
     from cnnsim.cli.examples import write_examples
     from cnnsim.support.command_line import CommandGroup
+    from tactile.cli.accuracy import accuracy
     from tactile.cli.calibrate import calibrate
     from tactile.cli.convert import convert
     from tactile.cli.devices import emulate, ports
@@ -35,6 +36,7 @@ for command in (
     new,
     calibrate,
     explain,
+    accuracy,
     ports,
     emulate,
     record,

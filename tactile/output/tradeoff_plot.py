@@ -1,0 +1,35 @@
+"""Diagram of effects chosen for several tolerances: error against time, on logarithmic axes."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+class Point(Protocol):
+    """A choice of effects, see `tactile.simulator.scene.tradeoff.Trade`."""
+
+    @property
+    def tolerance(self) -> float: ...  # noqa: D102 - 0 for all effects
+    @property
+    def error(self) -> float: ...  # noqa: D102 - found
+    @property
+    def bound(self) -> float: ...  # noqa: D102 - promised
+    @property
+    def seconds(self) -> float: ...  # noqa: D102 - a frame
+
+
+def draw_trades(rows: Sequence[Point], axes: "Axes", title: str) -> None:
+    """Draw the error found, its bound and the tolerance against the time of a frame; all effects are a line."""
+    time = [row.seconds * 1e6 for row in rows[1:]]
+    least = 1e-6
+    axes.axvline(rows[0].seconds * 1e6, color="black", linewidth=1, linestyle=":", label="all effects on")
+    axes.plot(time, [row.tolerance for row in rows[1:]], "_", color="black", markersize=14, label="asked for")
+    axes.plot(time, [max(row.bound, least) for row in rows[1:]], "^", fillstyle="none", color="C1", label="bound")
+    axes.plot(time, [max(row.error, least) for row in rows[1:]], "o", color="C0", label="error found")
+    axes.set(xscale="log", yscale="log", title=title)
+    axes.set(xlabel="time of a frame of one finger [us]", ylabel="largest error over the peak")
+    axes.xaxis.set_minor_formatter("")  # few decades: their labels would run into each other
+    axes.legend(fontsize=8)
+    axes.grid(alpha=0.3, which="both")

@@ -1,0 +1,165 @@
+"""Section 4, the inverse: the printed form against the stable one, one answer against least squares, how many taxels."""
+
+from typing import Any
+
+import numpy as np
+
+from cnnsim.support import Floats
+from cnnsim.support.command_line import watched
+from tactile.elastic.halfspace import point_load_strain
+from tactile.inverse.taxel import invert_strain
+from tests.benchmarks.accuracy.rounds import best_times
+from tests.benchmarks.accuracy.section import Section
+from tests.kits.pads import DEPTH, MODULUS, SCALE, array, as_row, locate
+from tests.oracles.localise import bound
+from tests.oracles.exact_inverse import exact_inverse
+from tests.oracles.printed_inverse import printed_inverse
+
+RATIOS = np.concatenate([np.geomspace(1e-8, 1, 33), np.sqrt(2) + np.array([-1e-6, 1e-6]), np.geomspace(2, 1e4, 17)])
+SIDES = (2, 3, 4, 6, 8, 12, 16)
+NOISES = (1e-5, 1e-4, 1e-3, 1e-2)
+TRIALS = 60
+WAYS = "least squares", "one taxel's own answer", "Cramer-Rao"
+
+
+def section() -> Section:
+    """Measure all three."""
+    rows = [*_forms(), *_noise()]
+    worst = {
+        (way, dtype): max(r["error"] for r in rows if (r["family"], r["way"]) == ("forms", f"{way}, {dtype}"))
+        for way in ("stable", "printed")
+        for dtype in ("float32", "float64")
+    }
+    few, many = (next(r for r in rows if r["family"] == "noise" and r["way"] == "least squares" and r["size"] == n and r["noise"] == 1e-2) for n in (2, 8))  # fmt: skip
+    answer = (
+        f"Inverse: the stable form keeps {worst['stable', 'float64']:.0e} wherever the load is, the printed one loses all digits "
+        f"right above the taxel and on the ring; with 1 % noise 8 x 8 taxels find the place {few['error'] / many['error']:.2g} x "
+        f"nearer than 2 x 2, for {many['seconds'] / few['seconds']:.2g} x the time."
+    )
+    return Section("inverse", "4. Inverse", answer, _text(rows), rows, lambda figure: _draw(figure, rows), (13, 4.5))
+
+
+def _row(
+    family: str, way: str, size: float, noise: float, error: float, seconds: float, force: float = 0.0
+) -> dict[str, Any]:
+    return {
+        "family": family, "way": way, "size": size, "noise": noise, "error": error, "force error": force,
+        "seconds": seconds,
+    }  # fmt: skip
+
+
+def _forms() -> list[dict[str, Any]]:
+    """Larger relative error of a normal load's distance and force, over rho / z, from the same rounded signals."""
+    t = RATIOS**2
+    felt = np.stack([3 * RATIOS, t - 2], axis=-1) / ((1 + t) ** 2.5)[:, None]
+    rows = []
+    for dtype in (np.float32, np.float64):
+        # what the rounding of the signals does is not the form's fault: the truth is that of the rounded ones
+        given = felt.astype(dtype)
+        true = np.array([exact_inverse(*pair) for pair in given])
+        zero = np.zeros(len(given), dtype)
+        # E is such that 4 pi E z^2 / 3 = 1
+        dx, _, force, _ = invert_strain(given[:, 0], zero, given[:, 1], 1.0, 3 / (4 * np.pi), 0.0, 1)
+        for way, found in (("stable", (np.abs(dx), force)), ("printed", printed_inverse(*given.T, dtype))):
+            error = np.abs(np.stack(found, axis=-1).astype(np.float64) / true - 1).max(axis=1)
+            error = np.where(np.isfinite(error), np.clip(error, 1e-17, 1), 1.0)
+            name = f"{way}, {np.dtype(dtype).name}"
+            rows += [_row("forms", name, r, 0.0, float(e), 0.0) for r, e in zip(RATIOS, error, strict=True)]
+    return rows
+
+
+def _noise() -> list[dict[str, Any]]:
+    """Errors of place and normal force of a load: the strongest taxel alone, all of them, and the least possible."""
+    rows = []
+    for side in watched(SIDES, "inverse", len(SIDES)):
+        at, random = array(side, side), np.random.default_rng(side)
+        for level in NOISES:
+            errors: dict[str, list[tuple[float, float]]] = {way: [] for way in WAYS}
+            for _ in range(TRIALS):
+                place = at.mean(axis=(0, 1)) + random.uniform(-1, 1, 2) * DEPTH
+                load = np.array([*place, 0.15, -0.1, 0.5])
+                strain = point_load_strain(at, DEPTH, [load], MODULUS)
+                noise = level * float(np.abs(strain).max())
+                noisy = strain + random.normal(size=strain.shape) * noise
+                least = bound(lambda p, at=at: point_load_strain(at, DEPTH, p, MODULUS), load, noise, SCALE)
+                gaps = as_row(locate(at, noisy)) - load, _one(at, noisy) - load, least
+                for way, gap in zip(WAYS, gaps, strict=True):
+                    errors[way].append((float(np.hypot(*gap[:2]) / DEPTH), float(abs(gap[4]) / load[4])))
+            seconds = best_times({"": lambda at=at, noisy=noisy: locate(at, noisy)}, 20)[""]
+            for way, found in errors.items():
+                near, force = np.sqrt(np.mean(np.square(found), axis=0)).tolist()
+                rows.append(_row("noise", way, side, level, near, seconds if way == WAYS[0] else 0.0, force))
+    return rows
+
+
+def _one(at: Floats, strain: Floats) -> Floats:
+    """The load that the strongest taxel finds by itself, taking it as normal."""
+    x, y, z = np.moveaxis(strain, -1, 0)
+    dx, dy, force, _ = invert_strain(x, y, z, DEPTH, MODULUS, 0.0, 1)
+    best = np.unravel_index(np.abs(z).argmax(), z.shape)
+    return np.array([*(at[best] + [dx[best], dy[best]]), 0.0, 0.0, force[best]])
+
+
+_TEXT = """\
+**Form.** For the same signals, taken as exact, the root of eq. (4) in 50 digits is the truth. The printed form subtracts
+two nearly equal numbers right above the taxel and divides 0 by 0 on the ring rho = sqrt(2) z; the stable one, whose sums
+have terms of one sign, costs the same and is off by at most {stable32:.0e} in float32 and {stable64:.0e} in float64.
+
+**Noise and taxels.** Loads with shear within a depth of the array's middle, {trials} draws a point. The strongest taxel
+alone finds the place as well as the noise lets it, but only the sum Q x + R y + F z: taken as the normal force it is off by
+{bias:.0%} however small the noise. All signals together, by least squares from the taxels' consensus, find place and
+components at the Cramer-Rao bound:
+
+| taxels | time of a frame | place, 1 % noise [z] | place, 0.1 % | F, 1 % noise | place to the bound |
+|---|---|---|---|---|---|
+{table}
+
+Taxels more than two depths from the load cost time and add little."""
+
+
+def _text(rows: list[dict[str, Any]]) -> str:
+    def worst(way: str) -> float:
+        return max(row["error"] for row in rows if (row["family"], row["way"]) == ("forms", way))
+
+    noise = {(r["way"], r["size"], r["noise"]): r for r in rows if r["family"] == "noise"}
+    lines = []
+    for side in SIDES:
+        ours, less = noise["least squares", side, 1e-2], noise["least squares", side, 1e-3]
+        ratio = ours["error"] / noise["Cramer-Rao", side, 1e-2]["error"]
+        lines.append(
+            f"| {side} x {side} | {ours['seconds'] * 1e6:.0f} us | {ours['error']:.2g} | {less['error']:.2g} | {ours['force error']:.2%} | {ratio:.2f} |"
+        )
+    return _TEXT.format(
+        stable32=worst("stable, float32"), stable64=worst("stable, float64"), trials=TRIALS, table="\n".join(lines),
+        bias=noise[WAYS[1], 8, 1e-5]["force error"],
+    )  # fmt: skip
+
+
+def _draw(figure: Any, rows: list[dict[str, Any]]) -> None:
+    left, middle, right = figure.subplots(1, 3)
+    for way in dict.fromkeys(row["way"] for row in rows if row["family"] == "forms"):
+        found = sorted((r["size"], r["error"]) for r in rows if (r["family"], r["way"]) == ("forms", way))
+        left.loglog(*zip(*found, strict=True), "-" if way.startswith("stable") else "--", label=way, marker=".")
+    left.axvline(np.sqrt(2), color="black", linewidth=0.7, linestyle=":")
+    left.set(title="printed and stable form", xlabel="rho / z", ylabel="relative error of rho and F", ylim=(1e-18, 1e5))
+    for way, line in zip(WAYS, ("o-", "x-", ":"), strict=True):
+        for part, name, colour in (("error", "place [z]", "C0"), ("force error", "F", "C1")):
+            of = [r for r in rows if r["family"] == "noise" and (r["way"], r["size"]) == (way, 8)]
+            found = sorted((r["noise"], r[part]) for r in of)
+            middle.loglog(*zip(*found, strict=True), line, color=colour, label=f"{name}, {way}", markersize=4)
+    middle.set(title="noise, 8 x 8 taxels", xlabel="noise over the largest signal", ylabel="rms error")
+    for level in NOISES:
+        found = [
+            (r["seconds"], r["error"], r["size"])
+            for r in rows
+            if r["family"] == "noise" and (r["way"], r["noise"]) == ("least squares", level)
+        ]
+        right.loglog([f[0] for f in found], [f[1] for f in found], "o-", label=f"noise {level:g}", markersize=4)
+        for seconds, error, side in found if level == NOISES[-1] else ():
+            right.annotate(
+                f"{side:g} x {side:g}", (seconds, error), fontsize=7, xytext=(3, 3), textcoords="offset points"
+            )
+    right.set(title="how many taxels", xlabel="best wall time of a frame [s]", ylabel="rms error of the place [z]")
+    for one in (left, middle, right):
+        one.legend(fontsize=7)
+        one.grid(alpha=0.3)
