@@ -81,13 +81,14 @@ class EffectBounds:
         made.effects, made.peak, made._on, made._fields = self.effects, self.peak, self._on, self._fields
         made.fingers = []
         for given, old in zip(self._fields, self.fingers, strict=True):
-            now, whole = given, sum(old.terms.values())
+            now = given
             for name, effect in self.effects:
                 if name in old.terms and name not in off:
                     now = _acted(effect, now)
+            whole = sum(old.terms.values()) + _values(given)
             # the first of them stands for all
             gone = [name for name in old.terms if name in off]
-            terms = dict.fromkeys(gone[1:], np.zeros(1)) | {gone[0]: whole - (now.values - given.values)}
+            terms = dict.fromkeys(gone[1:], np.zeros(1)) | {gone[0]: whole - _values(now)}
             made.fingers.append(replace(old, terms=old.terms | terms))
         return made
 
@@ -97,6 +98,7 @@ class EffectBounds:
 
     def _bound(self, given: Field, ideal: Extremes) -> FingerBounds:
         found, now, shaken = FingerBounds(), given, 0.0
+        felt = _values(given)
         self._bending: set[str] = set()
         for name, effect in self.effects:
             if effect.STAGE == "field" and effect.RANDOM:
@@ -104,10 +106,12 @@ class EffectBounds:
                 shaken = float(np.hypot(shaken, found.reach[name] if name in self._on else 0.0))
             elif effect.STAGE == "field":
                 changed = _acted(effect, now)
-                found.terms[name] = changed.values - now.values
+                found.terms[name] = np.zeros(1)
                 if changed is not now:  # fields are computed with all effects at once
                     self._bending.add(name)
-                now = changed if name in self._on else now
+                    values = _values(changed)
+                    found.terms[name] = values - felt
+                    now, felt = (changed, values) if name in self._on else (now, felt)
         seen = (ideal.seen if now is given else _behind(ideal.seen, given, now)).after(shaken, True)
         grows: dict[str, float] = {}
         for name, effect in self.effects:
@@ -138,6 +142,14 @@ def _asked(effect: Any, what: str, else_: float, *given: Any) -> float:
 def _acted(effect: Any, now: Field) -> Field:
     end: Field = next(effect(iter([now]), np.random.default_rng(0)))  # fixed: it draws nothing
     return end
+
+
+def _values(now: Field) -> Floats:
+    """What the taxels feel in the frames tried.
+
+    On the half-space by quadrature, since a table for a few frames does not pay; one for the layer is made anyway.
+    """
+    return replace(now, accuracy=0.0).values if np.isinf(now.medium.thickness) else now.values
 
 
 def _largest(values: Any) -> float:

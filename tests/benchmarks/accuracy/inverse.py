@@ -11,8 +11,8 @@ from tactile.inverse.taxel import invert_strain
 from tests.benchmarks.accuracy.rounds import best_times
 from tests.benchmarks.accuracy.section import Section
 from tests.kits.pads import DEPTH, MODULUS, SCALE, array, as_row, locate
-from tests.oracles.localise import bound
 from tests.oracles.exact_inverse import exact_inverse
+from tests.oracles.localise import bound
 from tests.oracles.printed_inverse import printed_inverse
 
 RATIOS = np.concatenate([np.geomspace(1e-8, 1, 33), np.sqrt(2) + np.array([-1e-6, 1e-6]), np.geomspace(2, 1e4, 17)])
