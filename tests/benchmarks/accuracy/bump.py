@@ -1,4 +1,4 @@
-"""Section 3, a bump of finite elements: kind of element, mesh, small against finite strain, and what the cache saves."""
+"""Section 3, a bump of finite elements: element, mesh, small against finite strain, and what the cache saves."""
 
 import os
 import tempfile
@@ -13,7 +13,7 @@ from cnnsim.support import Floats
 from cnnsim.support.command_line import watched
 from tactile.bump.body import Body
 from tactile.bump.kinematics import PRESSED
-from tactile.bump.law import Displacement, Law, Mixed
+from tactile.bump.law import Displacement, Mixed
 from tactile.bump.mesh import half_section
 from tactile.bump.plate import plate_constraint, respond
 from tactile.bump.probe import Probe
@@ -28,7 +28,7 @@ RUBBER = Medium(1.0, 0.499)
 FINENESS = (0.5, 0.7, 1.0, 1.4, 2.0)
 FINEST = 3.0
 POINTS = np.stack([np.linspace(0, 0.6e-3, 13), np.full(13, DEPTH)], axis=-1)
-KINDS: dict[str, tuple[type[Law], int]] = {
+KINDS: dict[str, tuple[type[Mixed | Displacement], int]] = {
     "mixed, degree 2": (Mixed, 2), "displacement, degree 2": (Displacement, 2),
     "displacement, degree 1": (Displacement, 1),
 }  # fmt: skip
@@ -50,7 +50,8 @@ def section() -> Section:
     locked = next(row for row in rows if row["way"] == "displacement, degree 1" and row["fineness"] == 1.0)
     answer = (
         f"Bump: mixed elements on the standard mesh are off by {mixed['error']:.1%} in {mixed['seconds']:.2g} s, plain "
-        f"ones of degree 1 lock and are off by {locked['error']:.0%}; a bump that was computed once comes from the cache in "
+        f"ones of degree 1 lock and are off by {locked['error']:.0%}; a bump that was computed once comes "
+        f"from the cache in "
         f"{warm * 1e3:.2g} ms instead of {cold:.2g} s."
     )
     return Section(
@@ -62,7 +63,7 @@ def _row(way: str, fineness: float, unknowns: int, error: float, seconds: float)
     return {"way": way, "fineness": fineness, "unknowns": unknowns, "error": error, "seconds": seconds}
 
 
-def _solved(law: type[Law], degree: int, fineness: float) -> tuple[Floats, int, float]:
+def _solved(law: type[Mixed | Displacement], degree: int, fineness: float) -> tuple[Floats, int, float]:
     """Strain per newton under a plate that presses, the number of unknowns, seconds."""
     start = perf_counter()
     body = Body(half_section(SHAPE, fineness), PRESSED, law(RUBBER), degree)
@@ -103,25 +104,25 @@ def _cache() -> tuple[float, float]:
 
 
 _TEXT = """\
-A bump of 0.4 mm on 1 mm of rubber, Poisson's ratio 0.499, taxels 0.2 mm under its foot; the truth is the mixed element on
-the mesh of fineness {finest:g}.
+A bump of 0.4 mm on 1 mm of rubber, Poisson's ratio 0.499, taxels 0.2 mm under its foot; the truth is the mixed
+element on the mesh of fineness {finest:g}.
 
 | element | fineness | unknowns | largest error of a strain | seconds |
 |---|---|---|---|---|
 {table}
 
-Rubber hardly changes its volume: an element that knows displacements alone locks, most at degree 1. With the pressure as
-an unknown of its own (Taylor and Hood) the error falls with the mesh; the scene's tables are made at fineness 2.
+Rubber hardly changes its volume: an element that knows displacements alone locks, most at degree 1. With the pressure
+as an unknown of its own (Taylor and Hood) the error falls with the mesh; the scene's tables are made at fineness 2.
 
-**Small or finite strain.** Small strain is linear in the force and one solution; finite strain follows the contact as it
-grows, {ratio:.0f} x the time. What small strain, with half the bump touching, is off by:
+**Small or finite strain.** Small strain is linear in the force and one solution; finite strain follows the contact as
+it grows, {ratio:.0f} x the time. What small strain, with half the bump touching, is off by:
 
 | pressed in | {depths} |
 |{rule}|
 | difference over the peak | {gaps} |
 
-**Cache.** The first scene with a bump computes its table in {cold:.2g} s, every later one of these dimensions, in this
-process or another, reads it in {warm:.2g} ms."""
+**Cache.** The first scene with a bump computes its table in {cold:.2g} s, every later one of these dimensions, in
+this process or another, reads it in {warm:.2g} ms."""
 
 
 def _text(rows: list[dict[str, Any]]) -> str:

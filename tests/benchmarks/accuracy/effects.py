@@ -97,28 +97,29 @@ def _time(work: Any) -> tuple[float, Any]:
 
 
 _TEXT = """\
-For a tolerance `effects = "auto"` leaves out effects whose bounds together stay below it: bounds over the whole recording,
-and over all seeds but one in a thousand of what is random. Effects that the scene does not name count at typical strength.
-Errors are found over the whole recording and three seeds, against all effects on, relative to the ideal skin's peak.
+For a tolerance `effects = "auto"` leaves out effects whose bounds together stay below it: bounds over the whole
+recording, and over all seeds but one in a thousand of what is random. Effects that the scene does not name count at
+typical strength. Errors are found over the whole recording and three seeds, against all effects on, relative to the
+ideal skin's peak.
 
 | scene | tolerance | error found | its bound | time of a frame | left out |
 |---|---|---|---|---|---|
 {table}
 
-**What each effect adds**, with all others on (of what is random a bound over seeds; a dead or stuck taxel is as large as
-the signal), and its share of the time of a frame:
+**What each effect adds**, with all others on (of what is random a bound over seeds; a dead or stuck taxel is as large
+as the signal), and its share of the time of a frame:
 
 | effect | {names} |
 |{rule}|
 {parts}
 
 **Random scenes**, {cases} of them with any effect at any strength and seeds that were never looked at before: the
-tolerance of {tolerance:g} was kept in {kept:.1%}, over the scene's own seed and two others; the largest error was {worst:.2g},
-and the bound was {loose:.1f} x the error in the median. A chosen scene took at most {slowest:.2f} x the time of all effects
-on, {median:.2f} x in the median. Choosing took {choosing:.1f} ms, as long as {frames:.0f} of these frames with all effects
-on: at {samples} frames choosing and computing together cost {sum:.2f} x in the median, and less than all effects on in
-{pays:.0%}, the others being those of which little can be left out. Keep a choice with `tactile explain SCENE --write FILE`
-where a scene is run again."""
+tolerance of {tolerance:g} was kept in {kept:.1%}, over the scene's own seed and two others; the largest error was
+{worst:.2g}, and the bound was {loose:.1f} x the error in the median. A chosen scene took at most {slowest:.2f} x the
+time of all effects on, {median:.2f} x in the median. Choosing took {choosing:.1f} ms, as long as {frames:.0f} of
+these frames with all effects on: at {samples} frames choosing and computing together cost {sum:.2f} x in the median,
+and less than all effects on in {pays:.0%}, the others being those of which little can be left out. Keep a choice with
+`tactile explain SCENE --write FILE` where a scene is run again."""
 
 
 def _text(found: dict[str, list[Trade]], parts: dict[str, list[tuple[str, float, float]]], tries: list[Any]) -> str:
@@ -134,13 +135,13 @@ def _text(found: dict[str, list[Trade]], parts: dict[str, list[tuple[str, float,
         for (_, size, seconds), whole in zip(rows, parts.values(), strict=True):
             cells.append(f"{size:.2g}, {seconds / sum(one[2] for one in whole):.0%}")
         lines.append(f"| {rows[0][0]} | " + " | ".join(cells) + " |")
-    ratio = [one["chosen"] / one["all"] for one in tries]
+    ratios = [one["chosen"] / one["all"] for one in tries]
     return _TEXT.format(
         table="\n".join(table), names=" | ".join(parts), rule="---|" * len(parts) + "---", parts="\n".join(lines),
         cases=len(tries), tolerance=TOLERANCE, kept=np.mean([one["error"] <= TOLERANCE for one in tries]),
         worst=max(one["error"] for one in tries),
         loose=np.median([one["bound"] / one["error"] for one in tries if one["error"] > 0]),
-        slowest=max(ratio), median=np.median(ratio), choosing=np.median([one["choosing"] for one in tries]) * 1e3,
+        slowest=max(ratios), median=np.median(ratios), choosing=np.median([one["choosing"] for one in tries]) * 1e3,
         samples=SAMPLES, sum=np.median([(one["choosing"] + one["chosen"]) / one["all"] for one in tries]),
         pays=np.mean([one["choosing"] + one["chosen"] < one["all"] for one in tries]),
         frames=np.median([one["choosing"] for one in tries]) / np.median([one["all"] / SAMPLES for one in tries]),

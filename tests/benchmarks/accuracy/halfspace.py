@@ -1,11 +1,14 @@
-"""Section 2, the half-space: ways to sum loads, dtype, points of a taxel's area, cells of a contact, waves of a layer."""
+"""Section 2, the half-space: ways to sum loads, dtype, points of a taxel's area, a contact's cells, a layer's waves."""
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from cnnsim.support import Floats
 from cnnsim.support.command_line import watched
+from tactile.core.frame import TaxelArray
 from tactile.core.loads import COLUMNS, F, X, Y
 from tactile.elastic.cells import uniform_cell
 from tactile.elastic.direct import direct_sum
@@ -17,30 +20,39 @@ from tactile.elastic.layer_loads import layer_term
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import HERTZ
 from tactile.elastic.spectral import TractionTransform
-from tests.benchmarks.accuracy.rounds import best_times, first_below
+from tactile.simulator.contacts.indenter import Indenter
+from tactile.simulator.contacts.moving_contact import MovingContact
+from tactile.simulator.scene.scene import Scene
+from tests.benchmarks.accuracy.halfspace_text import costs, draw, text, worst_sum
+from tests.benchmarks.accuracy.rounds import best_times
 from tests.benchmarks.accuracy.section import Section
 from tests.benchmarks.accuracy.waves import by_waves
 
+Way = Callable[[], Floats]
 BODY = Medium(2.4e6)
 DEPTH = 1e-3
 SUMS = (8, 16, 32, 64)
 AREAS = (1, 2, 3, 4, 6, 8, 12)
+ACCURACIES = (0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
 CELLS = (2, 4, 8, 16, 32, 64, 128)
 COUNTS = (2, 4, 6, 8, 12, 16, 24, 32)
 
 
 def section() -> Section:
     """Measure all four."""
-    parts = (_sums, _areas, _contacts, _layers)
+    parts = (_sums, _areas, _contacts, _circles, _layers)
     rows = [row for part in watched(parts, "half-space", len(parts)) for row in part()]
-    area, disc = _costs(rows, "taxel area 0.3 z", "points"), _costs(rows, "Hertz contact, a = z", "cells a side")
+    area, disc = costs(rows, "taxel area 0.3 z", "points"), costs(rows, "Hertz contact, a = z", "cells a side")
     answer = (
-        f"Half-space: how loads are summed changes nothing but the time (all ways agree to {_worst_sum(rows):.0e}); three "
-        f"digits of a taxel's area take {area[1e-3]:g} x {area[1e-3]:g} points and six {area[1e-6]:g} x {area[1e-6]:g}; a "
-        f"contact cut into cells needs {disc[1e-3]:g} a side for three digits, its circle in closed form gives them all."
+        f"Half-space: how loads are summed changes nothing but the time (all ways agree to "
+        f"{worst_sum(rows):.0e}); three "
+        f"digits of a taxel's area take {area[1e-3]:g} x {area[1e-3]:g} points and six {area[1e-6]:g} x "
+        f"{area[1e-6]:g}; a "
+        f"contact cut into cells needs {disc[1e-3]:g} a side for three digits, its circle in closed form "
+        f"gives them all."
     )
     return Section(
-        "halfspace", "2. Half-space", answer, _text(rows), rows, lambda figure: _draw(figure, rows), (12, 8.5)
+        "halfspace", "2. Half-space", answer, text(rows, SUMS), rows, lambda figure: draw(figure, rows), (12, 8.5)
     )
 
 
@@ -49,7 +61,7 @@ def _row(family: str, way: str, size: float, error: float, seconds: float) -> di
 
 
 def _relative(found: Floats, exact: Floats) -> float:
-    return float(np.abs(found - exact).max() / np.abs(exact).max())
+    return float(np.abs(found.reshape(exact.shape) - exact).max() / np.abs(exact).max())
 
 
 def _sums() -> list[dict[str, Any]]:
@@ -65,14 +77,14 @@ def _sums() -> list[dict[str, Any]]:
         traction = (loads[:, 2:] / pitch**2).reshape(side, side, 3)
         influence = Influence(at, DEPTH, loads[:, :2], BODY) if side <= 32 else None
         transforms = TractionTransform((side, side), (side, side), pitch, DEPTH, BODY)
-        ways = {
-            "direct": lambda at=at, loads=loads: direct_sum(at, DEPTH, loads[None], BODY)[0],
-            "transforms": lambda t=traction, by=transforms: by(t),
-            "NumPy, float32": lambda at=at, loads=loads: _numpy(at, loads, np.float32),
-            "NumPy, float64": lambda at=at, loads=loads: _numpy(at, loads, np.float64),
+        ways: dict[str, Way] = {
+            "direct": partial(direct_sum, at, DEPTH, loads[None], BODY),
+            "transforms": partial(transforms, traction),
+            "NumPy, float32": partial(_numpy, at, loads, np.float32),
+            "NumPy, float64": partial(_numpy, at, loads, np.float64),
         }
         if influence is not None:
-            ways["matrix"] = lambda by=influence, loads=loads: by(loads[None, :, 2:])[0]
+            ways["matrix"] = partial(influence, loads[None, :, 2:])
         times = best_times(ways)
         rows += [_row("sums", way, side, _relative(ways[way](), exact), times[way]) for way in ways]
     return rows
@@ -94,7 +106,7 @@ def _formula(at: Any, loads: Any, kind: Any) -> Any:
     return out
 
 
-def _numpy(at: Floats, loads: Floats, kind: Any) -> Floats:
+def _numpy(at: Any, loads: Floats, kind: Any) -> Floats:
     return np.asarray(_formula(at.reshape(-1, 2), loads, kind), np.float64).reshape(at.shape[0], -1, 3)
 
 
@@ -104,17 +116,19 @@ def _areas() -> list[dict[str, Any]]:
     at = np.stack(np.meshgrid(np.linspace(-2, 2, 9), [0.0]), axis=-1)[0] * DEPTH
     load = np.array([[0.0, 0.0, 0.05, 0.0, 0.2]])
     for share in (0.3, 1.0, 3.0):
-
-        def mean(count: int, share: float = share) -> Floats:
-            nodes, weights = gauss(count)
-            steps = np.stack(np.meshgrid(nodes, nodes), axis=-1).reshape(-1, 2) * share * DEPTH / 2
-            felt = point_load(at[:, None] + steps, DEPTH, load, BODY)
-            return np.asarray(np.einsum("npk,p->nk", felt, np.outer(weights, weights).ravel() / 4))
-
-        exact = mean(40)
-        times = best_times({str(n): lambda n=n, mean=mean: mean(n) for n in AREAS})
-        rows += [_row(f"taxel area {share:g} z", "points", n, _relative(mean(n), exact), times[str(n)]) for n in AREAS]
+        exact, name = _mean(at, load, share, 40), f"taxel area {share:g} z"
+        ways: dict[str, Way] = {str(n): partial(_mean, at, load, share, n) for n in AREAS}
+        times = best_times(ways)
+        rows += [_row(name, "points", n, _relative(ways[str(n)](), exact), times[str(n)]) for n in AREAS]
     return rows
+
+
+def _mean(at: Floats, load: Floats, share: float, count: int) -> Floats:
+    """The mean over taxels ``share`` depths wide."""
+    nodes, weights = gauss(count)
+    steps = np.stack(np.meshgrid(nodes, nodes), axis=-1).reshape(-1, 2) * share * DEPTH / 2
+    felt = point_load(at[:, None] + steps, DEPTH, load, BODY)
+    return np.asarray(np.einsum("npk,p->nk", felt, np.outer(weights, weights).ravel() / 4))
 
 
 def _contacts() -> list[dict[str, Any]]:
@@ -131,14 +145,9 @@ def _contacts() -> list[dict[str, Any]]:
         force /= force.sum()
         points = np.zeros((len(x), COLUMNS))
         points[:, X], points[:, Y], points[:, F] = x, y, force
-
-        def squares(x: Floats = x, y: Floats = y, force: Floats = force, pitch: float = pitch) -> Floats:
-            kernel = uniform_cell(at[:, None, 0] - x, at[:, None, 1] - y, DEPTH, pitch, BODY)[..., 2]
-            return np.asarray(np.einsum("tck,c->tk", kernel, force / pitch**2))
-
-        ways = {
-            "as points": lambda points=points: direct_sum(at, DEPTH, points[None], BODY)[0],
-            "as squares": squares,
+        ways: dict[str, Way] = {
+            "as points": partial(direct_sum, at, DEPTH, points[None], BODY),
+            "as squares": partial(_squares, at, points, pitch),
         }
         times = best_times(ways, 3)
         found = {way: _relative(run(), exact) for way, run in ways.items()}
@@ -148,118 +157,35 @@ def _contacts() -> list[dict[str, Any]]:
     return rows
 
 
+def _circles() -> list[dict[str, Any]]:
+    """A sphere that moves over 8 x 8 taxels, by the scene's accuracy: tables of circles, and quadrature at 0."""
+    path = np.array([(0.0, -2e-3, 0, 0.1, 0, 1.0), (1.0, 2e-3, 1e-3, 0.1, 0, 2.0)])
+    array, sphere = TaxelArray("a", 8, 8, 1e-3, DEPTH), MovingContact(0, Indenter("sphere", 5e-3), path)
+    scenes = {a: Scene("s", 200.0, 1.0, BODY.modulus, (array,), (), (sphere,), accuracy=a) for a in ACCURACIES}
+    felt = {a: _batches(scene) for a, scene in scenes.items()}
+    times = best_times({str(a): partial(_batches, scene) for a, scene in scenes.items()}, 3)
+    name = "sphere on 8 x 8 taxels"
+    return [_row(name, "by accuracy", a, _relative(felt[a], felt[0.0]), times[str(a)] / 200) for a in ACCURACIES]
+
+
+def _batches(scene: Scene) -> Floats:
+    return np.concatenate([one.values for one in scene.batches(0)])
+
+
+def _squares(at: Floats, points: Floats, pitch: float) -> Floats:
+    kernel = uniform_cell(at[:, None, 0] - points[:, X], at[:, None, 1] - points[:, Y], DEPTH, pitch, BODY)[..., 2]
+    return np.asarray(np.einsum("tck,c->tk", kernel, points[:, F] / pitch**2))
+
+
 def _layers() -> list[dict[str, Any]]:
     """A point load on a layer of twice the depth: panels of waves, and the table that is used."""
-    rows = []
     at = np.stack(np.meshgrid(np.linspace(0, 4, 17), [0.0]), axis=-1).reshape(-1, 2) * DEPTH
     load, thickness = np.array([[0.0, 0.0, 0.05, 0.0, 0.2]]), 2 * DEPTH
     half = point_load(at, DEPTH, load, BODY)
-    exact = half + by_waves(at, DEPTH, load[0], thickness, BODY, 400)
-    ways = {f"waves {n}": lambda n=n: half + by_waves(at, DEPTH, load[0], thickness, BODY, n) for n in COUNTS}
-    ways["table"] = lambda: half + layer_term(at, DEPTH, load, thickness, BODY)
-    times = best_times(ways, 3)
-    for n in COUNTS:
-        rows.append(
-            _row(
-                "layer of 2 z", "Gauss points of waves", n, _relative(ways[f"waves {n}"](), exact), times[f"waves {n}"]
-            )
-        )
-    rows.append(_row("layer of 2 z", "table, made once", 1, _relative(ways["table"](), exact), times["table"]))
-    return rows
-
-
-def _worst_sum(rows: list[dict[str, Any]]) -> float:
-    return max(row["error"] for row in rows if row["family"] == "sums" and "float32" not in row["way"])
-
-
-def _costs(rows: list[dict[str, Any]], family: str, way: str) -> dict[float, float]:
-    found = [(row["size"], row["error"]) for row in rows if row["family"] == family and row["way"].startswith(way)]
-    return {wanted: first_below(found, wanted) for wanted in (1e-3, 1e-6)}
-
-
-_TEXT = """\
-**Ways to sum.** Random tractions on the taxels' own grid, n x n loads on n x n taxels, against the formula in 80 bits.
-The direct sum, the influence matrix and the transforms agree to rounding; the scene takes the fastest and says which
-(`tactile explain`). float32, tried in the same formula in NumPy, keeps six digits and takes {single:.2g} x the time of
-float64 there (median): scenes are computed in float64.
-
-| loads x taxels | {ways} |
-{table}
-
-**Points of a taxel's area.** Gauss points converge geometrically, faster the deeper the taxel. The effect `taxel_area`
-takes as many as 1e-6 asks for.
-
-**Contacts.** Cells that carry Hertz' pressure converge with the square of their number a side at best, because the
-pressure has a vertical slope at the rim; squares are no better than points once cells are smaller than the depth. A
-circle in closed form is exact and costs {circle:.2g} x what {cells} cells a side cost, the fewest that reach 1e-3.
-
-**Layer.** What a bonded layer adds is an integral over waves that fall off exponentially: {waves:g} Gauss points reach
-1e-6. The product keeps it as a table over the distance, made once for a depth, a Poisson's ratio and a quantity: error
-{spline:.0e} of the peak."""
-
-
-def _text(rows: list[dict[str, Any]]) -> str:
-    ways = ("direct", "matrix", "transforms", "NumPy, float64", "NumPy, float32")
-    lines = ["|---" * (len(ways) + 1) + "|"]
-    for side in SUMS:
-        cells = []
-        for way in ways:
-            found = [row for row in rows if (row["family"], row["way"], row["size"]) == ("sums", way, side)]
-            cells.append(f"{found[0]['seconds'] * 1e3:.3g} ms, {found[0]['error']:.0e}" if found else "too large")
-        lines.append(f"| {side}² x {side}² | " + " | ".join(cells) + " |")
-    disc = [row for row in rows if row["family"].startswith("Hertz")]
-    cells = _costs(rows, "Hertz contact, a = z", "cells a side, as points")[1e-3]
-    reached = [row["seconds"] for row in disc if row["way"].endswith("as points") and row["size"] == cells]
-    layer = [row for row in rows if row["family"].startswith("layer")]
-    time = {(row["way"], row["size"]): row["seconds"] for row in rows if row["family"] == "sums"}
-    single = float(np.median([time["NumPy, float32", n] / time["NumPy, float64", n] for n in SUMS]))
-    return _TEXT.format(
-        single=single,
-        ways=" | ".join(ways), table="\n".join(lines), cells=f"{cells:g}", circle=disc[-1]["seconds"] / reached[0],
-        waves=_costs(rows, "layer of 2 z", "Gauss")[1e-6], spline=layer[-1]["error"],
-    )  # fmt: skip
-
-
-def _draw(figure: Any, rows: list[dict[str, Any]]) -> None:
-    axes = figure.subplots(2, 2)
-    (sums, area), (disc, layer) = axes
-    for way in dict.fromkeys(row["way"] for row in rows if row["family"] == "sums"):
-        found = [row for row in rows if row["family"] == "sums" and row["way"] == way]
-        sums.loglog([r["seconds"] for r in found], [max(r["error"], 1e-17) for r in found], "o-", label=way)
-        for r in found:
-            sums.annotate(
-                f"{r['size']:g}²",
-                (r["seconds"], max(r["error"], 1e-17)),
-                fontsize=7,
-                xytext=(3, 3),
-                textcoords="offset points",
-            )
-    sums.set(title="ways to sum n² loads on n² taxels", ylabel="largest error over the peak")
-    for one, start, title in (
-        (area, "taxel area", "points of a taxel's area"),
-        (disc, "Hertz", "a contact in cells"),
-        (layer, "layer", "a layer of 2 z"),
-    ):
-        for key in dict.fromkeys((r["family"], r["way"]) for r in rows if r["family"].startswith(start)):
-            found = [r for r in rows if (r["family"], r["way"]) == key]
-            label = key[0] if start == "taxel area" else key[1]
-            one.loglog(
-                [r["seconds"] for r in found],
-                [max(r["error"], 1e-16) for r in found],
-                "o-" if len(found) > 1 else "*",
-                markersize=4 if len(found) > 1 else 12,
-                label=label,
-            )
-            for r in found if len(found) > 1 else ():
-                one.annotate(
-                    f"{r['size']:g}",
-                    (r["seconds"], max(r["error"], 1e-16)),
-                    fontsize=7,
-                    xytext=(3, 3),
-                    textcoords="offset points",
-                )
-        one.set(title=title, ylabel="largest error over the peak")
-    for one in axes.ravel():
-        one.set_xlabel("best wall time [s]")
-        one.legend(fontsize=8)
-        one.grid(alpha=0.3)
+    exact = by_waves(at, DEPTH, load[0], thickness, BODY, 400)
+    ways: dict[str, Way] = {str(n): partial(by_waves, at, DEPTH, load[0], thickness, BODY, n) for n in COUNTS}
+    ways["table"] = partial(layer_term, at, DEPTH, load, thickness, BODY)
+    times, peak = best_times(ways, 3), float(np.abs(half + exact).max())
+    errors = {way: float(np.abs(run() - exact).max()) / peak for way, run in ways.items()}
+    rows = [_row("layer of 2 z", "Gauss points of waves", n, errors[str(n)], times[str(n)]) for n in COUNTS]
+    return [*rows, _row("layer of 2 z", "table, made once", 1, errors["table"], times["table"])]

@@ -1,5 +1,6 @@
-"""Section 4, the inverse: the printed form against the stable one, one answer against least squares, how many taxels."""
+"""Section 4, the inverse: printed against stable form, one taxel's answer against least squares, how many taxels."""
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,16 +25,21 @@ WAYS = "least squares", "one taxel's own answer", "Cramer-Rao"
 
 def section() -> Section:
     """Measure all three."""
-    rows = [*_forms(), *_noise()]
+    rows = [*forms(), *_noise()]
     worst = {
         (way, dtype): max(r["error"] for r in rows if (r["family"], r["way"]) == ("forms", f"{way}, {dtype}"))
         for way in ("stable", "printed")
         for dtype in ("float32", "float64")
     }
-    few, many = (next(r for r in rows if r["family"] == "noise" and r["way"] == "least squares" and r["size"] == n and r["noise"] == 1e-2) for n in (2, 8))  # fmt: skip
+    few, many = (
+        next(r for r in rows if (r["family"], r["way"], r["size"], r["noise"]) == ("noise", WAYS[0], n, 1e-2))
+        for n in (2, 8)
+    )
     answer = (
-        f"Inverse: the stable form keeps {worst['stable', 'float64']:.0e} wherever the load is, the printed one loses all digits "
-        f"right above the taxel and on the ring; with 1 % noise 8 x 8 taxels find the place {few['error'] / many['error']:.2g} x "
+        f"Inverse: the stable form keeps {worst['stable', 'float64']:.0e} wherever the load is, the printed "
+        f"one loses all digits "
+        f"right above the taxel and on the ring; with 1 % noise 8 x 8 taxels find the place "
+        f"{few['error'] / many['error']:.2g} x "
         f"nearer than 2 x 2, for {many['seconds'] / few['seconds']:.2g} x the time."
     )
     return Section("inverse", "4. Inverse", answer, _text(rows), rows, lambda figure: _draw(figure, rows), (13, 4.5))
@@ -48,7 +54,7 @@ def _row(
     }  # fmt: skip
 
 
-def _forms() -> list[dict[str, Any]]:
+def forms() -> list[dict[str, Any]]:
     """Larger relative error of a normal load's distance and force, over rho / z, from the same rounded signals."""
     t = RATIOS**2
     felt = np.stack([3 * RATIOS, t - 2], axis=-1) / ((1 + t) ** 2.5)[:, None]
@@ -60,7 +66,10 @@ def _forms() -> list[dict[str, Any]]:
         zero = np.zeros(len(given), dtype)
         # E is such that 4 pi E z^2 / 3 = 1
         dx, _, force, _ = invert_strain(given[:, 0], zero, given[:, 1], 1.0, 3 / (4 * np.pi), 0.0, 1)
-        for way, found in (("stable", (np.abs(dx), force)), ("printed", printed_inverse(*given.T, dtype))):
+        for way, found in (
+            ("stable", (np.abs(dx), force)),
+            ("printed", printed_inverse(given[:, 0], given[:, 1], dtype)),
+        ):
             error = np.abs(np.stack(found, axis=-1).astype(np.float64) / true - 1).max(axis=1)
             error = np.where(np.isfinite(error), np.clip(error, 1e-17, 1), 1.0)
             name = f"{way}, {np.dtype(dtype).name}"
@@ -81,15 +90,19 @@ def _noise() -> list[dict[str, Any]]:
                 strain = point_load_strain(at, DEPTH, [load], MODULUS)
                 noise = level * float(np.abs(strain).max())
                 noisy = strain + random.normal(size=strain.shape) * noise
-                least = bound(lambda p, at=at: point_load_strain(at, DEPTH, p, MODULUS), load, noise, SCALE)
+                least = bound(partial(_strain, at), load, noise, SCALE)
                 gaps = as_row(locate(at, noisy)) - load, _one(at, noisy) - load, least
                 for way, gap in zip(WAYS, gaps, strict=True):
                     errors[way].append((float(np.hypot(*gap[:2]) / DEPTH), float(abs(gap[4]) / load[4])))
-            seconds = best_times({"": lambda at=at, noisy=noisy: locate(at, noisy)}, 20)[""]
+            seconds = best_times({"": partial(locate, at, noisy)}, 20)[""]
             for way, found in errors.items():
                 near, force = np.sqrt(np.mean(np.square(found), axis=0)).tolist()
                 rows.append(_row("noise", way, side, level, near, seconds if way == WAYS[0] else 0.0, force))
     return rows
+
+
+def _strain(at: Floats, loads: Floats) -> Floats:
+    return point_load_strain(at, DEPTH, loads, MODULUS)
 
 
 def _one(at: Floats, strain: Floats) -> Floats:
@@ -101,14 +114,15 @@ def _one(at: Floats, strain: Floats) -> Floats:
 
 
 _TEXT = """\
-**Form.** For the same signals, taken as exact, the root of eq. (4) in 50 digits is the truth. The printed form subtracts
-two nearly equal numbers right above the taxel and divides 0 by 0 on the ring rho = sqrt(2) z; the stable one, whose sums
-have terms of one sign, costs the same and is off by at most {stable32:.0e} in float32 and {stable64:.0e} in float64.
+**Form.** For the same signals, taken as exact, the root of eq. (4) in 50 digits is the truth. The printed form
+subtracts two nearly equal numbers right above the taxel and divides 0 by 0 on the ring rho = sqrt(2) z; the stable
+one, whose sums have terms of one sign, costs the same and is off by at most {stable32:.0e} in float32 and
+{stable64:.0e} in float64.
 
-**Noise and taxels.** Loads with shear within a depth of the array's middle, {trials} draws a point. The strongest taxel
-alone finds the place as well as the noise lets it, but only the sum Q x + R y + F z: taken as the normal force it is off by
-{bias:.0%} however small the noise. All signals together, by least squares from the taxels' consensus, find place and
-components at the Cramer-Rao bound:
+**Noise and taxels.** Loads with shear within a depth of the array's middle, {trials} draws a point. The strongest
+taxel alone finds the place as well as the noise lets it, but only the sum Q x + R y + F z: taken as the normal force
+it is off by {bias:.0%} however small the noise. All signals together, by least squares from the taxels' consensus,
+find place and components at the Cramer-Rao bound:
 
 | taxels | time of a frame | place, 1 % noise [z] | place, 0.1 % | F, 1 % noise | place to the bound |
 |---|---|---|---|---|---|
@@ -127,7 +141,8 @@ def _text(rows: list[dict[str, Any]]) -> str:
         ours, less = noise["least squares", side, 1e-2], noise["least squares", side, 1e-3]
         ratio = ours["error"] / noise["Cramer-Rao", side, 1e-2]["error"]
         lines.append(
-            f"| {side} x {side} | {ours['seconds'] * 1e6:.0f} us | {ours['error']:.2g} | {less['error']:.2g} | {ours['force error']:.2%} | {ratio:.2f} |"
+            f"| {side} x {side} | {ours['seconds'] * 1e6:.0f} us | {ours['error']:.2g} | {less['error']:.2g} | "
+            f"{ours['force error']:.2%} | {ratio:.2f} |"
         )
     return _TEXT.format(
         stable32=worst("stable, float32"), stable64=worst("stable, float64"), trials=TRIALS, table="\n".join(lines),
@@ -149,16 +164,12 @@ def _draw(figure: Any, rows: list[dict[str, Any]]) -> None:
             middle.loglog(*zip(*found, strict=True), line, color=colour, label=f"{name}, {way}", markersize=4)
     middle.set(title="noise, 8 x 8 taxels", xlabel="noise over the largest signal", ylabel="rms error")
     for level in NOISES:
-        found = [
-            (r["seconds"], r["error"], r["size"])
-            for r in rows
-            if r["family"] == "noise" and (r["way"], r["noise"]) == ("least squares", level)
-        ]
-        right.loglog([f[0] for f in found], [f[1] for f in found], "o-", label=f"noise {level:g}", markersize=4)
-        for seconds, error, side in found if level == NOISES[-1] else ():
-            right.annotate(
-                f"{side:g} x {side:g}", (seconds, error), fontsize=7, xytext=(3, 3), textcoords="offset points"
-            )
+        of = [r for r in rows if r["family"] == "noise" and (r["way"], r["noise"]) == (WAYS[0], level)]
+        label = f"noise {level:g}"
+        right.loglog([r["seconds"] for r in of], [r["error"] for r in of], "o-", label=label, markersize=4)
+        for r in of if level == NOISES[-1] else ():
+            where = r["seconds"], r["error"]
+            right.annotate(f"{r['size']} x {r['size']}", where, fontsize=7, xytext=(3, 3), textcoords="offset points")
     right.set(title="how many taxels", xlabel="best wall time of a frame [s]", ylabel="rms error of the place [z]")
     for one in (left, middle, right):
         one.legend(fontsize=7)

@@ -1,4 +1,4 @@
-"""Section 6, touch: time of a frame against what is asked of the pipeline: the code, loads, textures, users' programs."""
+"""Section 6, touch: time of a frame against what is asked of the pipeline: code, loads, textures, users' programs."""
 
 from collections.abc import Callable
 from time import perf_counter
@@ -31,7 +31,8 @@ def section() -> Section:
     of = {(row["side"], row["asked"]): row for row in rows}
     small, large = (of[side, "and textures"]["median us"] / of[side, ASKED[0]]["median us"] for side in (2, 8))
     answer = (
-        f"Touch: code and events of 8 x 8 taxels take {of[8, ASKED[0]]['median us']:.0f} us a frame; with loads and textures "
+        f"Touch: code and events of 8 x 8 taxels take {of[8, ASKED[0]]['median us']:.0f} us a frame; with "
+        f"loads and textures "
         f"it is {large:.2g} x that ({small:.2g} x on 2 x 2), with a program of one's own {_ratio(of, 8):.2g} x."
     )
     return Section("touch", "6. Touch", answer, _text(of), rows, lambda figure: _draw(figure, rows), (9.5, 4))
@@ -83,15 +84,14 @@ def _once(array: TaxelArray, frames: list[Frame], asked: str, settings: Settings
 
 _TEXT = """\
 A grip that slips, 400 frames on a pad; the time of each frame through the stages of the pipeline, the best of three
-runs, nothing written. The program
-is `{program}` of the library, taken as a user's own.
+runs, nothing written. The program is `{program}` of the library, taken as a user's own.
 
 | taxels | {asked} |
 |{rule}|
 {table}
 
-Each cell: median, 99 of 100 frames. Frames in which no plane changes skip the detectors' steps, so the median is that of
-a quiet frame and the 99th that of a busy one. Times of a loaded machine are longer; `make bench` has the races."""
+Each cell: median, 99 of 100 frames. Frames in which no plane changes skip the detectors' steps, so the median is that
+of a quiet frame and the 99th that of a busy one. Times of a loaded machine are longer; `make bench` has the races."""
 
 
 def _text(of: dict[Any, Any]) -> str:
