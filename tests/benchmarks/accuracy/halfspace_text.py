@@ -36,7 +36,7 @@ pressure has a vertical slope at the rim; squares are no better than points once
 circle in closed form is exact and costs {circle:.2g} x what {cells} cells a side cost, the fewest that reach 1e-3.
 
 **Circles by accuracy.** A sphere with shear that moves over 8 x 8 taxels: circles come from tables as fine as
-the accuracy of the scene asks for (1e-4 of the peak unless it says), and by quadrature at 0, which takes {slow:.3g} us a frame:
+the accuracy of the scene asks for (1e-4 of the peak unless it says), and by quadrature at 0, in {slow:.3g} us a frame:
 
 | accuracy | error found | time of a frame |
 |---|---|---|

@@ -25,7 +25,7 @@ def test_errors_are_within_bounds_and_time_falls_with_what_is_left_out() -> None
 
 def test_a_long_scene_is_shortened() -> None:
     assert shortened(needle(duration=100.0)).samples <= FRAMES
-    assert shortened(needle()) == needle()
+    assert shortened(needle()).samples == needle().samples
 
 
 def test_the_command_writes_figures(tmp_path: Path) -> None:
