@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Unpack
+from pathlib import Path
+from typing import TYPE_CHECKING, Unpack
 
 from numpy.typing import ArrayLike
 
@@ -17,6 +18,9 @@ from cnnsim.result import Result
 from cnnsim.support import Array, InputError
 from cnnsim.task import Dtype, TaskOptions, load, make_task
 
+if TYPE_CHECKING:
+    from cnnsim.supersteps.engine import Engine
+
 
 @spelled(TaskOptions)
 def run_transient(
@@ -27,6 +31,8 @@ def run_transient(
     dtype: Dtype | None = None,
     threads: int | None = None,
     record: Record | None = None,
+    engine: "str | Engine | None" = None,
+    store: str | Path | None = None,
     **choices: Unpack[TaskOptions],
 ) -> Result:
     """Run one template from x(0) = ``state`` with u = ``input`` and return where it ends.
@@ -34,12 +40,21 @@ def run_transient(
     Arguments: ``choices`` are input, bias, mask, boundary, duration, cell, scheme, step, limit, without, accuracy, as
     in `make_task`; ``backend`` a name or a backend; ``dtype`` the numbers it computes with, None for its own;
     ``threads`` of the cpu backend, None for as many as pay; ``record`` times [time constants], or cells (row, column)
-    to be kept at every step: the result then has them as its ``trajectory``, by the steps of the run itself.
+    to be kept at every step: the result then has them as its ``trajectory``, by the steps of the run itself;
+    ``engine`` for grids that are larger than the memory, or for other machines: "processes", "dask", "dask=ADDRESS" or
+    an `Engine`, with the folder of its ``store``. Planes may be Zarr arrays then, and so is the result of such a state.
 
     Raises:
         InputError: as `make_task`; no such backend; times or cells that cannot be recorded.
         NotSettledError: the network did not settle within ``limit``; the error carries the result.
     """
+    if engine is not None or store is not None:
+        from cnnsim.on_engine import run_on_engine  # only here: it brings processes and Zarr
+
+        if record is not None:
+            raise InputError("record on an engine; states of large grids are not kept: no engine, or no record, wanted")
+        where = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend
+        return run_on_engine(template, where, engine or "processes", store, {**choices, "state": state})
     task = make_task(template, state=state, **choices)
     if task.accuracy is not None:
         if record is not None:

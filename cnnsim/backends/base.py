@@ -12,7 +12,7 @@ from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.operations.sequence import Sequence, Stores
 from cnnsim.planning.plan import SETTLED_RATE, Plan
-from cnnsim.support import Array, InputError, Integers
+from cnnsim.support import Array, Flags, InputError, Integers
 
 Plane = Any
 """Opaque to everybody but its backend. A LAM plane holds real numbers, an LLM plane black and white. Grids are
@@ -31,6 +31,30 @@ class Outcome(NamedTuple):
     t: float
     settled: bool
     rate: float
+
+
+Area = tuple[tuple[int, int], tuple[int, int]]
+"""Rows and columns [first, after) of a grid."""
+
+
+def outside(shape: tuple[int, ...], area: Area, mask: Flags | None) -> Flags:
+    """Return the mask of the cells that are not in an area, or held."""
+    held = np.ones(shape, bool)
+    (r0, r1), (c0, c1) = area
+    held[..., r0:r1, c0:c1] = False if mask is None else mask[..., r0:r1, c0:c1]
+    return held
+
+
+def check_fixed_step(plan: Plan) -> None:
+    """Refuse the adaptive scheme, which is the reference backend's alone.
+
+    Raises:
+        InputError: the plan has it.
+    """
+    if plan.method == "adaptive" or (plan.method == "general" and plan.cell != "discrete-time" and plan.scheme is None):
+        raise InputError(
+            "the adaptive scheme runs on the reference backend; choose --backend reference or a fixed-step scheme"
+        )
 
 
 class Backend(Protocol):
@@ -55,6 +79,23 @@ class Backend(Protocol):
         self, plan: Plan, x: Plane, u: Plane | None, bias: Plane | None = None, mask: Plane | None = None
     ) -> Outcome:
         """Run a transient from the state ``x``; LAM planes, but ``mask`` (LLM): black cells keep their state."""
+
+    def check(
+        self, plan: Plan, x: Plane, u: Plane | None, bias: Plane | None, mask: Plane | None, area: Area
+    ) -> "Check":
+        """Check the free cells of an area as a transient from ``x`` checks all before its first step.
+
+        Not of discrete time, where the outputs of two steps say it.
+        """
+
+    def catch_up(
+        self, plan: Plan, x: Plane, u: Plane | None, bias: Plane | None, mask: Plane | None, area: Area, steps: int
+    ) -> Plane | None:
+        """Take steps of an area in which and around which all outputs stand still, so that drives are constant.
+
+        The states elsewhere are left as they are. None: there is no way that is shorter than the steps themselves.
+        """
+        return None
 
     def output(self, x: Plane) -> Plane:
         """Give y = clip(x, -1, 1)."""

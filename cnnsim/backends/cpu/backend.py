@@ -10,12 +10,24 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from cnnsim.backends import driver
-from cnnsim.backends.base import Backend, Memory, Outcome, check_finite, parse_dtype
+from cnnsim.backends.base import (
+    Area,
+    Backend,
+    Check,
+    Memory,
+    Outcome,
+    check_finite,
+    check_fixed_step,
+    outside,
+    parse_dtype,
+)
 from cnnsim.backends.cpu import bits as packed
 from cnnsim.backends.cpu import closed, planes
 from cnnsim.backends.cpu.bits import Bits
 from cnnsim.backends.cpu.boundary import virtual_cells
 from cnnsim.backends.cpu.drive import control, controlling
+from cnnsim.backends.cpu.euler.sleep import E_FOLDS
+from cnnsim.backends.cpu.euler.window import CATCH_UP, CHECK
 from cnnsim.backends.cpu.jit.compile import Kernel, cache_folder
 from cnnsim.backends.cpu.neighbourhood import literals, neighbourhood
 from cnnsim.backends.cpu.planes import grids
@@ -25,7 +37,7 @@ from cnnsim.backends.cpu.sequence import MOST_CELLS, CompiledSequence
 from cnnsim.backends.cpu.term_steps import CompiledDiscreteSteps, CompiledTermSteps
 from cnnsim.backends.cpu.terms import CompiledNetwork, with_control_terms
 from cnnsim.backends.cpu.threads import checked_threads, on_threads
-from cnnsim.backends.cpu.transient import CompiledSteps, fused_euler
+from cnnsim.backends.cpu.transient import CompiledSteps, fused_euler, over_area
 from cnnsim.backends.slices import EXPONENTIALS, pieces
 from cnnsim.network import Boundary
 from cnnsim.operations.bitwise import BitRule
@@ -66,6 +78,8 @@ class CpuBackend(Backend):
                 "convert",
                 "output",
                 "transient",
+                "check",
+                "catch_up",
                 "cellwise",
                 "logic",
                 "neighbourhood",
@@ -105,22 +119,16 @@ class CpuBackend(Backend):
     def transient(
         self, plan: Plan, x: Array, u: Array | None, bias: Array | None = None, mask: Bits | None = None
     ) -> Outcome:
-        general = plan.method == "general"
-        if plan.method == "adaptive" or (general and plan.cell != "discrete-time" and plan.scheme is None):
-            raise InputError(
-                "the adaptive scheme runs on the reference backend; choose --backend reference or a fixed-step scheme"
-            )
+        check_fixed_step(plan)
         cells = _NO_MASK if mask is None else grids(self._unpack(mask, np.dtype(bool)))
-        if general:
+        if plan.method == "general":
             network = CompiledNetwork(plan, x, u, bias, cells)
             with np.errstate(over="ignore", invalid="ignore"):  # what overflows is found and reported below
                 steps = CompiledDiscreteSteps(network) if plan.cell == "discrete-time" else CompiledTermSteps(network)
                 outcome = driver.run(plan, steps, network.spans())
         else:
             ready = self._ready(plan)
-            bias = with_control_terms(plan, u, bias)
-            given = ready.z, self._nothing if bias is None else grids(bias), grids(x if u is None else u), ready.control
-            work, lines = x.size * max(1, ready.control.size), x.size // x.shape[-1]
+            given, work, lines = self._given(plan, ready, x, u, bias)
             if plan.method == "closed form":
                 end, parts = (
                     np.empty_like(x),
@@ -131,10 +139,7 @@ class CpuBackend(Backend):
                 if not all(fine):
                     check_finite(end, ready.t)
                 return Outcome(end, ready.t, ready.settles, 0.0 if ready.settles else math.nan)
-            w = self._pool.plane(x)
-            loop = control.for_work(work)
-            for part in pieces(lines, work / lines):
-                loop(controlling(self.dtype).address, grids(w), given, ready.around_u, *part)
+            w = self._drive(ready, x, given, work, lines)
             if ready.fused_euler and mask is None:
                 outcome = fused_euler(plan, ready, x, w, self._pool)
             else:
@@ -143,6 +148,46 @@ class CpuBackend(Backend):
         if not planes.all_finite.for_work(x.size)(grids(outcome.x)):
             check_finite(outcome.x, outcome.t)
         return outcome
+
+    def _given(self, plan: Plan, ready: Prepared, x: Array, u: Any, bias: Any) -> tuple[Any, int, int]:
+        """Return what w = B*u + z + bias is made of, the sums it takes, and the rows there are."""
+        bias = with_control_terms(plan, u, bias)
+        given = ready.z, self._nothing if bias is None else grids(bias), grids(x if u is None else u), ready.control
+        return given, x.size * max(1, ready.control.size), x.size // x.shape[-1]
+
+    def _drive(self, ready: Prepared, x: Array, given: Any, work: int, lines: int) -> Array:
+        w, loop = self._pool.plane(x), control.for_work(work)
+        for part in pieces(lines, work / lines):
+            loop(controlling(self.dtype).address, grids(w), given, ready.around_u, *part)
+        return w
+
+    def check(self, plan: Plan, x: Array, u: Any, bias: Any, mask: Bits | None, area: Area) -> Check:
+        check_fixed_step(plan)
+        if plan.method != "general" and mask is None:
+            ready = self._ready(plan)
+            if ready.fused_euler:
+                w = self._drive(ready, x, *self._given(plan, ready, x, u, bias))
+                rate, saturated = over_area(plan, ready, x, x, w, area, CHECK, 0)
+                self._pool.keep(w)
+                return Check(rate, plan.saturation_ends and saturated)
+        cells = grids(outside(x.shape, area, None if mask is None else self._unpack(mask, np.dtype(bool))))
+        if plan.method == "general":
+            steps = CompiledTermSteps(CompiledNetwork(plan, x, u, bias, cells))
+            steps.start_span(0)
+            return steps.check_settled(0, last=True)
+        ready = self._ready(plan)
+        w = self._drive(ready, x, *self._given(plan, ready, x, u, bias))
+        found = CompiledSteps(plan, ready, x, w, cells).check_settled(0, last=True)
+        self._pool.keep(w)
+        return found
+
+    def catch_up(self, plan: Plan, x: Array, u: Any, bias: Any, mask: Any, area: Area, steps: int) -> Array | None:
+        if plan.method == "general" or mask is not None or not (ready := self._ready(plan)).fused_euler:
+            return None
+        w, end = self._drive(ready, x, *self._given(plan, ready, x, u, bias)), x.copy()
+        over_area(plan, ready, x, end, w, area, CATCH_UP, min(steps, math.ceil(E_FOLDS / plan.step)))
+        self._pool.keep(w)
+        return end
 
     def _ready(self, plan: Plan) -> Prepared:
         ready = self._prepared.get(plan)

@@ -5,22 +5,25 @@ Where the fused Euler method (`euler`) does not apply, the padded outputs of eac
 
 from typing import NamedTuple
 
+import numba
 import numpy as np
 from numba import prange
 
 from cnnsim.backends.base import Check, Outcome, Stepper
 from cnnsim.backends.cpu.boundary import VirtualCells, fill_virtual
 from cnnsim.backends.cpu.euler.dense import dense
+from cnnsim.backends.cpu.euler.part import over_part
 from cnnsim.backends.cpu.euler.position import END, PHASE, START
 from cnnsim.backends.cpu.euler.settled import FIGURES
 from cnnsim.backends.cpu.euler.sleep import COLUMNS, sleeping
+from cnnsim.backends.cpu.euler.window import window
 from cnnsim.backends.cpu.jit.compile import helper, threads_for, twins
 from cnnsim.backends.cpu.planes import all_true, clip_row, copy_row, grids, largest_of
 from cnnsim.backends.cpu.pool import Pool
 from cnnsim.backends.cpu.prepared import Prepared
 from cnnsim.backends.cpu.settled import check_row
 from cnnsim.backends.slices import PIECE, Pace
-from cnnsim.planning.plan import Plan
+from cnnsim.planning.plan import SETTLED_RATE, Plan
 from cnnsim.support import Array
 
 
@@ -179,3 +182,16 @@ def fused_euler(plan: Plan, ready: Prepared, x: Array, w: Array, pool: Pool) -> 
     end = x.copy() if where == 0 else planes[where]
     pool.keep(*(plane for plane in planes[1:] if plane is not end))
     return Outcome(end, done * plan.step if ready.settles else ready.t, bool(settled), float(rate))
+
+
+def over_area(
+    plan: Plan, ready: Prepared, x: Array, target: Array, w: Array, area: tuple[tuple[int, int], tuple[int, int]],
+    task: int, behind: int,
+) -> tuple[float, bool]:  # fmt: skip
+    """Check, or catch up, the cells of an area (see `euler.window`), by the arithmetic of the fused Euler method."""
+    planes = grids(x), grids(target), grids(w)
+    address = window(numba.typeof(ready.feedback)).address
+    rate, saturated = over_part.serial(
+        planes, ready.feedback, int(address), (*area[0], *area[1]), task, behind, SETTLED_RATE
+    )
+    return float(rate), bool(saturated)

@@ -8,7 +8,17 @@ import pyopencl as cl
 from numpy.typing import DTypeLike, NDArray
 
 from cnnsim.backends import driver
-from cnnsim.backends.base import Backend, Memory, Outcome, check_finite, parse_dtype
+from cnnsim.backends.base import (
+    Area,
+    Backend,
+    Check,
+    Memory,
+    Outcome,
+    check_finite,
+    check_fixed_step,
+    outside,
+    parse_dtype,
+)
 from cnnsim.backends.opencl import pocl
 from cnnsim.backends.opencl.build import boundary_defines
 from cnnsim.backends.opencl.cellwise import text
@@ -17,6 +27,7 @@ from cnnsim.backends.opencl.context import device_context
 from cnnsim.backends.opencl.devices import Family, choose_device, family_of, has_float64, title
 from cnnsim.backends.opencl.drive import control
 from cnnsim.backends.opencl.planes import WORD, DevicePlane, LinearPlanes, buffers, launch, new_plane, words_of
+from cnnsim.backends.opencl.settled import CheckedSteps
 from cnnsim.backends.opencl.term_steps import term_steps
 from cnnsim.backends.opencl.transient import linear_steps
 from cnnsim.network import Boundary
@@ -84,11 +95,7 @@ class OpenCLBackend(Backend):
     def transient(
         self, plan: Plan, x: DevicePlane, u: Any, bias: Any = None, mask: DevicePlane | None = None
     ) -> Outcome:
-        continuous = plan.method == "general" and plan.cell != "discrete-time"
-        if plan.method == "adaptive" or (continuous and plan.scheme is None):  # there is no kernel of it
-            raise InputError(
-                "the adaptive scheme runs on the reference backend; choose --backend reference or a fixed-step scheme"
-            )
+        check_fixed_step(plan)
         context, grid = self._context, x.grid
         with context.lock:
             u, bias, black = buffers(u), buffers(bias), buffers(mask)
@@ -108,6 +115,21 @@ class OpenCLBackend(Backend):
             if context.parts(parts, context.dtype).any():
                 check_finite(self.read(state), outcome.t)
             return outcome._replace(x=state)
+
+    def check(self, plan: Plan, x: DevicePlane, u: Any, bias: Any, mask: DevicePlane | None, area: Area) -> Check:
+        check_fixed_step(plan)
+        held = self.load(outside(x.shape, area, None if mask is None else self.read(mask)), "llm").buffer
+        context, grid = self._context, x.grid
+        with context.lock:
+            u, bias = buffers(u), buffers(bias)
+            if plan.method == "general":
+                steps = term_steps(context, plan, grid, x.buffer, u, bias, held)
+                steps.start_span(0)
+                return steps.check_settled(0, last=True)
+            w = control(context, plan, grid, u, bias)
+            found = CheckedSteps(context, plan, grid, LinearPlanes(x.buffer, w, held)).check_settled(0, last=True)
+            context.recycle(w)
+            return found
 
     def cellwise(
         self, operation: Cellwise, planes: Sequence[DevicePlane], parameters: Sequence[float]

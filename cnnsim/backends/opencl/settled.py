@@ -57,6 +57,10 @@ class CheckedSteps(Stepper):
         rate, unsaturated = context.parts(2 * parts, context.dtype).reshape(parts, 2).max(axis=0).tolist()
         return rate, bool(unsaturated)
 
+    def advance(self, step: int, count: int) -> None:
+        """Take no steps: this alone is for checks of a state."""
+        return
+
     def wait(self) -> None:
         """See `Stepper.wait`."""
         self._context.queue.finish()

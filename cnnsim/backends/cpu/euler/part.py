@@ -1,0 +1,36 @@
+"""Part of a grid, checked or caught up as where tiles sleep: for grids that are computed in blocks."""
+
+import numpy as np
+
+from cnnsim.backends.cpu.euler.grid import Area, Feedback
+from cnnsim.backends.cpu.euler.settled import FIGURES, RATE, UNSATURATED, start_check
+from cnnsim.backends.cpu.euler.sleep import HEIGHT
+from cnnsim.backends.cpu.euler.window import window_cells, window_layout
+from cnnsim.backends.cpu.jit.address import call
+from cnnsim.backends.cpu.jit.compile import twins
+from cnnsim.support import Array
+
+WIDTH = 256
+"""Columns of a window: its rows stay in the second cache."""
+
+
+@twins
+def over_part(
+    planes: tuple[Array, Array, Array], feedback: Feedback, address: int, area: Area, task: int, behind: int,
+    rest: float,
+) -> tuple[float, bool]:  # fmt: skip
+    """Do a task of `window.step_window` with the cells of ``area`` in all grids of ``planes``: x, target and w.
+
+    Returns the largest |dx/dt| and whether all cells are saturated for good, of a check.
+    """
+    x, target, w = planes
+    r = feedback[4]
+    scratch = np.empty(window_cells(HEIGHT, 0, r), x.dtype)
+    at, found = window_layout(scratch, HEIGHT, 0, r), np.empty(FIGURES)
+    start_check(found)
+    for g in range(x.shape[0]):
+        for r0 in range(area[0], area[1], HEIGHT):
+            for c0 in range(area[2], area[3], WIDTH):
+                part = Area(r0, min(r0 + HEIGHT, area[1]), c0, min(c0 + WIDTH, area[3]))
+                call(address, (x[g], w[g], target[g], feedback, 0, part, scratch, at, task, rest, True, behind, found))
+    return found[RATE], found[UNSATURATED] == 0

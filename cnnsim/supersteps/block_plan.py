@@ -1,0 +1,66 @@
+"""Plan of a block: that of the grid for the block with its halo, and how far a step of it reaches."""
+
+from dataclasses import replace
+from typing import Any
+
+from cnnsim.network import LayeredTemplate, Template, Term, reach
+from cnnsim.planning.general import delays_of
+from cnnsim.planning.plan import Plan
+from cnnsim.support import InputError, Integers
+
+CUT = "sign", "clip"
+"""Characteristics of discrete time that may be applied twice: a run is cut in two after each superstep."""
+
+
+def check_plan(plan: Plan) -> None:
+    """Refuse what cannot be cut into supersteps.
+
+    Raises:
+        InputError: delays, the adaptive scheme, a discrete-time characteristic that changes its own result.
+    """
+    if plan.method == "adaptive" or (plan.method == "general" and plan.scheme is None and plan.cell != "discrete-time"):
+        raise InputError("the adaptive scheme looks at the whole grid; a fixed-step scheme, or no engine, wanted")
+    if plan.network is not None and delays_of(plan.network):
+        raise InputError(f"template {plan.template.name!r} has delays, which reach into the past; no engine wanted")
+    if plan.cell == "discrete-time" and plan.characteristic.kind not in CUT:
+        raise InputError(f"discrete time with the characteristic {plan.characteristic}; sign or clip wanted")
+
+
+def reach_of(plan: Plan) -> int:
+    """Return how many cells a change of state travels in a step."""
+    if plan.method == "closed form":
+        return 0
+    taps = ((tap.k, tap.l) for tap in plan.feedback_taps)
+    r = reach(taps) if plan.network is None else plan.network.radius
+    return r * (1 if plan.scheme is None else len(plan.scheme.b))
+
+
+def halo_of(plan: Plan, steps: int, *, checked: bool) -> int:
+    """Return the cells around a block that its state after so many steps, and a check of it, depend on."""
+    template = plan.template
+    control = max(reach((tap.k, tap.l) for tap in template.control_taps), *(t.radius for t in template.terms), 0)
+    return (steps + checked) * reach_of(plan) + (plan.network.radius if plan.network else control)
+
+
+def block_plan(plan: Plan, rows: Integers, cols: Integers) -> Plan:
+    """Return the plan for the cells in these rows and columns; space-variant weights are those of the cells."""
+    shape = len(rows), len(cols)
+    if plan.network is None:
+        return replace(plan, shape=shape, template=_cut(plan.template, rows, cols))
+    layers = [_cut(layer, rows, cols) for layer in plan.network.layers]
+    network = LayeredTemplate(layers, plan.network.time_constants, plan.network.name)
+    return replace(plan, shape=shape, template=layers[0], network=network)
+
+
+def _cut(template: Template, rows: Integers, cols: Integers) -> Template:
+    if not any(term.weights.ndim == 4 for term in template.terms):
+        return template
+    terms = [_cut_term(term, rows, cols) for term in template.terms]
+    return Template(template.A, template.B, template.z, template.name, terms)
+
+
+def _cut_term(term: Term, rows: Integers, cols: Integers) -> Term:
+    weights: Any = term.weights
+    if weights.ndim == 4:
+        weights = weights[:, :, rows[:, None], cols]
+    return Term(weights, term.of, term.table, term.times, term.delay, term.layer)

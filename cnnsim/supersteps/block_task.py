@@ -1,0 +1,156 @@
+"""Block task: a block of the grid with a halo is read, stepped on a backend, checked, and written as one shard."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache, lru_cache
+from pathlib import Path
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cnnsim import backends
+from cnnsim.backends.base import Backend, Check
+from cnnsim.planning.plan import Plan
+from cnnsim.supersteps.blocks import Area, Blocks
+from cnnsim.supersteps.store import INPUT, GridStore
+from cnnsim.support import Array
+from cnnsim.support.errors import naming
+from cnnsim.workers.base import one_thread
+
+
+class Place(NamedTuple):
+    """Which backend computes: its name, dtype and device."""
+
+    backend: str
+    dtype: str
+    device: str | None = None
+
+
+@dataclass(frozen=True)
+class BlockTask:
+    """Steps of one block; it reads what nobody writes meanwhile, so it can be run again at any time.
+
+    Arguments: ``plan`` of the block with its halo; ``first`` step, and how many ``steps``; ``checks``: steps after
+    which it is checked whether the block has settled; ``behind``: steps that it slept through and takes instead;
+    ``planes``: the arrays with the states of the blocks that it reads; ``target``: the array that it writes to, None
+    for a check alone.
+    """
+
+    folder: Path
+    blocks: Blocks
+    place: Place
+    plan: Plan
+    block: int
+    halo: int
+    first: int
+    steps: int
+    planes: dict[int, str]
+    target: str | None
+    given: tuple[str, ...]
+    checks: tuple[int, ...] = ()
+    behind: int = 0
+    run: str = ""
+
+
+@dataclass(frozen=True)
+class BlockReport:
+    """What a task found: its checks, in order, and the seconds of reading and writing and of stepping."""
+
+    block: int
+    checks: Sequence[Check] = field(default_factory=tuple)
+    disk: float = 0.0
+    stepping: float = 0.0
+
+
+@cache
+def _backend(place: Place) -> Backend:
+    threads = 1 if place.backend == "cpu" else None
+    return backends.get(place.backend, place.dtype, place.device, threads)
+
+
+@lru_cache(4)
+def _store(folder: Path, blocks: Blocks, _run: str) -> GridStore:
+    return GridStore(folder, blocks)
+
+
+def run_block(task: BlockTask) -> BlockReport:
+    """Run a task."""
+    store, begun = _store(task.folder, task.blocks, task.run), perf_counter()
+    rows, cols, inside = task.blocks.around(task.block, task.halo)
+    x = store.read(task.planes, rows, cols)
+    given = {name: store.read(name, rows, cols) for name in task.given}
+    read = perf_counter()
+    (r0, r1), (c0, c1) = inside
+    with one_thread(), naming(f"block {task.block}, from row {rows[r0]}, column {cols[c0]}"):
+        steps = _BlockSteps(_backend(task.place), task, x, given, inside)
+        after, checks = steps.caught_up() if task.behind else steps.run()
+    stepped = perf_counter()
+    if task.target is not None:
+        store.write(task.target, task.blocks.area(task.block), after[..., r0:r1, c0:c1])
+    return BlockReport(task.block, checks, read - begun + perf_counter() - stepped, stepped - read)
+
+
+class _BlockSteps:
+    """The planes of a block with its halo on a backend."""
+
+    def __init__(self, where: Backend, task: BlockTask, x: Array, given: dict[str, Array], inside: Area) -> None:
+        self._where, self._task, self._plan, self._x, self._inside = where, task, task.plan, x, inside
+        u, bias, mask = (given.get(name) for name in (INPUT, "bias", "mask"))
+        self._planes = (
+            None if u is None else where.load(u, "lam"), None if bias is None else where.load(bias, "lam"),
+            None if mask is None else where.load(mask, "llm"),
+        )  # fmt: skip
+
+    def run(self) -> tuple[Array, list[Check]]:
+        """Take the steps, from check to check; return the states with the halo, and the checks."""
+        where, task, checks = self._where, self._task, list[Check]()
+        x, done, before = where.load(self._x, "lam"), task.first, None
+        discrete = self._plan.cell == "discrete-time"
+        for step in sorted({*task.checks, task.first + task.steps}):
+            if discrete and task.checks:  # a check of discrete time looks at the outputs before and after
+                for _ in range(step - done):
+                    before, x = x, self._advanced(x, 1)
+            elif step > done:
+                x = self._advanced(x, step - done)
+            done = step
+            if step in task.checks:
+                checks.append(self._compared(before, x) if discrete else self._checked(x))
+        return where.read(x), checks
+
+    def _advanced(self, x: Any, steps: int) -> Any:
+        if self._plan.method == "closed form":
+            return self._where.transient(self._plan, x, *self._planes).x
+        plan = replace(self._plan, duration=steps * self._plan.step, savings=self._plan.savings - {"sleep"})
+        u, bias, mask = self._planes
+        return self._where.transient(plan, x, u, bias, mask).x
+
+    def _checked(self, x: Any) -> Check:
+        u, bias, mask = self._planes
+        return self._where.check(self._plan, x, u, bias, mask, self._inside)
+
+    def _compared(self, before: Any, x: Any) -> Check:
+        (r0, r1), (c0, c1) = self._inside
+        planes = [None if p is None else self._where.read(p) for p in (before, x, self._advanced(x, 1))]
+        old, now, after = (None if p is None else p[..., r0:r1, c0:c1] for p in planes)
+        assert now is not None and after is not None
+        repeats = old is not None and np.array_equal(after, old)
+        return Check(float(np.abs(after - now).max()), repeats=repeats)
+
+    def caught_up(self) -> tuple[Array, list[Check]]:
+        """Take the steps through which the block slept: its outputs, and those around it, stood still meanwhile."""
+        where, task, (u, bias, mask) = self._where, self._task, self._planes
+        (r0, r1), (c0, c1) = self._inside
+        x = where.load(self._x, "lam")
+        end = where.catch_up(self._plan, x, u, bias, mask, self._inside, task.behind)
+        if end is not None:
+            return where.read(end), []
+        now, left = self._x.copy(), task.behind
+        while left:  # what comes in from outside a halo that is too small is thrown away before it comes in
+            count = min(left, task.steps)
+            after = where.read(self._advanced(where.load(now, "lam"), count))[..., r0:r1, c0:c1]
+            if np.array_equal(after, now[..., r0:r1, c0:c1]):
+                break  # no bit changes any more
+            now[..., r0:r1, c0:c1] = after
+            left -= count
+        return now, []

@@ -1,0 +1,41 @@
+"""Depth of a superstep: the steps that cost least a step, from the measured rates of stepping and of the disk."""
+
+from collections.abc import Sequence
+
+from cnnsim.supersteps.block_task import BlockReport
+
+FIRST = 16
+"""Steps of the first superstep, before anything is known."""
+MOST = 256
+"""The most steps of a superstep: what a crash may cost."""
+
+
+class Depth:
+    """How many steps the next superstep has; ``fixed`` where it was said."""
+
+    def __init__(self, side: int, reach: int, every: int | None, fixed: int | None) -> None:
+        self._side, self._reach, self._every, self._fixed = side, reach, every, fixed
+        self._steps = self._whole(FIRST)
+
+    def steps(self) -> int:
+        """Return how many steps to take."""
+        return self._fixed or self._steps
+
+    def learn(self, reports: Sequence[BlockReport], steps: int) -> None:
+        """Take how long the tasks of a superstep of so many steps took; the middle task counts."""
+        if self._fixed or not reports:
+            return
+        disk, stepping = (
+            sorted(values)[len(reports) // 2] for values in zip(*((r.disk, r.stepping) for r in reports), strict=True)
+        )
+        cell = stepping / (steps * self._width(steps) ** 2)
+        choices = {self._whole(2**power) for power in range(MOST.bit_length())}
+        self._steps = min(choices, key=lambda d: (cell * d * self._width(d) ** 2 + disk) / d)
+
+    def _width(self, steps: int) -> int:
+        return self._side + 2 * steps * self._reach
+
+    def _whole(self, steps: int) -> int:
+        """Return about so many steps: whole times between checks, and a halo of half a block at most."""
+        most = max(1, min(steps, self._side // (2 * max(1, self._reach))))
+        return most if self._every is None or most < self._every else most // self._every * self._every

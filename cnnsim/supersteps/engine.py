@@ -1,0 +1,74 @@
+"""Engine: where a large grid's blocks are computed, and how it is cut; its choices where none are made."""
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from cnnsim.backends.memory import cell_bytes
+from cnnsim.planning.plan import Plan
+from cnnsim.supersteps.store import CHUNK
+from cnnsim.support import InputError
+from cnnsim.support.memory import check_memory, free_memory
+
+LARGEST, SLEEPING, SMALLEST = 4096, 1024, 64
+"""Sides of blocks: the most, the most where blocks may sleep (the smaller, the more of them sleep), and the least."""
+TASKS = 4
+"""Blocks for each worker at least, so that the last of a superstep is not waited for long."""
+WORKER_BYTES = 250e6
+"""Memory of a worker process before it has a block: Python, NumPy and compiled loops."""
+SHARE = 0.5
+"""Of the free memory, what the workers may take: the system keeps what they write in the rest."""
+
+
+@dataclass(frozen=True)
+class Engine:
+    """Where blocks are computed: ``name`` is "processes", "dask", or "dask=ADDRESS" of a scheduler.
+
+    ``store``: the folder of the run's arrays, which a run that was stopped goes on from; None for a passing one.
+    ``workers``: processes, None for one a core; ``side`` of a block [cells] and ``depth``, the steps of a superstep,
+    None for what fits and what is measured to be fastest.
+    """
+
+    name: str = "processes"
+    store: Path | None = None
+    workers: int | None = None
+    side: int | None = None
+    depth: int | None = None
+
+    def __post_init__(self) -> None:
+        for what in ("side", "depth", "workers"):
+            value = getattr(self, what)
+            if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < 1):
+                raise InputError(f"{what} {value!r} of an engine; a whole number above 0 wanted")
+
+
+def parse_engine(engine: "str | Engine", store: "str | Path | None") -> Engine:
+    """Return an engine by its name, with a store where one is given."""
+    found = Engine(engine) if isinstance(engine, str) else engine
+    return found if store is None else replace(found, store=Path(store))
+
+
+def side_of_blocks(engine: Engine, plan: Plan, workers: int, *, sleeps: bool) -> int:
+    """Return the side of a block: the engine's own, or the largest that gives all workers work and fits."""
+    if engine.side is not None:
+        return engine.side
+    fits = math.isqrt(int(SHARE * free_memory() / workers / 64)) if math.isfinite(free_memory()) else LARGEST
+    enough = math.isqrt(max(1, plan.shape[0] * plan.shape[1] // (TASKS * workers)))
+    side = min(SLEEPING if sleeps else LARGEST, fits, enough)
+    return max(SMALLEST, side // CHUNK * CHUNK if side >= CHUNK else side)
+
+
+def worker_bytes(plan: Plan, side: int, halo: int, lead: int, itemsize: int, given: int, *, has_mask: bool) -> float:
+    """Return the memory of a worker [bytes]: itself, a block with its halo read, and what the transient makes of it."""
+    cells = lead * (min(side, plan.shape[0]) + 2 * halo) * (min(side, plan.shape[1]) + 2 * halo)
+    each = cell_bytes(plan, 1 + given, itemsize, has_mask=has_mask) + (2 + given) * itemsize  # as read, and as given
+    return WORKER_BYTES + cells * each
+
+
+def check_workers_memory(needed: float, workers: int, side: int) -> None:
+    """Refuse blocks that are too large for all workers together.
+
+    Raises:
+        InputError: what they need, what is free, and the cure.
+    """
+    check_memory(f"{workers} workers with blocks of {side} x {side} cells", workers * needed, "smaller blocks wanted")

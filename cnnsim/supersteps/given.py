@@ -1,0 +1,89 @@
+"""Planes of a large grid, as arrays or as Zarr arrays, brought into a store block by block and told from others."""
+
+import zlib
+from dataclasses import fields, is_dataclass
+from hashlib import sha256
+from typing import Any
+
+import numpy as np
+
+from cnnsim.planning.plan import Plan
+from cnnsim.supersteps.block_task import Place
+from cnnsim.supersteps.store import INPUT, STATES, GridStore, Record
+from cnnsim.support import Array, InputError
+from cnnsim.support.progress import watcher
+
+Planes = dict[str, Any]
+"""The planes by name: "state", and perhaps "input", "bias", "mask"; arrays, or Zarr arrays, of one shape."""
+
+
+def run_digest(plan: Plan, planes: Planes, place: Place, side: int) -> str:
+    """Return what tells a run from others: its numbers, its planes, where it is computed, the side of its blocks."""
+    told = sha256()
+    for name in ("template", "network", "boundary", "cell", "method", "duration", "limit", "scheme", "step", "shape"):
+        _add(told, getattr(plan, name))
+    _add(told, (place.backend, place.dtype, side))
+    seen: dict[int, bytes] = {}
+    for name, plane in sorted(planes.items()):
+        if id(plane) not in seen:
+            seen[id(plane)] = _checksum(plane, side)
+        told.update(name.encode() + seen[id(plane)])
+    return told.hexdigest()
+
+
+def _add(told: Any, value: Any) -> None:
+    """Add the fields of a value; not what it has worked out of them meanwhile."""
+    if is_dataclass(value):
+        told.update(type(value).__name__.encode())
+        for one in fields(value):
+            _add(told, getattr(value, one.name))
+    elif isinstance(value, np.ndarray):
+        told.update(repr((value.shape, value.dtype.str)).encode() + np.ascontiguousarray(value).tobytes())
+    elif isinstance(value, tuple | list):
+        for entry in value:
+            _add(told, entry)
+    else:
+        told.update(repr(value).encode())
+
+
+def _checksum(plane: Any, side: int) -> bytes:
+    if not isinstance(plane, np.ndarray):
+        return repr((str(plane.store_path), plane.shape, str(plane.dtype))).encode()
+    total = 0
+    for r0 in range(0, plane.shape[-2], side):
+        total = zlib.crc32(memoryview(np.ascontiguousarray(plane[..., r0 : r0 + side, :])).cast("B"), total)
+    return repr((plane.shape, plane.dtype.str, total)).encode()
+
+
+def write_planes(store: GridStore, planes: Planes, dtype: np.dtype[Any]) -> Record:
+    """Bring the planes into the store, and return the record of step 0.
+
+    Raises:
+        InputError: a plane that is not finite.
+    """
+    state, blocks = planes["state"], store.blocks
+    arrays = {STATES[0]: state, **{name: plane for name, plane in planes.items() if name != "state"}}
+    first = STATES[0]
+    if planes.get(INPUT) is state:
+        first = INPUT
+    for name, plane in arrays.items():
+        store.add(name, state.shape, bool if name == "mask" else dtype, packed=name not in STATES)
+        if name == STATES[0] and first == INPUT:
+            continue
+        for block in range(len(blocks)):
+            (r0, r1), (c0, c1) = area = blocks.area(block)
+            store.write(name, area, _values(name, plane[..., r0:r1, c0:c1], dtype, area))
+            if (told := watcher()) is not None:
+                told((block + 1) / len(blocks), f"{name} to {store.folder}")
+    store.add(STATES[1], state.shape, dtype, packed=False)
+    count = len(blocks)
+    return Record(0, 0, [first] * count, [0] * count, [False] * count, [float("inf")] * count)
+
+
+def _values(name: str, part: Any, dtype: np.dtype[Any], area: Any) -> Array:
+    values = np.asarray(part)
+    if name == "mask":
+        return values > 0
+    if not np.isfinite(values).all():
+        raise InputError(f"{name} holds what is not finite from row {area[0][0]}, column {area[1][0]} on")
+    return values.astype(dtype, copy=False)

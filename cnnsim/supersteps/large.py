@@ -1,0 +1,112 @@
+"""Runs one transient on a grid that lies on the disk, by supersteps, and returns where it ended."""
+
+import math
+from collections.abc import Collection
+from contextlib import ExitStack
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cnnsim.backends.base import Backend
+from cnnsim.network import Frames
+from cnnsim.planning.plan import Plan
+from cnnsim.supersteps.block_plan import check_plan, halo_of
+from cnnsim.supersteps.block_task import Place
+from cnnsim.supersteps.blocks import Blocks
+from cnnsim.supersteps.depth import FIRST
+from cnnsim.supersteps.engine import Engine, check_workers_memory, side_of_blocks, worker_bytes
+from cnnsim.supersteps.given import Planes, run_digest, write_planes
+from cnnsim.supersteps.run import Supersteps
+from cnnsim.supersteps.store import GridStore, Record, open_store, zarr_library
+from cnnsim.support import InputError
+from cnnsim.support.memory import check_memory
+from cnnsim.workers import Workers, open_workers
+
+
+class LargeEnd(NamedTuple):
+    """Where a transient ended, as `Outcome`; ``x`` is an array or a Zarr array, ``saturated``: all cells, for good."""
+
+    x: Any
+    t: float
+    settled: bool
+    rate: float
+    saturated: bool
+
+
+def is_stored(plane: Any) -> bool:
+    """Return whether a plane is a Zarr array, without importing zarr."""
+    return type(plane).__module__.split(".")[0] == "zarr"
+
+
+def run_large(plan: Plan, planes: Planes, where: Backend, engine: Engine, without: Collection[str]) -> LargeEnd:
+    """Run a transient in supersteps; of a state that is a Zarr array, that of the result is one of the store.
+
+    Raises:
+        InputError: a plan that cannot be cut; a store of something else; a full disk, a lost scheduler (the store keeps
+            the last superstep); workers that die again and again.
+    """
+    check_plan(plan)
+    if any(isinstance(plane, Frames) for plane in planes.values()):
+        raise InputError("planes that change with time on an engine; single planes, or no engine, wanted")
+    zarr_library()
+    sleeps = plan.method == "stepped" and plan.saturation_ends and "sleep" not in without
+    place = Place(where.name, where.dtype.name, getattr(where, "chosen_device", None))
+    with ExitStack() as stack:
+        workers = stack.enter_context(open_workers(engine.name, engine.workers))
+        folder = engine.store or Path(stack.enter_context(TemporaryDirectory(prefix="cnnsim-store-")))
+        if engine.store is None and is_stored(planes["state"]):
+            raise InputError("a state in a Zarr array without a store for the result; store=DIR wanted")
+        store, record, run = _opened(plan, planes, place, engine, folder, workers, sleeps=sleeps)
+        steps = Supersteps(
+            plan, store, record, place, workers, tuple(name for name in planes if name != "state"), engine.depth,
+            sleeps, run,
+        )  # fmt: skip
+        try:
+            steps.to_the_end()
+        except (InputError, OSError) as error:
+            raise _kept(error, record, plan, engine) from error
+        return _ended(plan, planes, store, record)
+
+
+def _opened(
+    plan: Plan, planes: Planes, place: Place, engine: Engine, folder: Path, workers: Workers, *, sleeps: bool
+) -> tuple[GridStore, Record, str]:
+    side = side_of_blocks(engine, plan, workers.count, sleeps=sleeps)
+    halo, dtype = halo_of(plan, engine.depth or FIRST, checked=True), np.dtype(place.dtype)
+    lead = math.prod(planes["state"].shape[:-2])
+    needed = worker_bytes(plan, side, halo, lead, dtype.itemsize, len(planes) - 1, has_mask="mask" in planes)
+    if engine.name == "processes" or engine.name == "dask":
+        check_workers_memory(needed, workers.count, side)
+    blocks = Blocks(plan.shape, side, plan.boundary)
+    run = run_digest(plan, planes, place, side)
+    store, record = open_store(folder, blocks, run)
+    if record is None:
+        try:
+            record = write_planes(store, planes, dtype)
+            store.commit(record, run)
+        except OSError as error:
+            raise InputError(f"{folder}: {error.strerror or error}; room for the planes wanted") from error
+    return store, record, run
+
+
+def _kept(error: Exception, record: Record, plan: Plan, engine: Engine) -> Exception:
+    """Return the error with what the store still has."""
+    what = f"{error.strerror or error}" if isinstance(error, OSError) else str(error)
+    if engine.store is None:
+        return InputError(what)
+    t = record.step * plan.step
+    return InputError(f"{what}; {engine.store} keeps superstep {record.superstep}, t = {t:g}: run again to go on")
+
+
+def _ended(plan: Plan, planes: Planes, store: GridStore, record: Record) -> LargeEnd:
+    assert record.end is not None
+    end, state = record.end, store.array(record.end["plane"])
+    if is_stored(planes["state"]):
+        x: Any = state
+    else:
+        check_memory("the result", state.nbytes, "a state in a Zarr array, whose result stays on the disk, wanted")
+        x = np.asarray(state[...])
+    t, settled, rate = (float(end[key]) for key in ("t", "settled", "rate"))
+    return LargeEnd(x, t, bool(settled), rate, all(record.saturated))
