@@ -7,6 +7,7 @@ import click
 import numpy as np
 
 from cnnsim import backends, library
+from cnnsim.cli.large import block_option, engine_option, run_large, store_option, workers_option
 from cnnsim.cli.pictures import (
     arrow,
     as_map,
@@ -22,6 +23,7 @@ from cnnsim.network import parse_boundary
 from cnnsim.network.boundary import BOUNDARY_FORMS
 from cnnsim.planning.savings import Saving
 from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
+from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.echo import say
 from cnnsim.support.pictures.film import write_film
@@ -45,6 +47,7 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON f
         "cnnsim run edge scans/ -o edges.png",
         "cnnsim run edge walk.mp4 -o edges.gif",
         "cnnsim run hole-filler scan.png --mask keep.png -o filled.png",
+        "cnnsim run hole-filler scan.png --engine processes --store blocks/ -o filled.png",
     )
 )
 @click.argument("name")
@@ -78,11 +81,16 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON f
 @backend_option
 @device_option
 @threads_option
+@engine_option
+@store_option
+@workers_option
+@block_option
 @json_option
 def run(
     name: str, pictures: tuple[Path, ...], output: Path | None, state: Path | None, mask: Path | None,
     bias: Path | None, binary: bool, levels: tuple[float, float] | None, trajectory: Path | None, backend: str,
-    device: str | None, threads: int | None, dtype: str | None, as_json: bool, **options: Any,
+    device: str | None, threads: int | None, dtype: str | None, as_json: bool, engine: str | None,
+    store: Path | None, workers: int | None, block: int | None, **options: Any,
 ) -> None:  # fmt: skip
     """Run template NAME on PICTURE (any format Pillow reads; black is +1, white -1).
 
@@ -98,6 +106,13 @@ def run(
     if "boundary" in given:
         given["boundary"] = parse_boundary(given["boundary"])
     where = backends.get(backend, dtype, device, threads)
+    if engine is not None or store is not None:
+        if levels is not None or trajectory is not None:
+            raise InputError("--range or --trajectory with --engine; without them, or without an engine, wanted")
+        beside = {"state": state, "mask": mask, "bias": bias}
+        chosen = {"engine": engine, "store": store, "workers": workers, "side": block}
+        run_large(entry, pictures, where, output, as_json, binary, given, beside, chosen)
+        return
     reading = Reading(binary, levels, where.dtype)
     shown = read_for(entry, pictures, reading, batch=True)
     where = find_backend(backend, where.dtype, device, threads, shown.size)

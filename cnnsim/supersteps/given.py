@@ -47,12 +47,12 @@ def _add(told: Any, value: Any) -> None:
 
 
 def _checksum(plane: Any, side: int) -> bytes:
-    if not isinstance(plane, np.ndarray):
+    if hasattr(plane, "store_path"):
         return repr((str(plane.store_path), plane.shape, str(plane.dtype))).encode()
     total = 0
     for r0 in range(0, plane.shape[-2], side):
-        total = zlib.crc32(memoryview(np.ascontiguousarray(plane[..., r0 : r0 + side, :])).cast("B"), total)
-    return repr((plane.shape, plane.dtype.str, total)).encode()
+        total = zlib.crc32(np.ascontiguousarray(plane[..., r0 : r0 + side, :]).data.cast("B"), total)
+    return repr((plane.shape, np.dtype(plane.dtype).str, total)).encode()
 
 
 def write_planes(store: GridStore, planes: Planes, dtype: np.dtype[Any]) -> Record:

@@ -18,6 +18,7 @@ from cnnsim.supersteps.blocks import Blocks
 from cnnsim.supersteps.depth import FIRST
 from cnnsim.supersteps.engine import Engine, check_workers_memory, side_of_blocks, worker_bytes
 from cnnsim.supersteps.given import Planes, run_digest, write_planes
+from cnnsim.supersteps.pictures import TiledPicture
 from cnnsim.supersteps.run import Supersteps
 from cnnsim.supersteps.store import GridStore, Record, open_store, zarr_library
 from cnnsim.support import InputError
@@ -36,8 +37,8 @@ class LargeEnd(NamedTuple):
 
 
 def is_stored(plane: Any) -> bool:
-    """Return whether a plane is a Zarr array, without importing zarr."""
-    return type(plane).__module__.split(".")[0] == "zarr"
+    """Return whether a plane is a Zarr array, which is told without importing zarr, or a picture read in parts."""
+    return type(plane).__module__.split(".")[0] == "zarr" or isinstance(plane, TiledPicture)
 
 
 def run_large(plan: Plan, planes: Planes, where: Backend, engine: Engine, without: Collection[str]) -> LargeEnd:
@@ -56,8 +57,6 @@ def run_large(plan: Plan, planes: Planes, where: Backend, engine: Engine, withou
     with ExitStack() as stack:
         workers = stack.enter_context(open_workers(engine.name, engine.workers))
         folder = engine.store or Path(stack.enter_context(TemporaryDirectory(prefix="cnnsim-store-")))
-        if engine.store is None and is_stored(planes["state"]):
-            raise InputError("a state in a Zarr array without a store for the result; store=DIR wanted")
         store, record, run = _opened(plan, planes, place, engine, folder, workers, sleeps=sleeps)
         steps = Supersteps(
             plan, store, record, place, workers, tuple(name for name in planes if name != "state"), engine.depth,
@@ -67,7 +66,7 @@ def run_large(plan: Plan, planes: Planes, where: Backend, engine: Engine, withou
             steps.to_the_end()
         except (InputError, OSError) as error:
             raise _kept(error, record, plan, engine) from error
-        return _ended(plan, planes, store, record)
+        return _ended(engine.store is not None and is_stored(planes["state"]), store, record)
 
 
 def _opened(
@@ -100,13 +99,13 @@ def _kept(error: Exception, record: Record, plan: Plan, engine: Engine) -> Excep
     return InputError(f"{what}; {engine.store} keeps superstep {record.superstep}, t = {t:g}: run again to go on")
 
 
-def _ended(plan: Plan, planes: Planes, store: GridStore, record: Record) -> LargeEnd:
+def _ended(stays: bool, store: GridStore, record: Record) -> LargeEnd:
     assert record.end is not None
     end, state = record.end, store.array(record.end["plane"])
-    if is_stored(planes["state"]):
+    if stays:
         x: Any = state
     else:
-        check_memory("the result", state.nbytes, "a state in a Zarr array, whose result stays on the disk, wanted")
+        check_memory("the result", state.nbytes, "a Zarr array as state, and a store, wanted")
         x = np.asarray(state[...])
     t, settled, rate = (float(end[key]) for key in ("t", "settled", "rate"))
     return LargeEnd(x, t, bool(settled), rate, all(record.saturated))

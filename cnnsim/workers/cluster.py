@@ -1,5 +1,6 @@
 """Workers of a Dask cluster: one of this machine that is made for the run, or one whose scheduler has an address."""
 
+import logging
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
@@ -94,19 +95,39 @@ def cluster_workers(address: str, count: int | None) -> Iterator[Workers]:
         import distributed
     except ImportError as error:
         raise InputError(f"clusters are Dask's, which is missing: {install_line('scale')}") from error
+    with _quiet(), _client(distributed, address, count) as workers:
+        yield workers
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep the tracebacks of lost connections off stderr: what is lost is told as an error of our own."""
+    loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client", "tornado", "asyncio")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
+
+
+@contextmanager
+def _client(distributed: Any, address: str, count: int | None) -> Iterator[Workers]:
     if not address:
         number = count or cores()
         with (
-            distributed.LocalCluster(  # type: ignore[no-untyped-call]  # dask ships no types of it
+            distributed.LocalCluster(
                 n_workers=number, threads_per_worker=1, host="127.0.0.1", dashboard_address=None,
                 silence_logs="CRITICAL", memory_limit=0,
             ) as cluster,
-            distributed.Client(cluster) as client,  # type: ignore[no-untyped-call]  # the same
+            distributed.Client(cluster) as client,
         ):  # fmt: skip
             yield ClusterWorkers(client, "of this machine")
         return
     try:
-        client = distributed.Client(address, timeout=PATIENCE)  # type: ignore[no-untyped-call]  # the same
+        client = distributed.Client(address, timeout=PATIENCE)
     except (OSError, ValueError) as error:
         raise InputError(f"no scheduler answers at {address}: {error}") from error
     with client:

@@ -1,0 +1,64 @@
+"""The options `--engine` and `--store` of `run`: pictures of any size taken block by block, on processes or on Dask."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from cnnsim.backends.base import Backend
+from cnnsim.cli.pictures import arrow
+from cnnsim.library.entry import LibraryEntry
+from cnnsim.support import InputError
+from cnnsim.support.command_line import print_json
+from cnnsim.support.echo import say
+
+engine_option = click.option(
+    "--engine", metavar="ENGINE",
+    help="Compute in blocks that lie on the disk: 'processes', 'dask' (on this machine) or 'dask=ADDRESS'.",
+)  # fmt: skip
+store_option = click.option(
+    "--store", type=click.Path(path_type=Path), metavar="DIR",
+    help="Folder of the blocks; a run that was stopped goes on from it.",
+)  # fmt: skip
+workers_option = click.option("--workers", type=click.IntRange(1), help="Worker processes; without it one a core.")
+block_option = click.option("--block", type=click.IntRange(8), help="Rows and columns of a block.")
+
+
+def run_large(
+    entry: LibraryEntry, pictures: tuple[Path, ...], where: Backend, output: Path | None, as_json: bool, binary: bool,
+    given: dict[str, Any], beside: dict[str, Path | None], chosen: dict[str, Any],
+) -> None:  # fmt: skip
+    """Run a template on one picture in supersteps, and write and tell the result as `run` does."""
+    from cnnsim.supersteps.engine import Engine
+    from cnnsim.supersteps.pictures import open_large, write_large
+    from cnnsim.transient import run_transient
+
+    if len(pictures) != 1 or entry.frame_time is not None:
+        raise InputError(f"{len(pictures)} pictures on an engine; a template for one picture, and one, wanted")
+    planes = {name: open_large(path, binary=binary) for name, path in beside.items() if path is not None}
+    planes["picture"] = open_large(pictures[0], binary=binary)
+    shape = planes["picture"].shape
+    stand_in, second = (np.broadcast_to(np.zeros((1, 1)), shape) for _ in range(2))  # roles need no pixels
+    task = entry.task(stand_in, second if "state" in planes else None)
+    for name, plane in task.items():
+        if plane is stand_in:
+            task[name] = planes["picture"]
+        elif plane is second:
+            task[name] = planes["state"]
+    task |= {name: planes[name] for name in ("mask", "bias") if name in planes}
+    result = run_transient(
+        entry.network, **entry.changed(task, given), backend=where, engine=Engine(chosen["engine"] or "processes", **{
+            key: chosen[key] for key in ("store", "workers", "side")
+        }),
+    )  # fmt: skip
+    if output is not None:
+        write_large(result.x, output)
+    black = sum(int((np.asarray(result.x[r0 : r0 + 1024]) > 0).sum()) for r0 in range(0, shape[0], 1024))
+    if as_json:
+        facts = {"template": entry.name, "t": result.t, "settled": result.settled, "rate": result.rate}
+        print_json({**facts, "black": black, "cells": result.x.size, "shape": result.x.shape})
+        return
+    ended = "at rest" if not np.isfinite(result.t) else f"t = {result.t:g}" + (", settled" if result.settled else "")
+    cells = " x ".join(map(str, shape))
+    say(f"{entry.name}: {cells} cells, {ended}, {black} black" + arrow([] if output is None else [output]))

@@ -1,0 +1,112 @@
+"""Runs in processes of their own, killed in mid-run: on worker processes, and on a Dask cluster started here."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cnnsim
+from tests.kits.paths import ROOT
+
+PICTURE = np.where(np.random.default_rng(3).random((300, 300)) < 0.6, 1.0, -1.0)
+CALL = [
+    "-m",
+    "cnnsim",
+    "run",
+    "averaging-threshold",
+    "p.npy",
+    "--time",
+    "12",
+    "--block",
+    "64",
+    "--workers",
+    "2",
+    "-o",
+    "y.npy",
+]
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
+
+
+def start(folder: Path, *more: str) -> subprocess.Popen[str]:
+    np.save(folder / "p.npy", PICTURE.astype(np.float32))
+    return subprocess.Popen(
+        [sys.executable, *CALL, "--store", "store", *more], cwd=folder, env=ENVIRONMENT, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
+    )  # fmt: skip
+
+
+def supersteps(folder: Path) -> int:
+    try:
+        return int(json.loads((folder / "store" / "zarr.json").read_text())["attributes"]["record"]["superstep"])
+    except (OSError, KeyError):
+        return 0
+
+
+def wait_for_superstep(folder: Path, run: "subprocess.Popen[str]", count: int) -> None:
+    until = time.monotonic() + 100
+    while supersteps(folder) < count and run.poll() is None:
+        assert time.monotonic() < until
+        time.sleep(0.02)
+
+
+def whole() -> np.ndarray:
+    return np.asarray(cnnsim.run("averaging-threshold", PICTURE, duration=12.0).y)
+
+
+def test_everything_killed_in_mid_run_goes_on_from_the_last_superstep(tmp_path: Path) -> None:
+    run = start(tmp_path)
+    wait_for_superstep(tmp_path, run, 2)
+    os.killpg(run.pid, signal.SIGKILL)
+    run.communicate()
+    kept = supersteps(tmp_path)
+    assert kept >= 2
+    again = start(tmp_path)
+    out, errors = again.communicate(timeout=200)
+    assert again.returncode == 0, errors
+    assert "300 x 300 cells, t = 12" in out
+    assert np.load(tmp_path / "y.npy").tobytes() == whole().tobytes()
+    assert supersteps(tmp_path) > kept
+
+
+def test_a_dask_cluster_of_separate_processes_loses_a_worker_and_its_scheduler(tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    file = tmp_path / "scheduler.json"
+    dask = [sys.executable, "-m", "dask"]
+    quiet = {"env": ENVIRONMENT, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": tmp_path}
+    head = subprocess.Popen(
+        [*dask, "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(file)],
+        **quiet,  # type: ignore[call-overload]  # as above
+    )
+    worker = [*dask, "worker", "--scheduler-file", str(file), "--nthreads", "1", "--no-nanny", "--no-dashboard"]
+    crew = [subprocess.Popen(worker, **quiet) for _ in range(2)]  # type: ignore[call-overload]  # as above
+    try:
+        until = time.monotonic() + 60
+        while not file.exists():
+            assert time.monotonic() < until
+            time.sleep(0.1)
+        address = json.loads(file.read_text())["address"]
+        run = start(tmp_path, "--engine", f"dask={address}")
+        wait_for_superstep(tmp_path, run, 1)
+        crew[0].kill()
+        wait_for_superstep(tmp_path, run, 3)
+        head.kill()
+        _, errors = run.communicate(timeout=200)
+        assert run.returncode == 2, errors
+        assert "has gone; store keeps superstep" in errors
+        assert "Traceback" not in errors
+        kept = supersteps(tmp_path)
+        again = start(tmp_path)  # elsewhere: the store does not mind
+        _, errors = again.communicate(timeout=200)
+        assert again.returncode == 0, errors
+        assert supersteps(tmp_path) > kept
+        assert np.load(tmp_path / "y.npy").tobytes() == whole().tobytes()
+    finally:
+        for process in (*crew, head):
+            process.kill()
+            process.wait()

@@ -1,0 +1,241 @@
+import errno
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import cnnsim
+from cnnsim.network import LayeredTemplate, Table, Template, Term
+from cnnsim.supersteps import block_task, run
+from cnnsim.supersteps.blocks import Blocks, runs
+from cnnsim.supersteps.depth import Depth
+from cnnsim.supersteps.engine import Engine
+from cnnsim.supersteps.store import GridStore
+from cnnsim.support import Array, InputError
+
+RANDOM = np.random.default_rng(5)
+SHAPE = (37, 45)
+MIXED = Template(
+    [[0.1, 0.3, 0.1], [0.2, 1.5, 0.2], [0.1, 0.3, 0.1]], [[0, 0.2, 0], [0.1, 1, 0.1], [0, 0.2, 0]], -0.05, "mixed"
+)
+X, U, BIAS, MASK = (RANDOM.uniform(-1, 1, SHAPE) for _ in range(4))
+
+
+def one(**choices: Any) -> Engine:
+    return Engine(workers=1, **choices)
+
+
+def assert_same(template: Any, engine: Engine, **task: Any) -> Any:
+    """Check a run in supersteps against one of the whole grid: to the bit, with time and rate."""
+    whole = cnnsim.run_transient(template, **task)
+    parts = cnnsim.run_transient(template, engine=engine, **task)
+    assert parts.x.dtype == whole.x.dtype
+    assert parts.x.tobytes() == whole.x.tobytes()
+    assert (parts.t, parts.settled, parts.distance) == pytest.approx(
+        (whole.t, whole.settled, whole.distance), nan_ok=True
+    )
+    assert parts.rate == pytest.approx(whole.rate, rel=1e-15, nan_ok=True)
+    return parts
+
+
+@pytest.mark.parametrize("boundary", ["zero-flux", "periodic", "fixed:0.3,-0.2"])
+@pytest.mark.parametrize(("dtype", "depth", "side"), [("float32", 7, 16), ("float64", 64, 20), ("float32", 1, 40)])
+def test_a_fixed_time_is_that_of_the_whole_grid(boundary: str, dtype: Any, depth: int, side: int) -> None:
+    time = 0.4 if depth == 1 else 2.1
+    engine = one(side=side, depth=depth)
+    assert_same(MIXED, engine, state=X, input=U, boundary=boundary, duration=time, dtype=dtype)
+
+
+@pytest.mark.parametrize("boundary", ["zero-flux", "periodic", "fixed:0.3,-0.2"])
+@pytest.mark.parametrize("more", [{}, {"mask": MASK - 0.6, "bias": BIAS}])
+def test_rest_is_found_at_the_same_step(boundary: str, more: dict[str, Any]) -> None:
+    assert_same(MIXED, one(side=24, depth=35), state=X, input=U, boundary=boundary, **more)
+
+
+@pytest.mark.parametrize("backend", ["opencl", "reference"])
+def test_every_backend_gives_its_own_bits(backend: str) -> None:
+    pytest.importorskip("pyopencl") if backend == "opencl" else None
+    assert_same(MIXED, one(side=24, depth=9), state=X, input=U, boundary="periodic", duration=1.5, backend=backend)
+    assert_same(MIXED, one(side=24, depth=40), state=X, input=U, mask=MASK - 0.7, backend=backend)
+
+
+OTHER = Template(0.5, terms=[Term([[0.0, 0.2, 0.0], [0.3, 0.0, 0.0], [0.0, 0.0, 0.0]], layer=0)])
+HALF = Table("linear", (-1, 0, 1), (-1, 0.2, 1))
+KINDS: dict[str, tuple[Any, dict[str, Any]]] = {
+    "two layers": (
+        LayeredTemplate([MIXED, OTHER], [1.0, 2.0]),
+        {"state": np.stack([X, BIAS]), "input": np.stack([U, U]), "duration": 1.5},
+    ),
+    "a difference through a table": (
+        Template(1.0, 0.5, terms=[Term(np.full((3, 3), 0.1), "y_kl - y_ij", HALF)]),
+        {"state": X, "input": U, "duration": 1.5},
+    ),
+    "weights that differ from cell to cell": (
+        Template(1.2, terms=[Term(RANDOM.uniform(-0.2, 0.2, (3, 3, *SHAPE)), "y_kl")]),
+        {"state": X, "duration": 1.5, "boundary": "periodic"},
+    ),
+    "a term of the input": (
+        Template([[0, 0.2, 0], [0.2, 1, 0.2], [0, 0.2, 0]], 0.5, terms=[Term(np.full((3, 3), 0.1), "u_kl - u_ij")]),
+        {"state": X, "input": U, "duration": 1.5},
+    ),
+    "discrete time": (
+        Template([[0, 0.3, 0], [0.3, 2, 0.3], [0, 0.3, 0]], 1.5, 0.1),
+        {"state": np.sign(X), "input": U, "cell": "discrete-time"},
+    ),
+    "the closed form": (Template(2.0, [[0, 1, 0], [1, 1, 0], [0, 0, 0]], 0.1), {"state": X, "input": U}),
+    "two stages": (MIXED, {"state": X, "input": U, "scheme": "heun", "step": 0.1, "duration": 1.0}),
+    "full range": (MIXED, {"state": X, "input": U, "cell": "full-range", "duration": 1.0}),
+    "two grids": (MIXED, {"state": np.stack([X, -X]), "input": np.stack([U, X]), "duration": 1.0}),
+    "the picture as state and input": (MIXED, {"state": X, "input": X, "duration": 1.0}),
+    "a radius of 2": (Template(np.full((5, 5), 0.1), 0.3), {"state": X, "input": U, "duration": 1.0}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_of_template_is_cut_without_a_trace(kind: str) -> None:
+    template, task = KINDS[kind]
+    assert_same(template, one(side=20, depth=4), **task)
+
+
+def holes() -> Array:
+    """Return a picture with a few closed curves: the wave comes in from the edge and leaves much alone."""
+    picture = np.full((96, 96), -1.0)
+    picture[30:70, 40:42] = picture[30:70, 60:62] = picture[30:32, 40:62] = picture[68:70, 40:62] = 1.0
+    return picture
+
+
+def test_blocks_that_sleep_are_left_out_and_catch_up_to_the_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    tasks: list[int] = []
+
+    def counted(task: Any) -> Any:
+        if not task.behind:
+            tasks.append(task.block)
+        return block_task.run_block(task)
+
+    monkeypatch.setattr(run, "run_block", counted)
+    entry = cnnsim.library.load("hole-filler")
+    task = entry.task(holes()) | {"duration": 5.0}
+    found = assert_same(entry.template, one(side=12, depth=10), **task)
+    with_sleep, supersteps = len(tasks) - 64, round(5.0 / found.plan.step / 10)  # the first check is of all blocks
+    assert with_sleep < 0.85 * 64 * supersteps
+    tasks.clear()
+    assert_same(entry.template, one(side=12, depth=10), **task, without=["sleep"])
+    assert len(tasks) == 64 * supersteps
+
+
+def test_what_sleeps_wakes_up_when_a_wave_comes(monkeypatch: pytest.MonkeyPatch) -> None:
+    woken: list[int] = []
+
+    def watched(task: Any) -> Any:
+        if task.behind:
+            woken.append(task.behind)
+        return block_task.run_block(task)
+
+    monkeypatch.setattr(run, "run_block", watched)
+    entry = cnnsim.library.load("hole-filler")
+    assert_same(entry.template, one(side=8, depth=10), **entry.task(holes()[28:68, 36:68]) | {"duration": 25.0})
+    assert len(woken) > 5
+    assert max(woken) > 20
+
+
+def test_a_run_that_was_stopped_goes_on_from_its_last_superstep(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    task: dict[str, Any] = {"state": X, "input": U, "duration": 3.0}
+    whole = cnnsim.run_transient(MIXED, **task)
+    written, write = [0], GridStore.write
+
+    def full_disk(store: GridStore, name: str, area: Any, values: Array) -> None:
+        written[0] += 1
+        if written[0] > 30:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        write(store, name, area, values)
+
+    monkeypatch.setattr(GridStore, "write", full_disk)
+    engine = one(side=20, depth=5, store=tmp_path / "store")
+    with pytest.raises(InputError, match=r"No space left on device; .*store keeps superstep 3, t = 1.5: run again"):
+        cnnsim.run_transient(MIXED, engine=engine, **task)
+    monkeypatch.setattr(GridStore, "write", write)
+    written[0] = -(10**6)
+    again = cnnsim.run_transient(MIXED, engine=engine, **task)
+    assert again.x.tobytes() == whole.x.tobytes()
+    assert cnnsim.run_transient(MIXED, engine=engine, **task).x.tobytes() == whole.x.tobytes()  # of a run that ended
+
+
+def test_a_store_of_something_else_is_refused(tmp_path: Path) -> None:
+    store = tmp_path / "store"
+    task: dict[str, Any] = {"state": X, "input": U, "duration": 0.2, "engine": one(side=20, store=store)}
+    cnnsim.run_transient(MIXED, **task)
+    for change in ({"duration": 0.3}, {"state": U}, {"boundary": "periodic"}):
+        with pytest.raises(InputError, match="has the store of another run"):
+            cnnsim.run_transient(MIXED, **{**task, **change})
+    mark = json.loads((store / "zarr.json").read_text())
+    mark["attributes"]["version"] = 7
+    (store / "zarr.json").write_text(json.dumps(mark))
+    with pytest.raises(InputError, match="store of version 7; version 1 wanted"):
+        cnnsim.run_transient(MIXED, **task)
+    mark["attributes"] = {}
+    (store / "zarr.json").write_text(json.dumps(mark))
+    with pytest.raises(InputError, match="another Zarr store"):
+        cnnsim.run_transient(MIXED, **task)
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "mine.txt").write_text("mine")
+    with pytest.raises(InputError, match="is not empty, and has no store"):
+        cnnsim.run_transient(MIXED, **{**task, "engine": one(store=tmp_path / "other")})
+
+
+def test_what_cannot_be_cut_is_refused() -> None:
+    delayed = Template(1.0, terms=[Term([[0.1]], "y_kl", delay=0.5)])
+    with pytest.raises(InputError, match="has delays, which reach into the past; no engine wanted"):
+        cnnsim.run_transient(delayed, state=X, duration=1.0, engine=one())
+    with pytest.raises(InputError, match="an accuracy on an engine"):
+        cnnsim.run_transient(MIXED, state=X, input=U, accuracy=1e-3, engine=one())
+    with pytest.raises(InputError, match="engine 'spark'; processes, dask or dask=ADDRESS wanted"):
+        cnnsim.run_transient(MIXED, state=X, input=U, engine="spark")
+
+
+def test_planes_may_be_zarr_arrays_and_so_is_the_result_then(tmp_path: Path) -> None:
+    zarr = pytest.importorskip("zarr")
+    state = zarr.create_array(tmp_path / "x.zarr", shape=SHAPE, chunks=(16, 16), dtype="f4")
+    state[...] = X
+    whole = cnnsim.run_transient(MIXED, state=X.astype(np.float32), input=U, duration=1.0)
+    found = cnnsim.run_transient(
+        MIXED, state=state, input=U, duration=1.0, engine=one(side=20), store=tmp_path / "store"
+    )
+    assert type(found.x).__module__.startswith("zarr")
+    assert found.x[...].tobytes() == whole.x.tobytes()
+    assert found.y.tobytes() == whole.y.tobytes()
+
+
+def test_what_lies_around_a_block_is_every_cell_that_can_reach_it() -> None:
+    for kind in ("periodic", "zero-flux"):
+        blocks = Blocks((13, 7), 5, cnnsim.Boundary(kind))
+        plane = np.arange(13 * 7).reshape(13, 7)
+        for block in range(len(blocks)):
+            for halo in (0, 2, 9):
+                rows, cols, ((p0, p1), (q0, q1)) = blocks.around(block, halo)
+                (r0, r1), (c0, c1) = blocks.area(block)
+                assert np.array_equal(plane[rows[:, None], cols][p0:p1, q0:q1], plane[r0:r1, c0:c1])
+                if kind == "periodic":
+                    around = np.pad(plane, halo, mode="wrap")[r0 : r1 + 2 * halo, c0 : c1 + 2 * halo]
+                    assert np.array_equal(plane[rows[:, None], cols], around)
+    assert runs(np.array([5, 6, 0, 1, 2]), 0) == [((0, 2), (5, 7)), ((2, 5), (0, 3))]
+    assert runs(np.array([3, 4, 5, 6]), 5) == [((0, 2), (3, 5)), ((2, 4), (5, 7))]
+
+
+def test_the_depth_is_what_costs_least_by_the_measured_rates() -> None:
+    def learnt(disk: float, stepping: float) -> int:
+        depth = Depth(1024, 1, None, None)
+        depth.learn([block_task.BlockReport(0, (), disk, stepping)], 16)
+        return depth.steps()
+
+    assert learnt(0.001, 1.0) < learnt(0.1, 1.0) < learnt(1.0, 1.0)
+
+    def cost(d: int) -> float:  # of a step: cells of the halo, and the disk once in d steps
+        return 1.0 / 16 * ((1024 + 2 * d) / (1024 + 32)) ** 2 + 0.1 / d
+
+    assert learnt(0.1, 1.0) == min((2**p for p in range(9)), key=cost)
+    assert math.isclose(cost(16), 1.0 / 16 + 0.1 / 16)
