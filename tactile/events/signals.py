@@ -4,7 +4,7 @@ from math import isfinite
 
 import numpy as np
 
-from cnnsim.support import Flags
+from cnnsim.support import Flags, Floats
 from tactile.core.frame import Frame, Quantity
 from tactile.core.noise import Noise
 from tactile.events.thresholds import Levels
@@ -77,13 +77,16 @@ class Signals:
 
     def update(self, frame: Frame, use: Flags, levels: Levels) -> None:
         """Take a frame; ``use`` (rows, cols) which taxels count, ``levels`` of their comparators."""
+        self._update(frame.t, frame.values, use, levels)
+
+    def _update(self, t: float, values: Floats, use: Flags, levels: Levels) -> None:
         from tactile.events.signals_numba import step  # numba is slow to import
 
-        dt = 0.0 if self._t is None else max(frame.t - self._t, 0.0)
+        dt = 0.0 if self._t is None else max(t - self._t, 0.0)
         self._interval += 0.05 * (dt - self._interval)
-        self._t = frame.t
+        self._t = t
         step(
-            frame.values, use, self._inward, self._rectify, dt, levels.off, levels.on, self._drawn, self._quiet[0],
+            values, use, self._inward, self._rectify, dt, levels.off, levels.on, self._drawn, self._quiet[0],
             self._quiet[1], self._fast, self._slow, self._scalars, self._taps, self.planes, self.levels,
         )  # fmt: skip
         self.force = float(self._scalars[0])
@@ -103,7 +106,7 @@ class Signals:
             self._quiet[0] += 0.1 * (max(sigma[:2]) * keep**0.5 - self._quiet[0])
             self._quiet[1] += 0.1 * (sigma[2] * keep**0.5 - self._quiet[1])
             self._drawn = DRAWN * self._quiet[0]
-        self.update(Frame(0, t, 0, self._one, ALWAYS), ALWAYS, ONE)
+        self._update(t, self._one, ALWAYS, ONE)
 
     def put_load(self, load: "Signals") -> None:
         """Let the numbers and what is drawn be those of the located load: shear strain alone is no tangential load."""

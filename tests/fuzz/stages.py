@@ -33,11 +33,11 @@ class Clocked(Session):
 
     def __init__(self, *arguments: Any, **more: Any) -> None:
         self.received: dict[int, int] = {}
-        self.begun = 0
+        self.begun, self.reading = 0, 0.0
         super().__init__(*arguments, **more)
 
     def _take(self, chunks: list[Chunk]) -> None:
-        now = self.reader.now()
+        now, self.reading = self.reader.now(), time.thread_time()
         self.received.update((chunk.t, now) for chunk in chunks)
         super()._take(chunks)
 
@@ -104,21 +104,22 @@ def clocked_run(port: str, description: Description, seconds: float, record: Pat
     session = Clocked(port, description, into, seconds, False, threading.Event())
     monitor = LiveMonitor(session.source, say, session.now, session.note)
     stages = Stages(session, monitor)
-    spent = time.thread_time()
+    spent, all_spent = time.thread_time(), time.process_time()
     try:
         pipeline.run(stages, options.settings(description.arrays, None), [stages.sink])
-        spent = time.thread_time() - spent
+        spent, all_spent = time.thread_time() - spent, time.process_time() - all_spent
     finally:
         gc.callbacks.remove(collections)
         session.close()
         assert session.recording is not None
         session.recording.close({})
-    _print(np.array(stages.times) * 1e-6, spent, collections.took, session)
+    each = {"pipeline's": spent, "reader's": session.reading, "all": all_spent}
+    shares = ", ".join(f"{name} {1e6 * share / len(stages.times):.0f}" for name, share in each.items())
+    print(f"{len(stages.times)} frames; processor a frame [us] by thread: {shares}; {session.counts}")
+    _print(np.array(stages.times) * 1e-6, collections.took)
 
 
-def _print(times: Any, spent: float, collections: list[float], session: Clocked) -> None:
-    print(f"{len(times)} frames; {1e6 * spent / len(times):.0f} us of the processor a frame in the thread of the"
-          f" pipeline; {session.counts}")  # fmt: skip
+def _print(times: Any, collections: list[float]) -> None:
     print(f"{'[ms]':32}{'median':>9}{'99 %':>9}{'99.9 %':>9}{'longest':>9}")
     parts = dict(zip(STAGES, np.diff(times).T, strict=True)) | {"all": times[:, -1] - times[:, 0]}
     for name, part in parts.items():
