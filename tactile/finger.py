@@ -11,7 +11,7 @@ from cnnsim.library.folders import folder
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import Program
-from cnnsim.support import Flags, Floats
+from cnnsim.support import Flags
 from tactile.calibration.live_tare import LiveTare, TareNote
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.noise import Noise
@@ -28,6 +28,7 @@ from tactile.events.travel import Travel
 from tactile.inverse.load import Load
 from tactile.inverse.localise import localise
 from tactile.inverse.summed import summed
+from tactile.inverse.weights import weigh
 from tactile.settings import Settings
 from tactile.texture.figures import Texture, TextureFigures
 
@@ -64,7 +65,6 @@ class Finger:
         self._newtons = _newtons(array, modulus)
         self._rails = Rails(array.shape)
         self._saturated: Flags | None = None
-        self._sigma: Floats | None = None
         self._nothing = np.full((1, 1, 3) if self._inverse is not None else (*array.shape, 3), np.nan)
         self._noise: Noise | None = None
         self._slid = -np.inf
@@ -93,7 +93,8 @@ class Finger:
         self._none_left_out = not self._left_out.any()
         self._floor = float(np.median(self._levels.off[..., 2]))
         levels_of = None if noise is None else noise.levels
-        self._sigma = None if levels_of is None or not (levels_of > 0).all() else levels_of * self._newtons
+        known = None if levels_of is None or not (levels_of > 0).all() else levels_of * self._newtons
+        self._weights = weigh(known, array.shape)
 
     def locate(self, frame: Frame) -> Load:
         """Return the load under this finger: the inverse in every cell, then the taxels' consensus; or their sum."""
@@ -107,7 +108,7 @@ class Finger:
         if self._radial is not None:
             planes = tuple(plane for k in range(0, len(planes), 4) for plane in self._radial(planes[k : k + 4]))
         pressing, pulling = planes[:4], planes[4:] or None
-        return localise(self._positions, pressing, pulling, self.array.depth, self._sigma, self._saturated)
+        return localise(self._positions, pressing, pulling, self.array.depth, self._weights, self._saturated)
 
     def notice(self, frame: Frame, load: Load) -> list[Happening]:
         """Run the comparators and the detectors on the frame and return what begins and what ends."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from cnnsim.support import Floats
 from tactile.inverse.fit import TIED, Fit, Signals
 from tactile.inverse.validity import Validity
+from tactile.inverse.weights import Weights
 
 SEEDS = 3
 """The candidates of that many of the strongest taxels are tried as the place."""
@@ -48,25 +49,15 @@ class Attempt:
 class Taxels:
     """The answers of all taxels of one frame, at places (rows, cols, 2) [m], as planes (families, 4, n).
 
-    ``order``: the taxels that have one, first the strongest, in order; ``noise``: as `localise` takes it.
+    ``order``: the taxels that have one, first the strongest, in order; ``weights`` of their signals.
     """
 
-    def __init__(
-        self, at: Floats, planes: Floats, depth: float, strain: bool, noise: Floats | float | None = None
-    ) -> None:
+    def __init__(self, at: Floats, planes: Floats, depth: float, strain: bool, weights: Weights) -> None:
         from tactile.inverse import consensus_numba  # numba is slow to import
 
         self.shape: tuple[int, int] = at.shape[0], at.shape[1]
         self.at, self.planes, self.depth, self.strain = at.reshape(-1, 2), planes, depth, strain
-        count = len(self.at)
-        self.noise: float | None = None
-        self.scale, self.trust = np.ones((count, 3)), np.ones(count)
-        if noise is not None:
-            sigma = np.broadcast_to(noise, (*self.shape, 3)).reshape(-1, 3)
-            self.noise = float(np.median(sigma))
-            if np.ndim(noise):
-                self.scale = self.noise / sigma
-                self.trust = self.scale.min(axis=1)
+        self.noise, self.scale, self.trust = weights
         self.signal, self.peak, self.order = consensus_numba.strongest(planes, self.trust, depth, strain, VOTERS)
 
     def attempt(self, order: NDArray[np.intp], *, thorough: bool = False) -> Attempt:

@@ -54,7 +54,9 @@ class Fit:
     """The loads (k, 5) nearest to the signals from a start on, in depths and as signals are.
 
     ``start``: loads (k, 5), or the place (1, 2) of one, whose forces are then those that the signals ask for there.
-    ``chi``: sum of the squares that they leave of ``whole``; ``spread`` (k, 5): variances for signals of variance 1.
+    ``chi``: sum of the squares that they leave of ``whole``; ``spread`` (k, 5): variances for signals of variance 1;
+    ``free``: degrees of freedom, signals less what was fitted to them; ``variance`` of a signal: that of the noise
+    where it is known, more where the residual says more, NaN without.
     """
 
     def __init__(self, signals: Signals, start: Floats) -> None:
@@ -72,6 +74,11 @@ class Fit:
         self.chi, self.whole, self.spread = fit_numba.fit(*parts, self.loads, signals.strain, signals.tie, STEPS)
         if many:
             self.chi, self.whole = fit_numba.energy(self.rest), fit_numba.energy(signals.felt)
+        xx, xy, yy = signals.tie.tolist()
+        told = 2 if xx + yy == 0 else int(xx * yy - xy * xy <= 1e-12 * (xx + yy) ** 2)
+        self.free = max(signals.felt.size - (3 + told) * len(self.loads), 0)
+        left, noise = self.chi / self.free if self.free else math.nan, signals.noise
+        self.variance = left if noise is None else noise**2 if not left > noise**2 else left
 
     @cached_property
     def rest(self) -> Floats:
@@ -80,20 +87,6 @@ class Fit:
 
         signals = self.signals
         return fit_numba.rest(signals.seen, signals.felt, signals.scale, self.loads, signals.strain)
-
-    @property
-    def free(self) -> int:
-        """Degrees of freedom: signals less what was fitted to them."""
-        xx, xy, yy = self.signals.tie.tolist()
-        told = 2 if xx + yy == 0 else int(xx * yy - xy * xy <= 1e-12 * (xx + yy) ** 2)
-        return max(self.signals.felt.size - (3 + told) * len(self.loads), 0)
-
-    @property
-    def variance(self) -> float:
-        """Variance of a signal: that of the noise where it is known, more where the residual says more; NaN without."""
-        left = self.chi / self.free if self.free else math.nan
-        noise = self.signals.noise
-        return left if noise is None else noise**2 if not left > noise**2 else left
 
     @cached_property
     def random(self) -> float:

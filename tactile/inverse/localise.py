@@ -16,6 +16,7 @@ from tactile.inverse.attempt import DOUBT, Attempt, Taxels
 from tactile.inverse.load import INF, NAN, Load
 from tactile.inverse.several import EXPLAINED, several, simplest
 from tactile.inverse.validity import Validity
+from tactile.inverse.weights import Weights, weigh
 
 POINT = 0.25
 """Loads that leave a larger share of the signals unexplained are not points: a tip of half a depth leaves 0.1."""
@@ -28,7 +29,8 @@ SHARE = 0.25
 
 
 def localise(
-    positions: Floats, pressing: Planes, pulling: Planes | None, depth: float, noise: Floats | float | None = None,
+    positions: Floats, pressing: Planes, pulling: Planes | None, depth: float,
+    noise: Weights | Floats | float | None = None,
     saturated: Flags | None = None,
 ) -> Load:  # fmt: skip
     """Find the point load, or the few, that all taxels of an array feel.
@@ -42,7 +44,8 @@ def localise(
     Arguments: ``positions`` (rows, cols, 2) of the taxels [m]; ``pressing``: the planes (dx, dy, force, validity)
     of ``invert_strain`` with pressing = 1, or of ``invert_stress``; ``pulling``: those with pressing = -1, None
     for stress; ``depth`` z [m]; ``noise``: standard deviation of the signals, one number or (rows, cols, 3), times
-    4 pi E z^2 / 3 for strain and 2 pi z^2 / 3 for stress [N]; None: alike everywhere, judged by what is left;
+    4 pi E z^2 / 3 for strain and 2 pi z^2 / 3 for stress [N], or what `weigh` makes of it once for many frames; None:
+    alike everywhere, judged by what is left;
     ``saturated`` (rows, cols): taxels of which a reading is at the end of its range, marked and left out. Taxels that
     are not INSIDE or OUTSIDE are not used.
 
@@ -55,15 +58,13 @@ def localise(
     planes = np.array(families, dtype=np.float64)
     if planes.shape[2:] != positions.shape[:2]:
         raise InputError(f"planes of shape {planes.shape[2:]} for an array of {positions.shape[:2]} taxels")
-    if noise is not None and (np.shape(noise) not in ((), (*positions.shape[:2], 3)) or not np.min(noise) > 0):
-        wanted = f"positive numbers, one or {(*positions.shape[:2], 3)}, wanted"
-        raise InputError(f"noise of shape {np.shape(noise)} from {np.min(noise):g} N on; {wanted}")
+    weights = noise if isinstance(noise, Weights) else weigh(noise, positions.shape[:2])
     at, strain = np.ascontiguousarray(positions, np.float64), pulling is not None
     planes = planes.reshape(len(families), 4, -1)
     railed = None if saturated is None or not saturated.any() else saturated.ravel()
     if railed is not None:
         planes[:, 3, railed] = Validity.INVALID
-    taxels = Taxels(at, planes, depth, strain, noise)
+    taxels = Taxels(at, planes, depth, strain, weights)
     if not taxels.order.size:
         marked = (planes[:, 3] == Validity.INVALID).any()
         named = () if saturated is None else _named(saturated)
