@@ -10,7 +10,7 @@ duration_s = 2.0
 # seed       = 1            # of all random effects
 # effects    = "auto"       # exactly the effects that change the signal by more than the tolerance
 # tolerance  = 0.02         # of its peak
-# accuracy   = 1e-4         # of the field, of its peak; 0 for rounding, which takes ten times as long under wide contacts
+# accuracy   = 1e-4         # of the field, of its peak; 0 for rounding, which takes far longer under wide contacts
 
 [cover]
 youngs_modulus_mpa = 2.4    # soft silicone rubber
