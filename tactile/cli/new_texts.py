@@ -37,7 +37,7 @@ path = [
   [1.70, 0.20, -0.30, 0.00, 0.00, 0.00],
 ]
 
-# [[contact]]               # a body that presses: sphere, needle, disc, flat_punch, edge, cylinder or point
+# [[contact]]               # a body that presses: sphere, needle, disc, flat_punch, edge, cylinder, point or height_map
 # finger    = "finger"
 # shape     = "sphere"
 # radius_mm = 5

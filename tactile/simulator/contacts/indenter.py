@@ -168,7 +168,10 @@ class Indenter:
         as that. What does not press (force 0 or pulling) stays as it is.
         """
         if self.shape == "point":
-            return Indenter("sphere", needle).held_factor(force, rise, medium, needle)
+            deep = replace(
+                medium, thickness=np.inf
+            )  # so narrow a tip hardly feels the base, and may go through a layer
+            return Indenter("sphere", needle).held_factor(force, rise, deep, needle)
         if self.shape == "edge":
             return replace(self, shape="cylinder", radius=needle).held_factor(force, rise, medium, needle)
         deeper = self.indentation(force, medium) + rise

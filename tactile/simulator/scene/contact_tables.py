@@ -20,7 +20,7 @@ BY_FORCE = "t_s, x_mm, y_mm, Q_N, R_N, F_N"
 BY_DEPTH = "t_s, x_mm, y_mm, Q_N, R_N, indentation_mm"
 
 
-def read_contact(table: dict[str, Any], names: list[str], where: str, _folder: Path) -> Contact:
+def read_contact(table: dict[str, Any], names: list[str], where: str, folder: Path) -> Contact:
     """An indenter, pressed by force or by depth, with a twist in a seventh column where ``twist = true``.
 
     Raises:
@@ -29,6 +29,11 @@ def read_contact(table: dict[str, Any], names: list[str], where: str, _folder: P
     given = take(table, "given", str, where, "force")
     if given not in ("force", "indentation"):
         raise InputError(f"{where}: given = {given!r}, 'force' or 'indentation' wanted")
+    if table.get("shape") == "height_map":
+        return _height_map(table, names, where, folder, given == "indentation")
+    for key in ("file", "pitch_mm", "unit_mm"):
+        if key in table:
+            raise InputError(f"{where}: {key} of a {table.get('shape')}; shape = 'height_map' wanted")
     twisted = table.get("twist", False)
     if not isinstance(twisted, bool):
         raise InputError(f"{where}: twist = {twisted!r}, true or false wanted")
@@ -53,6 +58,25 @@ def read_contact(table: dict[str, Any], names: list[str], where: str, _folder: P
         path = np.hstack([path, np.zeros((len(path), 1))])
     path = path * (1, 1e-3, 1e-3, 1, 1, 1e-3 if by_depth else 1, 1e-3)
     return MovingContact(one_finger(table, names, where), indenter, path, friction, by_depth)
+
+
+def _height_map(table: dict[str, Any], names: list[str], where: str, folder: Path, by_depth: bool) -> Contact:
+    """A body as a height map: an .npy file of heights, or an .stl file, lying as it does on the cover, z up."""
+    from tactile.simulator.contacts.height_map import HeightMap  # only where called for
+    from tactile.simulator.contacts.heights import read_heights  # the same
+
+    for key in ("radius_mm", "length_mm", "angle_deg", "twist"):
+        if key in table:
+            raise InputError(f"{where}: {key} of a height_map; file and pitch_mm wanted")
+    pitch, unit = positive(table, "pitch_mm", where) * 1e-3, positive(table, "unit_mm", where, 1.0) * 1e-3
+    friction = take(table, "friction", float, where) if "friction" in table else None
+    if friction is not None and friction < 0:
+        raise InputError(f"{where}: friction = {friction}, a number from 0 up wanted")
+    path = keyframes(table, BY_DEPTH if by_depth else BY_FORCE, where)
+    path = path * (1, 1e-3, 1e-3, 1, 1, 1e-3 if by_depth else 1)
+    with naming(where):
+        heights = read_heights(folder / take(table, "file", str, where), pitch, unit)
+        return HeightMap(one_finger(table, names, where), heights, pitch, path, friction, by_depth)
 
 
 def read_texture(table: dict[str, Any], names: list[str], where: str, _folder: Path) -> Contact:

@@ -16,7 +16,13 @@ from tactile.simulator.scene.model_range import out_of_range
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.scene.sizes import sizes_in
 
-WORDS = {"MovingLoad": "load", "MovingContact": "contact", "SlidingTexture": "texture", "TractionMap": "map"}
+WORDS = {
+    "MovingLoad": "load",
+    "MovingContact": "contact",
+    "HeightMap": "height map",
+    "SlidingTexture": "texture",
+    "TractionMap": "map",
+}
 """What the kinds of contact are called in a scene."""
 
 

@@ -1,0 +1,108 @@
+"""A rigid body of any shape pressed onto a half-space or layer: pressures on a grid, by conjugate gradients."""
+
+from functools import lru_cache
+
+import numpy as np
+from scipy import fft
+from scipy.interpolate import CubicSpline
+from scipy.special import j0
+
+from cnnsim.support import Floats, InputError
+from tactile.elastic.gauss import gauss
+from tactile.elastic.layer_contact import excess
+from tactile.elastic.medium import Medium
+
+STEPS = 1000
+"""Steps of the solver at most; a contact of 128 x 128 cells takes some dozens."""
+TOLERANCE = 1e-6
+"""What is left of the gap, over the indentation."""
+REACH = 40.0
+"""Thicknesses beyond which the layer's surface does not move: less than 1e-6 of its largest displacement."""
+
+
+class RoughContact:
+    """Pressures under a body whose underside has heights (rows, cols) [m] over a plane, cells of one pitch [m].
+
+    Minimises p G p / 2 - p (indentation - height) over pressures p >= 0 (no pull, no friction), G the displacement of a
+    cell under pressure on another: Love's square on the half-space, less what the base takes away,
+    pitch^2 / (pi E* h) integral of (1 - T(k)) J0(k r / h) dk.
+
+    Raises:
+        InputError: no two-dimensional heights, heights that are not finite, a pitch that is not positive.
+
+    Source: Polonsky and Keer (1999); Vollebregt (2014) for a given indentation; Johnson, sect. 3.3; ``layer_contact``.
+    """
+
+    def __init__(self, heights: Floats, pitch: float, medium: Medium) -> None:
+        if heights.ndim != 2 or not heights.size or not np.isfinite(heights).all() or not pitch > 0:
+            raise InputError(f"heights of shape {heights.shape} {pitch} m apart; finite (rows, cols), a pitch wanted")
+        self.gap, self.pitch, self.medium = heights - heights.min(), pitch, medium
+        self._size = [fft.next_fast_len(2 * n - 1, real=True) for n in heights.shape]
+        steps = [np.minimum(np.arange(n), n - np.arange(n)) * pitch for n in self._size]
+        self._transfer = fft.rfft2(_displacement(steps[1][None, :], steps[0][:, None], pitch, medium))
+
+    def sunk(self, pressure: Floats) -> Floats:
+        """Displacement (rows, cols) [m] of the surface under pressures [Pa]."""
+        rows, cols = self.gap.shape
+        waves = fft.rfft2(pressure, s=self._size)
+        out: Floats = fft.irfft2(waves * self._transfer, s=self._size)[:rows, :cols]
+        return out
+
+    def pressed(self, indentation: float, start: Floats | None = None) -> Floats:
+        """Pressures (rows, cols) [Pa] at an indentation [m] of the lowest point; ``start``: a first guess.
+
+        Raises:
+            InputError: an indentation as deep as the layer is thick; no answer after a thousand steps.
+        """
+        if indentation >= self.medium.thickness:
+            raise InputError(
+                f"a body sinks {indentation * 1e3:.4g} mm into a cover of {self.medium.thickness * 1e3:g} mm; less than"
+                " its thickness wanted"
+            )
+        wanted = indentation - self.gap
+        pressure = np.zeros_like(wanted) if start is None else np.where(wanted > 0, start, 0.0)
+        if indentation <= 0:
+            return np.zeros_like(wanted)
+        way, last, touching = np.zeros_like(wanted), 1.0, pressure > 0
+        for _ in range(STEPS):
+            left = wanted - self.sunk(pressure)  # above 0 where the body is still in the way
+            now = (pressure > 0) | (left > 0)
+            rest = np.where(now, left, 0.0)
+            if np.abs(rest).max() <= TOLERANCE * indentation:
+                return pressure
+            size = float((rest * rest).sum())
+            fresh = bool((now != touching).any())
+            way = rest if fresh else rest + size / last * way
+            last, touching = size, now
+            along = np.where(now, self.sunk(way), 0.0)
+            pressure = np.maximum(pressure + float((rest * way).sum()) / float((way * along).sum()) * way, 0.0)
+        raise InputError(
+            f"no pressures found for an indentation of {indentation * 1e3:.4g} mm in {STEPS} steps; less wanted"
+        )
+
+
+def _displacement(x: Floats, y: Floats, pitch: float, medium: Medium) -> Floats:
+    """Of a cell at (x, y) under 1 Pa on the one at (0, 0) [m / Pa]."""
+    out = np.zeros(np.broadcast_shapes(x.shape, y.shape))
+    for sign_x in (1, -1):
+        for sign_y in (1, -1):
+            a, b = x + sign_x * pitch / 2 + 0 * y, y + sign_y * pitch / 2 + 0 * x
+            # a corner never lies at a or b of 0: cells are half a pitch wide
+            out += sign_x * sign_y * (a * np.arcsinh(b / np.abs(a)) + b * np.arcsinh(a / np.abs(b)))
+    out /= np.pi * medium.contact_modulus
+    if np.isfinite(medium.thickness):
+        h = medium.thickness
+        rho = np.hypot(x, y) / h
+        taken = _taken(medium.nu)(np.minimum(rho, REACH))
+        out -= np.where(rho < REACH, taken * pitch**2 / (np.pi * medium.contact_modulus * h), out)
+    return out
+
+
+@lru_cache(maxsize=16)
+def _taken(nu: float) -> CubicSpline:
+    """The integral over the layer's waves, by the distance in thicknesses."""
+    nodes, weights = gauss(16)
+    edges = np.linspace(0, 20.0, 81)
+    k = (((edges[:-1] + edges[1:]) / 2)[:, None] + (edges[1] / 2) * nodes).ravel()
+    rho = np.linspace(0, REACH, 1201)
+    return CubicSpline(rho, j0(np.outer(rho, k)) @ (excess(k, nu) * np.tile(weights * edges[1] / 2, len(edges) - 1)))
