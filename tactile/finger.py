@@ -93,8 +93,8 @@ class Finger:
         self._none_left_out = not self._left_out.any()
         self._floor = float(np.median(self._levels.off[..., 2]))
         levels_of = None if noise is None else noise.levels
-        known = None if levels_of is None or not (levels_of > 0).all() else levels_of * self._newtons
-        self._weights = weigh(known, array.shape)
+        known = None if levels_of is None or self._inverse is None else levels_of * self._newtons
+        self._weights = weigh(known if known is not None and (known > 0).all() else None, array.shape)
 
     def locate(self, frame: Frame) -> Load:
         """Return the load under this finger: the inverse in every cell, then the taxels' consensus; or their sum."""
