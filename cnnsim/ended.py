@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from cnnsim.accuracy.at_rest import seen_to_the_end
-from cnnsim.accuracy.reach import Transient, decided
+from cnnsim.accuracy.reach import decided, reach
+from cnnsim.accuracy.repeatable import Repeatable
 from cnnsim.accuracy.settle import SETTLED_DISTANCE
 from cnnsim.accuracy.wanted import Wanted
 from cnnsim.backends.base import Backend, Outcome
@@ -24,14 +25,15 @@ class NotSettledError(InputError):
         self.result = result
 
 
-def reached(transient: Transient, where: Backend, wanted: Wanted) -> Result:
+def reached(transient: Repeatable, where: Backend, wanted: Wanted) -> Result:
     """Return the result of a run to an accuracy.
 
     Raises:
         NotSettledError: it was to settle and did not.
     """
-    found = transient.reach(where, wanted)
-    plan = replace(found.plan, decisions=(*found.plan.decisions, decided(transient.plan, wanted)))
+    found = reach(transient, where, wanted)
+    said, plan = decided(transient.plan, wanted), found.plan
+    plan = plan if said in plan.decisions else replace(plan, decisions=(*plan.decisions, said))
     result = Result(
         found.x, found.t, found.settled, found.rate, plan, None, found.error if found.settled else nan,
         np.argwhere(found.undecided), found.how, found.error,

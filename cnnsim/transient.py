@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Unpack
 from numpy.typing import ArrayLike
 
 from cnnsim import backends
-from cnnsim.accuracy.reach import Transient
+from cnnsim.accuracy.repeatable import Repeatable
 from cnnsim.backends.base import Backend
 from cnnsim.ended import ended, reached
 from cnnsim.keywords import spelled
@@ -61,7 +61,7 @@ def run_transient(
             raise InputError("record with an accuracy: several runs are made; give scheme and step to record one")
         where = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend
         given = task.state, task.input, task.bias, task.mask
-        again = Transient(task.plan, lambda backend, plan: task.start(backend, plan=plan), given)
+        again = Repeatable(task.plan, lambda backend, plan, state=None, /: task.start(backend, state, plan), given)
         return reached(again, where, task.accuracy)
     wanted = None if record is None else parse_record(record, task.state.shape)
     where = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend

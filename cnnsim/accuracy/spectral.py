@@ -1,6 +1,7 @@
 """The inverse of I - A on a whole grid by fast sine, cosine or Fourier transforms, whatever its boundary."""
 
 from collections.abc import Callable
+from functools import cache, lru_cache
 
 import numpy as np
 
@@ -17,14 +18,17 @@ def spectral_inverse(taps: tuple[Tap, ...], shape: tuple[int, int], boundary: Bo
     (I - A) times such a wave is 1 - sum A(k, l) cos(k p) cos(l q) times it. That is exact for a symmetric A of radius
     1, and near enough for `scipy.sparse.linalg.cg` else. Waves that A leaves as they are, are left as they are.
     """
-    from scipy import fft  # slow to import, and only needed where a large grid is solved
-
     p, q = (_frequencies(n, boundary) for n in shape)
-    size = 1.0 - sum(weight * np.cos(k * p)[:, None] * np.cos(l * q)[None] for k, l, weight in taps)
-    size = np.where(np.abs(size) < 1e-12 * np.abs(size).max(), 1.0, size)
+
+    @cache
+    def sizes() -> Floats:
+        size = 1.0 - sum(weight * np.cos(k * p)[:, None] * np.cos(l * q)[None] for k, l, weight in taps)
+        return np.where(np.abs(size) < 1e-12 * np.abs(size).max(), 1.0, size)
 
     def inverse(v: Floats) -> Floats:
-        plane = v.reshape(shape)
+        from scipy import fft  # slow to import, and only needed where a large grid is solved
+
+        plane, size = v.reshape(shape), sizes()
         if boundary.kind == "periodic":
             found = fft.ifft2(fft.fft2(plane) / size).real
         elif boundary.kind == "zero-flux":
@@ -44,8 +48,9 @@ def _frequencies(cells: int, boundary: Boundary) -> Floats:
     return np.pi * (np.arange(cells) + 1) / (cells + 1)
 
 
-def is_definite(taps: tuple[Tap, ...], boundary: Boundary) -> bool:
-    """Return whether no mode of I - A, among whatever cells of a grid of whatever size, is known to grow.
+@lru_cache(maxsize=64)
+def is_definite(taps: tuple[Tap, ...], boundary: Boundary, *, decay: float = 0.0) -> bool:
+    """Return whether all modes of I - A, among whatever cells of a grid of whatever size, decay at least so fast.
 
     For a symmetric A the matrix among some cells is a part of that of the endless grid, whose modes are the waves: its
     smallest mode is at least that of the smallest wave (Cauchy's interlacing). Cells repeated beyond an edge are a
@@ -60,4 +65,4 @@ def is_definite(taps: tuple[Tap, ...], boundary: Boundary) -> bool:
         return False
     p = np.linspace(-np.pi, np.pi, 257)
     size = 1.0 - sum(weight * np.cos(k * p[:, None] + l * p) for k, l, weight in taps)
-    return bool(np.min(size) >= -1e-12 * np.max(np.abs(size)))
+    return bool(np.min(size) >= decay - 1e-12 * np.max(np.abs(size)))

@@ -29,3 +29,8 @@ def longest_step(plan: Plan, scheme: Scheme) -> float:
         assert plan.network is not None
         return 0.95 * step_bound(plan.network, plan.characteristic, plan.duration, scheme)
     return 0.95 * step_limit(plan.template, plan.boundary, plan.duration, scheme)
+
+
+def evaluations(plan: Plan) -> int:
+    """Return how often a plan evaluates A*y in each cell."""
+    return plan.steps * (len(plan.scheme.b) if plan.scheme else 1)

@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from cnnsim.network import Boundary, Template
+from cnnsim.network import Boundary, Tap, Template
 from cnnsim.network.boundary import correlate
 from cnnsim.network.weights import taps_of
 from cnnsim.planning.duration import Duration
@@ -31,14 +31,18 @@ def decaying_modes(template: Template, boundary: Boundary) -> Modes:
     several sizes (its symbol would forbid steps that are stable).
     """
     if template.symmetric or boundary.kind == "periodic":
-        k, l, weight = (np.array([tap[i] for tap in template.feedback_taps]) for i in range(3))
-        frequency = np.linspace(-np.pi, np.pi, 129)
-        p, q = np.meshgrid(frequency, frequency[64:], indexing="ij")
-        phase = p[..., None] * k + q[..., None] * l
-        modes = (weight * (np.cos(phase) if template.symmetric else np.exp(1j * phase))).sum(axis=-1).ravel() - 1
-    else:
-        modes = _on_grids(template.A.tobytes(), template.A.shape[0], boundary)
-    return decaying(modes)
+        return decaying(_waves(template.feedback_taps, symmetric=template.symmetric))
+    return decaying(_on_grids(template.A.tobytes(), template.A.shape[0], boundary))
+
+
+@lru_cache(maxsize=64)
+def _waves(taps: tuple[Tap, ...], *, symmetric: bool) -> Modes:
+    k, l, weight = (np.array([tap[i] for tap in taps]) for i in range(3))
+    frequency = np.linspace(-np.pi, np.pi, 129)
+    p, q = np.meshgrid(frequency, frequency[64:], indexing="ij")
+    phase = p[..., None] * k + q[..., None] * l
+    found: Modes = (weight * (np.cos(phase) if symmetric else np.exp(1j * phase))).sum(axis=-1).ravel() - 1
+    return found
 
 
 def decaying(modes: Modes) -> Modes:
@@ -66,6 +70,11 @@ def step_limit(template: Template, boundary: Boundary, duration: Duration, schem
 
     Euler: h < 2 |Re mode| / |mode|^2, so 2 for a cell without neighbours and 1/4 for the five-point Laplacian.
     """
+    return _limit(template, boundary, duration, scheme)
+
+
+@lru_cache(maxsize=128)
+def _limit(template: Template, boundary: Boundary, duration: Duration, scheme: Scheme) -> float:
     return limit_of(decaying_modes(template, boundary), duration, scheme)
 
 

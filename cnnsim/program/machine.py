@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from cnnsim import backends, library
 from cnnsim.accuracy.at_rest import seen_to_the_end
-from cnnsim.accuracy.reach import Transient
+from cnnsim.accuracy.repeatable import Repeatable
 from cnnsim.accuracy.settle import SETTLED_DISTANCE
 from cnnsim.accuracy.wanted import Wanted, parse_accuracy
 from cnnsim.backends.base import Backend, Outcome, Plane
@@ -213,11 +213,12 @@ class UniversalMachine:
         read = [None if plane is None else self.backend.read(plane) for plane in planes]
         x, u, bias = (None if plane is None else plane.astype(np.float64) for plane in read[:3])
 
-        def start(where: Backend, again: Plan) -> Outcome:
-            state, shown, added = (None if plane is None else where.load(plane, "lam") for plane in (x, u, bias))
+        def start(where: Backend, again: Plan, pushed: Array | None = None, /) -> Outcome:
+            given = (x if pushed is None else pushed, u, bias)
+            state, shown, added = (None if plane is None else where.load(plane, "lam") for plane in given)
             return where.transient(again, state, shown, added, None if read[3] is None else where.load(read[3], "llm"))
 
-        found = reached(Transient(plan, start, (x, u, bias, read[3])), self.backend, wanted)
+        found = reached(Repeatable(plan, start, (x, u, bias, read[3])), self.backend, wanted)
         return self.backend.load(found.x.astype(self.backend.dtype), "lam")
 
     def _until_unchanged(self, program: Program, step: UntilUnchangedStep, planes: dict[str, Any]) -> None:
