@@ -87,11 +87,11 @@ class Finger:
             noise = replace(noise, sigma=sigma, jitter=jitter, typical=typical)
         shear = None if self._signs else self._settings.shear
         array = self.array
-        self._levels = levels(array.shape, array.quantity, self._settings.sigmas, shear, self._settings.contact, noise)
-        self._signals.set_noise(noise, self._levels)
+        self.levels = levels(array.shape, array.quantity, self._settings.sigmas, shear, self._settings.contact, noise)
+        self._signals.set_noise(noise, self.levels)
         self._left_out: Flags = np.zeros(array.shape, bool) if noise is None else noise.left_out
         self._none_left_out = not self._left_out.any()
-        self._floor = float(np.median(self._levels.off[..., 2]))
+        self._floor = float(np.median(self.levels.off[..., 2]))
         levels_of = None if noise is None else noise.levels
         known = None if levels_of is None or self._inverse is None else levels_of * self._newtons
         self._weights = weigh(known if known is not None and (known > 0).all() else None, array.shape)
@@ -118,7 +118,7 @@ class Finger:
         if not self._none_left_out:
             use = use & ~self._left_out
         before = self._signals.planes.copy() if self._own else self._signals.planes
-        self._signals.update(frame, use, self._levels)
+        self._signals.update(frame, use, self.levels)
         if self._inverse is not None:
             self._whole.take_load(frame.t, load)
             self._signals.put_load(self._whole)

@@ -16,6 +16,7 @@ from tactile.core.source import FrameStream, Source
 from tactile.events.code import CONTACT, SHEAR, Code
 from tactile.events.event import Event
 from tactile.events.narrator import Narrator
+from tactile.events.thresholds import Levels
 from tactile.finger import Finger
 from tactile.inverse.load import Load
 from tactile.settings import Settings
@@ -28,7 +29,7 @@ class FrameReport:
 
     ``events`` that this frame tells to have begun, ``ended`` those it tells to be over (see `Event.key`); ``tares``:
     what has become of tares, ``tare`` what the first took away; ``said``: changed outputs of the user's programs by
-    name.
+    name; ``levels``: where the taxels' comparators switch in this frame.
     """
 
     array: TaxelArray
@@ -41,6 +42,7 @@ class FrameReport:
     tares: tuple[TareNote, ...] = ()
     tare: TareCheck | None = None
     said: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    levels: Levels | None = None
 
     def __repr__(self) -> str:
         happened = [event.words for event in self.events]
@@ -78,7 +80,16 @@ def run(source: Source, settings: Settings, sinks: Iterable[Sink]) -> None:
         texture = finger.feel(frame, load)
         begun, ended = told.events(finger, frame, load, happened, arrived) if happened else ((), ())
         report = FrameReport(
-            finger.array, frame, finger.taxels.code, load, texture, begun, ended, *_tares(finger), finger.said()
+            finger.array,
+            frame,
+            finger.taxels.code,
+            load,
+            texture,
+            begun,
+            ended,
+            *_tares(finger),
+            finger.said(),
+            finger.levels,
         )
         for sink in sinks:
             sink(report)

@@ -5,10 +5,18 @@ from pathlib import Path
 from cnnsim.support import InputError
 from tactile.sources import KINDS
 
+EVENTS = b"# tactile_events"
+"""How a table of events begins, which is no recording."""
+
 
 def is_bag(folder: Path) -> bool:
     """Return whether a folder is a ROS 2 bag."""
     return (folder / "metadata.yaml").is_file()
+
+
+def is_folder_of_recordings(source: Path) -> bool:
+    """Return whether a source is a folder in which recordings may lie, and not a bag."""
+    return source.is_dir() and not is_bag(source)
 
 
 def recordings_in(folder: Path) -> list[Path]:
@@ -30,6 +38,7 @@ def _is_recording(path: Path) -> bool:
         return suffix in KINDS
     try:
         with path.open("rb") as file:
-            return file.read(1) == b"#"
+            start = file.read(len(EVENTS))
+            return start[:1] == b"#" and start != EVENTS
     except OSError:
         return True  # its reader says what is wrong

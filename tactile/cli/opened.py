@@ -1,0 +1,107 @@
+"""A scene or a recording opened with the settings that a user's choices, its live run or its own unit ask for."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
+
+import click
+
+from cnnsim.support import InputError
+from tactile.calibration.gains import Gains
+from tactile.calibration.live_tare import TareMode
+from tactile.core.frame import TaxelArray
+from tactile.core.source import Source, provenance
+from tactile.settings import PipelineOptions, Settings
+from tactile.sources import open_source
+
+if TYPE_CHECKING:
+    from tactile.cli.live import LiveOptions
+    from tactile.simulator.bump_cover import Bumps
+    from tactile.simulator.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class RunChoices:
+    """What a user of `tactile run` has chosen: ``options``, how to ``tare``, ``gains`` or a ``calibration`` file."""
+
+    options: PipelineOptions
+    tare: TareMode | None = None
+    gains: Gains | None = None
+    calibration: Path | None = None
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A ``source``, its ``settings`` and tare ``mode``; ``notes`` on it, and on its ``forces``, in words."""
+
+    source: Source
+    settings: Settings
+    mode: TareMode
+    notes: tuple[str, ...]
+    forces: str
+
+
+def open_for_run(path: Path, choices: RunChoices) -> Opened:
+    """Open a scene or a recording.
+
+    Raises:
+        InputError: it cannot be opened, its readings have no unit, or the choices do not fit it.
+    """
+    source = open_source(path)
+    known = provenance(source)
+    if known.uncalibrated and choices.calibration is None and choices.gains is None:
+        raise InputError(
+            f"{path}: finger {known.uncalibrated[0]!r}: readings in the unit of the wire, which is no quantity;"
+            " --gains SHEAR,NORMAL or --calibration FILE wanted"
+        )
+    lived = _recorded(known.choices, path)
+    mode = choices.tare if choices.tare is not None else lived.tare if lived else ("auto" if known.untared else "off")
+    skin = lived.skin if lived else None
+    if choices.calibration is not None:
+        from tactile.calibration.file import load_calibration  # SciPy's splines are slow to import
+
+        skin = load_calibration(choices.calibration)
+    options = lived.but(vars(choices.options)) if lived else choices.options
+    settings = replace(options, tare=mode).settings(source.arrays, skin, choices.gains)
+    notes: list[str] = []
+    if hasattr(source, "loads_at"):  # a scene
+        from tactile.simulator.scene.model_range import out_of_range  # only where called for
+
+        notes += out_of_range(cast("Scene", source))
+    bumps, forces = getattr(source, "bumps", None), ""  # scenes may have them
+    if bumps is not None and choices.calibration is None:
+        settings, forces = _on_bumps(settings, source.arrays, bumps)
+    return Opened(source, settings, mode, tuple(notes), forces)
+
+
+def _recorded(choices: str, source: Path) -> "LiveOptions | None":
+    """Return the options of the live run that recorded a source, None where it was none."""
+    if not choices:
+        return None
+    from tactile.cli.live import recorded_options  # only here
+
+    return recorded_options(choices, str(source))
+
+
+def gains_of(text: str | None) -> Gains | None:
+    """Return the gains that SHEAR,NORMAL says."""
+    if text is None:
+        return None
+    try:
+        shear, normal = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise click.UsageError(f"--gains {text!r}; two numbers SHEAR,NORMAL wanted") from error
+    return Gains(shear, normal)
+
+
+def _on_bumps(settings: Settings, arrays: tuple[TaxelArray, ...], bumps: "Bumps") -> tuple[Settings, str]:
+    """The settings with which a flat cover's inverse gives a load on a bump its force, and what was done, in words."""
+    from tactile.calibration.radial import RadialCorrection  # SciPy's splines are slow to import
+
+    factors = {array.name: bumps.over_flat(array, array.quantity) for array in arrays}
+    factor = max(factors.values())
+    if min(factors.values()) < factor * (1 - 1e-9):
+        each = ", ".join(f"{name} {one:.3g}" for name, one in factors.items())
+        return settings, f"forces are a flat cover's; times so much they are right for a load on one bump: {each}"
+    said = f"forces are {factor:.3g} times a flat cover's: right for a load on one bump, not between bumps"
+    return replace(settings, radial=RadialCorrection.constant(factor)), said

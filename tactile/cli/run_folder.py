@@ -1,0 +1,121 @@
+"""Many recordings run through the pipeline, one after the other, into one table of events."""
+
+from collections import Counter
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import cnnsim
+from cnnsim.support import InputError
+from cnnsim.support.command_line import print_json, watched
+from cnnsim.support.echo import echo, say_table
+from tactile import pipeline
+from tactile.cli.opened import Opened, RunChoices, open_for_run
+from tactile.events.event import Event, EventLog
+from tactile.events.thresholds import Levels
+from tactile.output.event_table import TOLD, UNITS, event_row, write_events
+from tactile.pipeline import FrameReport
+from tactile.sources.folder import recordings_in
+from tactile.wire.extras import need
+
+
+@dataclass
+class _Watch:
+    """A sink that keeps the events, the levels at which each was told, and how long it all was."""
+
+    log: EventLog = field(default_factory=EventLog)
+    levels: dict[tuple[str, str, float], Levels | None] = field(default_factory=dict)
+    frames: int = 0
+    first: float = float("inf")
+    last: float = float("-inf")
+
+    def __call__(self, report: FrameReport) -> None:
+        self.frames += 1
+        self.first, self.last = min(self.first, report.frame.t), max(self.last, report.frame.t)
+        if report.events or report.ended:
+            self.log.add(report.events, report.ended)
+            for event in report.events:
+                self.levels[event.key] = report.levels if event.finger == report.array.name else None
+
+    def rows(self, name: str, opened: Opened) -> list[dict[str, Any]]:
+        quantity = {array.name: array.quantity for array in opened.source.arrays}
+
+        def row(event: Event) -> dict[str, Any]:
+            return event_row(name, event, self.levels.get(event.key), quantity.get(event.finger))
+
+        return [row(event) for event in self.log.events]
+
+
+def run_folder(folder: Path, choices: RunChoices, output: Path | None, *, parquet: bool, as_json: bool) -> None:
+    """Run the recordings and scenes of a folder; one that is broken is a row with its error.
+
+    Raises:
+        InputError: none in it, none that could be run, or a table that cannot be written.
+    """
+    files = recordings_in(folder)
+    if not files:
+        raise InputError(f"{folder}: no recordings or scenes in it, which are wanted")
+    if parquet:
+        need("tactile.recording.parquet_rows", "a Parquet table")  # said before the work
+    rows: list[dict[str, Any]] = []
+    recordings = []
+    for file in watched(files, "recordings", len(files)):
+        try:
+            found, told = _run(file, choices)
+        except (InputError, OSError, MemoryError) as error:
+            said = " ".join(str(error).split()) or type(error).__name__
+            found, told = [{"recording": file.name, "error": said}], {"recording": file.name, "error": said}
+        rows += found
+        recordings.append(told)
+    broken = [one for one in recordings if "error" in one]
+    if len(broken) == len(recordings):
+        raise InputError(f"{folder}: none of {len(files)} could be run; first {broken[0]['error']}")
+    options = {name: one for name, one in asdict(choices.options).items() if name != "tare"}
+    head = {
+        "version": cnnsim.__version__, "folder": folder.name, "options": options,
+        "tare": choices.tare, "gains": None if choices.gains is None else asdict(choices.gains),
+        "calibration": None if choices.calibration is None else choices.calibration.name,
+        "columns": TOLD, "units": dict(UNITS), "recordings": recordings,
+    }  # fmt: skip
+    if output is not None:
+        write_events(output, rows, head, parquet=parquet)
+    if as_json:
+        print_json({**head, "events": rows})
+    else:
+        _print(recordings)
+    if output is not None:
+        also = f", {output / 'events.parquet'}" if parquet else ""
+        echo(f"wrote {output / 'events.csv'}{also}", err=as_json)
+
+
+def _run(file: Path, choices: RunChoices) -> tuple[list[dict[str, Any]], dict[str, Any]]:
+    """Return the rows of one recording's events, and a summary of it."""
+    opened, seen = open_for_run(file, choices), _Watch()
+    pipeline.run(opened.source, opened.settings, [seen])
+    rows = seen.rows(file.name, opened)
+    settings = opened.settings
+    return rows, {
+        "recording": file.name, "title": opened.source.title, "frames": seen.frames,
+        "seconds": max(seen.last - seen.first, 0.0),
+        "fingers": {array.name: UNITS[array.quantity] for array in opened.source.arrays}, "tare": opened.mode,
+        "sigmas": asdict(settings.sigmas), "shear": _plain(settings.shear), "contact": _plain(settings.contact),
+        "events": dict(Counter(row["kind"] for row in rows)), "notes": [*opened.notes, *filter(None, [opened.forces])],
+    }  # fmt: skip
+
+
+def _plain(threshold: Any) -> Any:
+    return None if threshold is None else asdict(threshold)
+
+
+def _print(recordings: list[dict[str, Any]]) -> None:
+    lines: list[tuple[str, str]] = []
+    for one in recordings:
+        if "error" in one:
+            lines.append((one["recording"], f"error: {one['error']}"))
+            continue
+        events = ", ".join(f"{count} {kind}" for kind, count in one["events"].items()) or "no events"
+        lines.append((one["recording"], f"{one['frames']} frames in {one['seconds']:.1f} s: {events}"))
+    say_table(lines, 40)
+    broken = sum("error" in one for one in recordings)
+    total = sum(sum(one.get("events", {}).values()) for one in recordings)
+    echo(f"{len(recordings)} recordings, {total} events" + (f"; {broken} could not be run" if broken else ""))
