@@ -2,6 +2,6 @@
 
 from cnnsim.sweep.command import sweep_command
 
-KINDS = {"scenes": "tactile.sweeps.scenes"}
+KINDS = {"scenes": "tactile.sweeps.scenes", "labelled": "tactile.sweeps.labelled"}
 
 sweep = sweep_command(KINDS, "tactile")

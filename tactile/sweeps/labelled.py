@@ -1,0 +1,90 @@
+"""Thresholds as cases of a sweep: labelled recordings scored with each choice of them."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from cnnsim.support import InputError
+from cnnsim.sweep.kind import Case, Kind, Row, in_kernels
+from tactile.core.source import Source, provenance
+from tactile.events.thresholds import SIGMAS
+from tactile.score.labels import read_labels
+from tactile.score.match import WINDOW
+from tactile.score.measure import MARK, score
+from tactile.settings import PipelineOptions, Settings
+from tactile.sources import open_source
+
+SIGMA_KEYS = {"dead_band_sigmas": "dead_band", "hysteresis_sigmas": "hysteresis", "contact_sigmas": "contact"}
+KEYS = {
+    "recordings": "the folder of the recordings",
+    "labels": "the CSV file of what happened in them, as of tactile score",
+    "window_ms": "how near to its label an event has to begin [ms], 50 where nobody says",
+    "dead_band": "least threshold of shear, as --dead-band",
+    "hysteresis": "as --hysteresis",
+    "contact_level": "least threshold of contact, as --contact-level",
+    "dead_band_sigmas": "dead band as multiple of a taxel's noise, the first number of --sigmas",
+    "hysteresis_sigmas": "hysteresis, the second",
+    "contact_sigmas": "contact level, the third",
+    "program": "a detector or program of yours",
+}
+
+
+def options_of(case: Case) -> PipelineOptions:
+    """Return the pipeline's options that a case chooses."""
+    given = {key: case[key] for key in ("dead_band", "hysteresis", "contact_level") if key in case}
+    sigmas = replace(SIGMAS, **{name: case[key] for key, name in SIGMA_KEYS.items() if key in case})
+    program = (case["program"],) if "program" in case else ()
+    return PipelineOptions(**given, sigmas=(sigmas.dead_band, sigmas.hysteresis, sigmas.contact), program=program)
+
+
+def check(case: Case) -> None:
+    """Check that a case has its files, and thresholds that go together."""
+    if not Path(case["recordings"]).is_dir():
+        raise InputError(f"no folder {case['recordings']} of recordings")
+    read_labels(Path(case["labels"]))
+    if "hysteresis" in case and "dead_band" not in case:
+        raise InputError("hysteresis without dead_band; both, in the unit of the quantity, wanted")
+    options_of(case).settings((), None)
+
+
+def run(cases: Sequence[Case]) -> list[Row]:
+    """Score the recordings with each choice."""
+    return [run_one(case) for case in cases]
+
+
+def run_one(case: Case) -> Row:
+    """Score the recordings with one choice: for each kind its precision, recall and errors of the onset, and the rest."""
+    options = options_of(case)
+
+    def opened(path: Path) -> tuple[Source, Settings]:
+        source = open_source(path)
+        tared = replace(options, tare="auto" if provenance(source).untared else "off")
+        return source, tared.settings(source.arrays, None)
+
+    window = case["window_ms"] * 1e-3 if "window_ms" in case else WINDOW
+    with in_kernels():
+        found = score(Path(case["recordings"]), read_labels(Path(case["labels"])), opened, window).plain()
+    row: Row = {}
+    for kind, figures in found.pop("kinds").items():
+        if not kind.startswith(MARK):  # the baselines know no thresholds
+            errors = figures.pop("onset_error_s") or (None, None, None)
+            row |= {f"{kind}_{name}": value for name, value in figures.items()}
+            row |= {f"{kind}_onset_ms_{part}": None if one is None else 1e3 * one for part, one in
+                    zip((5, 50, 95), errors, strict=True)}  # fmt: skip
+    return row | _flat(found)
+
+
+def _flat(plain: dict[str, Any]) -> Row:
+    """Return figures of figures as figures, their names joined."""
+    row: Row = {}
+    for name, value in plain.items():
+        row |= (
+            _flat({f"{name}_{inner}": one for inner, one in value.items()})
+            if isinstance(value, dict)
+            else {name: value}
+        )
+    return {name: value for name, value in row.items() if value is None or isinstance(value, (int, float, str))}
+
+
+KIND = Kind(keys=KEYS, run=run, needed=("recordings", "labels"), check=check, paths=("recordings", "labels", "program"))
