@@ -54,7 +54,7 @@ def run(cases: Sequence[Case]) -> list[Row]:
 
 
 def run_one(case: Case) -> Row:
-    """Score the recordings with one choice: for each kind its precision, recall and errors of the onset, and the rest."""
+    """Score the recordings with one choice: for each kind precision, recall and errors of the onset, and the rest."""
     options = options_of(case)
 
     def opened(path: Path) -> tuple[Source, Settings]:
@@ -79,12 +79,11 @@ def _flat(plain: dict[str, Any]) -> Row:
     """Return figures of figures as figures, their names joined."""
     row: Row = {}
     for name, value in plain.items():
-        row |= (
-            _flat({f"{name}_{inner}": one for inner, one in value.items()})
-            if isinstance(value, dict)
-            else {name: value}
-        )
-    return {name: value for name, value in row.items() if value is None or isinstance(value, (int, float, str))}
+        if isinstance(value, dict):
+            row |= _flat({f"{name}_{inner}": one for inner, one in value.items()})
+        elif value is None or isinstance(value, int | float | str):
+            row[name] = value
+    return row
 
 
 KIND = Kind(keys=KEYS, run=run, needed=("recordings", "labels"), check=check, paths=("recordings", "labels", "program"))
