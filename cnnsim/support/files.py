@@ -47,7 +47,13 @@ def writing(path: str | Path, *, replace: bool = True, follow: bool = True) -> I
         place = target.resolve() if follow else target.absolute()
         with TemporaryDirectory(prefix=f".{target.stem[:40]}-", dir=place.parent) as folder:
             beside = Path(folder) / target.name
-            yield beside
+            try:
+                yield beside
+            except InputError as error:
+                said = str(error).replace(str(beside), str(path))  # people know only the name that they gave
+                if said != str(error):
+                    raise InputError(said) from error
+                raise
             if there:
                 beside.chmod(place.stat().st_mode & 0o777)
             beside.replace(place)

@@ -36,6 +36,11 @@ def test_a_file_is_there_whole_or_not_at_all(folder: Path) -> None:
     assert sorted(path.name for path in folder.iterdir()) == ["in.png", "x.txt"]
 
 
+def test_what_is_wrong_is_said_of_the_name_that_was_given(folder: Path) -> None:
+    with pytest.raises(InputError, match=r"^cannot write the recording x\.mcap: full$"), writing("x.mcap") as beside:
+        raise InputError(f"cannot write the recording {beside}: full")
+
+
 def test_links_rights_and_devices_stay_what_they_are(folder: Path) -> None:
     (folder / "x.txt").write_text("before")
     (folder / "x.txt").chmod(0o640)
