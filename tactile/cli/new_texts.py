@@ -11,6 +11,8 @@ duration_s = 2.0
 # effects    = "auto"       # exactly the effects that change the signal by more than the tolerance
 # tolerance  = 0.02         # of its peak
 # accuracy   = 1e-4         # of the field, of its peak; 0 for rounding, which takes far longer under wide contacts
+# backend    = "opencl"     # where loads are summed; "cpu" unless told
+# dtype      = "float32"    # on OpenCL; "float64" unless told
 
 [cover]
 youngs_modulus_mpa = 2.4    # soft silicone rubber

@@ -18,6 +18,7 @@ from tactile.simulator.summation import DIRECT, Summation, moving, sum_loads
 from tactile.simulator.taxels import Taxels
 
 if TYPE_CHECKING:
+    from tactile.elastic.device_sum import DeviceSum
     from tactile.simulator.bump_cover import Bumps
 
 ACCURACY = 1e-4
@@ -43,7 +44,8 @@ class Field:
     """What the taxels feel, as what it comes from: it is computed when it is asked for, with all effects at once.
 
     ``contacts`` on this finger; ``times`` (n,) [s]; ``first``: number of the first frame; ``rig``: how contacts are
-    held; ``taxels``: where they lie; ``method`` of summation; ``accuracy`` of the peak; ``bumps``: the cover has them.
+    held; ``taxels``: where they lie; ``method`` of summation; ``accuracy`` of the peak; ``bumps``: the cover has them;
+    ``device``: where sums over loads are done, None for the CPU.
     """
 
     array: TaxelArray
@@ -56,6 +58,7 @@ class Field:
     method: Summation = DIRECT
     accuracy: float = ACCURACY
     bumps: "Bumps | None" = field(default=None, compare=False)
+    device: "DeviceSum | None" = field(default=None, compare=False)
 
     @cached_property
     def loads(self) -> Loads:
@@ -70,7 +73,7 @@ class Field:
             return self.bumps.readings(self.array, self.medium, self.loads)
         method = DIRECT if self.method.name != "direct" and moving(self.loads.points) else self.method
         return self.taxels.feel(
-            lambda at, depth, medium: field_at(at, depth, self.loads, medium, method, self.accuracy),
+            lambda at, depth, medium: field_at(at, depth, self.loads, medium, method, self.accuracy, self.device),
             self.medium,
             self.accuracy,
         )
@@ -83,6 +86,7 @@ def field_at(
     medium: Medium,
     method: Summation | None = None,
     accuracy: float = ACCURACY,
+    device: "DeviceSum | None" = None,
 ) -> Floats:
     """What taxels at ``positions`` (..., 2) feel of all loads: (frames, ..., 3).
 
@@ -103,7 +107,12 @@ def field_at(
     if by_table:
         values = np.zeros((len(loads.points), *positions.shape[:-1], 3))
     else:
-        values = sum_loads(method, positions, depth, loads.points, medium)
+        if device is not None and directly:
+            values = np.zeros((len(loads.points), *positions.shape[:-1], 3))
+            flat = values.reshape(len(values), -1, 3), positions.reshape(-1, 2)
+            device.add_points(*flat, depth, loads.points, medium)
+        else:
+            values = sum_loads(method, positions, depth, loads.points, medium)
         if layered and directly and loads.points.shape[1]:
             from tactile.elastic.layer_loads import layer_term  # only where called for
 
@@ -114,7 +123,9 @@ def field_at(
     if by_table and loads.points.shape[1]:
         spread.append((loads.points, np.zeros(loads.points.shape[:2]), HERTZ, np.inf))
     if spread:
-        _add_spread(values.reshape(len(values), -1, 3), positions.reshape(-1, 2), depth, spread, medium, accuracy)
+        _add_spread(
+            values.reshape(len(values), -1, 3), positions.reshape(-1, 2), depth, spread, medium, accuracy, device
+        )
     return values
 
 
@@ -126,9 +137,12 @@ def _as_sixth(twists: Floats) -> Floats:
 
 def _add_spread(
     values: Floats, at: Floats, depth: float, spread: Iterable[tuple[Floats, Floats, Profile, float]], medium: Medium,
-    accuracy: float,
+    accuracy: float, device: "DeviceSum | None",
 ) -> None:  # fmt: skip
-    from tactile.elastic.disc_loops import add_discs  # only where called for
+    if device is None:
+        from tactile.elastic.disc_loops import add_discs  # only where called for
+    else:
+        add_discs = device.add_discs
     from tactile.elastic.disc_table import disc_table, table_size  # the same
 
     layered = bool(np.isfinite(medium.thickness))

@@ -1,7 +1,7 @@
 """Scenes in TOML files: examples/scenes/ explains every key. Lengths in mm there, SI units here."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from cnnsim.support import InputError
 from cnnsim.support.bounds import FRAMES, RATE, check_most
@@ -91,6 +91,8 @@ def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tupl
         seed=take(table, "seed", int, where, 0),
         bumps=bumps,
         accuracy=take(table, "accuracy", float, where, ACCURACY),
+        backend=cast(Any, take(table, "backend", str, where, "cpu")),
+        dtype=cast(Any, take(table, "dtype", str, where, "float64")),
     )
     if scene.bumps is not None:
         by_depth = [n for n, contact in enumerate(contacts, 1) if getattr(contact, "given_depth", False)]

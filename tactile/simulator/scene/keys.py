@@ -6,7 +6,7 @@ from typing import Any
 from cnnsim.support.toml_file import KeyFaults
 
 TOP = (
-    "title", "rate_hz", "duration_s", "seed", "effects", "tolerance", "accuracy",
+    "title", "rate_hz", "duration_s", "seed", "effects", "tolerance", "accuracy", "backend", "dtype",
     "cover", "finger", "load", "contact", "texture", "map", "effect",
 )  # fmt: skip
 COVER = ("youngs_modulus_mpa", "quantity", "full_scale", "kind")

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, cast
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from tactile.simulator.summation import DIRECT, Summation, choose_method
 from tactile.simulator.taxels import Taxels
 
 if TYPE_CHECKING:
+    from tactile.elastic.device_sum import DeviceSum
     from tactile.simulator.bump_cover import Bumps
 
 Item = TypeVar("Item")
@@ -29,6 +30,10 @@ CHUNK = 512
 """Frames computed at once: those of 8 x 8 taxels stay in the second-level cache from effect to effect."""
 LOADS_AT_ONCE = 1 << 22
 """Load components held at once: scenes with very many loads are computed in smaller pieces."""
+CHUNK_ON_DEVICE = 16_384
+"""Frames sent to an OpenCL device at once."""
+WHERE = (("cpu", "float64"), ("opencl", "float64"), ("opencl", "float32"))
+"""Backends and numbers in which loads are summed."""
 FULL_SCALE = 0.1
 """Largest strain the electronics are made for, unless a scene says otherwise: the paper's needle just reaches it."""
 
@@ -52,7 +57,8 @@ class Scene:
     ``contacts``: all else that presses; what acts on one finger adds. ``effects``: (name, effect) in the order in
     which they act, none for the paper's ideal skin; effects alone, as ``make_effect`` gives them, are put in order.
     ``full_scale``: the largest strain the electronics are made for. ``accuracy``: how far the field may be off, of its
-    peak, for speed; 0 for rounding. ``seed``: every effect of every finger draws from
+    peak, for speed; 0 for rounding. ``backend`` and ``dtype``: where and in which numbers loads are summed, float32 on
+    OpenCL alone. ``seed``: every effect of every finger draws from
     a generator of its own, so that none changes with the others. ``bumps``: the cover has one over every taxel, None
     for a flat one.
 
@@ -73,18 +79,21 @@ class Scene:
     seed: int = 0
     bumps: "Bumps | None" = None
     accuracy: float = ACCURACY
+    backend: Literal["cpu", "opencl"] = "cpu"
+    dtype: Literal["float32", "float64"] = "float64"
 
     def __init__(
         self, title: str, rate: float, duration: float, modulus: float, arrays: Iterable[TaxelArray],
         loads: Iterable[MovingLoad] = (), contacts: Iterable[Contact] = (),
         effects: Iterable[Any] = (), full_scale: float = FULL_SCALE, seed: int = 0, bumps: "Bumps | None" = None,
-        accuracy: float = ACCURACY,
+        accuracy: float = ACCURACY, backend: Literal["cpu", "opencl"] = "cpu",
+        dtype: Literal["float32", "float64"] = "float64",
     ) -> None:  # fmt: skip
         given = {
             "title": title, "rate": rate, "duration": duration, "modulus": modulus, "arrays": tuple(arrays),
             "loads": tuple(loads), "contacts": tuple(contacts), "effects": named_effects(effects),
             "full_scale": full_scale, "seed": seed, "bumps": bumps,
-            "accuracy": accuracy,
+            "accuracy": accuracy, "backend": backend, "dtype": dtype,
         }  # fmt: skip
         for name, value in given.items():
             object.__setattr__(self, name, value)
@@ -96,6 +105,9 @@ class Scene:
                 raise InputError(f"scene {self.title!r}: {name} {getattr(self, name)}, a positive number wanted")
         if not 0 <= self.accuracy <= 0.1:
             raise InputError(f"scene {self.title!r}: accuracy {self.accuracy}, from 0 to 0.1 of the peak wanted")
+        if (self.backend, self.dtype) not in WHERE:
+            wanted = ", ".join(f"{backend} in {dtype}" for backend, dtype in WHERE)
+            raise InputError(f"scene {self.title!r}: {self.backend} in {self.dtype}; one of {wanted} wanted")
         names = [array.name for array in self.arrays]
         if not names or len(set(names)) < len(names):
             raise InputError(f"scene {self.title!r}: arrays {names}, at least one and no name twice wanted")
@@ -149,6 +161,14 @@ class Scene:
         """The reading of strain 1: 1, or E [Pa] where stress is read."""
         return self.modulus if self.arrays[finger].quantity == "stress" else 1.0
 
+    @cached_property
+    def _device(self) -> "DeviceSum | None":
+        if self.backend == "cpu":
+            return None
+        from tactile.elastic.device_sum import device_sum  # only where called for
+
+        return device_sum(self.dtype)
+
     def finger_loads(self, finger: int, times: Floats) -> Loads:
         """All loads on a finger at the times [s]."""
         return self._field(finger, 0, times, DIRECT).loads
@@ -158,7 +178,7 @@ class Scene:
         array = self.arrays[finger]
         return Field(
             array, self.medium(finger), times, first, mine, Taxels.of(array),
-            method=method, accuracy=self.accuracy, bumps=self.bumps,
+            method=method, accuracy=self.accuracy, bumps=self.bumps, device=self._device,
         )  # fmt: skip
 
     def loads_at(self, finger: int, times: Floats) -> Floats:
@@ -192,7 +212,8 @@ class Scene:
 
     def pieces(self, finger: int) -> Iterator[tuple[int, Floats]]:
         """(first frame, times) of the pieces in which a finger's frames are computed."""
-        count = max(1, min(CHUNK, LOADS_AT_ONCE // max(1, COLUMNS * self._load_count(finger))))
+        most = CHUNK if self.backend == "cpu" else CHUNK_ON_DEVICE
+        count = max(1, min(most, LOADS_AT_ONCE // max(1, COLUMNS * self._load_count(finger))))
         for start in range(0, self.samples, count):
             yield start, np.arange(start, min(start + count, self.samples)) / self.rate
 
