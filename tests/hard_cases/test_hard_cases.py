@@ -8,7 +8,12 @@ from cnnsim.backends.base import Backend
 from tests.hard_cases import FAMILIES
 from tests.hard_cases.case import HardCase
 
-CASES = [pytest.param(case, id=f"{family}: {case.name}") for family, cases in FAMILIES.items() for case in cases]
+CASES = [
+    pytest.param(case, id=f"{family}: {case.name}")
+    for family, cases in FAMILIES.items()
+    for case in cases
+    if not case.page
+]
 
 
 @pytest.mark.parametrize("case", CASES)
