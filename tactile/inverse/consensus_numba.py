@@ -13,6 +13,9 @@ from tactile.inverse.fit import TIED
 from tactile.inverse.validity import Validity
 
 INSIDE, OUTSIDE = float(Validity.INSIDE), float(Validity.OUTSIDE)
+STRAIGHT = 1e-5
+"""A line of taxels that leans so little off an axis lies on it: the shear along it is known, but for so much of that
+across."""
 
 
 @kept_njit(error_model="numpy")
@@ -161,5 +164,7 @@ def signals(at, planes, scale, order, place, depth, strain, top):  # type: ignor
     if xx + yy == 0:
         tie[0], tie[2] = TIED, TIED
     elif xx * yy - xy * xy <= 1e-12 * (xx + yy) ** 2:
+        if min(xx, yy) <= STRAIGHT * STRAIGHT * (xx + yy):
+            xx, xy, yy = (xx, 0.0, 0.0) if yy < xx else (0.0, 0.0, yy)
         tie[0], tie[1], tie[2] = TIED * yy / (xx + yy), -TIED * xy / (xx + yy), TIED * xx / (xx + yy)
     return seen, felt, scaled, tie

@@ -16,8 +16,8 @@ class HardCase:
     ``ours`` computes on a backend, ``exact`` is the answer in high precision or in closed form; their largest
     difference must be at most ``bound`` (``bound32`` in float32). ``naive`` is the form one would write first; where
     ``naive_fails`` it must be off by more than the bound, else within it. ``refused``: part of the message instead.
-    ``slow``: only the compiled loops of the cpu backend take less than seconds. ``page``: `make hard-cases` alone runs it, for it
-    takes longer than a test may.
+    ``slow``: only the compiled loops of the cpu backend take less than seconds. ``page``: `make hard-cases` alone runs
+    it, for it takes longer than a test may.
     """
 
     name: str

@@ -28,11 +28,15 @@ def _first(at: Floats, strain: Floats, columns: Sequence[int], backend: Backend)
     return np.array([load.x, load.y, load.Q, load.R, load.F])[list(columns)] / SCALE[list(columns)]
 
 
-def _case(name: str, why: str, at: Floats, load: Sequence[float], naive: Any, columns: Sequence[int] = range(5), **more: Any) -> HardCase:  # fmt: skip
-    strain = felt(at, [np.array(load)], False)
-    exact = (np.array(load) / SCALE)[list(columns)]
-    ours = partial(_first, at, more.pop("strain", strain), columns)
-    return HardCase(name, why, ours, lambda: exact, 1e-8, 2e-3, None if naive is None else partial(naive, at, strain, columns), **more)  # fmt: skip
+def _case(
+    name: str, why: str, at: Floats, load: Sequence[float], naive: Any, *, columns: Sequence[int] = range(5),
+    strain: Any = None, **more: Any,
+) -> HardCase:  # fmt: skip
+    """``naive`` takes places, signals and columns; ``strain``: signals in place of those of the load."""
+    given = felt(at, [np.array(load)], False)
+    exact, form = (np.array(load) / SCALE)[list(columns)], naive and partial(naive, at, given, columns)
+    ours = partial(_first, at, given if strain is None else strain, columns)
+    return HardCase(name, why, ours, lambda: exact, 1e-8, 2e-3, form, **more)
 
 
 def _cramer(at: Floats, strain: Floats, columns: Sequence[int]) -> Array:
@@ -56,6 +60,14 @@ def _pressing(at: Floats, strain: Floats, columns: Sequence[int]) -> Array:
     dx, dy, force, _ = invert_strain(x, y, z, DEPTH, MODULUS, 0.0, 1)
     best = np.unravel_index(np.abs(strain).max(axis=-1).argmax(), z.shape)
     return (np.array([*(at[best] + [dx[best], dy[best]]), 0.0, 0.0, force[best]]) / SCALE)[list(columns)]
+
+
+def _azimuth(at: Floats, strain: Floats, columns: Sequence[int]) -> Array:
+    """The strongest taxel's answer with tan(alpha) = u_yz / u_xz, eq. (2)."""
+    x, y, z = strain[np.unravel_index(np.abs(strain[..., 2]).argmax(), strain.shape[:2])]
+    t = 8 * (x * x + y * y) / (9 * z * z)
+    cosine = 1 / np.sqrt(1 + (y / x) ** 2)
+    return np.full(len(columns), np.sqrt(t) * cosine)
 
 
 def _two(backend: Backend) -> Array:
@@ -87,16 +99,23 @@ ABOVE = [4.3e-3, -2.4e-3, 0.05, -0.04, 0.4]
 ON_LINE = [4.3e-3, float(LINE[0, 0, 1]), 0.05, 0.0, 0.4]
 UNDER = [*SQUARE[1, 1].tolist(), 0.0, 0.0, 0.4]
 PULL = [4.3e-3, -2.4e-3, 0.0, 0.0, -0.4]
-TWO = np.array(sorted([[*(PAD[1, 1] + [2e-4, 1e-4]).tolist(), 0.02, 0.0, 0.3], [*(PAD[6, 6] - [1e-4, 3e-4]).tolist(), 0.0, 0.03, 0.2]]))  # fmt: skip
+TURNED = [4.3e-3, -2.4e-3, 0.9, -0.7, 0.1]
+TWO = np.array([
+    [*(PAD[1, 1] + [2e-4, 1e-4]).tolist(), 0.02, 0.0, 0.3], [*(PAD[6, 6] - [1e-4, 3e-4]).tolist(), 0.0, 0.03, 0.2],
+])  # fmt: skip
 ALONG = (0, 2, 4)
+NOT_THERE = "their mean is a load that is not there"
 
 CASES = [
-    _case("three taxels in a line", "the determinant of eq. (14) vanishes; along the line all is known", LINE, ON_LINE, _cramer, ALONG),
-    _case("three taxels, 1 nm off a line", "its determinant is rounding", BENT, ON_LINE, _cramer, ALONG),
-    _case("a load right under a taxel", "that taxel's azimuth is 0/0", SQUARE, UNDER, _cramer, naive_fails=False),
+    _case("three taxels in a line", "the determinant of eq. (14) is 0", LINE, ON_LINE, _cramer, columns=ALONG),
+    _case(
+        "three taxels, 1 nm off a line", "they tell the shear along the line no worse", BENT, ON_LINE, _cramer,
+        columns=ALONG, naive_fails=False,
+    ),
+    _case("a load right under a taxel", "that taxel's azimuth is 0/0", SQUARE, UNDER, _azimuth),
     _case("a load that pulls", "azimuth and region swap", SQUARE, PULL, _pressing),
-    _case("shear that turns the sign", "some taxels feel a push, others a pull", SQUARE, [4.3e-3, -2.4e-3, 0.9, -0.7, 0.1], _pressing),
-    HardCase("two loads at once, 5 taxels apart", "their mean is a load that is not there", _two, lambda: TWO / SCALE, 1e-6, 5e-2, _mean_of_two),
+    _case("shear that turns the sign", "some taxels feel a push, others a pull", SQUARE, TURNED, _pressing),
+    HardCase("two loads at once", NOT_THERE, _two, lambda: TWO / SCALE, 1e-6, 5e-2, _mean_of_two),
     *(
         _case(f"{value} in a taxel", "it must be left out, not spread", SQUARE, ABOVE, None, strain=_broken(value))
         for value in (float("nan"), float("inf"))

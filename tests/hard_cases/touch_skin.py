@@ -1,4 +1,4 @@
-"""Hard cases of the skin: thick and thin layers, nu -> 1/2, Prony terms, stick-slip without force, elements that lock."""
+"""Hard cases of the skin: thick and thin layers, nu -> 1/2, Prony terms, stick-slip without force, locking elements."""
 
 from collections.abc import Callable
 from functools import partial
@@ -22,22 +22,22 @@ from tests.oracles.point_loads import boussinesq
 from tests.tactile.bump.test_elements import on_boundary, shaken, with_boundary
 
 
-def _layer(k: float, depth: float, thickness: float, nu: float, _: Backend) -> Array:
+def _layer(given: tuple[float, float, float, float], _: Backend) -> Array:
+    k, depth, thickness, nu = given
     found = transfer(k, depth, thickness, Medium(2 * (1 + nu), nu))  # G = 1
     exact = mp_transfer(k, depth, thickness, nu)
     parts = np.array([float(part) for part in (found.normal, found.shear_normal, found.normal_shear, found.shear)])
     return (parts - exact) / np.abs(exact).max()
 
 
-def _layer_naive(k: float, depth: float, thickness: float, nu: float) -> Array:
-    exact = mp_transfer(k, depth, thickness, nu)
-    return (float_transfer(k, depth, thickness, nu) - exact) / np.abs(exact).max()
+def _layer_naive(given: tuple[float, float, float, float]) -> Array:
+    exact = mp_transfer(*given)
+    return (float_transfer(*given) - exact) / np.abs(exact).max()
 
 
-def _layers(name: str, why: str, *given: float) -> HardCase:
-    return HardCase(
-        name, why, partial(_layer, *given), lambda: np.zeros(4), 1e-12, 1e-12, partial(_layer_naive, *given)
-    )
+def _layers(name: str, why: str, given: tuple[float, float, float, float], **more: Any) -> HardCase:
+    ours, naive = partial(_layer, given), partial(_layer_naive, given)
+    return HardCase(name, why, ours, lambda: np.zeros(4), 1e-12, 1e-12, naive, **more)
 
 
 DT = 0.01
@@ -107,20 +107,32 @@ def _elements(law: Callable[[Medium], Any], _: Any = None) -> Array:
     return np.array([np.abs(state - wanted)[moves].max()])
 
 
-def _zero(count: int) -> Callable[[], Array]:
-    return lambda: np.zeros(count)
+WAVE = "exp(k z) and exp(-k z) in one equation: one overflows"
+PIVOTS = "solving with pivots is enough"
 
 
-WAVE = "exp(k z) and exp(-k z) in one equation"
+def _prony(name: str, why: str, tau: float, bound: float, naive: Callable[[float], Array]) -> HardCase:
+    return HardCase(name, why, partial(_ramp, tau), partial(_ramp_exact, tau), bound, bound, partial(naive, tau))
+
+
 CASES = [
-    _layers("a wave in a layer, k h = 1", "none: the naive form is right", 1.0, 0.5, 1.0, 0.3),
-    _layers("thick, k h = 1000", WAVE + ": one overflows", 1.0, 0.5, 1e3, 0.3),
-    _layers("thin, k h = 1e-6", "its four waves are nearly equal: they cancel", 1e-6, 0.5, 1.0, 0.3),
-    _layers("taxels on the bottom", "depth = thickness", 2.0, 1.0, 1.0, 0.4),
-    _layers("nu = 1/2", "1 / (1 - 2 nu) is infinite", 1.0, 0.5, 1.0, 0.5),
-    _layers("nu = 1/2 - 1e-12", "1 / (1 - 2 nu) takes twelve digits", 1.0, 0.5, 1.0, 0.5 - 1e-12),
-    HardCase("Prony time 1e-12 of the frames'", "explicit steps are unstable", partial(_ramp, 1e-12 * DT), partial(_ramp_exact, 1e-12 * DT), 1e-14, 1e-14, partial(_euler, 1e-12 * DT)),
-    HardCase("Prony time 1e12 of the frames'", "1 - exp(-dt / tau) cancels", partial(_ramp, 1e12 * DT), partial(_ramp_exact, 1e12 * DT), 1e-13, 1e-13, partial(_cancelled, 1e12 * DT)),
-    HardCase("stick-slip at zero normal force", "the sticking share is 0/0, and nothing may be remembered", _slipped, lambda: np.array([0, 0, 0.3, 0, 0.0]), 1e-15, 1e-15, _mindlin),
-    HardCase("elements at nu = 1/2 - 1e-9", "displacements alone lock", lambda _: _elements(Mixed), _zero(1), 2e-3, 2e-3, partial(_elements, Displacement)),
+    _layers("a wave in a layer, k h = 1", "nothing: the naive form is right", (1.0, 0.5, 1.0, 0.3), naive_fails=False),
+    _layers("thick, k h = 1000", WAVE, (1.0, 0.5, 1e3, 0.3)),
+    _layers("thin, k h = 1e-6", f"four waves nearly equal; {PIVOTS}", (1e-6, 0.5, 1.0, 0.3), naive_fails=False),
+    _layers("taxels on the bottom", "depth = thickness", (2.0, 1.0, 1.0, 0.4), naive_fails=False),
+    _layers("nu = 1/2", "1 / (1 - 2 nu) is infinite", (1.0, 0.5, 1.0, 0.5)),
+    _layers(
+        "nu = 1/2 - 1 ulp", f"1 / (1 - 2 nu) = 9e15; {PIVOTS}", (1.0, 0.5, 1.0, float(np.nextafter(0.5, 0))),
+        naive_fails=False,
+    ),
+    _prony("Prony time 1e-12 of the frames'", "explicit steps are unstable", 1e-12 * DT, 1e-14, _euler),
+    _prony("Prony time 1e12 of the frames'", "1 - exp(-dt / tau) cancels", 1e12 * DT, 1e-13, _cancelled),
+    HardCase(
+        "stick-slip at zero normal force", "the sticking share is 0/0, and nothing may be remembered", _slipped,
+        lambda: np.array([0, 0, 0.3, 0, 0.0]), 1e-15, 1e-15, _mindlin,
+    ),
+    HardCase(
+        "elements at nu = 1/2 - 1e-9", "displacements alone lock", partial(_elements, Mixed), lambda: np.zeros(1), 2e-3,
+        2e-3, partial(_elements, Displacement),
+    ),
 ]  # fmt: skip

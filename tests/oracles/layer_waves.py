@@ -1,4 +1,4 @@
-"""One wave in a layer bonded to a rigid base: growing and falling exponentials and a linear system, in any precision."""
+"""One wave in a layer bonded to a rigid base: growing and falling exponentials, a linear system, any precision."""
 
 from typing import Any
 
@@ -17,14 +17,14 @@ def mp_transfer(k: float, depth: float, thickness: float, nu: float, digits: int
     with mpmath.workdps(int(digits + k * thickness)):
         number = mpmath.mpf(nu) if nu < 0.5 else mpmath.mpf(1) / 2 - mpmath.mpf(10) ** -(digits // 2)
         given = mpmath.mpf(k), mpmath.mpf(depth), mpmath.mpf(thickness), number
-        return np.array([float(part) for part in _readings(*given, mpmath.exp, _mp_solve)])
+        return np.array([float(part) for part in _readings(*given, exp=mpmath.exp, solve=_mp_solve)])
 
 
 def float_transfer(k: float, depth: float, thickness: float, nu: float) -> Floats:
     """The same in float64: what one would write first."""
-    given = (np.float64(part) for part in (k, depth, thickness, nu))
+    first, *rest = (np.float64(part) for part in (k, depth, thickness, nu))
     try:
-        return np.array(_readings(*given, np.exp, np.linalg.solve), float)
+        return np.array(_readings(first, *rest, exp=np.exp, solve=np.linalg.solve), np.float64)
     except np.linalg.LinAlgError:
         return np.full(4, np.nan)
 
@@ -35,9 +35,10 @@ def _mp_solve(matrix: Any, right: Any) -> Any:
     return list(mpmath.lu_solve(mpmath.matrix(matrix), mpmath.matrix(right)))
 
 
-def _readings(k: Any, depth: Any, h: Any, nu: Any, exp: Any, solve: Any) -> list[Any]:
-    """Displacement (i U, W) = a (e, -e) + b (kz e, -(kz + kappa) e) + c (g, g) + d (-kz g, (kappa - kz) g), g = exp(kz).
+def _readings(k: Any, depth: Any, h: Any, nu: Any, *, exp: Any, solve: Any) -> list[Any]:
+    """Displacement (i U, W) = a (e, -e) + b (kz e, -(kz + kappa) e) + c (g, g) + d (-kz g, (kappa - kz) g).
 
+    e = exp(-kz), g = exp(kz).
     U = W = 0 at z = h; at the top sigma_zz = lambda (W' - k U) + 2 W' and sigma_sz / i = U' + k W are the tractions.
     """
     kappa, lam = 3 - 4 * nu, 2 * nu / (1 - 2 * nu)
