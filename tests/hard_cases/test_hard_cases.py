@@ -33,5 +33,6 @@ def test_ours_is_within_the_bound_or_refused(case: HardCase, backend: Backend) -
 def test_the_naive_form_fails_where_that_is_said(case: HardCase) -> None:
     assert case.naive is not None
     assert case.exact is not None
-    off = np.abs(case.naive() - case.exact()).max()
+    with np.errstate(all="ignore"):
+        off = np.abs(case.naive() - case.exact()).max()
     assert (not off <= case.bound) == case.naive_fails
