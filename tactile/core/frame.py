@@ -13,6 +13,9 @@ from cnnsim.support.names import check_name
 Quantity = Literal["strain", "stress", "force"]
 """What a taxel measures: strain (u_xz, u_yz, u_zz), stress [Pa] of the same components, or force [N]."""
 
+FLAGS = {"slip_detection": 1, "reference_loaded": 2, "contact": 4}
+"""Words of a device on its sensor as a whole -> the bit of each."""
+
 SHEAR_X, SHEAR_Y, NORMAL = 0, 1, 2
 """The last axis of a frame."""
 
@@ -68,7 +71,8 @@ class Frame:
 
     ``values`` (rows, cols, 3), last axis (shear_x, shear_y, normal) in the unit of the array's quantity; ``t`` [s]
     host time since the stream began; ``t_device`` [s] the device's own clock (NaN where it has none); ``valid``
-    (rows, cols), False where a taxel's reading is not to be used.
+    (rows, cols), False where a taxel's reading is not to be used; ``flags``: what the device itself says, `FLAGS` added
+    up, which the pipeline does not look at.
     """
 
     finger: int
@@ -77,6 +81,7 @@ class Frame:
     values: Floats
     valid: Flags
     t_device: float = float("nan")
+    flags: int = 0
 
     @cached_property
     def whole(self) -> bool:

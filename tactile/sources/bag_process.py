@@ -1,7 +1,8 @@
 """ROS bags read in a process of its own: the library makes code of a bag's definitions, and believes its sizes.
 
 Its output is a line of JSON, what the bag holds, and then the frames: `FRAME` with the finger, the time [ns], the
-device's time [us] and the number of pillars, and the forces.
+device's time [us], the sequence number, the device's flags and the number of pillars, and the forces. The time is the
+stamp of the message's header, the sequence number its own; where there is none, when the bag got it, and its count.
 """
 
 import json
@@ -13,7 +14,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-FRAME = struct.Struct("<IqdI")
+FRAME = struct.Struct("<IqdqBI")
+FLAGS = ("is_sd_active", "is_ref_loaded", "is_contact")
+"""Fields of a message that are the bits of `tactile.core.frame.FLAGS`, in their order."""
 KIND = "SensorState"
 MEMORY = 2**30
 """Bytes of memory that the process may have."""
@@ -44,22 +47,38 @@ def _tell(path: Path) -> None:
         found = [c for c in bag.connections if c.msgtype.endswith(f"/{KIND}") and c.msgcount]
         topics = sorted({connection.topic for connection in found})
         first = {topic: next(_messages(bag, [topic])) for topic in topics}
-        fields = {topic: sorted({*vars(message)} - {"tus", "pillars"}) for topic, (_, _, message) in first.items()}
+        fields = {
+            topic: sorted({*vars(message)} - {"tus", "pillars", "header", *FLAGS})
+            for topic, (_, _, message) in first.items()
+        }
         others = sorted(f"topic {one}" for one in {c.topic for c in bag.connections} - set(topics))
         others += [f"{topic} {name}" for topic in topics for name in fields[topic] if not name.startswith("_")]
         about = {
             "kinds": sorted({c.msgtype for c in bag.connections}), "topics": topics, "others": others,
             "pillars": [len(message.pillars) for _, _, message in first.values()],
-            "starts": [stamp for _, stamp, _ in first.values()], "frames": sum(c.msgcount for c in found),
+            "starts": [_stamp(message, stamp) for _, stamp, message in first.values()],
+            "frames": sum(c.msgcount for c in found),
         }  # fmt: skip
         out.write(json.dumps(about).encode() + b"\n")
         out.flush()
+        counts = dict.fromkeys(topics, 0)
         for topic, stamp, message in _messages(bag, topics):
+            sequence = getattr(getattr(message, "header", None), "seq", counts[topic])
+            counts[topic] += 1
+            flags = sum(bool(getattr(message, name, False)) << bit for bit, name in enumerate(FLAGS))
             forces = [float(part) for p in message.pillars for part in (p.fX, p.fY, p.fZ)]
             tus = float(getattr(message, "tus", math.nan))
-            out.write(FRAME.pack(topics.index(topic), stamp, tus, len(message.pillars)))
+            out.write(
+                FRAME.pack(topics.index(topic), _stamp(message, stamp), tus, int(sequence), flags, len(message.pillars))
+            )
             out.write(struct.pack(f"<{len(forces)}d", *forces))
     out.flush()
+
+
+def _stamp(message: Any, got: int) -> int:
+    """Return the time of a message [ns]: its header's, or when the bag ``got`` it."""
+    said = getattr(getattr(message, "header", None), "stamp", None)
+    return got if said is None else (said.sec * 10**9 + said.nanosec) or got
 
 
 def _messages(bag: Any, topics: list[str]) -> Iterator[tuple[str, int, Any]]:

@@ -3,7 +3,8 @@
 ``tactile`` is the header, a text as `tactile.core.header` has it. Of every finger, s0, s1, ...: ``s0_values``
 (frames, rows, cols, 3) in the unit of its quantity; ``s0_valid`` (frames, rows, cols); ``s0_t_s`` and
 ``s0_t_device_s`` (frames,) [s], NaN where the device has no clock; ``s0_sequence`` (frames,); ``s0_place`` (frames,):
-which frames of the whole recording these are.
+which frames of the whole recording these are; and where a device has said anything ``s0_flags`` (frames,), the bits of
+`tactile.core.frame.FLAGS`.
 """
 
 import sys
@@ -71,7 +72,8 @@ class NpzReplay:
         for f, i in zip(number[order].tolist(), index[order].tolist(), strict=True):
             of = self.fingers[f]
             t, device = float(of["t_s"][i]), float(of["t_device_s"][i])
-            yield Frame(f, t, int(of["sequence"][i]), of["values"][i], of["valid"][i], device)
+            flags = int(of["flags"][i]) if "flags" in of else 0
+            yield Frame(f, t, int(of["sequence"][i]), of["values"][i], of["valid"][i], device, flags)
 
 
 def read_npz(path: Path) -> NpzReplay | PillarReplay:
@@ -96,10 +98,11 @@ def _columns(file: "np.lib.npyio.NpzFile", number: int, array: TaxelArray, path:
     missing = [f"s{number}_{name}" for name in COLUMNS if f"s{number}_{name}" not in file.files]
     if missing:
         raise InputError(f"{path}: {', '.join(missing)} missing, wanted for finger {array.name!r}")
-    out = {name: file[f"s{number}_{name}"] for name in COLUMNS}
+    kinds = COLUMNS | ({"flags": np.int64} if f"s{number}_flags" in file.files else {})
+    out = {name: file[f"s{number}_{name}"] for name in kinds}
     count = out["t_s"].shape[:1]
     shapes = {"values": (*count, *array.shape, 3), "valid": (*count, *array.shape)}
-    for name, kind in COLUMNS.items():
+    for name, kind in kinds.items():
         wanted = shapes.get(name, count)
         if out[name].shape != wanted or not np.can_cast(out[name].dtype, kind, "same_kind"):
             is_ = f"shape {out[name].shape} and type {out[name].dtype}"
@@ -131,5 +134,7 @@ def write_npz(path: Path, source: Source) -> None:
         shapes = {"values": (-1, *array.shape, 3), "valid": (-1, *array.shape)}
         for name, kind in COLUMNS.items():
             out[f"s{number}_{name}"] = np.array(columns[name], dtype=kind).reshape(shapes.get(name, (-1,)))
+        if any(frame.flags for frame in frames):
+            out[f"s{number}_flags"] = np.array([frame.flags for frame in frames], dtype=np.int64)
     with path.open("wb") as file:
         np.savez_compressed(file, **out)

@@ -1,7 +1,8 @@
 """Frames in Parquet files: one row, one frame of one finger, the header of `tactile.core.header` as metadata.
 
 Columns: ``t_s``, ``t_device_s`` (NaN where the device has no clock), ``finger`` (its name), ``sequence``, ``values``
-(shear_x, shear_y, normal of every taxel, row by row, in the unit of the quantity) and ``valid`` (one flag a taxel).
+(shear_x, shear_y, normal of every taxel, row by row, in the unit of the quantity), ``valid`` (one flag
+a taxel) and ``flags`` of the device (`tactile.core.frame.FLAGS`; may be missing).
 """
 
 from collections.abc import Iterator
@@ -23,6 +24,7 @@ BATCH = 4096
 """Rows read at once."""
 COLUMNS = {
     "t_s": float, "t_device_s": float, "finger": str, "sequence": int, "values": list[float], "valid": list[bool],
+    "flags": int,
 }  # fmt: skip
 
 
@@ -55,7 +57,8 @@ class ParquetReplay:
         shape = self.arrays[finger].shape
         values = np.array(row["values"], dtype=np.float64).reshape(*shape, 3)
         valid = np.array(row["valid"], dtype=bool).reshape(shape)
-        return Frame(finger, float(row["t_s"]), int(row["sequence"]), values, valid, float(row["t_device_s"]))
+        t, device, flags = float(row["t_s"]), float(row["t_device_s"]), int(row.get("flags") or 0)
+        return Frame(finger, t, int(row["sequence"]), values, valid, device, flags)
 
 
 def read_parquet(path: Path) -> ParquetReplay:
@@ -69,7 +72,7 @@ def read_parquet(path: Path) -> ParquetReplay:
         schema, rows, groups = file.schema_arrow, file.metadata.num_rows, file.metadata.num_row_groups
         check_unpacked(path, sum(file.metadata.row_group(group).total_byte_size for group in range(groups)))
     text = (schema.metadata or {}).get(KEY)
-    missing = [name for name in COLUMNS if name not in schema.names]
+    missing = [name for name in COLUMNS if name not in schema.names and name != "flags"]
     if text is None or missing:
         raise InputError(
             f"{path}: columns {', '.join(schema.names)}, {'a' if text is not None else 'no'} header; columns"
@@ -88,4 +91,5 @@ def write_parquet(path: Path, source: Source) -> None:
     with ParquetRows(path, COLUMNS, {KEY: header_text(source).encode()}) as out:
         for frame in source:
             name = source.arrays[frame.finger].name
-            out(frame.t, frame.t_device, name, frame.sequence, frame.values.ravel(), frame.valid.ravel())
+            values, valid = frame.values.ravel(), frame.valid.ravel()
+            out(frame.t, frame.t_device, name, frame.sequence, values, valid, frame.flags)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from cnnsim.support import Floats, InputError, Integers
-from tactile.core.frame import Frame, TaxelArray
+from tactile.core.frame import FLAGS, Frame, TaxelArray
 from tactile.core.source import Provenance
 
 PILLAR_PITCH = 7e-3
@@ -30,6 +30,7 @@ class PillarReplay:
     host_ns: tuple[Integers, ...]
     sequence: tuple[Integers, ...]
     device_us: tuple[Integers, ...]
+    flags: tuple[Integers, ...] = ()
     others: tuple[str, ...] = ()
     modulus: None = None
 
@@ -58,6 +59,7 @@ class PillarReplay:
                 values=values,
                 valid=np.isfinite(values).all(-1),
                 t_device=float(self.device_us[f][i]) * 1e-6,
+                flags=int(self.flags[f][i]) if self.flags else 0,
             )
 
 
@@ -65,7 +67,8 @@ def read_pillars(file: "np.lib.npyio.NpzFile", path: Path) -> PillarReplay:
     """Read a recording of one or more sensors s0, s1, ...
 
     Of every sensor: ``s0_force`` (T, pillars, 3) [N], last axis x, y, z with z positive when pressed, the pillars
-    row by row of a square; ``s0_t_ns`` (T,) host stamps [ns]; ``s0_seq`` (T,); ``s0_tus`` (T,) device stamps [us].
+    row by row of a square; ``s0_t_ns`` (T,) host stamps [ns]; ``s0_seq`` (T,); ``s0_tus`` (T,) device stamps [us];
+    and where there are any ``s0_flags`` (T, 3): slip detection on, reference loaded, contact.
     Other arrays in the file are left alone.
 
     Raises:
@@ -80,14 +83,16 @@ def read_pillars(file: "np.lib.npyio.NpzFile", path: Path) -> PillarReplay:
         TaxelArray(f"sensor-{number}", force.shape[1], force.shape[2], PILLAR_PITCH, 0.0, quantity="force")
         for number, (force, *_) in zip(found, sensors, strict=True)
     )
-    force, host, sequence, device = zip(*sensors, strict=True)
-    read = {f"s{number}_{name}" for number in found for name in ("force", *STAMPS)}
+    force, host, sequence, device, flags = zip(*sensors, strict=True)
+    read = {f"s{number}_{name}" for number in found for name in ("force", *STAMPS, "flags")}
     others = tuple(name for name in file.files if name not in read)
-    return PillarReplay(path.stem, arrays, force, host, sequence, device, others)
+    return PillarReplay(path.stem, arrays, force, host, sequence, device, flags, others)
 
 
-def _read_sensor(file: "np.lib.npyio.NpzFile", name: str, where: str) -> tuple[Floats, Integers, Integers, Integers]:
-    """Return (T, side, side, 3) forces, host stamps, sequence numbers, device stamps."""
+def _read_sensor(
+    file: "np.lib.npyio.NpzFile", name: str, where: str
+) -> tuple[Floats, Integers, Integers, Integers, Integers]:
+    """Return (T, side, side, 3) forces, host stamps, sequence numbers, device stamps, flags."""
     for wanted in STAMPS:
         if f"{name}_{wanted}" not in file.files:
             raise InputError(f"{where}: array {name}_{wanted} is missing beside {name}_force")
@@ -107,4 +112,16 @@ def _read_sensor(file: "np.lib.npyio.NpzFile", name: str, where: str) -> tuple[F
             )
         stamps.append(values.astype(np.int64))
     host, sequence, device = stamps
-    return force.reshape(-1, side, side, 3), host, sequence, device
+    return force.reshape(-1, side, side, 3), host, sequence, device, _flags(file, name, force.shape[0], where)
+
+
+def _flags(file: "np.lib.npyio.NpzFile", name: str, frames: int, where: str) -> Integers:
+    """Return (T,) the device's flags, as `tactile.core.frame.FLAGS`; 0 where the file has none."""
+    if f"{name}_flags" not in file.files:
+        return np.zeros(frames, np.int64)
+    flags = file[f"{name}_flags"]
+    if flags.shape != (frames, len(FLAGS)) or not np.issubdtype(flags.dtype, np.integer):
+        found = f"{where}: {name}_flags of shape {flags.shape} and type {flags.dtype}"
+        raise InputError(f"{found}, {(frames, len(FLAGS))} whole numbers wanted")
+    whole: Integers = (flags != 0).astype(np.int64) @ np.array(list(FLAGS.values()))
+    return whole

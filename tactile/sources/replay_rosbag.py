@@ -1,8 +1,9 @@
 """PapillArray recordings in ROS bags (1 and 2), read with the `rosbags` library.
 
 A sensor's topic carries messages with ``tus`` (device time [us]) and ``pillars``, each with ``fX``, ``fY``, ``fZ`` [N];
-bags name the type papillarray_ros_v2/SensorState or sensor_interfaces/SensorState. Frames get the time at which the bag
-has them, counted from the first.
+bags name the type papillarray_ros_v2/SensorState or sensor_interfaces/SensorState. Frames get the stamp of the
+message's header, counted from the first, its sequence number (ROS 1) and its flags ``is_sd_active``, ``is_ref_loaded``
+and ``is_contact``; without a header the time at which the bag got it, and its count.
 """
 
 import json
@@ -14,6 +15,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from heapq import heappop, heappush
 from importlib.util import find_spec
 from pathlib import Path
 from threading import Timer
@@ -30,6 +32,8 @@ from tactile.core.source import Provenance
 from tactile.sources.bag_process import FRAME, KIND
 from tactile.sources.replay_pillars import PILLAR_PITCH
 
+LATE = 0.5
+"""[s] by which a message may come later than one that was stamped after it."""
 PATIENCE = 4.0
 """[s] in which a bag's index is read; gigabytes of bags have one."""
 
@@ -60,15 +64,21 @@ class BagReplay:
         return self.path.stem
 
     def __iter__(self) -> Iterator[Frame]:
-        counts, start = [0] * len(self.topics), None
+        waiting: list[tuple[int, int, Frame]] = []  # a bag has messages as they came, which is not as they were stamped
         with _bag(self.path) as (about, out):
-            for _ in range(about["frames"]):
-                finger, stamp, tus, pillars = FRAME.unpack(_exactly(out, FRAME.size))
+            start, latest = min(about["starts"]), 0.0
+            for number in range(about["frames"]):
+                finger, stamp, tus, sequence, flags, pillars = FRAME.unpack(_exactly(out, FRAME.size))
                 force = np.frombuffer(_exactly(out, 24 * pillars), "<f8").reshape(*self.arrays[finger].shape, 3)
-                start = stamp if start is None else start
                 valid = np.asarray(np.isfinite(force).all(-1))
-                yield Frame(finger, (stamp - start) * 1e-9, counts[finger], force.copy(), valid, tus * 1e-6)
-                counts[finger] += 1
+                t = (stamp - start) * 1e-9
+                frame = Frame(finger, t, sequence, force.copy(), valid, tus * 1e-6, flags)
+                heappush(waiting, (stamp, number, frame))
+                latest = max(latest, t)
+                while waiting[0][2].t < latest - LATE:
+                    yield heappop(waiting)[2]
+        while waiting:
+            yield heappop(waiting)[2]
 
 
 def read_bag(path: Path) -> BagReplay:

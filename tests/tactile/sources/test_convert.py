@@ -150,11 +150,11 @@ cells = [[-1, 1, -1], [4, 0, 2], [-1, 3, -1]]
 
 def test_what_is_left_behind_or_supposed_is_said(tmp_path: Path) -> None:
     held = pillars()
-    held.arrays["s0_flags"] = np.zeros(5)
+    held.arrays["s0_global"] = np.zeros(5)
     npz = held.save(tmp_path / "run.npz")
     said = call("convert", npz, tmp_path / "r.csv").stderr
     assert "neither pitch nor names: 7 mm, nominal" in said
-    assert f"stays in {npz}: s0_flags" in said
+    assert f"stays in {npz}: s0_global" in said
     assert "the loads that it knows to be true" in call("convert", GRIP, tmp_path / "g.parquet").stderr
     frames = [replace(frame, valid=np.full(frame.valid.shape, frame.sequence != 3)) for frame in grip(0.05, 1)]
     WRITERS[".npz"](tmp_path / "m.npz", replace_stream(frames))

@@ -3,14 +3,57 @@
 from pathlib import Path
 
 import pytest
+from rosbags.rosbag1 import Writer as BagWriter
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from cnnsim.support import InputError
+from tactile.core.frame import FLAGS
+from tactile.core.source import provenance
 from tactile.sources import open_source
+from tactile.sources.convert import convert
 
 PILLAR = "float32 fX\nfloat32 fY\nfloat32 fZ\n"
+STAMPED = (
+    "std_msgs/Header header\nint64 tus\nbool is_sd_active\nbool is_ref_loaded\nbool is_contact\n"
+    "papillarray_ros_v2/PillarState[] pillars\n"
+)
 STATE = "int64 tus\nsensor_interfaces/PillarState[] pillars\n"
+
+
+def test_headers_and_flags_of_a_bag_are_kept(tmp_path: Path) -> None:
+    """ROS 1: the header's own sequence number and stamp count, though the messages came late and out of order."""
+    store = get_typestore(Stores.ROS1_NOETIC)
+    kinds = {"papillarray_ros_v2/msg/PillarState": PILLAR, "papillarray_ros_v2/msg/SensorState": STAMPED}
+    for kind, text in kinds.items():
+        store.register(get_types_from_msg(text, kind))
+    pillar, state = (store.types[kind] for kind in kinds)
+    header, time = store.types["std_msgs/msg/Header"], store.types["builtin_interfaces/msg/Time"]
+    told = [(7, 100, 1, True, False, False), (9, 104, 2, True, True, False), (3, 102, 3, False, True, True)]
+    with BagWriter(tmp_path / "a.bag") as bag:
+        topics = [bag.add_connection(f"/s{n}", "papillarray_ros_v2/msg/SensorState", typestore=store) for n in (0, 1)]
+        for n, (seq, ms, tus, *flags) in enumerate(told):
+            stamp = header(seq, time(50, 1_000_000 * ms), "")
+            data = store.serialize_ros1(
+                state(stamp, tus, *flags, [pillar(n, 0, 1)]), "papillarray_ros_v2/msg/SensorState"
+            )
+            bag.write(topics[n // 2], 51_000_000_000 + 1_000_000 * n, data)
+    source = open_source(tmp_path / "a.bag")
+    wanted = [(0, 7, 0.0, 1e-6, 1), (1, 3, 0.002, 3e-6, 6), (0, 9, 0.004, 2e-6, 3)]
+    seen = [(one.finger, one.sequence, round(one.t, 9), one.t_device, one.flags) for one in source]
+    assert seen == wanted
+    assert FLAGS == {"slip_detection": 1, "reference_loaded": 2, "contact": 4}
+    assert provenance(source).start_ns == 50_100_000_000
+    assert not getattr(source, "others", None)
+    for target in ("b.npz", "b.parquet"):
+        assert not any("flags of the device" in note for note in convert(tmp_path / "a.bag", tmp_path / target).notes)
+        again = [
+            (one.finger, one.sequence, round(one.t, 9), one.t_device, one.flags)
+            for one in open_source(tmp_path / target)
+        ]
+        assert again == wanted
+    notes = convert(tmp_path / "a.bag", tmp_path / "b.csv").notes
+    assert any("flags of the device in 3 frames are not in" in note for note in notes)
 
 
 def test_ros_bags_of_pillars(tmp_path: Path) -> None:
