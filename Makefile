@@ -11,7 +11,7 @@ COMPILE = printf 'pip\nhatchling\neditables\n' | uv pip compile pyproject.toml -
 	--python-version 3.11 --generate-hashes --no-annotate --no-header --quiet
 SCENE  ?= examples/scenes/grip.toml
 
-.PHONY: run test check bench accuracy hard-cases endurance format clean lock
+.PHONY: run test check bench accuracy hard-cases scaling endurance format clean lock
 
 run: $(VENV)/.run            ## the main job: two fingers grip, lift, let slip and release
 	$(BIN)/tactile run $(SCENE) -o out/$(basename $(notdir $(SCENE)))
@@ -35,6 +35,9 @@ accuracy: $(VENV)/.test     ## what accuracy costs in time: docs/accuracy.md, it
 
 hard-cases: $(VENV)/.test   ## exact answers of hard cases against ours and the naive form: docs/hard-cases.md
 	$(BIN)/python -m tests.hard_cases -o docs
+
+scaling: $(VENV)/.test      ## arrays of taxels, grids on the disk, plans on paper: docs/scaling.md; short: make scaling SCALING=--short
+	$(BIN)/python -m tests.benchmarks.scaling $(SCALING) -o docs
 
 format: $(VENV)/.test
 	$(BIN)/ruff format .

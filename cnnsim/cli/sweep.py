@@ -4,4 +4,4 @@ from cnnsim.sweep.command import sweep_command
 
 KINDS = {"transients": "cnnsim.sweep.transients"}
 
-sweep = sweep_command(KINDS, "cnnsim")
+sweep = sweep_command(KINDS, "cnnsim", "study.toml", "density,black,template")

@@ -16,8 +16,8 @@ UNPACKED, PACKING = 64 * 2**20, 200
 """Bytes that any file may unpack to, and how many times its own size a larger one may; real readings pack 10 times."""
 CHUNK, RECORD = 2**26, 2**28
 """Bytes of the largest chunk of an MCAP recording that is unpacked, and of its longest record."""
-TAXELS = 2**16
-"""Taxels of an array: 256 x 256, more than a wire format carries."""
+TAXELS = 1 << 20
+"""Taxels of an array: 1024 x 1024, more than a wire format carries; a frame of them is 25 MB."""
 RATE, FRAMES = 1e6, 1e9
 """Frames a second, and of a whole scene."""
 PLANES, STEPS = 1000, 10_000
@@ -37,7 +37,7 @@ def check_most(value: float, most: float, what: str) -> None:
         InputError: with both.
     """
     if not value <= most:
-        raise InputError(f"{what}: {str(value)[:40]}; {most:g} at most wanted")
+        raise InputError(f"{what}: {str(value)[:40]}; {most:.7g} at most wanted")
 
 
 def check_plain(path: Path, what: str) -> None:

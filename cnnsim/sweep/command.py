@@ -12,15 +12,17 @@ KEPT = 20
 """Failures that are shown as JSON; the table has all."""
 
 
-def sweep_command(kinds: Mapping[str, str], program: str) -> click.Command:
-    """Return the command of a ``program`` whose sweeps are of these ``kinds``: the module of each."""
+def sweep_command(kinds: Mapping[str, str], program: str, file: str, plot: str) -> click.Command:
+    """Return the command of a ``program`` whose sweeps are of these ``kinds``: the module of each.
+
+    Its help has a ``file`` and a ``plot`` as examples.
+    """
 
     @click.command(
         "sweep",
         epilog=examples(
-            f"{program} sweep study.toml -o study/",
-            f"{program} sweep study.toml -o study/ --plot seed,seconds --json",
-            f"{program} sweep study.toml -o study/ --engine dask=tcp://127.0.0.1:8786",
+            f"{program} sweep {file} -o study/ --workers 1",
+            f"{program} sweep {file} -o study/ --plot {plot} --json",
         ),
         help=f"""Run all cases of SPEC, a TOML file with a kind ({", ".join(kinds)}) and a [grid] of choices.
 

@@ -63,8 +63,8 @@ def test_a_message_is_a_line_of_bounded_length(tmp_path: Path) -> None:
 
 
 def test_bounds_are_said_with_both_numbers(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=f"257 x 256 taxels: 65792; {TAXELS} at most wanted"):
-        TaxelArray("tip", 257, 256, 1e-3, 1e-3)
+    with pytest.raises(InputError, match=f"1025 x 1024 taxels: 1049600; {TAXELS} at most wanted"):
+        TaxelArray("tip", 1025, 1024, 1e-3, 1e-3)
     (tmp_path / "small").write_bytes(b"x" * 1000)
     check_unpacked(tmp_path / "small", 60_000_000)
     with pytest.raises(InputError, match="1000 bytes that unpack to 70000000; 200 times as many at most wanted"):

@@ -29,6 +29,24 @@ step = [
 ]
 """
 
+STUDY = """
+kind = "transients"
+[grid]
+template = ["edge", "hole-filler"]
+density = [0.3, 0.6]
+seed = { from = 0, count = 2 }
+[fixed]
+rows = 12
+"""
+GRIPS = """
+kind = "scenes"
+[grid]
+seed = [1, 2]
+[fixed]
+scene = "scene.toml"
+duration_s = 0.3
+"""
+
 
 def detector() -> str:
     """Return the detector of docs/detectors.md."""
@@ -56,6 +74,7 @@ def write_own_files(folder: Path) -> None:
     texts = {
         "EDGE.tem": HOLE.replace("HoleFiller", "Edge"), "HOLE.tem": HOLE, "temlib.m": TEMLIB, "best.txt": GENE,
         "rule.toml": RULE, "my-program.toml": PROGRAM, "two-blobs.toml": detector(), "l.csv": LABELS,
+        "study.toml": STUDY, "grips.toml": GRIPS,
     }  # fmt: skip
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8")

@@ -15,11 +15,11 @@ Rebuilt by `make accuracy`; of one template of your own, on your own picture: `c
 """
 
 
-def write_page(sections: Sequence[Section], folder: Path) -> None:
-    """Write ``accuracy.md`` and beside it ``accuracy/STEM.csv``, ``.json`` and ``.png`` of each section."""
-    files = folder / "accuracy"
+def write_page(sections: Sequence[Section], folder: Path, page: str = "accuracy", head: str = _HEAD) -> None:
+    """Write ``PAGE.md`` and beside it ``PAGE/STEM.csv``, ``.json`` and ``.png`` of each section."""
+    files = folder / page
     files.mkdir(parents=True, exist_ok=True)
-    lines = [_HEAD, *(f"- {section.answer}" for section in sections)]
+    lines = [head, *(f"- {section.answer}" for section in sections)]
     for section in sections:
         with (files / f"{section.stem}.csv").open("w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, list(section.rows[0]))
@@ -33,9 +33,9 @@ def write_page(sections: Sequence[Section], folder: Path) -> None:
             "",
             f"## {section.title}",
             "",
-            f"![{section.title}](accuracy/{section.stem}.png)",
+            f"![{section.title}]({page}/{section.stem}.png)",
             "",
             section.text.strip(),
         ]
-        lines += ["", f"Figures: [CSV](accuracy/{section.stem}.csv), [JSON](accuracy/{section.stem}.json)."]
-    (folder / "accuracy.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        lines += ["", f"Figures: [CSV]({page}/{section.stem}.csv), [JSON]({page}/{section.stem}.json)."]
+    (folder / f"{page}.md").write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -1,0 +1,257 @@
+"""Section 3, grids: blocks on worker processes against one process; out of core; memory; sleep; killed workers.
+
+Each figure by itself, at its full size: ``python -m tests.benchmarks.scaling.grids workers --side 16384``,
+``sizes --side 1024 --side 32768``, ``sleep --side 16384``, ``kills``.
+"""
+
+import argparse
+import os
+import random
+import shutil
+import signal
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import cnnsim
+from cnnsim.network import Template
+from cnnsim.supersteps.engine import Engine
+from cnnsim.supersteps.pictures import TiledPicture
+from tests.benchmarks.accuracy.section import Section
+
+WAVE = Template([[0.1, 0.2, 0.1], [0.2, 1.6, 0.2], [0.1, 0.2, 0.1]], 0.4, 0.05, "wave")
+STEP = 0.1
+
+
+class Speckle:
+    """Black and white from a hash of row and column: a picture of any size that takes no memory."""
+
+    def __init__(self, side: int) -> None:
+        self.shape, self.dtype = (side, side), np.dtype(bool)
+
+    def __getitem__(self, part: Any) -> Any:
+        rows, cols = (np.arange(side, dtype=np.uint64)[one] for side, one in zip(self.shape, part[-2:], strict=True))
+        mixed = (rows[:, None] // 3 * np.uint64(0x9E3779B97F4A7C15)) ^ (cols // 3 * np.uint64(0xC2B2AE3D27D4EB4F))
+        return (mixed * np.uint64(0xD6E8FEB86659FD93)) >> np.uint64(62) > 0
+
+
+class Rings(Speckle):
+    """White with black rings: most of what hole filling starts with stays as it is for long."""
+
+    def __getitem__(self, part: Any) -> Any:
+        rows, cols = (np.arange(side)[one] % 512 - 256 for side, one in zip(self.shape, part[-2:], strict=True))
+        away = np.hypot(rows[:, None], cols)
+        return (away > 150) & (away < 160)
+
+
+@contextmanager
+def peak_memory() -> Iterator[list[float]]:
+    """Give a list whose entry is the largest memory of this process and its children together [bytes], sampled."""
+    peak, over = [0.0], threading.Event()
+
+    def watch() -> None:
+        while not over.wait(0.05):
+            peak[0] = max(peak[0], sum(map(_own_memory, _family())))
+
+    thread = threading.Thread(target=watch)
+    thread.start()
+    try:
+        yield peak
+    finally:
+        over.set()
+        thread.join()
+
+
+def _family() -> list[int]:
+    """Return this process and all that descend from it."""
+    parents: dict[int, list[int]] = {}
+    for entry in Path("/proc").glob("[0-9]*"):
+        try:
+            fields = (entry / "stat").read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        parents.setdefault(int(fields[1]), []).append(int(entry.name))
+    found = [os.getpid()]
+    for process in found:
+        found += parents.get(process, [])
+    return found
+
+
+def _own_memory(process: int) -> float:
+    """Return the memory of a process without what it shares with others counted twice."""
+    try:
+        lines = Path(f"/proc/{process}/smaps_rollup").read_text().splitlines()
+    except OSError:
+        return 0.0
+    return 1024.0 * sum(int(line.split()[1]) for line in lines if line.startswith("Pss:"))
+
+
+@contextmanager
+def folder() -> Iterator[Path]:
+    """Give a folder that goes away."""
+    made = Path(tempfile.mkdtemp(prefix="scaling-"))
+    try:
+        yield made / "store"
+    finally:
+        shutil.rmtree(made)
+
+
+def stored(side: int, steps: int, workers: int, **more: Any) -> tuple[float, float]:
+    """Return the seconds of a run from and to the disk, and its peak memory."""
+    picture: Any = TiledPicture(Speckle(side), binary=False)
+    with folder() as store, peak_memory() as peak:
+        begun = time.perf_counter()
+        engine = Engine(workers=workers, store=store, **more)
+        cnnsim.run_transient(WAVE, state=picture, input=picture, duration=steps * STEP, step=STEP, scheme="euler",
+                             dtype="float32", engine=engine)  # fmt: skip
+        return time.perf_counter() - begun, peak[0]
+
+
+def _row(figure: str, side: int, steps: int, seconds: float, ratio: float, memory: float = np.nan) -> dict[str, Any]:
+    return {"figure": figure, "side": side, "steps": steps, "seconds": seconds, "peak GiB": memory / 2**30,
+            "ns a cell-step": 1e9 * seconds / side**2 / steps, "ratio": ratio}  # fmt: skip
+
+
+def workers(side: int, steps: int = 256, count: int = 2) -> list[dict[str, Any]]:
+    """Compare worker processes with one process whose threads share the same cores, on a grid that fits."""
+    picture = TiledPicture(Speckle(side), binary=False)[:, :]
+    given: dict[str, Any] = {"state": picture, "input": picture, "duration": steps * STEP, "step": STEP,
+                             "scheme": "euler", "dtype": "float32"}  # fmt: skip
+    cnnsim.run_transient(WAVE, **{**given, "state": picture[:512, :512], "input": picture[:512, :512]})
+    begun = time.perf_counter()
+    cnnsim.run_transient(WAVE, **given)
+    whole = time.perf_counter() - begun
+    del given, picture
+    parts, memory = stored(side, steps, count)
+    return [_row(f"{count} workers against one process", side, steps, parts, whole / parts, memory)]
+
+
+def sizes(sides: list[int], steps: int = 256) -> list[dict[str, Any]]:
+    """Return the cost of a cell-step over the size of the grid, each against the first."""
+    rows: list[dict[str, Any]] = []
+    for side in sides:
+        seconds, memory = min(stored(side, steps, 2) for _ in range(2 if side < 4096 else 1))
+        each = 1e9 * seconds / side**2 / steps
+        first = rows[0]["ns a cell-step"] if rows else each
+        rows.append(_row("from and to the disk", side, steps, seconds, each / first, memory))
+    return rows
+
+
+def sleep(side: int, time_constants: float = 25.6) -> list[dict[str, Any]]:
+    """Compare hole filling with blocks that sleep and without."""
+    entry = cnnsim.library.load("hole-filler")
+    picture: Any = TiledPicture(Rings(side), binary=False)
+
+    def run(without: tuple[str, ...]) -> float:
+        with folder() as store:
+            begun = time.perf_counter()
+            state = np.broadcast_to(np.float32(1.0), (side, side))
+            engine = Engine(workers=2, store=store, side=min(1024, side // 8))
+            cnnsim.run_transient(entry.template, state=state, input=picture, duration=time_constants,
+                                 boundary=entry.boundary, dtype="float32", without=without, engine=engine)  # fmt: skip
+            return time.perf_counter() - begun
+
+    run(())
+    asleep, awake = run(()), run(("sleep",))
+    steps = round(time_constants / STEP)
+    return [_row("hole filling, without sleep against with it", side, steps, asleep, awake / asleep)]
+
+
+def kills(runs: int = 10, side: int = 1024, steps: int = 256) -> list[dict[str, Any]]:
+    """Kill a worker at a random time in each run; say how many ended with the bytes of the whole grid."""
+    picture = TiledPicture(Speckle(side), binary=False)[:, :]
+    given: dict[str, Any] = {"state": picture, "input": picture, "duration": steps * STEP, "step": STEP,
+                             "scheme": "euler", "dtype": "float32"}  # fmt: skip
+    wanted, same = cnnsim.run_transient(WAVE, **given).x.tobytes(), 0
+    begun = time.perf_counter()
+    for number in range(runs):
+        over = threading.Event()
+
+        def kill(over: threading.Event = over, seed: int = number) -> None:
+            if over.wait(1.0 + 3.0 * random.Random(seed).random()):
+                return
+            crew = [process for process in _family()[1:] if b"loky" in _command(process)]
+            if crew:
+                os.kill(random.Random(seed).choice(crew), signal.SIGKILL)
+
+        thread = threading.Thread(target=kill)
+        thread.start()
+        same += cnnsim.run_transient(WAVE, **given, engine=Engine(workers=2, side=128, depth=8)).x.tobytes() == wanted
+        over.set()
+        thread.join()
+    figure = f"a worker killed in each of {runs} runs: the share that gave the same bytes"
+    return [_row(figure, side, steps, time.perf_counter() - begun, same / runs)]
+
+
+def _command(process: int) -> bytes:
+    try:
+        return Path(f"/proc/{process}/cmdline").read_bytes()
+    except OSError:
+        return b""
+
+
+def section(side: int) -> Section:
+    """Measure all figures on grids up to ``side``."""
+    rows = [*workers(side), *sizes([1024, *([side] if side > 1024 else [])]), *sleep(side), *kills(2)]
+    answer = (
+        f"Grids: at {side} x {side} two workers reach {rows[0]['ratio']:.2f} of the rate of one process with both "
+        f"cores, from and to the disk; blocks that sleep make hole filling {_of(rows, 'hole')['ratio']:.2g} x as fast."
+    )
+    return Section("grids", "3. Grids on the disk", answer, _text(rows), rows, lambda f: _draw(f, rows), (7, 3.6))
+
+
+def _of(rows: list[dict[str, Any]], start: str) -> dict[str, Any]:
+    return next(row for row in rows if row["figure"].startswith(start))
+
+
+_TEXT = """\
+256 Euler steps of nine taps in float32, two workers, in supersteps over a Zarr store, its making included. *ratio* is
+what the line's name says; of the sizes it is the cost of a cell-step against the smallest. Memory is that of all
+processes together. A run without an engine takes 20 bytes a cell: 5.4 GB for 16384 x 16384, and is refused with the
+engine as the cure where that is not free.
+
+| figure | side | seconds | ns a cell-step | peak GiB | ratio |
+|---|---|---|---|---|---|
+{table}"""
+
+
+def _text(rows: list[dict[str, Any]]) -> str:
+    lines = [
+        f"| {row['figure']} | {row['side']} | {row['seconds']:.3g} | {row['ns a cell-step']:.3g} | "
+        f"{row['peak GiB']:.2g} | {row['ratio']:.3g} |".replace("nan", "-")
+        for row in rows
+    ]
+    return _TEXT.format(table="\n".join(lines))
+
+
+def _draw(figure: Any, rows: list[dict[str, Any]]) -> None:
+    axes = figure.subplots()
+    several = [row for row in rows if row["figure"] == "from and to the disk"]
+    axes.semilogx([row["side"] for row in several], [row["ns a cell-step"] for row in several], "o-")
+    axes.set(xlabel="cells a side", ylabel="ns a cell-step", ylim=(0, None), title="from and to the disk, two workers")
+    axes.grid(alpha=0.3, which="both")
+
+
+def main() -> None:
+    """Measure one figure and print it."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("figure", choices=["workers", "sizes", "sleep", "kills"])
+    parser.add_argument("--side", type=int, action="append", default=[])
+    given = parser.parse_args()
+    sides = given.side or [4096]
+    ways: dict[str, Callable[[], list[dict[str, Any]]]] = {
+        "workers": lambda: workers(sides[0]), "sizes": lambda: sizes(sides), "sleep": lambda: sleep(sides[0]),
+        "kills": kills,
+    }  # fmt: skip
+    for row in ways[given.figure]():
+        print(row)
+
+
+if __name__ == "__main__":
+    main()
