@@ -4,4 +4,4 @@ from cnnsim.sweep.command import sweep_command
 
 KINDS = {"scenes": "tactile.sweeps.scenes", "labelled": "tactile.sweeps.labelled"}
 
-sweep = sweep_command(KINDS, "tactile", "grips.toml", "seed,place_error_mm")
+sweep = sweep_command(KINDS, "tactile", "grips.toml", "seed,frames")

@@ -152,7 +152,7 @@ def sleep(side: int, time_constants: float = 25.6) -> list[dict[str, Any]]:
         with folder() as store:
             begun = time.perf_counter()
             state = np.broadcast_to(np.float32(1.0), (side, side))
-            engine = Engine(workers=2, store=store, side=min(1024, side // 8))
+            engine = Engine(workers=2, store=store, side=min(512, side // 16))
             cnnsim.run_transient(entry.template, state=state, input=picture, duration=time_constants,
                                  boundary=entry.boundary, dtype="float32", without=without, engine=engine)  # fmt: skip
             return time.perf_counter() - begun
