@@ -11,7 +11,8 @@ from tests.benchmarks.accuracy.section import Section
 
 _HEAD = """# What accuracy costs in time
 
-Rebuilt by `make accuracy`; of one template of your own, on your own picture: `cnnsim accuracy TEMPLATE [PICTURE]`.
+Rebuilt by `make accuracy`; of one template of your own, on your own picture: `cnnsim accuracy TEMPLATE [PICTURE]`,
+of a scene of your own: `tactile accuracy SCENE`.
 """
 
 
