@@ -11,11 +11,20 @@ from tactile.simulator.effects import ORDER, effect_class, without
 from tactile.simulator.effects.crosstalk import Crosstalk
 from tactile.simulator.effects.dead_taxels import DeadTaxels
 from tactile.simulator.effects.drift import Drift
+from tactile.simulator.effects.electronics.clipping import Clipping
+from tactile.simulator.effects.electronics.low_pass import LowPass
+from tactile.simulator.effects.electronics.multiplex_skew import MultiplexSkew
+from tactile.simulator.effects.electronics.pink_noise import PinkNoise
+from tactile.simulator.effects.electronics.taxel_mismatch import TaxelMismatch
+from tactile.simulator.effects.electronics.temperature import Temperature
 from tactile.simulator.effects.finite_thickness import FiniteThickness
 from tactile.simulator.effects.finite_tip import FiniteTip
 from tactile.simulator.effects.frame_timing import FrameTiming
 from tactile.simulator.effects.hysteresis import Hysteresis
 from tactile.simulator.effects.motor_noise import MotorNoise
+from tactile.simulator.effects.mounting.cover_error import CoverError
+from tactile.simulator.effects.mounting.curved_fingertip import CurvedFingertip
+from tactile.simulator.effects.mounting.misplacement import Misplacement
 from tactile.simulator.effects.needle_vibration import NeedleVibration
 from tactile.simulator.effects.poisson_ratio import PoissonRatio
 from tactile.simulator.effects.quantisation import Quantisation
@@ -64,12 +73,23 @@ def random_scene(random: np.random.Generator) -> Scene:
         ("quantisation", Quantisation(int(random.integers(6, 17)), 2.0)),
         ("frame_timing", FrameTiming(some(1e-6, 1e-3), some(1e-5, 1e-2), some(1e-5, 1e-2))),
     ]
+    built: list[tuple[str, Any]] = [
+        ("cover_error", CoverError(some(1e-8, 3e-5), some(1e-5, 1e-2))),
+        ("misplacement", Misplacement(some(1e-8, 3e-5), 0.0, some(1e-5, 3e-2), some(1e-5, 1e-2))),
+        ("curved_fingertip", CurvedFingertip(some(5e-3, 10.0))),
+        ("taxel_mismatch", TaxelMismatch(some(1e-5, 0.02), some(1e-5, 0.01), some(1e-5, 0.03))),
+        ("temperature", Temperature(0.0, some(1e-2, 10.0), some(0.1, 100.0))),
+        ("pink_noise", PinkNoise(some(1e-5, 0.01))),
+        ("clipping", Clipping(some(0.1, 3.0))),
+        ("low_pass", LowPass(some(1e-5, 1e-2))),
+        ("multiplex_skew", MultiplexSkew(some(1e-7, 1e-4))),
+    ]
     duration = some(0.3, 3.5)
     x, y = random.uniform(-4e-4, 4e-4, (2, 2))
     forces = [(*random.uniform(-5e-3, 5e-3, 2), some(1e-3, 0.03)) for _ in range(2)]
     path = np.array([(0.0, x[0], y[0], *forces[0]), (duration, x[1], y[1], *forces[1])])
     # some take part, the others are off
-    taken = [one for one in effects if random.random() < 0.5]
+    taken = [one for one in (*effects, *built) if random.random() < 0.5]
     chosen = dict(QUIET) | dict(taken if random.random() < 0.5 else effects)
     seed = int(random.integers(1000))
     return Scene("r", 50.0, duration, 2.4e6, (CHIP,), (MovingLoad(0, path),), (), tuple(chosen.items()), 0.15, seed)
