@@ -64,7 +64,7 @@ class Task:
         there = sum(plane.dtype == backend.dtype and plane.flags.c_contiguous for plane in self.planes)
         needed = self.cell_bytes(backend.dtype.itemsize) - there * backend.dtype.itemsize
         name, size = self.plan.template.name, " x ".join(map(str, self.state.shape))
-        cure = "a smaller grid, float32 for float64, or a machine with more memory wanted"
+        cure = "a smaller grid, float32 for float64, or blocks on the disk (engine='processes', --engine) wanted"
         check_memory(f"template {name!r} on {size} cells", needed * self.state.size, cure)
 
     def start(self, backend: Backend, state: Array | None = None, plan: Plan | None = None) -> Outcome:

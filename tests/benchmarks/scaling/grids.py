@@ -157,7 +157,6 @@ def sleep(side: int, time_constants: float = 25.6) -> list[dict[str, Any]]:
                                  boundary=entry.boundary, dtype="float32", without=without, engine=engine)  # fmt: skip
             return time.perf_counter() - begun
 
-    run(())
     asleep, awake = run(()), run(("sleep",))
     steps = round(time_constants / STEP)
     return [_row("hole filling, without sleep against with it", side, steps, asleep, awake / asleep)]
