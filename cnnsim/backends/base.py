@@ -1,7 +1,6 @@
 """The protocol of a backend: the whole transient is its business, so the time loop never crosses this line."""
 
-from collections.abc import Callable
-from collections.abc import Sequence as Several
+from collections.abc import Callable, Sequence
 from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
@@ -10,7 +9,7 @@ from numpy.typing import DTypeLike
 from cnnsim.network import Boundary
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
-from cnnsim.operations.sequence import Sequence, Stores
+from cnnsim.operations.routine import Routine, Stores
 from cnnsim.planning.plan import SETTLED_RATE, Plan
 from cnnsim.support import Array, Flags, InputError, Integers
 
@@ -100,7 +99,7 @@ class Backend(Protocol):
     def output(self, x: Plane) -> Plane:
         """Give y = clip(x, -1, 1)."""
 
-    def cellwise(self, operation: Cellwise, planes: Several[Plane], parameters: Several[float]) -> tuple[Plane, ...]:
+    def cellwise(self, operation: Cellwise, planes: Sequence[Plane], parameters: Sequence[float]) -> tuple[Plane, ...]:
         """Apply a per-cell operation to LAM planes."""
 
     def logic(self, function: int, p: Plane, q: Plane) -> Plane:
@@ -112,8 +111,8 @@ class Backend(Protocol):
     def count(self, plane: Plane) -> int | Integers:
         """Count the black cells of an LLM plane, the global wire: a number, or (n,) numbers for n grids."""
 
-    def prepared(self, sequence: Sequence) -> Callable[[Stores], Stores | None] | None:
-        """Give what does a sequence at one go; None where that saves nothing, so that its steps are done one by one.
+    def prepared(self, routine: Routine) -> Callable[[Stores], Stores | None] | None:
+        """Give what does a routine at one go; None where that saves nothing, so that its steps are done one by one.
 
         It takes the planes and registers that are given and returns the results, or None where step by step is to tell
         why there are none.

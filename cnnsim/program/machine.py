@@ -121,7 +121,7 @@ class UniversalMachine:
         if found is None:  # with the steps, whose id is theirs as long as they are there
             known = Known(partial(self._rule, program), partial(self._plan, shape=shape))
             parts: list[Part] = [
-                (self.backend.prepared(part.sequence), part) if isinstance(part, Stretch) else (None, part)
+                (self.backend.prepared(part.routine), part) if isinstance(part, Stretch) else (None, part)
                 for part in stretches(program, steps, shape, known)
             ]
             found = self._stretches[id(steps), shape] = steps, parts

@@ -1,6 +1,6 @@
-"""Stretches of a program: steps that follow each other straight on, as one sequence of operations on numbered planes.
+"""Stretches of a program: steps that follow each other straight on, as one routine of operations on numbered planes.
 
-Steps of logic, of neighbours, of cells with a closed form, of wires and registers go into a sequence; cellwise ones,
+Steps of logic, of neighbours, of cells with a closed form, of wires and registers go into a routine; cellwise ones,
 transients with a time loop and all that repeat or choose stay steps.
 """
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from cnnsim.operations.bitwise import BitRule
-from cnnsim.operations.sequence import Instruction, Op, Sequence, Stores
+from cnnsim.operations.routine import Instruction, Op, Routine, Stores
 from cnnsim.planning.plan import Plan
 from cnnsim.program.program import (
     CopyStep,
@@ -25,7 +25,7 @@ from cnnsim.program.program import (
 from cnnsim.program.words import numbered
 
 FEWEST = 2
-"""Instructions from which on a sequence is worth its making."""
+"""Instructions from which on a routine is worth its making."""
 _WIRES = {"any": Op.ANY, "all": Op.ALL, "count": Op.COUNT}
 _NUMBERS = {"add": Op.ADD, "subtract": Op.SUBTRACT, "multiply": Op.MULTIPLY, "less": Op.LESS}
 AtOneGo = Callable[[Stores], Stores | None]
@@ -35,10 +35,10 @@ _FILLS = {"llm": (Op.SHADE, Op.SHADE_BY), "lam": (Op.CONSTANT, Op.CONSTANT_BY)}
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """Some steps of a program and the sequence that they are; the names of what it takes and gives."""
+    """Some steps of a program and the routine that they are; the names of what it takes and gives."""
 
     steps: tuple[Step, ...]
-    sequence: Sequence
+    routine: Routine
     takes: Stores
     gives: Stores
 
@@ -72,7 +72,7 @@ def stretches(program: Program, steps: tuple[Step, ...], shape: tuple[int, ...],
             continue
         if straight:
             stretch = _stretch(program, tuple(straight), shape, known)
-            found += straight if len(stretch.sequence.instructions) < FEWEST else [stretch]
+            found += straight if len(stretch.routine.instructions) < FEWEST else [stretch]
             straight = []
         if step is not None:
             found.append(step)
@@ -108,20 +108,20 @@ def _stretch(program: Program, steps: tuple[Step, ...], shape: tuple[int, ...], 
     gives = {
         memory: [name for name in wrote if program.memory[name] == memory and name in read] for memory in _MEMORIES
     }
-    sequence = Sequence(
+    routine = Routine(
         shape, tuple(writer.instructions),
         Stores(**writer.sizes),
         Stores(**{memory: list(names.values()) for memory, names in writer.takes.items()}),
         Stores(**{memory: [writer.place[name] for name in names] for memory, names in gives.items()}),
     )  # fmt: skip
-    return Stretch(steps, sequence, Stores(**{m: list(names) for m, names in writer.takes.items()}), Stores(**gives))
+    return Stretch(steps, routine, Stores(**{m: list(names) for m, names in writer.takes.items()}), Stores(**gives))
 
 
 _MEMORIES: tuple[ProgramMemory, ...] = ("llm", "lam", "wire")
 
 
 class _Writer:
-    """Writes a sequence: every name stands for the plane or register that was last written under it."""
+    """Writes a routine: every name stands for the plane or register that was last written under it."""
 
     def __init__(self, program: Program, known: Known) -> None:
         self._memory, self._known = program.memory, known

@@ -25,6 +25,7 @@ def main() -> None:
         *less.sleep(n),
         *less.logic(triad, n),
         *touch.frames(n),
+        *touch.events(n),
         *touch.inverse(triad, n),
         *simulator.frames(n),
         *simulator.summation(n),

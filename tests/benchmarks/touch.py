@@ -1,6 +1,9 @@
-"""Small grids, many frames: an analogic program with the load inverse, and the inverse alone."""
+"""Small grids, many frames: an analogic program with the load inverse, the events of a finger, the inverse alone."""
 
 import time
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -9,8 +12,13 @@ from cnnsim.network import ZERO_FLUX, Template
 from cnnsim.operations.logic import function_number
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import CellwiseStep, LogicStep, Program, TemplateStep, WireStep
+from tactile import open_source
+from tactile.core.source import FrameStream
 from tactile.inverse.taxel import STRAIN_INVERSE
+from tactile.pipeline import run, warm_up
+from tactile.settings import Settings
 from tests.benchmarks.race import Row, race
+from tests.fuzz.endurance import FINGER, SCENE
 
 PARAMETERS = (0.002, 2.5e5, 1e-6, 1.0)
 """Depth [m], modulus [Pa], floor [strain], pressing."""
@@ -58,6 +66,28 @@ def frames(rounds: int) -> list[Row]:
             {"one by one": 1e5 * float(median) / whole},
         ),
     ]
+
+
+def events(rounds: int) -> list[Row]:
+    """One finger of 8 x 8, noisy, from frame to events: processor time of a frame, which two share half a core for."""
+    rows, rng = [], np.random.default_rng(0)
+    with TemporaryDirectory() as folder:
+        scene = Path(folder) / "scene.toml"
+        scene.write_text(SCENE.format(hz=1000, seconds=4.0) + FINGER.format(name="tip", rows=8, cols=8))
+        source = open_source(scene)
+        found = list(source)
+    for quantity, to_quantity, noise in (("strain", 1.0, 2e-5), ("force", 50.0 * np.array([1, 1, -1]), 2e-3)):
+        array = replace(source.arrays[0], quantity=quantity)  # type: ignore[arg-type]  # both are quantities
+        frames = [replace(f, values=f.values * to_quantity + noise * rng.normal(size=(8, 8, 3))) for f in found]
+        stream = FrameStream(quantity, (array,), source.modulus, len(frames), frames)
+        warm_up((array,), source.modulus, Settings())
+        best = np.inf
+        for _ in range(rounds):
+            begun = time.process_time()
+            run(stream, Settings(tare="auto"), [])
+            best = min(best, time.process_time() - begun)
+        rows.append(Row(f"8x8 of {quantity}, a frame to events", "cpu", 1e6 * best / len(frames), "us", "< 200"))
+    return rows
 
 
 def inverse(triad: float, rounds: int) -> list[Row]:

@@ -33,7 +33,7 @@ from cnnsim.backends.cpu.neighbourhood import literals, neighbourhood
 from cnnsim.backends.cpu.planes import grids
 from cnnsim.backends.cpu.pool import Pool
 from cnnsim.backends.cpu.prepared import Prepared
-from cnnsim.backends.cpu.sequence import MOST_CELLS, CompiledSequence
+from cnnsim.backends.cpu.routine import MOST_CELLS, CompiledRoutine
 from cnnsim.backends.cpu.term_steps import CompiledDiscreteSteps, CompiledTermSteps
 from cnnsim.backends.cpu.terms import CompiledNetwork, with_control_terms
 from cnnsim.backends.cpu.threads import checked_threads, on_threads
@@ -42,8 +42,7 @@ from cnnsim.backends.slices import EXPONENTIALS, pieces
 from cnnsim.network import Boundary
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
-from cnnsim.operations.sequence import Sequence as Straight
-from cnnsim.operations.sequence import Stores
+from cnnsim.operations.routine import Routine, Stores
 from cnnsim.planning.plan import Plan
 from cnnsim.support import Array, InputError, Integers
 from cnnsim.support.compile_notice import announce
@@ -225,8 +224,8 @@ class CpuBackend(Backend):
         packed.count.for_work(plane.words.size // 64)(plane.words, totals)
         return totals if len(plane.shape) == 3 else int(totals[0])
 
-    def prepared(self, sequence: Straight) -> Callable[[Stores], Stores | None] | None:
-        return CompiledSequence(sequence, self.dtype) if math.prod(sequence.shape) <= MOST_CELLS else None
+    def prepared(self, routine: Routine) -> Callable[[Stores], Stores | None] | None:
+        return CompiledRoutine(routine, self.dtype) if math.prod(routine.shape) <= MOST_CELLS else None
 
 
 BACKEND = CpuBackend

@@ -8,7 +8,7 @@ import pytest
 
 from cnnsim import InputError, UniversalMachine, load_program
 from cnnsim.backends.base import Backend
-from cnnsim.operations.sequence import Sequence
+from cnnsim.operations.routine import Routine
 from tests.kits.program import load
 
 
@@ -63,7 +63,7 @@ class OneByOne:
     def __getattr__(self, name: str) -> Any:
         return getattr(self._backend, name)
 
-    def prepared(self, _sequence: Sequence) -> None:
+    def prepared(self, _routine: Routine) -> None:
         return None
 
 

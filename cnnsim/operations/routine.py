@@ -1,8 +1,8 @@
-"""Straight sequences of a machine's operations on numbered planes and registers, as its control unit would hold them.
+"""Routines: operations of the machine one after the other, on numbered planes and registers.
 
-The CNN universal machine keeps the words of its logic and the templates of a program in registers of its own (the
-global analogic programming unit), so that nobody outside has to say each step: Roska and Chua, IEEE Trans. CAS-II 40
-(1993) 163. A sequence is such a stretch of a program. Planes of either memory and registers have numbers of their own;
+The CNN universal machine keeps the templates, the logic and the steps of a program in registers of its own (its global
+analogic programming unit), so that nobody outside has to say each step: Roska and Chua, IEEE Trans. CAS-II 40
+(1993) 163. A routine is such a stretch of a program. Planes of either memory and registers have numbers of their own;
 none is written twice.
 """
 
@@ -60,7 +60,7 @@ class Stores(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Sequence:
+class Routine:
     """Instructions on planes of ``shape``: how many planes and registers they use, and the numbers of those that are
     given and of those that are results.
     """

@@ -1,4 +1,4 @@
-"""Sequences of operations on small grids, compiled into numbers: one loop goes through them, no call from Python each.
+"""Routines on small grids, compiled into numbers: one loop goes through them, no call from Python each.
 
 Each instruction calls the loop that it has when it comes alone, so its answer is the same bit for bit.
 """
@@ -16,7 +16,7 @@ from cnnsim.backends.cpu.jit.columns import tap_records, tap_type
 from cnnsim.backends.cpu.jit.compile import kernel
 from cnnsim.backends.cpu.neighbourhood import LITERAL, literals, neighbourhood
 from cnnsim.network import reach
-from cnnsim.operations.sequence import Op, Sequence, Stores
+from cnnsim.operations.routine import Op, Routine, Stores
 from cnnsim.support import Array
 
 MOST_CELLS = 4096
@@ -41,7 +41,7 @@ def go_through(
     """Do all instructions; return the number of one that comes to no finite or no safe number, `DONE` if none does.
 
     ``llm`` (planes, n, rows, words), ``lam`` (planes, n, rows, cols), ``wire`` (registers, n); the others as
-    `CompiledSequence` makes them.
+    `CompiledRoutine` makes them.
     """
     _, n, rows, cols = lam.shape
     one = lam.dtype.type(1)
@@ -105,28 +105,28 @@ def go_through(
     return DONE
 
 
-class CompiledSequence:
-    """A sequence as arrays of numbers, for one dtype; called with planes and registers it returns its results.
+class CompiledRoutine:
+    """A routine as arrays of numbers, for one dtype; called with planes and registers it returns its results.
 
     It returns None where an instruction comes to no finite number, or to one that may be too large for a register: done
     one by one they say so, or have room.
     """
 
-    def __init__(self, sequence: Sequence, dtype: np.dtype[Any]) -> None:
-        self._shape, self._dtype = sequence.shape, dtype
-        self._takes, self._results = sequence.given, sequence.results
+    def __init__(self, routine: Routine, dtype: np.dtype[Any]) -> None:
+        self._shape, self._dtype = routine.shape, dtype
+        self._takes, self._results = routine.given, routine.results
         self._rules, self._taps = [np.empty(0, LITERAL)], [np.empty(0, tap_type(dtype))]
         self._around: list[Array] = [np.empty(0, np.int64)]
         self._constants: list[Any] = []
-        rows = [self._row(*instruction) for instruction in sequence.instructions]
+        rows = [self._row(*instruction) for instruction in routine.instructions]
         self._given = (
             np.array(rows, np.int64), np.array(self._constants, dtype), np.concatenate(self._rules),
             np.concatenate(self._taps), np.concatenate(self._around),
         )  # fmt: skip
-        n, (height, width) = math.prod(sequence.shape[:-2]), sequence.shape[-2:]
-        self._llm = sequence.sizes.llm, n, height, -(-width // 64)
-        self._lam = sequence.sizes.lam, n, height, width
-        self._wire = sequence.sizes.wire, n
+        n, (height, width) = math.prod(routine.shape[:-2]), routine.shape[-2:]
+        self._llm = routine.sizes.llm, n, height, -(-width // 64)
+        self._lam = routine.sizes.lam, n, height, width
+        self._wire = routine.sizes.wire, n
 
     def __call__(self, given: Stores) -> Stores | None:
         """Return the planes and registers that are results."""
