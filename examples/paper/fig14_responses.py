@@ -57,7 +57,7 @@ def draw(pulls: tuple[Pull, ...], path: Path) -> None:
         degrees = np.rad2deg(made.direction)
         axes.set_title(f"{material}: {made.speed * 1e3:.1f} mm/s, {degrees:.0f}°", loc="left", fontsize=10)
         axes.set(ylabel="load [N]", xlim=(0, t[-1]))
-    panels[0, 0].legend(ncols=3, loc="upper right")
+    panels[0, 0].legend(ncols=3, loc="lower right", bbox_to_anchor=(1, 1), frameon=False)  # above the curves
     panels[-1, 0].set_xlabel("time [s]")
     drawn.savefig(path, dpi=110)
 

@@ -1,6 +1,8 @@
 """The skins that Figs. 7 and 8 are asked of: the paper's list of errors, one at a time and together."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Literal
 
 import numpy as np
@@ -29,13 +31,16 @@ FAR = (200e-6, 250e-6)
 """[m] Ring "far from the center"."""
 
 
+Feels = Literal["strain", "stress"]
+
+
 @dataclass(frozen=True)
 class Skin:
     """A cover with its taxel: the effects that act, and what the taxel feels."""
 
     name: str
     effects: Effects
-    feels: Literal["strain", "stress"] = "strain"
+    feels: Feels = "strain"
 
 
 def but(*left_out: str) -> Effects:
@@ -60,6 +65,24 @@ SKINS = (
 )
 
 
+THICK = (1, 1.5, 2, 3, 5)
+"""Covers so many depths of the taxels thick. The paper's taxels lie at the cover's bottom: 1."""
+FEELS: tuple[Feels, ...] = ("strain", "stress")
+
+
+def covered(times: float, feels: Feels = "strain") -> Skin:
+    """The skin without the taxel's area, its cover so many depths thick."""
+    cover = {"finite_thickness": FiniteThickness(times * DEPTH)}
+    return Skin(
+        f"{feels}, {times:g} z thick", tuple((name, cover.get(name, effect)) for name, effect in POINT.effects), feels
+    )
+
+
+def spoken(values: Sequence[float]) -> str:
+    """Numbers one after the other."""
+    return ", ".join(f"{value:g}" for value in values)
+
+
 @dataclass(frozen=True)
 class Trial:
     """A skin on the bench: beta_ns from its own centre line, the map with that, and the map with the mended depth.
@@ -80,6 +103,7 @@ class Trial:
     bend: float
 
 
+@cache
 def on_the_bench(skin: Skin, seed: int = 1) -> Trial:
     """Scan a skin as the paper does: the centre line for beta_ns, then parallel lines over the receptive field."""
     centre = scan(effects=skin.effects, feels=skin.feels, half=500e-6).readings[0]
@@ -98,3 +122,8 @@ def on_the_bench(skin: Skin, seed: int = 1) -> Trial:
     outer, out = np.abs(y - FAR[0]) < 1e-6, np.abs(located.places[..., 1])
     bend = float(np.median(out[outer & (x > 149e-6) & (x < 201e-6)]) / np.median(out[outer & (x < 26e-6)]))
     return Trial(beta, made, located, located.speed(made), depth, mended, float(np.median(needed)), bend)
+
+
+def betas(trials: Sequence[Trial]) -> str:
+    """The beta_ns of skins, one after the other."""
+    return ", ".join(f"{trial.beta:.2f}" for trial in trials)

@@ -1,5 +1,7 @@
 """Meshes of the bump: the half section and the whole one."""
 
+from functools import partial
+
 import numpy as np
 from skfem import MeshTri, MeshTri2
 
@@ -8,14 +10,15 @@ from tactile.bump.shape import Shape
 from tactile.bump.triangulate import triangulate
 
 
-def half_section(shape: Shape, fineness: float = 1.0, touching: bool = False) -> MeshTri2:
+def half_section(shape: Shape, fineness: float = 1.0, touching: bool = False, sensor: float | None = None) -> MeshTri2:
     """Triangles with curved sides on the half x >= 0 of the section: ``fineness`` 2 halves their edges."""
-    return curved(plane_mesh(shape, fineness, touching), shape)
+    return curved(plane_mesh(shape, fineness, touching, sensor), shape)
 
 
-def plane_mesh(shape: Shape, fineness: float = 1.0, touching: bool = False) -> MeshTri:
+def plane_mesh(shape: Shape, fineness: float = 1.0, touching: bool = False, sensor: float | None = None) -> MeshTri:
     """The same with straight sides."""
-    points, triangles = triangulate(shape.outline(), shape.inside, lambda at: shape.size(at, fineness, touching))
+    size = partial(shape.size, fineness=fineness, touching=touching, sensor=sensor)
+    points, triangles = triangulate(shape.outline(), shape.inside, size)
     # points along the arc are put on it exactly: the outline's polyline runs inside it by 1e-6
     x, z = points.T
     length = np.hypot(x, z)
@@ -24,9 +27,9 @@ def plane_mesh(shape: Shape, fineness: float = 1.0, touching: bool = False) -> M
     return MeshTri(np.ascontiguousarray(points.T), np.ascontiguousarray(triangles.T))
 
 
-def whole_section(shape: Shape, fineness: float = 1.0, touching: bool = False) -> MeshTri2:
+def whole_section(shape: Shape, fineness: float = 1.0, touching: bool = False, sensor: float | None = None) -> MeshTri2:
     """The half section and its mirror image: symmetric to the last bit, so that any cross-talk is the solver's."""
-    half = plane_mesh(shape, fineness, touching)
+    half = plane_mesh(shape, fineness, touching, sensor)
     count, p = half.p.shape[1], half.p
     off = np.flatnonzero(p[0] > 0)
     number = np.arange(count)

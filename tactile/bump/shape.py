@@ -77,10 +77,13 @@ class Shape:
         corner = (z < 0) & (z > -self.fillet) & (x > 0) & (x < self.foot + z)
         return np.asarray(body | cap | corner)
 
-    def size(self, points: Floats, fineness: float = 1.0, touching: bool = False) -> Floats:
+    def size(
+        self, points: Floats, fineness: float = 1.0, touching: bool = False, sensor: float | None = None
+    ) -> Floats:
         """Wanted edge length [m]: fine where stress peaks, at the contact's edge and in the corner of the bump.
 
-        With ``touching`` fine all along the arc that a plate may come to touch.
+        With ``touching`` fine all along the arc that a plate may come to touch; fine on the axis at the depth
+        ``sensor`` [m], where strains are read: what an element says of them is only as exact as it is small.
         """
         edge = np.array([self.contact, -np.sqrt(self.radius**2 - self.contact**2)])
         finest = 0.01 * self.radius
@@ -89,7 +92,12 @@ class Shape:
             edge, finest = self.radius * np.stack([np.sin(angle), -np.cos(angle)], axis=-1), 0.025 * self.radius
         foot = np.array([self.foot, 0.0])
         near = np.linalg.norm(points - edge, axis=-1), np.linalg.norm(points - foot, axis=-1)
-        wanted = np.minimum(finest + 0.2 * near[0], 0.05 * self.radius + 0.2 * near[1])
+        corner = 0.05 * self.radius
+        if sensor is not None:  # where the glued top and the fillet end, stress has no bound: else it spoils all
+            finest, corner = (0.0005 * self.radius, 0.005 * self.radius) if not touching else (finest, corner)
+        wanted = np.minimum(finest + 0.2 * near[0], corner + 0.2 * near[1])
+        if sensor is not None:
+            wanted = np.minimum(wanted, 0.05 * self.radius + 0.2 * np.linalg.norm(points - (0.0, sensor), axis=-1))
         return np.asarray(np.minimum(wanted, self.thickness / 4) / fineness)
 
     def curved(self, points: Floats) -> Flags:

@@ -11,6 +11,9 @@ from tactile.bump.finite import balance
 from tactile.bump.plate import plate_constraint
 from tactile.bump.shape import Shape
 
+PULL = 1e-6
+"""Share of the largest force on a node by which the plate must pull to let go: rounding is no pull."""
+
 
 @dataclass(frozen=True)
 class Touch:
@@ -26,8 +29,8 @@ class Touch:
 def lower(body: Body, shape: Shape, indentations: Iterable[float], finite: bool) -> Iterator[Touch]:
     """A rigid flat plate lowered step by step on the top of a body under a ``press``.
 
-    Whatever of the arc comes to lie on or above the plate's plane sticks to it where it arrived (infinite friction),
-    and stays: the contact grows by whole nodes.
+    Whatever of the arc comes to lie on or above the plate's plane sticks to it where it arrived (infinite friction);
+    at its edge it comes off again where the plate would have to pull: the contact grows and shrinks by whole nodes.
 
     Arguments: ``indentations`` [m], growing; ``finite``: strains of any size, else the small-strain body.
 
@@ -47,6 +50,7 @@ def lower(body: Body, shape: Shape, indentations: Iterable[float], finite: bool)
         about = linear if linear is not None else body.stiffness(*body.at_points(state))
         offset = -body.forces(state) if finite else np.zeros(body.size)
         certain = False  # whether the state tried is the balance, or its linear estimate
+        released, kept = np.zeros_like(sticking), np.zeros_like(sticking)
         while True:
             fixed, values = nodes.prescribed(sticking, anchor, lowered)
             if certain:
@@ -68,10 +72,15 @@ def lower(body: Body, shape: Shape, indentations: Iterable[float], finite: bool)
                 share = np.clip(before / np.where(over, before - after, 1), 0, 1)
                 anchor[over] = (state[nodes.side] + share * (tried[nodes.side] - state[nodes.side]))[over]
                 sticking |= over
-            elif certain or not finite:
-                break
-            else:
+                kept |= over & released  # it came off, and into the plate: what pulls there is the mesh's
+            elif finite and not certain:
                 certain = True
+            else:
+                forces = (body.forces(tried) if linear is None else linear @ tried)[nodes.down]
+                edge = nodes.outermost(sticking & ~kept)
+                if edge is None or forces[edge] >= -PULL * np.abs(forces).max():
+                    break
+                sticking[edge], released[edge] = False, True
         state, reached = tried, wanted
         forces = body.forces(state) if linear is None else linear @ state
         yield Touch(wanted, float(nodes.x[sticking].max()), float(forces[nodes.down[sticking]].sum()), state)
@@ -92,6 +101,11 @@ class _Nodes:
         self.on_axis = self.x <= 1e-9 * shape.radius
         on_plate = np.concatenate([self.side, self.down])
         self._base: Integers = np.setdiff1d(plate_constraint(body, shape, "press", contact=0.0).fixed, on_plate)
+
+    def outermost(self, sticking: Flags) -> int | None:
+        """The node farthest out of those that stick, None where only the axis does."""
+        some = sticking & ~self.on_axis
+        return int(np.where(some, self.x, -1.0).argmax()) if some.any() else None
 
     def prescribed(self, sticking: Flags, anchor: Floats, lowered: Floats) -> tuple[Integers, Floats]:
         """The prescribed unknowns and their values, where some nodes stick to a plate at ``lowered`` above them."""

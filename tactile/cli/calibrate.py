@@ -19,8 +19,8 @@ from tactile.core.source import Source
     epilog=examples(
         "tactile calibrate scan.csv --speed-mm-s 0.5 --load-n 0.02 -o skin.toml",
         "tactile run grasp.csv --calibration skin.toml",
-        "tactile calibrate pad.mcap --tare 100 --weights weights.csv -o pad.toml",
-        "tactile calibrate pad.mcap --tare 100 --weights weights.csv --fit gains --json",
+        "tactile calibrate pad.npz --tare 100 --weights weights.csv -o pad.toml",
+        "tactile calibrate pad.npz --tare 100 --weights weights.csv --fit gains --json",
     )
 )
 @click.argument("scan", type=click.Path(path_type=Path))

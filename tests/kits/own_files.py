@@ -8,7 +8,10 @@ import numpy as np
 
 from cnnsim import write_picture
 from cnnsim.support.pictures.film import write_film
+from tactile.core.frame import Frame, TaxelArray
+from tactile.core.source import FrameStream
 from tactile.sources.convert import convert
+from tactile.sources.replay_npz import write_npz
 from tests.kits.example_files import RECORDING, SCENE, scan
 from tests.kits.formats import HOLE
 from tests.kits.paths import ROOT, SCENES
@@ -85,5 +88,18 @@ def write_own_files(folder: Path) -> None:
     (folder / "scene.toml").write_bytes(SCENE.read_bytes())
     (folder / "slides").mkdir()
     write_slides(folder / "slides" / "slides.npz", slides(3, ("screw", "rasp", "smooth wood"), 300))
+    write_weights(folder)
     for name in ("scan.csv", "scan.npz", "grasp.csv"):
         convert(SCENES / "needle.toml", folder / name)
+
+
+def write_weights(folder: Path) -> None:
+    """Write pad.npz, 20 weights one after the other on four taxels of force, and weights.csv: when they lay there."""
+    random, pad = np.random.default_rng(1), TaxelArray("pad", 2, 2, 4e-3, 0.0, quantity="force")
+    shares = np.concatenate([np.zeros((100, 4)), np.repeat(random.dirichlet(np.ones(4), 20), 20, axis=0)])
+    pull = np.repeat(np.vstack([np.zeros((5, 3)), random.uniform(0.2, 1, (20, 3))]), 20, axis=0)
+    values = (shares[:, :, None] * pull[:, None]).reshape(-1, 2, 2, 3) + random.normal(size=(500, 2, 2, 3)) * 1e-4
+    frames = [Frame(0, n / 100, n, one, np.ones((2, 2), bool)) for n, one in enumerate(values)]
+    write_npz(folder / "pad.npz", FrameStream("pad", (pad,), None, len(frames), frames))
+    rows = [f"{1 + 0.2 * k},{1.19 + 0.2 * k},{q},{r},{f}" for k, (q, r, f) in enumerate(pull[100::20].tolist())]
+    (folder / "weights.csv").write_text("\n".join(["from_s,to_s,q_n,r_n,f_n", *rows]) + "\n", encoding="utf-8")

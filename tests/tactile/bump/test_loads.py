@@ -195,3 +195,18 @@ def _half() -> tuple[Body, Shape]:
 def test_wrong_shapes_are_refused(make: Callable[[], Shape], message: str) -> None:
     with pytest.raises(InputError, match=message):
         make()
+
+
+@pytest.mark.parametrize("finite", [False, True])
+def test_a_contact_that_grows_lets_go_where_it_would_pull(finite: bool) -> None:
+    """So it is the same in two steps as in ten, and no node of it hangs on the plate."""
+    body, shape = _half()
+    ends = []
+    for steps in (2, 10):
+        *_, last = lower(body, shape, np.linspace(0, 5e-5, steps + 1)[1:], finite)
+        forces = body.forces(last.state) if finite else body.stiffness(*body.rest()) @ last.state
+        arc = shape.curved(np.abs(body.place.T) * (1, -1)) & (body.component == 1)
+        assert forces[arc].min() > -1e-9 * forces[arc].max()
+        ends.append((last.contact, last.force))
+    assert ends[0][0] == ends[1][0]
+    assert ends[0][1] == pytest.approx(ends[1][1], rel=5e-3)
