@@ -35,6 +35,7 @@ WHOLE = {
     "steep": "the fall is steep, at 0.6 of the steepest of late", "large": "the load is above 0.2 of the held one",
     "unsteady": "the load is away from its mean of 100 ms (3 %)",
     "sheared": "shear changes by more than about half of what the pressing does",
+    "yielding": "the pull grows no more, at less than 0.23 of its fastest of late",
     "driven": "the whole shear changes (0.4 % of the load, or 6 sigma, within about 0.2 s)",
     "travelling": "the located load travels over the skin: 50 um, or 6 sigma, within 0.25 s",
 }  # fmt: skip

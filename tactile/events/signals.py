@@ -20,9 +20,11 @@ KEPT = 12
 """Numbers that `signals_numba.step` keeps."""
 DRAWN = 9.0
 """An unexplained change of shear counts from so many sigma of it; it is tried on every taxel in every frame."""
+TAUS = (0.003, 0.005, 0.008, 0.012, 0.02, 0.035, 0.06)
+"""[s] Time constants of the growth of the pull; the shortest that noise allows is looked at."""
 PLANES = ("shear_x", "shear_y", "pressing", "drawn_x", "drawn_y", "share", "firmness")
-LEVELS = ("loaded", "rising", "falling", "steep", "large", "unsteady", "sheared", "driven", "dropping")
-
+LEVELS = ("loaded", "rising", "falling", "steep", "large", "unsteady", "sheared", "driven", "dropping", "yielding")
+RISING = LEVELS.index("rising")
 
 ALWAYS = np.ones((1, 1), bool)
 ONE = Levels(np.full((1, 1, 3), 0.01), np.full((1, 1, 3), 0.015))
@@ -30,7 +32,7 @@ ONE = Levels(np.full((1, 1, 3), 0.01), np.full((1, 1, 3), 0.015))
 
 
 class Signals:
-    """Seven planes and nine numbers of one finger, renewed with every frame.
+    """Seven planes and ten numbers of one finger, renewed with every frame.
 
     Planes (rows, cols), binary scale (1/6 where a comparator goes off, 1/4 where it goes on):
     ``shear_x``, ``shear_y``, ``pressing``: the reading over the taxel's own levels; of shear, levels of at least 2 %
@@ -47,7 +49,9 @@ class Signals:
     load); ``steep`` this fall over the steepest of late (off below 0.4); ``large`` F over the held load (off below
     0.15); ``unsteady`` F away from its mean of 100 ms (3 %); ``sheared`` whether shear changes by more than about half
     of what the pressing does (sums of squares over the taxels, 0.3); ``driven`` change of the whole shear (mean of 10
-    ms less that of 200 ms) against 6 sigma and 0.4 % of F; ``dropping`` a fall of 4 %, as of a finger that opens.
+    ms less that of 200 ms) against 6 sigma and 0.4 % of F; ``dropping`` a fall of 4 %, as of a finger that opens;
+    ``yielding`` the growth of Q/F against its fastest of the last 0.5 s (on below 0.23, off above 0.35): a contact that
+    slides as a whole follows no further.
 
     In strain the pressing of a point load sums to 0 over the plane, so F is the sum of the pressed taxels alone.
     """
@@ -61,18 +65,23 @@ class Signals:
         self._taps = np.array([FAST, SLOW, *LOAD])
         self._t: float | None = None
         self._interval = FAST
-        self._drawn, self._quiet = np.zeros(shape), np.zeros((2, *shape))
+        self._drawn, self._quiet = np.zeros(shape), np.zeros((3, *shape))
+        self._counts = np.ones(shape, bool)
+        self._taus, self._growth = np.array(TAUS), np.zeros(2 * len(TAUS) + 1)
+        self._shares = quantity == "force" and self._counts.size > 1  # where loads are located, a slip is a travel
         self._one = np.zeros((1, 1, 3))
 
     def set_noise(self, noise: Noise | None, levels: Levels) -> None:
         """Take the noise: what is left of it after the means, and from where on a change is one."""
+        if noise is not None:
+            self._counts = ~noise.left_out
         if noise is None or not noise.sigma.any():
             self._quiet[:] = 0
             self._drawn = levels.on[..., :2].max(axis=-1)
             return
         keep = 1 - np.exp(-self._interval / max(FAST, 2 * self._interval))
         left = np.sqrt(noise.jitter**2 * keep / (2 - keep) + noise.slow**2)
-        self._quiet = np.stack([left[..., :2].max(axis=-1), left[..., 2]])
+        self._quiet = np.stack([left[..., :2].max(axis=-1), left[..., 2], noise.jitter[..., :2].max(axis=-1)])
         self._drawn = DRAWN * self._quiet[0]
 
     def update(self, frame: Frame, use: Flags, levels: Levels) -> None:
@@ -86,9 +95,16 @@ class Signals:
         self._interval += 0.05 * (dt - self._interval)
         self._t = t
         step(
-            values, use, self._inward, self._rectify, dt, levels.off, levels.on, self._drawn, self._quiet[0],
-            self._quiet[1], self._fast, self._slow, self._scalars, self._taps, self.planes, self.levels,
+            values, use, self._counts, self._inward, self._rectify, dt, levels.off, levels.on, self._drawn,
+            self._quiet[0], self._quiet[1], self._fast, self._slow, self._scalars, self._taps, self.planes, self.levels,
         )  # fmt: skip
+        if self._shares:
+            from tactile.events.sliding_numba import slide  # the same
+
+            slide(
+                values, self._fast, use, self._quiet[2], self._quiet[0], self._quiet[1], dt, self._interval,
+                self._taus, self._growth, self.levels[RISING] > 0.25, self.planes, self.levels,
+            )  # fmt: skip
         self.force = float(self._scalars[0])
 
     @property

@@ -37,12 +37,14 @@ def quiet(planes, sources, factors, low, high):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def step(  # type: ignore[no-untyped-def]  # typed at the call
-    values, use, inward, rectify, dt, off, on, drawn_on, noise_q, noise_n, fast, slow, scalars, taps, planes, levels
+    values, use, counts, inward, rectify, dt, off, on, drawn_on, noise_q, noise_n, fast, slow, scalars, taps, planes,
+    levels
 ):
-    """Take one frame (rows, cols, 3); write ``planes`` (7, rows, cols) and ``levels`` (9,), all in CNN values.
+    """Take one frame (rows, cols, 3); write ``planes`` (7, rows, cols) and ``levels`` (10,), all in CNN values, but for
+    the share and whether it yields.
 
-    ``use`` (rows, cols); ``off``, ``on`` (rows, cols, 3) thresholds; ``drawn_on`` (rows, cols) of an unexplained
-    change of shear; ``noise_q``, ``noise_n`` of shear and normal after 10 ms; ``taps`` the nine time constants [s];
+    ``use`` (rows, cols) which read, ``counts`` which are not left out; ``off``, ``on`` (rows, cols, 3) thresholds;
+    ``drawn_on`` (rows, cols) of an unexplained change of shear; ``noise_q``, ``noise_n`` of shear and normal after 10 ms; ``taps`` the nine time constants [s];
     ``fast``, ``slow`` (rows, cols, 3) and ``scalars`` are kept from frame to frame: F after 4, 15 and 100 ms, the held
     load, the steepest fall, Q and R after 10 ms, frames seen, the changes
     of shear and of pressing, the largest unrest of late.
@@ -53,12 +55,12 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     # while the load changes the slow mean has to keep up: what was before says nothing of what is drawn now
     a_slow = 1 - math.exp(-dt / (taps[8] if scalars[10] > 1 and not sheared else taps[1]))
     first = scalars[7] == 0
-    force = q = r = q_slow = r_slow = most = press_noise = shear_noise = squares = 0.0
+    force = q = r = q_slow = r_slow = press_noise = shear_noise = squares = 0.0
     for i in range(rows):
         for j in range(cols):
             for k in range(3):
                 value = values[i, j, k] * (inward if k == 2 else 1.0)
-                if not math.isfinite(value):
+                if not (use[i, j] and math.isfinite(value)):
                     value = fast[i, j, k]
                 if first:
                     fast[i, j, k] = slow[i, j, k] = value
@@ -69,7 +71,8 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
                 low = max(off[i, j, k], extra)
                 planes[k, i, j] = binary(value, low, low + max(on[i, j, k] - off[i, j, k], extra)) if use[i, j] else 0.0
                 if k == 2:
-                    force += max(value, 0.0) if rectify else value
+                    if counts[i, j]:  # one that does not read just now is taken for what it read last
+                        force += max(value, 0.0) if rectify else value
             low, high = off[i, j, 2], on[i, j, 2]
             firm = max(binary(slow[i, j, 2], 3 * low, 3 * high), binary(fast[i, j, 2], 5 * low, 5 * high))
             planes[6, i, j] = firm if use[i, j] else 0.0
@@ -79,9 +82,9 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
                 q_slow += slow[i, j, 0]
                 r_slow += slow[i, j, 1]
                 shear_noise += noise_q[i, j] ** 2
-                most = max(most, fast[i, j, 2])
                 squares += fast[i, j, 2] ** 2
-            press_noise += noise_n[i, j] ** 2
+            if counts[i, j]:
+                press_noise += noise_n[i, j] ** 2
     f4, f15, f100, held, steepest, seen = scalars[0], scalars[1], scalars[2], scalars[3], scalars[4], scalars[7]
     if first:
         f4 = f15 = f100 = held = force
@@ -107,8 +110,6 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     least = max(6 * math.sqrt(shear_noise), 0.004 * max(f100, 0.0), 1e-12)
     levels[7] = binary(driven, least / 1.5, least)
     levels[8] = binary(fall, 0.027 * top + noise / 3, 0.04 * top + noise / 2)
-    shear = math.hypot(q, r)
-    ratio = shear / f4 if f4 > noise else 0.0
     moved = pressed = 0.0
     typical = squares / f100 if f100 > 0 else 0.0  # pressing of a taxel, weighted by itself
     for i in range(rows):
@@ -125,14 +126,6 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
                     moved += change * change
             if use[i, j]:
                 pressed += change_n * change_n
-            planes[5, i, j] = 0.0
-            press = fast[i, j, 2]
-            if use[i, j] and ratio > 0 and press > 0.25 * most:
-                doubt = math.hypot(noise_q[i, j], ratio * noise_n[i, j]) / (ratio * press)
-                if doubt < 0.12:  # the share is known well enough to be asked for
-                    share = (fast[i, j, 0] * q + fast[i, j, 1] * r) / (shear * press * ratio)
-                    # stuck is -1/4 and below, full 1/4 and above
-                    planes[5, i, j] = max(-1.0, min(1.0, 0.25 + (share - 0.93) / 0.2))
     calm = 1 - math.exp(-dt / taps[7])
     scalars[8] += calm * (moved - scalars[8])
     scalars[9] += calm * (pressed - scalars[9])
