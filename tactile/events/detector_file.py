@@ -15,7 +15,7 @@ from cnnsim.support import naming
 from cnnsim.support.toml_file import check_keys, read_toml, take, take_tables
 from tactile.events.planes import NAMES
 
-EVENT_KEYS = ("kind", "when", "words", "taxels", "direction", "sense", "confirm_ms", "release_ms")
+EVENT_KEYS = ("kind", "when", "words", "taxels", "direction", "sense", "confirm_ms", "release_ms", "lag_ms")
 OF_THE_DATA = ("direction", "sense", "taxels", "of_taxels", "force_n", "shear_n", "length_mm")
 """What the words of an event may name in braces."""
 OF_LOAD = "load"
@@ -31,7 +31,8 @@ class EventRule:
     ``when``: the plane (any cell black) or register (not 0) that is on while it lasts; ``taxels``: the plane of the
     taxels concerned; ``direction``: four planes or registers for +x, -x, +y, -y, of which the larger ones give it, or
     ``along_load``: that of the whole tangential load; ``sense``: two, clockwise and anticlockwise as seen in the
-    picture; it begins once it was on for ``confirm`` [s] and ends once it was off for ``release`` [s].
+    picture; it begins once it was on for ``confirm`` [s] and ends once it was off for ``release`` [s]; ``lag`` [s] is
+    what its planes come late by, which is taken off the onset.
     """
 
     kind: str
@@ -43,6 +44,7 @@ class EventRule:
     confirm: float = 0.0
     release: float = 0.0
     along_load: bool = False
+    lag: float = 0.0
 
     @property
     def outputs(self) -> set[str]:
@@ -138,13 +140,13 @@ def _rule(table: dict[str, Any], where: str) -> EventRule:
         if len(names) not in (0, count) or not all(isinstance(name, str) for name in names):
             raise InputError(f"{where}: {key} = {names!r}; {count} names of outputs wanted")
         lists[key] = tuple(names)
-    times = {key: take(table, key, float, where, 0.0) * 1e-3 for key in ("confirm_ms", "release_ms")}
+    times = {key: take(table, key, float, where, 0.0) * 1e-3 for key in ("confirm_ms", "release_ms", "lag_ms")}
     if min(times.values()) < 0:
-        raise InputError(f"{where}: confirm_ms, release_ms of {times}; numbers from 0 wanted")
+        raise InputError(f"{where}: confirm_ms, release_ms, lag_ms of {times}; numbers from 0 wanted")
     taxels = take(table, "taxels", str, where) if "taxels" in table else None
     return EventRule(
         kind, take(table, "when", str, where), words, taxels, lists["direction"], lists["sense"],
-        times["confirm_ms"], times["release_ms"], along,
+        times["confirm_ms"], times["release_ms"], along, times["lag_ms"],
     )  # fmt: skip
 
 

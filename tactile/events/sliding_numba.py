@@ -6,15 +6,22 @@ from numba import njit
 
 from tactile.events.signals_numba import binary
 
-BORNE = 0.1
-"""Taxels that bear less than this part of what the most pressed one does are not asked."""
+BORNE = 0.2
+"""Taxels that bear less than this part of what the most pressed one does count by how much of it they bear."""
+KNOWN = 0.12
+"""Largest sigma of a share that is asked for."""
+ALONE = 0.04
+"""A share less well known is that of the 3 x 3 taxels around."""
+FULL, STUCK, SIGMAS = 0.05, 0.12, 3.0
+"""A share is full at less than so much below 1, and sticks at more, or at so many sigma; full at half as many."""
+POW = 1
 MEMORY = 0.5
 """[s] over which the fastest growth is remembered."""
 SURE = 6.0
 """Growth counts from so many sigma on."""
-CLEAR = 0.07
+CLEAR = 0.08
 """Noise of the growth over the fastest one, at most: a third of what it is compared with."""
-YIELDS, GOES_ON = 0.23, 0.35
+YIELDS, GOES_ON = 0.3, 0.45
 """The pull yields where it grows by less than this part of the fastest, until it grows by more than that."""
 
 
@@ -29,47 +36,74 @@ def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, 
     time constant, and its fastest growth of late [1/s].
     """
     rows, cols = use.shape
-    count = len(taus)
-    most = force = q = r = q_now = r_now = 0.0
-    for i in range(rows):
-        for j in range(cols):
-            if use[i, j]:
-                most = max(most, fast[i, j, 2])
-    noise = 0.0
-    whole = 0.0
+    most = force = q = r = q_now = r_now = whole = noise = fw = 0.0
     for i in range(rows):
         for j in range(cols):
             planes[5, i, j] = 0.0
             if use[i, j]:
+                most = max(most, fast[i, j, 2])
                 whole += noise_n[i, j] ** 2
-                if fast[i, j, 2] > BORNE * most:
-                    force += fast[i, j, 2]
-                    q += fast[i, j, 0]
-                    r += fast[i, j, 1]
-                    q_now += values[i, j, 0]
-                    r_now += values[i, j, 1]
-                    noise += sigma[i, j] ** 2
+    for i in range(rows):
+        for j in range(cols):
+            if use[i, j] and fast[i, j, 2] > 0:
+                weight = min(fast[i, j, 2] / (BORNE * most), 1.0)
+                force += weight * fast[i, j, 2]
+                q += weight * fast[i, j, 0]
+                r += weight * fast[i, j, 1]
+                weight = (fast[i, j, 2] / most)**POW
+                fw += weight * fast[i, j, 2]
+                q_now += weight * values[i, j, 0]
+                r_now += weight * values[i, j, 1]
+                noise += (weight * sigma[i, j]) ** 2
     levels[9] = 0.0
     shear = math.hypot(q, r)
     if not (force > 3 * math.sqrt(whole) and shear > 0 and math.isfinite(q_now + r_now)):
         kept[:] = 0.0
         return
     ratio = shear / force
+    x, y = q / shear, r / shear
+    above = below = 0.0
     for i in range(rows):
         for j in range(cols):
+            if use[i, j] and fast[i, j, 2] > BORNE * most:
+                along = fast[i, j, 0] * x + fast[i, j, 1] * y
+                if along > ratio * fast[i, j, 2]:
+                    above += along
+                    below += fast[i, j, 2]
+    rim = max(above / below, ratio) if below > 0 else ratio
+    for i in range(rows):
+        for j in range(cols):
+            if not use[i, j] or not fast[i, j, 2] > BORNE * most:
+                continue
             press = fast[i, j, 2]
-            if use[i, j] and press > BORNE * most:
-                doubt = math.hypot(noise_q[i, j], ratio * noise_n[i, j]) / (ratio * press)
-                if doubt < 0.12:  # the share is known well enough to be asked for
-                    share = (fast[i, j, 0] * q + fast[i, j, 1] * r) / (shear * press * ratio)
-                    # stuck is -1/4 and below, full 1/4 and above
-                    planes[5, i, j] = max(-1.0, min(1.0, 0.25 + (share - 0.93) / 0.2))
-    now = (q_now * q + r_now * r) / (shear * force)
+            along = fast[i, j, 0] * x + fast[i, j, 1] * y
+            doubt = math.hypot(noise_q[i, j], rim * noise_n[i, j]) / (rim * press)
+            if doubt > ALONE:
+                press = along = spread = 0.0
+                for k in range(max(i - 1, 0), min(i + 2, rows)):
+                    for m in range(max(j - 1, 0), min(j + 2, cols)):
+                        if use[k, m]:
+                            press += fast[k, m, 2]
+                            along += fast[k, m, 0] * x + fast[k, m, 1] * y
+                            spread += noise_q[k, m] ** 2 + (rim * noise_n[k, m]) ** 2
+                doubt = math.sqrt(spread) / (rim * press) if press > 0 else 1.0
+            if doubt < KNOWN:  # the share is known well enough to be asked for
+                lack = 1 - along / (rim * press)
+                full, stuck = max(FULL, SIGMAS / 2 * doubt), max(STUCK, SIGMAS * doubt)
+                # stuck is -1/4 and below, full 1/4 and above
+                planes[5, i, j] = max(-1.0, min(1.0, 0.25 - 0.5 * (lack - full) / (stuck - full)))
+    now = (q_now * x + r_now * y) / fw
+    _grow(now, math.sqrt(noise) / fw, dt, interval, taus, kept, rising, levels)
+
+
+@njit(cache=True, error_model="numpy")
+def _grow(now, noise, dt, interval, taus, kept, rising, levels):  # type: ignore[no-untyped-def]
+    """Follow the growth of the ratio ``now`` of shear to normal load, whose white noise is ``noise``."""
+    count = len(taus)
     if rising:  # how shear grows while a grip closes says nothing of a pull
         kept[: 2 * count] = now
         kept[2 * count] = 0.0
         return
-    noise = math.sqrt(noise) / force
     fastest = kept[2 * count] * math.exp(-dt / MEMORY)
     for k in range(count):
         tau = max(taus[k], interval)
