@@ -20,8 +20,8 @@ CELLS: tuple[tuple[str, str, float, str], ...] = (
     ("drawn_left", "drawn_x", -1, "the same to the left"),
     ("drawn_down", "drawn_y", 1, "the same downwards"),
     ("drawn_up", "drawn_y", -1, "the same upwards"),
-    ("full", "share", 1, "carries as much shear for its pressing as the whole contact: slides if all do"),
-    ("stuck", "share", -1, "carries at most 0.83 of that: sticks"),
+    ("full", "share", 1, "carries as much shear for its pressing as the rim of the contact (0.9): slides if all do"),
+    ("stuck", "share", -1, "carries at most 0.82 of that: sticks"),
 )
 """Logic planes: name, the analog plane that a comparator watches, times what, and the meaning where black."""
 CODE = {
@@ -35,7 +35,8 @@ WHOLE = {
     "steep": "the fall is steep, at 0.6 of the steepest of late", "large": "the load is above 0.2 of the held one",
     "unsteady": "the load is away from its mean of 100 ms (3 %)",
     "sheared": "shear changes by more than about half of what the pressing does",
-    "yielding": "the pull grows no more, at less than 0.23 of its fastest of late",
+    "yielding": "the pull grows no more, at less than 0.3 of its fastest of late",
+    "sticking": "taxels that stick bear more than 15 % of the load",
     "driven": "the whole shear changes (0.4 % of the load, or 6 sigma, within about 0.2 s)",
     "travelling": "the located load travels over the skin: 50 um, or 6 sigma, within 0.25 s",
 }  # fmt: skip
@@ -45,7 +46,7 @@ GREY = {
     "shear_y": "the same", "pressing": "the same of the normal component, positive when pressed",
     "drawn_x": "unexplained change of shear, mean of 10 ms less that of 200 ms, in the same scale",
     "drawn_y": "the same",
-    "share": "share of the shear over share of the pressing: 1/4 from 0.93 on, -1/4 from 0.83 down, 0 unknown",
+    "share": "share of the shear over share of the pressing: 1/4 from 0.9 on, -1/4 from 0.82 down, 0 unknown",
     "firmness": "mean of 200 ms (80 if unsteady) over three times the levels of pressing, or of 10 ms over five",
     "shear_x_full": "shear over full scale: 10 N, strain 0.1 or 200 kPa a taxel, whatever the levels",
     "shear_y_full": "the same", "normal_full": "the same of the normal component, positive when pressed",

@@ -23,7 +23,7 @@ DRAWN = 9.0
 TAUS = (0.003, 0.005, 0.008, 0.012, 0.02, 0.035, 0.06)
 """[s] Time constants of the growth of the pull; the shortest that noise allows is looked at."""
 PLANES = ("shear_x", "shear_y", "pressing", "drawn_x", "drawn_y", "share", "firmness")
-LEVELS = ("loaded", "rising", "falling", "steep", "large", "unsteady", "sheared", "driven", "dropping", "yielding")
+LEVELS = ("loaded", "rising", "falling", "steep", "large", "unsteady", "sheared", "driven", "dropping", "yielding", "sticking")
 RISING = LEVELS.index("rising")
 
 ALWAYS = np.ones((1, 1), bool)
@@ -32,7 +32,7 @@ ONE = Levels(np.full((1, 1, 3), 0.01), np.full((1, 1, 3), 0.015))
 
 
 class Signals:
-    """Seven planes and ten numbers of one finger, renewed with every frame.
+    """Seven planes and eleven numbers of one finger, renewed with every frame.
 
     Planes (rows, cols), binary scale (1/6 where a comparator goes off, 1/4 where it goes on):
     ``shear_x``, ``shear_y``, ``pressing``: the reading over the taxel's own levels; of shear, levels of at least 2 %
@@ -40,8 +40,9 @@ class Signals:
     not explain, ds - (s/n) dn, with d the mean of 10 ms (two frames at least) less that of 200 ms (80 while the load
     is unsteady), and ds alone where shear is most of what changes; on from 9 sigma and from 1.6 % of what a taxel
     typically bears.
-    ``share``: a taxel's part of the shear over its part of the pressing, (q.Q / |Q|^2) / (n / F): the same number for
-    all where all slide. 1/4 from 0.93 on, -1/4 from 0.83 down, 0 where noise leaves it open. ``firmness``: the slow
+    ``share``: a taxel's shear along the whole one over its pressing, over the same of the rim (of those above the mean):
+    the same number for all where all slide. 1/4 from 0.9 on, -1/4 from 0.82 down (or 1.5 and 3 sigma), of the 3 x 3
+    neighbourhood where sigma is above 0.04, 0 where noise leaves that open, too. ``firmness``: the slow
     mean of pressing over three times its levels, or the fast one over five times.
 
     Numbers, of the whole normal load F (sum over the taxels), binary scale: ``loaded`` F against its noise; ``rising``
@@ -50,8 +51,9 @@ class Signals:
     0.15); ``unsteady`` F away from its mean of 100 ms (3 %); ``sheared`` whether shear changes by more than about half
     of what the pressing does (sums of squares over the taxels, 0.3); ``driven`` change of the whole shear (mean of 10
     ms less that of 200 ms) against 6 sigma and 0.4 % of F; ``dropping`` a fall of 4 %, as of a finger that opens;
-    ``yielding`` the growth of Q/F against its fastest of the last 0.5 s (on below 0.23, off above 0.35): a contact that
-    slides as a whole follows no further.
+    ``yielding`` the growth of Q/F against its fastest of the last 0.5 s (on below 0.3, off above 0.45): a contact that
+    slides as a whole follows no further; ``sticking`` the part of F that taxels bear which stick (on above 0.15, off
+    below 0.1).
 
     In strain the pressing of a point load sums to 0 over the plane, so F is the sum of the pressed taxels alone.
     """
@@ -67,7 +69,7 @@ class Signals:
         self._interval = FAST
         self._drawn, self._quiet = np.zeros(shape), np.zeros((3, *shape))
         self._counts = np.ones(shape, bool)
-        self._taus, self._growth = np.array(TAUS), np.zeros(2 * len(TAUS) + 1)
+        self._taus, self._growth = np.array(TAUS), np.zeros(2 * len(TAUS) + 2)
         self._shares = quantity == "force" and self._counts.size > 1  # where loads are located, a slip is a travel
         self._one = np.zeros((1, 1, 3))
 

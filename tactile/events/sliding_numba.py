@@ -12,15 +12,20 @@ KNOWN = 0.12
 """Largest sigma of a share that is asked for."""
 ALONE = 0.04
 """A share less well known is that of the 3 x 3 taxels around."""
-FULL, STUCK, SIGMAS = 0.05, 0.12, 3.0
+FULL, STUCK, SIGMAS = 0.1, 0.18, 3.0
 """A share is full at less than so much below 1, and sticks at more, or at so many sigma; full at half as many."""
-POW = 1
+LITTLE, MUCH = 0.1, 0.15
+"""Parts of the load: a contact sticks where taxels that stick bear so much, until they bear less than so little."""
 MEMORY = 0.5
 """[s] over which the fastest growth is remembered."""
 SURE = 6.0
 """Growth counts from so many sigma on."""
 CLEAR = 0.08
 """Noise of the growth over the fastest one, at most: a third of what it is compared with."""
+GROWN = 0.1
+"""Part of the present ratio by which it must have grown, above its least of late ..."""
+LATE = 2.0
+"""... which is forgotten with this time constant [s]."""
 YIELDS, GOES_ON = 0.3, 0.45
 """The pull yields where it grows by less than this part of the fastest, until it grows by more than that."""
 
@@ -28,12 +33,12 @@ YIELDS, GOES_ON = 0.3, 0.45
 @njit(cache=True, error_model="numpy")
 def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, rising, planes, levels):  # type: ignore[no-untyped-def]
     """Take one frame (rows, cols, 3) and its means ``fast``; write the share (rows, cols) into ``planes`` and whether
-    the pull yields into ``levels``, in CNN values.
+    the pull yields and whether the contact sticks into ``levels``, in CNN values.
 
     ``sigma`` (rows, cols) of shear from frame to frame, ``noise_q``, ``noise_n`` of shear and normal after the mean;
     ``taus`` (n,) [s] time constants tried, at least the ``interval`` of the frames; ``rising``: the load still rises.
-    ``kept`` (2 n + 1,): the ratio of the whole shear to the whole normal load after one mean and after two of each
-    time constant, and its fastest growth of late [1/s].
+    ``kept`` (2 n + 2,): the ratio of the whole shear to the whole normal load after one mean and after two of each
+    time constant, its fastest growth of late [1/s], and its least of late.
     """
     rows, cols = use.shape
     most = force = q = r = q_now = r_now = whole = noise = fw = 0.0
@@ -50,12 +55,12 @@ def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, 
                 force += weight * fast[i, j, 2]
                 q += weight * fast[i, j, 0]
                 r += weight * fast[i, j, 1]
-                weight = (fast[i, j, 2] / most)**POW
+                weight = fast[i, j, 2] / most
                 fw += weight * fast[i, j, 2]
                 q_now += weight * values[i, j, 0]
                 r_now += weight * values[i, j, 1]
                 noise += (weight * sigma[i, j]) ** 2
-    levels[9] = 0.0
+    levels[9] = levels[10] = 0.0
     shear = math.hypot(q, r)
     if not (force > 3 * math.sqrt(whole) and shear > 0 and math.isfinite(q_now + r_now)):
         kept[:] = 0.0
@@ -70,6 +75,7 @@ def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, 
                 if along > ratio * fast[i, j, 2]:
                     above += along
                     below += fast[i, j, 2]
+    bears = 0.0
     rim = max(above / below, ratio) if below > 0 else ratio
     for i in range(rows):
         for j in range(cols):
@@ -92,6 +98,8 @@ def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, 
                 full, stuck = max(FULL, SIGMAS / 2 * doubt), max(STUCK, SIGMAS * doubt)
                 # stuck is -1/4 and below, full 1/4 and above
                 planes[5, i, j] = max(-1.0, min(1.0, 0.25 - 0.5 * (lack - full) / (stuck - full)))
+                bears += fast[i, j, 2] * max(0.0, min(1.0, (lack - full) / (stuck - full)))
+    levels[10] = binary(bears / force, LITTLE, MUCH)
     now = (q_now * x + r_now * y) / fw
     _grow(now, math.sqrt(noise) / fw, dt, interval, taus, kept, rising, levels)
 
@@ -103,6 +111,7 @@ def _grow(now, noise, dt, interval, taus, kept, rising, levels):  # type: ignore
     if rising:  # how shear grows while a grip closes says nothing of a pull
         kept[: 2 * count] = now
         kept[2 * count] = 0.0
+        kept[2 * count + 1] = now
         return
     fastest = kept[2 * count] * math.exp(-dt / MEMORY)
     for k in range(count):
@@ -118,5 +127,9 @@ def _grow(now, noise, dt, interval, taus, kept, rising, levels):  # type: ignore
         tau = max(taus[k], interval)
         if fastest > 0 and 0.5 * noise * math.sqrt(interval / tau**3) < CLEAR * fastest:
             growth = (kept[k] - kept[count + k]) / tau
+            least = kept[2 * count + 1] + (1 - math.exp(-dt / LATE)) * (kept[k] - kept[2 * count + 1])
+            kept[2 * count + 1] = min(least, kept[k])
+            if kept[k] - least < GROWN * kept[k]:
+                return
             levels[9] = binary(1 - growth / fastest, 1 - GOES_ON, 1 - YIELDS)
             return
