@@ -102,7 +102,7 @@ def detection(command: Callable[..., None]) -> Callable[..., None]:
         click.option("--contact-level", type=float, help="Least pressing at which a taxel stays in contact [unit]."),
         click.option(
             "--sigmas", type=float, nargs=3,
-            help="Dead band, hysteresis, contact level in sigma of a taxel's noise [4 6 4]; 0 0 0: fixed thresholds.",
+            help="Dead band, hysteresis, contact level in sigma of a taxel's noise [4 6 3]; 0 0 0: fixed thresholds.",
         ),
         click.option("--sign-code", is_flag=True, help="The paper's code: the bare signs, no dead band."),
         click.option(

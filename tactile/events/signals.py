@@ -23,7 +23,19 @@ DRAWN = 9.0
 TAUS = (0.003, 0.005, 0.008, 0.012, 0.02, 0.035, 0.06)
 """[s] Time constants of the growth of the pull; the shortest that noise allows is looked at."""
 PLANES = ("shear_x", "shear_y", "pressing", "drawn_x", "drawn_y", "share", "firmness")
-LEVELS = ("loaded", "rising", "falling", "steep", "large", "unsteady", "sheared", "driven", "dropping", "yielding", "sticking")
+LEVELS = (
+    "loaded",
+    "rising",
+    "falling",
+    "steep",
+    "large",
+    "unsteady",
+    "sheared",
+    "driven",
+    "dropping",
+    "yielding",
+    "sticking",
+)
 RISING = LEVELS.index("rising")
 
 ALWAYS = np.ones((1, 1), bool)

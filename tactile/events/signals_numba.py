@@ -37,8 +37,23 @@ def quiet(planes, sources, factors, low, high):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def step(  # type: ignore[no-untyped-def]  # typed at the call
-    values, use, counts, inward, rectify, dt, off, on, drawn_on, noise_q, noise_n, fast, slow, scalars, taps, planes,
-    levels
+    values,
+    use,
+    counts,
+    inward,
+    rectify,
+    dt,
+    off,
+    on,
+    drawn_on,
+    noise_q,
+    noise_n,
+    fast,
+    slow,
+    scalars,
+    taps,
+    planes,
+    levels,
 ):
     """Take one frame (rows, cols, 3); write ``planes`` (7, rows, cols) and ``levels`` (11,), all in CNN values, but for
     the share and what `slide` says.
@@ -69,7 +84,8 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
                 # where it presses hard, a small part of that is no shear to be sure of
                 extra = 0.0 if k == 2 else CROSS * max(fast[i, j, 2], 0.0)
                 low = max(off[i, j, k], extra)
-                planes[k, i, j] = binary(value, low, low + max(on[i, j, k] - off[i, j, k], extra)) if use[i, j] else 0.0
+                shown = fast[i, j, k] if k < 2 else value
+                planes[k, i, j] = binary(shown, low, low + max(on[i, j, k] - off[i, j, k], extra)) if use[i, j] else 0.0
                 if k == 2:
                     if counts[i, j]:  # one that does not read just now is taken for what it read last
                         force += max(value, 0.0) if rectify else value

@@ -18,7 +18,7 @@ CALM = 0.05
 class Sigmas:
     """Thresholds as multiples of sigma: ``dead_band``, ``hysteresis`` above it, ``contact`` level (end of contact).
 
-    Normal noise passes 4 sigma once in 10^4 readings, 6 once in 10^9; noise that is slow or grows under a load passes
+    Normal noise passes 3 sigma once in 10^3 readings, 4 once in 10^4, 6 once in 10^9; noise that is slow or grows under a load passes
     more often, which is what the hysteresis is for.
 
     Raises:
@@ -27,7 +27,7 @@ class Sigmas:
 
     dead_band: float = 4.0
     hysteresis: float = 6.0
-    contact: float = 4.0
+    contact: float = 3.0
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -51,7 +51,7 @@ def levels(
     shape: tuple[int, int], quantity: Quantity, sigmas: Sigmas, shear: Threshold | None, contact: Threshold | None,
     noise: Noise | None,
 ) -> Levels:  # fmt: skip
-    """Return the levels: dead_band sigma and hysteresis sigma more, for the normal component contact and half more.
+    """Return the levels: dead_band sigma and hysteresis sigma more, for the normal component contact and as much more.
 
     ``shear`` and ``contact`` are the floors that a user gives. Without them the floor is the quantity's own threshold
     (`SHEAR`, `CONTACT`) while no noise is known, and a twentieth of it once it is: then the noise decides.
@@ -61,7 +61,7 @@ def levels(
     sigma = noise.sigma if noise is not None else np.zeros((*shape, 3))
     for part, floor, own, k, more in (
         (slice(0, NORMAL), shear, SHEAR[quantity], sigmas.dead_band, sigmas.hysteresis),
-        (slice(NORMAL, NORMAL + 1), contact, CONTACT[quantity], sigmas.contact, sigmas.contact / 2),
+        (slice(NORMAL, NORMAL + 1), contact, CONTACT[quantity], sigmas.contact, sigmas.contact),
     ):
         factor = CALM if known and floor is None else 1.0
         least = own if floor is None else floor
