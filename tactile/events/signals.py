@@ -52,7 +52,7 @@ class Signals:
     not explain, ds - (s/n) dn, with d the mean of 10 ms (two frames at least) less that of 200 ms (80 while the load
     is unsteady), and ds alone where shear is most of what changes; on from 9 sigma and from 1.6 % of what a taxel
     typically bears.
-    ``share``: a taxel's shear along the whole one over its pressing, over the same of the rim (of those above the mean):
+    ``share``: a taxel's shear along the whole one over its pressing, over that of the rim (of those above the mean):
     the same number for all where all slide. 1/4 from 0.9 on, -1/4 from 0.82 down (or 1.5 and 3 sigma), of the 3 x 3
     neighbourhood where sigma is above 0.04, 0 where noise leaves that open, too. ``firmness``: the slow
     mean of pressing over three times its levels, or the fast one over five times.

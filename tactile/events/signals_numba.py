@@ -37,29 +37,15 @@ def quiet(planes, sources, factors, low, high):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def step(  # type: ignore[no-untyped-def]  # typed at the call
-    values,
-    use,
-    counts,
-    inward,
-    rectify,
-    dt,
-    off,
-    on,
-    drawn_on,
-    noise_q,
-    noise_n,
-    fast,
-    slow,
-    scalars,
-    taps,
-    planes,
+    values, use, counts, inward, rectify, dt, off, on, drawn_on, noise_q, noise_n, fast, slow, scalars, taps, planes,
     levels,
-):
+):  # fmt: skip
     """Take one frame (rows, cols, 3); write ``planes`` (7, rows, cols) and ``levels`` (11,), all in CNN values, but for
     the share and what `slide` says.
 
     ``use`` (rows, cols) which read, ``counts`` which are not left out; ``off``, ``on`` (rows, cols, 3) thresholds;
-    ``drawn_on`` (rows, cols) of an unexplained change of shear; ``noise_q``, ``noise_n`` of shear and normal after 10 ms; ``taps`` the nine time constants [s];
+    ``drawn_on`` (rows, cols) of an unexplained change of shear; ``noise_q``, ``noise_n`` of shear and normal after
+    10 ms; ``taps`` the nine time constants [s];
     ``fast``, ``slow`` (rows, cols, 3) and ``scalars`` are kept from frame to frame: F after 4, 15 and 100 ms, the held
     load, the steepest fall, Q and R after 10 ms, frames seen, the changes
     of shear and of pressing, the largest unrest of late.
@@ -86,9 +72,8 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
                 low = max(off[i, j, k], extra)
                 shown = fast[i, j, k] if k < 2 else value
                 planes[k, i, j] = binary(shown, low, low + max(on[i, j, k] - off[i, j, k], extra)) if use[i, j] else 0.0
-                if k == 2:
-                    if counts[i, j]:  # one that does not read just now is taken for what it read last
-                        force += max(value, 0.0) if rectify else value
+                if k == 2 and counts[i, j]:  # one that does not read just now is taken for what it read last
+                    force += max(value, 0.0) if rectify else value
             low, high = off[i, j, 2], on[i, j, 2]
             firm = max(binary(slow[i, j, 2], 3 * low, 3 * high), binary(fast[i, j, 2], 5 * low, 5 * high))
             planes[6, i, j] = firm if use[i, j] else 0.0

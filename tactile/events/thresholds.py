@@ -18,8 +18,8 @@ CALM = 0.05
 class Sigmas:
     """Thresholds as multiples of sigma: ``dead_band``, ``hysteresis`` above it, ``contact`` level (end of contact).
 
-    Normal noise passes 3 sigma once in 10^3 readings, 4 once in 10^4, 6 once in 10^9; noise that is slow or grows under a load passes
-    more often, which is what the hysteresis is for.
+    Normal noise passes 3 sigma once in 10^3 readings, 4 once in 10^4, 6 once in 10^9; noise that is slow or grows
+    under a load passes more often, which is what the hysteresis is for.
 
     Raises:
         InputError: a negative or infinite number.

@@ -1,4 +1,4 @@
-"""Simulated grasps whose onsets are known in closed form: a sphere that slips from its rim inwards, read by an array of forces."""
+"""Simulated grasps with onsets in closed form: a sphere that slips from its rim inwards, on an array of forces."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -70,7 +70,7 @@ class Grasp:
         1938, Mindlin 1949), so taxel i reads mu P h_i(a) - (mu P - Q) h_i(c), where h_i is its part of a Hertz
         pressure of that radius.
         """
-        touch, pressed, start, slip, opening, gone, end = self.times
+        touch, pressed, _, slip, opening, gone, end = self.times
         t = np.arange(round(end * self.rate)) / self.rate
         normal = self.force * np.interp(t, [touch, pressed, opening, gone], [0, 1, 1, 0])
         share = self.pull(t)
@@ -88,7 +88,7 @@ class Grasp:
         return t, values
 
     def _parts(self, middle: Floats, radius: float) -> Floats:
-        """Return the part (rows, cols) of a Hertz pressure of this radius [m] on every taxel; 1 in all on a large array."""
+        """Return the part (rows, cols) of a Hertz pressure of this radius [m] on every taxel."""
         if radius < self.array.pitch / FINE:  # a point
             return self._point(middle)
         x, y = (_fine(self.array, axis) - middle[axis] for axis in (0, 1))
