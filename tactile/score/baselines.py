@@ -25,3 +25,14 @@ def baseline(t: Floats, values: Floats, inward: float) -> list[tuple[float, str]
         if touches and n % REST == 0 and np.hypot(*(total[n, :2] - held)) > AWAY:
             found.append((float(t[n]), "tangential_load"))
     return found
+
+
+RATIO = 0.5
+"""Slip begins when shear passes this part of the pressing, as with a friction that somebody guessed."""
+
+
+def slip_baseline(t: Floats, values: Floats) -> list[tuple[float, str]]:
+    """Return (time, "slip") of where the total shear force passes a fixed part of the total normal force."""
+    total = np.nansum(values - np.nanmean(values[:TARE], axis=0), axis=(1, 2))
+    slides = (total[:, 2] > ON) & (np.hypot(total[:, 0], total[:, 1]) > RATIO * total[:, 2])
+    return [(float(t[n]), "slip") for n in np.flatnonzero(slides[1:] & ~slides[:-1]) + 1]

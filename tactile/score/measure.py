@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cnnsim.support import InputError
 from tactile import pipeline
@@ -21,13 +22,27 @@ SUFFIXES = (".mcap", ".npz", ".csv", ".toml")
 MARK = "baseline: "
 
 
+def voted(x: NDArray[np.int8]) -> NDArray[np.int8]:
+    """Return a ternary plane (rows, cols) with 0 where no 8-neighbour says the same: the vote of a neighbourhood."""
+    around = np.pad(x, 1)
+    rows, cols = x.shape
+    agree = np.zeros(x.shape, bool)
+    for i in range(3):
+        for j in range(3):
+            if (i, j) != (1, 1):
+                agree |= around[i : i + rows, j : j + cols] == x
+    return np.where(agree, x, 0).astype(np.int8)
+
+
 class Watched:
-    """A sink that keeps the events, and when each finger's code changes."""
+    """A sink that keeps the events, and when each finger's code changes, also after the vote of the neighbours."""
 
     def __init__(self) -> None:
         self._log = EventLog()
         self.changes: dict[str, list[float]] = {}
+        self.voted_changes: dict[str, list[float]] = {}
         self._codes: dict[str, str] = {}
+        self._voted: dict[str, bytes] = {}
 
     @property
     def events(self) -> list[Event]:
@@ -41,6 +56,10 @@ class Watched:
         if code != self._codes.setdefault(name, code):
             self.changes.setdefault(name, []).append(report.frame.t)
             self._codes[name] = code
+            vote = voted(report.code.x).tobytes() + voted(report.code.y).tobytes()
+            if vote != self._voted.get(name, vote):
+                self.voted_changes.setdefault(name, []).append(report.frame.t)
+            self._voted[name] = vote
 
 
 @dataclass
@@ -51,6 +70,7 @@ class Score:
     before_flag: list[bool] = field(default_factory=list)
     held_s: dict[int, float] = field(default_factory=dict)
     changes: dict[int, int] = field(default_factory=dict)
+    voted_changes: dict[int, int] = field(default_factory=dict)
     held_events: int = 0
     events: list[int] = field(default_factory=list)
 
@@ -62,6 +82,9 @@ class Score:
             "kinds": {name: tally.plain() for name, tally in sorted(self.kinds.items())},
             "contact_before_flag": round(float(np.mean(self.before_flag)), 4) if self.before_flag else None,
             "code_changes_a_second_of_hold": per_second,
+            "the_same_after_a_vote": {
+                str(n): round(self.voted_changes.get(n, 0) / s, 4) for n, s in sorted(self.held_s.items()) if s
+            },
             "events_a_minute_of_hold": round(self.held_events / minutes, 3) if minutes else None,
             "events_a_recording": {"median": float(np.median(self.events)), "most": max(self.events)},
         }
@@ -69,11 +92,12 @@ class Score:
 
 def score(
     folder: Path, labels: Iterable[Labelled], open_one: Callable[[Path], tuple[Source, Settings]],
-    window: float = WINDOW,
+    window: float = WINDOW, watch: Callable[[list[str]], Iterable[str]] = iter,
 ) -> Score:  # fmt: skip
     """Take every recording that has labels through the pipeline and count.
 
-    Arguments: ``open_one`` opens a recording and says its settings; ``window`` [s] of a match. Where a recording's
+    Arguments: ``open_one`` opens a recording and says its settings; ``window`` [s] of a match;
+    ``watch`` hands the names on and may show how far it is. Where a recording's
     labels name a kind for one finger, that kind is judged on all its labelled fingers.
 
     Raises:
@@ -82,7 +106,8 @@ def score(
     total, by_name = Score(), dict[str, list[Labelled]]()
     for label in labels:
         by_name.setdefault(label.recording, []).append(label)
-    for name, fingers in by_name.items():
+    for name in watch(list(by_name)):
+        fingers = by_name[name]
         source, settings = open_one(_find(folder, name))
         seen = Watched()
         pipeline.run(source, settings, [seen])
@@ -113,6 +138,8 @@ def _judge(total: Score, seen: Watched, label: Labelled, source: Source, window:
         changed = [t for t in seen.changes.get(array.name, []) if start <= t <= stop]
         total.held_s[label.finger] = total.held_s.get(label.finger, 0.0) + stop - start
         total.changes[label.finger] = total.changes.get(label.finger, 0) + len(changed)
+        calmer = [t for t in seen.voted_changes.get(array.name, []) if start <= t <= stop]
+        total.voted_changes[label.finger] = total.voted_changes.get(label.finger, 0) + len(calmer)
         total.held_events += sum(start <= t <= stop for t, _ in mine)
 
 

@@ -44,7 +44,7 @@ def test_thresholds_decide_what_is_found(folder: Path) -> None:
 
 
 def test_what_is_not_said_stays_as_it_is() -> None:
-    assert options_of({"hysteresis_sigmas": 9.0}).sigmas == (4.0, 9.0, 4.0)
+    assert options_of({"hysteresis_sigmas": 9.0}).sigmas == (4.0, 9.0, 3.0)
     assert options_of({"dead_band": 0.2}).dead_band == 0.2
 
 

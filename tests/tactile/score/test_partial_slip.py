@@ -1,0 +1,74 @@
+"""Simulated grasps against Cattaneo's closed form, point by point; events of a few; the command that scores them."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tactile.core.frame import TaxelArray
+from tactile.score.measure import voted
+from tactile.score.partial_slip import Grasp, grasp
+from tactile.score.simulated import score_grasps
+from tactile.settings import Settings
+from tests.kits.serial import call
+
+FINE = TaxelArray("fine", 40, 40, 0.25e-3, 0.0, quantity="force")
+BALL = Grasp(
+    0, FINE, 100.0, 2.0, 4e-3, (0.1e-3, -0.2e-3), 0.6, 0.3, "force", 1.0, 0.0, (0.0, 0.1, 0.2, 1.2, 1.5, 1.6, 1.7),
+    (0, 0),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("part", [0.2, 0.5, 0.9, 0.99])
+def test_forces_are_those_of_a_ball_that_slips_from_its_rim(part: float) -> None:
+    """q = mu p0 (sqrt(1 - r^2/a^2) - c/a sqrt(1 - r^2/c^2)), c = a (1 - Q / mu P)^(1/3), at the taxels' centres."""
+    t, values = BALL.forces()
+    frame = values[np.searchsorted(t, 0.2 + part - 1e-9)]
+    x, y = np.moveaxis(FINE.positions() - BALL.middle, -1, 0)
+    r2, a = x**2 + y**2, BALL.radius
+    c, p0 = a * (1 - part) ** (1 / 3), 3 * BALL.force / (2 * np.pi * a**2)
+    whole, core = (np.sqrt(np.maximum(1 - r2 / size**2, 0)) for size in (a, c))
+    shear, normal = BALL.friction * p0 * (whole - c / a * core), p0 * whole
+    area, r = FINE.pitch**2, np.sqrt(r2)
+    smooth = (abs(r - a) > FINE.pitch) & (abs(r - c) > FINE.pitch)  # elsewhere a mean is no middle
+    read = np.hypot(frame[..., 0], frame[..., 1])
+    assert read[smooth] == pytest.approx((shear * area)[smooth], abs=0.02 * BALL.friction * p0 * area)
+    assert frame[..., 2][smooth] == pytest.approx((normal * area)[smooth], abs=0.02 * p0 * area)
+    assert frame[..., 2].sum() == pytest.approx(BALL.force, rel=2e-3)
+    assert np.hypot(*frame[..., :2].sum(axis=(0, 1))) == pytest.approx(part * 0.6 * 2.0, rel=5e-3)
+
+
+def test_a_ball_that_slides_carries_friction_everywhere_and_one_moved_evenly_yields_softly() -> None:
+    t, values = BALL.forces()
+    sliding = values[np.searchsorted(t, 1.3)]
+    assert np.hypot(sliding[..., 0], sliding[..., 1]) == pytest.approx(0.6 * sliding[..., 2], abs=1e-12)
+    soft = replace(BALL, drive="way")
+    assert soft.pull(np.array([0.2, 0.7, 1.2])) == pytest.approx([0, 1 - 0.5**1.5, 1])
+
+
+def test_slip_is_told_when_all_slides_and_not_when_a_pull_stops_before() -> None:
+    kinds = {grasp(seed).drive for seed in (8, 16, 4)}
+    assert kinds == {"force", "way", "held"}
+    told = score_grasps((8, 16, 4), lambda source: Settings(tare="auto"), idle_minutes=0.05)
+    slip = told.kinds["slip"]
+    assert (slip.hit, slip.false, slip.missed) == (2, 0, 0)
+    assert max(map(abs, slip.errors)) < 0.03
+    assert all(0 <= late < 0.04 for late in told.late)
+    assert told.before == [True, True]
+    assert told.idle == 0
+    for kind in ("contact", "release"):
+        assert (told.kinds[kind].hit, told.kinds[kind].false) == (3, 0)
+
+
+def test_the_command_scores_one_half_and_says_what_is_missing() -> None:
+    result = call("score", "--grasps", "2", "--half", "report", "--json")
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.stdout)["simulated"]["kinds"]["contact"]["hit"] == 1
+    assert "nothing to score" in call("score").output
+    assert "both wanted" in call("score", "--labels", "l.csv").output
+
+
+def test_a_vote_leaves_out_what_no_neighbour_says() -> None:
+    plane = np.array([[1, 1, 0], [0, 0, 0], [0, 0, -1]], np.int8)
+    assert np.array_equal(voted(plane), [[1, 1, 0], [0, 0, 0], [0, 0, 0]])
