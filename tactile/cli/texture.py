@@ -128,7 +128,7 @@ def classify(
     if labelled:
         echo(f"{right} of {len(labelled)} slides with a known material are right")
     for note in notes:
-        echo(f"unlike what was learned from: {note}", err=True)
+        echo(f"note: {note}", err=True)
 
 
 @texture.command(

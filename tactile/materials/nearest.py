@@ -5,10 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cnnsim.support import Floats, Integers
+from cnnsim.support import Flags, Floats, Integers
 
 NEIGHBOURS = 31
 """Known windows that vote, each by one over its distance; a quarter of a slide's windows overlap one another."""
+SAME = 1e-6
+"""A distance that is rounding alone: known windows of one material are about 1 apart."""
 NOVEL = 5
 """The distance to the known window of this rank (from 0) is how new a window is."""
 
@@ -70,6 +72,14 @@ class Known:
     places: Floats
     material: Integers
     count: int
+
+    def holds(self, places: Floats) -> Flags:
+        """Return which of the places (n, d) are those of a known window."""
+        from scipy.spatial import cKDTree  # slow to import
+
+        distance, _ = cKDTree(self.places).query(places)
+        same: Flags = distance < SAME
+        return same
 
     def vote(self, places: Floats) -> Vote:
         """Return what the nearest known windows say of places (n, d)."""

@@ -13,12 +13,16 @@ UNKNOWN = "unknown"
 
 
 def strange(model: TextureModel, table: WindowTable) -> list[str]:
-    """Return what is unlike the conditions of a model, in words: figures wholly outside of what was learned from."""
+    """Return in words what figures are wholly outside of those learned from, and whether the windows are the same."""
     said, now = [], conditions_of(table, model.features.window)
     for name, known in model.conditions.items():
         if isinstance(known, list) and name in now and (now[name][0] > known[1] or now[name][1] < known[0]):
             have, want = (f"{one[0]:.3g} to {one[1]:.3g}" for one in (now[name], known))
             said.append(f"{name} {have}; the model learned from {want}")
+    if model.known.holds(model.space(table.values)).mean() > 0.5:
+        said.append(
+            "most of these windows are among those it learned from; they say nothing of how well it tells others"
+        )
     return said
 
 

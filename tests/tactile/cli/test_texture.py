@@ -121,9 +121,11 @@ def test_what_is_wrong_is_one_line(folder: Path, tmp_path: Path, monkeypatch: py
     np.savez(tmp_path / "bad.npz", force=np.zeros((3, 3)), length=np.array([4]), t=np.zeros(3))
     assert "force of shape (3, 3); (4, 3) wanted" in refused("report", tmp_path / "bad.npz")
     assert ".npz wanted for a model" in refused("train", folder, "-o", tmp_path / "m.bin")
+    said("train", folder, "-o", tmp_path / "figures.npz", "--features", "figures", "--window", 64)
     for name in [name for name in sys.modules if name.split(".")[0] == "sklearn"]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "sklearn", None)
+    json.loads(said("classify", folder, "--model", tmp_path / "figures.npz", "--json"))  # telling does without
     for words in (("report", folder), ("train", folder, "-o", tmp_path / "m.npz")):
         line = refused(*words)
         assert "learning textures needs scikit-learn, which is not installed: pip install" in line
