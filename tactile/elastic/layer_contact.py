@@ -28,8 +28,8 @@ WIDEST = 20.0
 """Contact radius over thickness where the tables end."""
 DEEPEST = 7.0
 """atanh of the contact radius over that of a sphere narrower than that, where its tables end."""
-RIM = 1 - 1e-3
-"""Where the weight over the half-space's is taken for its limit at the rim."""
+RIM = 0.98
+"""Where the weight over the half-space's is still a quotient; at the rim, where both vanish, it is extrapolated."""
 
 
 def excess(turn: Floats, nu: float) -> Floats:
@@ -170,13 +170,17 @@ class LayerContact:
     def profile(self) -> Profile:
         """The pressure as a weight; its lam is the contact radius over the thickness."""
         radii, _, _, ratio, places = self._solved
-        every = np.vstack([np.ones(len(places)), ratio])
-        beside = RectBivariateSpline(self._at(np.append(0, radii)), places, every)
+        # through the last four places a cubic in t^2, for the quotient is smooth and even
+        square, end = places[-4:] ** 2, np.ones(4)
+        for n, one in enumerate(square):
+            end[n] = np.prod([(1 - other) / (one - other) for other in np.delete(square, n)])
+        every = np.vstack([np.ones(len(places) + 1), np.column_stack([ratio, ratio[:, -4:] @ end])])
+        beside = RectBivariateSpline(self._at(np.append(0, radii)), np.append(places, 1.0), every)
         plain = {"flat": FLAT_PUNCH, "paraboloid": HERTZ, "sphere": ROUND_TIP}[self.body]
         size = self.size if self.body == "sphere" else np.inf
 
         def weight(theta: Floats, lam: Floats) -> Floats:
-            at, a = np.minimum(np.abs(np.sin(theta)), RIM), np.broadcast_to(lam, theta.shape)
+            at, a = np.abs(np.sin(theta)), np.broadcast_to(lam, theta.shape)
             out: Floats = plain.weight(theta, lam / size) * beside.ev(self._at(a), at)
             return out
 

@@ -7,6 +7,7 @@ import numpy as np
 from cnnsim.support import Floats
 from tactile.core.loads import F
 from tactile.elastic.medium import Medium
+from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.indenter import LAWS
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.field import Field
@@ -39,6 +40,11 @@ def out_of_range(scene: Scene) -> Iterator[str]:
                     isinstance(one, MovingContact) for one in scene.contacts[: scene.contacts.index(contact)]
                 )
                 yield from _contact(contact, f"contact {number}, a {contact.indenter.shape}", times, field)
+            for one in scene.contacts:
+                if isinstance(one, HeightMap) and one.finger == finger and not one.given_depth:
+                    pull = -float(one.path[:, 1 + F].min())
+                    if pull > 0:
+                        yield f"height map: pulled with {pull:.3g} N; a dry contact cannot pull: it lifts off"
         strain = np.abs(field.values).max(initial=0) / scene.unit(finger)
         if strain > DEEP:
             yield (

@@ -1,18 +1,22 @@
 """Effects in combination: a layer under spheres, twists and wide taxels is the superposition of its point loads."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.special import j0
 
 from tactile.core.frame import TaxelArray
 from tactile.elastic.discs import disc_load
+from tactile.elastic.layer import transfer
 from tactile.elastic.medium import Felt, Medium
-from tactile.elastic.profiles import ROUND_TIP, round_tip_radius
+from tactile.elastic.profiles import HERTZ, ROUND_TIP, round_tip_radius
 from tactile.simulator.contacts.indenter import Indenter
+from tactile.simulator.contacts.loads import Loads
 from tactile.simulator.contacts.moving_contact import MovingContact
+from tactile.simulator.contacts.rig import STILL, Rig
 from tactile.simulator.contacts.traction_map import TractionMap
 from tactile.simulator.effects.finite_thickness import FiniteThickness
 from tactile.simulator.effects.finite_tip import FiniteTip
@@ -65,6 +69,18 @@ def superposed(field: Field, around: int = 48, along: int = 40) -> NDArray[np.fl
     return np.tensordot(weight, felt, 1)
 
 
+@dataclass(frozen=True)
+class Given:
+    """Loads as they are, under Hertz' pressure whatever the cover."""
+
+    given: Loads
+    finger: int = 0
+
+    def loads(self, times: Any, depth: float, medium: Medium, rig: Rig = STILL) -> Loads:
+        discs = tuple(replace(disc, profile=HERTZ, unit=np.inf) for disc in self.given.discs)
+        return replace(self.given, discs=discs)
+
+
 def off(field: Field) -> float:
     wanted = superposed(field)
     return float(np.abs(field.values[0] - wanted).max() / np.abs(wanted).max())
@@ -75,14 +91,30 @@ def sphere(force: float, friction: float | None = None, torque: float = 0.0, she
     return MovingContact(0, Indenter("sphere", 5e-3), np.array(path), friction)
 
 
+@pytest.mark.parametrize("times", (1.02, 2.0))
+def test_the_pressure_of_a_layer_is_felt_by_all_its_waves(times: float) -> None:
+    field = affected(sphere(2.0), FiniteThickness(times * Z))
+    (disc,) = field.loads.discs
+    radius, thickness = disc.radii[0, 0] / Z, field.medium.thickness
+    nodes, weights = np.polynomial.legendre.leggauss(1500)
+    k, step = (nodes + 1) * 30, weights * 30
+    theta = (nodes + 1) * np.pi / 4
+    weight = disc.profile.weight(theta, np.full(1500, radius * Z / thickness)) * weights * np.pi / 2
+    spread = np.cos(np.outer(k, radius * np.sin(theta))) @ weight
+    wave = transfer(k / Z, Z, thickness, field.medium).normal * spread * k * step / (2 * np.pi * Z**2)
+    rho = np.hypot(*np.moveaxis(PAD.positions() - disc.loads[0, 0, :2], -1, 0)) / Z
+    wanted = 2.0 * j0(rho[..., None] * k) @ wave
+    assert np.abs(field.values[0, ..., 2] - wanted).max() < 1e-4 * np.abs(field.values).max()
+
+
 @pytest.mark.parametrize("quantity", ("strain", "stress"))
 @pytest.mark.parametrize("times", (1.0, 1.02, 2.0))
 def test_a_wide_contact_on_a_layer_is_many_points(times: float, quantity: Felt) -> None:
     array = replace(PAD, quantity=quantity)
     for contact in (sphere(2.0), sphere(2.0, 0.5, 1e-4, 0.3)):
-        field = affected(contact, FiniteThickness(times * Z), array=array)
-        assert field.loads.discs[0].radii.max() > Z  # not a point at all
-        assert off(field) < 2e-4
+        loads = affected(contact, FiniteThickness(times * Z), array=array).loads
+        assert loads.discs[0].radii.max() > Z  # not a point at all
+        assert off(affected(Given(loads), FiniteThickness(times * Z), array=array)) < 1e-4
 
 
 def test_a_taxel_area_at_the_bottom_of_a_thin_cover() -> None:
