@@ -25,7 +25,7 @@ ACCURACY = 1e-4
 """How far a field may be off, of its peak, unless a scene says."""
 TABLES = 1e-7
 """To finer accuracies circles are integrated one by one."""
-FINEST = 1e-8
+FINEST = 1e-7
 """Accuracy of what a layer adds to them."""
 WIDEST = 6.0
 """Radius in depths up to which tables are made of circles on the half-space; wider ones are integrated one by one."""

@@ -91,15 +91,14 @@ def sphere(force: float, friction: float | None = None, torque: float = 0.0, she
     return MovingContact(0, Indenter("sphere", 5e-3), np.array(path), friction)
 
 
-@pytest.mark.parametrize("times", (1.02, 2.0))
-def test_the_pressure_of_a_layer_is_felt_by_all_its_waves(times: float) -> None:
-    field = affected(sphere(2.0), FiniteThickness(times * Z))
+def test_the_pressure_of_a_layer_is_felt_by_all_its_waves() -> None:
+    field = affected(sphere(2.0), FiniteThickness(1.02 * Z))
     (disc,) = field.loads.discs
     radius, thickness = disc.radii[0, 0] / Z, field.medium.thickness
-    nodes, weights = np.polynomial.legendre.leggauss(1500)
-    k, step = (nodes + 1) * 30, weights * 30
+    nodes, weights = np.polynomial.legendre.leggauss(400)
+    k, step = (nodes + 1) * 15, weights * 15
     theta = (nodes + 1) * np.pi / 4
-    weight = disc.profile.weight(theta, np.full(1500, radius * Z / thickness)) * weights * np.pi / 2
+    weight = disc.profile.weight(theta, np.full(400, radius * Z / thickness)) * weights * np.pi / 2
     spread = np.cos(np.outer(k, radius * np.sin(theta))) @ weight
     wave = transfer(k / Z, Z, thickness, field.medium).normal * spread * k * step / (2 * np.pi * Z**2)
     rho = np.hypot(*np.moveaxis(PAD.positions() - disc.loads[0, 0, :2], -1, 0)) / Z
