@@ -33,7 +33,7 @@ from tactile.simulator.effects.strain_nonlinearity import StrainNonlinearity
 from tactile.simulator.effects.surface_waviness import SurfaceWaviness
 from tactile.simulator.effects.taxel_area import TaxelArea
 from tactile.simulator.effects.viscoelastic import Viscoelastic
-from tactile.simulator.scene.auto_effects import candidates
+from tactile.simulator.scene.auto_effects import all_effects
 from tactile.simulator.scene.estimate import Sample
 from tactile.simulator.scene.scene import Scene
 
@@ -97,7 +97,7 @@ def random_scene(random: np.random.Generator) -> Scene:
 
 def everything(scene: Scene) -> Scene:
     """The scene with all effects on."""
-    return scene.with_effects(candidates(scene))
+    return scene.with_effects(all_effects(scene))
 
 
 def error(one: Scene, other: Scene) -> float:

@@ -41,6 +41,12 @@ def candidates(scene: Scene) -> list[Named]:
     return [(name, effect) for name, effect in effects if name in named or _has_meaning(scene, (name, effect))]
 
 
+def all_effects(scene: Scene) -> list[Named]:
+    """The effects of a scene whose effects are all on: those that it describes, and what every skin has, typical."""
+    named = dict(scene.effects)
+    return [(name, effect) for name, effect in candidates(scene) if name in named or effect.ASSUMED]
+
+
 def _has_meaning(scene: Scene, one: Named) -> bool:
     if one[1].STAGE != "field" or one[1].RANDOM or not scene.contacts:
         return True
@@ -66,8 +72,7 @@ def choose(scene: Scene, tolerance: float) -> Choice:
     """
     if not tolerance > 0:
         raise InputError(f"tolerance {tolerance}, a positive number wanted")
-    named = dict(scene.effects)
-    effects = [(name, effect) for name, effect in candidates(scene) if name in named or effect.ASSUMED]
+    effects = all_effects(scene)
     bounds = EffectBounds(scene, effects)
     sizes = bounds.sizes()
     fields = {name for name, effect in effects if effect.STAGE == "field"}

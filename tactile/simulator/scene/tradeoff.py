@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 
-from tactile.simulator.scene.auto_effects import candidates, choose
+from tactile.simulator.scene.auto_effects import all_effects, choose
 from tactile.simulator.scene.estimate import Sample
 from tactile.simulator.scene.scene import Scene
 
@@ -47,7 +47,7 @@ def trades(scene: Scene, tolerances: Sequence[float] = TOLERANCES, seeds: int = 
     in turn with all effects on, the best time counts.
     """
     described = scene.effects
-    whole = shortened(scene.with_effects(candidates(scene)))
+    whole = shortened(scene.with_effects(all_effects(scene)))
     scene = whole.with_effects(described)
     draws = [scene.seed, *range(10_001, 10_000 + seeds)]
     samples = [Sample(replace(scene, seed=seed)) for seed in draws]

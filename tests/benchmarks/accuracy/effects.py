@@ -10,7 +10,7 @@ import numpy as np
 from cnnsim.support.command_line import watched
 from cnnsim.support.toml_file import read_toml
 from tactile.output.tradeoff_plot import draw_trades
-from tactile.simulator.scene.auto_effects import candidates, choose
+from tactile.simulator.scene.auto_effects import all_effects, choose
 from tactile.simulator.scene.estimate import Sample
 from tactile.simulator.scene.file import bare_scene
 from tactile.simulator.scene.scene import Scene
@@ -61,7 +61,7 @@ def _at(trade: list[Trade], tolerance: float) -> Trade:
 
 def _parts(scene: Scene) -> list[tuple[str, float, float]]:
     """Every effect, typical where the scene does not say: its size with all others on, its time of a frame [s]."""
-    effects = candidates(scene)
+    effects = all_effects(scene)
     whole = scene.with_effects(effects)
     sizes, seconds = sizes_in(whole, effects), Sample(whole, 400).seconds(effects)
     return [(name, sizes[name], seconds[name]) for name, _ in effects]

@@ -23,7 +23,7 @@ _TEXT = """\
 **Ways to sum.** Random tractions on the taxels' own grid, n x n loads on n x n taxels, against the formula in 80
 bits. The direct sum, the influence matrix and the transforms agree to rounding; the scene takes the fastest and says
 which (`tactile explain`). float32, tried in the same formula in NumPy, keeps six digits and takes {single:.2g} x the
-time of float64 there (median): scenes are computed in float64.
+time of float64 there (median); a scene takes float64 unless it asks for less.
 
 | loads x taxels | {ways} |
 {table}
