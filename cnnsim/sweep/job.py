@@ -10,25 +10,39 @@ from cnnsim.sweep.table import NUMBER
 from cnnsim.workers.base import one_thread
 
 
+class Launch(NamedTuple):
+    """Cases of one group by number, which are run together."""
+
+    group: Any
+    cases: Sequence[tuple[int, Mapping[str, Any]]]
+
+
 class Job(NamedTuple):
-    """Cases by number, and the module of their kind."""
+    """Launches that one worker does, and the module of their kind."""
 
     module: str
-    cases: Sequence[tuple[int, Mapping[str, Any]]]
-    group: Any
+    launches: Sequence[Launch]
+
+    @property
+    def size(self) -> int:
+        """How many cases there are."""
+        return sum(len(launch.cases) for launch in self.launches)
 
     def halves(self) -> "list[Job]":
-        """Return the job in two halves; one of a single case stays whole."""
-        half = len(self.cases) // 2
-        return [self._replace(cases=part) for part in (self.cases[:half], self.cases[half:]) if part]
+        """Return the job in two, by launches, or one launch by its cases."""
+        parts: Sequence[Any] = self.launches if len(self.launches) > 1 else self.launches[0].cases
+        both = parts[: len(parts) // 2], parts[len(parts) // 2 :]
+        if len(self.launches) > 1:
+            return [self._replace(launches=part) for part in both]
+        return [self._replace(launches=[self.launches[0]._replace(cases=part)]) for part in both]
 
 
 class Done(NamedTuple):
-    """Rows of a job, one a case, and its seconds: all of them, and those in kernels."""
+    """Rows of a job, one a case; the seconds of each launch; and those of all in kernels."""
 
     job: Job
     rows: list[Row]
-    seconds: float
+    seconds: list[float]
     kernels: float
 
 
@@ -40,21 +54,29 @@ def run_job(job: Job) -> Done:
 
 def died(job: Job) -> Done:
     """Return what came of a job whose process died."""
-    return Done(job, _named(job, [{"error": "its process died"}] * len(job.cases), 0.0), 0.0, 0.0)
+    rows = [
+        row
+        for launch in job.launches
+        for row in _named(launch, [{"error": "its process died"}] * len(launch.cases), 0.0)
+    ]
+    return Done(job, rows, [0.0] * len(job.launches), 0.0)
 
 
 def _run(job: Job) -> Done:
     kind: Kind = import_module(job.module).KIND
-    begun, in_kernels = perf_counter(), kernel_seconds()
-    rows = _rows(kind, [case for _, case in job.cases])
-    seconds = perf_counter() - begun
-    return Done(job, _named(job, rows, seconds), seconds, kernel_seconds() - in_kernels)
+    before, rows, seconds = kernel_seconds(), list[Row](), list[float]()
+    for launch in job.launches:
+        begun = perf_counter()
+        found = _rows(kind, [case for _, case in launch.cases])
+        seconds.append(perf_counter() - begun)
+        rows += _named(launch, found, seconds[-1])
+    return Done(job, rows, seconds, kernel_seconds() - before)
 
 
-def _named(job: Job, rows: Sequence[Row], seconds: float) -> list[Row]:
+def _named(launch: Launch, rows: Sequence[Row], seconds: float) -> list[Row]:
+    each = seconds / len(launch.cases)
     return [
-        {NUMBER: number, **case, **row, "seconds": seconds / len(rows)}
-        for (number, case), row in zip(job.cases, rows, strict=True)
+        {NUMBER: number, **case, **row, "seconds": each} for (number, case), row in zip(launch.cases, rows, strict=True)
     ]
 
 

@@ -8,7 +8,7 @@ from time import perf_counter
 from typing import Any
 
 from cnnsim.support.progress import watcher
-from cnnsim.sweep.job import Done, Job, died, run_job
+from cnnsim.sweep.job import Done, Job, Launch, died, run_job
 from cnnsim.sweep.kind import Row
 from cnnsim.sweep.spec import Sweep
 from cnnsim.sweep.table import SweepTable
@@ -45,21 +45,31 @@ class _Pace:
             self._waiting[None if group is None else group(sweep.case(number))].append(number)
 
     def learn(self, done: Done) -> None:
-        """Take how long a job took; compiling makes the first one slow, so the least counts."""
-        each = done.seconds / len(done.rows)
-        self._each[done.job.group] = min(each, self._each.get(done.job.group, each))
+        """Take how long launches took; compiling makes the first ones slow, so the least counts."""
+        for launch, seconds in zip(done.job.launches, done.seconds, strict=True):
+            each = seconds / len(launch.cases)
+            self._each[launch.group] = min(each, self._each.get(launch.group, each))
 
     def jobs(self) -> Iterator[Job]:
-        """Yield jobs until no case is left; each is as long as what has been learnt by then says."""
+        """Yield jobs until no case is left; each is as long as what has been learnt by then says.
+
+        A group that nobody knows yet is taken for as slow as the slowest known one.
+        """
         while self._waiting:
-            group = next(iter(self._waiting))
-            numbers = self._waiting.pop(group)
-            each = self._each.get(group)
-            most = FIRST if each is None else max(1, min(MOST, int(JOB_SECONDS / max(each, 1e-6))))
-            now = [numbers.popleft() for _ in range(min(most, len(numbers)))]
-            if numbers:
-                self._waiting[group] = numbers  # at the end: other groups have their turn
-            yield Job(self._sweep.module, [(number, self._sweep.case(number)) for number in now], group)
+            launches, left = list[Launch](), JOB_SECONDS
+            while self._waiting and left > 0:
+                group = next(iter(self._waiting))
+                numbers = self._waiting.pop(group)
+                each = self._each.get(group, max(self._each.values(), default=JOB_SECONDS / FIRST))
+                most = max(1, min(MOST, int(left / max(each, 1e-6))))
+                now = [numbers.popleft() for _ in range(min(most, len(numbers)))]
+                if numbers:
+                    self._waiting[group] = numbers  # at the end: other groups have their turn
+                launches.append(Launch(group, [(number, self._sweep.case(number)) for number in now]))
+                left -= max(each, 1e-6) * len(now)
+                if left < each:
+                    break
+            yield Job(self._sweep.module, launches)
 
 
 def run_sweep(sweep: Sweep, folder: Path, *, engine: str = "processes", workers: int | None = None) -> SweepSummary:
@@ -111,7 +121,7 @@ def _survivors(pace: _Pace, workers: Workers) -> Iterator[Done]:
             yield done
     while fatal:
         job = fatal.pop()
-        if len(job.cases) == 1:
+        if job.size == 1:
             yield died(job)
             continue
         for half in job.halves():

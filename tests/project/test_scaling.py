@@ -12,7 +12,7 @@ def test_bytes_of_a_frame_are_those_that_the_native_format_sends() -> None:
 
     native = find_format("native")
     for side in (2, 8, 32):
-        values = np.arange(3 * side * side).reshape(-1, 3) % 1000
+        values = np.arange(3.0 * side * side).reshape(-1, 3) % 1000
         sent = native.encoder(Options(((side, side),), {"value": "int16"})).encode([values], 1, 0.0)
         assert abs(len(sent) - rates.wire_bytes(side)) <= 1 + len(sent) // 254
 

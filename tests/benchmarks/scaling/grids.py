@@ -175,7 +175,7 @@ def kills(runs: int = 10, side: int = 1024, steps: int = 256) -> list[dict[str, 
         def kill(over: threading.Event = over, seed: int = number) -> None:
             if over.wait(1.0 + 3.0 * random.Random(seed).random()):
                 return
-            crew = [process for process in _family()[1:] if b"loky" in _command(process)]
+            crew = [process for process in _family()[1:] if b"popen_loky" in _command(process)]
             if crew:
                 os.kill(random.Random(seed).choice(crew), signal.SIGKILL)
 
