@@ -122,7 +122,7 @@ class Fit:
         deviation = math.sqrt(self.variance)
         if self.signals.noise is None and not deviation > USUAL:
             deviation = USUAL
-        return deviation * math.sqrt(float(self.spread[0, :2].max()))
+        return deviation * math.sqrt(max(self.spread[0, :2].tolist()))
 
     @cached_property
     def contrary(self) -> NDArray[np.intp]:
