@@ -13,7 +13,7 @@ with ends_at_once():
     from tactile.cli.devices import emulate, ports
     from tactile.cli.explain import explain
     from tactile.cli.new import new
-    from tactile.cli.planes import planes
+    from tactile.cli.planes import codes, planes
     from tactile.cli.run import run
     from tactile.cli.score import score
     from tactile.cli.stream import live, record, replay
@@ -33,6 +33,7 @@ for command in (
     sweep,
     texture,
     planes,
+    codes,
     new,
     calibrate,
     explain,

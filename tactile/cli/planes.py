@@ -1,4 +1,4 @@
-"""The command that lists the planes a detector can have."""
+"""The commands that list what detectors see and say: their planes, and the dictionary of sign codes."""
 
 import click
 
@@ -23,3 +23,27 @@ def planes(as_json: bool) -> None:
         return
     for name, what in found.items():
         echo(f"{name:<16} {what}")
+
+
+@click.command(epilog=examples("tactile codes 0101010101010101", "tactile codes", "tactile codes --json"))
+@click.argument("code", nargs=-1, metavar="[CODE]...")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
+def codes(code: tuple[str, ...], as_json: bool) -> None:
+    """Say what sign CODEs of two 2 x 2 fingers mean: 16 bits, or a number up to 65535; all of them without one.
+
+    Two bits a taxel (x, then y; 1 is plus), row by row, the first finger highest, as in the events' "hand".
+    """
+    from tactile.events.dictionary import entries, word  # NumPy is slow to import
+
+    wanted = [(number, word(number)) for number in map(_number, code)] if code else list(entries())
+    if as_json:
+        print_json({f"{number:016b}": what for number, what in wanted})
+        return
+    echo("\n".join(f"{number:016b} {number:>5}  {what}" for number, what in wanted))
+
+
+def _number(text: str) -> int:
+    binary = len(text) == 16 and set(text) <= {"0", "1"}
+    if not binary and not (text.isdecimal() and int(text) < 1 << 16):
+        raise click.UsageError(f"code {text!r}; 16 bits or a number from 0 to 65535 wanted")
+    return int(text, 2 if binary else 10)

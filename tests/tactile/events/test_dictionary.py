@@ -1,0 +1,59 @@
+"""The dictionary of codes against fields whose motion is known, and larger arrays that reduce to it."""
+
+import json
+
+import numpy as np
+import pytest
+
+from tactile.events.code import Code
+from tactile.events.dictionary import entries, finger_word, reduced, word
+from tests.kits.serial import call
+
+
+def bits(field: tuple[np.ndarray, np.ndarray], size: int = 2) -> Code:
+    signs = [np.sign(np.broadcast_to(part, (size, size))).astype(np.int8) for part in field]
+    return Code(signs[0], signs[1], np.ones((size, size), bool))
+
+
+@pytest.mark.parametrize("size", [2, 3, 4, 8])
+def test_known_motions_have_their_words_on_arrays_of_every_size(size: int) -> None:
+    y, x = np.mgrid[0:size, 0:size] - (size - 1) / 2
+    one = np.ones((size, size))
+    for field, said in (
+        ((-y, x), "twist clockwise"), ((y, -x), "twist anticlockwise"), ((x, y), "spread"), ((-x, -y), "pinch"),
+        ((one, one), "pull +x +y"), ((-one, -one), "pull -x -y"), ((one, -one), "pull +x -y"),
+    ):  # fmt: skip
+        if size != 3 or said.startswith("pull"):  # the middle line of three has no sign of its own
+            assert finger_word(reduced(bits(field, size))) == said
+
+
+def test_two_by_two_keeps_its_own_code_and_a_wrong_taxel_is_outvoted() -> None:
+    for number in range(256):
+        signs = np.array([1 if number >> (7 - n) & 1 else -1 for n in range(8)], np.int8).reshape(2, 2, 2)
+        code = Code(signs[..., 0], signs[..., 1], np.ones((2, 2), bool))
+        assert reduced(code) == code.signs() == number
+    wrong = bits((np.ones((8, 8)), np.ones((8, 8))), 8)
+    wrong.x[3, 3] = -1
+    assert finger_word(reduced(wrong)) == "pull +x +y"
+
+
+def test_the_dictionary_has_every_code_once_and_its_mirror_image_has_the_opposite_words() -> None:
+    said = dict(entries())
+    assert sorted(said) == list(range(1 << 16))
+    swapped = str.maketrans("+-", "-+")
+    for number in range(256):
+        mirrored = finger_word(number ^ 0xFF)  # every sign turned round
+        here = finger_word(number)
+        if here.startswith("pull"):
+            assert mirrored == here.translate(swapped)
+        pairs = {"spread": "pinch", "twist clockwise": "twist anticlockwise", "about a point": "about a point"}
+        if here in pairs:
+            assert mirrored == pairs[here]
+    assert word(0xFF << 8 | 0xFF) == "both pull +x +y"
+
+
+def test_the_command_prints_it() -> None:
+    result = call("codes", "65535", "--json")
+    assert json.loads(result.stdout) == {"1" * 16: "both pull +x +y"}
+    assert call("codes").stdout.count("\n") == 1 << 16
+    assert "from 0 to 65535 wanted" in call("codes", "65536").output
