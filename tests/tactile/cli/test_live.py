@@ -48,6 +48,10 @@ def test_a_recording_replayed_gives_the_live_events_byte_for_byte(tmp_path: Path
     replayed = call("replay", mcap, "--json")
     assert lines(replayed.stdout, "event") == events
     assert lines(replayed.stdout, "tare") == lines(live.stdout, "tare")
+    ran = call("run", mcap, "-o", tmp_path / "out", "--tare", tare)  # the third way to the same events
+    assert ran.exit_code == 0, ran.output
+    record = json.loads((tmp_path / "out" / "events.json").read_text(encoding="utf-8"))
+    assert sorted(map(_what, record["events"])) == sorted(map(_what, map(json.loads, events)))
     assert len(lines(live.stdout, "tare")) == (0 if tare == "off" else 4)  # at the start and idle
     (end,) = (json.loads(line) for line in lines(live.stdout, "end"))
     assert end["counts"]["good"] == (2 if protocol == "native" else 1) * round(200 * scene.duration)
@@ -61,6 +65,10 @@ def test_a_recording_replayed_gives_the_live_events_byte_for_byte(tmp_path: Path
     (last,) = (json.loads(line) for line in lines(replayed.stdout, "end"))
     assert last["complete"] is True
     assert last["counts"] == end["counts"]
+
+
+def _what(event: dict[str, Any]) -> tuple[Any, ...]:
+    return event["t_s"], event["finger"], event["kind"], event["ternary"], json.dumps(event["data"], sort_keys=True)
 
 
 def test_people_get_text(tmp_path: Path) -> None:
