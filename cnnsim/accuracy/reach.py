@@ -125,8 +125,8 @@ def _by_sample(transient: Repeatable, sample: Repeatable, where: Backend, wanted
 def _climbed(ladder: Ladder, step: float, wanted: Wanted, *, once: bool = False) -> tuple[float, Flags, bool]:
     """Climb from a step that a sample speaks for, after one that is longer and cheap."""
     ladder.believed, ladder.most = 2, 2 if once else ladder.most
-    for part in (_CHEAP, 1.0):
-        ladder.take_near(step * part)
+    ladder.take_near(step * _CHEAP)
+    ladder.take_near(min(step, 0.5 * ladder.steps[0]))  # two steps that are nearly alike would always agree
     return ladder.climb(wanted)
 
 

@@ -22,7 +22,7 @@ class Start(Protocol):
 
 WINDOW = 20
 """Cells on a side of a window of the sample."""
-LEAST_CELLS = 4_096
+LEAST_CELLS = 32_768
 """Of a transient of which a sample is taken: on smaller grids a run costs little more than its call."""
 _MOST_WINDOWS = 6
 _CELLS_A_WINDOW = 8_192

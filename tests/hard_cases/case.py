@@ -16,6 +16,7 @@ class HardCase:
     ``ours`` computes on a backend, ``exact`` is the answer in high precision or in closed form; their largest
     difference must be at most ``bound`` (``bound32`` in float32). ``naive`` is the form one would write first; where
     ``naive_fails`` it must be off by more than the bound, else within it. ``refused``: part of the message instead.
+    ``again``: another run of ours, whose bytes must be the same, instead of an exact answer.
     ``slow``: only the compiled loops of the cpu backend take less than seconds. ``page``: `make hard-cases` alone runs
     it, for it takes longer than a test may.
     """
@@ -31,3 +32,11 @@ class HardCase:
     refused: str = ""
     slow: bool = False
     page: bool = False
+    again: Compute | None = None
+
+    def truth(self, backend: Backend) -> Array:
+        """Return what ours must be."""
+        if self.again is not None:
+            return self.again(backend)
+        assert self.exact is not None
+        return self.exact()

@@ -16,27 +16,35 @@ of a scene of your own: `tactile accuracy SCENE`.
 """
 
 
-def write_page(sections: Sequence[Section], folder: Path, page: str = "accuracy", head: str = _HEAD) -> None:
-    """Write ``PAGE.md`` and beside it ``PAGE/STEM.csv``, ``.json`` and ``.png`` of each section."""
+def write_page(
+    sections: Sequence[Section], folder: Path, page: str = "accuracy", head: str = _HEAD, order: Sequence[str] = ()
+) -> None:
+    """Write ``PAGE/STEM.csv``, ``.json``, ``.png`` and ``.md`` of each section, and of all ``PAGE.md``.
+
+    ``order`` has the stems of the page; of one that was not measured now, what was written before stays.
+    """
     files = folder / page
     files.mkdir(parents=True, exist_ok=True)
-    lines = [head, *(f"- {section.answer}" for section in sections)]
     for section in sections:
-        with (files / f"{section.stem}.csv").open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, list(section.rows[0]))
-            writer.writeheader()
-            writer.writerows(section.rows)
-        (files / f"{section.stem}.json").write_text(json.dumps(list(section.rows), indent=1) + "\n", encoding="utf-8")
-        figure = Figure(figsize=section.size, layout="constrained")
-        section.draw(figure)
-        figure.savefig(files / f"{section.stem}.png", dpi=90)
-        lines += [
-            "",
-            f"## {section.title}",
-            "",
-            f"![{section.title}]({page}/{section.stem}.png)",
-            "",
-            section.text.strip(),
-        ]
-        lines += ["", f"Figures: [CSV]({page}/{section.stem}.csv), [JSON]({page}/{section.stem}.json)."]
+        _write(section, files, page)
+    texts = [files / f"{stem}.md" for stem in order or [section.stem for section in sections]]
+    parts = [text.read_text(encoding="utf-8").split("\n", 1) for text in texts if text.exists()]
+    lines = [head, *(answer for answer, _ in parts), *(rest.rstrip() for _, rest in parts)]
     (folder / f"{page}.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _write(section: Section, files: Path, page: str) -> None:
+    with (files / f"{section.stem}.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(section.rows[0]))
+        writer.writeheader()
+        writer.writerows(section.rows)
+    (files / f"{section.stem}.json").write_text(json.dumps(list(section.rows), indent=1) + "\n", encoding="utf-8")
+    figure = Figure(figsize=section.size, layout="constrained")
+    section.draw(figure)
+    figure.savefig(files / f"{section.stem}.png", dpi=90)
+    lines = [
+        f"- {section.answer}", "", f"## {section.title}", "",
+        f"![{section.title}]({page}/{section.stem}.png)", "", section.text.strip(), "",
+        f"Figures: [CSV]({page}/{section.stem}.csv), [JSON]({page}/{section.stem}.json).",
+    ]  # fmt: skip
+    (files / f"{section.stem}.md").write_text("\n".join(lines) + "\n", encoding="utf-8")

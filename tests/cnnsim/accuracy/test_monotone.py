@@ -1,0 +1,45 @@
+"""Transients that go one way end where any step leads; those that may turn round take two runs, and say so."""
+
+import numpy as np
+
+from cnnsim import Template, fixed, library, run, run_transient
+from cnnsim.accuracy.exact_flow import exact_flow
+from cnnsim.accuracy.system import linear_system
+from cnnsim.network import ZERO_FLUX
+
+
+def test_one_run_by_long_steps_ends_as_short_steps_do() -> None:
+    picture = np.where(np.random.default_rng(5).random((30, 40)) < 0.4, 1.0, -1.0)
+    for name in ("hole-filler", "shadow-left"):
+        fast = run(name, picture, accuracy="binary")
+        assert "every step leads there" in fast.how
+        assert fast.plan.step >= 0.5
+        assert np.array_equal(fast.y > 0, run(name, picture, step=0.02).y > 0)
+        assert not len(fast.undecided)
+
+
+def test_a_start_from_which_outputs_go_both_ways_takes_two_runs() -> None:
+    x = np.random.default_rng(6).uniform(-1, 1, (9, 9))
+    pulls = Template([[0, 0.3, 0], [0.3, 2, 0.3], [0, 0.3, 0]])
+    assert "every step" not in run_transient(pulls, state=x, accuracy="binary", boundary=fixed(0)).how
+
+
+def test_cells_on_a_ridge_are_named_in_float64() -> None:
+    ridge = Template([[0, 0.3, 0], [0.3, 2, 0.3], [0, 0.3, 0]])
+    x = np.random.default_rng(7).uniform(0.2, 1, (1, 9))
+    x = np.concatenate([x, -x])  # the two rows are each other's mirror, and pull at each other
+    found = run_transient(ridge, state=x, accuracy="binary", boundary=ZERO_FLUX, dtype="float64")
+    wrong = np.argwhere(np.abs(found.y) < 0.99)
+    assert {tuple(cell) for cell in wrong} <= {tuple(cell) for cell in found.undecided}
+    zero = run_transient(ridge, state=0 * x, accuracy="binary", boundary=fixed(0), dtype="float64")
+    assert len(zero.undecided) == x.size
+
+
+def test_a_push_grows_as_a_second_flow_says() -> None:
+    rng = np.random.default_rng(8)
+    A, x = rng.normal(size=(3, 3)), rng.uniform(-1, 1, 30)
+    system = linear_system(Template(A).feedback_taps, (5, 6), ZERO_FLUX)
+    push = 1e-7 * rng.normal(size=30)
+    flows = [exact_flow(system, start, push, 3.0, 10**4) for start in (x, x + push)]
+    assert np.abs(flows[1].x - flows[0].x - flows[0].push).max() <= 0.02 * np.abs(flows[0].push).max()
+    assert library.load("hole-filler").template.symmetric
