@@ -124,7 +124,7 @@ def _in_range(name: str, readings: Floats) -> None:
         run = max(np.split(at, np.flatnonzero(np.diff(at) > 1) + 1), key=len)
         beside = max(readings[[max(run[0] - 1, 0), min(run[-1] + 1, readings.size - 1)]], key=lambda r: abs(r - end))
         high = 2 * abs(end) >= np.abs(readings).max()
-        if high and run.size >= 3 and abs(beside - end) > CUT * count:
+        if high and run.size >= 3 and abs(beside - end) > (CUT + 0.5) * count:  # whole counts, less rounding
             raise InputError(
                 f"{run.size} {name} readings on end are {end:.4g}, the one beside them {beside:.4g}: cut at the end of"
                 " the sensor's range, or repeated; readings within the range wanted"
