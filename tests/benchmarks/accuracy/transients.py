@@ -86,4 +86,5 @@ def _draw(figure: Any, found: dict[str, list[Row]], ideas: dict[str, list[tuple[
                 )
         left.set_ylim(1e-15, 30)
         right.set_ylim(1e-15, 30)
-    axes[0, 0].legend(fontsize=6, ncols=2)
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, fontsize=8, ncols=4, loc="outside upper center")  # beside the curves, not over them
