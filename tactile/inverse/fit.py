@@ -60,7 +60,7 @@ class Fit:
     """
 
     def __init__(self, signals: Signals, start: Floats) -> None:
-        from tactile.inverse import fit_numba  # numba is slow to import
+        from tactile.inverse import components_numba, fit_numba  # numba is slow to import
 
         self.signals = signals
         parts = signals.seen, signals.felt, signals.scale
@@ -70,7 +70,7 @@ class Fit:
         self.loads = np.zeros((len(start), 5))
         self.loads[:, : start.shape[1]] = start
         if start.shape[1] == 2:
-            fit_numba.components(*parts, self.loads[0], signals.strain, signals.tie)
+            components_numba.components(*parts, self.loads[0], signals.strain, signals.tie)
         self.chi, self.whole, self.spread = fit_numba.fit(*parts, self.loads, signals.strain, signals.tie, STEPS)
         if many:
             self.chi, self.whole = fit_numba.energy(self.rest), fit_numba.energy(signals.felt)
