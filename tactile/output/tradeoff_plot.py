@@ -29,7 +29,7 @@ def draw_trades(rows: Sequence[Point], axes: "Axes", title: str) -> None:
     axes.plot(time, [max(row.bound, least) for row in rows[1:]], "^", fillstyle="none", color="C1", label="bound")
     axes.plot(time, [max(row.error, least) for row in rows[1:]], "o", color="C0", label="error found")
     axes.set(xscale="log", yscale="log", title=title)
-    axes.set(xlabel="time of a frame of one finger [us]", ylabel="largest error over the peak")
+    axes.set(xlabel="processor time of a frame of one finger [us]", ylabel="largest error over the peak")
     axes.xaxis.set_minor_formatter("")  # few decades: their labels would run into each other
     axes.legend(fontsize=8)
     axes.grid(alpha=0.3, which="both")

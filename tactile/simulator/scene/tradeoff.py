@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from time import perf_counter
+from time import perf_counter, process_time
 
 from tactile.simulator.scene.auto_effects import all_effects, choose
 from tactile.simulator.scene.estimate import Sample
@@ -21,7 +21,7 @@ class Trade:
     """One choice of effects.
 
     ``tolerance`` 0 for all effects; ``bound`` of its error and the largest ``error`` found over some seeds, relative to
-    the peak; ``left_out``: effects; ``choosing`` [s], once; ``seconds`` a frame of one finger.
+    the peak; ``left_out``: effects; ``choosing`` [s], once; ``seconds`` of processor time a frame of one finger.
     """
 
     tolerance: float
@@ -66,9 +66,9 @@ def trades(scene: Scene, tolerances: Sequence[float] = TOLERANCES, seeds: int = 
 
 
 def _seconds(scene: Scene) -> float:
-    """Time of a frame of one finger."""
-    start = perf_counter()
+    """Processor time of a frame of one finger, which other work on the machine changes little."""
+    start = process_time()
     for finger in range(len(scene.arrays)):
         for _ in scene.batches(finger):
             pass
-    return (perf_counter() - start) / scene.samples / len(scene.arrays)
+    return (process_time() - start) / scene.samples / len(scene.arrays)
