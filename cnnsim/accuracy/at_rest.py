@@ -25,7 +25,9 @@ def seen_to_the_end(
     Arguments: planes of the backend, as `Backend.transient` takes them. The ``x`` of the ending is None where the state
     stays as it is.
     """
-    if plan.cell == "discrete-time" or outcome.rate > 1.001 * SETTLED_RATE:  # by which float32 may miss it
+    if (
+        outcome.saturated or plan.cell == "discrete-time" or outcome.rate > 1.001 * SETTLED_RATE
+    ):  # by which float32 may miss it
         return outcome, Ending(None, outcome.t, 0.0, _NOWHERE, "no output can change")
     if plan.method == "closed form":
         ridge = _NOWHERE

@@ -23,13 +23,15 @@ Memory = Literal["lam", "llm"]
 class Outcome(NamedTuple):
     """The end of a transient: the state plane, the time [time constants], whether it settled, the largest |dx/dt|.
 
-    ``rate`` is NaN where it was not asked for (a fixed duration, a closed form at a finite time).
+    ``rate`` is NaN where it was not asked for (a fixed duration, a closed form at a finite time). ``saturated``: the
+    check saw that no output can change any more, so that nobody need read the plane to know it.
     """
 
     x: Plane
     t: float
     settled: bool
     rate: float
+    saturated: bool = False
 
 
 Area = tuple[tuple[int, int], tuple[int, int]]

@@ -30,7 +30,8 @@ def run(plan: Plan, stepper: Stepper, spans: Iterable[tuple[int, int]] | None = 
                 check = stepper.check_settled(step, last=False)
                 if check.settled or check.repeats:
                     pace.over()
-                    return Outcome(stepper.finish(), step * plan.step, check.settled, check.rate)
+                    t = step * plan.step
+                    return Outcome(stepper.finish(), t, check.settled, check.rate, check.saturated)
                 rate = check.rate
             until = min(end, (step // every + 1) * every) if settling else end
             now = min(until - step, pace.left)
@@ -44,4 +45,4 @@ def run(plan: Plan, stepper: Stepper, spans: Iterable[tuple[int, int]] | None = 
     if not settling:
         return Outcome(stepper.finish(), float(plan.duration), False, math.nan)
     check = stepper.check_settled(plan.steps, last=True)
-    return Outcome(stepper.finish(), plan.steps * plan.step, check.settled, check.rate)
+    return Outcome(stepper.finish(), plan.steps * plan.step, check.settled, check.rate, check.saturated)

@@ -117,3 +117,13 @@ def test_ties_that_rounding_decides_are_named() -> None:
     assert (np.abs(result.x) >= 1).all()
     assert result.undecided is not None
     assert len(result.undecided) == 4
+
+
+def test_a_plane_that_the_check_saw_saturated_is_not_read() -> None:
+    from cnnsim.accuracy.at_rest import seen_to_the_end
+    from cnnsim.backends.base import Outcome
+    from cnnsim.task import make_task
+
+    plan = make_task(Template(2), state=np.ones((3, 3)), duration="settled", step=0.1).plan
+    outcome = Outcome(object(), 1.0, True, 0.0, saturated=True)  # nothing that could be read
+    assert seen_to_the_end(None, plan, outcome, None, None, None, 1e-3)[0] is outcome  # type: ignore[arg-type]  # unused
