@@ -1,5 +1,6 @@
 """Delays and sequences: exact against closed forms, and what the library's templates of moving pictures promise."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -64,7 +65,7 @@ def test_nothing_is_interpolated() -> None:
     with pytest.raises(InputError, match="give a duration"):
         make_plan(t, (2, 2), fixed(0))
     with pytest.raises(InputError, match="no common step"):
-        make_plan(t, (2, 2), fixed(0), duration=np.e)
+        make_plan(t, (2, 2), fixed(0), duration=math.e)
     with pytest.raises(InputError, match="every"):
         Frames([np.ones((2, 2))], 0.0)
 
