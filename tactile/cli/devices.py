@@ -13,9 +13,9 @@ from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.echo import echo
 from cnnsim.support.own_file import lock, open_shut
-from tactile.cli.console import be_steady, stopping
 from tactile.cli.loading import ends_at_once
 from tactile.cli.options import ARRAY, FILE, PROTOCOL, chosen_description, write_new_text
+from tactile.cli.port.console import be_steady, stopping
 
 if TYPE_CHECKING:
     from tactile.serial.emulator import Emulator

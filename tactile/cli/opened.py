@@ -15,7 +15,7 @@ from tactile.settings import PipelineOptions, Settings
 from tactile.sources import open_source
 
 if TYPE_CHECKING:
-    from tactile.cli.live import LiveOptions
+    from tactile.cli.port.live import LiveOptions
     from tactile.simulator.bump_cover import Bumps
     from tactile.simulator.scene.scene import Scene
 
@@ -78,7 +78,7 @@ def _recorded(choices: str, source: Path) -> "LiveOptions | None":
     """Return the options of the live run that recorded a source, None where it was none."""
     if not choices:
         return None
-    from tactile.cli.live import recorded_options  # only here
+    from tactile.cli.port.live import recorded_options  # only here
 
     return recorded_options(choices, str(source))
 

@@ -12,7 +12,6 @@ from cnnsim import backends
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples
 from cnnsim.support.echo import echo
-from tactile.cli import console
 from tactile.cli.loading import ends_at_once
 from tactile.cli.options import (
     ARRAY,
@@ -24,6 +23,7 @@ from tactile.cli.options import (
     kept_calibration,
     new_mcap,
 )
+from tactile.cli.port import console
 
 PORT = click.option("--port", "-p", required=True, help="Port to read; `tactile ports` lists them.")
 SECONDS = click.option("--seconds", type=click.FloatRange(0, min_open=True), help="Stop after this time [s].")
@@ -96,7 +96,7 @@ def live(
 ) -> None:  # fmt: skip
     """Run the pipeline on frames as they arrive. Typing t and Return asks for a tare, t! takes it
     whatever presses, q or Ctrl-C ends."""
-    from tactile.cli.live import LiveMonitor, LiveOptions, print_line  # the same
+    from tactile.cli.port.live import LiveMonitor, LiveOptions, print_line  # the same
     from tactile.recording.writer import Recording  # only here
     from tactile.serial.session import Session  # the same
 
@@ -133,8 +133,8 @@ def replay(recording: Path, paced: bool, speed: float | None, as_json: bool, **c
     """
     import time  # only here
 
-    from tactile.cli.live import LiveMonitor, print_line, recorded_options  # the same
-    from tactile.cli.live import paced as at_its_time
+    from tactile.cli.port.live import LiveMonitor, print_line, recorded_options  # the same
+    from tactile.cli.port.live import paced as at_its_time
     from tactile.recording.reader import open_recording  # the same
     from tactile.wire.source import WireSource  # the same
 

@@ -16,8 +16,8 @@ import numpy as np
 
 from cnnsim.support.echo import json_line
 from tactile import pipeline
-from tactile.cli import console
-from tactile.cli.live import LiveMonitor, LiveOptions
+from tactile.cli.port import console
+from tactile.cli.port.live import LiveMonitor, LiveOptions
 from tactile.core.frame import Frame
 from tactile.pipeline import FrameReport
 from tactile.recording.writer import Recording

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 from tactile import pipeline
-from tactile.cli.live import LiveMonitor, LiveOptions
+from tactile.cli.port.live import LiveMonitor, LiveOptions
 from tactile.core.source import FrameStream
 from tactile.sources import open_source
 from tactile.wire.packets import emulated_description

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tactile.calibration.live_tare import LiveTare
-from tactile.cli.live import LiveMonitor, LiveOptions
+from tactile.cli.port.live import LiveMonitor, LiveOptions
 from tactile.core.frame import Frame, TaxelArray
 from tactile.pipeline import FrameReport, warm_up
 from tactile.recording.reader import open_recording

@@ -10,7 +10,7 @@ from mcap.records import Attachment, Channel, Message, Metadata
 from mcap.writer import Writer
 
 from cnnsim.support import InputError
-from tactile.cli.live import LiveOptions
+from tactile.cli.port.live import LiveOptions
 from tactile.core.epoch import Epoch
 from tactile.core.frame import Frame
 from tactile.recording import schema

@@ -9,7 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from cnnsim.support.echo import printable
-from tactile.cli.live import LiveMonitor, tare_words
+from tactile.cli.port.live import LiveMonitor, tare_words
 from tactile.core.frame import NORMAL
 from tactile.events.code import CONTACT
 from tactile.pipeline import FrameReport

@@ -15,7 +15,7 @@ from cnnsim.support.echo import json_line
 from cnnsim.support.toml_file import check_keys, take
 from tactile import pipeline
 from tactile.calibration.live_tare import IDLE, TareNote
-from tactile.cli.meter import Meter
+from tactile.cli.port.meter import Meter
 from tactile.events.event import Event
 from tactile.output.event_data import EventData, finite
 from tactile.pipeline import FrameReport

@@ -15,7 +15,7 @@ from tactile.serial.kept_memory import keep_memory
 from tactile.serial.time_slice import ask_for_short_slices
 
 if TYPE_CHECKING:
-    from tactile.cli.live import LiveOptions
+    from tactile.cli.port.live import LiveOptions
     from tactile.serial.session import Session
     from tactile.wire.description import Description
 
@@ -61,7 +61,7 @@ def closing(session: "Session", as_json: bool, monitor: Any = None) -> Iterator[
         if recording is not None:
             recording.close(summary)
         if as_json:
-            from tactile.cli.live import print_line  # only here
+            from tactile.cli.port.live import print_line  # only here
 
             print_line({"type": "end", **summary})
         else:
@@ -87,7 +87,7 @@ def viewing(monitor: Any, session: "Session", port: str, wanted: bool) -> Iterat
         return
     from rich.live import Live  # only for people
 
-    from tactile.cli.view import LiveView  # the same
+    from tactile.cli.port.view import LiveView  # the same
 
     def state() -> str:
         return f"{port}: {session.reader.why or session.check.trouble or 'open'}"
@@ -127,7 +127,7 @@ def tell(line: dict[str, Any]) -> None:
     if line["type"] == "program":
         echo(f"{line['t_s']:10.3f}  {line['finger']}  {line['program']}: {line['outputs']}")
     if line["type"] == "tare":
-        from tactile.cli.live import tare_words  # is loaded where there are tares
+        from tactile.cli.port.live import tare_words  # is loaded where there are tares
 
         echo(f"{line['t_s']:10.3f}  {line['finger']}  tare {tare_words(line)}")
     if line["type"] == "event_end":
@@ -148,6 +148,6 @@ def warn(text: str) -> None:
 
 def warn_json(text: str) -> None:
     """Tell other programs of trouble with the port."""
-    from tactile.cli.live import print_line  # only here
+    from tactile.cli.port.live import print_line  # only here
 
     print_line({"type": "warning", "text": text})
