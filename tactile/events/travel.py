@@ -63,6 +63,6 @@ class Travel:
         (t0, x0, y0), (_, x1, y1), (t2, x2, y2) = self._last
         self._last.pop(0)
         bend = hypot(x2 - 2 * x1 + x0, y2 - 2 * y1 + y0) / 3.46  # of two independent components, over three readings
-        weight = 1 - exp(-(t2 - t0) / 2 / MEMORY)
+        weight = 1 - exp(-max(t2 - t0, 0.0) / 2 / MEMORY)  # a device's clock may jump back
         if bend < START or self._unrest > 0:  # a jump is no noise
             self._unrest = (self._unrest**2 * (1 - weight) + min(bend, START) ** 2 * weight) ** 0.5
