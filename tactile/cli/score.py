@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.echo import echo
 from tactile.cli.options import check_thresholds, detection
@@ -86,6 +87,8 @@ def score(
 
 
 def _half(items: list[Any], half: str) -> list[Any]:
+    if half != "all" and len(items) == 1:
+        raise InputError(f"--half {half}: {items[0]} is all there is; two or more recordings or grasps wanted")
     return items if half == "all" else items[HALVES.index(half) - 1 :: 2]
 
 

@@ -20,7 +20,9 @@ from tests.kits.slides import slides, write_slides
 TEMLIB = "RIM_A = [0 0 0; 0 1 0; 0 0 0];\nRIM_B = [-1 -1 -1; -1 8 -1; -1 -1 -1];\nRIM_I = -1;\n"
 GENE = "-1 -1 -1 -1 -1 8 -1 -1 -1 -1 0 0 0 0 1 0 0 0 0\n"
 RULE = 'black = [["???", "?#?", "???"]]\ndefault = "white"\n'
-LABELS = "recording,sensor,contact_s,release_s\ngrasp,0,0.4,5.2\ngrasp,1,0.4,5.2\n"
+LABELS = "recording,sensor,contact_s,release_s\n" + "".join(
+    f"{name},{sensor},0.4,5.2\n" for name in ("again", "grasp") for sensor in (0, 1)
+)
 PROGRAM = """
 name = "my-program"
 llm = ["a", "b", "mask", "changed"]
@@ -83,7 +85,7 @@ def write_own_files(folder: Path) -> None:
         (folder / name).write_text(text, encoding="utf-8")
     (folder / "grasps").mkdir()
     (folder / "grasps" / "labels.csv").write_text(LABELS, encoding="utf-8")
-    for path in (folder / "grasp.npz", folder / "grasps" / "grasp.npz"):
+    for path in (folder / name for name in ("grasp.npz", "again.npz", "grasps/grasp.npz", "grasps/again.npz")):
         path.write_bytes(RECORDING.read_bytes())
     (folder / "scene.toml").write_bytes(SCENE.read_bytes())
     (folder / "slides").mkdir()
