@@ -24,7 +24,7 @@ def _random(seed: int, scale: float = 1.0) -> tuple[np.random.Generator, Templat
 
 
 @both
-@settings(max_examples=50)
+@settings(max_examples=20)
 @given(seed=seeds, h=st.floats(0.1, 1.0))
 def test_the_state_never_leaves_the_chua_yang_bound(backend: str, seed: int, h: float) -> None:
     rng, t, x, u = _random(seed)

@@ -67,7 +67,7 @@ def write_own_files(folder: Path) -> None:
     for name in ("square", "before", "after"):
         write_picture(square if name != "after" else -square, folder / f"{name}.png")
     for name in ("scan.png", "photo.jpg", "photo.png", "f1.png", "f2.png", "frame1.png", "frame2.png", "frame3.png"):
-        write_picture(picture if name == "scan.png" else picture[::2, ::2], folder / name)
+        write_picture(picture[::2, ::2], folder / name)
     for name in ("mask", "marker", "keep"):
         write_picture(abs(picture) * (1 if name == "mask" else -1), folder / f"{name}.png")
     for name in ("scans", "left", "right"):
