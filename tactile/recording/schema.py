@@ -49,7 +49,7 @@ NUMBERS = {"type": "array", "items": NUMBER}
 TABLE = {"type": "object", "additionalProperties": NUMBER}
 LISTS = {"type": "array"}
 LOAD = {
-    "type": "object", "properties": {"sigma": NUMBERS, "left_out": LISTS, "others": LISTS, "validity": TEXT},
+    "type": "object", "properties": {"sigma": NUMBERS, "left_out": LISTS, "saturated": LISTS, "others": LISTS, "validity": TEXT},
     "additionalProperties": NUMBER,
 }  # fmt: skip
 LOG_NAME = "foxglove.Log"
