@@ -49,9 +49,10 @@ NUMBERS = {"type": "array", "items": NUMBER}
 TABLE = {"type": "object", "additionalProperties": NUMBER}
 LISTS = {"type": "array"}
 LOAD = {
-    "type": "object", "properties": {"sigma": NUMBERS, "left_out": LISTS, "saturated": LISTS, "others": LISTS, "validity": TEXT},
+    "type": "object",
+    "properties": {"sigma": NUMBERS, "left_out": LISTS, "saturated": LISTS, "others": LISTS, "validity": TEXT},
     "additionalProperties": NUMBER,
-}  # fmt: skip
+}
 LOG_NAME = "foxglove.Log"
 """The schema by whose name viewers know a log."""
 INFO, WARNING = 2, 3
