@@ -22,8 +22,7 @@ def main() -> None:
     told: list[tuple[float, str]] = []
     run(Push(), Settings(), [lambda one: told.extend((event.t, event.words) for event in one.events)])
     print(told)
-    assert (told[0][1], told[-1][1]) == ("contact on 4 of 4 taxels", "tangential load +x 2.00 N")
-    assert 0.09 <= told[0][0] <= 0.1  # between two frames
+    assert 0.09 <= told[0][0] <= 0.1 and told[-1][1] == "tangential load +x 2.00 N"
 
 
 if __name__ == "__main__":

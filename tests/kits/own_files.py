@@ -63,11 +63,11 @@ def detector() -> str:
 
 def write_own_files(folder: Path) -> None:
     """Write all of them into a folder."""
-    square, picture = np.pad(np.ones((9, 9)), 5, constant_values=-1), scan()
+    square, picture = np.pad(np.ones((9, 9)), 5, constant_values=-1), scan()[::2, ::2]
     for name in ("square", "before", "after"):
         write_picture(square if name != "after" else -square, folder / f"{name}.png")
     for name in ("scan.png", "photo.jpg", "photo.png", "f1.png", "f2.png", "frame1.png", "frame2.png", "frame3.png"):
-        write_picture(picture[::2, ::2], folder / name)
+        write_picture(picture, folder / name)
     for name in ("mask", "marker", "keep"):
         write_picture(abs(picture) * (1 if name == "mask" else -1), folder / f"{name}.png")
     for name in ("scans", "left", "right"):
