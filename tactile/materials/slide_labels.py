@@ -1,10 +1,10 @@
 """Labels of slides: which material passed under which finger of which recording, read from a CSV file."""
 
-import csv
 from dataclasses import dataclass
 from pathlib import Path
 
 from cnnsim.support import InputError
+from tactile.core.label_lines import read_lines
 
 NEEDED = ("recording", "material")
 OPTIONAL = ("sensor", "start_s", "stop_s", "speed_mm_s", "block")
@@ -32,12 +32,7 @@ def read_slide_labels(path: Path) -> list[SlideLabel]:
     Raises:
         InputError: no such file, a missing column, an empty name, a number that is none.
     """
-    try:
-        with path.open(encoding="utf-8", newline="") as file:
-            reader = csv.DictReader(file)
-            lines, columns = list(reader), reader.fieldnames or ()
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: cannot be read as labels: {error}") from error
+    lines, columns = read_lines(path)
     if not set(NEEDED) <= set(columns):
         raise InputError(f"{path}: columns {', '.join(columns)}; {' and '.join(NEEDED)} wanted")
     labels = []

@@ -1,11 +1,11 @@
 """Labels of recordings: what is known to have happened to each finger, read from a CSV file."""
 
-import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from cnnsim.support import InputError
+from tactile.core.label_lines import read_lines
 
 TRUTHS = {
     "contact_s": "contact", "release_s": "release", "tangential_onset_s": "tangential_load", "gross_slip_s": "slip",
@@ -35,12 +35,7 @@ def read_labels(path: Path) -> list[Labelled]:
     Raises:
         InputError: no such file, a column that is missing, a number that is none.
     """
-    try:
-        with path.open(encoding="utf-8", newline="") as file:
-            reader = csv.DictReader(file)
-            lines, columns = list(reader), reader.fieldnames or ()
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: cannot be read as labels: {error}") from error
+    lines, columns = read_lines(path)
     missing = {"recording", "sensor"} - set(columns)
     known = [column for column in TRUTHS if column in columns]
     if missing or not known:

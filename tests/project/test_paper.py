@@ -189,7 +189,7 @@ def test_every_calibration_gains_where_its_error_is() -> None:
         steps = found[name]
         assert steps["beta_ns"].near < steps["nominal"].near, name
         assert steps["thickness"].near < 0.65 * steps["beta_ns"].near, name
-        # with all at once the square area's mean of tip and layer is left, which is not the same in all directions
+        # with all at once the square area, tip and layer leave 3 to 7 um that go as cos(4 phi): no radius corrects
         assert steps["radial"].far < (0.62 if name == ALL.name else 0.45) * steps["load"].far, name
         assert steps["radial"].force < 0.6 * steps["nominal"].force, name
         assert not steps["radial"].lost, name

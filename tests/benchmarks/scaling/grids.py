@@ -24,6 +24,7 @@ from cnnsim.network import Template
 from cnnsim.supersteps.engine import Engine
 from cnnsim.supersteps.pictures import TiledPicture
 from tests.benchmarks.accuracy.section import Section
+from tests.benchmarks.scaling.peak_memory import command_of, family, peak_memory
 
 WAVE = Template([[0.1, 0.2, 0.1], [0.2, 1.6, 0.2], [0.1, 0.2, 0.1]], 0.4, 0.05, "wave")
 STEP = 0.1
@@ -48,48 +49,6 @@ class Rings(Speckle):
         rows, cols = (np.arange(side)[one] % 512 - 256 for side, one in zip(self.shape, part[-2:], strict=True))
         away = np.hypot(rows[:, None], cols)
         return (away > 150) & (away < 160)
-
-
-@contextmanager
-def peak_memory() -> Iterator[list[float]]:
-    """Give a list whose entry is the largest memory of this process and its children together [bytes], sampled."""
-    peak, over = [0.0], threading.Event()
-
-    def watch() -> None:
-        while not over.wait(0.05):
-            peak[0] = max(peak[0], sum(map(_own_memory, _family())))
-
-    thread = threading.Thread(target=watch)
-    thread.start()
-    try:
-        yield peak
-    finally:
-        over.set()
-        thread.join()
-
-
-def _family() -> list[int]:
-    """Return this process and all that descend from it."""
-    parents: dict[int, list[int]] = {}
-    for entry in Path("/proc").glob("[0-9]*"):
-        try:
-            fields = (entry / "stat").read_text().rpartition(")")[2].split()
-        except OSError:
-            continue
-        parents.setdefault(int(fields[1]), []).append(int(entry.name))
-    found = [os.getpid()]
-    for process in found:
-        found += parents.get(process, [])
-    return found
-
-
-def _own_memory(process: int) -> float:
-    """Return the memory of a process without what it shares with others counted twice."""
-    try:
-        lines = Path(f"/proc/{process}/smaps_rollup").read_text().splitlines()
-    except OSError:
-        return 0.0
-    return 1024.0 * sum(int(line.split()[1]) for line in lines if line.startswith("Pss:"))
 
 
 @contextmanager
@@ -175,7 +134,7 @@ def kills(runs: int = 10, side: int = 1024, steps: int = 256) -> list[dict[str, 
         def kill(over: threading.Event = over, seed: int = number) -> None:
             if over.wait(1.0 + 3.0 * random.Random(seed).random()):
                 return
-            crew = [process for process in _family()[1:] if b"popen_loky" in _command(process)]
+            crew = [process for process in family()[1:] if b"popen_loky" in command_of(process)]
             if crew:
                 os.kill(random.Random(seed).choice(crew), signal.SIGKILL)
 
@@ -186,13 +145,6 @@ def kills(runs: int = 10, side: int = 1024, steps: int = 256) -> list[dict[str, 
         thread.join()
     figure = f"a worker killed in each of {runs} runs: the share that gave the same bytes"
     return [_row(figure, side, steps, time.perf_counter() - begun, same / runs)]
-
-
-def _command(process: int) -> bytes:
-    try:
-        return Path(f"/proc/{process}/cmdline").read_bytes()
-    except OSError:
-        return b""
 
 
 def section(side: int) -> Section:
