@@ -83,15 +83,15 @@ def accuracy(
         for wanted in (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
     ]
     first = next((row.seconds for row in cheapest if row is not None), 1.0)
-    lines = [("error", "cheapest setting", "evaluations", "time", "times the first", "right signs")]
+    lines = [("error", "cheapest setting", "evaluations", "time", "times", "right signs")]
     for wanted, row in zip(range(1, 9), cheapest, strict=True):
         if row is None:
             lines.append((f"1e-{wanted}", "none of these", "", "", "", ""))
             continue
-        setting = f"{row.scheme}, h = {row.step:.4g}, {row.dtype}, {row.backend}"
+        setting = f"{row.scheme} h={row.step:.4g} {row.dtype} {row.backend}"
         lines.append((
             f"1e-{wanted}", setting, str(row.evaluations), f"{row.seconds * 1e3:.3g} ms", f"{row.seconds / first:.2g}",
-            f"{row.signs:.4%}",
+            f"{row.signs:.2%}",
         ))  # fmt: skip
     widths = [max(len(line[column]) for line in lines) for column in range(6)]
     for line in lines:

@@ -20,7 +20,7 @@ HALVES = ("all", "tune", "report")
 @click.command(
     epilog=examples(
         "tactile score grasps/ --labels grasps/labels.csv", "tactile score . --labels l.csv --half report --json",
-        "tactile score --grasps 200 --idle-minutes 10",
+        "tactile score --grasps 20 --idle-minutes 1",
     )
 )  # fmt: skip
 @click.argument("folder", type=click.Path(path_type=Path), required=False)
