@@ -1,9 +1,8 @@
 """The command `accuracy`: what accuracy costs, for one template on one picture."""
 
-import csv
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
@@ -12,8 +11,12 @@ from cnnsim import backends, library
 from cnnsim.cli.run import json_option
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, watched
-from cnnsim.support.echo import say
+from cnnsim.support.echo import echo, say
+from cnnsim.support.files import write_rows, writing
 from cnnsim.support.pictures.picture import read_picture
+
+if TYPE_CHECKING:
+    from cnnsim.prototyping.accuracy.work_precision import Row
 
 _FILE = click.Path(path_type=Path)
 
@@ -58,44 +61,52 @@ def accuracy(
     runs = list(settings(names or ("cpu",), 8))
     found = [measured(given, exact, setting) for setting in watched(runs, "runs", len(runs))]
     rows = [row for row in found if row is not None]
+    if not rows:
+        raise InputError(
+            f"template {name!r}: no step from {runs[0][3]:g} to {runs[-1][3]:g} is stable; another one wanted"
+        )
     if table is not None:
-        with table.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, list(asdict(rows[0])))
-            writer.writeheader()
-            writer.writerows(asdict(row) for row in rows)
+        write_rows(table, [asdict(row) for row in rows])
     if output is not None:
-        from matplotlib.figure import Figure  # slow to import, and only needed for the diagram
-
-        from cnnsim.prototyping.accuracy.plot import draw
-
-        figure = Figure(figsize=(11, 4.5), layout="constrained")
-        left, right = figure.subplots(1, 2)
-        draw(rows, left, "evaluations", f"{name}, t = {given['duration']:g}")
-        draw(rows, right, "seconds", f"{shown.shape[0]} x {shown.shape[1]} cells")
-        right.legend(fontsize=7)
-        figure.savefig(output, dpi=120)
+        _draw(rows, output, f"{name}, t = {given['duration']:g}", f"{shown.shape[0]} x {shown.shape[1]} cells")
     if as_json:
         print_json({"template": name, "reference": how, "rows": [asdict(row) for row in rows]})
         return
     say(f"{name}, {shown.shape[0]} x {shown.shape[1]} cells, t = {given['duration']:g}; truth: {how}")
-    cheapest = [
-        min((row for row in rows if row.error <= wanted), key=lambda row: row.seconds, default=None)
-        for wanted in (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
-    ]
-    first = next((row.seconds for row in cheapest if row is not None), 1.0)
-    lines = [("error", "cheapest setting", "evaluations", "time", "times", "right signs")]
-    for wanted, row in zip(range(1, 9), cheapest, strict=True):
-        if row is None:
-            lines.append((f"1e-{wanted}", "none of these", "", "", "", ""))
-            continue
-        setting = f"{row.scheme} h={row.step:.4g} {row.dtype} {row.backend}"
-        lines.append((
-            f"1e-{wanted}", setting, str(row.evaluations), f"{row.seconds * 1e3:.3g} ms", f"{row.seconds / first:.2g}",
-            f"{row.signs:.2%}",
-        ))  # fmt: skip
-    widths = [max(len(line[column]) for line in lines) for column in range(6)]
+    lines = _cheapest(rows)
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     for line in lines:
-        say("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)).rstrip())
+        echo("  ".join(map(str.ljust, line, widths)).rstrip())
+
+
+def _cheapest(rows: list["Row"]) -> list[tuple[str, ...]]:
+    """Return a table of the cheapest setting for each accuracy from 1e-1 to 1e-8, its head first."""
+    lines: list[tuple[str, ...]] = [("error", "cheapest setting", "evaluations", "time", "times", "right signs")]
+    first = None
+    for wanted in (f"1e-{digits}" for digits in range(1, 9)):
+        row = min((row for row in rows if row.error <= float(wanted)), key=lambda row: row.seconds, default=None)
+        if row is None:
+            lines.append((wanted, "none of these", "", "", "", ""))
+            continue
+        first = first or row.seconds
+        setting = f"{row.scheme} h={row.step:.4g} {row.dtype} {row.backend}"
+        cost = f"{row.seconds * 1e3:.3g} ms", f"{row.seconds / first:.2g}", f"{row.signs:.2%}"
+        lines.append((wanted, setting, str(row.evaluations), *cost))
+    return lines
+
+
+def _draw(rows: list["Row"], output: Path, title: str, size: str) -> None:
+    from matplotlib.figure import Figure  # slow to import, and only needed for the diagram
+
+    from cnnsim.prototyping.accuracy.plot import draw  # the same
+
+    figure = Figure(figsize=(11, 4.5), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    draw(rows, left, "evaluations", title)
+    draw(rows, right, "seconds", size)
+    right.legend(fontsize=7)
+    with writing(output) as beside:
+        figure.savefig(beside, dpi=120)
 
 
 def _middle(picture: Any, side: int = 24) -> Any:

@@ -1,9 +1,11 @@
 """Files written whole or not at all: beside the target first, then renamed; what was replaced is told."""
 
-from collections.abc import Callable, Iterator
+import csv
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from cnnsim.support.errors import InputError
 
@@ -86,6 +88,18 @@ def write_text(path: str | Path, text: str, *, replace: bool = True, follow: boo
     make_folder(Path(path).parent)
     with writing(path, replace=replace, follow=follow) as beside:
         beside.write_text(text, encoding="utf-8")
+
+
+def write_rows(path: str | Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Write a CSV file as `writing` does, a row each, under the names of the first one.
+
+    Raises:
+        InputError: as `writing`.
+    """
+    with writing(path) as beside, beside.open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, list(rows[0]))
+        table.writeheader()
+        table.writerows(rows)
 
 
 def make_folder(folder: Path) -> None:

@@ -1,6 +1,5 @@
 """The command that says what accuracy costs in a scene."""
 
-import csv
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,7 +8,7 @@ import click
 
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.echo import echo
-from cnnsim.support.files import writing
+from cnnsim.support.files import write_rows, writing
 
 if TYPE_CHECKING:
     from tactile.simulator.scene.tradeoff import Trade
@@ -45,10 +44,7 @@ def accuracy(
     chosen = tolerances or TOLERANCES
     rows = list(watched(trades(bare, chosen), "tolerances", len(chosen) + 1))
     if table is not None:
-        with writing(table) as beside, beside.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, list(asdict(rows[0])))
-            writer.writeheader()
-            writer.writerows(asdict(row) | {"left_out": " ".join(row.left_out)} for row in rows)
+        write_rows(table, [asdict(row) | {"left_out": " ".join(row.left_out)} for row in rows])
     if output is not None:
         _draw(rows, output, bare.title)
     if as_json:
