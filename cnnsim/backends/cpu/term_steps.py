@@ -4,7 +4,7 @@ import numpy as np
 
 from cnnsim.backends.base import Check, Stepper
 from cnnsim.backends.cpu import term_loops as loops
-from cnnsim.backends.cpu.term_loops import DISCRETE, DRIVE, EULER, NO_MASK, RATE
+from cnnsim.backends.cpu.term_loops import DISCRETE, DRIVE, EULER, RATE
 from cnnsim.backends.cpu.terms import CompiledNetwork
 from cnnsim.support import Array
 
@@ -22,8 +22,7 @@ class CompiledTermSteps(Stepper):
         self._stage = np.empty_like(self._x) if len(scheme.b) > 1 else self._x  # Euler needs none
         self._rates = np.empty((len(scheme.b), *network.shape), dtype)
         self._combine = loops.combine.for_work(self._x.size)
-        gains, _, self._limited = network.cells
-        self._unmasked = gains, NO_MASK, self._limited
+        self._limited = network.cells[2]
 
     def start_span(self, step: int) -> None:
         """See `Stepper.start_span`."""
@@ -47,7 +46,7 @@ class CompiledTermSteps(Stepper):
         for number in range(step, step + count):
             network.past[number % len(network.past)] = x
             for s, (row, ahead) in enumerate(zip(self._a, self._ahead, strict=True)):
-                self._combine(self._stage, x, rates, row, self._unmasked)
+                self._combine(self._stage, x, rates, row, network.cells)
                 planes = rates[s], network.largest, self._stage, network.w, network.past
                 network.advance(planes, (RATE, number + ahead, 1, 0, network.lines))
             self._combine(x, x, rates, self._b, network.cells)

@@ -102,6 +102,10 @@ def run_stages(
                     largest[line], saturated[line] = check_row(row, x[g, p], of_row, limited)
                 for j in range(width):
                     row[j] -= at[g, p, j]
+                if mask.size:  # held in the stages, too: their neighbours see the stages
+                    for j in range(width):
+                        if mask[g, p, j]:
+                            row[j] = 0
         if count == 0 or (number == count - 1 and end < hb.size):
             break
         for line in prange(n * height):

@@ -105,7 +105,7 @@ class _LayerSteps(_NetworkSteps):
                 self._add_terms(TaskCode.EULER, self._x, number, after)
             else:
                 for index, ahead in enumerate(self._ahead):
-                    self._sums.write(index, self._x, self._stage)
+                    self._sums.write(index, self._x, self._stage, self._mask)
                     at = index * self._grid.cells
                     self._add_terms(TaskCode.RATE, self._stage, number + ahead, self._sums.rates, at=at)
                 self._sums.write(-1, self._x, after, self._mask)

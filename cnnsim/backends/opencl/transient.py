@@ -94,7 +94,7 @@ class _StageSteps(CheckedSteps):
     def advance(self, step: int, count: int) -> None:
         for _ in range(count):
             for stage in range(self._stages):
-                self._sums.write(stage, self._x, self._stage)
+                self._sums.write(stage, self._x, self._stage, self._mask)
                 for first, lines in self._context.pieces(self._grid.lines, self.work / self._stages / self._grid.lines):
                     self._context.launch(
                         self._rate, lines * self._grid.cols, self._stage, self._w, self._sums.rates, np.int32(stage),
@@ -124,7 +124,7 @@ class StageSums:
         self._last = np.int32(plan.cell == "full-range"), np.int32(grid.cols), *sizes
         self.rates = context.new(len(plan.scheme.b) * grid.cells * context.dtype.itemsize)
 
-    def write(self, row: int, x: Buffer, to: Buffer, mask: Buffer | None = None) -> None:
+    def write(self, row: int, x: Buffer, to: Buffer, mask: Buffer | None) -> None:
         """Write the state that begins stage ``row``, or with -1 that after the step."""
         self._context.launch(
             self._kernel, self._grid.cells, x, self.rates, *self._rows[row], mask, to, np.int32(mask is not None),

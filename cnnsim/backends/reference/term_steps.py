@@ -36,7 +36,7 @@ class TermSteps(Stepper):
             network.past.append(self._x)
             rates: list[Array] = []
             for row in scheme.a:
-                stage = self._after(row, rates)
+                stage = np.where(network.free, self._after(row, rates), self._x)  # held in the stages, too
                 rates.append(network.drive(stage, number, round(sum(row))) - stage)
             self._x = np.where(network.free, self._after(scheme.b, rates), self._x)
 

@@ -41,7 +41,7 @@ class LinearSteps(Stepper):
             for weight, k in zip(row, rates, strict=False):
                 stage = stage + h * weight * k
             stage = self._limit(stage)
-            rates.append(self.drive(stage) - stage)
+            rates.append(np.where(self._free, self.drive(stage) - stage, 0.0))  # held in the stages, too
         for weight, k in zip(scheme.b, rates, strict=True):
             x = x + h * weight * k
         return self._limit(x)
