@@ -8,11 +8,13 @@ from typing import Any
 import click
 import numpy as np
 import pytest
+from click.testing import CliRunner
+from PIL import Image
 
 from cnnsim import write_picture
 from cnnsim.cli.group import main as cnnsim
 from tactile.cli.group import main as tactile
-from tests.kits.paths import ROOT
+from tests.kits.paths import ROOT, SCENES
 
 PAGES = [*sorted(ROOT.glob("*.md")), ROOT / "templates" / "README.md", ROOT / "tactile" / "CONNECT.md"]
 GROUPS: dict[str, click.Group] = {"cnnsim": cnnsim, "tactile": tactile}
@@ -78,3 +80,12 @@ def test_commands_are_understood(line: str) -> None:
     with group.make_context(name, list(arguments)) as outer:
         command = group.commands[arguments[position]]
         assert command.make_context(command.name, arguments[position + 1 :], parent=outer)
+
+
+def test_the_picture_of_the_readme_is_what_the_main_job_draws(tmp_path: Path) -> None:
+    done = CliRunner().invoke(tactile, ["run", str(SCENES / "grip.toml"), "-o", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    pictures = tmp_path / "touch.png", ROOT / "examples" / "grip.png"
+    drawn, shown = (np.asarray(Image.open(path).convert("L"), float) for path in pictures)
+    assert drawn.shape == shown.shape
+    assert np.abs(drawn - shown).mean() < 0.3  # another event, or words elsewhere, and it is more; of 255
