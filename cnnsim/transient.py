@@ -1,5 +1,6 @@
 """run_transient: runs the transient of a template on a backend; trajectory: its outputs over time."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +17,7 @@ from cnnsim.network import AnyTemplate
 from cnnsim.recording import Record, parse_record
 from cnnsim.result import Result
 from cnnsim.support import Array, InputError
+from cnnsim.support.values import is_number, is_whole
 from cnnsim.task import Dtype, TaskOptions, load, make_task
 
 if TYPE_CHECKING:
@@ -91,6 +93,10 @@ def trajectory(
 
     Arguments and errors: as `run_transient`.
     """
+    if not is_whole(frames) or frames < 1:
+        raise InputError(f"frames {frames!r}; a whole number above 0 wanted")
+    if not is_number(until) or not 0 <= until < math.inf:
+        raise InputError(f"until {until!r}; a number of time constants >= 0 wanted")
     task = make_task(template, state=state, **choices).owned()
     where = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend
     yield 0.0, task.plan.output(where.read(where.load(task.state, "lam")))

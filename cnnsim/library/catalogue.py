@@ -11,6 +11,7 @@ from cnnsim.keywords import spelled
 from cnnsim.library.entry import Example, LibraryEntry
 from cnnsim.library.folders import files, not_found
 from cnnsim.library.read import load_file
+from cnnsim.network import AnyTemplate
 from cnnsim.recording import Record
 from cnnsim.result import Result
 from cnnsim.support import InputError
@@ -30,8 +31,15 @@ def run(
     duration, cell, scheme, step, accuracy, limit, bias, mask, as in `run_transient`; so are ``backend``, ``dtype``,
     ``threads`` and ``record``: times [time constants], or cells (row, column), whose states the result has as its
     ``trajectory``.
+
+    Raises:
+        InputError: no such template, a picture that is none, a missing second one; as `run_transient`.
+        NotSettledError: as `run_transient`.
     """
     entry = load(entry) if isinstance(entry, str) else entry
+    if not isinstance(entry, LibraryEntry):
+        cure = "; run_transient(template, state=..., input=...) runs one" if isinstance(entry, AnyTemplate) else ""
+        raise InputError(f"{type(entry).__name__} {entry!r}; the name of a library template, or an entry, wanted{cure}")
     task = entry.changed(entry.task(picture, state), changes)
     return run_transient(entry.network, **task, backend=backend, dtype=dtype, threads=threads, record=record)
 

@@ -1,12 +1,13 @@
 """LayeredTemplate: several layers of cells, one over the other, each with its own template and time constant."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from cnnsim.network.template import Template
 from cnnsim.support import InputError
+from cnnsim.support.values import is_number
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -29,10 +30,15 @@ class LayeredTemplate:
     def __init__(
         self, layers: Sequence[Template], time_constants: Sequence[float] | None = None, name: str = "unnamed"
     ) -> None:
+        if not isinstance(layers, Iterable) or not isinstance(time_constants, Iterable | None):
+            raise InputError(f"template {name!r}: layers {layers!r}, time constants {time_constants!r}; lists wanted")
         object.__setattr__(self, "layers", tuple(layers))
-        times = (1.0,) * len(self.layers) if time_constants is None else tuple(map(float, time_constants))
-        object.__setattr__(self, "time_constants", times)
+        times = (1.0,) * len(self.layers) if time_constants is None else tuple(time_constants)
         object.__setattr__(self, "name", name)
+        if not all(map(is_number, times)):
+            raise InputError(f"template {name!r}: time constants {times}; positive numbers wanted")
+        times = tuple(map(float, times))
+        object.__setattr__(self, "time_constants", times)
         if not self.layers or not all(isinstance(layer, Template) for layer in self.layers):
             raise InputError(f"template {name!r} has layers {self.layers!r}; one Template or more wanted")
         if len(times) != len(self.layers) or not all(0 < time < np.inf for time in times):

@@ -137,7 +137,7 @@ def parse_table(value: Any) -> Table:
                 raise InputError(f"linear table {points!r}; pairs [v, f] wanted")
             return lines(*((point[0], point[1]) for point in points))
         case {"step": {"at": [*at], "values": [*values], **rest}, **other} if not other and rest.keys() <= {"closed"}:
-            return Table("step", tuple(at), tuple(values), "left" if rest.get("closed") == "left" else "right")
+            return Table("step", tuple(at), tuple(values), rest.get("closed", "right"))  # type: ignore[arg-type]  # checked when made
     raise InputError(
         f"table {value!r}; {{ linear = [[v, f], ...] }} or {{ step = {{ at = [...], values = [...] }} }} wanted"
     )

@@ -50,7 +50,8 @@ class Template:
         object.__setattr__(self, "A", checked_weights(owner, "A", A))
         object.__setattr__(self, "B", checked_weights(owner, "B", B))
         object.__setattr__(self, "z", checked_number(owner, "z", z))
-        object.__setattr__(self, "terms", tuple(terms))
+        terms = tuple(terms) if isinstance(terms, Iterable) else (terms,)
+        object.__setattr__(self, "terms", terms)
         if not all(isinstance(term, Term) for term in self.terms):
             raise InputError(f"{owner}: terms are {self.terms!r}; a list of Term wanted")
 

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from cnnsim.network.table import Table
 from cnnsim.network.weights import checked_number, checked_weights, reach
 from cnnsim.support import Floats, InputError
+from cnnsim.support.values import is_whole
 
 Quantity = Literal["x", "y", "u"]
 Range = tuple[float, float]
@@ -91,9 +92,9 @@ class Term:
         set_(self, "delay", checked_number("term", "delay", delay))
         if self.delay < 0:
             raise InputError(f"term: delay is {delay!r}; a number of time constants >= 0 wanted")
-        if layer is not None and (isinstance(layer, bool) or not isinstance(layer, int) or layer < 0):
+        if layer is not None and (not is_whole(layer) or layer < 0):
             raise InputError(f"term: layer is {layer!r}; the number of a layer, from 0, wanted")
-        set_(self, "layer", layer)
+        set_(self, "layer", None if layer is None else int(layer))
 
     def __str__(self) -> str:
         inner = str(self.of) if self.table is None else f"f({self.of})"

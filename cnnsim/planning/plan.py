@@ -145,6 +145,7 @@ def make_plan(
     limit = usual_limit(grid) if limit is None else limit
     if not is_number(limit) or not 0 <= limit < math.inf:
         raise InputError(f"limit {limit!r}; a number of time constants >= 0 wanted")
+    without = (without,) if isinstance(without, str) else without
     for name in without:
         if name not in get_args(Saving):
             raise InputError(f"cannot do without {name!r}; what can be switched off is {', '.join(get_args(Saving))}")

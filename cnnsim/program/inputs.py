@@ -1,14 +1,16 @@
 """Inputs of a program checked: their names, that they are planes of one shape, and that there is memory for them."""
 
 import math
+from collections.abc import Mapping
 from difflib import get_close_matches
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.program.program import Program
 from cnnsim.support import Array, InputError
 from cnnsim.support.memory import check_memory
-from cnnsim.support.values import as_numbers
+from cnnsim.support.values import as_numbers, as_picture, largest
 
 
 def check_inputs(program: Program, inputs: dict[str, ArrayLike]) -> dict[str, Array]:
@@ -28,6 +30,27 @@ def check_inputs(program: Program, inputs: dict[str, ArrayLike]) -> dict[str, Ar
     if len(set(shapes.values())) > 1 or any(array.ndim not in (2, 3) or not array.size for array in arrays.values()):
         raise InputError(f"program {program.name!r} got planes of shapes {shapes}; one shape (rows, cols) wanted")
     return arrays
+
+
+def check_values(program: Program, inputs: Mapping[str, ArrayLike]) -> None:
+    """Refuse what a single run of a program would answer wrongly; a machine that runs many a second asks for less.
+
+    Logic planes beyond [-1, 1] are warned of.
+
+    Raises:
+        InputError: an input that is not finite, or colours; several pictures where the program keeps planes from
+            picture to picture: the grids of a batch know nothing of each other, so each would be a first picture.
+    """
+    for name in set(program.inputs) & set(inputs):
+        logic = program.memory[name] == "llm"
+        array = as_picture(name, inputs[name], logic=True) if logic else as_numbers(name, inputs[name])
+        if not np.isfinite(largest(array)):
+            raise InputError(f"{name} holds {array[~np.isfinite(array)][0]}; finite numbers wanted")
+        if array.ndim == 3 and program.keep:
+            raise InputError(
+                f"{name} has shape {array.shape}, grids that know nothing of each other, and program {program.name!r} "
+                "keeps planes from picture to picture; a run of one UniversalMachine for each picture wanted"
+            )
 
 
 def check_planes_fit(program: Program, shape: tuple[int, ...], itemsize: int) -> None:

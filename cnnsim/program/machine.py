@@ -85,6 +85,8 @@ class UniversalMachine:
         Raises:
             InputError: an input is missing, unknown or of another shape; a step fails (the message names it).
         """
+        if not isinstance(program, Program):
+            raise InputError(f"program {program!r}; a Program, as of load_program, wanted")
         arrays = check_inputs(program, inputs)
         shape = next(iter(arrays.values())).shape
         if math.prod(shape) >= LARGE:

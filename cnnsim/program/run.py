@@ -9,8 +9,10 @@ from numpy.typing import ArrayLike
 from cnnsim.backends.base import Backend
 from cnnsim.keywords import unknown_keyword
 from cnnsim.program.file import load_program
+from cnnsim.program.inputs import check_values
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import Program
+from cnnsim.support import InputError
 from cnnsim.task import Dtype
 
 
@@ -26,11 +28,14 @@ def run_program(
     program keeps start anew in each call; a `UniversalMachine` carries them from run to run.
 
     Raises:
-        InputError: as `load_program` and `UniversalMachine.run`.
+        InputError: as `load_program`, `check_values` and `UniversalMachine.run`.
     """
+    if not isinstance(program, Program | str | Path):
+        raise InputError(f"program {program!r}; the name of one, a file or a Program wanted")
     loaded = program if isinstance(program, Program) else load_program(program)
     unknown = set(planes) - set(loaded.inputs)
     known = ["backend", "dtype", "threads"]
     if any(get_close_matches(name, known) for name in unknown):  # an input has a name of its own, or one of the file
         raise unknown_keyword("run_program", unknown, [*known, *loaded.inputs])
+    check_values(loaded, planes)
     return UniversalMachine(backend, dtype, threads=threads).run(loaded, **planes)

@@ -9,6 +9,7 @@ from cnnsim.planning.plan import Plan
 from cnnsim.supersteps.store import CHUNK
 from cnnsim.support import InputError
 from cnnsim.support.memory import check_memory, free_memory
+from cnnsim.support.values import is_whole
 
 LARGEST, SLEEPING, SMALLEST = 4096, 1024, 64
 """Sides of blocks: the most, the most where blocks may sleep (the smaller, the more of them sleep), and the least."""
@@ -38,7 +39,7 @@ class Engine:
     def __post_init__(self) -> None:
         for what in ("side", "depth", "workers"):
             value = getattr(self, what)
-            if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < 1):
+            if value is not None and not (is_whole(value) and value >= 1):
                 raise InputError(f"{what} {value!r} of an engine; a whole number above 0 wanted")
 
 

@@ -1,7 +1,8 @@
 """CNN values from arrays: black is +1, white is -1, a grey level g of 0..255 is 1 - 2 g / 255."""
 
 import warnings
-from numbers import Real
+from numbers import Integral, Real
+from pathlib import Path
 from typing import Any, TypeGuard
 
 import numpy as np
@@ -16,29 +17,49 @@ def is_number(value: Any) -> TypeGuard[float]:
     return isinstance(value, Real) and not isinstance(value, bool)
 
 
+def is_whole(value: Any) -> TypeGuard[int]:
+    """Return whether a value is a whole number, of Python's own type or of NumPy's; a boolean is none."""
+    return isinstance(value, Integral) and not isinstance(value, bool)
+
+
 def from_gray(levels: ArrayLike, top: float = 255.0) -> Floats:
     """Return grey levels from 0 (black) to ``top`` (white) as CNN values, 1 - 2 g / top.
 
     Raises:
-        InputError: levels outside that range.
+        InputError: levels outside that range; fractions of 1 where ``top`` is 255; what is no array of numbers.
     """
-    grey = np.asarray(levels, np.float64)
-    if not ((grey >= 0) & (grey <= top)).all():
-        raise InputError(f"grey levels from {grey.min():g} to {grey.max():g}; 0 to {top:g} wanted, or another top")
-    return 1.0 - grey * (2.0 / top)
+    return 1.0 - _checked_levels("grey levels", levels, top) * (2.0 / top)
 
 
 def to_planes(colours: ArrayLike, top: float = 255.0) -> Floats:
     """Return a colour picture (rows, cols, 3 or 4) as CNN values (3, rows, cols), transparency over white.
 
     Raises:
-        InputError: an array of another shape, or levels outside 0 to ``top``.
+        InputError: an array of another shape; levels as `from_gray`.
     """
-    levels = np.asarray(colours, np.float64)
+    levels = _checked_levels("levels of colours", colours, top)
     if levels.ndim != 3 or levels.shape[-1] not in (3, 4):
         raise InputError(f"colours of shape {levels.shape}; (rows, cols, 3 or 4) wanted")
     cover = levels[..., 3:] / top if levels.shape[-1] == 4 else 1.0
-    return np.moveaxis(from_gray(top + (levels[..., :3] - top) * cover, top), -1, 0)
+    return np.moveaxis(1.0 - (top + (levels[..., :3] - top) * cover) * (2.0 / top), -1, 0)
+
+
+def _checked_levels(name: str, levels: ArrayLike, top: float) -> Floats:
+    try:
+        given = np.asarray(levels)
+    except ValueError as error:
+        raise InputError(f"{name}: no rectangular array of numbers") from error
+    if given.dtype.kind not in "iuf":
+        cure = "; booleans are taken as they are: True is black" if given.dtype == bool else ""
+        raise InputError(f"{name} of type {given.dtype}; numbers wanted{cure}")
+    least, most = given.min(initial=0.0), given.max(initial=0.0)
+    if not 0 <= least <= most <= top:
+        raise InputError(f"{name} from {given.min():g} to {given.max():g}; 0 to {top:g} wanted, or another top")
+    if given.dtype.kind == "f" and top == 255 and 0 < most < 1:
+        raise InputError(
+            f"{name} up to {most:g} of {top:g}, nearly all black; a top, as of from_gray(values, 1), wanted"
+        )
+    return given.astype(np.float64)
 
 
 def as_numbers(name: str, values: ArrayLike, *, levels: bool = False, logic: bool = False) -> Array:
@@ -49,8 +70,12 @@ def as_numbers(name: str, values: ArrayLike, *, levels: bool = False, logic: boo
     Raises:
         InputError: what is no array of numbers, or whole numbers that look like grey levels or colours.
     """
+    if np.ma.is_masked(values):
+        raise InputError(f"{name} is a masked array; a plain one wanted, as of values.filled(0), and a mask of its own")
     if isinstance(values, np.ndarray) and values.dtype.kind == "f":
         return values
+    if isinstance(values, str | Path):
+        raise InputError(f"{name} is {str(values)!r}; an array of numbers wanted: cnnsim.read_picture(path)")
     try:
         array = np.asarray(values)
     except ValueError as error:
@@ -60,17 +85,22 @@ def as_numbers(name: str, values: ArrayLike, *, levels: bool = False, logic: boo
     if array.dtype.kind == "f" or (levels and array.dtype.kind in "iu"):
         return array
     if array.dtype.kind not in "iu":
-        raise InputError(f"{name} is no rectangular array of numbers")
-    if array.size and not logic and array.dtype.kind == "i" and (array.min(), array.max()) == (0, 1):
+        raise InputError(f"{name} holds {array.dtype} values; real numbers or booleans wanted")
+    if not array.size:
+        return array
+    least, most = int(array.min()), int(array.max())
+    if logic and 0 <= least <= most <= 1:
+        return array
+    if least == 0 and most == 1:
         raise InputError(
             f"{name} holds the whole numbers 0 and 1, and 0 is mid-grey; CNN values from -1 (white) to 1 (black), or "
             "booleans, wanted: values > 0"
         )
-    if array.dtype.kind == "u" or largest(array) > 1:
+    if array.dtype.kind == "u" or max(most, -least) > 1:
         colours = array.ndim == 3 and array.shape[-1] in (3, 4)
         cure = "to_planes(values), a plane a colour" if colours else "from_gray(values)"
         raise InputError(
-            f"{name} holds whole numbers from {array.min()} to {array.max()}, shape {array.shape}; CNN values from -1 "
+            f"{name} holds whole numbers from {least} to {most}, shape {array.shape}; CNN values from -1 "
             f"(white) to 1 (black) wanted: cnnsim.{cure}"
         )
     return array
@@ -87,13 +117,13 @@ def largest(array: Array) -> float:
     return max(float(values.max()), -float(values.min())) if values.size else 0.0
 
 
-def as_picture(name: str, values: ArrayLike) -> Array:
+def as_picture(name: str, values: ArrayLike, *, logic: bool = False) -> Array:
     """Return a picture as `as_numbers`; one that leaves [-1, 1] is warned of.
 
     Raises:
         InputError: as `as_numbers`; an array (rows, cols, 3 or 4), which would be taken for rows many narrow grids.
     """
-    array = as_numbers(name, values)
+    array = as_numbers(name, values, logic=logic)
     if array.ndim == 3 and array.shape[-1] in (3, 4) and min(array.shape[:2]) > 4:
         raise InputError(
             f"{name} has shape {array.shape}, which reads as colours; (rows, cols) or (n, rows, cols) wanted: "

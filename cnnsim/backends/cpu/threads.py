@@ -10,6 +10,7 @@ import numpy as np
 
 from cnnsim.backends.cpu import planes
 from cnnsim.support import InputError
+from cnnsim.support.values import is_whole
 
 _PLANE, _TRIES, _PATIENCE = (512, 512), 30, 0.02
 """The plane of the loop that is timed, its launches, and seconds for them: some milliseconds on an idle machine."""
@@ -22,9 +23,9 @@ def checked_threads(threads: Any) -> int:
         InputError: another number, or none.
     """
     most = int(numba.config.NUMBA_NUM_THREADS)
-    if isinstance(threads, bool) or not isinstance(threads, int) or not 1 <= threads <= most:
+    if not is_whole(threads) or not 1 <= threads <= most:
         raise InputError(f"threads {threads!r}; a whole number from 1 to {most}, the cores there are, wanted")
-    return threads
+    return int(threads)
 
 
 def on_threads(function: Callable[..., Any], threads: int) -> Callable[..., Any]:

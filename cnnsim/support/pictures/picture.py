@@ -16,6 +16,7 @@ from cnnsim.support.files import writing
 from cnnsim.support.memory import check_memory
 from cnnsim.support.pictures.pixels import Levels, pixel_bytes, values_of
 from cnnsim.support.types import Array, Floats
+from cnnsim.support.values import as_numbers, largest
 
 _RAMP = ".:-=+*%#"
 """Characters from white to black."""
@@ -128,8 +129,14 @@ def write_picture(values: Array, path: str | Path, scale: int = 1, *, follow: bo
     """Write CNN values as a picture; the format follows the name's ending, ``follow`` as in `writing`.
 
     Raises:
-        InputError: Pillow does not know the ending, or the file cannot be written.
+        InputError: Pillow does not know the ending, or the file cannot be written; values that are no CNN values.
     """
+    if not (isinstance(values, np.ndarray) and values.dtype == bool):
+        values = as_numbers("picture", values)
+    if values.ndim not in (2, 3):
+        raise InputError(f"{path}: a picture of shape {values.shape}; (rows, cols) wanted")
+    if not np.isfinite(largest(values)):
+        raise InputError(f"{path}: a picture that holds {values[~np.isfinite(values)][0]}; finite numbers wanted")
     with writing(path, follow=follow) as beside:
         to_image(values, scale).save(beside)
 

@@ -1,14 +1,30 @@
 """What arrays mean as CNN values, by one rule at every door."""
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import cnnsim
-from cnnsim import InputError, Template, UniversalMachine, from_gray, load_program, run, run_transient, to_planes
+from cnnsim import (
+    InputError,
+    LayeredTemplate,
+    Template,
+    Term,
+    UniversalMachine,
+    from_gray,
+    load_program,
+    run,
+    run_program,
+    run_transient,
+    to_planes,
+    trajectory,
+    write_picture,
+)
 from cnnsim.library import load
+from cnnsim.network.table import parse_table
 
 SQUARE = np.zeros((9, 9), bool)
 SQUARE[2:7, 2:7] = True
@@ -43,7 +59,7 @@ def test_the_edge_of_a_boolean_square() -> None:
 @pytest.mark.parametrize("door", DOORS)
 def test_grey_levels_are_refused_with_what_converts_them(door: Callable[[Any], Any]) -> None:
     levels = np.where(SQUARE, 0, 255).astype(np.uint8)
-    for wrong in (levels, levels.astype(int), SQUARE.astype(np.uint8)):
+    for wrong in (levels, levels.astype(int)):
         with pytest.raises(InputError, match=r"from -1 \(white\) to 1 \(black\) wanted: cnnsim.from_gray"):
             door(wrong)
     with pytest.raises(InputError, match=r"\(9, 9, 3\).*cnnsim.to_planes"):
@@ -72,7 +88,85 @@ def test_colours() -> None:
         to_planes([[1, 2]])
 
 
-@pytest.mark.parametrize("wrong", [[["a"]], [[1], [1, 2]], [[None]], [[1j]]])
-def test_what_is_no_plane(wrong: Any) -> None:
-    with pytest.raises(InputError, match="no rectangular array of numbers"):
+@pytest.mark.parametrize("wrong", [SQUARE, [[0.0, 0.5]], [[True]], [["a"]], [[1], [1, 2]]])
+def test_what_is_no_grey_level(wrong: Any) -> None:
+    """Booleans would be two shades of black, fractions of 1 nearly so."""
+    with pytest.raises(InputError, match=r"True is black|a top, as of|numbers wanted|no rectangular"):
+        from_gray(wrong)
+    assert from_gray([[0.0, 0.5, 1.0]], top=1).tolist() == [[1.0, 0.0, -1.0]]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ([["a"]], "holds <U1 values; real numbers or booleans"), ([[1], [1, 2]], "no rectangular array of numbers"),
+        ([[None]], "holds object values"), ([[1j]], "holds complex128 values"),
+        ("scan.png", r"is 'scan.png'; .*cnnsim.read_picture\(path\)"),
+        (np.ma.array(np.eye(3), mask=np.eye(3) > 0), "is a masked array; a plain one wanted"),
+    ],
+)  # fmt: skip
+def test_what_is_no_plane(wrong: Any, said: str) -> None:
+    with pytest.raises(InputError, match=said):
         run_transient(Template([[2.0]]), state=wrong)
+    with pytest.raises(InputError, match=said):
+        run("edge", wrong)
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.int64])
+def test_zeros_and_ones_are_logic_values_alone(dtype: Any) -> None:
+    """As grey levels, 0 and 1 of 255 would both be black: that cure is not named."""
+    ones = SQUARE.astype(dtype)
+    with pytest.raises(InputError, match="wanted: values > 0"):
+        run("edge", ones)
+    assert np.array_equal(by_machine(ones), by_machine(SQUARE))
+    assert np.array_equal(run("edge", SQUARE, mask=ones).y, run("edge", SQUARE, mask=SQUARE).y)
+
+
+def test_a_single_run_of_a_program_checks_its_values() -> None:
+    picture = np.where(SQUARE, 1.0, -1.0)
+    with pytest.raises(InputError, match="picture holds nan; finite numbers wanted"):
+        run_program("opening", picture=np.where(SQUARE, np.nan, picture))
+    with pytest.raises(InputError, match="reads as colours"):
+        run_program("opening", picture=np.ones((9, 9, 3)))
+    with pytest.warns(UserWarning, match="picture reaches 255"):
+        run_program("opening", picture=255.0 * SQUARE)
+    with pytest.raises(InputError, match=r"frame has shape \(2, 9, 9\), grids that know nothing of each other"):
+        run_program("motion-detection", frame=[picture, -picture])
+
+
+@pytest.mark.parametrize("values", [np.full((3, 3), np.nan), np.eye(3, dtype=np.uint8) * 255, np.ones((2, 2, 3, 3))])
+def test_what_is_no_picture_is_not_written(values: Any, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"holds nan; finite|cnnsim.from_gray|\(rows, cols\) wanted"):
+        write_picture(values, tmp_path / "p.png")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: run(None, SQUARE), lambda: run(Template(2.0), SQUARE), lambda: run_program(None),  # type: ignore[arg-type]  # mistakes
+        lambda: UniversalMachine().run("opening", picture=SQUARE),  # type: ignore[arg-type]  # the same
+        lambda: Template(2.0, terms=3), lambda: LayeredTemplate([Template(2.0)], ["a"]),  # type: ignore[arg-type, list-item]  # the same
+        lambda: LayeredTemplate(3), lambda: LayeredTemplate([Template(2.0)], 1.0),  # type: ignore[arg-type]  # the same
+        lambda: list(trajectory(Template(2.0), state=SQUARE, until=1, frames=0)),
+        lambda: list(trajectory(Template(2.0), state=SQUARE, until=1, frames=1.5)),  # type: ignore[arg-type]  # the same
+        lambda: list(trajectory(Template(2.0), state=SQUARE, until=np.nan, frames=1)),
+        lambda: run_transient(Template(2.0), state=SQUARE, without="slep"),
+    ],
+)  # fmt: skip
+def test_a_mistake_is_told_in_one_line(call: Callable[[], Any]) -> None:
+    with pytest.raises(InputError, match=r"^[^\n]*(wanted|what can be switched off is)[^\n]*$"):
+        call()
+
+
+def test_whole_numbers_of_numpy() -> None:
+    one: Any = np.int64(1)
+    assert Term([[1.0]], layer=one).layer == 1
+    assert run("edge", SQUARE, threads=one).settled
+
+
+def test_a_misspelled_end_of_a_step_is_told() -> None:
+    step = {"at": [0], "values": [0, 1]}
+    assert parse_table({"step": step | {"closed": "left"}}).closed == "left"
+    with pytest.raises(InputError, match="closed 'rigth'; step or linear, right or left wanted"):
+        parse_table({"step": step | {"closed": "rigth"}})
