@@ -12,7 +12,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 from cnnsim.support import Floats
-from cnnsim.support.private_folder import user_cache
+from cnnsim.support.compiling.private_folder import user_cache
 
 VERSION = 1
 """Goes up when the same bump gets other numbers: older tables are then computed anew."""

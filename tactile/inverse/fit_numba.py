@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from cnnsim.support.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_njit
 
 ENOUGH = 0.01
 """A step that lessens chi^2 by so many variances of one signal is the last."""

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numba import get_num_threads, njit, prange
 
-from cnnsim.support.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.inverse.validity import FAR, Validity
 
 BLOCK = 1024

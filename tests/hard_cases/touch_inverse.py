@@ -11,8 +11,8 @@ from cnnsim.support import Array
 from tactile.inverse.taxel import STRAIN_INVERSE, STRESS_INVERSE
 from tactile.inverse.validity import Validity
 from tests.hard_cases.case import HardCase
-from tests.oracles.exact_inverse import exact_inverse
-from tests.oracles.printed_inverse import printed_inverse
+from tests.oracles.elastic.exact_inverse import exact_inverse
+from tests.oracles.elastic.printed_inverse import printed_inverse
 
 UNIT = 3 / (4 * np.pi)
 """Young's modulus at which 4 pi E z^2 / 3 is 1 for a depth of 1."""

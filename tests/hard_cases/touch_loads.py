@@ -11,7 +11,7 @@ from cnnsim.support import Array, Floats
 from tactile.inverse.localise import localise
 from tactile.inverse.taxel import STRAIN_INVERSE, invert_strain
 from tests.hard_cases.case import HardCase
-from tests.kits.pads import DEPTH, MODULUS, array, felt
+from tests.kits.touch.pads import DEPTH, MODULUS, array, felt
 
 SCALE = np.array([DEPTH, DEPTH, 1.0, 1.0, 1.0])
 

@@ -16,9 +16,9 @@ from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.friction import load_to, untouched
 from tactile.simulator.effects.viscoelastic import Viscoelastic
 from tests.hard_cases.case import HardCase
-from tests.kits.effects import through
-from tests.oracles.layer_waves import float_transfer, mp_transfer
-from tests.oracles.point_loads import boussinesq
+from tests.kits.touch.effects import through
+from tests.oracles.elastic.layer_waves import float_transfer, mp_transfer
+from tests.oracles.elastic.point_loads import boussinesq
 from tests.tactile.bump.test_elements import on_boundary, shaken, with_boundary
 
 

@@ -15,7 +15,7 @@ from tactile.sources.replay_npz import write_npz
 from tests.kits.example_files import RECORDING, SCENE, scan
 from tests.kits.formats import HOLE
 from tests.kits.paths import ROOT, SCENES
-from tests.kits.slides import slides, write_slides
+from tests.kits.touch.slides import slides, write_slides
 
 TEMLIB = "RIM_A = [0 0 0; 0 1 0; 0 0 0];\nRIM_B = [-1 -1 -1; -1 8 -1; -1 -1 -1];\nRIM_I = -1;\n"
 GENE = "-1 -1 -1 -1 -1 8 -1 -1 -1 -1 0 0 0 0 1 0 0 0 0\n"

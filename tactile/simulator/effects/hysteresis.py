@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cnnsim.support.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen

@@ -17,7 +17,7 @@ from tactile.simulator.scene.scene import Scene
 from tactile.simulator.scene.sizes import sizes_in
 from tactile.simulator.scene.tradeoff import Trade, trades
 from tests.benchmarks.accuracy.section import Section
-from tests.kits.random_scenes import error_of_seeds, everything, random_scene
+from tests.kits.touch.random_scenes import error_of_seeds, everything, random_scene
 
 SCENES = Path("examples/scenes")
 NAMES = ("grip", "needle", "textures")

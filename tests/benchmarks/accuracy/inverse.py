@@ -11,10 +11,10 @@ from tactile.elastic.halfspace import point_load_strain
 from tactile.inverse.taxel import invert_strain
 from tests.benchmarks.accuracy.rounds import best_times
 from tests.benchmarks.accuracy.section import Section
-from tests.kits.pads import DEPTH, MODULUS, SCALE, array, as_row, locate
-from tests.oracles.exact_inverse import exact_inverse
-from tests.oracles.localise import bound
-from tests.oracles.printed_inverse import printed_inverse
+from tests.kits.touch.pads import DEPTH, MODULUS, SCALE, array, as_row, locate
+from tests.oracles.elastic.exact_inverse import exact_inverse
+from tests.oracles.elastic.localise import bound
+from tests.oracles.elastic.printed_inverse import printed_inverse
 
 RATIOS = np.concatenate([np.geomspace(1e-8, 1, 33), np.sqrt(2) + np.array([-1e-6, 1e-6]), np.geomspace(2, 1e4, 17)])
 SIDES = (2, 3, 4, 6, 8, 12, 16)

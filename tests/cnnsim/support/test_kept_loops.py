@@ -8,13 +8,13 @@ from types import SimpleNamespace
 
 import pytest
 
-from cnnsim.support import kept_loops
-from cnnsim.support.kept_loops import kept_njit
-from cnnsim.support.private_folder import Notices, first_usable, is_private
+from cnnsim.support.compiling import kept_loops
+from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.private_folder import Notices, first_usable, is_private
 from tests.kits.paths import ROOT
 
 TEMPLATE = """
-from cnnsim.support.kept_loops import folder, kept_njit
+from cnnsim.support.compiling.kept_loops import folder, kept_njit
 
 @kept_njit(error_model="numpy")
 def double(x):

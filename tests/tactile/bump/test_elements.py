@@ -17,8 +17,8 @@ from tactile.bump.plate import plate_constraint, respond, stiffness
 from tactile.bump.probe import Probe
 from tactile.bump.shape import Shape
 from tactile.elastic.medium import Medium
-from tests.oracles.point_loads import boussinesq, cerruti
-from tests.oracles.quarter_solid import quarter_solid
+from tests.oracles.elastic.point_loads import boussinesq, cerruti
+from tests.oracles.elastic.quarter_solid import quarter_solid
 
 random = np.random.default_rng(3)
 

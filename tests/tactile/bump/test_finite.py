@@ -15,7 +15,7 @@ from tactile.bump.plate import Push, plate_constraint, respond, stiffness
 from tactile.bump.shape import Shape
 from tactile.bump.touch import lower
 from tactile.elastic.medium import Medium
-from tests.oracles.quarter_solid import quarter_solid
+from tests.oracles.elastic.quarter_solid import quarter_solid
 from tests.tactile.bump.test_elements import on_boundary, shaken
 
 LAWS = (Mixed, Displacement, PlaneStress)

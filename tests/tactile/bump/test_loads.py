@@ -21,8 +21,8 @@ from tactile.bump.triangulate import triangulate
 from tactile.elastic.gauss import gauss
 from tactile.elastic.medium import Felt, Medium
 from tactile.elastic.profiles import hertz_radius
-from tests.oracles.layer import layer_load
-from tests.oracles.quarter_solid import quarter_solid
+from tests.oracles.elastic.layer import layer_load
+from tests.oracles.elastic.quarter_solid import quarter_solid
 
 ALONG: tuple[tuple[Push, int], ...] = ("press", 0), ("shift", 1)
 """What the plate does, and the component across it."""

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from tactile.cli.group import main
 from tactile.output.event_table import COLUMNS
 from tactile.sources.convert import convert
-from tests.kits.source import SCENE
+from tests.kits.touch.source import SCENE
 
 KINDS = ("csv", "mcap", "npz", "parquet")
 

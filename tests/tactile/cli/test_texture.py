@@ -17,7 +17,7 @@ from tactile.materials.unknown import numbered
 from tactile.materials.windows import cut
 from tactile.sources.convert import convert
 from tests.kits.paths import DATA
-from tests.kits.slides import slides, write_slides
+from tests.kits.touch.slides import slides, write_slides
 
 SHARED = DATA / "slides"
 SCENE = """

@@ -5,7 +5,7 @@ import pytest
 
 from cnnsim.support import InputError
 from tactile.elastic.halfspace import point_load_strain, point_load_stress
-from tests.oracles.boussinesq import strain_tensor, stress_tensor
+from tests.oracles.elastic.boussinesq import strain_tensor, stress_tensor
 
 DEPTH = 2e-4
 MODULUS = 2.4e6

@@ -12,7 +12,7 @@ from tactile.elastic.halfspace import point_load
 from tactile.elastic.layer import transfer
 from tactile.elastic.layer_loads import layer_term
 from tactile.elastic.medium import Felt, Medium
-from tests.oracles.layer import layer_load, periodic_field
+from tests.oracles.elastic.layer import layer_load, periodic_field
 
 random = np.random.default_rng(11)
 

@@ -9,8 +9,8 @@ from tactile.elastic.direct import direct_sum
 from tactile.elastic.halfspace import point_load, point_load_strain
 from tactile.elastic.medium import Felt, Medium
 from tactile.elastic.spectral import TractionTransform
-from tests.oracles.boussinesq import strain_tensor
-from tests.oracles.layer import periodic_field
+from tests.oracles.elastic.boussinesq import strain_tensor
+from tests.oracles.elastic.layer import periodic_field
 
 NUS = (0.0, 1e-12, 0.2, 0.45, 0.4999, 0.5 - 1e-12, 0.5)
 random = np.random.default_rng(7)

@@ -11,7 +11,7 @@ from tactile.inverse.load import Load
 from tactile.inverse.localise import localise
 from tactile.inverse.validity import Validity
 from tactile.settings import Settings
-from tests.kits.pads import DEPTH, MODULUS, PITCH, array, as_row, felt, found, locate, random_load
+from tests.kits.touch.pads import DEPTH, MODULUS, PITCH, array, as_row, felt, found, locate, random_load
 
 
 def test_broken_and_unloaded_taxels() -> None:

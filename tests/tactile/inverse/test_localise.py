@@ -13,7 +13,7 @@ from tactile.inverse.load import Load
 from tactile.inverse.localise import localise, three_taxels
 from tactile.inverse.taxel import invert_stress
 from tactile.inverse.validity import Validity
-from tests.kits.pads import DEPTH, MODULUS, PITCH, array, as_row, locate, random_load
+from tests.kits.touch.pads import DEPTH, MODULUS, PITCH, array, as_row, locate, random_load
 
 
 def assert_is(load: Load, wanted: Any, place: float = 1e-12, force: float = 1e-10) -> None:

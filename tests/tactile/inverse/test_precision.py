@@ -8,8 +8,8 @@ import pytest
 from cnnsim.support import Floats, InputError
 from tactile.elastic.halfspace import point_load_strain
 from tactile.inverse.validity import Validity
-from tests.kits.pads import DEPTH, MODULUS, SCALE, array, as_row, felt, found, locate, random_load
-from tests.oracles.localise import bound, nearest
+from tests.kits.touch.pads import DEPTH, MODULUS, SCALE, array, as_row, felt, found, locate, random_load
+from tests.oracles.elastic.localise import bound, nearest
 from tests.tactile.inverse.trials import trial
 
 

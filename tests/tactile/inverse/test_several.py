@@ -5,7 +5,7 @@ import pytest
 
 from tactile.core.frame import TaxelArray
 from tactile.inverse.validity import Validity
-from tests.kits.pads import DEPTH, PITCH, array, felt, found, random_load
+from tests.kits.touch.pads import DEPTH, PITCH, array, felt, found, random_load
 
 
 @pytest.mark.parametrize("stress", [False, True])

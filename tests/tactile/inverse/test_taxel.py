@@ -14,7 +14,7 @@ from cnnsim.operations.cellwise import Cellwise, Planes
 from tactile.elastic.halfspace import point_load_strain, point_load_stress
 from tactile.inverse.taxel import STRAIN_INVERSE, STRESS_INVERSE
 from tactile.inverse.validity import Validity
-from tests.oracles.one_taxel import solve
+from tests.oracles.elastic.one_taxel import solve
 
 DEPTH = 2e-4
 MODULUS = 2.4e6

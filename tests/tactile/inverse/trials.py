@@ -20,8 +20,8 @@ from cnnsim.support import Flags, Floats
 from tactile.core.frame import TaxelArray
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
-from tests.kits.pads import DEPTH, SCALE, as_row, felt, found
-from tests.oracles.localise import bound
+from tests.kits.touch.pads import DEPTH, SCALE, as_row, felt, found
+from tests.oracles.elastic.localise import bound
 
 SHAPES = ((2, 2), (2, 3), (3, 3), (4, 4), (5, 5), (8, 8), (16, 16), (32, 32), (1, 8), (6, 1))
 GROSS = 0.3

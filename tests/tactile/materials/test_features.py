@@ -9,7 +9,7 @@ from tactile.materials.slide import Slide
 from tactile.materials.spectra import memory, spectrum
 from tactile.materials.windows import cut
 from tactile.texture.figures import Texture
-from tests.kits.slides import slide, slides
+from tests.kits.touch.slides import slide, slides
 
 
 def test_the_two_figures_are_those_of_the_pipeline() -> None:

@@ -12,7 +12,7 @@ from tactile.materials.model_file import read_model, write_model
 from tactile.materials.split import by_block, by_place, by_slide
 from tactile.materials.tell import strange, told_slides
 from tactile.materials.windows import WindowTable, cut
-from tests.kits.slides import slide, slides
+from tests.kits.touch.slides import slide, slides
 
 KNOWN = ("screw", "smooth wood", "fine textile")
 WINDOW = 100

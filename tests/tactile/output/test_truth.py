@@ -14,7 +14,7 @@ from tactile.settings import Settings
 from tactile.simulator.scene.file import scene_from
 from tactile.sources.replay_csv import write_csv
 from tests.kits.serial import GRIP, call, grip
-from tests.kits.source import parsed
+from tests.kits.touch.source import parsed
 
 
 def table(path: Path) -> list[dict[str, str]]:

@@ -16,7 +16,7 @@ from tactile.sources import open_source
 from tactile.sources.replay_csv import read_csv, write_csv
 from tactile.sources.replay_npz import read_npz
 from tests.kits.paths import DATA
-from tests.kits.source import GRIP, parsed
+from tests.kits.touch.source import GRIP, parsed
 
 RECORDINGS = sorted((DATA / "papillarray").glob("*.npz"))
 

@@ -9,7 +9,7 @@ from cnnsim.sweep.spec import read_sweep
 from tactile.cli.sweep import KINDS
 from tactile.sources.convert import convert
 from tactile.sweeps.labelled import check, options_of, run
-from tests.kits.source import SCENE
+from tests.kits.touch.source import SCENE
 
 SPEC = """
 kind = "labelled"

@@ -15,7 +15,7 @@ from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from cnnsim.backends.cpu.jit.compile import Kernel, named
-from cnnsim.support.kept_loops import kept_cfunc
+from cnnsim.support.compiling.kept_loops import kept_cfunc
 
 
 def compiled_at(function: Kernel, signature: Any) -> Any:

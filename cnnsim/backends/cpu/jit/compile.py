@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numba
 
-from cnnsim.support.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_njit
 
 Kernel = Callable[..., Any]
 

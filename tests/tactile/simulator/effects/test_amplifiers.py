@@ -13,7 +13,7 @@ from tactile.simulator.effects.electronics.pink_noise import PinkNoise
 from tactile.simulator.effects.electronics.taxel_mismatch import TaxelMismatch
 from tactile.simulator.effects.electronics.temperature import Temperature
 from tactile.simulator.scene.effect_bounds import EffectBounds
-from tests.kits.effects import FULL, scene, through
+from tests.kits.touch.effects import FULL, scene, through
 
 
 def zeros(frames: int, rows: int = 1, cols: int = 1) -> NDArray[np.float64]:

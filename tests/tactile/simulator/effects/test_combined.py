@@ -24,7 +24,7 @@ from tactile.simulator.effects.taxel_area import TaxelArea
 from tactile.simulator.field import Field
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.summation import Summation
-from tests.oracles.layer import layer_load
+from tests.oracles.elastic.layer import layer_load
 
 Z = 1e-3
 PAD = TaxelArray("pad", 3, 5, 1e-3, Z)

@@ -17,8 +17,8 @@ from tactile.simulator.effects.finite_thickness import FiniteThickness
 from tactile.simulator.effects.frame_timing import FrameTiming
 from tactile.simulator.effects.quantisation import Quantisation
 from tactile.simulator.effects.viscoelastic import Viscoelastic
-from tests.kits.effects import ARRAY, scene
 from tests.kits.paths import ROOT
+from tests.kits.touch.effects import ARRAY, scene
 
 
 @pytest.mark.parametrize("name", ORDER)

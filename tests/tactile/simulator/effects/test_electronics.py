@@ -11,7 +11,7 @@ from tactile.simulator.effects.frame_timing import FrameTiming
 from tactile.simulator.effects.motor_noise import MotorNoise
 from tactile.simulator.effects.quantisation import Quantisation
 from tactile.simulator.effects.read_noise import ReadNoise
-from tests.kits.effects import FULL, batches, scene, through
+from tests.kits.touch.effects import FULL, batches, scene, through
 
 
 def zeros(frames: int, rows: int = 1, cols: int = 1) -> NDArray[np.float64]:

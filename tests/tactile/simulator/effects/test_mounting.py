@@ -21,7 +21,7 @@ from tactile.simulator.effects.mounting.misplacement import Misplacement
 from tactile.simulator.effects.taxel_area import TaxelArea
 from tactile.simulator.field import Field
 from tactile.simulator.scene.scene import Scene
-from tests.oracles.layer import layer_load
+from tests.oracles.elastic.layer import layer_load
 
 ARRAY = TaxelArray("a", 4, 3, 1e-3, 1e-3, (2e-3, -1e-3))
 LOAD = np.array([2.4e-3, -0.7e-3, 0.02, -0.01, 0.1])

@@ -24,8 +24,8 @@ from tactile.simulator.effects.taxel_area import TaxelArea
 from tactile.simulator.effects.viscoelastic import Viscoelastic
 from tactile.simulator.field import Field
 from tactile.simulator.scene.scene import Scene
-from tests.kits.effects import ARRAY, FULL, scene, through
-from tests.oracles.layer import layer_load
+from tests.kits.touch.effects import ARRAY, FULL, scene, through
+from tests.oracles.elastic.layer import layer_load
 
 
 def fields(of: Scene, cut: int = 10**9) -> Iterator[Field]:

@@ -26,7 +26,7 @@ from tactile.simulator.scene.effect_bounds import EffectBounds
 from tactile.simulator.scene.extremes import extremes
 from tactile.simulator.scene.file import read_scene
 from tests.kits.paths import SCENES
-from tests.kits.random_scenes import error, error_of_seeds, everything, needle, random_scene
+from tests.kits.touch.random_scenes import error, error_of_seeds, everything, needle, random_scene
 
 
 def test_what_exceeds_the_tolerance_is_on_and_what_is_small_is_off() -> None:

@@ -18,7 +18,7 @@ from tactile.simulator.scene.explain import explain, explain_file
 from tactile.simulator.scene.file import read_scene
 from tactile.simulator.scene.scene import Scene
 from tests.kits.paths import SCENES
-from tests.kits.random_scenes import error, error_of_seeds, needle
+from tests.kits.touch.random_scenes import error, error_of_seeds, needle
 
 
 def test_a_sample_of_a_long_scene_reaches_over_all_of_it() -> None:

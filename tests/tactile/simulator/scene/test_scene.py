@@ -12,7 +12,7 @@ from tactile.elastic.halfspace import point_load_strain, point_load_stress
 from tactile.inverse.localise import localise
 from tactile.inverse.taxel import invert_strain
 from tactile.simulator.scene.file import read_scene, scene_from
-from tests.kits.source import GRIP, parsed
+from tests.kits.touch.source import GRIP, parsed
 
 
 def test_scene_samples_the_half_space() -> None:

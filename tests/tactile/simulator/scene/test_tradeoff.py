@@ -11,7 +11,7 @@ from tactile.cli.accuracy import accuracy as command
 from tactile.simulator.effects.read_noise import ReadNoise
 from tactile.simulator.scene.tradeoff import FRAMES, shortened, trades
 from tests.kits.paths import SCENES
-from tests.kits.random_scenes import needle
+from tests.kits.touch.random_scenes import needle
 
 
 def test_errors_are_within_bounds_and_time_falls_with_what_is_left_out() -> None:

@@ -20,8 +20,8 @@ from numba.core.caching import FunctionCache
 from numba.core.ccallback import CFunc
 from numba.core.serialize import dumps
 
-from cnnsim.support.private_folder import first_usable, is_private, user_cache
-from cnnsim.support.stopping import listen_to_numba
+from cnnsim.support.compiling.private_folder import first_usable, is_private, user_cache
+from cnnsim.support.compiling.stopping import listen_to_numba
 
 _BYTES = sha256().digest_size
 

@@ -1,0 +1,1 @@
+"""What tests of touch share: pads, slides, scenes, effects, frames."""
