@@ -98,6 +98,15 @@ class Backend(Protocol):
         """
         return None
 
+    def advance(
+        self, plan: Plan, x: Plane, u: Plane | None, bias: Plane | None, mask: Plane | None, area: Area, steps: int
+    ) -> Plane | None:
+        """Take steps of which only the cells of an area are wanted; the others end as anything.
+
+        None: there is no way that is shorter than a transient of all cells.
+        """
+        return None
+
     def output(self, x: Plane) -> Plane:
         """Give y = clip(x, -1, 1)."""
 
@@ -126,12 +135,14 @@ class Check(NamedTuple):
     """What a check of the step that would come found.
 
     ``rate``: the largest |dx/dt| of the free cells (in discrete time, the largest change to come); ``saturated``:
-    whether no output can change any more (see `Plan`); ``repeats``: the state of two steps ago would come again.
+    whether no output can change any more (see `Plan`); ``repeats``: the state of two steps ago would come again;
+    ``moving``: the area in which all cells lie that are not saturated for good, None where it was not looked for.
     """
 
     rate: float
     saturated: bool = False
     repeats: bool = False
+    moving: Area | None = None
 
     @property
     def settled(self) -> bool:

@@ -1,5 +1,6 @@
 """Block task: a block of the grid with a halo is read, stepped on a backend, checked, and written as one shard."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache
@@ -12,11 +13,15 @@ import numpy as np
 from cnnsim import backends
 from cnnsim.backends.base import Backend, Check
 from cnnsim.planning.plan import Plan
+from cnnsim.supersteps.block_plan import reach_of
 from cnnsim.supersteps.blocks import Area, Blocks
 from cnnsim.supersteps.store import INPUT, GridStore
-from cnnsim.support import Array
+from cnnsim.support import Array, InputError
 from cnnsim.support.errors import naming
 from cnnsim.workers.base import one_thread
+
+EVERY, FEW = 16, 0.02
+"""One row of so many is looked at, and up to this share of its cells may move, before a block is checked in full."""
 
 
 class Place(NamedTuple):
@@ -83,12 +88,20 @@ def run_block(task: BlockTask) -> BlockReport:
     read = perf_counter()
     (r0, r1), (c0, c1) = inside
     with one_thread(), naming(f"block {task.block}, from row {rows[r0]}, column {cols[c0]}"):
+        if task.first == 0:  # what stays where it was is read here for the first time
+            _check_finite({"state": x, **given})
         steps = _BlockSteps(_backend(task.place), task, x, given, inside)
         after, checks = steps.caught_up() if task.behind else steps.run()
     stepped = perf_counter()
     if task.target is not None:
         store.write(task.target, task.blocks.area(task.block), after[..., r0:r1, c0:c1])
     return BlockReport(task.block, checks, read - begun + perf_counter() - stepped, stepped - read)
+
+
+def _check_finite(planes: dict[str, Array]) -> None:
+    for name, plane in planes.items():
+        if plane.dtype != bool and not np.isfinite(plane).all():
+            raise InputError(f"{name} holds what is not finite")
 
 
 class _BlockSteps:
@@ -98,36 +111,64 @@ class _BlockSteps:
         self._where, self._task, self._plan, self._x, self._inside = where, task, task.plan, x, inside
         u, bias, mask = (given.get(name) for name in (INPUT, "bias", "mask"))
         self._planes = (
-            None if u is None else where.load(u, "lam"), None if bias is None else where.load(bias, "lam"),
+            None if u is None else where.load(u, "lam", copy=False),
+            None if bias is None else where.load(bias, "lam", copy=False),
             None if mask is None else where.load(mask, "llm"),
         )  # fmt: skip
 
     def run(self) -> tuple[Array, list[Check]]:
         """Take the steps, from check to check; return the states with the halo, and the checks."""
         where, task, checks = self._where, self._task, list[Check]()
-        x, done, before = where.load(self._x, "lam"), task.first, None
+        x, done, before = where.load(self._x, "lam", copy=False), task.first, None
         discrete = self._plan.cell == "discrete-time"
         for step in sorted({*task.checks, task.first + task.steps}):
             if discrete and task.checks:  # a check of discrete time looks at the outputs before and after
                 for _ in range(step - done):
                     before, x = x, self._advanced(x, 1)
             elif step > done:
-                x = self._advanced(x, step - done)
+                x = self._advanced(x, step - done, task.first + task.steps - step + bool(task.checks))
             done = step
-            if step in task.checks:
+            if step in task.checks and self._plan.duration == "settled":
                 checks.append(self._compared(before, x) if discrete else self._checked(x))
-        return where.read(x), checks
+        after = where.read(x, copy=False)
+        if task.checks and not checks:  # whether the block may sleep: nobody asks for its rate
+            checks.append(Check(math.inf) if self._moves(after) else self._checked(x))
+        return after, checks
 
-    def _advanced(self, x: Any, steps: int) -> Any:
+    def _moves(self, x: Array) -> bool:
+        """Return whether many cells of the block are not saturated, by a look at some rows."""
+        (r0, r1), (c0, c1) = self._inside
+        return float((np.abs(x[..., r0:r1:EVERY, c0:c1]) < 1).mean()) > FEW
+
+    def _advanced(self, x: Any, steps: int, after: int | None = None) -> Any:
+        """Take steps, ``after`` which so many more are taken or checked: None where all cells are wanted."""
         if self._plan.method == "closed form":
             return self._where.transient(self._plan, x, *self._planes).x
+        if after is not None:
+            part = self._within(after * reach_of(self._plan))
+            if (end := self._where.advance(self._plan, x, *self._planes, part, steps)) is not None:
+                return end
         plan = replace(self._plan, duration=steps * self._plan.step, savings=self._plan.savings - {"sleep"})
         u, bias, mask = self._planes
         return self._where.transient(plan, x, u, bias, mask).x
 
+    def _within(self, margin: int) -> Area:
+        """Return the area of the block with so many cells around it, as far as they are there."""
+        (rows, cols), (down, across) = self._x.shape[-2:], self._inside
+        return (
+            (max(down[0] - margin, 0), min(down[1] + margin, rows)),
+            (max(across[0] - margin, 0), min(across[1] + margin, cols)),
+        )
+
     def _checked(self, x: Any) -> Check:
-        u, bias, mask = self._planes
-        return self._where.check(self._plan, x, u, bias, mask, self._inside)
+        found = self._where.check(self._plan, x, *self._planes, self._inside)
+        return found if found.moving is None else found._replace(moving=self._on_grid(found.moving))
+
+    def _on_grid(self, area: Area) -> Area:
+        """Return the rows and columns of the grid of an area of the block."""
+        (rows, cols), block = area, self._task.blocks.area(self._task.block)
+        down, across = (first - inner for (first, _), (inner, _) in zip(block, self._inside, strict=True))
+        return (rows[0] + down, rows[1] + down), (cols[0] + across, cols[1] + across)
 
     def _compared(self, before: Any, x: Any) -> Check:
         (r0, r1), (c0, c1) = self._inside

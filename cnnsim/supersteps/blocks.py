@@ -47,14 +47,21 @@ class Blocks:
         """
         found, inside = [], []
         for (first, after), cells in zip(self.area(block), self.shape, strict=True):
-            low, high = first - halo, after + halo
-            if self.boundary.kind == "periodic":
-                found.append(np.arange(low, high) % cells)
-            else:
-                low = max(low, 0)
-                found.append(np.arange(low, min(high, cells)))
+            index, low = self._widened(first - halo, after + halo, cells)
+            found.append(index)
             inside.append((first - low, after - low))
         return found[0], found[1], (inside[0], inside[1])
+
+    def _widened(self, low: int, high: int, cells: int) -> tuple[Integers, int]:
+        if self.boundary.kind == "periodic":
+            return np.arange(low, high) % cells, low
+        return np.arange(max(low, 0), min(high, cells)), max(low, 0)
+
+    def reached(self, area: Area, halo: int) -> set[int]:
+        """Return the blocks with cells in an area, or so near to it."""
+        spans = zip(area, self.shape, strict=True)
+        rows, cols = (self._widened(first - halo, after + halo, cells)[0] for (first, after), cells in spans)
+        return self.touched(rows, cols)
 
     def touched(self, rows: Integers, cols: Integers) -> set[int]:
         """Return the blocks that have cells in these rows and columns."""

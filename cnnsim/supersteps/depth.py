@@ -1,13 +1,19 @@
 """Depth of a superstep: the steps that cost least a step, from the measured rates of stepping and of the disk."""
 
+import math
 from collections.abc import Sequence
 
 from cnnsim.supersteps.block_task import BlockReport
 
-FIRST = 16
-"""Steps of the first superstep, before anything is known."""
+FIRST, PART = 64, 32
+"""Steps of the first superstep, before anything is known: at most `FIRST`, and a halo of one part in so many."""
 MOST = 256
 """The most steps of a superstep: what a crash may cost."""
+
+
+def first_depth(side: int, reach: int) -> int:
+    """Return the steps of the first superstep."""
+    return max(1, min(FIRST, side // (PART * max(1, reach))))
 
 
 class Depth:
@@ -15,11 +21,13 @@ class Depth:
 
     def __init__(self, side: int, reach: int, every: int | None, fixed: int | None) -> None:
         self._side, self._reach, self._every, self._fixed = side, reach, every, fixed
-        self._steps = self._whole(FIRST)
+        self._steps = self._whole(first_depth(side, reach))
 
-    def steps(self) -> int:
-        """Return how many steps to take."""
-        return self._fixed or self._steps
+    def steps(self, left: int) -> int:
+        """Return how many steps to take of those that are ``left``; the same in all supersteps, as far as they go."""
+        if self._fixed or self._every is not None:
+            return min(self._fixed or self._steps, left)
+        return math.ceil(left / math.ceil(left / self._steps))
 
     def learn(self, reports: Sequence[BlockReport], steps: int) -> None:
         """Take how long the tasks of a superstep of so many steps took; the middle task counts."""
@@ -29,13 +37,14 @@ class Depth:
             sorted(values)[len(reports) // 2] for values in zip(*((r.disk, r.stepping) for r in reports), strict=True)
         )
         cell = stepping / (steps * self._width(steps) ** 2)
-        choices = {self._whole(2**power) for power in range(MOST.bit_length())}
+        choices = {self._whole(2 ** (half / 2)) for half in range(2 * MOST.bit_length() - 1)}
         self._steps = min(choices, key=lambda d: (cell * d * self._width(d) ** 2 + disk) / d)
 
     def _width(self, steps: int) -> int:
-        return self._side + 2 * steps * self._reach
+        """Return the side of what is computed, the mean over the steps: a halo is needed less from step to step."""
+        return self._side + steps * self._reach
 
-    def _whole(self, steps: int) -> int:
+    def _whole(self, steps: float) -> int:
         """Return about so many steps: whole times between checks, and a halo of half a block at most."""
-        most = max(1, min(steps, self._side // (2 * max(1, self._reach))))
+        most = max(1, min(int(steps), self._side // (2 * max(1, self._reach))))
         return most if self._every is None or most < self._every else most // self._every * self._every

@@ -6,13 +6,14 @@ from pathlib import Path
 
 from cnnsim.backends.memory import cell_bytes
 from cnnsim.planning.plan import Plan
-from cnnsim.supersteps.store import CHUNK
 from cnnsim.support import InputError
 from cnnsim.support.memory import check_memory, free_memory
 from cnnsim.support.values import is_whole
 
 LARGEST, SLEEPING, SMALLEST = 4096, 1024, 64
 """Sides of blocks: the most, the most where blocks may sleep (the smaller, the more of them sleep), and the least."""
+WHOLE = 256
+"""Sides above it are multiples of it, so that the chunks of a shard have that many rows."""
 TASKS = 4
 """Blocks for each worker at least, so that the last of a superstep is not waited for long."""
 WORKER_BYTES = 250e6
@@ -56,7 +57,7 @@ def side_of_blocks(engine: Engine, plan: Plan, workers: int, *, sleeps: bool) ->
     fits = math.isqrt(int(SHARE * free_memory() / workers / 64)) if math.isfinite(free_memory()) else LARGEST
     enough = math.isqrt(max(1, plan.shape[0] * plan.shape[1] // (TASKS * workers)))
     side = min(SLEEPING if sleeps else LARGEST, fits, enough)
-    return max(SMALLEST, side // CHUNK * CHUNK if side >= CHUNK else side)
+    return max(SMALLEST, side // WHOLE * WHOLE if side >= WHOLE else side)
 
 
 def worker_bytes(plan: Plan, side: int, halo: int, lead: int, itemsize: int, given: int, *, has_mask: bool) -> float:

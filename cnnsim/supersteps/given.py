@@ -3,13 +3,15 @@
 import zlib
 from dataclasses import fields, is_dataclass
 from hashlib import sha256
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cnnsim.planning.plan import Plan
 from cnnsim.supersteps.block_task import Place
-from cnnsim.supersteps.store import INPUT, STATES, GridStore, Record
+from cnnsim.supersteps.shards import can_be_read
+from cnnsim.supersteps.store import INPUT, MASK, STATE, STATES, GridStore, Record
 from cnnsim.support import Array, InputError
 from cnnsim.support.progress import watcher
 
@@ -55,34 +57,40 @@ def _checksum(plane: Any, side: int) -> bytes:
     return repr((plane.shape, np.dtype(plane.dtype).str, total)).encode()
 
 
-def write_planes(store: GridStore, planes: Planes, dtype: np.dtype[Any]) -> Record:
+def write_planes(store: GridStore, planes: Planes, dtype: np.dtype[Any], *, link: bool) -> Record:
     """Bring the planes into the store, and return the record of step 0.
 
+    ``link``: Zarr arrays that the tasks can read as they are stay where they are.
+
     Raises:
-        InputError: a plane that is not finite.
+        InputError: a plane that is not finite; of one that stays where it is the tasks say it.
     """
-    state, blocks = planes["state"], store.blocks
-    arrays = {STATES[0]: state, **{name: plane for name, plane in planes.items() if name != "state"}}
-    first = STATES[0]
-    if planes.get(INPUT) is state:
-        first = INPUT
-    for name, plane in arrays.items():
-        store.add(name, state.shape, bool if name == "mask" else dtype, packed=name not in STATES)
-        if name == STATES[0] and first == INPUT:
+    state, blocks, linked = planes[STATE], store.blocks, dict[str, str]()
+    shared = planes.get(INPUT) is state
+    for name, plane in planes.items():
+        if name == STATE and shared:
             continue
+        if link and name != MASK and hasattr(plane, "store_path") and can_be_read(plane, dtype):
+            linked[name] = str((Path(plane.store.root) / plane.path).absolute())
+            continue
+        target = STATES[0] if name == STATE else name
+        store.add(target, state.shape, bool if name == MASK else dtype)
         for block in range(len(blocks)):
             (r0, r1), (c0, c1) = area = blocks.area(block)
-            store.write(name, area, _values(name, plane[..., r0:r1, c0:c1], dtype, area))
+            store.write(target, area, _values(name, plane[..., r0:r1, c0:c1], dtype, area))
             if (told := watcher()) is not None:
                 told((block + 1) / len(blocks), f"{name} to {store.folder}")
-    store.add(STATES[1], state.shape, dtype, packed=False)
+    first = INPUT if shared else STATE if STATE in linked else STATES[0]
+    for target in STATES:
+        if target != first:
+            store.add(target, state.shape, dtype)
     count = len(blocks)
-    return Record(0, 0, [first] * count, [0] * count, [False] * count, [float("inf")] * count)
+    return Record(0, 0, [first] * count, [0] * count, [False] * count, [float("inf")] * count, [None] * count, linked)
 
 
 def _values(name: str, part: Any, dtype: np.dtype[Any], area: Any) -> Array:
     values = np.asarray(part)
-    if name == "mask":
+    if name == MASK:
         return values > 0
     if not np.isfinite(values).all():
         raise InputError(f"{name} holds what is not finite from row {area[0][0]}, column {area[1][0]} on")

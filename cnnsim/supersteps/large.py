@@ -12,10 +12,10 @@ import numpy as np
 from cnnsim.backends.base import Backend
 from cnnsim.network import Frames
 from cnnsim.planning.plan import Plan
-from cnnsim.supersteps.block_plan import check_plan, halo_of
+from cnnsim.supersteps.block_plan import check_plan, halo_of, reach_of
 from cnnsim.supersteps.block_task import Place
 from cnnsim.supersteps.blocks import Blocks
-from cnnsim.supersteps.depth import FIRST
+from cnnsim.supersteps.depth import first_depth
 from cnnsim.supersteps.engine import Engine, check_workers_memory, side_of_blocks, worker_bytes
 from cnnsim.supersteps.given import Planes, run_digest, write_planes
 from cnnsim.supersteps.pictures import TiledPicture
@@ -72,8 +72,9 @@ def run_large(plan: Plan, planes: Planes, where: Backend, engine: Engine, withou
 def _opened(
     plan: Plan, planes: Planes, place: Place, engine: Engine, folder: Path, workers: Workers, *, sleeps: bool
 ) -> tuple[GridStore, Record, str]:
-    side = side_of_blocks(engine, plan, workers.count, sleeps=sleeps)
-    halo, dtype = halo_of(plan, engine.depth or FIRST, checked=True), np.dtype(place.dtype)
+    side = side_of_blocks(engine, plan, workers.count, sleeps=sleeps and "sleep" in plan.savings)
+    depth, dtype = engine.depth or first_depth(side, reach_of(plan)), np.dtype(place.dtype)
+    halo = halo_of(plan, depth, checked=True)
     lead = math.prod(planes["state"].shape[:-2])
     needed = worker_bytes(plan, side, halo, lead, dtype.itemsize, len(planes) - 1, has_mask="mask" in planes)
     if engine.name == "processes" or engine.name == "dask":
@@ -83,7 +84,7 @@ def _opened(
     store, record = open_store(folder, blocks, run)
     if record is None:
         try:
-            record = write_planes(store, planes, dtype)
+            record = write_planes(store, planes, dtype, link="=" not in engine.name)  # a cluster may not see them
             store.commit(record, run)
         except OSError as error:
             raise InputError(f"{folder}: {error.strerror or error}; room for the planes wanted") from error
@@ -106,6 +107,6 @@ def _ended(stays: bool, store: GridStore, record: Record) -> LargeEnd:
         x: Any = state
     else:
         check_memory("the result", state.nbytes, "a Zarr array as state, and a store, wanted")
-        x = np.asarray(state[...])
+        x = store.whole(end["plane"])
     t, settled, rate = (float(end[key]) for key in ("t", "settled", "rate"))
     return LargeEnd(x, t, bool(settled), rate, all(record.saturated))

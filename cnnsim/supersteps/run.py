@@ -55,7 +55,7 @@ class Supersteps:
             if settles and self._settled_at(reports, (0,)) == 0:
                 self._finish(0)
         while record.end is None and record.step < plan.steps:
-            after = min(record.step + depth.steps(), plan.steps)
+            after = record.step + depth.steps(plan.steps - record.step)
             checks = self._checks(after, every)
             awake = self._awake(after - record.step)
             self._catch_up(awake, record.step)
@@ -93,11 +93,12 @@ class Supersteps:
         """Return the blocks in reach of a cell that is not saturated for good."""
         if not self.sleeps or self._forced:
             return list(self._all)
-        saturated, blocks, halo = self.record.saturated, self.store.blocks, steps * reach_of(self.plan)
-        return [
-            block for block in self._all
-            if not all(saturated[near] for near in blocks.touched(*blocks.around(block, halo)[:2]))
-        ]  # fmt: skip
+        record, blocks, halo = self.record, self.store.blocks, steps * reach_of(self.plan)
+        found = set[int]()
+        for block in self._all:
+            if not record.saturated[block]:
+                found |= blocks.reached(record.moving[block] or blocks.area(block), halo)
+        return sorted(found)
 
     def _tasks(
         self, blocks: Iterable[int], steps: int, checks: Sequence[int], *, written: bool = True, behind: int = 0
@@ -179,6 +180,7 @@ class Supersteps:
             if report.checks:
                 self.record.saturated[report.block] = bool(report.checks[-1].saturated)
                 self.record.rate[report.block] = float(report.checks[-1].rate)
+                self.record.moving[report.block] = report.checks[-1].moving
         self.record.checked = True
 
     def _commit(self, reports: Sequence[BlockReport], step: int) -> None:

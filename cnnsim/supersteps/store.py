@@ -5,22 +5,22 @@ which array has it; it is replaced as a whole after each superstep, so a run tha
 """
 
 import json
-from dataclasses import asdict, dataclass
+import math
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from cnnsim.supersteps.blocks import Area, Blocks, runs
+from cnnsim.supersteps.blocks import Area, Blocks, Span, runs
+from cnnsim.supersteps.shards import Shards, create
 from cnnsim.support import Array, InputError, Integers
 from cnnsim.support.extras import install_line
 from cnnsim.support.files import make_folder
 
-FORMAT, VERSION = "cnnsim supersteps", 1
-CHUNK = 256
-"""The most rows and columns of a chunk in a shard: a halo is read in whole chunks, and each costs some 100 us."""
+FORMAT, VERSION = "cnnsim supersteps", 2
 STATES = ("x0", "x1")
-INPUT = "input"
+STATE, INPUT, MASK = "state", "input", "mask"
 
 
 @dataclass
@@ -28,7 +28,9 @@ class Record:
     """What is known after a superstep: its number, the step, and of each block where its state is and how it moves.
 
     ``plane``: the array with a block's state; ``upto``: the step that it belongs to, earlier than ``step`` where it
-    sleeps; ``saturated``, ``rate``: what the last check of the block found. ``end``: how the run ended.
+    sleeps; ``saturated``, ``rate``, ``moving``: what the last check of the block found, the last where there are cells
+    that are not saturated. ``linked``: planes that are read where they are, and the paths there. ``end``: how the run
+    ended.
     """
 
     superstep: int
@@ -37,6 +39,8 @@ class Record:
     upto: list[int]
     saturated: list[bool]
     rate: list[float]
+    moving: list[Area | None]
+    linked: dict[str, str] = field(default_factory=dict)
     checked: bool = False
     end: dict[str, Any] | None = None
 
@@ -54,58 +58,78 @@ def zarr_library() -> Any:
     return zarr
 
 
-def chunk_of(side: int) -> int:
-    """Return the side of a chunk: the largest part of a block's up to `CHUNK`, if there is one that is not tiny."""
-    part = next(size for size in range(min(side, CHUNK), 0, -1) if side % size == 0)
-    return part if part >= min(side, CHUNK // 4) else side
-
-
 class GridStore:
-    """The arrays of one run in a folder, read by regions and written by blocks."""
+    """The arrays of one run in a folder, read by regions and written by blocks; masks have eight cells a byte."""
 
     def __init__(self, folder: Path, blocks: Blocks) -> None:
         self.folder, self.blocks = folder, blocks
-        zarr = zarr_library()
-        self._group = zarr.open_group(folder, mode="r+")
-        self._arrays: dict[str, Any] = {}
+        self._group = zarr_library().open_group(folder, mode="r+")
+        self._shards: dict[str, Shards] = {}
 
     def array(self, name: str) -> Any:
-        """Return an array by its name."""
-        if name not in self._arrays:
-            self._arrays[name] = self._group[name]
-        return self._arrays[name]
+        """Return an array by its name: one of the store, or one that stays where it is (see `Record.linked`)."""
+        linked = self._group.attrs.asdict().get("record", {}).get("linked", {})
+        return zarr_library().open_array(linked[name], mode="r") if name in linked else self._group[name]
 
-    def has(self, name: str) -> bool:
-        """Return whether there is an array of that name."""
-        return name in self._group
+    def shards(self, name: str) -> Shards:
+        """Return the files of an array."""
+        if name not in self._shards:
+            self._shards[name] = Shards(self.array(name))
+        return self._shards[name]
 
-    def add(self, name: str, shape: tuple[int, ...], dtype: Any, *, packed: bool) -> None:
-        """Make an array of the grid, an old one of that name gone; ``packed``: compressed, as it is written once."""
-        side, lead = self.blocks.side, shape[:-2]
-        more: dict[str, Any] = {} if packed else {"compressors": None}
-        part = chunk_of(side)
-        self._arrays[name] = self._group.create_array(
-            name, shape=shape, dtype=dtype, shards=(*lead, side, side), chunks=(*lead, part, part), filters=None,
-            fill_value=0, overwrite=True, **more,
-        )  # fmt: skip
+    def add(self, name: str, shape: tuple[int, ...], dtype: Any) -> None:
+        """Make an array of the grid, an old one of that name gone."""
+        side, packed = self.blocks.side, np.dtype(dtype) == bool
+        width = math.ceil(side / 8) if packed else side
+        cols = width * self.blocks.counts[1] if packed else shape[-1]
+        create(self._group, name, (*shape[:-1], cols), np.uint8 if packed else dtype, side, width)
+        self._shards.pop(name, None)
 
-    def read(self, plane: str | dict[int, str], rows: Integers, cols: Integers) -> Array:
-        """Return the cells in these rows and columns of one array, or of those that have the states of blocks."""
+    def read(self, plane: str | dict[int, str], rows: Integers, cols: Integers, out: Array | None = None) -> Array:
+        """Return the cells in these rows and columns of one array, or of those that have the states of blocks.
+
+        ``out``: where they are put, if it is given.
+        """
         names = {plane} if isinstance(plane, str) else {plane[block] for block in self.blocks.touched(rows, cols)}
-        first = self.array(next(iter(names)))
-        out = np.empty((*first.shape[:-2], len(rows), len(cols)), first.dtype)
-        side = self.blocks.side if len(names) > 1 else 0
-        for (p0, p1), (r0, r1) in runs(rows, side):
-            for (q0, q1), (c0, c1) in runs(cols, side):
-                at = r0 // self.blocks.side * self.blocks.counts[1] + c0 // self.blocks.side
-                source = self.array(plane[at] if isinstance(plane, dict) and side else next(iter(names)))
-                out[..., p0:p1, q0:q1] = source[..., r0:r1, c0:c1]
+        first, side = self.shards(next(iter(names))), self.blocks.side
+        packed = plane == MASK
+        if out is None:
+            out = np.empty((*first.shape[:-2], len(rows), len(cols)), bool if packed else first.dtype)
+        cut = side if len(names) > 1 or packed else 0
+        for (p0, p1), down in runs(rows, cut):
+            for (q0, q1), across in runs(cols, cut):
+                part = out[..., p0:p1, q0:q1]
+                if packed:
+                    part[...] = self._bits(first, down, across)
+                    continue
+                at = down[0] // side * self.blocks.counts[1] + across[0] // side
+                source = self.shards(plane[at]) if isinstance(plane, dict) and cut else first
+                source.read(part, down, across)
         return out
+
+    def _bits(self, source: Shards, rows: Span, cols: Span) -> Array:
+        """Return cells of a mask; the columns are those of one block."""
+        side = self.blocks.side
+        begin = cols[0] // side * side
+        low, high = (cols[0] - begin) // 8, math.ceil((cols[1] - begin) / 8)
+        first = cols[0] // side * math.ceil(side / 8)
+        out = np.empty((*source.shape[:-2], rows[1] - rows[0], high - low), np.uint8)
+        source.read(out, rows, (first + low, first + high))
+        cells = np.unpackbits(out, axis=-1)
+        return cells[..., cols[0] - begin - 8 * low : cols[1] - begin - 8 * low]
 
     def write(self, name: str, area: Area, values: Array) -> None:
         """Write one block: one shard, as it has the block's rows and columns."""
-        (r0, r1), (c0, c1) = area
-        self.array(name)[..., r0:r1, c0:c1] = values
+        if name == MASK:
+            down, (c0, _) = area
+            bits = np.packbits(values, axis=-1)
+            first = c0 // self.blocks.side * math.ceil(self.blocks.side / 8)
+            area, values = (down, (first, first + bits.shape[-1])), bits
+        self.shards(name).write(area, values)
+
+    def whole(self, name: str) -> Array:
+        """Return a whole array."""
+        return self.read(name, np.arange(self.blocks.shape[0]), np.arange(self.blocks.shape[1]))
 
     def commit(self, record: Record, run: str) -> None:
         """Replace the record."""

@@ -24,6 +24,7 @@ from cnnsim.backends.base import (
 from cnnsim.backends.cpu import bits as packed
 from cnnsim.backends.cpu import closed, planes
 from cnnsim.backends.cpu.bits import Bits
+from cnnsim.backends.cpu.block import narrowed
 from cnnsim.backends.cpu.boundary import virtual_cells
 from cnnsim.backends.cpu.drive import control, controlling
 from cnnsim.backends.cpu.euler.sleep import E_FOLDS
@@ -79,6 +80,7 @@ class CpuBackend(Backend):
                 "transient",
                 "check",
                 "catch_up",
+                "advance",
                 "cellwise",
                 "logic",
                 "neighbourhood",
@@ -166,9 +168,9 @@ class CpuBackend(Backend):
             ready = self._ready(plan)
             if ready.fused_euler:
                 w = self._drive(ready, x, *self._given(plan, ready, x, u, bias))
-                rate, saturated = over_area(plan, ready, x, x, w, area, CHECK, 0)
+                found = over_area(plan, ready, x, x, w, area, CHECK, 0)
                 self._pool.keep(w)
-                return Check(rate, plan.saturation_ends and saturated)
+                return found
         cells = grids(outside(x.shape, area, None if mask is None else self._unpack(mask, np.dtype(bool))))
         if plan.method == "general":
             steps = CompiledTermSteps(CompiledNetwork(plan, x, u, bias, cells))
@@ -185,6 +187,14 @@ class CpuBackend(Backend):
             return None
         w, end = self._drive(ready, x, *self._given(plan, ready, x, u, bias)), x.copy()
         over_area(plan, ready, x, end, w, area, CATCH_UP, min(steps, math.ceil(E_FOLDS / plan.step)))
+        self._pool.keep(w)
+        return end
+
+    def advance(self, plan: Plan, x: Array, u: Any, bias: Any, mask: Any, area: Area, steps: int) -> Array | None:
+        if plan.method == "general" or mask is not None or not (ready := self._ready(plan)).fused_euler or not steps:
+            return None
+        w = self._drive(ready, x, *self._given(plan, ready, x, u, bias))
+        end = narrowed(plan, ready, x, w, area, steps, self._pool)
         self._pool.keep(w)
         return end
 

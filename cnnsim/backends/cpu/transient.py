@@ -191,11 +191,12 @@ def fused_euler(plan: Plan, ready: Prepared, x: Array, w: Array, pool: Pool) -> 
 def over_area(
     plan: Plan, ready: Prepared, x: Array, target: Array, w: Array, area: tuple[tuple[int, int], tuple[int, int]],
     task: int, behind: int,
-) -> tuple[float, bool]:  # fmt: skip
+) -> Check:  # fmt: skip
     """Check, or catch up, the cells of an area (see `euler.window`), by the arithmetic of the fused Euler method."""
     planes = grids(x), grids(target), grids(w)
     address = window(numba.typeof(ready.feedback)).address
-    rate, saturated = over_part.serial(
+    rate, saturated, (r0, r1, c0, c1) = over_part.serial(
         planes, ready.feedback, int(address), (*area[0], *area[1]), task, behind, SETTLED_RATE
     )
-    return float(rate), bool(saturated)
+    moving = None if saturated or not plan.saturation_ends else ((r0, r1), (c0, c1))
+    return Check(float(rate), plan.saturation_ends and bool(saturated), moving=moving)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from cnnsim.backends.cpu.euler.grid import Area, Feedback
-from cnnsim.backends.cpu.euler.settled import FIGURES, RATE, UNSATURATED, start_check
+from cnnsim.backends.cpu.euler.settled import C0, C1, FIGURES, R0, R1, RATE, UNSATURATED, start_check
 from cnnsim.backends.cpu.euler.sleep import HEIGHT
 from cnnsim.backends.cpu.euler.window import window_cells, window_layout
 from cnnsim.backends.cpu.jit.address import call
@@ -18,10 +18,10 @@ WIDTH = 256
 def over_part(
     planes: tuple[Array, Array, Array], feedback: Feedback, address: int, area: Area, task: int, behind: int,
     rest: float,
-) -> tuple[float, bool]:  # fmt: skip
+) -> tuple[float, bool, tuple[int, int, int, int]]:  # fmt: skip
     """Do a task of `window.step_window` with the cells of ``area`` in all grids of ``planes``: x, target and w.
 
-    Returns the largest |dx/dt| and whether all cells are saturated for good, of a check.
+    Of a check it returns the largest |dx/dt|, whether all cells are saturated for good, and where the others lie.
     """
     x, target, w = planes
     r = feedback[4]
@@ -33,4 +33,7 @@ def over_part(
             for c0 in range(area[2], area[3], WIDTH):
                 part = Area(r0, min(r0 + HEIGHT, area[1]), c0, min(c0 + WIDTH, area[3]))
                 call(address, (x[g], w[g], target[g], feedback, 0, part, scratch, at, task, rest, True, behind, found))
-    return found[RATE], found[UNSATURATED] == 0
+    still = found[UNSATURATED] == 0
+    if still:
+        return found[RATE], True, (0, 0, 0, 0)
+    return found[RATE], False, (int(found[R0]), int(found[R1]), int(found[C0]), int(found[C1]))

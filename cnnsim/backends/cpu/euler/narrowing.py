@@ -1,0 +1,29 @@
+"""Euler steps of which only an area is wanted: each pass over the grid leaves out what can reach it no more."""
+
+import numpy as np
+
+from cnnsim.backends.cpu.euler.grid import Area, Feedback
+from cnnsim.backends.cpu.euler.scratch import tile_cells, tile_layout
+from cnnsim.backends.cpu.euler.settled import FIGURES
+from cnnsim.backends.cpu.jit.address import call
+from cnnsim.backends.cpu.jit.compile import kernel
+from cnnsim.support import Array
+
+
+@kernel
+def pass_over(
+    planes: tuple[Array, Array, Array], feedback: Feedback, address: int, tile: tuple[int, int], steps: int, area: Area
+) -> None:
+    """Take some steps of the cells of ``area`` in all grids of ``planes``: x, target and w.
+
+    ``address`` is that of `tile.stream`, ``tile`` the rows and columns that it takes at a time.
+    """
+    x, target, w = planes
+    r, (height, width), (top, bottom, left, right) = feedback[4], tile, area
+    scratch, found = np.empty(tile_cells(steps, r), x.dtype), np.empty(FIGURES)
+    at = tile_layout(scratch, steps, r)
+    for g in range(x.shape[0]):
+        for r0 in range(top, bottom, height):
+            for c0 in range(left, right, width):
+                part = Area(r0, min(r0 + height, bottom), c0, min(c0 + width, right))
+                call(address, (x[g], w[g], target[g], feedback, steps, part, scratch, at, False, 0.0, False, found))
