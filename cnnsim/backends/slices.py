@@ -30,8 +30,8 @@ class Pace:
 
     The first slice has ``most`` units at most.
 
-    A slice has whole multiples of ``together`` units, where that many are done at less cost than one by one, unless so
-    many alone take more than twice `SLICE`.
+    A slice has whole multiples of ``together`` units, where that many are done at less cost than one by one: who does
+    them hears a signal while it does them, however long they take.
     """
 
     __slots__ = ("_most", "_plan", "_since", "_together", "left")
@@ -42,8 +42,7 @@ class Pace:
         self.left = self._whole()
 
     def _whole(self) -> int:
-        most, together = int(self._most), self._together
-        return together * max(1, most // together) if 2 * most >= together else max(1, most)
+        return self._together * max(1, int(self._most) // self._together)
 
     def turn(self, steps: int, rate: float) -> None:
         """Begin the next slice: the last one took as long as it took, and so many ``steps`` are done in all.
@@ -72,9 +71,12 @@ class Pace:
             watched_by.over()
 
 
-def pieces(count: int, work: float) -> Sequence[tuple[int, int]]:
-    """Return (first, after) of the pieces into which ``count`` rows or tiles are cut, with ``work`` sums in each."""
+def pieces(count: int, work: float, workers: int = 1) -> Sequence[tuple[int, int]]:
+    """Return (first, after) of the pieces into which ``count`` rows or tiles are cut, with ``work`` sums in each.
+
+    All but the last are dealt out to so many ``workers`` without a remainder.
+    """
     if count * work <= PIECE:
         return ((0, count),)
-    most = max(1, int(PIECE / work))
+    most = workers * max(1, int(PIECE / work) // workers)
     return [(first, min(count, first + most)) for first in range(0, count, most)]

@@ -150,4 +150,11 @@ def test_slices_follow_the_rate(monkeypatch: pytest.MonkeyPatch) -> None:
     for _ in range(5):
         now[0] += 128.0
         pace.turn(0, 0.0)
-    assert pace.left == 1  # ten together would take far too long
+    assert pace.left == 10  # they are done together, and hear a stop in between
+
+
+def test_pieces_are_dealt_out_without_a_remainder() -> None:
+    found = slices.pieces(23, slices.PIECE / 5.5, workers=4)
+    assert found == [(first, min(first + 4, 23)) for first in range(0, 23, 4)]
+    assert slices.pieces(5, 2.0 * slices.PIECE, workers=2) == [(0, 2), (2, 4), (4, 5)]
+    assert slices.pieces(5, slices.PIECE / 5, workers=2) == ((0, 5),)

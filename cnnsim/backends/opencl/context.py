@@ -13,6 +13,7 @@ import pyopencl as cl
 
 from cnnsim.backends.opencl.build import Defines, build, code_defines, define_lines, source
 from cnnsim.backends.opencl.devices import Family, check_not_forked
+from cnnsim.backends.opencl.pages import ask_for_large_pages
 from cnnsim.backends.opencl.pocl import has_wide_vectors
 from cnnsim.backends.slices import pieces
 
@@ -47,7 +48,7 @@ class DeviceContext:
     def __init__(self, device: cl.Device, family: Family, dtype: np.dtype[Any]) -> None:
         self.device, self.family, self.dtype = device, family, dtype
         self.lock = RLock()
-        self.context, self.queue = _context_and_queue(device)
+        self.context, self.queue, self._side_queue = _context_and_queues(device)
         wide = dtype == np.float32 and has_wide_vectors(device)
         self.lanes = (WIDE_LANES if wide else LANES) if family == "cpu" else 1
         self.cores = device.max_compute_units
@@ -70,7 +71,9 @@ class DeviceContext:
 
     def new(self, size: int) -> Buffer:
         """Return a new buffer of ``size`` bytes on the device."""
-        return cl.Buffer(self.context, cl.mem_flags.READ_WRITE, size)
+        buffer = cl.Buffer(self.context, cl.mem_flags.READ_WRITE, size)
+        ask_for_large_pages(self._side_queue, buffer)
+        return buffer
 
     def buffer(self, size: int) -> Buffer:
         """Return a new buffer of ``size`` bytes, or one that was given back."""
@@ -120,7 +123,10 @@ class DeviceContext:
         return parts
 
     def enqueue(self, kernel: cl.Kernel, *shape: Any) -> None:
-        """Launch a kernel whose arguments are set; ``shape``: global and local sizes, perhaps an offset."""
+        """Launch a kernel whose arguments are set; ``shape``: global and local sizes.
+
+        No offset: PoCL would compile the kernel once more for it.
+        """
         event = cl.enqueue_nd_range_kernel(self.queue, kernel, *shape)
         if kernel not in self._compiled:  # drivers compile at the first launch, for seconds: Python is to hear a signal
             self.queue.flush()
@@ -129,12 +135,19 @@ class DeviceContext:
             self._compiled.add(kernel)
 
     def pieces(self, count: int, work: float) -> Iterator[tuple[int, int]]:
-        """Yield (first, count) of the pieces of so many rows or tiles with ``work`` sums in each; wait in between."""
-        parts = pieces(count, work)
+        """Yield (first, count) of the pieces of so many rows or tiles with ``work`` sums in each; wait in between.
+
+        The piece before the last is waited for, so that the device always has one to go on with.
+        """
+        parts = pieces(count, work, self.cores if self.family == "cpu" else 1)
+        before: cl.Event | None = None
         for first, after in parts:
             yield first, after - first
             if len(parts) > 1:
-                self.queue.finish()
+                done = cl.enqueue_marker(self.queue)
+                if before is not None:
+                    before.wait()
+                before = done
 
     def parts(self, count: int, dtype: np.dtype[Any]) -> np.ndarray[Any, Any]:
         """Read ``count`` numbers that a kernel left in ``partial``."""
@@ -144,10 +157,10 @@ class DeviceContext:
 
 
 @cache
-def _context_and_queue(device: cl.Device) -> tuple[cl.Context, cl.CommandQueue]:
-    """Return one context and queue a device, so that planes may go between backends on it."""
+def _context_and_queues(device: cl.Device) -> tuple[cl.Context, cl.CommandQueue, cl.CommandQueue]:
+    """Return one context and queue a device, so that planes may go between backends, and a queue without kernels."""
     context = cl.Context([device])
-    return context, cl.CommandQueue(context)
+    return context, cl.CommandQueue(context), cl.CommandQueue(context)
 
 
 def _leave_behind() -> None:

@@ -10,6 +10,7 @@ from cnnsim.backends.opencl.build import Defines
 from cnnsim.backends.opencl.context import DeviceContext
 from cnnsim.backends.opencl.devices import family_of
 from cnnsim.backends.opencl.planes import DeviceGrid
+from cnnsim.backends.slices import PIECE
 from cnnsim.network import reach
 from cnnsim.planning.plan import Plan
 
@@ -27,9 +28,9 @@ _STEPS = {"cpu": (24, 24, 8, 4, 2), "gpu": (4, 4, 2, 1, 1)}
 
 
 class Tiles(NamedTuple):
-    """How to launch: sizes, the most steps a launch, and what the kernels need to know, built in or as arguments."""
+    """How to launch: sizes, the steps of a launch, and what the kernels need to know, built in or as arguments."""
 
-    most_steps: int
+    steps: int
     defines: Defines
     arguments: tuple[Any, ...]
     groups: int
@@ -47,12 +48,15 @@ def cut(context: DeviceContext, grid: DeviceGrid, plan: Plan) -> Tiles:
         steps = min(plan.steps, plan.check_every) if plan.duration == "settled" else plan.steps
     most = _STEPS[context.family][min(radius, 4)]
     launches = -(-steps // most)
-    if 0 < launches <= 4:  # later on a short last launch does not matter
+    if 0 < launches <= 4:  # no rows and columns that only longer launches need; later on no kernel of its own
         most = -(-steps // launches)
     if context.family == "cpu":
         widest = (SLEEPER[1] if "sleep" in plan.savings else TILE_BYTES) // context.dtype.itemsize
-        return _bands(context, grid, plan, radius, most, widest)
-    return _squares(context, grid, radius, most)
+        tiles = _bands(context, grid, plan, radius, most, widest)
+    else:
+        tiles = _squares(context, grid, radius, most)
+    launches = -(-steps // tiles.steps)
+    return tiles._replace(steps=-(-steps // launches)) if launches else tiles
 
 
 def _bands(context: DeviceContext, grid: DeviceGrid, plan: Plan, radius: int, most: int, widest: int) -> Tiles:
@@ -72,6 +76,7 @@ def _bands(context: DeviceContext, grid: DeviceGrid, plan: Plan, radius: int, mo
     width = cols if across == 1 else _whole(cols, across, lanes)
     across = -(-cols // width)
     down = -(-8 * context.cores // (grids * across))  # so many tiles that no core waits long for the last one
+    down = max(down, int(rows * width * most * len(plan.feedback_taps) / PIECE))  # a core's work before a stop is heard
     down = min(down, rows // (8 * most * max(1, radius)), rows * width // 16384)
     if sleep:  # a band has at least the rows that one launch reads of the next
         down = max(down, rows // max(SLEEPER[0], most * radius))

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from cnnsim import PERIODIC, ZERO_FLUX, InputError, Template, fixed, library
+from cnnsim.backends import slices
 from cnnsim.planning.plan import make_plan
 from cnnsim.task import make_task
 from cnnsim.transient import run_transient
@@ -60,6 +61,56 @@ def test_shared_sums_stay_within_the_rounding_of_one_sum_a_step() -> None:
     assert 0 < np.abs(shared - plain).max() < 50 * 1.5 * np.finfo(np.float32).eps
 
 
+def test_steps_stay_together_however_long_they_take(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One by one, as those of 8192 x 8192 cells were once, each would go through all of the memory."""
+    for name, value in {"FIRST": 1, "SLICE": 1e-9, "PIECE": 1e6}.items():
+        monkeypatch.setattr(slices, name, value)
+    from cnnsim.backends.opencl import transient
+    from cnnsim.backends.opencl.context import DeviceContext
+
+    asked, counts = list[int](), list[int]()
+    steps, waits, launches = transient._TileSteps.advance, DeviceContext.pieces, DeviceContext.enqueue
+
+    def advance(self: Any, step: int, count: int) -> None:
+        asked.append(count)
+        steps(self, step, count)
+
+    def pieces(self: Any, count: int, work: float) -> Any:
+        found = list(waits(self, count, work))
+        counts.append(len(found))
+        return iter(found)
+
+    def enqueue(self: Any, kernel: Any, *shape: Any) -> None:
+        assert len(shape) == 2, "PoCL compiles a kernel once more for an offset"
+        launches(self, kernel, *shape)
+
+    monkeypatch.setattr(transient._TileSteps, "advance", advance)
+    monkeypatch.setattr(DeviceContext, "pieces", pieces)
+    monkeypatch.setattr(DeviceContext, "enqueue", enqueue)
+    rng = np.random.default_rng(2)  # what is compiled for the test of the same bits
+    x, mask = rng.uniform(-1, 1, (70, 1100)), rng.uniform(-1, 0.3, (70, 1100))
+    given: Any = {"state": x, "mask": mask, "boundary": BOUNDARIES[0], "duration": 3.7, "scheme": "euler"}
+    task = make_task(Template(NINE), **given)
+    task.start(OpenCLBackend("float32", family="cpu"))
+    assert asked == [-(-task.plan.steps // 2), task.plan.steps // 2]
+    assert max(counts) > 1, "a stop is heard between pieces"
+
+
+def test_launches_are_of_equal_length_and_tiles_of_bounded_work() -> None:
+    """A short last launch goes through memory as a long one does; a stop is heard when a core has done its tile."""
+    from cnnsim.backends.opencl.planes import DeviceGrid
+    from cnnsim.backends.opencl.tiles import cut
+
+    context: Any = SimpleNamespace(
+        family="cpu", lanes=8, dtype=np.dtype("float32"), cores=2, device=SimpleNamespace(local_mem_size=1 << 21)
+    )
+    shape = (1, 16384, 16384)
+    plan = make_plan(Template(NINE), shape, ZERO_FLUX, duration=10.0, scheme="euler", step=0.1)
+    tiles = cut(context, DeviceGrid(*shape), plan)
+    assert (tiles.steps, tiles.defines["T"]) == (20, 24)  # one kernel for all durations
+    assert 9 * 24 * 16384**2 / tiles.groups <= 1.1 * slices.PIECE
+
+
 @pytest.mark.parametrize("limit", [32 * 1024, 512 * 1024, 1024 * 1024])
 def test_tiles_fit_into_the_local_memory_there_is(limit: int) -> None:
     """A device that is given more than it has writes over whatever lies behind."""
@@ -74,7 +125,7 @@ def test_tiles_fit_into_the_local_memory_there_is(limit: int) -> None:
         plan = make_plan(Template(np.ones((side, side)) / side**2), shape, ZERO_FLUX, duration=100.0)
         tiles = cut(context, DeviceGrid(*shape), plan)
         assert tiles.arguments[0].size <= limit
-        assert 1 <= tiles.most_steps <= 24
+        assert 1 <= tiles.steps <= 24
 
 
 @pytest.mark.parametrize("family", FAMILIES)

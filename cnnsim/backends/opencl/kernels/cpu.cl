@@ -154,10 +154,10 @@ static int differ(const __local real *a, __global const real *b, int start, int 
 
 __attribute__((reqd_work_group_size(1, 1, 1)))
 __kernel void steps(__global const real *x, __global const real *w, __global const ulong *mask, __global real *out,
-                    __local real *scratch, int rows, int cols, int width, int band, int across, int down, int steps
-                    SLEEP_ARGUMENTS)
+                    __local real *scratch, int rows, int cols, int width, int band, int across, int down, int steps,
+                    int first SLEEP_ARGUMENTS)
 {
-    const int tile = get_global_id(0), first_col = tile % across * width, first_row = tile / across % down * band;
+    const int tile = first + get_global_id(0), first_col = tile % across * width, first_row = tile / across % down * band;
     const int stop_row = min(first_row + band, rows), own_cols = min(width, cols - first_col);
     const long top = (long)(tile / across / down) * rows;
     const int end = min(STRIDE - V, (SHIFT + own_cols + HALO + V - 1) / V * V - V + (HALO ? 0 : V));

@@ -23,10 +23,11 @@ static inline void stand_in(__local real *y, int i, int j, int gi, int gj, int r
 
 __attribute__((reqd_work_group_size(WIDE, HIGH / R, 1)))
 __kernel void steps(__global const real *x, __global const real *w, __global const ulong *mask, __global real *out,
-                    int rows, int cols, int across, int down, int steps SLEEP_ARGUMENTS)
+                    int rows, int cols, int across, int down, int steps, int first
+                    SLEEP_ARGUMENTS)
 {
     __local real y[2 * SIZE];
-    const int tile = get_global_id(0) / WIDE, j = get_local_id(0), i0 = get_local_id(1) * R;
+    const int tile = first + get_global_id(0) / WIDE, j = get_local_id(0), i0 = get_local_id(1) * R;
     const int gj = tile % across * (WIDE - 2 * HALO) - HALO + j;
     const int gi0 = tile / across % down * (HIGH - 2 * HALO) - HALO + i0;
     const long top = (long)(tile / across / down) * rows;
