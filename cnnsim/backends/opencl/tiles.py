@@ -76,7 +76,7 @@ def _bands(context: DeviceContext, grid: DeviceGrid, plan: Plan, radius: int, mo
     width = cols if across == 1 else _whole(cols, across, lanes)
     across = -(-cols // width)
     down = -(-8 * context.cores // (grids * across))  # so many tiles that no core waits long for the last one
-    down = max(down, int(rows * width * most * len(plan.feedback_taps) / PIECE))  # a core's work before a stop is heard
+    down = max(down, -(-rows * width * most * len(plan.feedback_taps) // PIECE))  # soon done: a stop is heard
     down = min(down, rows // (8 * most * max(1, radius)), rows * width // 16384)
     if sleep:  # a band has at least the rows that one launch reads of the next
         down = max(down, rows // max(SLEEPER[0], most * radius))
