@@ -9,7 +9,9 @@ from tactile.calibration.gains import Gains
 from tactile.calibration.live_tare import TareMode
 from tactile.calibration.taxel_gains import TaxelGains
 from tactile.core.frame import TaxelArray
-from tactile.events.code import SIGN, Threshold
+from tactile.core.source import Source, provenance
+from tactile.events.code import Threshold
+from tactile.events.threshold_choices import ThresholdChoices
 from tactile.events.thresholds import SIGMAS, Sigmas
 
 if TYPE_CHECKING:  # SciPy's splines are slow to import
@@ -62,40 +64,66 @@ class Settings:
         return replace(self, gains=skin.gains, depth=skin.depth, radial=skin.radial)
 
 
-@dataclass(frozen=True)
-class PipelineOptions:
-    """The options of the command line that `run`, `replay` and `live` share.
+DEFAULT = Settings()
+"""What holds where nobody has chosen."""
 
-    ``dead_band``, ``hysteresis`` and ``contact_level`` are least thresholds, a hysteresis of None half the dead band;
-    ``sigmas`` as in `Sigmas`; ``program``: users' detectors and programs.
+
+@dataclass(frozen=True)
+class PipelineOptions(ThresholdChoices):
+    """The options of the command line that `run`, `replay` and `live` share; None is no choice.
+
+    ``window`` and ``floor`` as in `Settings`; ``program``: users' detectors and programs.
     """
 
-    dead_band: float | None = None
-    hysteresis: float | None = None
-    contact_level: float | None = None
-    sigmas: tuple[float, float, float] | None = None
-    sign_code: bool = False
-    window: int = 128
+    window: int | None = None
     floor: float | None = None
     program: tuple[str, ...] = ()
-    backend: str = "cpu"
+    backend: str | None = None
     tare: TareMode = "off"
 
+    def but(self, chosen: ThresholdChoices) -> Self:
+        """Return these options with those in place that somebody nearer has ``chosen``, but for the tare."""
+        changed = super().but(chosen)
+        if isinstance(chosen, PipelineOptions):
+            given = {name: getattr(chosen, name) for name in ("window", "floor", "backend")}
+            changed = replace(changed, **{name: one for name, one in given.items() if one is not None})
+            changed = replace(changed, program=chosen.program or self.program)
+        return changed
+
     def settings(
-        self, arrays: Iterable[TaxelArray], skin: "Calibration | TaxelGains | None", gains: Gains | None = None
+        self, source: Source, skin: "Calibration | TaxelGains | None" = None, gains: Gains | None = None
     ) -> Settings:
-        """Return the pipeline's settings for arrays with this skin's calibration, if there is one.
+        """Return the pipeline's settings for a source: thresholds that are not chosen are those of its array's file.
+
+        Arguments: ``skin``: calibration of its arrays; ``gains`` from readings to their quantity.
 
         Raises:
             InputError: thresholds that are none, or a calibration of strain for an array of something else.
         """
-        shear = SIGN if self.sign_code else None
-        if self.dead_band is not None:
-            shear = Threshold(self.dead_band, self.dead_band / 2 if self.hysteresis is None else self.hysteresis)
-        contact = None if self.contact_level is None else Threshold(self.contact_level, self.contact_level / 2)
-        sigmas = SIGMAS if self.sigmas is None else Sigmas(*self.sigmas)
+        shear, contact, sigmas = described(source).but(self).thresholds()
         chosen = Settings(
-            shear, contact, sigmas, self.window, self.floor, self.tare, gains, programs=self.program,
-            backend=self.backend,
-        )  # fmt: skip
-        return chosen if skin is None else chosen.calibrated(skin, arrays)
+            shear,
+            contact,
+            sigmas,
+            DEFAULT.window if self.window is None else self.window,
+            self.floor,
+            self.tare,
+            gains,
+            programs=self.program,
+            backend=DEFAULT.backend if self.backend is None else self.backend,
+        )
+        return chosen if skin is None else chosen.calibrated(skin, source.arrays)
+
+
+def described(source: Source) -> ThresholdChoices:
+    """Return the thresholds that the array description of a source's device has, if there is one.
+
+    Raises:
+        InputError: it is wrong.
+    """
+    text = provenance(source).description
+    if not text:
+        return ThresholdChoices()
+    from tactile.wire.description_file import parse_description  # only for what came from a device
+
+    return parse_description(text, "array description").thresholds

@@ -4,7 +4,8 @@ import re
 import stat
 import sys
 import tomllib
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, TypeVar
@@ -113,6 +114,14 @@ class KeyFaults:
             check_keys(table, known, place, required)
         except InputError as error:
             self._found.append(str(error))
+
+    @contextmanager
+    def collecting(self) -> Iterator[None]:
+        """Take what the block refuses for one fault more, and go on after it."""
+        try:
+            yield
+        except InputError as error:
+            self._found.append(str(error).removeprefix(f"{self._where}: "))
 
     def tell(self) -> None:
         """Refuse the file if anything was found.

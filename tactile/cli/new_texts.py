@@ -77,6 +77,13 @@ quantity = "strain"         # strain, stress or force: what the readings are aft
 # axes  = ["x", "y", "-z"]  # which of the device's axes are shear_x, shear_y and normal
 # gains = [1e-5, 1e-5]      # shear, normal: quantity per unit of the wire; microtesla of magnetometers need them
 # cells = [[0, 1], [2, 3]]  # the device's number of the chip in each cell, -1 where none is
+
+# [thresholds]              # of events, where the command line says nothing; without them the noise decides
+# dead_band     = 1e-3      # least shear that is a direction [unit of the quantity], as --dead-band
+# hysteresis    = 5e-4      # a direction starts only this much above it, as --hysteresis
+# contact_level = 1e-3      # least pressing at which a taxel stays in contact, as --contact-level
+# sigmas = [4, 6, 3]        # the three in sigma of a taxel's noise, as --sigmas; [0, 0, 0]: fixed thresholds
+# sign_code = true          # the bare signs instead of a dead band, as --sign-code
 """
 
 DETECTOR = """\

@@ -61,8 +61,8 @@ def open_for_run(path: Path, choices: RunChoices) -> Opened:
         from tactile.calibration.file import load_calibration  # SciPy's splines are slow to import
 
         skin = load_calibration(choices.calibration)
-    options = lived.but(vars(choices.options)) if lived else choices.options
-    settings = replace(options, tare=mode).settings(source.arrays, skin, choices.gains)
+    options = lived.but(choices.options) if lived else choices.options
+    settings = replace(options, tare=mode).settings(source, skin, choices.gains)
     notes: list[str] = []
     if hasattr(source, "loads_at"):  # a scene
         from tactile.simulator.scene.model_range import out_of_range  # only where called for

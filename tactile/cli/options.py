@@ -125,8 +125,6 @@ def _add_library(_context: click.Context, _option: click.Parameter, folders: tup
 
 
 def check_thresholds(chosen: dict[str, Any]) -> None:
-    """Refuse thresholds that contradict each other."""
+    """Refuse thresholds that contradict each other, before anything is opened."""
     if chosen["sign_code"] and (chosen["dead_band"], chosen["hysteresis"]) != (None, None):
         raise click.UsageError("--sign-code has no dead band; leave out --dead-band and --hysteresis")
-    if chosen["hysteresis"] is not None and chosen["dead_band"] is None:
-        raise click.UsageError("--hysteresis needs a --dead-band, in the unit of the quantity")

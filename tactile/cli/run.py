@@ -34,7 +34,7 @@ from tactile.sources.folder import is_folder_of_recordings
 )
 @click.option("--parquet", is_flag=True, help="Write the rows of the .csv file as .parquet, too.")
 @detection
-@click.option("--window", type=int, default=128, show_default=True, help="Frames a texture figure averages.")
+@click.option("--window", type=int, help="Frames a texture figure averages [128].")
 @click.option("--floor", type=float, help="Normal signal below which texture figures are not valid.")
 @click.option(
     "--tare",
@@ -44,7 +44,7 @@ from tactile.sources.folder import is_folder_of_recordings
 )
 @click.option("--gains", help="SHEAR,NORMAL: factors from readings to strain, stress or force (eq. 15).")
 @click.option("--calibration", type=click.Path(path_type=Path), help="Gains, depth and correction of a skin.")
-@click.option("--backend", type=click.Choice(backends.NAMES), default="cpu", show_default=True)
+@click.option("--backend", type=click.Choice(backends.NAMES), help="Where the machine runs [cpu].")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
 def run(
     source: Path, output: Path | None, parquet: bool, tare: TareMode | None, gains: str | None,
@@ -57,7 +57,7 @@ def run(
     """
     from tactile import pipeline  # the machine is loaded only when it runs
     from tactile.output.collected import Collected  # the same
-    from tactile.output.json_data import run_data  # the same
+    from tactile.output.json_data import run_data, settings_data  # the same
     from tactile.output.record import Record  # the same
     from tactile.output.tables import tables  # the same
     from tactile.output.truth import truth_of  # the same
@@ -89,13 +89,13 @@ def run(
         with Record(
             output,
             frames.arrays,
-            {"source": source.name, "title": frames.title, "tare": mode},
+            {"source": source.name, "title": frames.title, "settings": settings_data(settings)},
             truth,
             parquet=parquet,
         ) as record:
             pipeline.run(passed, settings, [collected, record])
     if as_json:
-        print_json(run_data(collected, frames.arrays))
+        print_json(run_data(collected, frames.arrays, settings))
     else:
         tables(collected, frames.arrays)
     for array in frames.arrays if mode not in ("off", 0) else ():

@@ -14,6 +14,7 @@ from tactile.cli.opened import Opened, RunChoices, open_for_run
 from tactile.events.event import Event, EventLog
 from tactile.events.thresholds import Levels
 from tactile.output.event_table import TOLD, UNITS, event_row, write_events
+from tactile.output.json_data import settings_data
 from tactile.pipeline import FrameReport
 from tactile.sources.folder import recordings_in
 from tactile.wire.extras import need
@@ -93,18 +94,13 @@ def _run(file: Path, choices: RunChoices) -> tuple[list[dict[str, Any]], dict[st
     opened, seen = open_for_run(file, choices), _Watch()
     pipeline.run(opened.source, opened.settings, [seen])
     rows = seen.rows(file.name, opened)
-    settings = opened.settings
     return rows, {
         "recording": file.name, "title": opened.source.title, "frames": seen.frames,
         "seconds": max(seen.last - seen.first, 0.0),
-        "fingers": {array.name: UNITS[array.quantity] for array in opened.source.arrays}, "tare": opened.mode,
-        "sigmas": asdict(settings.sigmas), "shear": _plain(settings.shear), "contact": _plain(settings.contact),
+        "fingers": {array.name: UNITS[array.quantity] for array in opened.source.arrays},
+        **settings_data(opened.settings),
         "events": dict(Counter(row["kind"] for row in rows)), "notes": [*opened.notes, *filter(None, [opened.forces])],
     }  # fmt: skip
-
-
-def _plain(threshold: Any) -> Any:
-    return None if threshold is None else asdict(threshold)
 
 
 def _print(recordings: list[dict[str, Any]]) -> None:

@@ -1,4 +1,4 @@
-"""The command that scores recordings against labels, and simulated grasps against their closed form."""
+"""The command that scores recordings and sequences against labels, and simulated grasps against their closed form."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -8,7 +8,7 @@ import click
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.echo import echo
-from tactile.cli.options import check_thresholds, detection
+from tactile.cli.options import ARRAY, check_thresholds, detection
 
 if TYPE_CHECKING:
     from tactile.core.source import Source
@@ -20,31 +20,46 @@ HALVES = ("all", "tune", "report")
 @click.command(
     epilog=examples(
         "tactile score grasps/ --labels grasps/labels.csv", "tactile score . --labels l.csv --half report --json",
-        "tactile score --grasps 20 --idle-minutes 1",
+        "tactile score --grasps 20 --from-seed 200 --idle-minutes 1",
+        "tactile score slips.npz --array hand.toml --gain 0.25 --gain 1 --gain 4",
     )
 )  # fmt: skip
-@click.argument("folder", type=click.Path(path_type=Path), required=False)
+@click.argument("recordings", type=click.Path(path_type=Path), required=False)
 @click.option("--labels", type=click.Path(path_type=Path), help="CSV: recording, sensor, times [s].")
 @click.option("--grasps", type=click.IntRange(0), default=0, help="So many simulated grasps with known onsets.")
+@click.option("--from-seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the first grasp.")
 @click.option("--idle-minutes", type=click.FloatRange(0), default=0.0, help="Minutes of noise in which nothing is.")
 @click.option("--half", type=click.Choice(HALVES), default="all", help="Every other recording and grasp.")
 @click.option("--window-ms", type=float, default=50.0, show_default=True, help="How near an event has to begin.")
+@ARRAY
+@click.option("--gain", "gains", type=float, multiple=True, help="Of sequences: also try readings times this; again.")
+@click.option("--kind", "kinds", multiple=True, help="Of sequences: kind of event that says yes [a pull, twist, slip].")
+@click.option("--rate", type=float, help="Of sequences: readings a second, if the file does not say it.")
 @detection
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
 def score(
-    folder: Path | None, labels: Path | None, grasps: int, idle_minutes: float, half: str, window_ms: float,
-    as_json: bool, **chosen: Any,
+    recordings: Path | None, labels: Path | None, grasps: int, from_seed: int, idle_minutes: float, half: str,
+    window_ms: float, as_json: bool, array: Path | None, gains: tuple[float, ...], kinds: tuple[str, ...],
+    rate: float | None, **chosen: Any,
 ) -> None:  # fmt: skip
-    """Compare events with what is known, beside plain thresholds: of the recordings in FOLDER, of simulated grasps.
+    """Compare events with what is known, beside plain thresholds: of RECORDINGS, of simulated grasps.
+
+    RECORDINGS is a folder with --labels, or an NPZ file of sequences of a device's readings with --array.
 
     Columns of LABELS: recording, sensor (0, 1, ...), and those that are known of contact_s, release_s,
     tangential_onset_s and gross_slip_s; peak_s and open_s bound a hold, flag_on_s is the device's own word. Grasps slip
     from the rim inwards, under noise of 1.1 mN (shear) and 3.6 mN (normal) and one taxel of 50 mN.
+
+    Sequences: signal (sequences, frames, channels: boards, chips, x y z), slip (sequences,) yes or no, rate_hz, and
+    onset_s (sequences,) where it is known; else the onset is where the signal begins to change.
     """
-    if (folder is None) != (labels is None):
-        raise click.UsageError("FOLDER without --labels, or --labels without FOLDER; both wanted")
-    if folder is None and not grasps and not idle_minutes:
-        raise click.UsageError("nothing to score; FOLDER and --labels, --grasps or --idle-minutes wanted")
+    sequenced = recordings is not None and array is not None
+    if (recordings is None) != (labels is None and array is None) or (labels is not None and array is not None):
+        raise click.UsageError("a folder and --labels, or a file of sequences and --array, wanted")
+    if not sequenced and (gains or kinds or rate is not None):
+        raise click.UsageError("--gain, --kind and --rate are of sequences; a file of them and --array wanted")
+    if recordings is None and not grasps and not idle_minutes:
+        raise click.UsageError("nothing to score; a folder and --labels, --grasps or --idle-minutes wanted")
     from tactile.core.source import provenance  # the machine is loaded only when it runs
     from tactile.settings import PipelineOptions  # the same
 
@@ -53,9 +68,9 @@ def score(
 
     def settings(source: "Source") -> "Settings":
         options = PipelineOptions(**chosen, tare="auto" if provenance(source).untared else "off")
-        return options.settings(source.arrays, None)
+        return options.settings(source)
 
-    if folder is not None and labels is not None:
+    if recordings is not None and labels is not None:
         from tactile.score.labels import read_labels  # the same
         from tactile.score.measure import score as measure  # the same
         from tactile.sources import open_source  # the same
@@ -68,19 +83,30 @@ def score(
         kept = set(_half(sorted({one.recording for one in known}), half))
         known = [one for one in known if one.recording in kept]
         found = measure(
-            folder, known, opened, window_ms * 1e-3, lambda names: watched(names, "recordings", len(names))
+            recordings, known, opened, window_ms * 1e-3, lambda names: watched(names, "recordings", len(names))
         ).plain()
+    if recordings is not None and array is not None:
+        from tactile.score.sequences import KINDS, read_sequences, score_sequences  # the same
+        from tactile.wire.description_file import read_description  # the same
+
+        described = read_description(array)
+        found["sequences"] = score_sequences(
+            read_sequences(recordings, described, rate), described, settings, gains or (1.0,), kinds or KINDS,
+            lambda numbers: watched(numbers, "sequences", len(numbers)),
+        )  # fmt: skip
     if grasps or idle_minutes:
         from tactile.score.simulated import score_grasps  # the same
 
-        seeds = _half(list(range(grasps)), half)
+        seeds = _half(list(range(from_seed, from_seed + grasps)), half)
         simulated = score_grasps(watched(seeds, "grasps", len(seeds)), settings, idle_minutes, window_ms * 1e-3)
         found["simulated"] = simulated.plain()
     if as_json:
         print_json(found)
         return
-    simulated_figures = found.pop("simulated", None)
+    simulated_figures, sequences = found.pop("simulated", None), found.pop("sequences", None)
     _print(found)
+    if sequences is not None:
+        _print_sequences(sequences)
     if simulated_figures is not None:
         echo("simulated grasps:")
         _print(simulated_figures)
@@ -105,6 +131,19 @@ def _print(found: dict[str, Any]) -> None:
     for name, value in found.items():
         if value not in (None, {}):
             echo(f"{name.replace('_', ' ')}: {value}")
+
+
+def _print_sequences(found: dict[str, Any]) -> None:
+    echo(f"sequences, told by {', '.join(found['kinds'])}:")
+    for name, one in found["readings"].items():
+        words = ", ".join(
+            f"{what} " + " ".join(f"{1e3 * late:+.0f}" for late in one[key]) + " ms"
+            for what, key in (("onset", "onset_error_s"), ("told", "told_after_s")) if one[key] is not None
+        )  # fmt: skip
+        echo(
+            f"readings {name:<20} accuracy {one['accuracy']:.3f}, false {_ratio(one['false_rate'])}"
+            f" ({one['false']} false, {one['missed']} missed of {one['sequences']}), {words} (5 50 95 %)"
+        )
 
 
 def _ratio(value: float | None) -> str:

@@ -82,9 +82,9 @@ def record(
 )  # fmt: skip
 @click.option("--calibration", type=FILE, help="Gains, depth and correction of a skin, as `tactile calibrate` writes.")
 @detection
-@click.option("--window", type=int, default=128, show_default=True, help="Frames a texture figure averages.")
+@click.option("--window", type=int, help="Frames a texture figure averages [128].")
 @click.option("--floor", type=float, help="Normal signal below which texture figures are not valid.")
-@click.option("--backend", type=click.Choice(backends.NAMES), default="cpu", show_default=True)
+@click.option("--backend", type=click.Choice(backends.NAMES), help="Where the machine runs [cpu].")
 @SECONDS
 @ONCE
 @OVERWRITE
@@ -129,20 +129,21 @@ def live(
 def replay(recording: Path, paced: bool, speed: float | None, as_json: bool, **chosen: Any) -> None:
     """Run the pipeline on a recording (.mcap): byte for byte through the decoder, with the settings of the live run.
 
-    Options of thresholds and programs take the place of those of the live run.
+    Options of thresholds and programs take the place of those of the live run, and these of those in the array file.
     """
     import time  # only here
 
     from tactile.cli.port.live import LiveMonitor, print_line, recorded_options  # the same
     from tactile.cli.port.live import paced as at_its_time
     from tactile.recording.reader import open_recording  # the same
+    from tactile.settings import PipelineOptions  # the same
     from tactile.wire.source import WireSource  # the same
 
     recorded = open_recording(recording)
     if not recorded.has_wire:
         raise InputError(f"{recording}: holds no bytes of a wire; `tactile run {recording}` takes its frames")
     check_thresholds(chosen)
-    options = recorded_options(recorded.made.get("choices", "{}"), str(recording)).but(chosen)
+    options = recorded_options(recorded.made.get("choices", "{}"), str(recording)).but(PipelineOptions(**chosen))
     if options.calibration is None:
         recorded.description.check_calibrated()
     chunks = recorded.chunks()

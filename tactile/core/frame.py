@@ -15,6 +15,8 @@ Quantity = Literal["strain", "stress", "force"]
 
 FLAGS = {"slip_detection": 1, "reference_loaded": 2, "contact": 4}
 """Words of a device on its sensor as a whole -> the bit of each."""
+MOST_FLAGS = 2**32 - 1
+"""Largest number that bits of flags are, as recordings keep them."""
 
 SHEAR_X, SHEAR_Y, NORMAL = 0, 1, 2
 """The last axis of a frame."""

@@ -8,6 +8,7 @@ CSV has it as comment lines, NPZ as the array ``tactile``, Parquet as metadata, 
     start_ns = 1700000000000000000         (since 1970, where t counts from; left out where it is not known)
     untared = true                         (readings have a device's offsets; left out where they have none)
     array_description = "..."              (text of the device's array description; left out without one)
+    live_choices = "..."                   (options of the live run that recorded it, as JSON; left out without one)
     [[finger]]
     name = "left"
     rows = 2
@@ -29,7 +30,10 @@ from tactile.core.array_table import take_array
 from tactile.core.frame import TaxelArray
 from tactile.core.source import Provenance, Source, provenance
 
-TOP_KEYS = ("tactile_recording", "title", "youngs_modulus_pa", "start_ns", "untared", "array_description", "finger")
+TOP_KEYS = (
+    "tactile_recording", "title", "youngs_modulus_pa", "start_ns", "untared", "array_description", "live_choices",
+    "finger",
+)  # fmt: skip
 FINGER_KEYS = ("name", "rows", "cols", "pitch_m", "depth_m", "origin_m", "quantity", "calibrated")
 NEEDED = ("name", "rows", "cols", "pitch_m", "depth_m", "quantity")
 
@@ -67,6 +71,8 @@ def _lines(source: Source) -> Iterator[str]:
         yield "untared = true"
     if known.description:
         yield f"array_description = {_text(known.description)}"
+    if known.choices:
+        yield f"live_choices = {_text(known.choices)}"
     for array in source.arrays:
         yield "[[finger]]"
         yield f"name = {_text(array.name)}"
@@ -105,8 +111,8 @@ def read_header(text: str, where: str, place: str = "") -> Header:
     if not names or len(set(names)) < len(names):
         raise InputError(f"{where}: fingers {names}, at least one [[finger]] and no name twice wanted")
     start = take(table, "start_ns", int, where) if "start_ns" in table else None
-    text = take(table, "array_description", str, where, "")
-    known = Provenance(_flag(table, "untared", where, False), tuple(raw), start, text)
+    text, choices = (take(table, key, str, where, "") for key in ("array_description", "live_choices"))
+    known = Provenance(_flag(table, "untared", where, False), tuple(raw), start, text, choices)
     return Header(take(table, "title", str, where, ""), modulus, tuple(arrays), known)
 
 

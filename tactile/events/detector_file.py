@@ -13,9 +13,9 @@ from cnnsim.program.file import load_program, program_of
 from cnnsim.program.program import Program
 from cnnsim.support import naming
 from cnnsim.support.toml_file import check_keys, read_toml, take, take_tables
-from tactile.events.planes import NAMES
+from tactile.events.planes import LATE, NAMES
 
-EVENT_KEYS = ("kind", "when", "words", "taxels", "direction", "sense", "confirm_ms", "release_ms", "lag_ms")
+EVENT_KEYS = ("kind", "when", "words", "taxels", "direction", "sense", "confirm_ms", "release_ms", "lag_ms", "lag_of")
 OF_THE_DATA = ("direction", "sense", "taxels", "of_taxels", "force_n", "shear_n", "length_mm")
 """What the words of an event may name in braces."""
 OF_LOAD = "load"
@@ -32,7 +32,8 @@ class EventRule:
     taxels concerned; ``direction``: four planes or registers for +x, -x, +y, -y, of which the larger ones give it, or
     ``along_load``: that of the whole tangential load; ``sense``: two, clockwise and anticlockwise as seen in the
     picture; it begins once it was on for ``confirm`` [s] and ends once it was off for ``release`` [s]; ``lag`` [s] is
-    what its planes come late by, which is taken off the onset.
+    what its planes come late by, which is taken off the onset; where it is longer, what the plane ``lag_of`` says that
+    it came late by is.
     """
 
     kind: str
@@ -45,6 +46,7 @@ class EventRule:
     release: float = 0.0
     along_load: bool = False
     lag: float = 0.0
+    lag_of: str | None = None
 
     @property
     def outputs(self) -> set[str]:
@@ -144,9 +146,12 @@ def _rule(table: dict[str, Any], where: str) -> EventRule:
     if min(times.values()) < 0:
         raise InputError(f"{where}: confirm_ms, release_ms, lag_ms of {times}; numbers from 0 wanted")
     taxels = take(table, "taxels", str, where) if "taxels" in table else None
+    lag_of = take(table, "lag_of", str, where) if "lag_of" in table else None
+    if lag_of not in (None, *LATE):
+        raise InputError(f"{where}: lag_of = {lag_of!r}; one of {', '.join(LATE)} wanted, which know it")
     return EventRule(
         kind, take(table, "when", str, where), words, taxels, lists["direction"], lists["sense"],
-        times["confirm_ms"], times["release_ms"], along, times["lag_ms"],
+        times["confirm_ms"], times["release_ms"], along, times["lag_ms"], lag_of,
     )  # fmt: skip
 
 

@@ -32,10 +32,10 @@ WHOLE = {
     "loaded": "the whole load is above its noise", "rising": "the load rises (25 % above its mean of 100 ms)",
     "falling": "the load falls (1.5 % of the held load within about 10 ms)",
     "dropping": "the load drops (4 % of the held load within about 10 ms): the finger opens",
-    "steep": "the fall is steep, at 0.6 of the steepest of late", "large": "the load is above 0.2 of the held one",
+    "steep": "the fall is steep, at 0.6 of the steepest of late", "large": "the load is above 0.3 of the held one, until it is below 0.2",
     "unsteady": "the load is away from its mean of 100 ms (3 %)",
     "sheared": "shear changes by more than about half of what the pressing does",
-    "yielding": "the pull grows no more, at less than 0.3 of its fastest of late",
+    "yielding": "the pull grows no more, at less than 0.2 of its fastest of late",
     "sticking": "taxels that stick bear more than 15 % of the load",
     "driven": "the whole shear changes (0.4 % of the load, or 6 sigma, within about 0.2 s)",
     "travelling": "the located load travels over the skin: 50 um, or 6 sigma, within 0.25 s",
@@ -58,6 +58,8 @@ GREY = {
     "load_f": "normal load over full scale, in all cells",
 }  # fmt: skip
 """Analog planes."""
+LATE = ("yielding",)
+"""Planes that know what they came late by, which depends on the noise."""
 NAMES = (*CODE, *(name for name, *_ in CELLS), *WHOLE, "usable", *GREY)
 FULL_LOAD = 10.0
 """[N] of a load that is 1."""
@@ -130,6 +132,10 @@ class PlanePool:
         """Whether a plane that is black or white as a whole is black; one that nobody has made yet is white."""
         plane = self._logic.get(name)
         return plane is self._black
+
+    def late(self, name: str | None) -> float:
+        """Return what one of the planes `LATE` comes late by in this frame [s]; 0 without a name."""
+        return 0.0 if name is None or self._moment is None else self._moment.signals.late
 
     def is_logic(self, name: str) -> bool:
         """Whether a plane is black and white, and so changes seldom."""

@@ -60,10 +60,10 @@ class Signals:
     Numbers, of the whole normal load F (sum over the taxels), binary scale: ``loaded`` F against its noise; ``rising``
     F against its mean of 100 ms (25 %); ``falling`` the fall from the mean of 15 ms to that of 4 ms (1.5 % of the held
     load); ``steep`` this fall over the steepest of late (off below 0.4); ``large`` F over the held load (off below
-    0.15); ``unsteady`` F away from its mean of 100 ms (3 %); ``sheared`` whether shear changes by more than about half
+    0.2); ``unsteady`` F away from its mean of 100 ms (3 %); ``sheared`` whether shear changes by more than about half
     of what the pressing does (sums of squares over the taxels, 0.3); ``driven`` change of the whole shear (mean of 10
     ms less that of 200 ms) against 6 sigma and 0.4 % of F; ``dropping`` a fall of 4 %, as of a finger that opens;
-    ``yielding`` the growth of Q/F against its fastest of the last 0.5 s (on below 0.3, off above 0.45): a contact that
+    ``yielding`` the growth of Q/F against its fastest of the last 0.5 s (on below 0.2, off above 0.4): a contact that
     slides as a whole follows no further; ``sticking`` the part of F that taxels bear which stick (on above 0.15, off
     below 0.1).
 
@@ -81,7 +81,7 @@ class Signals:
         self._interval = FAST
         self._drawn, self._quiet = np.zeros(shape), np.zeros((3, *shape))
         self._counts = np.ones(shape, bool)
-        self._taus, self._growth = np.array(TAUS), np.zeros(2 * len(TAUS) + 2)
+        self._taus, self._growth = np.array(TAUS), np.zeros(2 * len(TAUS) + 3)
         self._shares = quantity == "force" and self._counts.size > 1  # where loads are located, a slip is a travel
         self._one = np.zeros((1, 1, 3))
 
@@ -120,6 +120,14 @@ class Signals:
                 self._taus, self._growth, self.levels[RISING] > 0.25, self.planes, self.levels,
             )  # fmt: skip
         self.force = float(self._scalars[0])
+
+    @property
+    def late(self) -> float:
+        """What the growth of the pull came late by when it was told [s]: 2 tau of the two means that it needed.
+
+        After a pull that stops at once its growth, (1 + t/tau) exp(-t/tau) of what it was, is below 0.4 by then.
+        """
+        return float(2 * self._growth[-1])
 
     @property
     def unrest(self) -> float:

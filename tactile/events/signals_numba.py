@@ -103,7 +103,7 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     levels[1] = binary(f4 - f100, 0.15 * max(f100, 0.0) + noise, 0.25 * max(f100, 0.0) + 1.5 * noise)
     levels[2] = binary(fall, 0.01 * top + noise / 3, 0.015 * top + noise / 2)
     levels[3] = binary(fall / steepest, 0.4, 0.6) if steepest > 0 else 0.0
-    levels[4] = binary(f4 / top, 0.15, 0.225)
+    levels[4] = binary(f4 / top, 0.2, 0.3)
     away = abs(f4 - f100) / (0.04 * max(f100, 0.0) + 0.75 * noise)
     scalars[10] = max(min(away, 4.0), scalars[10] * math.exp(-dt / taps[7]))
     levels[5] = binary(scalars[10], 1.0, 1.5)

@@ -21,13 +21,14 @@ MEMORY = 0.5
 SURE = 6.0
 """Growth counts from so many sigma on."""
 CLEAR = 0.08
-"""Noise of the growth over the fastest one, at most: a third of what it is compared with."""
+"""Noise of the growth over the fastest one, at most: two fifths of what it is compared with."""
 GROWN = 0.1
 """Part of the present ratio by which it must have grown, above its least of late ..."""
 LATE = 2.0
 """... which is forgotten with this time constant [s]."""
-YIELDS, GOES_ON = 0.3, 0.45
-"""The pull yields where it grows by less than this part of the fastest, until it grows by more than that."""
+YIELDS, GOES_ON = 0.2, 0.4
+"""The pull yields where it grows by less than this part of the fastest, until it grows by more than that. Where an object is moved
+evenly the growth falls as the root of the way that is left (Mindlin), so the smaller the nearer to the slip."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -37,8 +38,8 @@ def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, 
 
     ``sigma`` (rows, cols) of shear from frame to frame, ``noise_q``, ``noise_n`` of shear and normal after the mean;
     ``taus`` (n,) [s] time constants tried, at least the ``interval`` of the frames; ``rising``: the load still rises.
-    ``kept`` (2 n + 2,): the ratio of the whole shear to the whole normal load after one mean and after two of each
-    time constant, its fastest growth of late [1/s], and its least of late.
+    ``kept`` (2 n + 3,): the ratio of the whole shear to the whole normal load after one mean and after two of each
+    time constant, its fastest growth of late [1/s], its least of late, and the time constant that was looked at.
     """
     rows, cols = use.shape
     most = force = q = r = q_now = r_now = whole = noise = fw = 0.0
@@ -116,7 +117,8 @@ def _grow(now, noise, dt, interval, taus, kept, rising, levels):  # type: ignore
     fastest = kept[2 * count] * math.exp(-dt / MEMORY)
     for k in range(count):
         tau = max(taus[k], interval)
-        a = 1 - math.exp(-dt / tau)
+        # the mean interval: devices sample evenly, and a frame that came late would look like a pull that halts
+        a = 1 - math.exp(-interval / tau)
         kept[k] += a * (now - kept[k])
         kept[count + k] += a * (kept[k] - kept[count + k])
         growth = (kept[k] - kept[count + k]) / tau
@@ -129,6 +131,7 @@ def _grow(now, noise, dt, interval, taus, kept, rising, levels):  # type: ignore
             growth = (kept[k] - kept[count + k]) / tau
             least = kept[2 * count + 1] + (1 - math.exp(-dt / LATE)) * (kept[k] - kept[2 * count + 1])
             kept[2 * count + 1] = min(least, kept[k])
+            kept[2 * count + 2] = tau
             if kept[k] - least < GROWN * kept[k]:
                 return
             levels[9] = binary(1 - growth / fastest, 1 - GOES_ON, 1 - YIELDS)

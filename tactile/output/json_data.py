@@ -1,5 +1,6 @@
 """A run as plain data for JSON."""
 
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,22 @@ from tactile.events.phases import Phase, phases
 from tactile.inverse.validity import Validity
 from tactile.output.collected import Collected
 from tactile.output.event_data import EventData
+from tactile.settings import Settings
 
 
-def run_data(collected: Collected, arrays: tuple[TaxelArray, ...]) -> dict[str, Any]:
-    """Return a run: events, and for each finger its frames, loads by validity, texture figures and tare.
+def settings_data(settings: Settings) -> dict[str, Any]:
+    """Return the settings of a run: how it was tared, thresholds (None: as the quantity's), and the rest."""
+    return {
+        "tare": settings.tare, "sigmas": asdict(settings.sigmas),
+        "shear": None if settings.shear is None else asdict(settings.shear),
+        "contact": None if settings.contact is None else asdict(settings.contact),
+        "window": settings.window, "floor": settings.floor, "programs": list(settings.programs),
+        "backend": settings.backend,
+    }  # fmt: skip
+
+
+def finger_data(collected: Collected, arrays: tuple[TaxelArray, ...]) -> dict[str, dict[str, Any]]:
+    """Return for each finger its frames, loads by validity, texture figures, phases and tare.
 
     The texture figures are medians over the frames in which they were valid; None if they never were.
     """
@@ -30,10 +43,16 @@ def run_data(collected: Collected, arrays: tuple[TaxelArray, ...]) -> dict[str, 
             "phases": [phase._asdict() for phase in _phases(collected, array.name)],
             "tare": None if (tare := collected.tare(array)) is None else tare.plain(),
         }
+    return fingers
+
+
+def run_data(collected: Collected, arrays: tuple[TaxelArray, ...], settings: Settings) -> dict[str, Any]:
+    """Return a run: its settings, what it says of every finger, its events, and tares that were taken or refused."""
     told = EventData(arrays)
-    events = [told(event) | {"latency_s": event.latency} for event in collected.events]
     return {
-        "seconds": collected.seconds, "frames": collected.frames, "fingers": fingers, "events": events,
+        "settings": settings_data(settings), "seconds": collected.seconds, "frames": collected.frames,
+        "fingers": finger_data(collected, arrays),
+        "events": [told(event) | {"latency_s": event.latency} for event in collected.events],
         "tares": [
             {"t_s": note.t, "finger": arrays[note.finger].name, "why": note.why, "detail": note.detail}
             for note in collected.notes if note.detail

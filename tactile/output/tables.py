@@ -9,7 +9,7 @@ from tactile.core.frame import TaxelArray
 from tactile.events.event import Event
 from tactile.inverse.load import Load
 from tactile.output.collected import Collected
-from tactile.output.json_data import run_data
+from tactile.output.json_data import finger_data
 
 if TYPE_CHECKING:  # rich is slow to import
     from rich.console import Console
@@ -30,7 +30,7 @@ def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
     screen = console()
     forces = all(array.quantity == "force" for array in arrays)
     _print_events(screen, collected.events, arrays, not forces)
-    for name, facts in run_data(collected, arrays)["fingers"].items():
+    for name, facts in finger_data(collected, arrays).items():
         texture = f"friction {_figure(facts['friction'])}, roughness {_figure(facts['roughness'])}"
         line = f"{name}: {facts['frames']} frames; {texture}"
         places = ", ".join(f"{count} {kind.replace('_', ' ')}" for kind, count in facts["located"].items())

@@ -15,8 +15,8 @@ import numpy as np
 
 from tactile.core.frame import Frame
 
-VERSION = "1"
-"""Of the topics, records and messages of a recording; a reader of version 1 cannot know what a higher one means."""
+VERSION = "2"
+"""Of the topics, records and messages of a recording; a reader cannot know what those of another one mean."""
 SUM = "crc32"
 """The entry of the metadata record ``tactile`` with `sum_of` the others."""
 HEAD = b"\0\1\0\0"
@@ -25,16 +25,18 @@ FRAME_NAME = "tactile/msg/Frame"
 FRAME = """\
 # One frame of one finger. values: shear_x, shear_y, normal of every taxel, row by row, before the tare, in the unit
 # of the finger's quantity. t [s] since the recording began, t_device [s], NaN where the device has no clock.
+# flags: bits of what the device says: 1 slip detection on, 2 reference loaded, 4 contact.
 float64 t
 float64 t_device
 int64 sequence
 uint32 finger
+uint32 flags
 uint32 rows
 uint32 cols
 uint8[] valid
 float64[] values
 """
-FIXED = struct.Struct("<ddqIII")
+FIXED = struct.Struct("<ddqIIII")
 COUNT = struct.Struct("<I")
 
 
@@ -118,7 +120,7 @@ def unpack_wire(message: bytes) -> bytes:
 def pack_frame(frame: Frame) -> bytes:
     """Return the CDR bytes of a Frame message."""
     rows, cols = frame.valid.shape
-    body = FIXED.pack(frame.t, frame.t_device, frame.sequence, frame.finger, rows, cols)
+    body = FIXED.pack(frame.t, frame.t_device, frame.sequence, frame.finger, frame.flags, rows, cols)
     body += COUNT.pack(rows * cols) + frame.valid.astype(np.uint8).tobytes()
     body += bytes(-len(body) % 4) + COUNT.pack(frame.values.size)
     body += bytes(-len(body) % 8) + frame.values.astype("<f8").tobytes()
@@ -128,11 +130,11 @@ def pack_frame(frame: Frame) -> bytes:
 def unpack_frame(message: bytes) -> Frame:
     """Return the frame that a Frame message holds."""
     body = message[len(HEAD) :]
-    t, t_device, sequence, finger, rows, cols = FIXED.unpack_from(body)
+    t, t_device, sequence, finger, flags, rows, cols = FIXED.unpack_from(body)
     at = FIXED.size + COUNT.size
     valid = np.frombuffer(body, np.uint8, rows * cols, at).astype(bool).reshape(rows, cols)
     at += rows * cols
     at += -at % 4 + COUNT.size
     at += -at % 8
     values = np.frombuffer(body, "<f8", rows * cols * 3, at).astype(np.float64).reshape(rows, cols, 3)
-    return Frame(finger, t, sequence, values, valid, t_device)
+    return Frame(finger, t, sequence, values, valid, t_device, flags)

@@ -63,8 +63,6 @@ def convert(
     notes = _assumed(source, opened)
     if suffix != ".mcap" or source.suffix.lower() != ".mcap":
         notes += _left_behind(source, opened)
-    if suffix in (".csv", ".mcap") and seen.flagged:
-        notes.append(f"flags of the device in {seen.flagged} frames are not in {target}; .npz and .parquet keep them")
     if suffix == ".csv" and seen.masked:
         notes.append(f"readings of {seen.masked} taxels that are not valid are empty cells in {target}")
     if suffix == ".csv" and seen.unread:
@@ -75,13 +73,12 @@ def convert(
 class _Seen:
     """Counts frames that go through, and their taxels whose flag and reading contradict each other."""
 
-    frames = masked = unread = flagged = 0
+    frames = masked = unread = 0
 
     def through(self, frames: Iterable[Frame]) -> Iterator[Frame]:
         for frame in frames:
             self.frames += 1
             finite = np.isfinite(frame.values)
-            self.flagged += frame.flags != 0
             self.masked += int((~frame.valid & finite.any(-1)).sum())
             self.unread += int((frame.valid & ~finite.all(-1)).sum())
             yield frame

@@ -10,10 +10,11 @@ The file begins with the header of `tactile.core.header` as comment lines:
 
 Then a line of column names and the frames, ordered in time:
 
-    t_s,t_device_s,finger,sequence,x0,y0,n0,x1,y1,n1,...
+    t_s,t_device_s,finger,sequence,flags,x0,y0,n0,x1,y1,n1,...
 
-x, y, n are shear_x, shear_y and normal of taxel row * cols + col. A finger with fewer taxels has shorter lines. An
-empty or NaN cell makes the taxel invalid; ``t_device_s`` is empty where the device has no clock.
+flags are the bits of `tactile.core.frame.FLAGS` that the device says; the column may be missing. x, y, n are shear_x,
+shear_y and normal of taxel row * cols + col. A finger with fewer taxels has shorter lines. An empty or NaN cell makes
+the taxel invalid; ``t_device_s`` is empty where the device has no clock.
 """
 
 import csv
@@ -23,11 +24,11 @@ import numpy as np
 
 from cnnsim.support import InputError
 from cnnsim.support.bounds import TABLE, check_file, one_line
-from tactile.core.frame import Frame, TaxelArray
+from tactile.core.frame import MOST_FLAGS, Frame, TaxelArray
 from tactile.core.header import header_text, read_header
 from tactile.core.source import FrameStream, Source
 
-FIXED_COLUMNS = ("t_s", "t_device_s", "finger", "sequence")
+FIXED_COLUMNS = ("t_s", "t_device_s", "finger", "sequence", "flags")
 
 
 def read_csv(path: Path) -> FrameStream:
@@ -47,15 +48,17 @@ def _read(path: Path, lines: list[str]) -> FrameStream:
     head = next((n for n, line in enumerate(lines) if not line.startswith("#")), len(lines))
     header = "\n".join(line[1:].lstrip() for line in lines[:head])
     title, modulus, arrays, known = read_header(header, str(path), "the comment lines at the top")
-    wanted = _columns(arrays)
     rows = csv.reader(lines[head:])
-    if next(rows, None) != wanted:
+    names = next(rows, None)
+    fixed = FIXED_COLUMNS if names is None or "flags" in names else FIXED_COLUMNS[:-1]
+    wanted = _columns(arrays, fixed)
+    if names != wanted:
         got = lines[head] if head < len(lines) else "the end of the file"
         raise InputError(f"{path}, line {head + 1}: {got!r}, the column names {','.join(wanted)!r} wanted")
     frames: list[Frame] = []
     for row in rows:
         where = f"{path}, line {head + rows.line_num}"
-        frame = _read_frame(row, arrays, where)
+        frame = _read_frame(row, arrays, fixed, where)
         if frames and frame.t < frames[-1].t:
             raise InputError(f"{where}: t_s = {frame.t} after {frames[-1].t}, frames in the order of time wanted")
         frames.append(frame)
@@ -82,39 +85,47 @@ def write_csv(path: Path, source: Source) -> None:
         for frame in source:
             values = np.where(frame.valid[..., None], frame.values, np.nan).ravel().tolist()
             cells = [_cell(value) for value in (frame.t, frame.t_device, *values)]
-            out.writerow([*cells[:2], names[frame.finger], frame.sequence, *cells[2:]])
+            out.writerow([*cells[:2], names[frame.finger], frame.sequence, frame.flags, *cells[2:]])
 
 
-def _columns(arrays: tuple[TaxelArray, ...]) -> list[str]:
+def _columns(arrays: tuple[TaxelArray, ...], fixed: tuple[str, ...] = FIXED_COLUMNS) -> list[str]:
     most = max(array.rows * array.cols for array in arrays)
-    return [*FIXED_COLUMNS, *(f"{axis}{taxel}" for taxel in range(most) for axis in "xyn")]
+    return [*fixed, *(f"{axis}{taxel}" for taxel in range(most) for axis in "xyn")]
 
 
 def _cell(value: float) -> str:
     return "" if np.isnan(value) else repr(value)
 
 
-def _read_frame(row: list[str], arrays: tuple[TaxelArray, ...], where: str) -> Frame:
+def _read_frame(row: list[str], arrays: tuple[TaxelArray, ...], fixed: tuple[str, ...], where: str) -> Frame:
     names = [array.name for array in arrays]
-    if len(row) < len(FIXED_COLUMNS):
-        raise InputError(f"{where}: {len(row)} columns, at least {len(FIXED_COLUMNS)} wanted")
+    if len(row) < len(fixed):
+        raise InputError(f"{where}: {len(row)} columns, at least {len(fixed)} wanted")
     if row[2] not in names:
         raise InputError(f"{where}: finger {row[2]!r}, one of {', '.join(names)} wanted")
     finger = names.index(row[2])
     array = arrays[finger]
-    count = len(FIXED_COLUMNS) + 3 * array.rows * array.cols
+    count = len(fixed) + 3 * array.rows * array.cols
     if len(row) != count:
         raise InputError(f"{where}: {len(row)} columns, {count} wanted for finger {array.name!r}")
-    try:
-        sequence = int(row[3])
-    except ValueError as error:
-        raise InputError(f"{where}: sequence {row[3]!r}, a whole number wanted") from error
-    columns = _columns((array,))
-    t, t_device, *flat = (_number(row[i], f"{where}: {columns[i]}") for i in (0, 1, *range(len(FIXED_COLUMNS), count)))
+    sequence, flags = _whole(row[3], f"{where}: sequence"), 0
+    if fixed == FIXED_COLUMNS:
+        flags = _whole(row[4], f"{where}: flags")
+        if not 0 <= flags <= MOST_FLAGS:
+            raise InputError(f"{where}: flags {flags}, from 0 to {MOST_FLAGS} wanted")
+    columns = _columns((array,), fixed)
+    t, t_device, *flat = (_number(row[i], f"{where}: {columns[i]}") for i in (0, 1, *range(len(fixed), count)))
     if not np.isfinite(t):
         raise InputError(f"{where}: t_s = {row[0]!r}, a finite time wanted")
     values = np.array(flat).reshape(*array.shape, 3)
-    return Frame(finger, t, sequence, values, np.isfinite(values).all(-1), t_device)
+    return Frame(finger, t, sequence, values, np.isfinite(values).all(-1), t_device, flags)
+
+
+def _whole(cell: str, where: str) -> int:
+    try:
+        return int(cell)
+    except ValueError as error:
+        raise InputError(f"{where} {cell!r}, a whole number wanted") from error
 
 
 def _number(cell: str, where: str) -> float:

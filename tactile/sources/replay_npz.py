@@ -18,7 +18,7 @@ import numpy as np
 
 from cnnsim.support import InputError
 from cnnsim.support.bounds import check_file, check_unpacked, one_line
-from tactile.core.frame import Frame, TaxelArray
+from tactile.core.frame import MOST_FLAGS, Frame, TaxelArray
 from tactile.core.header import Header, header_text, read_header
 from tactile.core.source import Provenance, Source
 from tactile.sources.replay_pillars import PillarReplay, read_pillars
@@ -108,6 +108,8 @@ def _columns(file: "np.lib.npyio.NpzFile", number: int, array: TaxelArray, path:
             is_ = f"shape {out[name].shape} and type {out[name].dtype}"
             raise InputError(f"{path}: s{number}_{name} of {is_}, {wanted} of {np.dtype(kind)} wanted")
         out[name] = out[name].astype(kind, copy=False)
+    if "flags" in out and not ((out["flags"] >= 0) & (out["flags"] <= MOST_FLAGS)).all():
+        raise InputError(f"{path}: s{number}_flags outside of 0 to {MOST_FLAGS}, bits of flags wanted")
     if not np.isfinite(out["t_s"]).all():
         raise InputError(f"{path}: s{number}_t_s has times that are not finite, finite ones wanted")
     return out

@@ -14,7 +14,7 @@ from pyarrow import parquet  # type: ignore[import-untyped]  # it ships no types
 
 from cnnsim.support import InputError
 from cnnsim.support.bounds import check_plain, check_unpacked, one_line
-from tactile.core.frame import Frame, TaxelArray
+from tactile.core.frame import MOST_FLAGS, Frame, TaxelArray
 from tactile.core.header import Header, header_text, read_header
 from tactile.core.source import Provenance, Source
 from tactile.recording.parquet_rows import ParquetRows
@@ -58,6 +58,8 @@ class ParquetReplay:
         values = np.array(row["values"], dtype=np.float64).reshape(*shape, 3)
         valid = np.array(row["valid"], dtype=bool).reshape(shape)
         t, device, flags = float(row["t_s"]), float(row["t_device_s"]), int(row.get("flags") or 0)
+        if not 0 <= flags <= MOST_FLAGS:
+            raise ValueError(f"flags {flags}, from 0 to {MOST_FLAGS} wanted")
         return Frame(finger, t, int(row["sequence"]), values, valid, device, flags)
 
 

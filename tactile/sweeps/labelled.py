@@ -33,9 +33,12 @@ KEYS = {
 def options_of(case: Case) -> PipelineOptions:
     """Return the pipeline's options that a case chooses."""
     given = {key: case[key] for key in ("dead_band", "hysteresis", "contact_level") if key in case}
-    sigmas = replace(SIGMAS, **{name: case[key] for key, name in SIGMA_KEYS.items() if key in case})
+    chosen = {name: case[key] for key, name in SIGMA_KEYS.items() if key in case}
+    sigmas = replace(SIGMAS, **chosen)
     program = (case["program"],) if "program" in case else ()
-    return PipelineOptions(**given, sigmas=(sigmas.dead_band, sigmas.hysteresis, sigmas.contact), program=program)
+    return PipelineOptions(
+        **given, sigmas=(sigmas.dead_band, sigmas.hysteresis, sigmas.contact) if chosen else None, program=program
+    )
 
 
 def check(case: Case) -> None:
@@ -43,9 +46,7 @@ def check(case: Case) -> None:
     if not Path(case["recordings"]).is_dir():
         raise InputError(f"no folder {case['recordings']} of recordings")
     read_labels(Path(case["labels"]))
-    if "hysteresis" in case and "dead_band" not in case:
-        raise InputError("hysteresis without dead_band; both, in the unit of the quantity, wanted")
-    options_of(case).settings((), None)
+    options_of(case).thresholds()
 
 
 def run(cases: Sequence[Case]) -> list[Row]:
@@ -60,7 +61,7 @@ def run_one(case: Case) -> Row:
     def opened(path: Path) -> tuple[Source, Settings]:
         source = open_source(path)
         tared = replace(options, tare="auto" if provenance(source).untared else "off")
-        return source, tared.settings(source.arrays, None)
+        return source, tared.settings(source)
 
     window = case["window_ms"] * 1e-3 if "window_ms" in case else WINDOW
     with in_kernels():

@@ -89,7 +89,7 @@ def run_one(case: Case) -> Row:
     chosen: dict[str, Any] = {key: case[key] for key in (*THRESHOLDS, "sigmas") if key in case}
     if "program" in case:
         chosen["program"] = (case["program"],)
-    settings = PipelineOptions(**chosen).settings(scene.arrays, None)
+    settings = PipelineOptions(**chosen).settings(scene)
     seen = Collected(truth_of(scene))
     begun = perf_counter()
     with in_kernels():

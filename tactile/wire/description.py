@@ -1,10 +1,11 @@
 """Description of what is on the other end of a cable: the boards, how their readings become frames, the wire format."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from cnnsim.support import Floats, InputError, Integers
 from tactile.calibration.gains import Gains
 from tactile.core.frame import TaxelArray
+from tactile.events.threshold_choices import ThresholdChoices
 from tactile.wire.base import Options
 from tactile.wire.registry import Format
 
@@ -30,7 +31,10 @@ class Board:
 
 @dataclass(frozen=True)
 class Description:
-    """What is on the other end of the cable; ``text`` is the file it was read from, kept in recordings."""
+    """What is on the other end of the cable; ``text`` is the file it was read from, kept in recordings.
+
+    ``thresholds``: what the pipeline is to use where its user chooses nothing else.
+    """
 
     title: str
     wire: Format
@@ -39,6 +43,7 @@ class Description:
     options: Options
     boards: tuple[Board, ...]
     text: str
+    thresholds: ThresholdChoices = field(default_factory=ThresholdChoices)
 
     def __repr__(self) -> str:
         fingers = ", ".join(f"{array.name} {array.rows} x {array.cols}" for array in self.arrays)

@@ -15,6 +15,12 @@ quantity = "strain"             # strain, stress or force: what the readings are
 axes = ["x", "y", "-z"]         # which of the device's axes are shear_x, shear_y and normal
 gains = [1e-5, 2e-5]            # shear, normal: eq. (15); quantity per unit of the wire
 cells = [[-1, 1, -1], [4, 0, 2], [-1, 3, -1]]   # the device's number of the chip in each cell, -1 where none is
+[thresholds]                    # where the command line says nothing; may be left out, and so may each of them
+dead_band = 1e-3                # least shear that is a direction [unit of the quantity], as --dead-band
+hysteresis = 5e-4               # as --hysteresis
+contact_level = 1e-3            # as --contact-level
+sigmas = [4, 6, 3]              # as --sigmas
+sign_code = false               # as --sign-code
 """
 
 import json
@@ -26,15 +32,16 @@ import numpy as np
 
 from cnnsim.support import Floats, InputError, Integers
 from cnnsim.support.bounds import TEXT, check_file
-from cnnsim.support.toml_file import KeyFaults, check_keys, parse_toml, take, take_numbers, take_tables
+from cnnsim.support.toml_file import KeyFaults, check_keys, line_of, parse_toml, take, take_numbers, take_tables
 from tactile.calibration.gains import Gains
 from tactile.core.array_table import take_array
 from tactile.core.frame import TaxelArray
+from tactile.events.threshold_choices import take_choices
 from tactile.wire.base import Options
 from tactile.wire.description import Board, Description
 from tactile.wire.registry import Format, find_format
 
-TOP_KEYS = ("title", "protocol", "baudrate", "youngs_modulus_mpa", "options", "finger")
+TOP_KEYS = ("title", "protocol", "baudrate", "youngs_modulus_mpa", "options", "thresholds", "finger")
 FINGER_KEYS = ("name", "rows", "cols", "pitch_mm", "depth_mm", "origin_mm", "quantity", "axes", "gains", "cells")
 
 NEEDED = ("name", "rows", "cols", "pitch_mm", "depth_mm", "quantity")
@@ -69,6 +76,7 @@ def parse_description(text: str, where: str) -> Description:
     fingers = table.get("finger", [])
     for number, finger in enumerate(fingers if isinstance(fingers, list) else [], 1):
         faults.check(finger, FINGER_KEYS, f"finger {number}", NEEDED)
+    thresholds = take_choices(table.get("thresholds", {}), faults, "[thresholds]")
     faults.tell()
     wire = find_format(take(table, "protocol", str, where))
     extra = take(table, "options", dict, where, {})
@@ -79,13 +87,20 @@ def parse_description(text: str, where: str) -> Description:
     names = [board.array.name for board in boards]
     if not names or len(set(names)) < len(names):
         raise InputError(f"{where}: fingers {names}, at least one [[finger]] and no name twice wanted")
+    quantities = sorted({board.array.quantity for board in boards})
+    if len(quantities) > 1 and (thresholds.dead_band, thresholds.contact_level) != (None, None):
+        raise InputError(
+            f"{where}: [thresholds]: levels for fingers of {' and '.join(quantities)}; fingers of one quantity,"
+            f" whose unit they have, or sigmas alone wanted{line_of(table['thresholds'])}"
+        )
     baudrate = take(table, "baudrate", int, where, wire.baudrate)
     modulus = take(table, "youngs_modulus_mpa", float, where) * 1e6 if "youngs_modulus_mpa" in table else None
     if baudrate <= 0 or (modulus is not None and modulus <= 0):
         raise InputError(f"{where}: baudrate {baudrate}, modulus {modulus}: positive numbers wanted")
     options = Options(tuple(_wire_shape(board) for board in boards), extra)
     wire.decoder(options)  # so that wrong options are told now
-    return Description(take(table, "title", str, where, wire.summary), wire, baudrate, modulus, options, boards, text)
+    title = take(table, "title", str, where, wire.summary)
+    return Description(title, wire, baudrate, modulus, options, boards, text, thresholds)
 
 
 def default_description(protocol: str) -> Description:

@@ -102,7 +102,7 @@ def csv_files() -> Broken:
         head = "".join(f"# {line}\n" for line in HEADER.format(rows=rows, cols=cols).splitlines())
         for body in (
             "",
-            "t_s,t_device_s,finger,sequence,x0,y0,n0\n",
+            "t_s,t_device_s,finger,sequence,flags,x0,y0,n0\n",
             "\0" * 1000,
             '"' * 5000,
             "," * 10**6,

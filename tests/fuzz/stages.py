@@ -106,7 +106,7 @@ def clocked_run(port: str, description: Description, seconds: float, record: Pat
     stages = Stages(session, monitor)
     spent, all_spent = time.thread_time(), time.process_time()
     try:
-        pipeline.run(stages, options.settings(description.arrays, None), [stages.sink])
+        pipeline.run(stages, options.settings(session.source), [stages.sink])
         spent, all_spent = time.thread_time() - spent, time.process_time() - all_spent
     finally:
         gc.callbacks.remove(collections)

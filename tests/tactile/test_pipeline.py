@@ -232,7 +232,7 @@ def test_other_mistakes_are_told(tmp_path: Path) -> None:
     for arguments, message in (
         ((tmp_path / "none.toml",), "no scene or recording"),
         ((GRIP, "--sign-code", "--dead-band", "1"), "--sign-code has no dead band"),
-        ((GRIP, "--hysteresis", "1"), "--hysteresis needs a --dead-band"),
+        ((GRIP, "--hysteresis", "1"), "hysteresis needs a dead_band"),
         ((GRIP, "--dead-band", "-1"), "dead_band is -1.0"),
         ((GRIP, "--window", "0"), "window"),
         ((GRIP, "--gains", "2"), "two numbers SHEAR,NORMAL wanted"),

@@ -27,8 +27,10 @@ ENDS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if has
 def warm_up(description: "Description", options: "LiveOptions") -> None:
     """Compile and refuse whatever there is to it before the port is opened."""
     from tactile import pipeline  # the machine is loaded only when it runs
+    from tactile.wire.source import WireSource  # the same
 
-    pipeline.warm_up(description.arrays, description.modulus, options.settings(description.arrays, options.skin))
+    settings = options.settings(WireSource(description, ()), options.skin)
+    pipeline.warm_up(description.arrays, description.modulus, settings)
 
 
 @contextlib.contextmanager

@@ -4,7 +4,7 @@ import json
 import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
@@ -56,10 +56,6 @@ class LiveOptions(PipelineOptions):
 
         return parse_calibration(self.calibration, "calibration")
 
-    def but(self, chosen: Mapping[str, Any]) -> "LiveOptions":
-        """Return the options with those in place that a user chose again."""
-        return replace(self, **{name: value for name, value in chosen.items() if value})
-
     def text(self) -> str:
         """Return all as JSON."""
         return json.dumps(asdict(self))
@@ -92,7 +88,7 @@ def recorded_options(text: str, where: str) -> LiveOptions:
         if not (optional and value is None):
             take(found, name, kinds.get(name, str), lead)
     for name, known in (("tare", (AUTO, MANUAL, OFF)), ("backend", backends.NAMES)):
-        if found.get(name, known[0]) not in known:
+        if found.get(name) not in (None, *known):
             raise InputError(f"{lead}: {name} = {found[name]!r}; one of {', '.join(known)} wanted")
     for name in ("program", "sigmas"):  # JSON has no tuples
         if found.get(name) is not None:
@@ -186,7 +182,7 @@ class LiveMonitor:
 
     def run(self, options: LiveOptions) -> None:
         """Take all frames of the source through the pipeline."""
-        pipeline.run(self._source, options.settings(self._source.arrays, options.skin), [self])
+        pipeline.run(self._source, options.settings(self._source, options.skin), [self])
 
 
 def print_line(line: dict[str, Any]) -> None:

@@ -36,11 +36,11 @@ for quantity, scale in (("strain", 1.0), ("stress", 2e6), ("force", -1e3)):
         frames.append(replace(frame, values=values))
     options = LiveOptions(tare="auto")
     modulus = None if quantity == "force" else scene.modulus
-    settings = options.settings(arrays, None)
+    source.arrays = arrays
+    settings = options.settings(source)
     pipeline.warm_up(arrays, modulus, settings)
     late.clear()
     before, told, spent = set(sys.modules), [], []
-    source.arrays = arrays
     monitor = LiveMonitor(source, lambda line: told.append(json.dumps(line)))
     since = [time.thread_time()]
 

@@ -144,7 +144,7 @@ def test_mistakes_are_one_line(tmp_path: Path) -> None:
         (("live", "-p", "x"), "--array or --protocol wanted"),
         (("live", "-p", "x", "-a", array, "--protocol", "csv"), "says reskin"),
         (("live", "-p", "x", "--protocol", "reskin"), "--array FILE wanted"),
-        (("live", "-p", "x", "-a", array, "--hysteresis", "1"), "--hysteresis needs a --dead-band"),
+        (("live", "-p", "x", "-a", array, "--hysteresis", "1"), "hysteresis needs a dead_band"),
         (("live", "-p", "x", "-a", array, "--sign-code", "--dead-band", "1"), "--sign-code has no dead band"),
         (("record", "-p", "x", "-a", array, "-o", tmp_path / "r.bag"), ".mcap wanted"),
         (("record", "-p", "x", "-a", tmp_path / "no.toml", "-o", tmp_path / "r.mcap"), "no array description"),

@@ -157,7 +157,7 @@ def changed(tmp_path: Path, **made: str | None) -> Path:
 @pytest.mark.parametrize(("made", "message"), [
     ({"start_ns": "soon"}, "damaged: invalid literal"),
     ({"start_ns": None}, "damaged: 'start_ns'"),
-    ({"version": "2"}, "a recording of version 2; this program reads version 1"),
+    ({"version": "3"}, "a recording of version 3; this program reads version 2"),
     ({"version": None}, "a recording of version None"),
     ({"choices": "{"}, "choices of the live run: damaged"),
     ({"choices": "[1]"}, "a table wanted"),

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 
 from cnnsim.support import InputError
+from tactile.cli.port.live import LiveOptions
 from tactile.core.epoch import Epoch
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream, Provenance, provenance
@@ -77,10 +78,11 @@ def streams(draw: st.DrawFn) -> FrameStream:
         values = np.array(draw(st.lists(NUMBERS, min_size=3 * count, max_size=3 * count))).reshape(rows, cols, 3)
         valid = np.array(draw(st.lists(st.booleans(), min_size=count, max_size=count))).reshape(rows, cols)
         device = draw(st.one_of(st.just(float("nan")), st.floats(0, 1e9)))
-        frames.append(Frame(finger, t, draw(st.integers(-(2**63), 2**63 - 1)), values, valid, device))
+        flags = draw(st.integers(0, 2**32 - 1))
+        frames.append(Frame(finger, t, draw(st.integers(-(2**63), 2**63 - 1)), values, valid, device, flags))
     raw = tuple(array.name for array in arrays if draw(st.booleans()))
     start = draw(st.one_of(st.none(), st.integers(0, 2**62)))
-    known = Provenance(draw(st.booleans()), raw, start)
+    known = Provenance(draw(st.booleans()), raw, start, choices=draw(st.sampled_from(("", LiveOptions().text()))))
     modulus = draw(st.one_of(st.none(), LENGTHS))
     return FrameStream(draw(st.text(max_size=12)), arrays, modulus, len(frames), frames, known)
 
@@ -104,7 +106,7 @@ def test_every_pair_of_forms_is_a_round_trip(source: FrameStream) -> None:
             assert provenance(back) == source.provenance
             wanted = [through_csv(frame) if ".csv" in (first, second) else frame for frame in source]
             for a, b in zip(wanted, back, strict=True):
-                assert (a.finger, a.t, a.sequence) == (b.finger, b.t, b.sequence)
+                assert (a.finger, a.t, a.sequence, a.flags) == (b.finger, b.t, b.sequence, b.flags)
                 assert np.array_equal(a.t_device, b.t_device, equal_nan=True)
                 assert np.array_equal(a.values, b.values, equal_nan=True)
                 assert np.array_equal(np.signbit(a.values[a.valid]), np.signbit(b.values[a.valid]))

@@ -74,13 +74,15 @@ def broken(tmp_path: Path, number: int, change: Callable[[str], str]) -> Path:
 @pytest.mark.parametrize(
     ("number", "change", "message"),
     [
-        (15, lambda line: line[: len(line) // 2], r"line 15: \d+ columns, 22 wanted for finger 'left'"),
-        (15, lambda line: line + ",1", "line 15: 23 columns, 22 wanted"),
+        (15, lambda line: line[: len(line) // 2], r"line 15: \d+ columns, 23 wanted for finger 'left'"),
+        (15, lambda line: line + ",1", "line 15: 24 columns, 23 wanted"),
         (14, lambda line: line.replace("left", "top"), "line 14: finger 'top', one of left"),
         (14, lambda line: "x" + line, "line 14: t_s = 'x0.01', a number"),
         (14, lambda line: "," + line.split(",", 1)[1], "line 14: t_s = '', a finite time"),
         (16, lambda line: "0.001," + line.split(",", 1)[1], "line 16: t_s = 0.001 after 0.02"),
         (17, lambda line: line[:-1] + "z", "line 17: n5 = .*z', a number or nothing"),
+        (15, lambda line: line.replace(",left,2,0,", ",left,2,-1,"), "line 15: flags -1, from 0 to"),
+        (15, lambda line: line.replace(",left,2,0,", ",left,2,x,"), "line 15: flags 'x', a whole number"),
         (12, lambda _: "a,b", "line 12: 'a,b', the column names 't_s,t_device_s,finger"),
         (1, lambda _: "# tactile_recording = 2", "tactile_recording = 2, 1 wanted"),
         (6, lambda _: "# rows = 2.5", "finger 1: rows = 2.5, a whole number"),
@@ -97,8 +99,17 @@ def test_broken_csv_names_file_and_line(
     assert "r.csv" in str(caught.value)
 
 
+def test_flags_may_be_missing_from_a_table_of_one_s_own(tmp_path: Path) -> None:
+    path = broken(tmp_path, 1, str)
+    lines = path.read_text(encoding="utf-8").splitlines()
+    kept = [line if line.startswith("#") else ",".join(line.split(",")[:4] + line.split(",")[5:]) for line in lines]
+    with_flags = [frame.values for frame in read_csv(path)]
+    path.write_text("\n".join(kept), encoding="utf-8")
+    assert np.array_equal(with_flags, [frame.values for frame in read_csv(path)])
+
+
 def test_empty_and_nan_cells_are_invalid_taxels(tmp_path: Path) -> None:
-    path = broken(tmp_path, 14, lambda line: ",".join([*line.split(",")[:4], "", *line.split(",")[5:-1], "NaN"]))
+    path = broken(tmp_path, 14, lambda line: ",".join([*line.split(",")[:5], "", *line.split(",")[6:-1], "NaN"]))
     frame = list(read_csv(path))[1]
     assert frame.valid.tolist() == [[False, True, True], [True, True, False]]
 

@@ -53,7 +53,7 @@ def test_wrong_cases_are_refused(folder: Path) -> None:
     check(good)
     for wrong, said in (
         ({"recordings": str(folder / "none")}, "no folder"), ({"labels": str(folder / "none.csv")}, "cannot be read"),
-        ({"hysteresis": 1.0}, "without dead_band"), ({"contact_sigmas": -1.0}, "a number from 0 wanted"),
+        ({"hysteresis": 1.0}, "needs a dead_band"), ({"contact_sigmas": -1.0}, "a number from 0 wanted"),
     ):  # fmt: skip
         with pytest.raises(InputError, match=said):
             check({**good, **wrong})

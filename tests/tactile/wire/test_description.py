@@ -4,10 +4,14 @@ import numpy as np
 import pytest
 
 from cnnsim.support import InputError
+from tactile.events.code import SIGN, Threshold
+from tactile.events.thresholds import SIGMAS, Sigmas
+from tactile.settings import PipelineOptions
 from tactile.wire.arrange import Arrange, back
 from tactile.wire.base import Reading
 from tactile.wire.description_file import default_description, parse_description
 from tactile.wire.packets import emulated_description, packets
+from tactile.wire.source import WireSource
 from tests.kits.serial import grip, sent
 
 TEXT = """
@@ -57,6 +61,61 @@ def test_a_description_turns_chips_into_frames_and_back() -> None:
 def test_wrong_descriptions_are_refused(change: tuple[str, str], message: str) -> None:
     with pytest.raises(InputError, match=message):
         parse_description(TEXT.replace(change[0], change[1].replace("\\n", "\n")), "here")
+
+
+THRESHOLDS = """
+[thresholds]
+dead_band = 0.2
+contact_level = 0.05
+sigmas = [5, 6, 7]
+"""
+
+
+def test_thresholds_of_the_file_serve_where_the_command_line_says_nothing() -> None:
+    """Of the three places, command line, array file and default, each threshold is taken from the nearest."""
+    source = WireSource(parse_description(TEXT + THRESHOLDS, "here"), ())
+    mine = PipelineOptions().settings(source)
+    assert mine.shear == Threshold(0.2, 0.1)
+    assert mine.contact == Threshold(0.05, 0.025)
+    assert mine.sigmas == Sigmas(5, 6, 7)
+    said = PipelineOptions(hysteresis=0.3, sigmas=(0.0, 0.0, 0.0)).settings(source)
+    assert (said.shear, said.sigmas, said.contact) == (Threshold(0.2, 0.3), Sigmas(0, 0, 0), mine.contact)
+    assert PipelineOptions(dead_band=0.0).settings(source).shear == SIGN
+    assert PipelineOptions(sign_code=True).settings(source).shear == SIGN
+    signs = WireSource(parse_description(TEXT + "[thresholds]\nsign_code = true\n", "here"), ())
+    assert PipelineOptions().settings(signs).shear == SIGN
+    assert PipelineOptions(dead_band=1.0).settings(signs).shear == Threshold(1.0, 0.5)
+    plain = PipelineOptions().settings(WireSource(parse_description(TEXT, "here"), ()))
+    assert (plain.shear, plain.contact, plain.sigmas) == (None, None, SIGMAS)
+    with pytest.raises(InputError, match="hysteresis needs a dead_band"):
+        PipelineOptions(hysteresis=0.3).settings(WireSource(parse_description(TEXT, "here"), ()))
+
+
+def test_all_faults_of_thresholds_are_told_at_once_with_their_lines() -> None:
+    wrong = TEXT.replace("title", "titel") + (
+        "[thresholds]\ndead_bnad = 1\nhysteresis = -0.1\ncontact_level = true\nsigmas = [1, -2, 3]\nsign_code = 1\n"
+    )
+    with pytest.raises(InputError) as caught:
+        parse_description(wrong, "here")
+    for fault in (
+        "unknown key 'titel' (line 2)", "[thresholds]: unknown key 'dead_bnad' (line 16); did you mean 'dead_band'?",
+        "[thresholds]: hysteresis = -0.1, a number from 0 wanted (line 17)",
+        "[thresholds]: contact_level = True, a finite number wanted (line 18)",
+        "[thresholds]: sigmas: hysteresis of -2.0 sigma; a number from 0 wanted (line 19)",
+        "[thresholds]: sign_code = 1, true or false wanted (line 20)",
+    ):  # fmt: skip
+        assert fault in str(caught.value)
+    for text, said in (
+        ("[thresholds]\nhysteresis = 1\n", r"hysteresis needs a dead_band.* \(line 15\)"),
+        ("[thresholds]\nsign_code = true\ndead_band = 1\n", r"sign_code has no dead band.* \(line 15\)"),
+    ):
+        with pytest.raises(InputError, match=said):
+            parse_description(TEXT + text, "here")
+    with pytest.raises(InputError, match=r"thresholds.*a table wanted"):
+        parse_description("thresholds = 3\n" + TEXT, "here")
+    other = TEXT.split("[[finger]]")[1].replace('"thumb"', '"tip"').replace('"strain"', '"force"')
+    with pytest.raises(InputError, match=r"levels for fingers of force and strain.*\(line 26\)"):
+        parse_description(TEXT + "[[finger]]" + other + THRESHOLDS, "here")
 
 
 def test_devices_that_need_no_description_and_those_that_do() -> None:

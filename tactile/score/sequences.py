@@ -1,0 +1,188 @@
+"""Sequences of a device's readings that are labelled yes or no: whether what slips is told, and how soon."""
+
+import sys
+import zipfile
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cnnsim.support import Flags, Floats, InputError
+from cnnsim.support.bounds import check_file, check_unpacked, one_line
+from tactile import pipeline
+from tactile.core.frame import Frame
+from tactile.core.source import FrameStream, Provenance
+from tactile.events.event import Event, EventLog
+from tactile.settings import Settings
+from tactile.wire.arrange import Arrange
+from tactile.wire.base import Reading
+from tactile.wire.description import Description
+
+KINDS = ("pull", "twist", "slip", "incipient_slip")
+"""Events that say that a held object moves against the skin, or is about to."""
+QUIET = 30
+"""Frames at the beginning in which nothing slips."""
+SMOOTH, BROAD = 9, 25
+"""Frames, an odd number, of the means over which the onset of a change and its steepest place are looked for."""
+BASELINE = 8.0
+"""Sigma of the noise that the norm of all channels passes in the plain detector."""
+
+
+@dataclass(frozen=True)
+class Sequences:
+    """Readings ``signal`` (n, frames, chips, 3) in the unit of the wire, ``rate`` [Hz], and which of them ``slips``
+    (n,); ``onset`` (n,) [s] of what slips, NaN where nobody knows."""
+
+    signal: Floats
+    slips: Flags
+    rate: float
+    onset: Floats
+
+    def source(self, number: int, description: Description, gain: float = 1.0) -> FrameStream:
+        """Return one sequence as frames of the described boards, all readings times a factor."""
+        arrange = Arrange(description)
+        frames: list[Frame] = []
+        for n, chips in enumerate(self.signal[number] * gain):
+            frames += arrange(Reading(chips, n), n / self.rate)
+        known = Provenance(untared=True, description=description.text)
+        title = f"sequence {number}"
+        return FrameStream(title, description.arrays, description.modulus, len(frames), frames, known)
+
+
+def read_sequences(path: Path, description: Description, rate: float | None = None) -> Sequences:
+    """Return the sequences of an NPZ file.
+
+    ``signal`` (sequences, frames, channels): boards in the order of the description, chips, x, y, z; ``slip``
+    (sequences,) yes or no; and what is known of ``onset_s`` (sequences,) and ``rate_hz``, which ``rate`` replaces. An
+    onset that nobody knows is where the signal begins to change.
+
+    Raises:
+        InputError: no such file, an array that is missing or of another shape.
+    """
+    with one_line(path, "an NPZ file of sequences"):
+        check_file(path, "file of sequences", sys.maxsize)
+        with zipfile.ZipFile(path) as archive:
+            check_unpacked(path, sum(member.file_size for member in archive.infolist()))
+        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+            found = {name: np.asarray(file[name]) for name in ("signal", "slip", "onset_s", "rate_hz") if name in file}
+    chips = sum(board.chips for board in description.boards)
+    signal, slips = found.get("signal", np.empty(0)), found.get("slip", np.empty(0))
+    if signal.ndim != 3 or signal.shape[2] != 3 * chips or slips.shape != signal.shape[:1] or not len(slips):
+        raise InputError(
+            f"{path}: signal of shape {signal.shape}, slip of {slips.shape}; (sequences, frames, {3 * chips}), as"
+            f" {chips} chips have channels, and (sequences,) wanted"
+        )
+    if signal.shape[1] <= 2 * BROAD + QUIET:
+        raise InputError(f"{path}: sequences of {signal.shape[1]} frames; more than {2 * BROAD + QUIET} wanted")
+    if rate is None and "rate_hz" not in found:
+        raise InputError(f"{path}: no rate_hz; it, or --rate, wanted")
+    hertz = float(rate if rate is not None else found["rate_hz"])
+    if not 0 < hertz < np.inf:
+        raise InputError(f"{path}: rate of {hertz} Hz; a positive number wanted")
+    readings = signal.astype(float)
+    known = found.get("onset_s", np.full(slips.shape, np.nan)).astype(float)
+    begins = np.array([onset(norm) / hertz for norm in _norms(readings)])
+    return Sequences(
+        readings.reshape(*signal.shape[:2], chips, 3), slips.astype(bool), hertz,
+        np.where(np.isfinite(known), known, begins),
+    )  # fmt: skip
+
+
+def _norms(signal: Floats) -> Floats:
+    """Return (n, frames) the norm of all channels less their mean at the beginning."""
+    norms: Floats = np.linalg.norm(signal - signal[:, :QUIET].mean(axis=1, keepdims=True), axis=2)
+    return norms
+
+
+def onset(norm: Floats) -> int:
+    """Return the frame at which a signal (frames,) begins to grow, knowing all of it.
+
+    The one where a line that is flat until there and rises straight from there fits best, least squares, up to where
+    the signal rises steepest.
+    """
+    smooth, broad = (np.convolve(np.pad(norm, n // 2, mode="edge"), np.ones(n) / n, "valid") for n in (SMOOTH, BROAD))
+    top = int(np.argmax(np.gradient(broad)[BROAD // 2 : -BROAD // 2])) + BROAD // 2
+    part = smooth[: top + BROAD // 2]
+    t, level = np.arange(len(part)), part - part.mean()
+    left = []
+    for start in range(max(top, 1)):
+        rise = np.maximum(t - start, 0.0)
+        rise -= rise.mean()
+        left.append(float(level @ level - (rise @ level) ** 2 / (rise @ rise)))
+    return int(np.argmin(left))
+
+
+def plain_detector(norm: Floats) -> int | None:
+    """Return the first frame whose norm passes `BASELINE` times the noise at the beginning; None where none does."""
+    noise = float(np.sqrt((norm[:QUIET] ** 2).mean()))
+    passed = np.flatnonzero(norm[QUIET:] > BASELINE * noise)
+    return int(passed[0]) + QUIET if len(passed) else None
+
+
+@dataclass
+class Verdicts:
+    """What is said of sequences with a factor on their readings: counts of right and wrong, and how soon [s]."""
+
+    right: int = 0
+    false: int = 0
+    missed: int = 0
+    still: int = 0
+    onsets: list[float] = field(default_factory=list)
+    told: list[float] = field(default_factory=list)
+
+    def add(self, slips: bool, known: float, found: tuple[float, float] | None) -> None:
+        """Count a sequence that ``slips`` from ``known`` [s] on, or not; ``found``: onset and time of being told."""
+        self.right += slips is (found is not None)
+        self.false += not slips and found is not None
+        self.missed += slips and found is None
+        self.still += not slips
+        if slips and found is not None:
+            self.onsets.append(found[0] - known)
+            self.told.append(found[1] - known)
+
+    def plain(self) -> dict[str, Any]:
+        """Return all as plain data; delays as their 5, 50 and 95 % points [s]."""
+        count = self.right + self.false + self.missed
+        points = {
+            name: [float(point) for point in np.percentile(late, (5, 50, 95))] if late else None
+            for name, late in (("onset_error_s", self.onsets), ("told_after_s", self.told))
+        }
+        return {
+            "sequences": count, "accuracy": round(self.right / count, 4),
+            "false_rate": round(self.false / self.still, 4) if self.still else None,
+            "false": self.false, "missed": self.missed, **points,
+        }  # fmt: skip
+
+
+def _events(source: FrameStream, settings: Settings) -> list[Event]:
+    log = EventLog()
+    pipeline.run(source, settings, [lambda report: log.add(report.events, report.ended)])
+    return log.events
+
+
+def score_sequences(
+    sequences: Sequences, description: Description, settings: Callable[[FrameStream], Settings],
+    gains: Sequence[float] = (1.0,), kinds: Iterable[str] = KINDS,
+    watch: Callable[[list[int]], Iterable[int]] = iter,
+) -> dict[str, Any]:  # fmt: skip
+    """Return for each factor on the readings, and for the plain detector, what is said of the sequences.
+
+    A sequence is said to slip where an event of one of the ``kinds`` is told; ``watch`` hands the numbers of the
+    sequences on and may show how far it is.
+    """
+    kinds = tuple(kinds)
+    found = {f"x {gain:g}": Verdicts() for gain in gains} | {"baseline: norm": Verdicts()}
+    norms = _norms(sequences.signal.reshape(*sequences.signal.shape[:2], -1))
+    for number in watch(list(range(len(sequences.slips)))):
+        slips, known = bool(sequences.slips[number]), float(sequences.onset[number])
+        for gain in gains:
+            source = sequences.source(number, description, gain)
+            told = [event for event in _events(source, settings(source)) if event.kind in kinds]
+            first = (min(event.t for event in told), min(event.told for event in told)) if told else None
+            found[f"x {gain:g}"].add(slips, known, first)
+        passed = plain_detector(norms[number])
+        when = None if passed is None else passed / sequences.rate
+        found["baseline: norm"].add(slips, known, None if when is None else (when, when))
+    return {"kinds": list(kinds), "readings": {name: one.plain() for name, one in found.items()}}
