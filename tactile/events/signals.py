@@ -123,11 +123,11 @@ class Signals:
 
     @property
     def late(self) -> float:
-        """What the growth of the pull came late by when it was told [s]: 2 tau of the two means that it needed.
+        """What the growth of the pull came late by when it was told [s]: 3 tau of the two means that it needed.
 
-        After a pull that stops at once its growth, (1 + t/tau) exp(-t/tau) of what it was, is below 0.4 by then.
+        After a pull that stops at once its growth, (1 + t/tau) exp(-t/tau) of what it was, is below 0.2 by then.
         """
-        return float(2 * self._growth[-1])
+        return float(3 * self._growth[-1])
 
     @property
     def unrest(self) -> float:

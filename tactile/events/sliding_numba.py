@@ -20,15 +20,17 @@ MEMORY = 0.5
 """[s] over which the fastest growth is remembered."""
 SURE = 6.0
 """Growth counts from so many sigma on."""
-CLEAR = 0.08
-"""Noise of the growth over the fastest one, at most: two fifths of what it is compared with."""
+CLEAR = 0.1
+"""Noise of the growth over the fastest one, at most: half of what it is compared with."""
 GROWN = 0.1
 """Part of the present ratio by which it must have grown, above its least of late ..."""
 LATE = 2.0
 """... which is forgotten with this time constant [s]."""
 YIELDS, GOES_ON = 0.2, 0.4
-"""The pull yields where it grows by less than this part of the fastest, until it grows by more than that. Where an object is moved
-evenly the growth falls as the root of the way that is left (Mindlin), so the smaller the nearer to the slip."""
+"""The pull yields where it grows by less than this part of the fastest, until it grows by more than that.
+
+Where an object is moved evenly the growth falls as the root of the way that is left (Mindlin): less is nearer the slip.
+"""
 
 
 @njit(cache=True, error_model="numpy")

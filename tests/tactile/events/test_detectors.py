@@ -93,6 +93,7 @@ def test_the_detector_on_the_page_runs_on_a_scene(tmp_path: Path) -> None:
     (('inputs  = ["touch"]', 'inputs  = ["toch"]'), "toch"),
     (('"two_blobs"', '"Two blobs"'), "small letters"),
     (("{taxels}", "{taxel}"), "words name taxel"),
+    (("confirm_ms = 20", 'lag_of = "touch"'), "lag_of = 'touch'; one of yielding wanted"),
     (("confirm_ms", "confirms_ms"), "did you mean 'confirm_ms'"),
 ])  # fmt: skip
 def test_wrong_detectors_are_refused(tmp_path: Path, change: tuple[str, str], message: str) -> None:
@@ -172,6 +173,15 @@ def test_the_warm_up_goes_through_contact_load_hold_pull_slip_and_release(quanti
     wanted = {"contact", "load", "hold", "tangential_load", "pull", "release"} | ({"slip"} if depth else set())
     for finger in ("left", "right"):
         assert {event.kind for event in told if event.finger == finger} >= wanted
+
+
+def test_a_contact_ends_at_the_knee_above_a_tail_of_an_eighth() -> None:
+    """Silicone that creeps, and a taxel that an overshoot has left shifted: an eighth of the load stays."""
+    fall = 1 / 8 + 7 / 8 * np.exp(-np.arange(40) / 200 / 0.02)
+    scale = np.concatenate([np.ones(160), fall, np.full(160, 1 / 8)])
+    forces = grip(len(scale)) * scale[:, None, None, None]
+    (end,) = (event for event in events(stream(forces)) if event.kind == "release")
+    assert end.t == pytest.approx(0.5 + 160 / 200 + 0.1, abs=0.04)
 
 
 def test_idle_noise_is_nothing_and_one_noisy_taxel_too() -> None:

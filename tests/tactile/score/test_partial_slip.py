@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from tactile.core.frame import TaxelArray
+from tactile.events.event import EventLog
+from tactile.pipeline import run
 from tactile.score.measure import voted
 from tactile.score.partial_slip import Grasp, grasp
 from tactile.score.simulated import score_grasps
@@ -61,12 +63,36 @@ def test_slip_is_told_when_all_slides_and_not_when_a_pull_stops_before() -> None
         assert (told.kinds[kind].hit, told.kinds[kind].false) == (3, 0)
 
 
+def test_light_grasps_are_told_in_spite_of_noise() -> None:
+    """1.1 N, beside a taxel that is left out; growth of the pull needs means of 20 to 40 ms, which the onset knows."""
+    told = score_grasps((298, 311), lambda source: Settings(tare="auto"))
+    assert (told.kinds["contact"].hit, told.kinds["slip"].hit) == (2, 2)
+    assert max(map(abs, told.kinds["slip"].errors)) < 0.03
+    assert min(told.late) > 0.015
+
+
+def test_frames_that_come_late_are_no_pull_that_halts() -> None:
+    """Every 60th frame and those after it are stamped up to twelve intervals late; the readings are even."""
+    even, interval = grasp(7).source(), 0.99 / grasp(7).rate
+    late = [12 - min(n % 60, 12) for n in range(even.frames or 0)]
+    frames = [replace(frame, t=frame.t + n * interval) for frame, n in zip(even, late, strict=True)]
+    log = EventLog()
+    uneven = replace(even, stream=frames)
+    run(uneven, Settings(tare="auto"), [lambda report: log.add(report.events, report.ended)])
+    slips = [event.t for event in log.events if event.kind == "slip"]
+    assert slips == [pytest.approx(grasp(7).truth["slip"], abs=0.03)]
+
+
 def test_the_command_scores_one_half_and_says_what_is_missing() -> None:
     result = call("score", "--grasps", "2", "--half", "report", "--json")
     assert result.exit_code == 0, result.output
     assert json.loads(result.stdout)["simulated"]["kinds"]["contact"]["hit"] == 1
+    later = call("score", "--grasps", "1", "--from-seed", "8", "--json")
+    slip = json.loads(later.stdout)["simulated"]["kinds"]["slip"]
+    assert slip["onset_error_s"][1] == score_grasps((8,), lambda source: Settings(tare="auto")).kinds["slip"].errors[0]
     assert "nothing to score" in call("score").output
-    assert "both wanted" in call("score", "--labels", "l.csv").output
+    assert "--array, wanted" in call("score", "--labels", "l.csv").output
+    assert "--kind and --rate are of sequences" in call("score", "--grasps", "1", "--gain", "2").output
 
 
 def test_a_vote_leaves_out_what_no_neighbour_says() -> None:
