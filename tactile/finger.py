@@ -34,6 +34,8 @@ from tactile.texture.figures import Texture, TextureFigures
 
 STILL = 0.6
 """[s] without any sign of sliding after which nothing slides."""
+APART = 0.1
+"""[s] for which a rough material may let go of the skin between its teeth: what is felt then counts for nothing."""
 LIVELY = 0.25
 """Unrest of a normal load under which a texture passes: 1 % of it, above its noise; a grip is ten times stiller."""
 
@@ -59,6 +61,7 @@ class Finger:
         self._travel, self._whole = Travel(), Signals((1, 1), "force")
         least = contact.dead_band if array.quantity == "force" else CONTACT["force"].dead_band
         self._texture = Texture(settings.window, least if settings.floor is None else settings.floor)
+        self._felt: TextureFigures | None = None
         self._machine, self._inverse = machine, _inverse(array, modulus, contact.dead_band)
         self._positions = array.positions()
         self._half = array.cols * array.pitch / 2, array.rows * array.pitch / 2
@@ -67,7 +70,7 @@ class Finger:
         self._saturated: Flags | None = None
         self._nothing = np.full((1, 1, 3) if self._inverse is not None else (*array.shape, 3), np.nan)
         self._noise: Noise | None = None
-        self._slid = -np.inf
+        self._slid = self._pressed = -np.inf
         self._travels, self._all_used = False, True
         self._set_noise()
 
@@ -151,7 +154,8 @@ class Finger:
         """Return the texture figures after this frame: of every taxel that measures force, else of the located load.
 
         Frames in which nothing slides do not count: neither slip nor a change of the tangential load for a while, nor a
-        normal load as restless as a texture makes it.
+        normal load as restless as a texture makes it. Of a located load the frames in which it is away for a moment are
+        left out of the window.
         """
         pool, whole = self._pool, self._signals if self._inverse is None else self._whole
         lively = whole.unrest > LIVELY and not (pool.black("rising") or pool.black("dropping"))
@@ -160,10 +164,15 @@ class Finger:
         if frame.t - self._slid > STILL:
             values = self._nothing
         elif self._inverse is not None:
+            if self._texture.floor < load.F:
+                self._pressed = frame.t
+            elif self._felt is not None and 0 <= frame.t - self._pressed < APART:
+                return self._felt
             values = np.array([[[load.Q, load.R, load.F]]])
         else:
             values = frame.values if frame.whole else np.where(frame.valid[..., None], frame.values, np.nan)
-        return self._texture.update(values)
+        self._felt = self._texture.update(values)
+        return self._felt
 
     @property
     def code(self) -> Code:

@@ -21,7 +21,7 @@ HALVES = ("all", "tune", "report")
     epilog=examples(
         "tactile score grasps/ --labels grasps/labels.csv", "tactile score . --labels l.csv --half report --json",
         "tactile score --grasps 20 --from-seed 200 --idle-minutes 1",
-        "tactile score slips.npz --array hand.toml --gain 0.25 --gain 1 --gain 4",
+        "tactile score slips.npz --array board.toml --gain 0.25 --gain 4",
     )
 )  # fmt: skip
 @click.argument("recordings", type=click.Path(path_type=Path), required=False)

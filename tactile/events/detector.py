@@ -59,7 +59,7 @@ class Detector:
         return found
 
     def _run(self) -> bool:
-        program, pool = self.file.program, self._pool
+        program, pool, self.changed = self.file.program, self._pool, False
         if self._fixed and pool.version == self._seen:
             return False
         inputs = [pool[name] for name in program.inputs]

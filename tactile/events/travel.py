@@ -13,11 +13,15 @@ REST = 0.25
 """[s] without so much travel that ends one: longer than the sticking phases of stick-slip."""
 MEMORY = 0.5
 """[s] over which the unrest is averaged."""
+FASTEST, JUMP = 0.5, 1e-3
+"""[m/s], [m] A place that is left faster, and as far, from frame to frame is no slip: another contact is located."""
+LOCATED = (Validity.INSIDE, Validity.OUTSIDE)
 
 
 class Travel:
     """Follows one finger's located load from contact to release; ``way`` (x, y) [m] that it went in its last slip.
 
+    Of several loads it is the one nearest to where it was, and not the strongest, which another may become.
     The unrest is that of second differences, which a steady motion does not have.
     """
 
@@ -27,17 +31,24 @@ class Travel:
         self._unrest = 0.0
         self._travels = False
         self._away = 0
+        self._at: tuple[float, float, float] | None = None
         self._start = (0.0, 0.0)
         self.way = (0.0, 0.0)
 
     def update(self, t: float, load: Load, contact: bool) -> bool:
         """Return whether the load travels."""
         if not contact:
-            self._mark, self._travels = None, False
-            self._last.clear()
+            self._forget()
             return False
-        if load.validity not in (Validity.INSIDE, Validity.OUTSIDE) or load.taxels < 3:
+        load = self._followed(load)
+        if load.validity not in LOCATED or load.taxels < 3:
             return self._travels
+        if self._at is not None:
+            before, x, y = self._at
+            most = max(FASTEST * (t - before), JUMP, SIGMAS * self._unrest)
+            if t > before and hypot(load.x - x, load.y - y) > most:
+                self._forget()
+        self._at = (t, load.x, load.y)
         self._learn(t, load)
         if self._mark is None:
             self._mark = (t, load.x, load.y)
@@ -55,6 +66,17 @@ class Travel:
         elif t - since > REST:
             self._travels = False
         return self._travels
+
+    def _forget(self) -> None:
+        self._mark, self._at, self._travels, self._away = None, None, False, 0
+        self._last.clear()
+
+    def _followed(self, load: Load) -> Load:
+        if self._at is None or not load.others:
+            return load
+        _, x, y = self._at
+        located = [one for one in (load, *load.others) if one.validity in LOCATED] or [load]
+        return min(located, key=lambda one: hypot(one.x - x, one.y - y))
 
     def _learn(self, t: float, load: Load) -> None:
         self._last.append((t, load.x, load.y))

@@ -15,6 +15,7 @@ from tactile.sources.replay_npz import write_npz
 from tests.kits.example_files import RECORDING, SCENE, scan
 from tests.kits.formats import HOLE
 from tests.kits.paths import ROOT, SCENES
+from tests.kits.touch.sequences import write_sequences
 from tests.kits.touch.slides import slides, write_slides
 
 TEMLIB = "RIM_A = [0 0 0; 0 1 0; 0 0 0];\nRIM_B = [-1 -1 -1; -1 8 -1; -1 -1 -1];\nRIM_I = -1;\n"
@@ -91,6 +92,7 @@ def write_own_files(folder: Path) -> None:
     (folder / "slides").mkdir()
     write_slides(folder / "slides" / "slides.npz", slides(3, ("screw", "rasp", "smooth wood"), 300))
     write_weights(folder)
+    write_sequences(folder)
     for name in ("scan.csv", "scan.npz", "grasp.csv"):
         convert(SCENES / "needle.toml", folder / name)
 

@@ -10,11 +10,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 from PIL import Image
 
 from tactile.calibration.gains import Gains
-from tactile.cli.group import main
 from tactile.core.frame import Frame
 from tactile.events.code import SIGN
 from tactile.inverse.validity import Validity
@@ -24,46 +22,18 @@ from tactile.settings import Settings
 from tactile.sources import open_source
 from tactile.sources.replay_csv import write_csv
 from tests.kits.paths import ROOT
+from tests.kits.touch.one_finger import run_command, write_scene
 
 GRIP = ROOT / "examples" / "scenes" / "grip.toml"
 DATA = ROOT.parent / "shared" / "data" / "papillarray"
 recordings = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings lie beside the project, and are not here")
-
-SCENE = """
-title = "one finger"
-rate_hz = 100
-duration_s = 2.0
-[cover]
-youngs_modulus_mpa = 2.4
-quantity = "{quantity}"
-[[finger]]
-name = "tip"
-rows = 3
-cols = 3
-pitch_mm = 1.0
-depth_mm = 1.0
-origin_mm = [0.0, 0.0]
-[[load]]
-finger = "tip"
-path = [[0.5, -0.3, 0.2, 0.0, 0.0, 0.5], [1.0, -0.3, 0.2, 0.1, -0.3, 0.5], [1.5, 0.4, 0.2, 0.1, -0.3, 0.5]]
-"""
-
-
-def _call(*arguments: Any) -> Result:
-    return CliRunner().invoke(main, ["run", *(str(argument) for argument in arguments)])
-
-
-def _scene(tmp_path: Path, quantity: str = "strain") -> Path:
-    path = tmp_path / "scene.toml"
-    path.write_text(SCENE.format(quantity=quantity), encoding="utf-8")
-    return path
 
 
 @pytest.mark.parametrize("backend", ["reference", "cpu"])
 @pytest.mark.parametrize("quantity", ["strain", "stress"])
 def test_every_located_load_is_the_scene_s(tmp_path: Path, backend: str, quantity: str) -> None:
     reports: list[FrameReport] = []
-    run(open_source(_scene(tmp_path, quantity)), Settings(backend=backend), [reports.append])
+    run(open_source(write_scene(tmp_path, quantity)), Settings(backend=backend), [reports.append])
     assert len(reports) == 200
     for report in reports:
         t, load = report.frame.t, report.load
@@ -131,8 +101,8 @@ class _Spoilt:
 def test_bad_readings_spoil_nothing_else(tmp_path: Path) -> None:
     clean: list[FrameReport] = []
     spoilt: list[FrameReport] = []
-    run(open_source(_scene(tmp_path)), Settings(), [clean.append])
-    run(_Spoilt(open_source(_scene(tmp_path))), Settings(), [spoilt.append])
+    run(open_source(write_scene(tmp_path)), Settings(), [clean.append])
+    run(_Spoilt(open_source(write_scene(tmp_path))), Settings(), [spoilt.append])
     for i, (good, bad) in enumerate(zip(clean, spoilt, strict=True)):
         assert good.load is not None
         assert bad.load is not None
@@ -146,7 +116,7 @@ def test_bad_readings_spoil_nothing_else(tmp_path: Path) -> None:
 
 
 def test_the_record_and_the_picture(tmp_path: Path) -> None:
-    result = _call(GRIP, "-o", tmp_path / "out")
+    result = run_command(GRIP, "-o", tmp_path / "out")
     assert result.exit_code == 0, result.output
     assert "slip +y 0.50 mm" in result.output
     with (tmp_path / "out" / "frames.csv").open(encoding="utf-8") as file:
@@ -167,7 +137,7 @@ def test_the_record_and_the_picture(tmp_path: Path) -> None:
 
 
 def test_json_is_for_machines(tmp_path: Path) -> None:
-    data = json.loads(_call(_scene(tmp_path), "--json").output)
+    data = json.loads(run_command(write_scene(tmp_path), "--json").output)
     assert data["frames"] == 200
     assert data["fingers"]["tip"]["located"] == {"no_load": 99, "inside": 101}
     assert data["events"][0]["kind"] == "contact"
@@ -194,7 +164,7 @@ def test_tare_and_gains_bring_readings_back_to_strain(tmp_path: Path) -> None:
                 yield replace(frame, values=frame.values / [3e-4, 3e-4, 2e-4] + offset)
 
     reports: list[FrameReport] = []
-    run(Raw(open_source(_scene(tmp_path))), Settings(tare=40, gains=Gains(3e-4, 2e-4)), [reports.append])
+    run(Raw(open_source(write_scene(tmp_path))), Settings(tare=40, gains=Gains(3e-4, 2e-4)), [reports.append])
     assert not any(report.frame.valid.any() for report in reports[:40])
     load = reports[90].load
     assert load is not None
@@ -204,53 +174,7 @@ def test_tare_and_gains_bring_readings_back_to_strain(tmp_path: Path) -> None:
 @recordings
 def test_real_grasps_run(tmp_path: Path) -> None:
     for path in (sorted(DATA.glob("grasp*.npz"))[0], DATA / "rigid_obj_slide_23-08-23.npz"):
-        data = json.loads(_call(path, "--json", "-o", tmp_path).stdout)
+        data = json.loads(run_command(path, "--json", "-o", tmp_path).stdout)
         assert "contact" in [event["kind"] for event in data["events"]]
         assert len(data["events"]) <= 20
         assert all(facts["located"]["inside"] > 1000 for facts in data["fingers"].values())
-
-
-@pytest.mark.parametrize(("change", "message"), [
-    (("[cover]", "[covers]"), "did you mean"),
-    (("rows = 3", "rows = 0"), "at least 1 x 1 wanted"),
-    (("pitch_mm = 1.0", "pitch_mm = -1.0"), "pitch"),
-    (("[[load]]", "[[lod]]"), "lod"),
-    (('finger = "tip"', 'finger = "toe"'), "toe"),
-    (("[[0.5, -0.3", "[[0.5"), "keyframe"),
-    (("title =", "title"), "TOML"),
-])  # fmt: skip
-def test_a_wrong_scene_is_one_line_and_exit_code_two(change: tuple[str, str], message: str, tmp_path: Path) -> None:
-    path = _scene(tmp_path)
-    path.write_text(path.read_text(encoding="utf-8").replace(*change), encoding="utf-8")
-    result = _call(path)
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert message in result.stderr
-    assert len(result.stderr.strip().splitlines()) == 1
-
-
-def test_other_mistakes_are_told(tmp_path: Path) -> None:
-    for arguments, message in (
-        ((tmp_path / "none.toml",), "no scene or recording"),
-        ((GRIP, "--sign-code", "--dead-band", "1"), "--sign-code has no dead band"),
-        ((GRIP, "--hysteresis", "1"), "hysteresis needs a dead_band"),
-        ((GRIP, "--dead-band", "-1"), "dead_band is -1.0"),
-        ((GRIP, "--window", "0"), "window"),
-        ((GRIP, "--gains", "2"), "two numbers SHEAR,NORMAL wanted"),
-        ((GRIP, "--gains", "0,1"), "shear gain 0.0"),
-        ((GRIP, "--tare", "-1"), "tare over -1 frames"),
-        ((GRIP, "-o", GRIP), "cannot make the folder"),
-    ):
-        result = _call(*arguments)
-        assert result.exit_code == 2, arguments
-        assert message in result.stderr
-        assert "Traceback" not in result.output
-
-
-def test_a_truncated_recording_names_its_line(tmp_path: Path) -> None:
-    path = tmp_path / "cut.csv"
-    write_csv(path, open_source(_scene(tmp_path)))
-    path.write_text(path.read_text(encoding="utf-8")[:-40], encoding="utf-8")
-    result = _call(path)
-    assert result.exit_code == 2
-    assert "cut.csv" in result.stderr
-    assert "line" in result.stderr

@@ -62,7 +62,11 @@ def two_blobs(tmp_path: Path) -> Path:
 def test_the_detector_on_the_page_runs_on_recordings(tmp_path: Path) -> None:
     one, other = (patch(100, slice(0, 2), slice(n, n + 2), (0, 0, 0.5)) for n in (0, 4))
     source = stream(np.concatenate([one, one + other, one, np.zeros_like(one)]))
-    (event,) = (found for found in events(source, programs=(str(two_blobs(tmp_path)),)) if found.kind == "two_blobs")
+    said: list[float] = []
+    programs = (str(two_blobs(tmp_path)),)
+    run(source, Settings(programs=programs), [lambda report: said.extend([report.frame.t] * len(report.said))])
+    assert 4 <= len(said) <= 12  # of 500 frames: where its outputs change
+    (event,) = (found for found in events(source, programs=programs) if found.kind == "two_blobs")
     assert (event.t, event.end) == pytest.approx((1.0, 1.5), abs=0.006)
     assert event.told - event.t >= 0.02
     assert event.words == "separate contacts on 8 taxels"

@@ -1,5 +1,7 @@
 """Travel of a located load: begins where the load leaves its place; times that jump back do not break it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -19,3 +21,15 @@ def test_it_travels_when_it_leaves_its_place(t: np.ndarray) -> None:
     found = [travel.update(float(t[n]), at(float(x)), contact=True) for n, x in enumerate(places)]
     assert not any(found[:150])
     assert any(found[150:])
+
+
+def test_another_load_is_no_travel() -> None:
+    """Two loads 6 mm apart, of which the second becomes the stronger one and goes; then the first goes at once."""
+    travel, found = Travel(), []
+    for n in range(300):
+        first, second = at(0.0), replace(at(6e-3), F=2.0 if 100 <= n < 200 else 0.5)
+        both = sorted((first, second) if 50 <= n < 250 else (first,), key=lambda one: -one.F)
+        seen = replace(both[0], others=tuple(both[1:])) if n < 280 else second
+        found.append(travel.update(n / 100, seen, contact=True))
+    assert not any(found)
+    assert travel.update(3.0, at(6.2e-3), contact=True)  # it is followed from there on

@@ -10,31 +10,7 @@ from cnnsim.support import InputError
 from tactile.score.sequences import onset, plain_detector, read_sequences
 from tactile.wire.description_file import read_description
 from tests.kits.serial import call
-
-BOARD = """
-protocol = "reskin"
-[[finger]]
-name = "tip"
-rows = 3
-cols = 3
-pitch_mm = 7.0
-depth_mm = 0.0
-quantity = "force"
-cells = [[-1, 1, -1], [4, 0, 2], [-1, 3, -1]]
-"""
-RATE, START = 100.0, 120
-
-
-def made(tmp_path: Path, **changed: np.ndarray) -> tuple[Path, Path]:
-    """Four sequences of noise of 5 uT about a field; two are pulled from 1.2 s on, by 4 uT a frame."""
-    rng, slips = np.random.default_rng(0), np.array([True, False, True, False])
-    signal = 300 + 5 * rng.standard_normal((4, 250, 15))
-    ramp = 4.0 * np.maximum(np.arange(250) - START, 0)
-    signal[slips, :, 0::3] += ramp[None, :, None]
-    arrays = {"signal": signal.astype(np.float32), "slip": slips, "rate_hz": np.array(RATE)} | changed
-    np.savez(tmp_path / "s.npz", **arrays)
-    (tmp_path / "board.toml").write_text(BOARD, encoding="utf-8")
-    return tmp_path / "s.npz", tmp_path / "board.toml"
+from tests.kits.touch.sequences import RATE, START, write_sequences
 
 
 def test_an_onset_is_where_a_signal_begins_to_grow() -> None:
@@ -47,7 +23,7 @@ def test_an_onset_is_where_a_signal_begins_to_grow() -> None:
 
 
 def test_sequences_are_told_at_every_gain(tmp_path: Path) -> None:
-    file, board = made(tmp_path)
+    file, board = write_sequences(tmp_path)
     done = call("score", file, "--array", board, "--gain", "0.25", "--gain", "4", "--json")
     assert done.exit_code == 0, done.output
     found = json.loads(done.stdout)["sequences"]["readings"]
@@ -62,7 +38,7 @@ def test_sequences_are_told_at_every_gain(tmp_path: Path) -> None:
 
 
 def test_onsets_that_are_known_are_taken_and_files_that_are_wrong_refused(tmp_path: Path) -> None:
-    file, board = made(tmp_path, onset_s=np.array([1.19, np.nan, np.nan, np.nan]))
+    file, board = write_sequences(tmp_path, onset_s=np.array([1.19, np.nan, np.nan, np.nan]))
     description = read_description(board)
     sequences = read_sequences(file, description)
     assert sequences.onset[0] == 1.19
@@ -76,7 +52,7 @@ def test_onsets_that_are_known_are_taken_and_files_that_are_wrong_refused(tmp_pa
         ({"slip": np.zeros(3)}, r"slip of \(3,\)"), ({"signal": np.zeros((4, 60, 15))}, "more than 80 wanted"),
         ({"rate_hz": np.array(-1.0)}, "a positive number wanted"),
     ):  # fmt: skip
-        made(tmp_path, **wrong)
+        write_sequences(tmp_path, **wrong)
         with pytest.raises(InputError, match=said):
             read_sequences(file, description)
     with pytest.raises(InputError, match="none"):

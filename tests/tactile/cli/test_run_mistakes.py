@@ -1,0 +1,56 @@
+"""What is wrong with a scene, a recording or an option is told in one line, with exit code 2."""
+
+from pathlib import Path
+
+import pytest
+
+from tactile.sources import open_source
+from tactile.sources.replay_csv import write_csv
+from tests.kits.serial import GRIP
+from tests.kits.touch.one_finger import run_command, write_scene
+
+
+@pytest.mark.parametrize(("change", "message"), [
+    (("[cover]", "[covers]"), "did you mean"),
+    (("rows = 3", "rows = 0"), "at least 1 x 1 wanted"),
+    (("pitch_mm = 1.0", "pitch_mm = -1.0"), "pitch"),
+    (("[[load]]", "[[lod]]"), "lod"),
+    (('finger = "tip"', 'finger = "toe"'), "toe"),
+    (("[[0.5, -0.3", "[[0.5"), "keyframe"),
+    (("title =", "title"), "TOML"),
+])  # fmt: skip
+def test_a_wrong_scene_is_one_line_and_exit_code_two(change: tuple[str, str], message: str, tmp_path: Path) -> None:
+    path = write_scene(tmp_path)
+    path.write_text(path.read_text(encoding="utf-8").replace(*change), encoding="utf-8")
+    result = run_command(path)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert message in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+
+
+def test_other_mistakes_are_told(tmp_path: Path) -> None:
+    for arguments, message in (
+        ((tmp_path / "none.toml",), "no scene or recording"),
+        ((GRIP, "--sign-code", "--dead-band", "1"), "--sign-code has no dead band"),
+        ((GRIP, "--hysteresis", "1"), "hysteresis needs a dead_band"),
+        ((GRIP, "--dead-band", "-1"), "dead_band is -1.0"),
+        ((GRIP, "--window", "0"), "window"),
+        ((GRIP, "--gains", "2"), "two numbers SHEAR,NORMAL wanted"),
+        ((GRIP, "--gains", "0,1"), "shear gain 0.0"),
+        ((GRIP, "--tare", "-1"), "tare over -1 frames"),
+        ((GRIP, "-o", GRIP), "cannot make the folder"),
+    ):
+        result = run_command(*arguments)
+        assert result.exit_code == 2, arguments
+        assert message in result.stderr
+        assert "Traceback" not in result.output
+
+
+def test_a_truncated_recording_names_its_line(tmp_path: Path) -> None:
+    path = tmp_path / "cut.csv"
+    write_csv(path, open_source(write_scene(tmp_path)))
+    path.write_text(path.read_text(encoding="utf-8")[:-40], encoding="utf-8")
+    result = run_command(path)
+    assert result.exit_code == 2
+    assert "cut.csv" in result.stderr
+    assert "line" in result.stderr
