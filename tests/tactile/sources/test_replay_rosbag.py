@@ -1,5 +1,6 @@
 """ROS bags of PapillArray sensors as sources of frames."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from tactile.core.frame import FLAGS
 from tactile.core.source import provenance
 from tactile.sources import open_source
 from tactile.sources.convert import convert
+from tests.kits.serial import call
 
 PILLAR = "float32 fX\nfloat32 fY\nfloat32 fZ\n"
 STAMPED = (
@@ -45,6 +47,9 @@ def test_headers_and_flags_of_a_bag_are_kept(tmp_path: Path) -> None:
     assert FLAGS == {"slip_detection": 1, "reference_loaded": 2, "contact": 4}
     assert provenance(source).start_ns == 50_100_000_000
     assert not getattr(source, "others", None)
+    told_of = call("run", tmp_path, "--json")
+    assert told_of.exit_code == 0, told_of.output
+    assert [(one["recording"], one.get("frames")) for one in json.loads(told_of.stdout)["recordings"]] == [("a.bag", 3)]
     for target in ("b.npz", "b.parquet", "b.csv", "b.mcap"):
         convert(tmp_path / ("a.bag" if target == "b.npz" else "b.npz"), tmp_path / target)
         again = [
