@@ -58,14 +58,14 @@ def main() -> None:
 
 @contextmanager
 def emulator(
-    folder: Path, hz: float, seconds: float, *more: str, protocol: str = "native"
+    folder: Path, hz: float, seconds: float, *more: str, protocol: str = "native", fingers: int = 1
 ) -> "Iterator[Callable[[], str]]":
     """Run a device that loops over the scene, and give what ends it and returns its last words.
 
     Its port is ``folder / skin``.
     """
     scene = SCENE.format(hz=hz, seconds=float(seconds))
-    for name, rows, cols in FINGERS.get(protocol, [("tip", 8, 8)]):
+    for name, rows, cols in FINGERS.get(protocol, [(f"tip{n}", 8, 8) for n in range(fingers)]):
         scene += FINGER.format(name=name, rows=rows, cols=cols)
     (folder / "scene.toml").write_text(scene, encoding="utf-8")
     arguments = ["emulate", "--protocol", protocol, "--scene", str(folder / "scene.toml"), "--link",
@@ -127,14 +127,17 @@ def busy(count: int) -> Iterator[None]:
 @click.option("--seconds", type=float, default=60.0)
 @click.option("--others", type=int, default=0, help="Processes that compute beside it.")
 @click.option("--record-only", is_flag=True, help="Without the pipeline.")
+@click.option("--fingers", type=click.IntRange(1), default=1, help="Arrays of 8 x 8, where the protocol has no own.")
 @click.option(
     "--p99-ms", type=float, help="Fail if the 99th percentile of the latency is above this, or a frame is lost."
 )
-def rate(protocol: str, hz: float, seconds: float, others: int, record_only: bool, p99_ms: float | None) -> None:
+def rate(
+    protocol: str, hz: float, seconds: float, others: int, record_only: bool, fingers: int, p99_ms: float | None
+) -> None:
     """Frames at this rate with the pipeline running: nothing lost, or every loss counted."""
     with (
         tempfile.TemporaryDirectory() as name,
-        emulator(Path(name), hz, min(seconds, 4.0), "--loop", protocol=protocol) as device,
+        emulator(Path(name), hz, min(seconds, 4.0), "--loop", protocol=protocol, fingers=fingers) as device,
         busy(others),
     ):
         folder = Path(name)
