@@ -31,13 +31,14 @@ SAME = 0.1
 class Attempt:
     """A fit to the taxels in ``order``, the strongest first, and whether another place fits about as well.
 
-    ``top``: the signal [N] that the fit has as 1.
+    ``top``: the signal [N] that the fit has as 1; ``clipped``: taxels of which the largest reading is not used.
     """
 
     order: NDArray[np.intp]
     fit: Fit
     top: float
     ambiguous: bool
+    clipped: tuple[int, ...] = ()
 
     @property
     def left(self) -> float:

@@ -28,6 +28,12 @@ NORMAL = {0.5: 0.6745, 0.1: 0.1257}
 signals themselves are not larger than the noise."""
 
 
+FOREIGN = 0.01, 2.0, 30.0
+"""What is left at a taxel out of reach is of another load if it is so large a part of the largest signal, so many times
+what the loads make there, and in squares so many times the median taxel's. Within reach, and everywhere a little, wide
+tips and thin covers leave as much."""
+SURELY = 6.0
+"""Standard deviations of a signal that a taxel does not feel by chance."""
 REACH, ALL = 4.0, 100
 """Of more than so many taxels those within so many depths are fitted: the others feel a hundredth at most."""
 
@@ -37,7 +43,8 @@ class Signals(NamedTuple):
 
     The signals come times ``scale`` (n, 3), which makes their noise equal; ``noise``: its standard deviation, None
     where it is not known. ``tie`` (3,) holds shear at zero in the directions that these taxels cannot tell; they are
-    the taxels ``cells`` (n,) of an array of ``shape``.
+    the taxels ``cells`` (n,) of an array of ``shape``. ``lost``: how many signals are left out; they and their scale
+    are 0.
     """
 
     seen: Floats
@@ -48,6 +55,13 @@ class Signals(NamedTuple):
     cells: NDArray[np.intp]
     shape: tuple[int, int]
     noise: float | None
+    lost: int = 0
+
+    def without(self, k: int) -> "Signals":
+        """The signals of all taxels but the k-th."""
+        seen, felt, scale = (np.delete(part, k, 0) for part in (self.seen, self.felt, self.scale))
+        lost = self.lost - int((self.scale[k] == 0).sum())
+        return self._replace(seen=seen, felt=felt, scale=scale, cells=np.delete(self.cells, k), lost=lost)
 
 
 class Fit:
@@ -76,7 +90,7 @@ class Fit:
             self.chi, self.whole = fit_numba.energy(self.rest), fit_numba.energy(signals.felt)
         xx, xy, yy = signals.tie.tolist()
         told = 2 if xx + yy == 0 else int(xx * yy - xy * xy <= 1e-12 * (xx + yy) ** 2)
-        self.free = max(signals.felt.size - (3 + told) * len(self.loads), 0)
+        self.free = max(signals.felt.size - signals.lost - (3 + told) * len(self.loads), 0)
         left, noise = self.chi / self.free if self.free else math.nan, signals.noise
         self.variance = left if noise is None else noise**2 if not left > noise**2 else left
 
@@ -87,6 +101,26 @@ class Fit:
 
         signals = self.signals
         return fit_numba.rest(signals.seen, signals.felt, signals.scale, self.loads, signals.strain)
+
+    def made(self, signals: Signals) -> Floats:
+        """The signals (n, 3) of the loads, to taxels at the same places."""
+        from tactile.inverse import fit_numba  # as above
+
+        return -fit_numba.rest(signals.seen, np.zeros_like(signals.felt), signals.scale, self.loads, signals.strain)
+
+    @cached_property
+    def foreign(self) -> int | None:
+        """The taxel out of reach that feels most of what none of the loads makes, None where none does."""
+        from tactile.inverse import fit_numba  # as above
+
+        noise = self.signals.noise
+        least, times, median = FOREIGN
+        least = max(least, SURELY * (noise or 0.0))
+        worst = fit_numba.foreign(self.signals.seen, self.rest, self.signals.felt, self.loads, REACH, least, times)
+        if worst < 0:
+            return None
+        squares = (self.rest**2).sum(axis=1)
+        return worst if squares[worst] > median * np.median(squares) else None
 
     @cached_property
     def random(self) -> float:

@@ -223,6 +223,26 @@ def rest(at, felt, scale, loads, strain):  # type: ignore[no-untyped-def]
 
 
 @kept_njit(error_model="numpy")
+def foreign(at, left, felt, loads, reach, least, times):  # type: ignore[no-untyped-def]
+    """Return the taxel where most is left, of those out of ``reach`` of all loads where it is ``least`` or more and
+    ``times`` what is explained; -1 where there is none.
+    """
+    worst, largest = -1, least * least
+    for i in range(len(left)):
+        size = made = 0.0
+        for k in range(3):
+            size += left[i, k] ** 2
+            made += (felt[i, k] - left[i, k]) ** 2
+        if size > largest and size > times * times * made:
+            nearest = np.inf
+            for k in range(len(loads)):
+                nearest = min(nearest, (at[i, 0] - loads[k, 0]) ** 2 + (at[i, 1] - loads[k, 1]) ** 2)
+            if nearest > reach * reach:
+                worst, largest = i, size
+    return worst
+
+
+@kept_njit(error_model="numpy")
 def energy(signals):  # type: ignore[no-untyped-def]
     """Return the sum of the squares of signals (n, 3)."""
     total = 0.0

@@ -12,20 +12,11 @@ from numpy.typing import ArrayLike
 
 from cnnsim.operations.cellwise import Planes
 from cnnsim.support import Flags, Floats, InputError
+from tactile.inverse.alternatives import POINT, explained
 from tactile.inverse.attempt import DOUBT, Attempt, Taxels
 from tactile.inverse.load import INF, NAN, Load
-from tactile.inverse.several import EXPLAINED, several, simplest
 from tactile.inverse.validity import Validity
 from tactile.inverse.weights import Weights, weigh
-
-POINT = 0.25
-"""Loads that leave a larger share of the signals unexplained are not points: a tip of half a depth leaves 0.1."""
-FEW = 16
-"""With so few taxels every place is tried in doubt."""
-PATCH = 0.1
-"""What leaves so much may be several loads."""
-SHARE = 0.25
-"""A taxel that contradicts all others has so much of what is left, unless that is very much."""
 
 
 def localise(
@@ -69,12 +60,13 @@ def localise(
         marked = (planes[:, 3] == Validity.INVALID).any()
         named = () if saturated is None else _named(saturated)
         return Load(validity=Validity.INVALID if marked else Validity.NO_LOAD, saturated=named)
-    out: tuple[int, ...] = ()
     found = taxels.attempt(taxels.order)
-    if found.fit.misfit > DOUBT and taxels.order.size >= 4:
-        found, out = _explained(taxels, found)
-    load = _load(taxels, found, [divmod(taxel, positions.shape[1]) for taxel in out])
-    return load if saturated is None or railed is None else replace(load, saturated=_named(saturated))
+    if taxels.order.size >= 4:
+        found = explained(taxels, found)
+    at_end = np.zeros(positions.shape[:2], bool) if saturated is None else saturated.copy()
+    at_end.ravel()[list(found.clipped)] = True
+    load = _load(taxels, found)
+    return replace(load, saturated=_named(at_end)) if at_end.any() else load
 
 
 def _named(taxels: Flags) -> tuple[tuple[int, int], ...]:
@@ -105,33 +97,9 @@ def three_taxels(x: ArrayLike, y: ArrayLike, m: ArrayLike, depth: float) -> tupl
     return q, r, f
 
 
-def _explained(taxels: Taxels, one: Attempt) -> tuple[Attempt, tuple[int, ...]]:
-    """Return the attempt without the taxel that contradicts all others, or with several loads, if it explains more."""
-    if one.fit.misfit > POINT or one.order.size <= FEW:
-        one = taxels.attempt(one.order, thorough=True)
-    if one.fit.misfit <= DOUBT or not _alone(one):
-        return one, ()
-    suspects = {0, *one.fit.contrary[:3].tolist()} if one.order.size > 4 else set(range(4))
-    best = min((taxels.attempt(np.delete(one.order, k)) for k in sorted(suspects)), key=lambda other: other.left)
-    ways = [one]
-    if best.fit.misfit < POINT and simplest([one, best], POINT) is best:
-        ways.append(best)
-    if ways[-1].fit.misfit > (PATCH if len(ways) == 1 else EXPLAINED):
-        ways += several(taxels, one, POINT)
-    found = simplest(ways, POINT)
-    return found, tuple(np.setdiff1d(one.order, found.order).tolist())
-
-
-def _alone(one: Attempt) -> bool:
-    """Whether one taxel may be to blame for what is left: it has much of it, or so few taxels hide it."""
-    if one.order.size <= 8:
-        return True
-    worst = one.fit.rest[one.fit.contrary[0]]
-    return bool((worst @ worst) > SHARE * one.fit.chi) or one.fit.misfit > PATCH
-
-
-def _load(taxels: Taxels, found: Attempt, out: list[tuple[int, int]]) -> Load:
+def _load(taxels: Taxels, found: Attempt) -> Load:
     """Return the loads of an attempt in metres and newtons."""
+    out = tuple(divmod(taxel, taxels.shape[1]) for taxel in np.setdiff1d(taxels.order, found.order).tolist())
     fit, depth, top = found.fit, taxels.depth, found.top
     seen, tie = fit.signals.seen, fit.signals.tie.tolist()
     (x0, y0), (x1, y1) = taxels.at[found.order[0]].tolist(), seen[0].tolist()
@@ -147,7 +115,7 @@ def _load(taxels: Taxels, found: Attempt, out: list[tuple[int, int]]) -> Load:
         place = x0 + (x - x1) * depth, y0 + (y - y1) * depth
         validity = _validity(found, x, y)
         loads.append(
-            Load(*place, q, r, f * top, (dx, dy, dq, dr, df), fit.misfit, len(found.order), validity, tuple(out))
+            Load(*place, q, r, f * top, (dx, dy, dq, dr, df), fit.misfit, len(found.order), validity, out)
         )
     first, *others = loads
     return replace(first, others=tuple(others)) if others else first
@@ -155,7 +123,7 @@ def _load(taxels: Taxels, found: Attempt, out: list[tuple[int, int]]) -> Load:
 
 def _validity(found: Attempt, x: float, y: float) -> Validity:
     """Return what the answer for a load at (x, y) is worth."""
-    if found.fit.misfit > POINT:
+    if found.fit.misfit > (POINT if len(found.fit.loads) == 1 else DOUBT) or found.fit.foreign is not None:
         return Validity.NOT_ONE
     if found.ambiguous:
         return Validity.AMBIGUOUS

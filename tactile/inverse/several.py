@@ -85,10 +85,7 @@ def _attempt(fit: Fit, top: float) -> Attempt:
 
 def _without_worst(fit: Fit) -> Fit:
     """Return the fit without the taxel that contradicts it most."""
-    worst = int(fit.contrary[0])
-    given = fit.signals
-    seen, felt, scale = (np.delete(part, worst, 0) for part in (given.seen, given.felt, given.scale))
-    return Fit(given._replace(seen=seen, felt=felt, scale=scale, cells=np.delete(given.cells, worst)), fit.loads)
+    return Fit(fit.signals.without(int(fit.contrary[0])), fit.loads)
 
 
 def _apart(fit: Fit) -> bool:
