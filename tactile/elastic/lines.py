@@ -10,6 +10,10 @@ from tactile.elastic.gauss import gauss
 MOST_NODES = 2000
 """Nodes along one direction; a longer contact, or a shallower taxel, is refused."""
 
+LINE = 0.6
+"""Half of a cylinder's contact over the thickness of a layer, up to which it is as wide as on the half-space: within
+6 %, by height maps on bonded incompressible layers; it is 14 % narrower where both are equal."""
+
 
 def edge_loads(load: ArrayLike, length: float, angle: float, depth: float) -> Floats:
     """A straight edge that presses with the same force everywhere, as Gauss points along it.

@@ -118,6 +118,10 @@ def round_tip_indentation(force: ArrayLike, tip_radius: float, contact_modulus: 
     return depth
 
 
+STEPS = 60
+"""As many as halve a bracket to rounding; five or six of Newton's are usual."""
+
+
 def _round_tip(force: ArrayLike, tip_radius: float, contact_modulus: float) -> tuple[Floats, Floats]:
     """a / R where it is shallow, and atanh(a / R)."""
     wanted = np.maximum(np.asarray(force, dtype=np.float64), 0) / contact_modulus / tip_radius**2
@@ -125,9 +129,16 @@ def _round_tip(force: ArrayLike, tip_radius: float, contact_modulus: float) -> t
     # the root lies below both: P / (E* R^2) >= 4/3 lam^3, and >= atanh(lam) - lam
     high = np.where(shallow < 1, np.arctanh(np.minimum(shallow, 1 - 1e-15)), np.inf)
     low, high = np.zeros_like(wanted), np.minimum(high, wanted + 1)
-    for _ in range(60):
-        middle = (low + high) / 2
-        lam = np.tanh(middle)
-        less = (lam**2 + 1) * middle - lam < wanted
-        low, high = np.where(less, middle, low), np.where(less, high, middle)
-    return shallow, (low + high) / 2
+    bend = high
+    for _ in range(STEPS):  # Newton's, inside the bracket
+        lam = np.tanh(bend)
+        off = (lam**2 + 1) * bend - lam - wanted
+        low, high = np.where(off < 0, bend, low), np.where(off < 0, high, bend)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            after = bend - off / (2 * lam * (bend * (1 - lam**2) + lam))
+        after = np.where((after >= low) & (after <= high), after, (low + high) / 2)
+        same = np.abs(after - bend) <= 1e-9 * bend  # the next step is below rounding
+        bend = after
+        if same.all():
+            break
+    return shallow, bend

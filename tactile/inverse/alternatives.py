@@ -6,7 +6,7 @@ import numpy as np
 
 from cnnsim.support import Floats
 from tactile.inverse.attempt import DOUBT, Attempt, Taxels
-from tactile.inverse.fit import SURELY, Fit
+from tactile.inverse.fit import SURELY, Fit, fitted
 from tactile.inverse.several import APART, EXPLAINED, several, simplest
 
 POINT = 0.25
@@ -21,6 +21,10 @@ SLIGHT = 2e-3
 """From this share on a clipped reading may be to blame: it has moved a place by a tenth of a depth."""
 CLIPPED = 20.0
 """How many times less of a variance is left without readings that are clipped."""
+HINT = 3.0
+"""To first order it is at least so many times less."""
+LEAST_FREE = 6
+"""So few degrees of freedom let chance explain all the rest."""
 NEAR_END = 1e-3
 """Readings that are so near to the largest one may be cut off at the same end."""
 FRICTION = 2.0
@@ -64,10 +68,17 @@ def _alone(one: Attempt) -> bool:
 
 
 def _clipped(one: Attempt) -> Attempt | None:
-    """Return the attempt without the largest readings, if they are cut off: larger ones would explain all the others."""
-    signals = one.fit.signals
-    if one.clipped:
+    """Return the attempt without the largest readings, if they are cut off: larger ones explain all the others."""
+    from tactile.inverse.fit_numba import without_largest  # numba is slow to import
+
+    signals, loads = one.fit.signals, one.fit.loads
+    if one.clipped or one.fit.free <= LEAST_FREE:
         return None
+    if len(loads) == 1:
+        parts = signals.seen, signals.felt, signals.scale, loads[0], signals.strain, signals.tie
+        chi, beyond, count = without_largest(*parts, NEAR_END)
+        if count == 1 and (chi * HINT > one.fit.chi or beyond < 1):
+            return None
     raw = np.abs(signals.felt / signals.scale)
     cut = raw >= raw.max() * (1 - NEAR_END)
     if cut.all(axis=1).any():
@@ -75,12 +86,11 @@ def _clipped(one: Attempt) -> Attempt | None:
     without = signals._replace(
         felt=np.where(cut, 0.0, signals.felt), scale=np.where(cut, 0.0, signals.scale), lost=int(cut.sum())
     )
-    fit = Fit(without, one.fit.loads)
+    fit = fitted(without, one.fit.loads)
     found = replace(one, fit=fit, clipped=tuple(signals.cells[cut.any(axis=1)].tolist()))
     if not found.left * CLIPPED < one.left:
         return None
-    beyond = fit.made(signals)[cut] / signals.felt[cut]
-    return found if (beyond > 1).all() else None
+    return found if (fit.made(signals)[cut] / signals.felt[cut] > 1).all() else None
 
 
 def _or_a_load(taxels: Taxels, one: Attempt, found: Attempt) -> Attempt:
@@ -93,7 +103,7 @@ def _or_a_load(taxels: Taxels, one: Attempt, found: Attempt) -> Attempt:
         if not np.isfinite([dx, dy, force]).all():
             continue
         place = (taxels.at[taxel] + (dx, dy)) / taxels.depth - _origin(taxels, one)
-        fit = Fit(one.fit.signals, np.concatenate([known, [[*place, 0.0, 0.0, force / one.top]]]))
+        fit = fitted(one.fit.signals, np.concatenate([known, [[*place, 0.0, 0.0, force / one.top]]]))
         other = replace(one, fit=fit, ambiguous=False)
         if _presses(fit) and (rival is None or other.left < rival.left):
             rival = other
@@ -105,7 +115,7 @@ def _or_a_taxel(found: Attempt) -> Attempt:
     rival, signals, loads = None, found.fit.signals, found.fit.loads
     for k in range(len(loads)) if len(loads) > 1 else ():
         near = int(((signals.seen - loads[k, :2]) ** 2).sum(axis=1).argmin())
-        fit = Fit(signals.without(near), np.delete(loads, k, axis=0))
+        fit = fitted(signals.without(near), np.delete(loads, k, axis=0))
         other = replace(found, order=fit.signals.cells, fit=fit)
         rival = other if rival is None or other.left < rival.left else rival
     return found if rival is None else _surer(found, rival)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.support import Floats
-from tactile.inverse.fit import TIED, Fit, Signals
+from tactile.inverse.fit import ALL, FOREIGN, REACH, STEPS, TIED, Fit, Signals, fitted, least_foreign
 from tactile.inverse.validity import Validity
 from tactile.inverse.weights import Weights
 
@@ -66,26 +66,30 @@ class Taxels:
 
         ``thorough``: from every place that was tried, not only from that where most agree.
         """
-        from tactile.inverse import consensus_numba as loops  # as above
+        if len(order) <= ALL:
+            tried, first, second, fit = self._at_one_go(order)
+        else:
+            from tactile.inverse import consensus_numba as loops  # as above
 
-        voters = order[:VOTERS]
-        tried, first, second = loops.consensus(self.at, self.planes, self.signal, self.trust, voters, self.depth, SEEDS)
-        best, rival = tried[first], tried[second]
-        signals, top = self.felt(order, best)
-        fit = Fit(signals, best[None, :2])
+            voters = order[:VOTERS]
+            tried, first, second = loops.consensus(
+                self.at, self.planes, self.signal, self.trust, voters, self.depth, SEEDS
+            )
+            fit = fitted(self.felt(order, tried[first]), tried[None, first, :2])
+        rival = tried[second]
         if thorough:
             places = [place for place in tried if np.isfinite(place[2])]
-            fit = min((Fit(self.felt(order, place)[0], place[None, :2]) for place in places), key=lambda one: one.chi)
-            signals = fit.signals
+            fit = min((fitted(self.felt(order, place), place[None, :2]) for place in places), key=lambda one: one.chi)
         ambiguous = False
-        if len(order) > 1 and rival[2] < RIVAL * best[2]:  # to one taxel a pull fits as well: it is taken to be pressed
-            other = Fit(signals, rival[None, :2])
+        # to one taxel a pull fits as well: it is taken to be pressed
+        if len(order) > 1 and rival[2] < RIVAL * tried[first, 2]:
+            other = fitted(fit.signals, rival[None, :2])
             if math.dist(other.loads[0, :2], fit.loads[0, :2]) > SAME:
                 fit, other = sorted((fit, other), key=lambda one: one.chi)
                 ambiguous = other.chi < max(RIVAL * fit.chi, ROUNDING * fit.whole)
         if len(order) == 1 or fit.unsure > UNSURE:
             fit = self._pressing(fit, int(order[0]))
-        return Attempt(order, fit, top, ambiguous or fit.unsure > UNSURE)
+        return Attempt(order, fit, float(self.peak[order[0]]), ambiguous or fit.unsure > UNSURE)
 
     def _pressing(self, fit: Fit, first: int) -> Fit:
         """Return the fit without shear if it explains as much: one taxel alone feels the load, pressing."""
@@ -93,16 +97,31 @@ class Taxels:
         if validity not in (Validity.INSIDE, Validity.OUTSIDE):
             return fit
         start = np.array([[dx / self.depth, dy / self.depth]])
-        held = Fit(fit.signals._replace(tie=np.array([TIED, 0.0, TIED])), start)
+        held = fitted(fit.signals._replace(tie=np.array([TIED, 0.0, TIED])), start)
         return held if held.misfit < DOUBT else fit
 
-    def felt(self, order: NDArray[np.intp], place: Floats) -> tuple[Signals, float]:
-        """Return the signals of these taxels, by the answers nearest to a place, and the largest of them [N]."""
+    def _at_one_go(self, order: NDArray[np.intp]) -> tuple[Floats, int, int, Fit]:
+        """Return the places that were tried, the best, the next best, and the fit from the best on."""
+        from tactile.inverse.attempt_numba import one_load  # as above
+
+        noise, top = self._noise(order)
+        tried, first, second, seen, felt, scale, tie, *rest = one_load(
+            self.at, self.planes, self.signal, self.trust, self.scale, order, self.depth, self.strain, top,
+            VOTERS, SEEDS, STEPS, REACH, least_foreign(noise), FOREIGN[1],
+        )  # fmt: skip
+        return tried, first, second, Fit(Signals(seen, felt, scale, self.strain, tie, order, self.shape, noise), *rest)
+
+    def felt(self, order: NDArray[np.intp], place: Floats) -> Signals:
+        """Return the signals of these taxels, by the answers nearest to a place."""
         from tactile.inverse import consensus_numba as loops  # as above
 
-        top = float(self.peak[order[0]])
+        noise, top = self._noise(order)
         seen, felt, scale, tie = loops.signals(
             self.at, self.planes, self.scale, order, place, self.depth, self.strain, top
         )
-        noise = None if self.noise is None else self.noise / top
-        return Signals(seen, felt, scale, self.strain, tie, order, self.shape, noise), top
+        return Signals(seen, felt, scale, self.strain, tie, order, self.shape, noise)
+
+    def _noise(self, order: NDArray[np.intp]) -> tuple[float | None, float]:
+        """Return the noise over the largest signal, and that [N]."""
+        top = float(self.peak[order[0]])
+        return None if self.noise is None else self.noise / top, top

@@ -65,39 +65,29 @@ class Signals(NamedTuple):
 
 
 class Fit:
-    """The loads (k, 5) nearest to the signals from a start on, in depths and as signals are.
+    """The loads (k, 5) nearest to the signals, in depths and as signals are.
 
-    ``start``: loads (k, 5), or the place (1, 2) of one, whose forces are then those that the signals ask for there.
     ``chi``: sum of the squares that they leave of ``whole``; ``spread`` (k, 5): variances for signals of variance 1;
     ``free``: degrees of freedom, signals less what was fitted to them; ``variance`` of a signal: that of the noise
-    where it is known, more where the residual says more, NaN without.
+    where it is known, more where the residual says more, NaN without. ``stranger``: the taxel out of reach of the loads
+    where they leave most, -1 for none; None: not looked for yet.
     """
 
-    def __init__(self, signals: Signals, start: Floats) -> None:
-        from tactile.inverse import components_numba, fit_numba  # numba is slow to import
-
-        self.signals = signals
-        parts = signals.seen, signals.felt, signals.scale
-        use = fit_numba.within(signals.seen, start, REACH) if len(signals.seen) > ALL else None
-        if many := use is not None and use.size >= MANY * len(start):
-            parts = signals.seen[use], signals.felt[use], signals.scale[use]
-        self.loads = np.zeros((len(start), 5))
-        self.loads[:, : start.shape[1]] = start
-        if start.shape[1] == 2:
-            components_numba.components(*parts, self.loads[0], signals.strain, signals.tie)
-        self.chi, self.whole, self.spread = fit_numba.fit(*parts, self.loads, signals.strain, signals.tie, STEPS)
-        if many:
-            self.chi, self.whole = fit_numba.energy(self.rest), fit_numba.energy(signals.felt)
+    def __init__(
+        self, signals: Signals, loads: Floats, chi: float, whole: float, spread: Floats, stranger: int | None = None
+    ) -> None:
+        self.signals, self.loads, self.chi, self.whole, self.spread = signals, loads, chi, whole, spread
+        self._stranger = stranger
         xx, xy, yy = signals.tie.tolist()
         told = 2 if xx + yy == 0 else int(xx * yy - xy * xy <= 1e-12 * (xx + yy) ** 2)
-        self.free = max(signals.felt.size - signals.lost - (3 + told) * len(self.loads), 0)
-        left, noise = self.chi / self.free if self.free else math.nan, signals.noise
+        self.free = max(signals.felt.size - signals.lost - (3 + told) * len(loads), 0)
+        left, noise = chi / self.free if self.free else math.nan, signals.noise
         self.variance = left if noise is None else noise**2 if not left > noise**2 else left
 
     @cached_property
     def rest(self) -> Floats:
         """The signals (n, 3) that the loads leave unexplained."""
-        from tactile.inverse import fit_numba  # as above
+        from tactile.inverse import fit_numba  # numba is slow to import
 
         signals = self.signals
         return fit_numba.rest(signals.seen, signals.felt, signals.scale, self.loads, signals.strain)
@@ -113,10 +103,10 @@ class Fit:
         """The taxel out of reach that feels most of what none of the loads makes, None where none does."""
         from tactile.inverse import fit_numba  # as above
 
-        noise = self.signals.noise
-        least, times, median = FOREIGN
-        least = max(least, SURELY * (noise or 0.0))
-        worst = fit_numba.foreign(self.signals.seen, self.rest, self.signals.felt, self.loads, REACH, least, times)
+        signals, worst, (_, times, median) = self.signals, self._stranger, FOREIGN
+        if worst is None:
+            least = least_foreign(signals.noise)
+            worst = fit_numba.foreign(signals.seen, self.rest, signals.felt, self.loads, REACH, least, times)
         if worst < 0:
             return None
         squares = (self.rest**2).sum(axis=1)
@@ -162,6 +152,34 @@ class Fit:
     def contrary(self) -> NDArray[np.intp]:
         """The taxels by what they leave unexplained, the worst first."""
         return np.argsort(-(self.rest**2).sum(axis=1), kind="stable")
+
+
+def fitted(signals: Signals, start: Floats) -> Fit:
+    """Return the fit from a start on: loads (k, 5), or the place (1, 2) of one, whose forces the signals tell there."""
+    from tactile.inverse import components_numba, fit_numba  # numba is slow to import
+
+    parts = signals.seen, signals.felt, signals.scale
+    use = fit_numba.within(signals.seen, start, REACH) if len(signals.seen) > ALL else None
+    if many := use is not None and use.size >= MANY * len(start):
+        parts = signals.seen[use], signals.felt[use], signals.scale[use]
+    loads = np.zeros((len(start), 5))
+    loads[:, : start.shape[1]] = start
+    if start.shape[1] == 2:
+        components_numba.components(*parts, loads[0], signals.strain, signals.tie)
+    chi, whole, spread = fit_numba.fit(*parts, loads, signals.strain, signals.tie, STEPS)
+    if not many:
+        return Fit(signals, loads, chi, whole, spread)
+    seen, felt, least = signals.seen, signals.felt, least_foreign(signals.noise)
+    rest = fit_numba.rest(seen, felt, signals.scale, loads, signals.strain)
+    stranger = fit_numba.foreign(seen, rest, felt, loads, REACH, least, FOREIGN[1])
+    found = Fit(signals, loads, fit_numba.energy(rest), fit_numba.energy(felt), spread, stranger)
+    found.__dict__["rest"] = rest  # as `cached_property` keeps it
+    return found
+
+
+def least_foreign(noise: float | None) -> float:
+    """Return what a taxel out of reach feels at least of another load."""
+    return max(FOREIGN[0], SURELY * (noise or 0.0))
 
 
 def _quantile(values: Floats, part: float) -> float:

@@ -63,10 +63,12 @@ def localise(
     found = taxels.attempt(taxels.order)
     if taxels.order.size >= 4:
         found = explained(taxels, found)
+    load = _load(taxels, found)
+    if not found.clipped and railed is None:
+        return load
     at_end = np.zeros(positions.shape[:2], bool) if saturated is None else saturated.copy()
     at_end.ravel()[list(found.clipped)] = True
-    load = _load(taxels, found)
-    return replace(load, saturated=_named(at_end)) if at_end.any() else load
+    return replace(load, saturated=_named(at_end))
 
 
 def _named(taxels: Flags) -> tuple[tuple[int, int], ...]:
@@ -99,7 +101,9 @@ def three_taxels(x: ArrayLike, y: ArrayLike, m: ArrayLike, depth: float) -> tupl
 
 def _load(taxels: Taxels, found: Attempt) -> Load:
     """Return the loads of an attempt in metres and newtons."""
-    out = tuple(divmod(taxel, taxels.shape[1]) for taxel in np.setdiff1d(taxels.order, found.order).tolist())
+    out: tuple[tuple[int, int], ...] = ()
+    if len(found.order) < len(taxels.order):
+        out = tuple(divmod(taxel, taxels.shape[1]) for taxel in np.setdiff1d(taxels.order, found.order).tolist())
     fit, depth, top = found.fit, taxels.depth, found.top
     seen, tie = fit.signals.seen, fit.signals.tie.tolist()
     (x0, y0), (x1, y1) = taxels.at[found.order[0]].tolist(), seen[0].tolist()
@@ -114,9 +118,7 @@ def _load(taxels: Taxels, found: Attempt) -> Load:
         q, r = q * to_q if to_q < INF else NAN, r * to_r if to_r < INF else NAN
         place = x0 + (x - x1) * depth, y0 + (y - y1) * depth
         validity = _validity(found, x, y)
-        loads.append(
-            Load(*place, q, r, f * top, (dx, dy, dq, dr, df), fit.misfit, len(found.order), validity, out)
-        )
+        loads.append(Load(*place, q, r, f * top, (dx, dy, dq, dr, df), fit.misfit, len(found.order), validity, out))
     first, *others = loads
     return replace(first, others=tuple(others)) if others else first
 

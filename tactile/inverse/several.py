@@ -7,7 +7,7 @@ import numpy as np
 
 from cnnsim.support import Floats
 from tactile.inverse.attempt import Attempt, Taxels
-from tactile.inverse.fit import Fit
+from tactile.inverse.fit import Fit, fitted
 
 MOST, PEAKS, TRIES = 4, 6, 8
 """So many loads are looked for, from so many of the highest peaks, in so many ways for each number of them."""
@@ -35,7 +35,7 @@ def several(taxels: Taxels, one: Attempt, most: float) -> list[Attempt]:
         ways = sorted(combinations(range(len(starts)), count), key=lambda ranks: (sum(ranks), ranks))[:TRIES]
         best: list[Fit | None] = [None, None]
         for start in [_with_one_more(before), *(np.array([starts[k] for k in ranks]) for ranks in ways)]:
-            fit = Fit(one.fit.signals, start)
+            fit = fitted(one.fit.signals, start)
             if fit.chi < before.chi:
                 before = fit
             for k, new in enumerate([fit] if fit.misfit <= EXPLAINED else [fit, _without_worst(fit)]):
@@ -85,7 +85,7 @@ def _attempt(fit: Fit, top: float) -> Attempt:
 
 def _without_worst(fit: Fit) -> Fit:
     """Return the fit without the taxel that contradicts it most."""
-    return Fit(fit.signals.without(int(fit.contrary[0])), fit.loads)
+    return fitted(fit.signals.without(int(fit.contrary[0])), fit.loads)
 
 
 def _apart(fit: Fit) -> bool:

@@ -18,7 +18,7 @@ from tactile.simulator.summation import DIRECT, Summation, moving, sum_loads
 from tactile.simulator.taxels import Taxels
 
 if TYPE_CHECKING:
-    from tactile.elastic.device_sum import DeviceSum
+    from tactile.elastic.sums.device_sum import DeviceSum
     from tactile.simulator.bump_cover import Bumps
 
 ACCURACY = 1e-4
@@ -76,6 +76,7 @@ class Field:
             lambda at, depth, medium: field_at(at, depth, self.loads, medium, method, self.accuracy, self.device),
             self.medium,
             self.accuracy,
+            at_once=method.name != "fft",
         )
 
 

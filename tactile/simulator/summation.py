@@ -8,8 +8,8 @@ import numpy as np
 from cnnsim.support import Floats, InputError, Integers
 from tactile.core.frame import TaxelArray
 from tactile.core.loads import FORCE, PLACE
-from tactile.elastic.direct import direct_sum
 from tactile.elastic.medium import Medium
+from tactile.elastic.sums.direct import direct_sum
 
 Name = Literal["direct", "matrix", "fft"]
 FEW = 4
@@ -70,7 +70,7 @@ def sum_loads(method: Summation | None, positions: Floats, depth: float, loads: 
     if moving(loads):
         raise InputError(f"loads that move, by the {method.name} method; loads that stay in place wanted")
     if method.name == "matrix":
-        from tactile.elastic.influence import Influence  # only the method that is taken is imported
+        from tactile.elastic.sums.influence import Influence  # only the method that is taken is imported
 
         places = np.ascontiguousarray(loads[0, :, PLACE])
         key = positions.tobytes(), depth, places.tobytes(), medium
@@ -79,7 +79,7 @@ def sum_loads(method: Summation | None, positions: Floats, depth: float, loads: 
 
 
 def _by_transforms(method: Summation, positions: Floats, depth: float, loads: Floats, medium: Medium) -> Floats:
-    from tactile.elastic.spectral import TractionTransform  # only the method that is taken is imported
+    from tactile.elastic.sums.spectral import TractionTransform  # only the method that is taken is imported
 
     grid = _on_grid(positions, loads[0, :, PLACE])
     if grid is None:

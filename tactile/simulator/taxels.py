@@ -12,11 +12,13 @@ from tactile.elastic.medium import Medium
 
 MOST = 40
 """Gauss points across a taxel."""
+AT_ONCE = 256
+"""So many points of few taxels are computed in one call."""
 DEPTHS = 12
 """Depths, at most, between which a field is interpolated."""
 
 Reading = Callable[[Floats, float, Medium], Floats]
-"""What points (rows, cols, 2) at a depth feel in a medium: (frames, rows, cols, 3)."""
+"""What points (..., 2) at a depth feel in a medium: (frames, ..., 3)."""
 
 
 @dataclass(frozen=True)
@@ -42,18 +44,20 @@ class Taxels:
         """The same under a cover that is thicker by so much (rows, cols) [m] still."""
         return replace(self, thicker=thicker if self.thicker is None else self.thicker + thicker)
 
-    def feel(self, reading: Reading, medium: Medium, accuracy: float) -> Floats:
-        """What they feel (frames, rows, cols, 3), to about so much of the peak."""
-        values = (
-            self._mean(reading, medium, accuracy) if self.thicker is None else self._levels(reading, medium, accuracy)
-        )
+    def feel(self, reading: Reading, medium: Medium, accuracy: float, at_once: bool = False) -> Floats:
+        """What they feel (frames, rows, cols, 3), to about so much of the peak.
+
+        ``at_once``: the reading takes any number of points together.
+        """
+        way = self._mean if self.thicker is None else self._levels
+        values = way(reading, medium, accuracy, at_once)
         if self.turn:
             c, s = np.cos(self.turn), np.sin(self.turn)
             x, y = values[..., SHEAR_X].copy(), values[..., SHEAR_Y].copy()
             values[..., SHEAR_X], values[..., SHEAR_Y] = c * x + s * y, c * y - s * x
         return values
 
-    def _levels(self, reading: Reading, medium: Medium, accuracy: float) -> Floats:
+    def _levels(self, reading: Reading, medium: Medium, accuracy: float, at_once: bool) -> Floats:
         """Between a few thicknesses by a polynomial: readings are smooth in the depth."""
         assert self.thicker is not None
         low, high = float(self.thicker.min()), float(self.thicker.max())
@@ -75,15 +79,20 @@ class Taxels:
                 weight *= (self.thicker - other) / (node - other)
             level = replace(self, depth=self.depth + node, thicker=None, turn=0.0)
             values = values + weight[..., None] * level._mean(
-                reading, replace(medium, thickness=medium.thickness + node), accuracy
+                reading, replace(medium, thickness=medium.thickness + node), accuracy, at_once
             )
         return values
 
-    def _mean(self, reading: Reading, medium: Medium, accuracy: float) -> Floats:
+    def _mean(self, reading: Reading, medium: Medium, accuracy: float, at_once: bool) -> Floats:
         if self.width == 0:
             return reading(self.places, self.depth, medium)
+        nodes = list(self._nodes(accuracy))
+        if at_once and len(nodes) * self.places[..., 0].size <= AT_ONCE:
+            steps = np.array([step for step, _ in nodes])[:, None, None]
+            felt = reading(self.places + steps, self.depth, medium)
+            return np.asarray(np.einsum("n,fn...->f...", [share for _, share in nodes], felt))
         values = np.zeros(())
-        for step, share in self._nodes(accuracy):
+        for step, share in nodes:
             values = values + share * reading(self.places + step, self.depth, medium)
         return values
 

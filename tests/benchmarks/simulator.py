@@ -7,10 +7,10 @@ from importlib.util import find_spec
 import numpy as np
 
 from tactile.core.frame import TaxelArray
-from tactile.elastic.direct import direct_sum
-from tactile.elastic.influence import Influence
 from tactile.elastic.medium import Medium
-from tactile.elastic.spectral import TractionTransform
+from tactile.elastic.sums.direct import direct_sum
+from tactile.elastic.sums.influence import Influence
+from tactile.elastic.sums.spectral import TractionTransform
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effects.read_noise import ReadNoise
 from tactile.simulator.scene.scene import Scene

@@ -120,7 +120,7 @@ def read_map(table: dict[str, Any], names: list[str], where: str, folder: Path) 
         traction = np.stack([np.zeros_like(traction), np.zeros_like(traction), traction], axis=-1)
     if traction.ndim != 3 or traction.shape[2] != 3 or not traction.size or not np.isfinite(traction).all():
         raise InputError(f"{where}: {path}: shape {traction.shape}, finite (rows, cols) or (rows, cols, 3) wanted")
-    from tactile.elastic.spectral import map_loads  # only where called for
+    from tactile.elastic.sums.spectral import map_loads  # only where called for
 
     pitch = positive(table, "pitch_mm", where) * 1e-3
     x, y = (length * 1e-3 for length in take_numbers(table, "origin_mm", 2, where, [0.0, 0.0]))

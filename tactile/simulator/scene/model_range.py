@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cnnsim.support import Floats
+from cnnsim.support import Floats, InputError
 from tactile.core.loads import F
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.height_map import HeightMap
@@ -24,7 +24,10 @@ DEEP = 0.3
 def out_of_range(scene: Scene) -> Iterator[str]:
     """Say, a line each, where a scene's model is out of its range; it is computed all the same.
 
-    What has no meaning at all, such as a contact that goes through the cover, is an error where it is computed.
+    A contact that goes through the cover is an error where it is computed.
+
+    Raises:
+        InputError: what has no meaning at all: strains above 1, a contact wider than the sphere that makes it.
     """
     sure = [(name, effect) for name, effect in scene.effects if not effect.RANDOM]
     for finger, array in enumerate(scene.arrays):
@@ -46,11 +49,13 @@ def out_of_range(scene: Scene) -> Iterator[str]:
                     if pull > 0:
                         yield f"height map: pulled with {pull:.3g} N; a dry contact cannot pull: it lifts off"
         strain = np.abs(field.values).max(initial=0) / scene.unit(finger)
-        if strain > DEEP:
-            yield (
-                f"{array.name}: strains to {strain:.3g}; below {DEEP:g} wanted: the cover is taken to be linear"
-                + (", and beyond 1 there would be nothing left of it" if strain > 1 else "")
+        if strain > 1:
+            raise InputError(
+                f"{array.name}: strains to {strain:.3g}; at most 1 wanted, beyond which nothing is left of the cover, "
+                f"and below {DEEP:g} for linear rubber"
             )
+        if strain > DEEP:
+            yield f"{array.name}: strains to {strain:.3g}; below {DEEP:g} wanted: the cover is taken to be linear"
 
 
 def _moments(scene: Scene, contacts: list[MovingContact]) -> Floats:
@@ -81,6 +86,11 @@ def _size(name: str, force: float, contact: MovingContact, medium: Medium) -> It
     deep = float(
         contact.path[:, 1 + F].max() if contact.given_depth else body.indentation(np.array([force]), medium)[0]
     )
+    if body.shape == "sphere" and wide > body.radius:
+        raise InputError(
+            f"{name}: a contact {wide * 1e3:.3g} mm in radius of a sphere of {body.radius * 1e3:g} mm; at most the "
+            f"sphere's own wanted, and {WIDE:g} of it for Hertz' law (shape = 'needle' is a sphere on a rod)"
+        )
     if body.shape == "sphere" and wide > WIDE * body.radius:
         yield (
             f"{name}: a contact {wide * 1e3:.3g} mm in radius of a sphere of {body.radius * 1e3:g} mm; at most "

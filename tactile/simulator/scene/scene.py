@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, cast
 
 import numpy as np
 
-from cnnsim.support import Floats, InputError
+from cnnsim.support import Floats
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.loads import COLUMNS
 from tactile.elastic.medium import Felt, Medium
@@ -18,11 +18,12 @@ from tactile.simulator.batch import Batch
 from tactile.simulator.contacts.loads import Loads
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.field import ACCURACY, Contact, Field
+from tactile.simulator.scene.checks import check
 from tactile.simulator.summation import DIRECT, Summation, choose_method
 from tactile.simulator.taxels import Taxels
 
 if TYPE_CHECKING:
-    from tactile.elastic.device_sum import DeviceSum
+    from tactile.elastic.sums.device_sum import DeviceSum
     from tactile.simulator.bump_cover import Bumps
 
 Item = TypeVar("Item")
@@ -32,8 +33,6 @@ LOADS_AT_ONCE = 1 << 22
 """Load components held at once: scenes with very many loads are computed in smaller pieces."""
 CHUNK_ON_DEVICE = 16_384
 """Frames sent to an OpenCL device at once."""
-WHERE = (("cpu", "float64"), ("opencl", "float64"), ("opencl", "float32"))
-"""Backends and numbers in which loads are summed."""
 FULL_SCALE = 0.1
 """Largest strain the electronics are made for, unless a scene says otherwise: the paper's needle just reaches it."""
 
@@ -97,31 +96,7 @@ class Scene:
         }  # fmt: skip
         for name, value in given.items():
             object.__setattr__(self, name, value)
-        self._check()
-
-    def _check(self) -> None:
-        for name in ("rate", "duration", "modulus", "full_scale"):
-            if not 0 < getattr(self, name) < float("inf"):
-                raise InputError(f"scene {self.title!r}: {name} {getattr(self, name)}, a positive number wanted")
-        if not 0 <= self.accuracy <= 0.1:
-            raise InputError(f"scene {self.title!r}: accuracy {self.accuracy}, from 0 to 0.1 of the peak wanted")
-        if (self.backend, self.dtype) not in WHERE:
-            wanted = ", ".join(f"{backend} in {dtype}" for backend, dtype in WHERE)
-            raise InputError(f"scene {self.title!r}: {self.backend} in {self.dtype}; one of {wanted} wanted")
-        names = [array.name for array in self.arrays]
-        if not names or len(set(names)) < len(names):
-            raise InputError(f"scene {self.title!r}: arrays {names}, at least one and no name twice wanted")
-        for array in self.arrays:
-            if array.quantity == "force":
-                raise InputError(f"scene {self.title!r}: array {array.name!r} of force; strain or stress wanted")
-        for contact in (*self.loads, *self.contacts):
-            if contact.finger not in range(len(names)):
-                raise InputError(f"scene {self.title!r}: {contact!r}; a finger from 0 to {len(names) - 1} wanted")
-        if self.bumps is None:
-            return
-        flat = [name for name, effect in self.effects if effect.STAGE == "field"]
-        if flat:
-            raise InputError(f"scene {self.title!r}: {', '.join(flat)} on bumps; effects on a flat cover's field")
+        check(self)
 
     def __repr__(self) -> str:
         pressing = len(self.loads) + len(self.contacts)
@@ -165,7 +140,7 @@ class Scene:
     def _device(self) -> "DeviceSum | None":
         if self.backend == "cpu":
             return None
-        from tactile.elastic.device_sum import device_sum  # only where called for
+        from tactile.elastic.sums.device_sum import device_sum  # only where called for
 
         return device_sum(self.dtype)
 

@@ -10,16 +10,16 @@ from cnnsim.support import Floats
 from cnnsim.support.command_line import watched
 from tactile.core.frame import TaxelArray
 from tactile.core.loads import COLUMNS, F, X, Y
-from tactile.elastic.cells import uniform_cell
-from tactile.elastic.direct import direct_sum
 from tactile.elastic.discs import disc_load
 from tactile.elastic.gauss import gauss
 from tactile.elastic.halfspace import point_load
-from tactile.elastic.influence import Influence
 from tactile.elastic.layer_loads import layer_term
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import HERTZ
-from tactile.elastic.spectral import TractionTransform
+from tactile.elastic.sums.cells import uniform_cell
+from tactile.elastic.sums.direct import direct_sum
+from tactile.elastic.sums.influence import Influence
+from tactile.elastic.sums.spectral import TractionTransform
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.scene.scene import Scene

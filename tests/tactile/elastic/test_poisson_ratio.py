@@ -5,10 +5,10 @@ import pytest
 from numpy.typing import NDArray
 
 from cnnsim.support import InputError
-from tactile.elastic.direct import direct_sum
 from tactile.elastic.halfspace import point_load, point_load_strain
 from tactile.elastic.medium import Felt, Medium
-from tactile.elastic.spectral import TractionTransform
+from tactile.elastic.sums.direct import direct_sum
+from tactile.elastic.sums.spectral import TractionTransform
 from tests.oracles.elastic.boussinesq import strain_tensor
 from tests.oracles.elastic.layer import periodic_field
 

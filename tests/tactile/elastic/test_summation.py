@@ -5,11 +5,11 @@ import pytest
 
 from cnnsim.support import InputError
 from tactile.core.frame import TaxelArray
-from tactile.elastic.cells import point_cell, uniform_cell
-from tactile.elastic.direct import direct_sum
-from tactile.elastic.influence import Influence
 from tactile.elastic.medium import Felt, Medium
-from tactile.elastic.spectral import TractionTransform, map_loads
+from tactile.elastic.sums.cells import point_cell, uniform_cell
+from tactile.elastic.sums.direct import direct_sum
+from tactile.elastic.sums.influence import Influence
+from tactile.elastic.sums.spectral import TractionTransform, map_loads
 from tactile.simulator.summation import Name, Summation, choose_method, sum_loads
 
 random = np.random.default_rng(5)

@@ -5,7 +5,10 @@ import pytest
 
 from cnnsim.support import InputError
 from tactile.core.frame import Frame, TaxelArray
+from tactile.elastic.discs import disc_load
 from tactile.elastic.halfspace import point_load_strain
+from tactile.elastic.medium import Medium
+from tactile.elastic.profiles import HERTZ
 from tactile.finger import Finger
 from tactile.inverse.load import Load
 from tactile.inverse.localise import localise
@@ -93,3 +96,44 @@ def test_a_finger_knows_its_noise_and_the_ends_of_its_range() -> None:
     assert 1 <= len(last.saturated) <= 8
     assert np.abs(last.x - 0.2e-3) < 0.02 * DEPTH
     assert 0.5 < np.sqrt(np.mean(np.square(errors))) < 2
+
+
+@pytest.mark.parametrize("stress", [False, True])
+@pytest.mark.parametrize(("side", "pitch"), [(3, 1), (4, 2), (8, 1), (8, 2)])
+def test_a_clipped_reading_that_nobody_declared_is_recognised(side: int, pitch: int, stress: bool) -> None:
+    """The amplifier ends at 0.6 of the peak: what is left there is outward, and nothing is left without it."""
+    random, at = np.random.default_rng(side), TaxelArray("pad", side, side, pitch * PITCH, DEPTH).positions()
+    off, named = [], 0
+    for _ in range(20):
+        x, y = random.uniform(-0.4, 0.4, 2) * side * pitch * PITCH
+        signals = felt(at, [(x, y, 0.05, -0.03, 1.0)], stress)
+        end = 0.6 * np.abs(signals).max()
+        false = (np.abs(signals) > end).any(axis=-1)
+        load = found(at, np.clip(signals + random.normal(size=signals.shape) * 1e-4 * end, -end, end), stress)
+        if load.validity is Validity.INSIDE:
+            off.append(np.hypot(load.x - x, load.y - y) / DEPTH)
+            named += set(load.saturated) == set(map(tuple, np.argwhere(false).tolist()))
+    assert len(off) >= 8 * (1 + (pitch == 1))
+    assert max(off) < 0.3
+    assert np.median(off) < 0.01
+    assert named >= len(off) - 2
+
+
+def test_a_wide_tip_is_not_clipped() -> None:
+    """A blunt tip takes from the same readings as a clipped amplifier; it is betrayed by those beside them."""
+    at = array(8, 8)
+    for x in (0.0, 2e-4, 5e-4):
+        load = (4e-3 + x, -2e-3, 0.0, 0.0, 1.0)
+        signals = disc_load(at, DEPTH, [load], [0.4 * DEPTH], HERTZ, Medium(MODULUS))
+        answer = locate(at, signals)
+        assert (answer.validity, answer.saturated) == (Validity.INSIDE, ())
+
+
+def test_a_taxel_that_may_be_false_or_feel_another_load_is_called_so() -> None:
+    """Four depths apart a second load is felt by one taxel: the first one's place is right, how many is not known."""
+    random, at = np.random.default_rng(1), TaxelArray("pad", 5, 5, 4 * DEPTH, DEPTH).positions()
+    first, second = (0.3 * DEPTH, 0.2 * DEPTH, 0.0, 0.0, 0.4), (8.2 * DEPTH, 7.9 * DEPTH, 0.0, 0.0, 0.2)
+    signals = felt(at, [first, second], True)
+    load = found(at, signals + random.normal(size=signals.shape) * 5e-3 * np.abs(signals).max(), True)
+    assert load.x == pytest.approx(first[0], abs=0.05 * DEPTH)
+    assert len(load.others) == 1 or load.validity in (Validity.AMBIGUOUS, Validity.NOT_ONE)

@@ -110,8 +110,8 @@ def test_noise_that_is_none_is_refused() -> None:
 def test_random_trials() -> None:
     """A few of the thousands of ``python -m tests.tactile.inverse.trials``."""
     made = [trial(np.random.default_rng((5, n))) for n in range(120)]
-    assert sum(one.gross for one in made if one.fault != "clipped") <= 2
-    assert sum(one.gross for one in made) <= 4
+    assert sum(one.gross for one in made) <= 2
+    assert sum(one.load.validity is Validity.INSIDE and not one.gross for one in made) >= 85
     sure = [one for one in made if one.load.validity is Validity.INSIDE and one.fault != "clipped" and not one.gross]
     ratios = np.array([one.ratio for one in sure])
     assert len(ratios) > 60

@@ -143,7 +143,8 @@ def report(trials: list[Trial]) -> str:
             kept = sum(one.load.validity is Validity.INSIDE and not one.gross for one in members)
             kinds = Counter(one.load.validity.name.lower() for one in members)
             lines.append(
-                f"{name:12} {value!s:10} {len(members):5}  gross {gross:3} ({gross / len(members):.1%}) good {kept / len(members):.1%}"
+                f"{name:12} {value!s:10} {len(members):5}  gross {gross:3} ({gross / len(members):.1%})"
+                f"  good {kept / len(members):.1%}"
                 f"  error/bound {rms:7.2f} rms {q:5.2f} of 68 %  {dict(kinds)}"
             )
     return "\n".join(lines)

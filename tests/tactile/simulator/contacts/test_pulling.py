@@ -1,8 +1,11 @@
 """Contacts that are pulled: they lift off, or stick as Johnson, Kendall and Roberts have it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from cnnsim.support import InputError
 from tactile.core.frame import TaxelArray
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.indenter import Indenter
@@ -82,12 +85,28 @@ def test_a_scene_says_where_its_models_end() -> None:
     pulled = said(pressed(0.5, -0.5))
     assert "contact 1, a sphere: pulled with 0.5 N; a dry contact cannot pull: it lifts off" in pulled
     assert "pulled" not in said(pressed(0.05, -0.5), Adhesion())
-    assert "of a sphere of 5 mm; at most 0.5 of it wanted" in said(pressed(0.0, 100.0), depth=5e-3)
+    assert "of a sphere of 5 mm; at most 0.5 of it wanted" in said(pressed(0.0, 50.0), depth=5e-3)
     needle = MovingContact(0, Indenter("needle", 5e-5), np.array([(0.0, 0, 0, 0, 0, 1.5e-3)]), None, True)
     assert "30 times its radius" in said(needle)
-    assert "strains to" in said(MovingContact(0, Indenter(), np.array([(0.0, 5e-4, 5e-4, 0, 0, 10.0)])))
+    with pytest.raises(InputError, match=r"6\.\d+ mm in radius of a sphere of 5 mm; at most the sphere's own wanted"):
+        said(pressed(0.0, 200.0), depth=5e-3)
+    point = np.array([(0.0, 5e-4, 5e-4, 0, 0, 1.0)])
+    assert "strains to 0." in said(MovingContact(0, Indenter(), point * [1, 1, 1, 0, 0, 4.0]))
+    with pytest.raises(InputError, match=r"strains to 3\.98; at most 1 wanted"):
+        said(MovingContact(0, Indenter(), point * [1, 1, 1, 0, 0, 20.0]))
     layered = said(pressed(0.0, 5e-4, by_depth=True), FiniteThickness(1.2e-3))
     assert "0.5 mm deep in a cover of 1.2 mm; at most 0.3 of it wanted" in layered
+
+
+def test_a_cylinder_is_no_wider_on_a_layer_than_its_law_knows() -> None:
+    """b = sqrt(4 P R / (pi E* L)); the small solver on the layer has it within 6 % up to b = 0.6 h."""
+    lying, layer = Indenter("cylinder", 4e-3, 8e-3), replace(RUBBER, thickness=1e-3)
+    force = np.pi * RUBBER.contact_modulus * 8e-3 / (4 * 4e-3) * np.array([0.59e-3, 0.61e-3]) ** 2
+    narrow, wide = (MovingContact(0, lying, np.array([(0.0, 0, 0, 0, 0, one)])) for one in force)
+    assert narrow.loads(np.zeros(1), 1e-3, layer).totals[0, 0, 4] == pytest.approx(force[0])
+    with pytest.raises(InputError, match=r"1\.22 mm wide on a cover of 1 mm; at most 1\.2 mm wanted"):
+        wide.loads(np.zeros(1), 1e-3, layer)
+    assert wide.loads(np.zeros(1), 1e-3, RUBBER).points.shape[1] > 1
 
 
 def test_a_rig_presses_by_each_contacts_own_law() -> None:

@@ -5,9 +5,9 @@ from numba import get_num_threads
 from numpy.typing import ArrayLike
 
 from cnnsim.support import Floats, InputError
-from tactile.elastic.direct_numba import MANY, few_loads, few_loads_parallel, many_loads
 from tactile.elastic.halfspace import check_loads, point_scale
 from tactile.elastic.medium import Medium
+from tactile.elastic.sums.direct_numba import MANY, few_loads, few_loads_parallel, many_loads
 
 SERIAL_BELOW = 200_000
 """Fewer pairs than this are done before the threads have woken up, or soon after."""

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from scipy import fft
 
 from cnnsim.support import Floats, InputError
-from tactile.elastic.cells import point_cell, uniform_cell
 from tactile.elastic.medium import Medium
+from tactile.elastic.sums.cells import point_cell, uniform_cell
 
 CellResponse = Callable[[ArrayLike, ArrayLike, float, float, Medium], Floats]
 CELLS: dict[str, CellResponse] = {"point": point_cell, "uniform": uniform_cell}

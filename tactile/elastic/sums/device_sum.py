@@ -38,7 +38,7 @@ class DeviceSum:
             raise InputError(f"{title(device)} has no float64; dtype = 'float32' wanted")
         self.dtype = np.dtype(dtype)
         self._context: DeviceContext = device_context(device, family_of(device), self.dtype)
-        self._text = files("tactile.elastic").joinpath("device_sum.cl").read_text(encoding="utf-8")
+        self._text = files("tactile.elastic.sums").joinpath("device_sum.cl").read_text(encoding="utf-8")
 
     def add_points(self, out: Floats, positions: Floats, depth: float, loads: Floats, medium: Medium) -> None:
         """Add to ``out`` (frames, taxels, 3) what taxels (taxels, 2) [m] feel of point loads (frames, n, 5)."""

@@ -1,0 +1,35 @@
+"""One load from the taxels of one frame at one go, compiled: their consensus, then least squares, and what is foreign.
+
+What `tactile.inverse.attempt` does of it in steps for large pads: each call from Python costs as much as four taxels.
+"""
+
+import numpy as np
+
+from cnnsim.support.kept_loops import kept_njit
+from tactile.inverse.components_numba import components
+from tactile.inverse.consensus_numba import consensus, signals
+from tactile.inverse.fit_numba import fit, foreign, rest
+
+
+@kept_njit(error_model="numpy")
+def one_load(  # type: ignore[no-untyped-def]  # numba types it at the call
+    at, planes, signal, trust, scale, order, depth, strain, top, voters, seeds, steps, reach, least, times
+):
+    """Return the places tried, best and next best, the signals as `signals` has them, and the fit from the best on.
+
+    The last is (loads, chi, whole, spread), what it leaves unexplained, and the taxel that feels most of what the load
+    does not make.
+    """
+    tried, first, second = consensus(at, planes, signal, trust, order[:voters], depth, seeds)
+    seen, felt, scaled, tie = signals(at, planes, scale, order, tried[first], depth, strain, top)
+    loads = np.zeros((1, 5))
+    loads[0, 0], loads[0, 1] = tried[first, 0], tried[first, 1]
+    components(seen, felt, scaled, loads[0], strain, tie)
+    chi, whole, spread = fit(seen, felt, scaled, loads, strain, tie, steps)
+    stranger = -1
+    for i in range(len(seen)):
+        if (seen[i, 0] - loads[0, 0]) ** 2 + (seen[i, 1] - loads[0, 1]) ** 2 > reach * reach:
+            left = rest(seen, felt, scaled, loads, strain)
+            stranger = foreign(seen, left, felt, loads, reach, least, times)
+            break
+    return tried, first, second, seen, felt, scaled, tie, loads, chi, whole, spread, stranger
