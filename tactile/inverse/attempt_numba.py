@@ -5,7 +5,7 @@ What `tactile.inverse.attempt` does of it in steps for large pads: each call fro
 
 import numpy as np
 
-from cnnsim.support.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.inverse.components_numba import components
 from tactile.inverse.consensus_numba import consensus, signals
 from tactile.inverse.fit_numba import fit, foreign, rest

@@ -1,17 +1,14 @@
 """Checks of what a scene says, as it is made: numbers, arrays, what presses on them, and where it is computed."""
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 from cnnsim.support import InputError
-
-if TYPE_CHECKING:
-    from tactile.simulator.scene.scene import Scene
 
 WHERE = (("cpu", "float64"), ("opencl", "float64"), ("opencl", "float32"))
 """Backends and numbers in which loads are summed."""
 
 
-def check(scene: "Scene") -> None:
+def check(scene: Any) -> None:  # a `Scene`, which is made by its help
     """Raise the `InputError` that `Scene` names, if one of its fields says what cannot be."""
     for name in ("rate", "duration", "modulus", "full_scale"):
         if not 0 < getattr(scene, name) < float("inf"):
