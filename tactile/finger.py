@@ -63,6 +63,8 @@ class Finger:
         self._texture = Texture(settings.window, least if settings.floor is None else settings.floor)
         self._felt: TextureFigures | None = None
         self._machine, self._inverse = machine, _inverse(array, modulus, contact.dead_band)
+        if self._inverse is not None:
+            machine.prepare(self._inverse, array.shape)
         self._positions = array.positions()
         self._half = array.cols * array.pitch / 2, array.rows * array.pitch / 2
         self._newtons = _newtons(array, modulus)

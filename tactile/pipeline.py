@@ -61,10 +61,19 @@ tares before and after."""
 Sink = Callable[[FrameReport], None]
 
 
-def run(source: Source, settings: Settings, sinks: Iterable[Sink]) -> None:
-    """Take every frame of the source through the pipeline and hand the report to each sink."""
+def make_fingers(arrays: Iterable[TaxelArray], modulus: float | None, settings: Settings) -> list[Finger]:
+    """Return the fingers that `run` takes frames through, before the first of them."""
+    return [Finger(array, modulus, settings, number) for number, array in enumerate(arrays)]
+
+
+def run(source: Source, settings: Settings, sinks: Iterable[Sink], fingers: list[Finger] | None = None) -> None:
+    """Take every frame of the source through the pipeline and hand the report to each sink.
+
+    ``fingers``: new ones of the source's arrays, where they had to be there before the first frame.
+    """
     sinks = tuple(sinks)
-    fingers = [Finger(array, source.modulus, settings, number) for number, array in enumerate(source.arrays)]
+    if fingers is None:
+        fingers = make_fingers(source.arrays, source.modulus, settings)
     told = Narrator(fingers)
     requests = getattr(source, "tare_requests", None)  # of sources that people can talk to
     for raw in source:

@@ -19,15 +19,16 @@ def check_inputs(program: Program, inputs: dict[str, ArrayLike]) -> dict[str, Ar
     Raises:
         InputError: one is missing or unknown, is no array of numbers, or has another shape.
     """
-    if set(inputs) != set(program.inputs):
+    if inputs.keys() != set(program.inputs):
         near = [get_close_matches(name, program.inputs, 1) for name in inputs if name not in program.inputs]
         hint = f"; did you mean {' and '.join(repr(match[0]) for match in near if match)}?" if any(near) else ""
         raise InputError(
             f"program {program.name!r} got {', '.join(inputs) or 'nothing'}; {', '.join(program.inputs)} wanted{hint}"
         )
     arrays = {name: as_numbers(name, inputs[name], logic=program.memory[name] == "llm") for name in program.inputs}
-    shapes = {name: array.shape for name, array in arrays.items()}
-    if len(set(shapes.values())) > 1 or any(array.ndim not in (2, 3) or not array.size for array in arrays.values()):
+    shape = next(iter(arrays.values())).shape
+    if len(shape) not in (2, 3) or 0 in shape or any(array.shape != shape for array in arrays.values()):
+        shapes = {name: array.shape for name, array in arrays.items()}
         raise InputError(f"program {program.name!r} got planes of shapes {shapes}; one shape (rows, cols) wanted")
     return arrays
 

@@ -38,6 +38,7 @@ from cnnsim.program.program import (
     WireStep,
 )
 from cnnsim.program.stretch import AtOneGo, Known, Stretch, stretches
+from cnnsim.program.words import numbered
 from cnnsim.support import Array, InputError, naming
 from cnnsim.support.memory import LARGE
 from cnnsim.support.progress import watcher
@@ -76,6 +77,13 @@ class UniversalMachine:
         kept = self._kept.get(program, {})
         return {name: self.backend.read(plane) for name, plane in kept.items() if name}
 
+    def prepare(self, program: Program, shape: tuple[int, ...]) -> None:
+        """Find out now how a program's steps are done on planes of this shape, so that its first run need not."""
+        for _, step in numbered(program.steps):
+            for inside in (step.do, step.otherwise) if isinstance(step, BranchStep) else _within(step):
+                self._parts(program, inside, shape)
+        self._parts(program, program.steps, shape)
+
     def run(self, program: Program, **inputs: ArrayLike) -> dict[str, Any]:
         """Run a program on planes (rows, cols) of one shape and return its outputs: arrays, and numbers from wires.
 
@@ -95,13 +103,15 @@ class UniversalMachine:
             name: self.backend.load(array, program.memory[name])  # type: ignore[arg-type]  # inputs are never wires
             for name, array in arrays.items()
         }
-        kept = self._kept.get(program)
-        if kept is None or kept[""] != shape:
-            kept = {name: self._constant(program, name, value, shape) for name, value in program.keep.items()}
-        planes.update(kept)
+        if program.keep:
+            kept = self._kept.get(program)
+            if kept is None or kept[""] != shape:
+                kept = {name: self._constant(program, name, value, shape) for name, value in program.keep.items()}
+            planes.update(kept)
         planes[""] = shape
         self._execute(program, program.steps, planes)
-        self._kept[program] = {name: planes[name] for name in ("", *program.keep)}
+        if program.keep:
+            self._kept[program] = {name: planes[name] for name in ("", *program.keep)}
         return {
             name: planes[name] if program.memory[name] == "wire" else self.backend.read(planes[name])
             for name in program.outputs
@@ -236,6 +246,11 @@ class UniversalMachine:
     def _constant(self, program: Program, name: str, value: float | Array, shape: tuple[int, ...]) -> Plane:
         each = value[:, None, None] if isinstance(value, np.ndarray) else value
         return self.backend.load(np.full(shape, each), program.memory[name])  # type: ignore[arg-type]  # planes only
+
+
+def _within(step: Step) -> tuple[tuple[Step, ...], ...]:
+    """Return the steps that a loop repeats."""
+    return (step.do,) if isinstance(step, RepeatStep | UntilUnchangedStep) else ()
 
 
 def _limit(step: TemplateStep, grid: tuple[int, ...]) -> float | None:

@@ -1,6 +1,7 @@
 """Gains: the linear coefficients that turn the readings of a taxel into strain."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -34,8 +35,12 @@ class Gains:
 
     def __call__(self, values: Floats) -> Floats:
         """Return strains (..., 3) of the readings (..., 3)."""
-        strain: Floats = values * np.array([self.shear, self.shear, self.normal])
+        strain: Floats = values * self._each
         return strain
+
+    @cached_property
+    def _each(self) -> Floats:
+        return np.array([self.shear, self.shear, self.normal])
 
     def spread(self, sigma: Floats) -> Floats:
         """Return the standard deviations of the strains for those of the readings (..., 3)."""

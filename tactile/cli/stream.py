@@ -107,7 +107,7 @@ def live(
     if output is not None:
         origin = {"port": port, "choices": options.text()}
         into = partial(Recording, new_mcap(output, overwrite), description, origin, overwrite=overwrite)
-    console.warm_up(description, options)
+    fingers = console.warm_up(description, options)
     console.be_steady()
     view = sys.stdout.isatty() and not as_json
     say = print_line if as_json else console.nothing if view else console.tell
@@ -117,7 +117,7 @@ def live(
         monitor = LiveMonitor(session.source, say, session.now, session.note, lambda: session.counts)
         threading.Thread(target=console.listen, args=(session,), daemon=True).start()
         with console.closing(session, as_json, monitor), console.viewing(monitor, session, port, view):
-            monitor.run(options)
+            monitor.run(options, fingers)
 
 
 @click.command(epilog=examples("tactile replay hand.mcap", "tactile replay hand.mcap --paced --json"))

@@ -19,6 +19,9 @@ class Rails:
     """
 
     def __init__(self, shape: tuple[int, int]) -> None:
+        from tactile.core.rails_numba import watch  # numba is slow to import
+
+        self._watch = watch
         self._ends = np.full((*shape, 3, 2), -np.inf)
         self._hits = np.zeros((*shape, 3, 2, 2), np.int64)
         self._before, self._steps = np.full((*shape, 3), np.nan), np.full(3, np.inf)
@@ -26,8 +29,8 @@ class Rails:
 
     def __call__(self, values: Floats, jitter: Floats) -> Flags | None:
         """Take a frame; ``jitter`` (rows, cols, 3) from one reading to the next while nothing presses."""
-        from tactile.core.rails_numba import watch  # numba is slow to import
-
         read = np.ascontiguousarray(values, np.float64)
-        watch(read, self._before, jitter, BAND, self._ends, self._hits, self._steps, (LEAST, OFTEN), self._saturated)
+        self._watch(
+            read, self._before, jitter, BAND, self._ends, self._hits, self._steps, (LEAST, OFTEN), self._saturated
+        )
         return self._saturated if self._saturated.any() else None

@@ -27,8 +27,12 @@ class Comparators:
     """
 
     def __init__(self, machine: UniversalMachine, shape: tuple[int, int], shear: Threshold, contact: Threshold) -> None:
+        from tactile.events.signals_numba import quiet  # numba is slow to import
+
+        self._quiet = quiet
         cells = {"plus": shear.comparator(1), "minus": shear.comparator(-1), "press": contact.comparator(1)}
         self._machine, self._program = machine, load_program(shipped("event-code"), templates=cells)
+        machine.prepare(self._program, shape)
         (off, on), (gone, touched) = _levels(shear), _levels(contact)
         along = np.array([-np.inf, -on, off]) + SLACK, np.array([-off, on, np.inf]) - SLACK  # of a code -1, 0, +1
         pressed = np.array([-np.inf, gone]) + SLACK, np.array([touched, np.inf]) - SLACK
@@ -42,9 +46,7 @@ class Comparators:
 
         Planes after these three are not looked at.
         """
-        from tactile.events.signals_numba import quiet  # numba is slow to import
-
-        if quiet(planes, AS_THEY_ARE, ONCE, self._low, self._high):
+        if self._quiet(planes, AS_THEY_ARE, ONCE, self._low, self._high):
             self.before = self.code
             return False
         out = self._machine.run(self._program, shear_x=planes[0], shear_y=planes[1], pressing=planes[2])
@@ -71,7 +73,11 @@ class Switches:
     def __init__(
         self, machine: UniversalMachine, shape: tuple[int, int], sources: Sequence[int], factors: Sequence[float]
     ) -> None:
+        from tactile.events.signals_numba import quiet  # numba is slow to import
+
+        self._quiet = quiet
         self._machine, self._program = machine, load_program(shipped("comparators"))
+        machine.prepare(self._program, (len(sources), *shape))
         self._off, self._on = _levels(BINARY)
         self._sources, self._factors = np.array(sources), np.array(factors, dtype=np.float64)
         self.on: Flags = np.zeros((len(sources), *shape), dtype=bool)
@@ -79,9 +85,7 @@ class Switches:
 
     def update(self, planes: Floats) -> bool:
         """Take planes (planes, rows, cols) and return whether any cell has switched."""
-        from tactile.events.signals_numba import quiet  # numba is slow to import
-
-        if quiet(planes, self._sources, self._factors, self._low, self._high):
+        if self._quiet(planes, self._sources, self._factors, self._low, self._high):
             return False
         on = self._machine.run(self._program, signal=planes[self._sources] * self._factors[:, None, None])["on"]
         switched = not np.array_equal(on, self.on)

@@ -37,6 +37,7 @@ class Detector:
     def __init__(self, file: DetectorFile, machine: UniversalMachine, pool: PlanePool) -> None:
         self.file, self.outputs, self.changed = file, dict[str, Any](), False
         self._machine, self._pool = machine, pool
+        machine.prepare(file.program, pool.shape)
         self._trackers = [Tracker(rule) for rule in file.rules]
         self._seen = -1
         self._fixed = False

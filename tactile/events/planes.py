@@ -88,12 +88,12 @@ class Moment:
 class PlanePool:
     """The planes of one finger: logic ones are made when they change, grey ones when a detector asks.
 
-    ``version`` counts the changes of logic planes.
+    ``version`` counts the changes of logic planes, which are of ``shape`` (rows, cols).
     """
 
     def __init__(self, machine: UniversalMachine, shape: tuple[int, int]) -> None:
         self.version = 0
-        self._shape = shape
+        self.shape = shape
         self._cells = Switches(machine, shape, [PLANES.index(plane) for _, plane, _, _ in CELLS], [c[2] for c in CELLS])
         self._whole = Switches(machine, (1, len(LEVELS)), [0], [1.0])
         self._black, self._white = np.ones(shape), -np.ones(shape)

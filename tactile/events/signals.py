@@ -71,6 +71,10 @@ class Signals:
     """
 
     def __init__(self, shape: tuple[int, int], quantity: Quantity) -> None:
+        from tactile.events.signals_numba import step  # numba is slow to import
+        from tactile.events.sliding_numba import slide  # the same
+
+        self._step, self._slide = step, slide
         self.planes = np.zeros((len(PLANES), *shape))
         self.levels = np.zeros(len(LEVELS))
         self.force = 0.0
@@ -103,19 +107,15 @@ class Signals:
         self._update(frame.t, frame.values, use, levels)
 
     def _update(self, t: float, values: Floats, use: Flags, levels: Levels) -> None:
-        from tactile.events.signals_numba import step  # numba is slow to import
-
         dt = 0.0 if self._t is None else max(t - self._t, 0.0)
         self._interval += 0.05 * (dt - self._interval)
         self._t = t
-        step(
+        self._step(
             values, use, self._counts, self._inward, self._rectify, dt, levels.off, levels.on, self._drawn,
             self._quiet[0], self._quiet[1], self._fast, self._slow, self._scalars, self._taps, self.planes, self.levels,
         )  # fmt: skip
         if self._shares:
-            from tactile.events.sliding_numba import slide  # the same
-
-            slide(
+            self._slide(
                 values, self._fast, use, self._quiet[2], self._quiet[0], self._quiet[1], dt, self._interval,
                 self._taus, self._growth, self.levels[RISING] > 0.25, self.planes, self.levels,
             )  # fmt: skip

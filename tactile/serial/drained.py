@@ -43,7 +43,7 @@ class Drained:
         try:
             data = self._socket.recv(MOST)
             self.over = not data
-        except TimeoutError:
+        except (TimeoutError, BlockingIOError):
             return []
         except OSError:
             self.over = True

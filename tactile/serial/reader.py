@@ -1,4 +1,9 @@
-"""Port reader: opens a port, has it drained by a process of its own, and hands on what that has kept."""
+"""Port reader: opens a port, has it drained by a process of its own, and hands on what that has kept.
+
+Whoever waits for frames takes what there is himself (`PortReader.poll`): the way over another thread costs two changes
+of threads a packet, and the interpreter serves one at a time. Only while he is busy the reader's own thread does, so
+that what came is recorded soon whatever the pipeline does.
+"""
 
 import socket
 import threading
@@ -17,13 +22,15 @@ FIRST_PAUSE, LONGEST_PAUSE = 0.1, 0.5
 """[s] between tries to open a port that was unplugged: doubled each time."""
 WAIT = 0.05
 """[s] after which a thread that gets nothing looks whether it is to stop."""
+TURN = 0.01
+"""[s] from one look of the reader's thread to the next whether somebody takes what comes."""
 
 
 class PortReader:
     """Opens a port when it is made and reads it after `start`; chunks count nanoseconds from ``epoch``.
 
-    ``hand_on`` is called in the reader's thread with what has come, and with nothing while nothing comes; ``ended``
-    after the last chunk. A bad frame is not its business: only a port that fails is closed, and opened again until it
+    ``hand_on`` is called with what has come, and with nothing while nothing comes, by one thread at a time: the
+    reader's, or that of `poll`; ``ended`` after the last chunk. A bad frame is not its business: only a port that fails is closed, and opened again until it
     is back; ``once``: it stays closed. ``why`` says why it is not open just now, ``plugged`` [ns] on the clock of the
     chunks since when it is; ``dropped`` bytes had no room.
 
@@ -39,7 +46,9 @@ class PortReader:
         self.why = ""
         self._name, self._baudrate, self._talk = name, baudrate, talk
         self._hand_on, self._ended, self._once = hand_on, ended, once
-        self._stop = threading.Event()
+        self._stop, self._wake = threading.Event(), threading.Event()
+        self._turn, self._attached = threading.Lock(), False
+        self._failed: OSError | None = None
         self._drained = Drained() if CAN_DRAIN else None
         try:
             self._port = open_port(name, baudrate)
@@ -60,11 +69,21 @@ class PortReader:
     def close(self) -> None:
         """Stop reading and let go of the port; what has come by now is handed on."""
         self._stop.set()
+        self._wake.set()
         if self._thread.ident is None:  # it never began
             self._port.close()
             self._let_drain_end()
         else:
             self._thread.join()
+
+    def poll(self, timeout: float) -> bool:
+        """Hand on in this thread what has come, waiting up to ``timeout`` [s]; False where the reader's own has to."""
+        if not self._turn.acquire(blocking=False):
+            return False
+        try:
+            return self._attached and self._take(timeout)
+        finally:
+            self._turn.release()
 
     def now(self) -> int:
         """Return [ns] since the epoch."""
@@ -106,21 +125,37 @@ class PortReader:
             self._drained.close()
             self._drained = Drained()
         self._drained.read(self._port, self._talk)
-        stopping = False
-        while True:
-            if self._stop.is_set() and not stopping:
-                self._drained.finish()
-                stopping = True
-            records = self._drained.take(WAIT)
-            start = self.epoch.monotonic
-            self._hand_on([Chunk(t - start, data) for kind, t, data in records if kind == DATA])
-            self.dropped += sum(int(data) for kind, _, data in records if kind == DROPPED)
-            if gone := [data for kind, _, data in records if kind == GONE]:
-                raise OSError(gone[0].decode())
-            if self._drained.over:
-                if not stopping:
-                    raise OSError("the process that reads the port has ended")
-                return
+        self._failed, self._attached = None, True
+        try:
+            while not self._stop.is_set() and self._failed is None:
+                self._wake.wait(TURN)
+                self.poll(0)
+        finally:
+            self._wake.clear()
+            with self._turn:
+                self._attached = False
+        if self._failed is None:
+            self._drained.finish()
+        while self._failed is None and not self._drained.over:
+            self._take(WAIT)
+        if self._failed is not None:
+            raise self._failed
+
+    def _take(self, timeout: float) -> bool:
+        """Hand on what the draining process has, and note if the port has failed."""
+        assert self._drained is not None
+        records = self._drained.take(timeout)
+        start = self.epoch.monotonic
+        self._hand_on([Chunk(t - start, data) for kind, t, data in records if kind == DATA])
+        self.dropped += sum(int(data) for kind, _, data in records if kind == DROPPED)
+        if gone := [data for kind, _, data in records if kind == GONE]:
+            self._failed = OSError(gone[0].decode())
+        elif self._drained.over and not self._stop.is_set():
+            self._failed = OSError("the process that reads the port has ended")
+        if self._failed is not None:
+            self._attached = False
+            self._wake.set()
+        return True
 
     def _read_here(self) -> None:
         """Read where no port can be given to another process: it waits for the other threads' turns."""

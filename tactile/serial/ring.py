@@ -36,7 +36,7 @@ class Ring:
     def get(self, timeout: float) -> list[Chunk]:
         """Return all chunks there are, waiting up to ``timeout`` [s] for the first."""
         with self._wake:
-            if not self._chunks and not self._closed:
+            if timeout and not self._chunks and not self._closed:
                 self._wake.wait(timeout)
             chunks = list(self._chunks)
             self._chunks.clear()

@@ -26,8 +26,9 @@ class Session:
     what `stop` sets, where that has to be known before the port is open. ``warn`` is told in words when within three
     seconds nothing comes, or nothing that fits the description.
 
-    draining process -> reader's thread, which records -> ring -> whoever iterates over ``source``. Bytes for which the
-    ring has no room are recorded all the same, as unparsed.
+    draining process -> recording -> ring -> whoever iterates over ``source``. He takes the first step himself while
+    he waits, and the reader's thread while he is busy. Bytes for which the ring has no room are recorded all the same,
+    as unparsed.
 
     Raises:
         InputError: the port cannot be opened, or the recording not be made.
@@ -83,7 +84,9 @@ class Session:
         closing = False
         while True:
             over = self._ready.closed
-            chunks = self._ready.get(NAP)
+            chunks = self._ready.get(0)
+            if not chunks and not over:
+                chunks = self._ready.get(0 if self.reader.poll(NAP) else NAP)
             for chunk in chunks:
                 self.check.see(chunk)
                 yield chunk

@@ -44,6 +44,9 @@ class Texture:
             raise InputError(f"texture window of {window} frames, at least 2 wanted")
         if not (np.isfinite(floor) and floor >= 0):
             raise InputError(f"texture floor {floor}, a number from 0 up wanted")
+        from tactile.texture.figures_numba import step  # numba is slow to import
+
+        self._step = step
         self.window = window
         self.floor = floor
         self._head = 0  # frames in the growing block
@@ -58,8 +61,6 @@ class Texture:
         if values.ndim != 3 or values.shape[2] != 3:
             raise InputError(f"texture frame of shape {values.shape}, (rows, cols, 3) wanted")
         shape = values.shape[:2]
-        from tactile.texture.figures_numba import step  # numba is slow to import
-
         if self._streak is None:
             self._streak = np.zeros(shape, np.int64)
             self._block = np.zeros((self.window, *shape))
@@ -70,7 +71,7 @@ class Texture:
             raise InputError(f"texture frame of {shape} taxels after frames of {self._streak.shape}")
 
         figures = np.empty((2, *shape))
-        step(
+        self._step(
             np.ascontiguousarray(values), self.floor, self._streak, self._block, self._tails, self._grown, self._head,
             figures,
         )  # fmt: skip

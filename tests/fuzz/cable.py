@@ -10,11 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from tests.kits.wire import pair, stream
+from tactile.wire.base import Reading
+from tests.kits.wire import decoded, pair, stream
 
 BYTE, BURST = 1e-4, 1e-3
-ONCE = 4000
-"""Packets that one decoder sees."""
+ONCE, STREAMS = 4000, 8
+"""Packets that one decoder sees, and how many such streams there are; each is damaged anew every time."""
 
 
 @dataclass
@@ -40,26 +41,49 @@ class Judged:
 
 def damage(packets: list[bytes], rng: np.random.Generator, byte: float = BYTE, burst: float = BURST) -> list[bytes]:
     """Return what arrives of the packets, each for itself."""
-    out, left = [], 0
-    for packet in packets:
-        if rng.random() < burst:
-            left = int(rng.integers(1, 41))
-        gone, packet = min(left, len(packet)), packet[min(left, len(packet)) :]
-        left -= gone
-        faults = np.flatnonzero(rng.random(len(packet)) < byte)[::-1].tolist()
-        if faults:
-            data = bytearray(packet)
-            for at in faults:
-                kind = rng.integers(4)
-                if kind < 2:
-                    data[at] ^= 1 << int(rng.integers(8))
-                elif kind == 2:
-                    del data[at]
-                else:
-                    data[at + 1 : at + 1] = rng.bytes(1)
-            packet = bytes(data)
-        out.append(packet)
+    ends = np.cumsum([len(packet) for packet in packets])
+    starts = np.concatenate(([0], ends[:-1]))
+    lost = np.zeros(int(ends[-1]), bool)
+    for start in starts[rng.random(len(packets)) < burst].tolist():
+        lost[start : start + int(rng.integers(1, 41))] = True
+    faults = np.flatnonzero((rng.random(lost.size) < byte) & ~lost)
+    places = np.union1d(faults, np.flatnonzero(lost))
+    out, touched = list(packets), np.searchsorted(ends, places, "right")
+    for number in np.unique(touched).tolist():
+        start, data = int(starts[number]), bytearray(packets[number])
+        for place in places[touched == number][::-1].tolist():
+            at, kind = place - start, 2 if lost[place] else rng.integers(4)
+            if kind < 2:
+                data[at] ^= 1 << int(rng.integers(8))
+            elif kind == 2:
+                del data[at]
+            else:
+                data[at + 1 : at + 1] = rng.bytes(1)
+        out[number] = bytes(data)
     return out
+
+
+@dataclass
+class Stream:
+    """Packets, the frames that they are made of, and at which places of the stream each of these comes."""
+
+    packets: list[bytes]
+    frames: int
+    places: dict[Any, list[int]]
+
+    @classmethod
+    def of(cls, name: str, extra: dict[str, Any], count: int, seed: int) -> "Stream":
+        """Make a stream of a format."""
+        packets, _ = stream(name, extra, count, seed)
+        clean = [_identity(one) for one in decoded(pair(name, extra)[0], *packets)]
+        places: dict[Any, list[int]] = {}
+        for place, frame in enumerate(clean):
+            places.setdefault(frame, []).append(place)
+        return cls(packets, len(clean), places)
+
+
+def _identity(one: Reading) -> tuple[bytes, int | None, int | None]:
+    return one.values.tobytes(), one.device, one.sequence
 
 
 def judge(
@@ -67,26 +91,18 @@ def judge(
 ) -> Judged:
     """Send so many packets of a format over the cable, and judge all frames that come out."""
     rng, found = np.random.default_rng(seed), Judged(name)
+    streams = [Stream.of(name, extra, ONCE, seed + n) for n in range(min(STREAMS, -(-packets // ONCE)))]
     for number in range(-(-packets // ONCE)):
-        sent, _ = stream(name, extra, ONCE, seed + number)
-        truth = pair(name, extra)[0]
-        clean = [(one.values.tobytes(), one.device, one.sequence) for part in sent for one in truth.feed(part)]
-        clean += [(one.values.tobytes(), one.device, one.sequence) for one in truth.finish()]
-        arrived = damage(sent, rng, byte, burst)
-        found.damaged += sum(a != b for a, b in zip(sent, arrived, strict=True))
-        decoder = pair(name, extra)[0]
-        got = [one for part in arrived for one in decoder.feed(part)] + decoder.finish()
-        places: dict[Any, list[int]] = {}
-        for place, frame in enumerate(clean):
-            places.setdefault(frame, []).append(place)
-        last = -1
-        for one in got:
-            here = places.get((one.values.tobytes(), one.device, one.sequence), [])
-            later = next((place for place in here if place > last), -1)
+        sent = streams[number % len(streams)]
+        arrived = damage(sent.packets, rng, byte, burst)
+        found.damaged += sum(a != b for a, b in zip(sent.packets, arrived, strict=True))
+        decoder, last = pair(name, extra)[0], -1
+        for one in decoded(decoder, *arrived):
+            later = next((place for place in sent.places.get(_identity(one), []) if place > last), -1)
             if later < 0:
                 found.false += 1
             else:
                 found.right, last = found.right + 1, later
-        found.sent += len(clean)
+        found.sent += sent.frames
         found.said += decoder.counts.missing
     return found

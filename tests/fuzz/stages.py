@@ -25,7 +25,7 @@ from tactile.serial.session import Session
 from tactile.wire.description import Description
 from tactile.wire.source import Chunk
 
-STAGES = ("drained to the reader's thread", "waiting in the ring", "decoded, recorded", "pipeline", "printed, noted")
+STAGES = ("drained, recorded", "waiting in the ring", "decoded, frame recorded", "pipeline", "printed, noted")
 
 
 class Clocked(Session):
@@ -96,7 +96,7 @@ def clocked_run(port: str, description: Description, seconds: float, record: Pat
     def say(line: dict[str, Any]) -> None:
         out.write(json_line(line))
 
-    console.warm_up(description, options)
+    fingers = console.warm_up(description, options)
     console.be_steady()
     collections = Collections()
     gc.callbacks.append(collections)
@@ -106,7 +106,7 @@ def clocked_run(port: str, description: Description, seconds: float, record: Pat
     stages = Stages(session, monitor)
     spent, all_spent = time.thread_time(), time.process_time()
     try:
-        pipeline.run(stages, options.settings(session.source), [stages.sink])
+        pipeline.run(stages, options.settings(session.source), [stages.sink], fingers)
         spent, all_spent = time.thread_time() - spent, time.process_time() - all_spent
     finally:
         gc.callbacks.remove(collections)

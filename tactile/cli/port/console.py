@@ -12,10 +12,12 @@ from cnnsim.support import InputError
 from cnnsim.support.echo import console as screen
 from cnnsim.support.echo import echo
 from tactile.serial.kept_memory import keep_memory
+from tactile.serial.priority import raise_priority
 from tactile.serial.time_slice import ask_for_short_slices
 
 if TYPE_CHECKING:
     from tactile.cli.port.live import LiveOptions
+    from tactile.finger import Finger
     from tactile.serial.session import Session
     from tactile.wire.description import Description
 
@@ -24,13 +26,14 @@ ENDS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if has
 """Signals that end a reader in good order; Windows lacks the last."""
 
 
-def warm_up(description: "Description", options: "LiveOptions") -> None:
-    """Compile and refuse whatever there is to it before the port is opened."""
+def warm_up(description: "Description", options: "LiveOptions") -> "list[Finger]":
+    """Compile and refuse whatever there is to it before the port is opened; return the fingers, new."""
     from tactile import pipeline  # the machine is loaded only when it runs
     from tactile.wire.source import WireSource  # the same
 
     settings = options.settings(WireSource(description, ()), options.skin)
     pipeline.warm_up(description.arrays, description.modulus, settings)
+    return pipeline.make_fingers(description.arrays, description.modulus, settings)
 
 
 @contextlib.contextmanager
@@ -118,6 +121,7 @@ def be_steady() -> None:
     back is kept.
     """
     ask_for_short_slices()
+    raise_priority()
     keep_memory()
     sys.setswitchinterval(0.00025)
     gc.collect()

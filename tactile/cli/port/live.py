@@ -25,6 +25,7 @@ from tactile.wire.source import Chunk, WireSource
 if TYPE_CHECKING:
     from tactile.calibration.file import Calibration
     from tactile.calibration.taxel_gains import TaxelGains
+    from tactile.finger import Finger
 
 AUTO: Final = "auto"
 MANUAL, OFF = "manual", "off"
@@ -180,9 +181,9 @@ class LiveMonitor:
             **{name: finite(value) for name, value in figures.items()},
         }  # fmt: skip
 
-    def run(self, options: LiveOptions) -> None:
-        """Take all frames of the source through the pipeline."""
-        pipeline.run(self._source, options.settings(self._source, options.skin), [self])
+    def run(self, options: LiveOptions, fingers: "list[Finger] | None" = None) -> None:
+        """Take all frames of the source through the pipeline; ``fingers`` as `pipeline.run`."""
+        pipeline.run(self._source, options.settings(self._source, options.skin), [self], fingers)
 
 
 def print_line(line: dict[str, Any]) -> None:

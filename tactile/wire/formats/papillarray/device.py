@@ -33,6 +33,7 @@ class PapillarrayEncoder(Encoder):
         self._tare, self._slip = DeviceTare(BIAS), True
         self._received = bytearray()
         self._period, self._due, self._left_out = 0.0, -math.inf, 0
+        self._forms: dict[tuple[tuple[int, int], bool], Form] = {}
 
     def receive(self, data: bytes) -> bytes:
         """Obey the lines that are complete; the hub answers nothing."""
@@ -55,32 +56,45 @@ class PapillarrayEncoder(Encoder):
             self._left_out += 1  # the hub counts what it sends
             return b""
         self._due = (self._due if t_device - self._due < self._period else t_device) + self._period
-        state = IN_CONTACT if self._slip else INELIGIBLE
-        hub = HUB.pack((sequence - self._left_out) % 2**32, round(t_device * 1e6))
-        pillars = [self._pillars(values) for values in boards]
-        whole = [self._whole(values) for values in boards]
-        slips = [_nested([b"\x01\x00" + struct.pack("<bf", state, -1.0)] * len(values)) for values in boards]
-        grips = [self._entry + struct.pack("<bff", 2 if self._slip else 0, 0.5, -1.0)] * len(boards)
-        blocks = {1: hub, 3: _nested(pillars), 4: _nested(whole), 5: _nested(slips), 6: _nested(grips)}
-        at, table = 1 + 4 * len(blocks) + 2, b"\x02"
-        for kind, block in blocks.items():
-            table += struct.pack("<HH", kind, at)
-            at += len(block)
-        payload = table + b"\0\0" + b"".join(blocks.values())
+        counter = (sequence - self._left_out) % 2**32
+        shape, order = (len(boards), len(boards[0])), int(self._displacement_first)
+        form = self._forms.get((shape, self._slip))
+        if form is None:
+            form = self._forms[shape, self._slip] = Form(*shape, self._entry, self._slip)
+        values = np.array(boards)
+        HUB.pack_into(form.payload, form.hub, counter, round(t_device * 1e6))
+        form.triples[:, :, order], form.triples[:, :, 1 - order] = values, values / 10
+        form.force[:] = values.sum(1)
+        payload = bytes(form.payload)
         return START + payload + struct.pack("<H", sum(payload) & 0xFFFF) + END
 
-    def _pillars(self, values: Taxels) -> bytes:
-        table = np.zeros(len(values), PILLAR)
-        table["kind"] = 2
-        table["triples"][:, int(self._displacement_first)] = values
-        table["triples"][:, int(not self._displacement_first)] = values / 10
-        return _nested([row.tobytes() for row in table])
 
-    @staticmethod
-    def _whole(values: Taxels) -> bytes:
-        entry = np.zeros((), WHOLE)
-        entry["kind"], entry["force"], entry["torque"] = 2, values.sum(0), (1, 2, 3)
-        return entry.tobytes()
+class Form:
+    """A payload of so many sensors of so many pillars, and where in it the numbers go that change.
+
+    ``hub`` the place of counter and time; ``triples`` (sensors, pillars, 2, 3), ``force`` (sensors, 3): views.
+    """
+
+    def __init__(self, sensors: int, pillars: int, entry: bytes, slip: bool) -> None:
+        state = IN_CONTACT if slip else INELIGIBLE
+        pillar, whole = np.zeros((), PILLAR), np.zeros((), WHOLE)
+        pillar["kind"], whole["kind"], whole["torque"] = 2, 2, (1, 2, 3)
+        each = _nested([pillar.tobytes()] * pillars)
+        slips = _nested([b"\x01\x00" + struct.pack("<bf", state, -1.0)] * pillars)
+        grip = entry + struct.pack("<bff", 2 if slip else 0, 0.5, -1.0)
+        blocks = {1: bytes(HUB.size), 3: _nested([each] * sensors), 4: _nested([whole.tobytes()] * sensors),
+                  5: _nested([slips] * sensors), 6: _nested([grip] * sensors)}  # fmt: skip
+        at, table, places = 1 + 4 * len(blocks) + 2, b"\x02", {}
+        for kind, block in blocks.items():
+            table, places[kind] = table + struct.pack("<HH", kind, at), at
+            at += len(block)
+        self.payload = bytearray(table + b"\0\0" + b"".join(blocks.values()))
+        self.hub, heads = places[1], 2 + 2 * sensors
+        self.triples = np.ndarray(
+            (sensors, pillars, 2, 3), "<f4", self.payload, places[3] + heads + 2 + 2 * pillars + 2,
+            (len(each), PILLAR.itemsize, 12, 4),
+        )  # fmt: skip
+        self.force = np.ndarray((sensors, 3), "<f4", self.payload, places[4] + heads + 2, (WHOLE.itemsize, 4))
 
 
 def _nested(entries: list[bytes]) -> bytes:
