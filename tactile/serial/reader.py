@@ -30,9 +30,9 @@ class PortReader:
     """Opens a port when it is made and reads it after `start`; chunks count nanoseconds from ``epoch``.
 
     ``hand_on`` is called with what has come, and with nothing while nothing comes, by one thread at a time: the
-    reader's, or that of `poll`; ``ended`` after the last chunk. A bad frame is not its business: only a port that fails is closed, and opened again until it
-    is back; ``once``: it stays closed. ``why`` says why it is not open just now, ``plugged`` [ns] on the clock of the
-    chunks since when it is; ``dropped`` bytes had no room.
+    reader's, or that of `poll`; ``ended`` after the last chunk. A bad frame is not its business: only a port that fails
+    is closed, and opened again until it is back; ``once``: it stays closed. ``why`` says why it is not open just now,
+    ``plugged`` [ns] on the clock of the chunks since when it is; ``dropped`` bytes had no room.
 
     Raises:
         InputError: the port cannot be opened the first time.

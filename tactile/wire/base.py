@@ -52,8 +52,8 @@ class Reading:
 
     ``values`` (taxels, 3); ``device`` which of the boards on this wire, None where one frame holds all of them one
     after the other; ``sequence`` the device's count, None where it has none; ``t_device`` [s], NaN where it has no
-    clock; ``end`` the number of bytes of the stream up to the end of this frame; ``checked`` whether a checksum covers
-    the frame and so its sequence number.
+    clock; ``end`` the number of bytes of the stream up to the end of this frame; ``checked`` whether a CRC covers the
+    frame and so its sequence number; of a plain sum changes may cancel.
     """
 
     values: Taxels

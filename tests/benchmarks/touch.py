@@ -18,7 +18,7 @@ from tactile.inverse.taxel import STRAIN_INVERSE
 from tactile.pipeline import run, warm_up
 from tactile.settings import Settings
 from tests.benchmarks.race import Row, race
-from tests.fuzz.endurance import FINGER, SCENE
+from tests.fuzz.two_ends import FINGER, SCENE
 
 PARAMETERS = (0.002, 2.5e5, 1e-6, 1.0)
 """Depth [m], modulus [Pa], floor [strain], pressing."""

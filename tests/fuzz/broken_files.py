@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 from numpy.lib import format as npy
 
+from tests.fuzz.broken_bags import bag, bag_files
 from tests.fuzz.broken_texts import TEXTS, Broken, toml_files
 
-"""Values that are put in the place of a key's own."""
 HEADER = """tactile_recording = 1
 title = "t"
 [[finger]]
@@ -25,6 +25,10 @@ pitch_m = 0.001
 depth_m = 0.001
 quantity = "force"
 """
+
+
+TEM = b"NEIGHBORHOOD: 1\n\nFEEDBACK:\n0 1 0\n2 3 -4\n0 5 0\n\nCONTROL:\n0 0 0\n0 6 0\n0 0 0\nCURRENT: -7\n"
+CNNSIM = b"A 0 1 0 2 3 -4 0 5 0\nB 0 0 0 0 6 0 0 0 0\nZ -7\nC ZeroFlux\n"
 
 
 def bytes_changed(name: str, data: bytes, count: int, seed: int = 0) -> Broken:
@@ -177,25 +181,6 @@ def picture_files(count: int) -> Broken:
     )
 
 
-def bag_files() -> Broken:
-    """ROS bags: text, a head alone, sizes of gigabytes."""
-    head = b"#ROSBAG V2.0\n"
-    for rest in (b"", b"\xff" * 100, struct.pack("<I", 2**31) + b"x" * 100, b"\0" * 4096,
-                 struct.pack("<I", 69) + b"\x11\0\0\0chunk_count=\xff\xff\xff\x7f" + b"\0" * 5000):  # fmt: skip
-        yield "b.bag", head + rest
-
-    def field(name: bytes, value: bytes) -> bytes:
-        return struct.pack("<I", len(name) + 1 + len(value)) + name + b"=" + value
-
-    fields = field(b"op", b"\x03") + field(b"index_pos", struct.pack("<Q", 2**40)) + field(
-        b"conn_count", struct.pack("<I", 2**31 - 1)) + field(b"chunk_count", struct.pack("<I", 2**31 - 1))  # fmt: skip
-    record = struct.pack("<I", len(fields)) + fields
-    yield "b.bag", head + record + struct.pack("<I", 4096) + b" " * 4096
-    fields = field(b"op", b"\x03") + field(b"index_pos", struct.pack("<Q", 13)) + field(
-        b"conn_count", struct.pack("<I", 100)) + field(b"chunk_count", struct.pack("<I", 2**31 - 1))  # fmt: skip
-    yield "b.bag", head + struct.pack("<I", len(fields)) + fields + struct.pack("<I", 2**31 - 1) + b" " * 4096
-
-
 def mcap_files() -> Broken:
     """MCAP files whose chunks unpack to gigabytes, or say that they do."""
     import zstandard
@@ -232,6 +217,10 @@ def all_files(folder: Path, count: int) -> Broken:
     yield from picture_files(count)
     yield from bag_files()
     yield from mcap_files()
+    yield from bytes_changed("b.bag", bag(folder), count)
+    yield from bytes_changed("r.npy", npy_head((4, 4)) + np.linspace(-1, 1, 16).tobytes(), count)
+    yield from bytes_changed("t.tem", TEM, count)
+    yield from bytes_changed("t.cnnsim", CNNSIM, count)
     write = frames()
     for suffix in (".csv", ".npz", ".parquet", ".mcap"):
         path = folder / f"good{suffix}"

@@ -3,6 +3,7 @@
 import json
 import os
 import resource
+import subprocess
 import sys
 import tempfile
 import time
@@ -22,6 +23,8 @@ LARGE = 1000 * 2**20
 """Bytes that no file may take beyond what the readers themselves need."""
 LIMIT = 3000 * 2**20
 """Bytes beyond which the system gives none: what is asked for in vain is no harm, but a fault where it is not told."""
+OWN = 4
+"""Bags that are read as the product does it, in a process of their own."""
 FRAMES = 1000
 """Frames that are read of a recording: a scene of a year is no broken file."""
 
@@ -110,17 +113,45 @@ def judge(path: Path) -> list[str]:
     return found
 
 
+class Bags:
+    """Bags after the first few: judged by `bag_children`."""
+
+    def __init__(self) -> None:
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "tests.fuzz.bag_children"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+            env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+        )  # fmt: skip
+
+    def judge(self, path: Path) -> list[str]:
+        """Return what is wrong with how a bag was taken, in words."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._process.stdin.write(f"{path}\n")
+        self._process.stdin.flush()
+        code, seconds, *said = self._process.stdout.readline().split(" ", 2)
+        found = [f"{seconds} s"] if float(seconds) > SLOW else []
+        if int(code) not in (0, 2) or (code == "2" and not "".join(said).strip()):
+            found.append(f"ended with {code}: {said}")
+        return found
+
+    def close(self) -> None:
+        """Let it end."""
+        self._process.communicate()
+
+
 def peak() -> int:
     """Return the most memory that this process has had [bytes]."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
-def main(count: int, watch: bool = False) -> dict[str, Any]:
-    """Run all files, keep those that were taken badly."""
+def main(count: int, part: int = 0, parts: int = 1, watch: bool = False) -> dict[str, Any]:
+    """Run every ``parts``-th file from ``part`` on, keep those that were taken badly."""
     warnings.simplefilter("ignore")
     os.environ["CNNSIM_MEMORY"] = "500M"  # pictures may be as large as the memory that is free
     bad: list[str] = []
     seen: dict[str, int] = {}
+    took: dict[str, float] = {}
+    bags = Bags()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for warm in BY_SUFFIX:  # what the readers load counts for none of the files
@@ -128,19 +159,24 @@ def main(count: int, watch: bool = False) -> dict[str, Any]:
             judge(folder / f"warm{warm}")
         used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
         resource.setrlimit(resource.RLIMIT_AS, (used + LIMIT, used + LIMIT))
-        for file, data in all_files(folder, count):
+        for file, data in islice(all_files(folder, count), part, None, parts):
             path = folder / file
             path.write_bytes(data)
             if watch:
                 print(file, len(data), data[:40], f"{peak() / 1e6:.0f} MB", file=sys.stderr, flush=True)
             before = peak()
-            faults = judge(path)
+            started = time.process_time()
+            faults = judge(path) if path.suffix != ".bag" or seen.get(".bag", 0) < OWN else bags.judge(path)
+            took[path.suffix] = took.get(path.suffix, 0.0) + time.process_time() - started
             if peak() - before > LARGE:
                 faults.append(f"{(peak() - before) / 1e6:.0f} MB")
             bad += [f"{file} ({len(data)} bytes, begins {data[:60]!r}): {fault}" for fault in faults]
             seen[path.suffix] = seen.get(path.suffix, 0) + 1
-    return {"seen": seen, "bad": bad}
+    bags.close()
+    return {"seen": seen, "bad": bad, "took": took}
 
 
 if __name__ == "__main__":
-    print(json.dumps(main(int(sys.argv[1]), "watch" in sys.argv)))
+    numbers = [int(word) for word in sys.argv[1:] if word.isdigit()]
+    count, part, parts = numbers if len(numbers) > 1 else (numbers[0], 0, 1)
+    print(json.dumps(main(count, part, parts, "watch" in sys.argv)))

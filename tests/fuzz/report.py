@@ -1,7 +1,8 @@
 """The page docs/reliability.md: long runs, kills, unplugging, fuzzed packets and files, false frames over a bad cable.
 
-python -m tests.fuzz.report -o docs/reliability.md            some hours
-python -m tests.fuzz.report --short -o docs/reliability.md    some minutes
+python -m tests.fuzz.report -o docs/reliability.md                  less than half an hour on two processors
+python -m tests.fuzz.report --short -o docs/reliability.md          some minutes
+python -m tests.fuzz.report --only Kills -o docs/reliability.md     this part anew; the page keeps the others
 """
 
 import importlib.util
@@ -12,8 +13,11 @@ import re
 import subprocess
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -29,7 +33,7 @@ LIMITS = {
     "csv": "without HH a changed digit is another number; columns tell a lost comma",
     "csv, check": "8 bits: one damaged line in 256, and two faults of one bit's place",
     "reskin": "no sum, no number: a changed number within 100 mT is one; losses cannot be counted",
-    "papillarray": "sum of 16 bits: changes that cancel; every loss is counted",
+    "papillarray": "sum of 16 bits: changes that cancel; a leap of the number counts once the next frame confirms it",
     "paxini-fast": "8 bits: one damaged packet in 256; losses cannot be counted",
     "paxini-serial": "8 bits: one damaged packet in 256; losses cannot be counted",
     "lowiek": "no sum, no number: a changed word is one; a first and a last word of AAAA cannot be told apart",
@@ -42,7 +46,9 @@ by one at random (a quarter); before each packet, with probability {BURST:g}, 1 
 if its values and its number are those that were sent, in their order, and false if they are not. Packets of small
 arrays; one of n times as many bytes is damaged about n times as often.""",
     "Random bytes": "Noise at full rate, and streams of frames in which one byte in 500 is changed, lost or added.",
-    "Broken files": "Cut short, changed, of wrong types, of huge sizes in few bytes, to every reader.",
+    "Broken files": """\
+Cut short, changed, of wrong types, of huge sizes in few bytes, to every reader. All but the first bags are read in
+children of one process that has loaded their library, within the limits of the process that the product starts.""",
     "Frames held and lost": """\
 Through a pseudo-terminal, with the pipeline running and a recording written. A device that finds no room for a packet
 drops it; formats with numbers count that as missing.""",
@@ -107,15 +113,25 @@ def random_bytes(count: int) -> list[str]:
 
 
 def files(count: int) -> list[str]:
-    """Return what broken files came to."""
-    good, said = run("tests.fuzz.readers", str(count))
-    if not good:
-        return [f"failed: {last_line(said)}"]
-    found = json.loads(said)
-    kinds = ", ".join(f"{number} {suffix}" for suffix, number in found["seen"].items())
-    bad = "\n".join(f"- {line[:300]}" for line in found["bad"][:20])
-    return [f"{sum(found['seen'].values())} files ({kinds}); {len(found['bad'])} of them were not refused in one line,"
-            " took 5 s or a gigabyte." + (f"\n\n{bad}" if bad else "")]  # fmt: skip
+    """Return what broken files came to, a part of them in a process for each processor."""
+    parts = os.cpu_count() or 1
+    with ThreadPoolExecutor(parts) as pool:
+        ran = list(pool.map(lambda part: run("tests.fuzz.readers", str(count), str(part), str(parts)), range(parts)))
+    if failed := [said for good, said in ran if not good]:
+        return [f"failed: {last_line(failed[0])}"]
+    return files_told([json.loads(said) for _, said in ran])
+
+
+def files_told(found: list[dict[str, Any]]) -> list[str]:
+    """Return the lines on files that the processes found."""
+    seen = Counter[str]()
+    for one in found:
+        seen.update(one["seen"])
+    kinds = ", ".join(f"{number} {suffix}" for suffix, number in seen.items())
+    bad = [line for one in found for line in one["bad"]]
+    said = "".join(f"\n- {line[:300]}" for line in bad[:20])
+    return [f"{seen.total()} files ({kinds}); {len(bad)} of them were not refused in one line, took 5 s or a gigabyte."
+            + (f"\n{said}" if said else "")]  # fmt: skip
 
 
 def told(kind: str, times: int) -> list[str]:
@@ -146,6 +162,20 @@ def machine() -> str:
     )
 
 
+def section(title: str, make: Callable[[], list[str]]) -> str:
+    """Return a part of the page, with the load and the time that it took."""
+    begun, load = time.monotonic(), os.getloadavg()[0]
+    lines = "\n".join(make())
+    took = f"Load {load:.1f} when it began; {(time.monotonic() - begun) / 60:.1f} minutes."
+    return (f"\n{ABOUT[title]}\n" if title in ABOUT else "") + f"\n{lines}\n\n{took}\n"
+
+
+def sections(page: str) -> dict[str, str]:
+    """Return the parts of a page by title, as they stand."""
+    found = re.split(r"^## (.*)\n", page, flags=re.MULTILINE)
+    return {title: text.rstrip("\n") + "\n" for title, text in zip(found[1::2], found[2::2], strict=True)}
+
+
 @click.command()
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="The page.")
 @click.option("--short", is_flag=True, help="A hundredth of the packets, bytes and files, short runs.")
@@ -154,14 +184,13 @@ def machine() -> str:
 @click.option("--unplugs", type=int, default=50, show_default=True)
 @click.option("--packets", type=int, default=1_000_000, show_default=True, help="Of each decoder.")
 @click.option("--count", type=int, default=3400, show_default=True, help="A third of the files of each reader.")
-@click.option("--only", multiple=True, type=click.Choice(list(ABOUT)), help="Parts of the page, all unless given.")
+@click.option("--only", multiple=True, type=click.Choice(list(ABOUT)), help="Parts to make anew, all unless given.")
 def main(
     output: Path, short: bool, seconds: float, kills: int, unplugs: int, packets: int, count: int, only: tuple[str, ...]
 ) -> None:  # fmt: skip
     """Write the page."""
     if short:
         seconds, kills, unplugs, packets, count = 5.0, 3, 3, packets // 100, count // 100
-    begun, load = time.monotonic(), os.getloadavg()[0]
     makers: dict[str, Callable[[], list[str]]] = {
         "False frames over a bad cable": lambda: cable(packets),
         "Random bytes": lambda: random_bytes(packets),
@@ -171,14 +200,12 @@ def main(
         "Unplugging": lambda: told("unplug", unplugs),
         "Fuzzing guided by coverage": lambda: guided(max(1000, packets // 10)),
     }
-    parts = {title: make() for title, make in makers.items() if not only or title in only}
-    text = "# Reliability\n\nMade by `make endurance`, which takes its figures anew.\n\n"
-    text += f"{machine()}; load {load:.1f} when it began; {(time.monotonic() - begun) / 60:.0f} minutes.\n"
-    if len(parts) < len(makers):
-        text += f"Left out in this run: {', '.join(title for title in makers if title not in parts)}.\n"
-    for title, lines in parts.items():
-        text += f"\n## {title}\n\n" + (f"{ABOUT[title]}\n\n" if title in ABOUT else "") + "\n".join(lines) + "\n"
-    write_text(output, text)
+    parts = sections(output.read_text(encoding="utf-8")) if only and output.exists() else {}
+    for title, make in makers.items():
+        if not only or title in only:
+            parts[title] = section(title, make)
+    text = f"# Reliability\n\nMade by `make endurance`, which takes its figures anew.\n\n{machine()}.\n"
+    write_text(output, text + "".join(f"\n## {title}\n{parts[title]}" for title in makers if title in parts))
 
 
 if __name__ == "__main__":

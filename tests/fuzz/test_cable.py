@@ -16,11 +16,13 @@ that keep their length, and of lowiek one or two for a byte that was lost."""
 
 @pytest.mark.parametrize(("name", "extra"), VARIANTS)
 def test_false_frames_over_a_bad_cable(name: str, extra: dict[str, Any]) -> None:
-    found = judge(name, extra, 4000, byte=2e-4)
+    # so many that what is allowed of a sum is more than one, which chance may be
+    found = judge(name, extra, 12_000 if name == "papillarray" else 4000, byte=2e-4)
     kind = "csv+check" if extra.get("check") else name
     assert found.damaged > 10
     assert found.false <= ALLOWED[kind] * found.damaged, found
     assert found.lost <= 3 * found.damaged, found
+    assert found.said <= found.lost, found  # no number of a false frame makes up losses
 
 
 def test_a_cable_without_faults_loses_nothing() -> None:

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import threading
 import time
 from collections.abc import Iterator
 from functools import partial
@@ -18,9 +19,11 @@ from tactile.serial.drain import CAPACITY, DATA, GONE
 from tactile.serial.drained import Drained
 from tactile.serial.emulator import Emulator
 from tactile.serial.port import open_port
+from tactile.serial.reader import PortReader
 from tactile.serial.session import Session
 from tactile.wire.base import Talk
 from tactile.wire.packets import emulated_description, packets
+from tactile.wire.source import Chunk
 from tests.kits.processes import start
 from tests.kits.serial import GRIP, call, device, grip, sent, write_array
 
@@ -198,3 +201,26 @@ def test_the_end_of_the_terminal_ends_an_emulator_in_good_order(tmp_path: Path) 
     assert "sent 0 packets" in emulator.communicate(timeout=20)[1]
     assert not os.path.lexists(link)
     assert call("ports").exit_code == 0
+
+
+def test_who_waits_takes_what_comes_himself_and_the_thread_what_he_leaves() -> None:
+    """One packet a time goes through no other thread; of somebody who is busy everything is handed on all the same."""
+    stream = [(0.01 * n, b"%04d" % n) for n in range(60)]
+    came: list[tuple[int, bytes]] = []
+
+    def keep(chunks: list[Chunk]) -> None:
+        came.extend((threading.get_ident(), chunk.data) for chunk in chunks if chunk.data)
+
+    with device(stream) as emulator:
+        reader = PortReader(emulator.port, 115200, Talk(), keep, once=True)
+        reader.start()
+        until = time.monotonic() + LIMIT
+        while len(came) < 20 and time.monotonic() < until:
+            reader.poll(0.1)
+        polled = [who == threading.get_ident() for who, _ in came]
+        while not came[-1][1].endswith(stream[-1][1]) and time.monotonic() < until:
+            time.sleep(0.05)
+        reader.close()
+    assert sum(polled) > len(polled) / 2
+    assert not any(who == threading.get_ident() for who, _ in came[len(polled) :])
+    assert b"".join(data for _, data in came) == b"".join(data for _, data in stream)

@@ -104,43 +104,12 @@ def test_a_second_reader_gets_nothing_from_before_it_opened_the_port() -> None:
     assert session.counts.missing == 0
 
 
-@pytest.mark.parametrize("faults", [
-    Faults(drop=0.1), Faults(repeat=0.1), Faults(flip=2e-4), Faults(split=True),
-    Faults(drop=0.05, repeat=0.05, flip=1e-4, split=True),
-])  # fmt: skip
-def test_every_fault_is_counted(faults: Faults) -> None:
-    description, stream = sent("native", 2.0)
-    rng = np.random.default_rng(5)
-    clean = list(WireSource(description, [Chunk(0, data) for _, data in stream]))
-    pieces = [(piece, data) for _, data in stream for piece in faults.spoil(data, rng)]
-    source = WireSource(description, [Chunk(0, piece) for piece, _ in pieces])
-    frames = list(source)
-    counts = source.counts
-    truth = {(f.finger, f.sequence): f.values.tobytes() for f in clean}
-    assert all(truth[f.finger, f.sequence] == f.values.tobytes() for f in frames)
-    last = max(f.sequence for f in frames) - min(f.sequence for f in frames) + 1
-    assert counts.good == len(frames)
-    assert counts.good + counts.missing == pytest.approx(2 * last, abs=2)
-    assert (counts.missing > 0) == (faults.drop > 0 or faults.flip > 0)
-    assert (counts.repeated > 0) == (faults.repeat > 0)
-    assert (counts.bad_checksum > 0) == (faults.flip > 0)
-
-
 def test_stalls_come_late() -> None:
     description, stream = sent("native", 1.2)
     with device(stream, Faults(stall=0.6, stall_for=0.15)) as emulator:
         _, session = read_all(description, emulator.port, 480)
     assert session.counts.good == 480
     assert session.counts.late >= 5
-
-
-@pytest.mark.parametrize(("change", "message"), [
-    ({"drop": 1.5}, "drop = 1.5, a number from 0 to 1"), ({"unplug": -1}, "unplug = -1.0"),
-    ({"flip": float("nan")}, "flip"),
-])  # fmt: skip
-def test_impossible_faults_are_refused(change: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        Faults(**change)
 
 
 def test_ports_that_do_not_open_are_told_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

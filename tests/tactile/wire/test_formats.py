@@ -100,10 +100,13 @@ def test_a_lost_byte_costs_two_frames_at_most(name: str, extra: dict[str, Any]) 
 def test_sequence_numbers_are_counted() -> None:
     decoder, encoder = pair("papillarray")
     values = [np.zeros((9, 3))] * 2
-    for number in (2**32 - 2, 2**32 - 1, 0, 0, 3, 1_000_000, 5):
+    for number in (2**32 - 2, 2**32 - 1, 0, 0, 3, 4, 1_000_000, 1_000_001, 5, 6):
         decoder.feed(encoder.encode(values, number, 0.0))
-    # 1 and 2; 4 to 999 999; then a step back, which is a device that began anew
-    assert (decoder.counts.good, decoder.counts.repeated, decoder.counts.missing) == (6, 1, 2 + 999_996)
+    # 1 and 2; 5 to 999 999; then a step back, which is a device that began anew
+    assert (decoder.counts.good, decoder.counts.repeated, decoder.counts.missing) == (9, 1, 2 + 999_995)
+    for number in (7, 8_000_000, 9):  # a sum of bytes is no proof of a number that leaps and leaps back
+        decoder.feed(encoder.encode(values, number, 0.0))
+    assert decoder.counts.missing == 2 + 999_995
 
 
 def test_start_and_end_bytes_inside_floats_do_not_fool_papillarray() -> None:

@@ -101,8 +101,9 @@ class PapillarrayDecoder(Decoder):
             return Found(end)
         self._settle(packet)
         values = packet.triples[:, :, self._order or 0].reshape(-1, 3)
+        # of a sum of bytes two changes may cancel, one of them in the counter: a leap of it has to be confirmed
         place = self._begin + end
-        return Found(start, end - start, Reading(values, place, None, packet.counter, packet.micros * 1e-6))
+        return Found(start, end - start, Reading(values, place, None, packet.counter, packet.micros * 1e-6, False))
 
     def _stale(self) -> Found | None:
         """Drop what can be in no packet any more: all before the first start marker that is not too old."""
