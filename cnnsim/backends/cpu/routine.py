@@ -29,9 +29,6 @@ COLUMNS = 10
 
 _pack, _unpack, _logic, _count = (twins.serial for twins in (packed.pack, packed.unpack, packed.logic, packed.count))
 _neighbourhood, _closed_form, _clip = neighbourhood.serial, closed.closed_form.serial, planes.clip.serial
-_LOGIC, _NEIGHBOURHOOD, _BLACK_ABOVE, _SHADE, _SHADE_BY = range(5)
-_VALUES, _CONSTANT, _CONSTANT_BY, _SETTLE, _CLIP = range(5, 10)
-_COUNT, _ANY, _ALL, _NUMBER, _ADD, _SUBTRACT, _MULTIPLY, _LESS = range(10, 18)
 
 
 @kernel
@@ -53,52 +50,52 @@ def go_through(
             around[place : place + rows + 2 * r],
             around[place + rows + 2 * r : place + rows + cols + 4 * r],
         )
-        if op == _LOGIC:
+        if op == Op.LOGIC:
             _logic(by, llm[p], llm[q], llm[to], cols)
-        elif op == _NEIGHBOURHOOD:
+        elif op == Op.NEIGHBOURHOOD:
             virtual = (lines, columns, r, by)
             _neighbourhood(llm[p], llm[to], cols, rules[first:after], flag != 0, virtual)
-        elif op == _BLACK_ABOVE:
+        elif op == Op.BLACK_ABOVE:
             _pack(lam[p], llm[to])
-        elif op in (_SHADE, _SHADE_BY):
+        elif op in (Op.SHADE, Op.SHADE_BY):
             for g in range(n):
-                black = wire[p, g] > 0 if op == _SHADE_BY else by > 0
+                black = wire[p, g] > 0 if op == Op.SHADE_BY else by > 0
                 llm[to, g] = ~np.uint64(0) if black else np.uint64(0)
             _logic(12, llm[to], llm[to], llm[to], cols)  # bits beyond the last column are 0
-        elif op == _VALUES:
+        elif op == Op.VALUES:
             _unpack(llm[p], lam[to], one, -one)
-        elif op == _CONSTANT:
+        elif op == Op.CONSTANT:
             lam[to] = constants[by]
-        elif op == _CONSTANT_BY:
+        elif op == Op.CONSTANT_BY:
             for g in range(n):
                 lam[to, g] = wire[p, g]
-        elif op == _SETTLE:
+        elif op == Op.SETTLE:
             virtual = (lines, columns, r, constants[by + 2])
             cell = (constants[by + 1], math.inf, flag != 0)
             control = (constants[by], no_plane, lam[q], taps[first:after])
             if not _closed_form(lam[p], lam[to], no_mask, cell, control, virtual, 0, n * rows):
                 return at
-        elif op == _CLIP:
+        elif op == Op.CLIP:
             _clip(lam[p], lam[to])
-        elif op in (_COUNT, _ANY, _ALL):
+        elif op in (Op.COUNT, Op.ANY, Op.ALL):
             _count(llm[p], wire[to])
             for g in range(n):
-                if op == _ANY:
+                if op == Op.ANY:
                     wire[to, g] = wire[to, g] > 0
-                elif op == _ALL:
+                elif op == Op.ALL:
                     wire[to, g] = wire[to, g] == rows * cols
-        elif op == _NUMBER:
+        elif op == Op.NUMBER:
             wire[to] = by
         else:
             for g in range(n):
                 a, b = wire[p, g], wire[q, g]
                 if max(abs(a), abs(b)) > MOST:
                     return at
-                if op == _ADD:
+                if op == Op.ADD:
                     wire[to, g] = a + b
-                elif op == _SUBTRACT:
+                elif op == Op.SUBTRACT:
                     wire[to, g] = a - b
-                elif op == _MULTIPLY:
+                elif op == Op.MULTIPLY:
                     wire[to, g] = a * b
                 else:
                     wire[to, g] = a < b

@@ -13,7 +13,6 @@ from cnnsim.backends.cpu.function_rows import copy_row, function_row, functions
 from cnnsim.backends.cpu.jit.address import call, compiled_at
 from cnnsim.backends.cpu.jit.columns import records
 from cnnsim.backends.cpu.jit.compile import helper, twins
-from cnnsim.backends.cpu.planes import largest_of
 from cnnsim.backends.cpu.term_rows import add_terms
 from cnnsim.backends.term_table import TapColumns, TermColumns
 from cnnsim.support import Array
@@ -216,41 +215,3 @@ def advance(
             mine, next_one = row + thread * (after - row) // threads, row + (thread + 1) * (after - row) // threads
             call(run_at, (function, task, planes, cells, characteristic, field, r, scratches[thread], mine,
                           next_one))  # fmt: skip
-
-
-@twins
-def combine(out: Array, x: Array, rates: Array, weights: Array, cells: Cells) -> None:
-    """Write x + gain of its layer * sum of weight * rate; cells that a mask holds keep x."""
-    gains, mask, limited = cells
-    n, layers, height, width = x.shape
-    one = x.dtype.type(1)
-    for line in prange(n * layers * height):
-        g, layer, i = line // (layers * height), line // height % layers, line % height
-        to, row = out[g, layer, i], x[g, layer, i]
-        for j in range(width):
-            v = row[j]
-            if not (mask.size and mask[g, layer, i, j]):
-                total = x.dtype.type(0)
-                for s in range(weights.size):
-                    total += weights[s] * rates[s, g, layer, i, j]
-                v += gains[layer] * total
-                if limited:
-                    v = one if v > one else -one if v < -one else v
-            to[j] = v
-
-
-@twins
-def largest_rate(drive: Array, x: Array, cells: Cells) -> float:
-    """Return the largest |dx/dt| of the free cells; the ``gains`` of ``cells`` are 1 / time constant here."""
-    gains, mask, limited = cells
-    n, layers, height, width = x.shape
-    largest = np.empty(n * layers * height, x.dtype)
-    for line in prange(n * layers * height):
-        g, layer, i = line // (layers * height), line // height % layers, line % height
-        largest[line] = 0
-        for j in range(width):
-            rate = (drive[g, layer, i, j] - x[g, layer, i, j]) * gains[layer]
-            against = limited and ((x[g, layer, i, j] >= 1 and rate > 0) or (x[g, layer, i, j] <= -1 and rate < 0))
-            if not against and not (mask.size and mask[g, layer, i, j]):
-                largest[line] = max(largest[line], abs(rate))
-    return float(largest_of(largest))

@@ -1,12 +1,52 @@
 """Steps of a network of terms: by a Runge-Kutta scheme of any stages, or in discrete time."""
 
 import numpy as np
+from numba import prange
 
 from cnnsim.backends.base import Check, Stepper
-from cnnsim.backends.cpu import term_loops as loops
-from cnnsim.backends.cpu.term_loops import DISCRETE, DRIVE, EULER, RATE
+from cnnsim.backends.cpu.jit.compile import twins
+from cnnsim.backends.cpu.planes import largest_of
+from cnnsim.backends.cpu.term_loops import DISCRETE, DRIVE, EULER, RATE, Cells
 from cnnsim.backends.cpu.terms import CompiledNetwork
 from cnnsim.support import Array
+
+
+@twins
+def combine(out: Array, x: Array, rates: Array, weights: Array, cells: Cells) -> None:
+    """Write x + gain of its layer * sum of weight * rate; cells that a mask holds keep x."""
+    gains, mask, limited = cells
+    n, layers, height, width = x.shape
+    one = x.dtype.type(1)
+    for line in prange(n * layers * height):
+        g, layer, i = line // (layers * height), line // height % layers, line % height
+        to, row = out[g, layer, i], x[g, layer, i]
+        for j in range(width):
+            v = row[j]
+            if not (mask.size and mask[g, layer, i, j]):
+                total = x.dtype.type(0)
+                for s in range(weights.size):
+                    total += weights[s] * rates[s, g, layer, i, j]
+                v += gains[layer] * total
+                if limited:
+                    v = one if v > one else -one if v < -one else v
+            to[j] = v
+
+
+@twins
+def largest_rate(drive: Array, x: Array, cells: Cells) -> float:
+    """Return the largest |dx/dt| of the free cells; the ``gains`` of ``cells`` are 1 / time constant here."""
+    gains, mask, limited = cells
+    n, layers, height, width = x.shape
+    largest = np.empty(n * layers * height, x.dtype)
+    for line in prange(n * layers * height):
+        g, layer, i = line // (layers * height), line // height % layers, line % height
+        largest[line] = 0
+        for j in range(width):
+            rate = (drive[g, layer, i, j] - x[g, layer, i, j]) * gains[layer]
+            against = limited and ((x[g, layer, i, j] >= 1 and rate > 0) or (x[g, layer, i, j] <= -1 and rate < 0))
+            if not against and not (mask.size and mask[g, layer, i, j]):
+                largest[line] = max(largest[line], abs(rate))
+    return float(largest_of(largest))
 
 
 class CompiledTermSteps(Stepper):
@@ -21,7 +61,7 @@ class CompiledTermSteps(Stepper):
         self._ahead = [round(sum(row)) for row in scheme.a]
         self._stage = np.empty_like(self._x) if len(scheme.b) > 1 else self._x  # Euler needs none
         self._rates = np.empty((len(scheme.b), *network.shape), dtype)
-        self._combine = loops.combine.for_work(self._x.size)
+        self._combine = combine.for_work(self._x.size)
         self._limited = network.cells[2]
 
     def start_span(self, step: int) -> None:
@@ -33,7 +73,7 @@ class CompiledTermSteps(Stepper):
         network, drive, x = self._network, self._rates[0], self._x
         network.advance((drive, network.largest, x, network.w, network.past), (DRIVE, step, 1, 0, network.lines))
         cells = network.rates.astype(network.dtype), network.mask, self._limited
-        return Check(loops.largest_rate.for_work(x.size)(drive, x, cells))
+        return Check(largest_rate.for_work(x.size)(drive, x, cells))
 
     def advance(self, step: int, count: int) -> None:
         """See `Stepper.advance`."""
