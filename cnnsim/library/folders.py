@@ -55,7 +55,7 @@ def not_found(what: str, name: str, found: Collection[str], command: str) -> Inp
     near = get_close_matches(name.lower(), [*found, *others], n=3, cutoff=0.4)
     words = [f"the program {match}" if match in others else match for match in near]
     hint = f"; did you mean {' or '.join(words)}?" if near else ""
-    return InputError(f"no {what} {name!r} in the library{hint} `{command}` shows all {len(found)}")
+    return InputError(f"no {what} {name!r} in the library{hint or ';'} `{command}` shows all {len(found)}")
 
 
 def add(*paths: str | Path) -> None:

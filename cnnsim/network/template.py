@@ -113,8 +113,14 @@ class Template:
         return max(reach((tap.k, tap.l) for tap in taps), *(term.radius for term in self.terms), 0)
 
     def __repr__(self) -> str:
-        terms = f", {len(self.terms)} terms" if self.terms else ""
-        return f"Template({self.name!r}, A={matrix_text(self.A)}, B={matrix_text(self.B)}, z={self.z:g}{terms})"
+        matrices = f"A={matrix_text(self.A)}, B={matrix_text(self.B)}, z={self.z:g}"
+        return f"Template({self.name!r}, {matrices}{self.terms_words})"
+
+    @property
+    def terms_words(self) -> str:
+        """How many terms it has, to be said after the matrices; nothing if it has none."""
+        count = len(self.terms)
+        return f", {count} term{'s' * (count != 1)}" if count else ""
 
     def _repr_html_(self) -> str:
         from cnnsim.plot.html import facts, heading, matrices

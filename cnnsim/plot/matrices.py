@@ -11,6 +11,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+_NAME = 40
+"""Characters of a name that a title has room for."""
+
+
 class Weights(Protocol):
     """What is drawn of a template."""
 
@@ -30,6 +34,10 @@ class Weights(Protocol):
     def name(self) -> str:
         """Its name."""
 
+    @property
+    def terms_words(self) -> str:
+        """What it has beyond the matrices, in words."""
+
 
 def template(weights: Weights, axes: "Axes | None" = None) -> "Axes":
     """Draw the matrices A and B of a template side by side, positive entries red and negative ones blue."""
@@ -42,13 +50,19 @@ def template(weights: Weights, axes: "Axes | None" = None) -> "Axes":
         axes.imshow(
             matrix, cmap="RdBu_r", vmin=-1.6 * most, vmax=1.6 * most, extent=(left, left + side, top + side, top)
         )
-        for (i, j), value in np.ndenumerate(matrix):
-            size = 11 if side <= 3 else 7
-            axes.text(left + j + 0.5, top + i + 0.5, f"{value:.4g}", ha="center", va="center", fontsize=size)
-        axes.text(left + side / 2, -0.08, name, ha="center", va="bottom", fontsize=12)
+        digits, size = _fitting(len(weights.A) + len(weights.B))
+        for (i, j), value in np.ndenumerate(matrix if digits else matrix[:0]):
+            axes.text(left + j + 0.5, top + i + 0.5, f"{value:.{digits}g}", ha="center", va="center", fontsize=size)
+        axes.text(left + side / 2, top - 0.02 * height, name, ha="center", va="bottom", fontsize=12)
         left += side + 0.6
     axes.set_xlim(-0.05, left - 0.55)
-    axes.set_ylim(height + 0.05, -0.45)
+    axes.set_ylim(height + 0.05, -0.15 * height)
     axes.set_axis_off()
-    axes.set_title(f"{weights.name}, z = {weights.z:g}", fontsize=11)
+    name = weights.name if len(weights.name) <= _NAME else weights.name[: _NAME - 3] + "..."
+    axes.set_title(f"{name}, z = {weights.z:g}{weights.terms_words}", fontsize=11)
     return axes
+
+
+def _fitting(columns: int) -> tuple[int, float]:
+    """Return digits and size of the numbers in so many columns of entries, none where only colours have room."""
+    return (4, 11) if columns <= 6 else (3, 6.5) if columns <= 10 else (2, 5.5) if columns <= 14 else (0, 0.0)

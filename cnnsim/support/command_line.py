@@ -52,6 +52,17 @@ class CommandGroup(click.Group):
         with _printable_mistakes():
             return super().make_context(*args, **options)
 
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
+        """Find the command; an empty argument, as of an unset variable of the shell, would name the folder one is in.
+
+        Raises:
+            InputError: an argument is empty.
+        """
+        if "" in args:
+            where = f"argument {args.index('')} of {args[0] or 'the command'}"
+            raise InputError(f"{where} is empty; a value wanted (an unset variable of the shell?)")
+        return super().resolve_command(ctx, args)
+
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command."""
         os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # threads that spin while they wait starve one another

@@ -3,7 +3,7 @@
 import click
 
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.echo import echo
+from cnnsim.support.echo import echo, say_table
 
 
 @click.command(epilog=examples("tactile planes", "tactile planes --json"))
@@ -21,8 +21,7 @@ def planes(as_json: bool) -> None:
     if as_json:
         print_json(found)
         return
-    for name, what in found.items():
-        echo(f"{name:<16} {what}")
+    say_table(found.items())
 
 
 @click.command(epilog=examples("tactile codes 0101010101010101", "tactile codes", "tactile codes --json"))

@@ -22,6 +22,8 @@ _RAMP = ".:-=+*%#"
 """Characters from white to black."""
 _MORE_THAN_PICTURES = {"MPO", "PSD"}
 """Formats whose further frames are no pictures of a sequence: a camera's previews, the layers of a drawing."""
+_LINE, _LINE_COLOUR = 3, (230, 120, 40)
+"""Width [pixels] and colour of the line between planes: no grey level, so that it is no column of cells."""
 _TOO_LARGE = "cut it into tiles, make it smaller, or use a machine with more memory"
 
 
@@ -118,10 +120,21 @@ def to_image(values: Array, scale: int = 1) -> Image.Image:
 
 
 def to_png(values: Array, least: int = 192) -> bytes:
-    """Return CNN values (..., rows, cols) as a PNG file, cells large enough that the picture has ``least`` pixels."""
-    values = values.reshape(-1, *values.shape[-2:])
+    """Return CNN values (..., rows, cols) as a PNG file, cells large enough that the picture has ``least`` pixels.
+
+    Of several planes each stands for itself, a coloured line between it and the next.
+    """
+    rows, cols = values.shape[-2:]
+    scale = max(1, least // max(rows, cols))
+    planes = [to_image(plane, scale) for plane in values.reshape(-1, rows, cols)]
+    whole = planes[0]
+    if len(planes) > 1:
+        wide = cols * scale + _LINE
+        whole = Image.new("RGB", (wide * len(planes) - _LINE, rows * scale), _LINE_COLOUR)
+        for number, plane in enumerate(planes):
+            whole.paste(plane.convert("RGB"), (number * wide, 0))
     file = BytesIO()
-    to_image(values, max(1, least // max(values.shape[-2:]))).save(file, format="PNG")
+    whole.save(file, format="PNG")
     return file.getvalue()
 
 

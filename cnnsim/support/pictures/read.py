@@ -80,4 +80,4 @@ def _part(path: Path, reading: Reading, key: str) -> PictureSequence:
 
 def _in_order(name: str) -> list[Any]:
     """Sort 2.png before 10.png."""
-    return [int(part) if part.isdigit() else part.lower() for part in re.split(r"([0-9]+)", name)]
+    return [int(part) if number % 2 else part.lower() for number, part in enumerate(re.split(r"([0-9]+)", name))]

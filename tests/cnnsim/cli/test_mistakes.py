@@ -29,12 +29,15 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("run hole-filler one.png --step 1e-300", "in steps of 1e-300; at most 1e+12 steps wanted"),
         ("run hole-filler one.png --time 1e308 --step 1e-3", "at most 1e+12 steps wanted"),
         ("run recall one.png --state small.png", "second picture has shape (9, 9), the first (16, 16)"),
+        (["run", "edge", ""], "argument 2 of run is empty; a value wanted"),
+        (["program", "skeleton", "--input", "picture=one.png", "-o", ""], "argument 5 of program is empty"),
+        ("run 123 one.png", "no template '123' in the library; `cnnsim list` shows all"),
         ("explain edge --size -3x4", "size '-3x4'; ROWSxCOLS wanted"),
         ("program skeleton --input picture=one.png -o file", "file: File exists"),
     ],
 )
-def test_one_line(folder: Path, command: str, message: str) -> None:
-    done = CliRunner().invoke(main, command.split())
+def test_one_line(folder: Path, command: str | list[str], message: str) -> None:
+    done = CliRunner().invoke(main, command.split() if isinstance(command, str) else command)
     assert done.exit_code == 2
     assert message in done.output
     assert len(done.output.strip().splitlines()) == 1

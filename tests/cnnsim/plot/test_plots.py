@@ -106,3 +106,23 @@ def test_notebooks_get_html_and_pictures() -> None:
 
 def test_html_of_strange_names_is_text() -> None:
     assert "<script>" not in cnnsim.Template(1.0, name="<script>")._repr_html_()
+
+
+@pytest.mark.parametrize("side", [5, 7, 11])
+def test_numbers_of_a_template_have_room(side: int) -> None:
+    """They do not run into one another: of large matrices there are the colours alone."""
+    entries = np.random.default_rng(side).normal(size=(side, side)) / 10
+    figure = Figure((6.0, 3.2), layout="constrained")
+    axes = plot.template(cnnsim.Template(entries, entries, 0.25, name="x" * 90), figure.add_subplot())
+    figure.canvas.draw()
+    boxes = [text.get_window_extent() for text in axes.texts]
+    assert len(boxes) == (2 if side == 11 else 2 + 2 * side**2)
+    assert not any(a.overlaps(b) for number, a in enumerate(boxes) for b in boxes[:number])
+    assert axes.title.get_window_extent().width < figure.bbox.width
+
+
+def test_a_template_says_its_terms() -> None:
+    median = cnnsim.library.load("median").network
+    assert repr(median).endswith("z=0, 1 term)")
+    assert isinstance(median, cnnsim.Template)
+    assert cnnsim.plot.template(median).get_title() == "median, z = 0, 1 term"
