@@ -5,6 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from cnnsim.accuracy.corrected import first_step
 from cnnsim.accuracy.exact_flow import exact_flow
 from cnnsim.accuracy.repeatable import Reached, Repeatable
 from cnnsim.accuracy.system import LinearSystem, linear_system
@@ -16,8 +17,10 @@ from cnnsim.support import Floats
 MOST_CELLS = 2_000
 _CALLS = 5e-4
 """Seconds that the calls of three runs take, however small the grid."""
-_STEP_OF_A_CELL = 30e-9
-"""Seconds of an rk4 step."""
+_STEP, _STEP_OF_A_CELL = 4e-7, 2e-8
+"""Seconds of an rk4 step, and for each cell."""
+_RUNS = 4.0
+"""Steps of all runs over those of the first."""
 _SIZE = 0.1
 """Of the error of rk4 where kinks decide, over (step x norm of A - I)^2: a guess, from which the cost is guessed."""
 _SERIES, _SERIES_OF_A_CELL = 5e-6, 4e-7
@@ -35,7 +38,10 @@ def affordable_kinks(plan: Plan, wanted: Wanted) -> int:
     if plan.method != "stepped" or cells > MOST_CELLS:
         return 0
     times = float(plan.duration) * (1.0 + float(np.abs(plan.template.A).sum()))
-    by_steps = _CALLS + times * math.sqrt(_SIZE / wanted.error) * cells * _STEP_OF_A_CELL
+    if plan.cell == "chua-yang":
+        by_steps = _RUNS * times / first_step(wanted) * (_STEP + cells * _STEP_OF_A_CELL)
+    else:
+        by_steps = _CALLS + times * math.sqrt(_SIZE / wanted.error) * cells * _STEP_OF_A_CELL
     return int(by_steps / (_SERIES + cells * _SERIES_OF_A_CELL) - times / 2)
 
 

@@ -6,8 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from cnnsim.accuracy.choice import choose
+from cnnsim.accuracy.corrected import by_corrected_steps, is_corrected
 from cnnsim.accuracy.kink_to_kink import affordable_kinks, by_kinks
 from cnnsim.accuracy.ladder import Ladder
+from cnnsim.accuracy.plain_signs import by_plain_signs
 from cnnsim.accuracy.repeatable import LEAST_CELLS, Reached, Repeatable, largest
 from cnnsim.accuracy.steps import by_steps, longest_step
 from cnnsim.accuracy.to_rest import to_rest
@@ -43,7 +45,7 @@ def reach(transient: Repeatable, backend: Backend, wanted: Wanted) -> Reached:
         found = to_rest(transient, where, wanted)
     elif not plan.duration:
         found = transient.once(where, "no time goes by")
-    elif (sample := transient.sample()) is not None:
+    elif not is_corrected(transient) and (sample := transient.sample()) is not None:
         found = _by_sample(transient, sample, where, wanted)
     else:
         found = _by_steps(transient, where, wanted)
@@ -92,6 +94,10 @@ def _by_steps(transient: Repeatable, where: Backend, wanted: Wanted) -> Reached:
     kinks = affordable_kinks(plan, wanted) if transient.planes[0].ndim == 2 else 0
     if kinks > 0 and (exact := by_kinks(transient, kinks)) is not None:
         return replace(exact, x=exact.x.astype(where.dtype), error=max(exact.error, float(np.finfo(where.dtype).eps)))
+    if is_corrected(transient):
+        return by_corrected_steps(transient, where, wanted)
+    if wanted.signs and (plain := by_plain_signs(transient, where)) is not None:
+        return plain
     ladder = _ladder(transient, where, plans)
     error, unsure, reached = ladder.climb(wanted)
     how = _how(ladder, plans[-1], wanted, reached)
@@ -150,7 +156,9 @@ def decided(plan: Plan, wanted: Wanted) -> tuple[str, str]:
     elif cells >= LEAST_CELLS and plan.method == "stepped":
         why = "the cheapest scheme and step that reach it on a sample of windows, whose errors are measured"
     else:
-        why = "rk4 by shorter and shorter steps until two runs agree; kinks cost order 4 down to 2"
+        corrected = plan.method == "stepped" and plan.cell == "chua-yang"
+        kinks_do = "with its kinks corrected (order 3)" if corrected else "(kinks cost order 4 down to 2)"
+        why = f"rk4 {kinks_do} by shorter and shorter steps until two runs agree"
         if (kinks := affordable_kinks(plan, wanted)) > 0:
             why = f"from kink to kink if there are at most {kinks}, which costs less; else {why}"
     return f"accuracy {wanted}", f"{why}; {wanted.dtype} or more"

@@ -1,0 +1,128 @@
+"""A linear template's transient by Runge-Kutta steps whose kinks are corrected, on planes laid out for all runs."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from cnnsim.accuracy.padded import padding
+from cnnsim.accuracy.repeatable import Reached, Repeatable, largest
+from cnnsim.accuracy.steps import longest_step
+from cnnsim.accuracy.wanted import Wanted
+from cnnsim.backends.base import Backend
+from cnnsim.network.weights import reach
+from cnnsim.planning.plan import Plan
+from cnnsim.planning.scheme import RK4
+from cnnsim.planning.step import check_count
+from cnnsim.support import Array, Flags, Floats
+
+MOST_CELLS = 1 << 15
+"""Of a grid that one thread takes through its steps; on larger ones the backend is faster."""
+USUAL = 1e-4
+"""Of an error over (step x norm of A - I)^3: the median of 600 random transients; 1 in 20 has 30 times that."""
+SAFE = 10.0
+"""How much larger than it is estimated the error may be: of 600 random transients 1 in 200 had more."""
+_SHORTEST, _LONGEST = 1 / 6, 0.7
+"""Of the last step that the next one may be."""
+_MOST_RUNS, _MOST_FOR_SIGNS = 12, 7
+_PLANES = 13
+
+
+class CorrectedSteps:
+    """A transient of a linear template that can be run by one number of steps after another.
+
+    Arguments: its plan, of the method "stepped"; state, input, bias and mask as `Repeatable` has them, of one grid.
+    """
+
+    def __init__(self, plan: Plan, planes: tuple[Any, Any, Any, Any]) -> None:
+        from cnnsim.accuracy.corrected_loops import corrected_steps, correlated  # numba is slow to import
+
+        state, u, bias, mask = planes
+        template, boundary = plan.template, plan.boundary
+        self.duration, self._run, self._around = float(plan.duration), corrected_steps, boundary.y
+        taps = template.feedback_taps + (template.control_taps if u is not None else ())
+        pad = self._padding = padding(state.shape, reach((k, l) for k, l, _ in taps), boundary)
+        self._taps, self._real = pad.taps(template.feedback_taps), pad.movable(mask)
+        self._planes = np.zeros((_PLANES, self._real.size))
+        self._planes[3:10] = self._around  # of virtual cells that are constant
+        self._planes[2] = self._real
+        drive = self._planes[1]
+        pad.real(drive)[...] = template.z if bias is None else template.z + bias
+        if u is not None and template.control_taps:
+            around = pad.flat(u, boundary.u)
+            correlated(around, *pad.taps(template.control_taps), pad.first, pad.last, drive)
+
+    def run(self, state: Array, steps: int) -> Floats:
+        """Return the state (rows, cols) after so many steps of one length."""
+        pad = self._padding
+        self._planes[0] = pad.flat(state, self._around)
+        self._run(
+            self._planes, self._real, pad.heads, pad.after, *self._taps, pad.virtual, pad.source, pad.first, pad.last,
+            self.duration / steps, steps,
+        )  # fmt: skip
+        return np.array(pad.real(self._planes[0]))
+
+
+def is_corrected(transient: Repeatable) -> bool:
+    """Return whether a transient is one of a linear template on one grid that is not large."""
+    plan, (state, u, bias, _) = transient.plan, transient.planes
+    return (
+        plan.method == "stepped" and plan.cell == "chua-yang" and not plan.template.control_terms
+        and state.ndim == 2 and state.size <= MOST_CELLS
+        and all(plane is None or isinstance(plane, np.ndarray) for plane in (u, bias))
+    )  # fmt: skip
+
+
+def first_step(wanted: Wanted) -> float:
+    """Return a step, times the norm of A - I, whose half usually reaches the accuracy: two runs show that it does."""
+    return float(2.0 * (wanted.error / (SAFE * USUAL)) ** (1 / 3))
+
+
+def by_corrected_steps(transient: Repeatable, where: Backend, wanted: Wanted) -> Reached:
+    """Return the end of a transient by shorter and shorter corrected steps, until two runs agree.
+
+    The error of the last run is taken to be its difference to the one before over r^3 - 1, r being the ratio of their
+    steps, and no less than what the runs before promise by order 5: two runs may agree by chance.
+    """
+    plan = transient.plan
+    steps, duration = CorrectedSteps(plan, transient.planes), float(plan.duration)
+    starts = [transient.pushed(where, 0.5, number) for number in (1, 2)]
+    floor = 4 * float(np.finfo(where.dtype).eps) * max(1.0, largest(transient.planes[0]))
+    norm = 1.0 + float(np.abs(plan.template.A).sum())
+    number = math.ceil(duration / min(first_step(wanted) / norm, longest_step(plan, RK4)) - 1e-9)
+    before, taken = steps.run(starts[0], number), [number]
+    estimate, done, number = math.inf, False, 2 * number
+    while True:
+        check_count(duration, duration / number)
+        end, ratio = steps.run(starts[len(taken) % 2], number), number / taken[-1]
+        taken.append(number)
+        difference = end - before
+        apart = largest(difference)
+        estimate = floor + max(apart / (ratio**3 - 1), estimate / ratio**5 if estimate < math.inf else 0.0)
+        if wanted.signs:
+            unsure = _unsure(end, difference, ratio, floor, estimate)
+            nearest = float(np.abs(end)[unsure].min(initial=estimate))
+            done, goal = not unsure.any(), min(max(nearest, estimate / 64), estimate / 4)
+        else:
+            done, goal = SAFE * estimate <= wanted.error, wanted.error / SAFE
+        if done or len(taken) >= (_MOST_FOR_SIGNS if wanted.signs else _MOST_RUNS) or estimate <= 4 * floor:
+            break
+        part = (0.6 * goal / estimate) ** (1 / 3) if estimate < math.inf else _SHORTEST
+        number = math.ceil(number / min(max(part, _SHORTEST), _LONGEST))
+        before = end
+    if not wanted.signs:
+        unsure = _unsure(end, difference, ratio, floor, estimate)
+    how = (
+        f"rk4 with its kinks corrected, by steps of {', '.join(f'{duration / n:.3g}' for n in taken)}; "
+        f"the last two runs differ by {apart:.2g}"
+    )
+    how = how if done else f"{how}; {wanted} was not reached"
+    found = replace(plan, scheme=RK4, step=duration / number, savings=frozenset())
+    return Reached(end.astype(where.dtype, copy=False), duration, False, math.nan, estimate, unsure, found, how)
+
+
+def _unsure(end: Floats, difference: Floats, ratio: float, floor: float, estimate: float) -> Flags:
+    """Cells whose output may have the other sign: nearer to 0 than the runs differ there, or not finite."""
+    moved = np.abs(difference) * (3 / (ratio**2 - 1)) + (2 * floor + estimate)
+    return ~(np.abs(end) > moved)
