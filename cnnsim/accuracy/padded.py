@@ -49,7 +49,7 @@ class Padding:
 
     def flat(self, plane: Array | float, around: float = 0.0) -> Floats:
         """Return a plane (rows, cols) as a flat one, with virtual cells that hold what they repeat, or a constant."""
-        found = np.full(self.heads.size, around)
+        found = np.full(self.heads.size, around, np.float64)  # a boundary may be told as a whole number
         self.real(found)[...] = plane
         found[self.virtual] = found[self.source]
         return found

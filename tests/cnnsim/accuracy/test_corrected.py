@@ -39,7 +39,7 @@ def test_errors_fall_with_the_third_power_of_the_step() -> None:
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 7), (5, 2), (6, 9)], ids=str)
-@pytest.mark.parametrize("boundary", [ZERO_FLUX, PERIODIC, fixed(-0.5, 0.25)], ids=str)
+@pytest.mark.parametrize("boundary", [ZERO_FLUX, PERIODIC, fixed(-0.5, 0.25), fixed(0)], ids=str)
 def test_every_boundary_a_wide_template_and_a_mask(shape: tuple[int, int], boundary: Boundary) -> None:
     rng = np.random.default_rng(7)
     A = 0.4 * rng.normal(size=(5, 5))
