@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.accuracy.settle import Ending, Settling, contraction_bound
+from cnnsim.accuracy.settle import Ending, Settling, contraction_bound, solving_bytes
 from cnnsim.backends import in_float64
 from cnnsim.backends.base import Backend, Outcome
 from cnnsim.backends.reference.drive import control
 from cnnsim.planning.plan import SETTLED_RATE, Plan
 from cnnsim.support import Array
+from cnnsim.support.memory import LARGE, check_memory
 
 _NOWHERE = np.zeros((0, 0), bool)
 _PART = 1 << 16
@@ -39,6 +40,9 @@ def seen_to_the_end(
     x, black = backend.read(outcome.x, copy=False), None if mask is None else backend.read(mask)
     if plan.method == "stepped" and plan.cell == "chua-yang" and _saturated(x, black):
         return outcome, Ending(None, outcome.t, 0.0, _NOWHERE, "no output can change")
+    if plan.method == "stepped" and x.size >= LARGE:
+        what = f"the rest of template {plan.template.name!r}, whose outputs are grey, on {x.size} cells"
+        check_memory(what, solving_bytes(plan) * x.size, "a duration instead of 'settled', or a smaller grid, wanted")
     given = [None if plane is None else backend.read(plane).astype(np.float64) for plane in (u, bias)]
     drive = control(plan, x.astype(np.float64), *given) if plan.method == "stepped" else None
     exact: list[Any] = []  # float32 stands still far from the end of slow modes

@@ -20,6 +20,9 @@ from cnnsim.support import Array, Flags, Floats
 SETTLED_DISTANCE = 1e-3
 """How far an output may be from its end in a network that is called settled, unless an accuracy is asked for."""
 
+_SOLVING, _SOLVING_A_TAP = 150, 65
+"""Bytes a cell of the planes and the sparse matrix with which a rest is solved for, found by tracemalloc."""
+
 Run = Callable[[Array, float], Array]
 """(state, duration) -> state: goes on with the transient for so many time constants."""
 
@@ -109,6 +112,11 @@ class Settling:
         push = 100 * np.finfo(start.dtype).eps * np.random.default_rng(0).choice([-1.0, 1.0], start.shape)
         ends = [self.run(start.astype(np.float64) + way, duration) for way in (push, -push)]
         return np.logical_or(*((one > 0) != (end > 0) for one in ends))
+
+
+def solving_bytes(plan: Plan) -> int:
+    """Return the bytes a cell that it takes to solve for a rest with outputs that are not saturated."""
+    return _SOLVING + _SOLVING_A_TAP * len(plan.template.feedback_taps)
 
 
 def contraction_bound(plan: Plan, rate: float) -> float:

@@ -6,6 +6,7 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cnnsim.accuracy.settle import solving_bytes
 from cnnsim.keywords import spelled
 from cnnsim.library.catalogue import load
 from cnnsim.library.entry import LibraryEntry
@@ -35,6 +36,10 @@ class Explanation:
         """What a run takes, in words; where it is more than is free, that as well."""
         size, free = self.cell_bytes * self.cells, free_memory()
         words = f"{self.cell_bytes:.3g} bytes a cell in float32, pictures and result included: {in_words(size)}"
+        if self.plan.duration == "settled" and self.plan.method == "stepped" and self.plan.cell != "discrete-time":
+            words += (
+                f"; where outputs stay grey up to {solving_bytes(self.plan)} bytes a cell more, to solve for the rest"
+            )
         return words if size <= free else f"{words}, more than the {in_words(free)} that are free"
 
     @property

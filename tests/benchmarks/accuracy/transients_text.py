@@ -27,7 +27,8 @@ costs next to nothing, makes the order 3 and each error 10 to 100 times smaller 
 for a linear template on one grid of up to 32 768 cells. A scheme that steps exactly to each kink needs a series of
 about ten evaluations a kink and reaches 1e-13 whatever is asked: {kinks}. Compiled, it costs less than short steps
 where there are few kinks and many digits are wanted, and is taken there (`explain` says up to how many kinks). The
-exponential integrator of order 2 (ETD2RK, the crosses) gains nothing over Heun: the leak that it treats exactly is no stiffer than the coupling, which it does not."""
+exponential integrator of order 2 (ETD2RK, the crosses) gains nothing over
+Heun: the leak that it treats exactly is no stiffer than the coupling, which it does not."""
 
 _KEPT = """\
 **What `accuracy=` keeps**, of random templates, pictures, boundaries and times whose seeds were never used to choose

@@ -8,7 +8,7 @@ from scipy import fft
 from scipy.sparse import csr_matrix, identity
 from scipy.sparse.linalg import spsolve
 
-from cnnsim import PERIODIC, ZERO_FLUX, NotSettledError, Template, fixed, run, run_transient
+from cnnsim import PERIODIC, ZERO_FLUX, InputError, NotSettledError, Template, explain, fixed, run, run_transient
 from cnnsim.accuracy.settle import SETTLED_DISTANCE
 from cnnsim.backends import NAMES
 from cnnsim.network import LayeredTemplate, Term
@@ -127,3 +127,15 @@ def test_a_plane_that_the_check_saw_saturated_is_not_read() -> None:
     plan = make_task(Template(2), state=np.ones((3, 3)), duration="settled", step=0.1).plan
     outcome = Outcome(object(), 1.0, True, 0.0, saturated=True)  # nothing that could be read
     assert seen_to_the_end(None, plan, outcome, None, None, None, 1e-3)[0] is outcome  # type: ignore[arg-type]  # unused
+
+
+def test_a_grey_rest_that_memory_cannot_hold_is_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("cnnsim.accuracy.at_rest.LARGE", 100)
+    monkeypatch.setenv("CNNSIM_MEMORY", "40K")
+    heat = Template([[0, 0.24, 0], [0.24, 0, 0.24], [0, 0.24, 0]])
+    x = np.random.default_rng(0).uniform(-0.9, 0.9, (20, 20))
+    with pytest.raises(InputError, match="a duration instead of 'settled'"):
+        run_transient(heat, state=x)
+    assert "to solve for the rest" in str(explain(heat, x))
