@@ -26,7 +26,7 @@ def by_plain_signs(transient: Repeatable, where: Backend) -> Reached | None:
     part = 0.5 if transient.timed else min(2.0, longest_step(plan, plan.scheme) / plan.step)
     other = by_steps(plan, plan.scheme, plan.step * (part if part >= _LONGER else 0.5), timed=transient.timed)
     plans = [plan, other] if other.step < plan.step else [other, plan]
-    starts = [transient.pushed(where, 0.5, number) for number in (1, 2)]
+    starts = [transient.pushed(where, way) for way in (0.5, -0.5)]  # what rounding decides comes out both ways
     before, last = (where.read(transient.start(where, p, x).x) for p, x in zip(plans, starts, strict=True))
     y, apart = np.abs(plan.output(last)), np.abs(last - before)
     error = largest(apart) / (plans[0].step / plans[1].step - 1)
