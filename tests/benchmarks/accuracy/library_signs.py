@@ -86,8 +86,7 @@ def row(entry: LibraryEntry, side: int) -> dict[str, Any]:
     choices = {"accuracy": "binary"}
     try:
         run_example(entry, example)  # the first runs compile
-        if side == SIDES[-1]:
-            run_example(entry, example, **choices)
+        run_example(entry, example, **choices)
         start = process_time()
         run_example(entry, example)
         middle = process_time()
