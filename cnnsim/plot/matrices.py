@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 _NAME = 40
 """Characters of a name that a title has room for."""
+_LONG = 6
+"""Characters of a number that has room at the usual size."""
 
 
 class Weights(Protocol):
@@ -51,8 +53,10 @@ def template(weights: Weights, axes: "Axes | None" = None) -> "Axes":
             matrix, cmap="RdBu_r", vmin=-1.6 * most, vmax=1.6 * most, extent=(left, left + side, top + side, top)
         )
         digits, size = _fitting(len(weights.A) + len(weights.B))
-        for (i, j), value in np.ndenumerate(matrix if digits else matrix[:0]):
-            axes.text(left + j + 0.5, top + i + 0.5, f"{value:.{digits}g}", ha="center", va="center", fontsize=size)
+        numbers = {place: f"{value:.{digits}g}" for place, value in np.ndenumerate(matrix if digits else matrix[:0])}
+        size *= min(1.0, _LONG / max(map(len, numbers.values()), default=1))
+        for (i, j), number in numbers.items():
+            axes.text(left + j + 0.5, top + i + 0.5, number, ha="center", va="center", fontsize=size)
         axes.text(left + side / 2, top - 0.02 * height, name, ha="center", va="bottom", fontsize=12)
         left += side + 0.6
     axes.set_xlim(-0.05, left - 0.55)
