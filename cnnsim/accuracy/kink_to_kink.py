@@ -6,9 +6,9 @@ from functools import lru_cache
 import numpy as np
 
 from cnnsim.accuracy.corrected import first_step
-from cnnsim.accuracy.exact_flow import exact_flow
+from cnnsim.accuracy.linear.exact_flow import exact_flow
+from cnnsim.accuracy.linear.system import LinearSystem, linear_system
 from cnnsim.accuracy.repeatable import Reached, Repeatable
-from cnnsim.accuracy.system import LinearSystem, linear_system
 from cnnsim.accuracy.wanted import Wanted
 from cnnsim.backends.reference.drive import control
 from cnnsim.planning.plan import Plan

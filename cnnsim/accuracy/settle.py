@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cnnsim.accuracy.rest import Rest, find_rest
-from cnnsim.accuracy.system import LinearSystem, linear_system
+from cnnsim.accuracy.linear.rest import Rest, find_rest
+from cnnsim.accuracy.linear.system import LinearSystem, linear_system
 from cnnsim.planning.plan import SETTLED_RATE, Plan
 from cnnsim.support import Array, Flags, Floats
 

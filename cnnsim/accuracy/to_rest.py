@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from cnnsim.accuracy.at_rest import seen_to_the_end
+from cnnsim.accuracy.linear.spectral import is_definite
 from cnnsim.accuracy.monotone import goes_one_way, is_cooperative
 from cnnsim.accuracy.repeatable import Reached, Repeatable
-from cnnsim.accuracy.spectral import is_definite
 from cnnsim.accuracy.steps import by_steps, longest_step
 from cnnsim.accuracy.wanted import Wanted
 from cnnsim.backends.base import Backend

@@ -1,14 +1,13 @@
 """UniversalMachine: runs analogic programs step by step. `_execute` has what each kind of step does."""
 
 import math
-from dataclasses import replace
 from functools import partial
 from typing import Any, assert_never
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cnnsim import backends, library
+from cnnsim import backends
 from cnnsim.accuracy.at_rest import seen_to_the_end
 from cnnsim.accuracy.repeatable import Repeatable
 from cnnsim.accuracy.settle import SETTLED_DISTANCE
@@ -16,11 +15,9 @@ from cnnsim.accuracy.wanted import Wanted, parse_accuracy
 from cnnsim.backends.base import Backend, Outcome, Plane
 from cnnsim.ended import reached
 from cnnsim.keywords import spelled
-from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.global_wire import read_wire
 from cnnsim.operations.logic import function_number
-from cnnsim.planning.plan import Plan, make_plan
-from cnnsim.program.bit_steps import rule_of
+from cnnsim.planning.plan import Plan
 from cnnsim.program.inputs import check_inputs, check_planes_fit
 from cnnsim.program.program import (
     ARITHMETIC,
@@ -38,6 +35,7 @@ from cnnsim.program.program import (
     WireStep,
 )
 from cnnsim.program.stretch import AtOneGo, Known, Stretch, stretches
+from cnnsim.program.template_steps import TemplateSteps
 from cnnsim.program.words import numbered
 from cnnsim.support import Array, InputError, naming
 from cnnsim.support.memory import LARGE
@@ -64,8 +62,7 @@ class UniversalMachine:
     ) -> None:
         self.backend = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend
         self._kept: dict[Program, dict[str, Plane]] = {}
-        self._plans: dict[tuple[TemplateStep, tuple[int, ...]], Plan] = {}
-        self._rules: dict[TemplateStep, BitRule | None] = {}
+        self._ways = TemplateSteps()
         self._stretches: dict[tuple[int, tuple[int, ...]], tuple[tuple[Step, ...], list[Part]]] = {}
 
     def reset(self) -> None:
@@ -131,7 +128,7 @@ class UniversalMachine:
         """Return the steps, those of a stretch together with what the backend does it with; found once."""
         found = self._stretches.get((id(steps), shape))
         if found is None:  # with the steps, whose id is theirs as long as they are there
-            known = Known(partial(self._rule, program), partial(self._plan, shape=shape))
+            known = Known(partial(self._ways.rule, program), partial(self._ways.plan, shape=shape))
             parts: list[Part] = [
                 (self.backend.prepared(part.routine), part) if isinstance(part, Stretch) else (None, part)
                 for part in stretches(program, steps, shape, known)
@@ -143,7 +140,7 @@ class UniversalMachine:
         backend, memory = self.backend, program.memory
         match step:
             case TemplateStep(to=to, input=u):
-                rule = self._rule(program, step)
+                rule = self._ways.rule(program, step)
                 if rule is not None:
                     planes[to] = backend.neighbourhood(rule, step.boundary, planes[u])  # type: ignore[index]  # a rule has an input plane
                     return
@@ -179,25 +176,9 @@ class UniversalMachine:
             case _:
                 assert_never(step)
 
-    def _rule(self, program: Program, step: TemplateStep) -> BitRule | None:
-        """Return `rule_of`, found once."""
-        if step not in self._rules:
-            self._rules[step] = rule_of(program, step)
-        return self._rules[step]
-
-    def _plan(self, step: TemplateStep, shape: tuple[int, ...]) -> Plan:
-        plan = self._plans.get((step, shape))
-        if plan is None:
-            plan = self._plans[step, shape] = make_plan(
-                step.template, shape, step.boundary, duration=step.duration, cell=step.cell,
-                step=None if step.accuracy is not None else step.step,
-                limit=_limit(step, shape),
-            )  # fmt: skip
-        return plan
-
     def _transient(self, program: Program, step: TemplateStep, planes: dict[str, Any]) -> Plane:
         shape = planes[""]
-        plan = self._plan(step, shape)
+        plan = self._ways.plan(step, shape)
 
         def plane(name: str | float | None) -> Plane:
             if isinstance(name, str):
@@ -251,11 +232,3 @@ class UniversalMachine:
 def _within(step: Step) -> tuple[tuple[Step, ...], ...]:
     """Return the steps that a loop repeats."""
     return (step.do,) if isinstance(step, RepeatStep | UntilUnchangedStep) else ()
-
-
-def _limit(step: TemplateStep, grid: tuple[int, ...]) -> float | None:
-    """Return how long a step waits for rest: a template of the library for its guaranteed time, if that is longer."""
-    if not step.name or step.duration != "settled":
-        return None
-    entry = replace(library.load(step.name), boundary=step.boundary)
-    return entry.limit((grid[-2], grid[-1]), has_mask=step.mask is not None)

@@ -69,7 +69,7 @@ def _alone(one: Attempt) -> bool:
 
 def _clipped(one: Attempt) -> Attempt | None:
     """Return the attempt without the largest readings, if they are cut off: larger ones explain all the others."""
-    from tactile.inverse.fit_numba import without_largest  # numba is slow to import
+    from tactile.inverse.doubt_numba import without_largest  # numba is slow to import
 
     signals, loads = one.fit.signals, one.fit.loads
     if one.clipped or one.fit.free <= LEAST_FREE:

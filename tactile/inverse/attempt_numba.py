@@ -8,7 +8,8 @@ import numpy as np
 from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.inverse.components_numba import components
 from tactile.inverse.consensus_numba import consensus, signals
-from tactile.inverse.fit_numba import fit, foreign, rest
+from tactile.inverse.doubt_numba import foreign
+from tactile.inverse.fit_numba import fit, rest
 
 
 @kept_njit(error_model="numpy")

@@ -101,12 +101,12 @@ class Fit:
     @cached_property
     def foreign(self) -> int | None:
         """The taxel out of reach that feels most of what none of the loads makes, None where none does."""
-        from tactile.inverse import fit_numba  # as above
+        from tactile.inverse import doubt_numba  # as above
 
         signals, worst, (_, times, median) = self.signals, self._stranger, FOREIGN
         if worst is None:
             least = least_foreign(signals.noise)
-            worst = fit_numba.foreign(signals.seen, self.rest, signals.felt, self.loads, REACH, least, times)
+            worst = doubt_numba.foreign(signals.seen, self.rest, signals.felt, self.loads, REACH, least, times)
         if worst < 0:
             return None
         squares = (self.rest**2).sum(axis=1)
@@ -156,7 +156,7 @@ class Fit:
 
 def fitted(signals: Signals, start: Floats) -> Fit:
     """Return the fit from a start on: loads (k, 5), or the place (1, 2) of one, whose forces the signals tell there."""
-    from tactile.inverse import components_numba, fit_numba  # numba is slow to import
+    from tactile.inverse import components_numba, doubt_numba, fit_numba  # numba is slow to import
 
     parts = signals.seen, signals.felt, signals.scale
     use = fit_numba.within(signals.seen, start, REACH) if len(signals.seen) > ALL else None
@@ -171,7 +171,7 @@ def fitted(signals: Signals, start: Floats) -> Fit:
         return Fit(signals, loads, chi, whole, spread)
     seen, felt, least = signals.seen, signals.felt, least_foreign(signals.noise)
     rest = fit_numba.rest(seen, felt, signals.scale, loads, signals.strain)
-    stranger = fit_numba.foreign(seen, rest, felt, loads, REACH, least, FOREIGN[1])
+    stranger = doubt_numba.foreign(seen, rest, felt, loads, REACH, least, FOREIGN[1])
     found = Fit(signals, loads, fit_numba.energy(rest), fit_numba.energy(felt), spread, stranger)
     found.__dict__["rest"] = rest  # as `cached_property` keeps it
     return found

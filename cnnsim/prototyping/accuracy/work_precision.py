@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from cnnsim import backends
-from cnnsim.accuracy.exact_flow import exact_state
-from cnnsim.accuracy.system import linear_system
+from cnnsim.accuracy.linear.exact_flow import exact_state
+from cnnsim.accuracy.linear.system import linear_system
 from cnnsim.backends.base import NotFiniteError
 from cnnsim.backends.reference.drive import control
 from cnnsim.planning.scheme import SCHEMES

@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.accuracy.exact_flow import exact_flow
-from cnnsim.accuracy.system import LinearSystem, linear_system
+from cnnsim.accuracy.linear.exact_flow import exact_flow
+from cnnsim.accuracy.linear.system import LinearSystem, linear_system
 from cnnsim.backends.reference.drive import control
 from cnnsim.support import Floats
 from cnnsim.task import make_task

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cnnsim import PERIODIC, ZERO_FLUX, InputError, Template, fixed
-from cnnsim.accuracy.exact_flow import exact_state
-from cnnsim.accuracy.system import LinearSystem, linear_system
+from cnnsim.accuracy.linear.exact_flow import exact_state
+from cnnsim.accuracy.linear.system import LinearSystem, linear_system
 from cnnsim.network.cell import uncoupled_state
 from cnnsim.support import Floats
 from cnnsim.task import make_task

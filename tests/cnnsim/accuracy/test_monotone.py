@@ -3,8 +3,8 @@
 import numpy as np
 
 from cnnsim import Template, fixed, library, run, run_transient
-from cnnsim.accuracy.exact_flow import exact_flow
-from cnnsim.accuracy.system import linear_system
+from cnnsim.accuracy.linear.exact_flow import exact_flow
+from cnnsim.accuracy.linear.system import linear_system
 from cnnsim.network import ZERO_FLUX
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.accuracy.spectral import Inverse, is_definite, spectral_inverse
+from cnnsim.accuracy.linear.spectral import Inverse, is_definite, spectral_inverse
 from cnnsim.network import Boundary, Tap
 from cnnsim.network.boundary import virtual_index
 from cnnsim.network.weights import reach

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.accuracy.solve import solve_sparse
-from cnnsim.accuracy.stable import is_stable
-from cnnsim.accuracy.system import LinearSystem
+from cnnsim.accuracy.linear.solve import solve_sparse
+from cnnsim.accuracy.linear.stable import is_stable
+from cnnsim.accuracy.linear.system import LinearSystem
 from cnnsim.support import Flags, Floats
 
 _ROUNDS = 30

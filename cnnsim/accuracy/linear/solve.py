@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.accuracy.spectral import Inverse
+from cnnsim.accuracy.linear.spectral import Inverse
 from cnnsim.support import Floats
 
 MOST_FACTORED = 20_000

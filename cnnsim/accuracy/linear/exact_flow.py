@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cnnsim.accuracy.system import LinearSystem
+from cnnsim.accuracy.linear.system import LinearSystem
 from cnnsim.support import Floats, InputError
 
 
@@ -43,7 +43,7 @@ def exact_flow(system: LinearSystem, x: Floats, push: Floats, duration: float, m
     The push (cells,) goes through the same linear pieces as the state: no kink makes it jump, as A y has none. Time is
     left where there are more than ``most_kinks``.
     """
-    from cnnsim.accuracy.exact_loops import flow  # numba is slow to import, and only needed for exact answers
+    from cnnsim.accuracy.linear.exact_loops import flow  # numba is slow to import, and only needed for exact answers
 
     x, push = x.astype(np.float64), push.astype(np.float64)
     piece = np.sign(x) * (np.abs(x) > 1)
