@@ -31,7 +31,7 @@ def narrowed(
         now = min(depth, left)
         left -= now
         part = [
-            (max(first - left * r, 0), min(after + left * r, cells))
+            _needed(first - left * r, after + left * r, cells, around=plan.boundary.kind == "periodic")
             for (first, after), cells in zip(area, plan.shape, strict=True)
         ]
         tile = tuple(
@@ -46,6 +46,13 @@ def narrowed(
         if not np.isfinite(strip).all():
             check_finite(strip, steps * plan.step)
     return source
+
+
+def _needed(first: int, after: int, cells: int, *, around: bool) -> tuple[int, int]:
+    """Return the span of cells that are still needed: all of them where it goes ``around`` the grid's edge."""
+    if around and (first < 0 or after > cells):
+        return 0, cells
+    return max(first, 0), min(after, cells)
 
 
 def _even(cells: int, most: int) -> int:
