@@ -212,16 +212,25 @@ def any_taps(
 
 
 def _catch_up_row(scratch: Array, at_x: int, at_drive: int, n: int, h: float, steps: int) -> None:
-    """Take so many steps towards a drive that stays: x <- x + h (drive - x), until no bit changes any more."""
+    """Take so many steps towards a drive that stays: x <- x + h (drive - x), until no bit changes any more.
+
+    Cells that are all alike, as most are in black and white, are a few and copies of them.
+    """
     x, drive = scratch[at_x : at_x + n], scratch[at_drive : at_drive + n]
+    others = np.int32(0)
+    for j in range(n):
+        others += np.int32(x[j] != x[0]) + np.int32(drive[j] != drive[0])
+    few = n if others else min(n, PAD)
     for _ in range(steps):
         changes = np.int32(0)
-        for j in range(n):
+        for j in range(few):
             v = x[j] + h * (drive[j] - x[j])
             changes += np.int32(v != x[j])
             x[j] = v
         if changes == 0:
-            return
+            break
+    for j in range(few, n):
+        x[j] = x[0]
 
 
 catch_up_row_fused, catch_up_row_exact = fused(_catch_up_row), helper(_catch_up_row)
