@@ -32,7 +32,7 @@ def reached(transient: Repeatable, where: Backend, wanted: Wanted) -> Result:
         NotSettledError: it was to settle and did not.
     """
     found = reach(transient, where, wanted)
-    said, plan = decided(transient.plan, wanted), found.plan
+    said, plan = decided(transient.plan, wanted, transient.planes[0].shape), found.plan
     plan = plan if said in plan.decisions else replace(plan, decisions=(*plan.decisions, said))
     result = Result(
         found.x, found.t, found.settled, found.rate, plan, None, found.error if found.settled else nan,

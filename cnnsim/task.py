@@ -170,7 +170,7 @@ def make_task(
     if plan.cell == "full-range" and largest(x) > 1:
         raise InputError(f"state reaches {largest(x):g}; the full-range model keeps it from -1 to 1")
     if wanted is not None:
-        plan = replace(plan, decisions=(*plan.decisions, decided(plan, wanted)))
+        plan = replace(plan, decisions=(*plan.decisions, decided(plan, wanted, x.shape)))
     return Task(plan, x, u, w, None if mask is None else _plane("mask", mask, x.shape) > 0, wanted)
 
 

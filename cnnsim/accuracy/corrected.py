@@ -68,14 +68,17 @@ class CorrectedSteps:
         return np.array(pad.real(self._planes[0]))
 
 
+def is_correctable(plan: Plan, shape: tuple[int, ...]) -> bool:
+    """Return whether a plan is of a linear template on one grid, of this shape, that is not large."""
+    linear = plan.method == "stepped" and plan.cell == "chua-yang" and not plan.template.control_terms
+    return linear and len(shape) == 2 and math.prod(shape) <= MOST_CELLS
+
+
 def is_corrected(transient: Repeatable) -> bool:
-    """Return whether a transient is one of a linear template on one grid that is not large."""
-    plan, (state, u, bias, _) = transient.plan, transient.planes
-    return (
-        plan.method == "stepped" and plan.cell == "chua-yang" and not plan.template.control_terms
-        and state.ndim == 2 and state.size <= MOST_CELLS
-        and all(plane is None or isinstance(plane, np.ndarray) for plane in (u, bias))
-    )  # fmt: skip
+    """Return whether a transient is correctable, under an input and a bias that stay."""
+    state, u, bias, _ = transient.planes
+    stays = all(plane is None or isinstance(plane, np.ndarray) for plane in (u, bias))
+    return stays and is_correctable(transient.plan, state.shape)
 
 
 def first_step(wanted: Wanted) -> float:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from cnnsim.accuracy.choice import choose
-from cnnsim.accuracy.corrected import by_corrected_steps, is_corrected
+from cnnsim.accuracy.corrected import by_corrected_steps, is_correctable, is_corrected
 from cnnsim.accuracy.kink_to_kink import affordable_kinks, by_kinks
 from cnnsim.accuracy.ladder import Ladder
 from cnnsim.accuracy.plain_signs import by_plain_signs
@@ -143,8 +143,8 @@ def _how(ladder: Ladder, plan: Plan, wanted: Wanted, reached: bool) -> str:
     return how if reached else f"{how}; {wanted} was not reached"
 
 
-def decided(plan: Plan, wanted: Wanted) -> tuple[str, str]:
-    """Return what an accuracy decides about a plan, and why, for people."""
+def decided(plan: Plan, wanted: Wanted, shape: tuple[int, ...]) -> tuple[str, str]:
+    """Return what an accuracy decides about a plan for a state of a shape, and why, for people."""
     cells = math.prod(plan.shape)
     if plan.cell == "discrete-time" or plan.method == "closed form":
         why = "the plan's own, which is exact"
@@ -153,10 +153,10 @@ def decided(plan: Plan, wanted: Wanted) -> tuple[str, str]:
             "one run where theory knows one end (no output turns round, or there is one rest), else two by different "
             f"steps, which must end alike, within {wanted} of the rest"
         )
-    elif cells >= LEAST_CELLS and plan.method == "stepped":
+    elif cells >= LEAST_CELLS and plan.method == "stepped" and not is_correctable(plan, shape):
         why = "the cheapest scheme and step that reach it on a sample of windows, whose errors are measured"
     else:
-        corrected = plan.method == "stepped" and plan.cell == "chua-yang"
+        corrected = is_correctable(plan, shape)
         kinks_do = "with its kinks corrected (order 3)" if corrected else "(kinks cost order 4 down to 2)"
         why = f"rk4 {kinks_do} by shorter and shorter steps until two runs agree"
         if (kinks := affordable_kinks(plan, wanted)) > 0:

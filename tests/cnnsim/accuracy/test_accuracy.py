@@ -96,6 +96,17 @@ def test_delays_and_layers_are_run_by_steps_that_divide_their_times() -> None:
     assert np.abs(found.x - finer.x).max() <= 1e-3
 
 
+@pytest.mark.parametrize("shape", [(64, 64), (128, 256), (129, 256), (2, 32, 32)])
+def test_what_is_explained_is_what_is_run(shape: tuple[int, ...]) -> None:
+    """Corrected steps are for one grid of up to 32 768 cells, windows for larger ones."""
+    wave = Template([[0.1, 0.3, 0.1], [0.2, 1.5, 0.2], [0.1, 0.4, 0.1]], 0.4, 0.05)
+    x = np.random.default_rng(2).uniform(-1, 1, shape)
+    found = run_transient(wave, state=x, input=x, duration=2.0, accuracy=0.1)
+    said = str(explain(wave, x, duration=2.0, accuracy=0.1))
+    for words in ("kinks corrected", "windows"):
+        assert (words in found.how) == (words in said), (words, found.how, said)
+
+
 def test_explain_says_what_an_accuracy_decides() -> None:
     assert "accuracy 0.001" in str(explain("diffusion", (32, 32), accuracy=1e-3))
     assert "kink to kink" in str(explain("diffusion", (8, 8), accuracy="exact"))
