@@ -1,12 +1,12 @@
 """The accuracy page: Markdown, CSV, JSON and PNG of all sections, the plain-words answers first."""
 
-import csv
 import json
 from collections.abc import Sequence
 from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from cnnsim.support.files import write_rows
 from tests.benchmarks.accuracy.section import Section
 
 _HEAD = """# What accuracy costs in time
@@ -34,13 +34,12 @@ def write_page(
 
 
 def _write(section: Section, files: Path, page: str) -> None:
-    with (files / f"{section.stem}.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(section.rows[0]))
-        writer.writeheader()
-        writer.writerows(section.rows)
+    write_rows(files / f"{section.stem}.csv", section.rows)
     (files / f"{section.stem}.json").write_text(json.dumps(list(section.rows), indent=1) + "\n", encoding="utf-8")
     figure = Figure(figsize=section.size, layout="constrained")
     section.draw(figure)
+    for axes in figure.axes:  # between the powers of ten there is no room for numbers as large as theirs
+        axes.tick_params(which="minor", labelsize=5)
     figure.savefig(files / f"{section.stem}.png", dpi=90)
     lines = [
         f"- {section.answer}", "", f"## {section.title}", "",
