@@ -1,16 +1,14 @@
 """Models of materials as files: an NPZ file of plain arrays and a text of JSON; nothing in it is ever executed."""
 
 import json
-import sys
-import zipfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cnnsim.support import InputError
-from cnnsim.support.bounds import check_file, check_unpacked, one_line
 from cnnsim.support.files import make_folder, writing
+from cnnsim.support.npz_file import open_npz
 from tactile.materials.features import BANDS, FINE, FeatureSet
 from tactile.materials.model import Confidence, TextureModel
 from tactile.materials.nearest import Known, Space
@@ -59,14 +57,10 @@ def read_model(path: Path) -> TextureModel:
     Raises:
         InputError: no such file, no model, a newer version, a damaged or missing part.
     """
-    with one_line(path, "a texture model"):
-        check_file(path, "texture model", sys.maxsize)
-        with zipfile.ZipFile(path) as archive:
-            check_unpacked(path, sum(member.file_size for member in archive.infolist()))
-        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
-            if not {"head", *ARRAYS} <= set(file.files):
-                raise InputError(f"{path}: holds {', '.join(file.files) or 'nothing'}; a texture model wanted")
-            head, arrays = json.loads(str(file["head"])), {name: file[name] for name in ARRAYS}
+    with open_npz(path, "texture model") as file:
+        if not {"head", *ARRAYS} <= set(file.files):
+            raise InputError(f"{path}: holds {', '.join(file.files) or 'nothing'}; a texture model wanted")
+        head, arrays = json.loads(str(file["head"])), {name: file[name] for name in ARRAYS}
         if not isinstance(head, dict) or (head.get("format"), head.get("version")) != (FORMAT, VERSION):
             raise InputError(f"{path}: its head is not that of a {FORMAT} of version {VERSION}, which is wanted")
         return _model(head, arrays)

@@ -7,7 +7,6 @@ which a material's slides were recorded, ``block`` (slides,), ``speed_m_s`` (sli
 such that pressing is positive, and the shears are the others in their order.
 """
 
-import sys
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Floats, InputError
-from cnnsim.support.bounds import check_file, check_unpacked, one_line
+from cnnsim.support.npz_file import open_npz
 from tactile.materials.slide import Slide
 
 NEEDED = ("force", "length", "t")
@@ -39,12 +38,8 @@ def read_slide_file(path: Path) -> list[Slide]:
     Raises:
         InputError: no such file, a missing array or one of the wrong shape.
     """
-    with one_line(path, "an NPZ file of slides"):
-        check_file(path, "file of slides", sys.maxsize)
-        with zipfile.ZipFile(path) as archive:
-            check_unpacked(path, sum(member.file_size for member in archive.infolist()))
-        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
-            found = {name: file[name] for name in (*NEEDED, *KNOWN, "axes") if name in file.files}
+    with open_npz(path, "file of slides") as file:
+        found = {name: file[name] for name in (*NEEDED, *KNOWN, "axes") if name in file.files}
     missing = [name for name in NEEDED if name not in found]
     if missing:
         raise InputError(f"{path}: {', '.join(missing)} missing; {', '.join(NEEDED)} wanted")

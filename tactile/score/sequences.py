@@ -1,7 +1,5 @@
 """Sequences of a device's readings that are labelled yes or no: whether what slips is told, and how soon."""
 
-import sys
-import zipfile
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Flags, Floats, InputError
-from cnnsim.support.bounds import check_file, check_unpacked, one_line
+from cnnsim.support.npz_file import open_npz
 from tactile import pipeline
 from tactile.core.frame import Frame
 from tactile.core.source import FrameStream, Provenance
@@ -61,12 +59,8 @@ def read_sequences(path: Path, description: Description, rate: float | None = No
     Raises:
         InputError: no such file, an array that is missing or of another shape.
     """
-    with one_line(path, "an NPZ file of sequences"):
-        check_file(path, "file of sequences", sys.maxsize)
-        with zipfile.ZipFile(path) as archive:
-            check_unpacked(path, sum(member.file_size for member in archive.infolist()))
-        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
-            found = {name: np.asarray(file[name]) for name in ("signal", "slip", "onset_s", "rate_hz") if name in file}
+    with open_npz(path, "file of sequences") as file:
+        found = {name: np.asarray(file[name]) for name in ("signal", "slip", "onset_s", "rate_hz") if name in file}
     chips = sum(board.chips for board in description.boards)
     signal, slips = found.get("signal", np.empty(0)), found.get("slip", np.empty(0))
     if signal.ndim != 3 or signal.shape[2] != 3 * chips or slips.shape != signal.shape[:1] or not len(slips):

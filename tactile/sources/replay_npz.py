@@ -7,8 +7,6 @@ which frames of the whole recording these are; and where a device has said anyth
 `tactile.core.frame.FLAGS`.
 """
 
-import sys
-import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import InputError
-from cnnsim.support.bounds import check_file, check_unpacked, one_line
+from cnnsim.support.npz_file import open_npz
 from tactile.core.frame import MOST_FLAGS, Frame, TaxelArray
 from tactile.core.header import Header, header_text, read_header
 from tactile.core.source import Provenance, Source
@@ -82,16 +80,11 @@ def read_npz(path: Path) -> NpzReplay | PillarReplay:
     Raises:
         InputError: no such file, no NPZ file, a wrong header, a missing array or one of the wrong shape.
     """
-    with one_line(path, "an NPZ recording"):
-        check_file(path, "recording", sys.maxsize)
-        with zipfile.ZipFile(path) as archive:
-            check_unpacked(path, sum(member.file_size for member in archive.infolist()))
-        # opened here, since NumPy leaves a file open that turns out to be no archive
-        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
-            if "tactile" not in file.files:
-                return read_pillars(file, path)
-            header = read_header(str(file["tactile"]), str(path), "array tactile")
-            return NpzReplay(header, tuple(_columns(file, n, array, path) for n, array in enumerate(header.arrays)))
+    with open_npz(path, "recording") as file:
+        if "tactile" not in file.files:
+            return read_pillars(file, path)
+        header = read_header(str(file["tactile"]), str(path), "array tactile")
+        return NpzReplay(header, tuple(_columns(file, n, array, path) for n, array in enumerate(header.arrays)))
 
 
 def _columns(file: "np.lib.npyio.NpzFile", number: int, array: TaxelArray, path: Path) -> dict[str, Any]:
