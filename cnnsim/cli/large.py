@@ -12,6 +12,7 @@ from cnnsim.library.entry import LibraryEntry
 from cnnsim.support import InputError
 from cnnsim.support.command_line import print_json
 from cnnsim.support.echo import say
+from cnnsim.support.pictures.pixels import Levels
 
 engine_option = click.option(
     "--engine", metavar="ENGINE",
@@ -27,17 +28,18 @@ block_option = click.option("--block", type=click.IntRange(8), help="Rows and co
 
 def run_large(
     entry: LibraryEntry, pictures: tuple[Path, ...], where: Backend, output: Path | None, as_json: bool, binary: bool,
-    given: dict[str, Any], beside: dict[str, Path | None], chosen: dict[str, Any],
+    levels: Levels | None, given: dict[str, Any], beside: dict[str, Path | None], chosen: dict[str, Any],
 ) -> None:  # fmt: skip
     """Run a template on one picture in supersteps, and write and tell the result as `run` does."""
     from cnnsim.supersteps.engine import Engine
-    from cnnsim.supersteps.pictures import open_large, write_large
+    from cnnsim.supersteps.pictures import open_large
+    from cnnsim.supersteps.written import write_large
     from cnnsim.transient import run_transient
 
     if len(pictures) != 1 or entry.frame_time is not None:
         raise InputError(f"{len(pictures)} pictures on an engine; a template for one picture, and one, wanted")
-    planes = {name: open_large(path, binary=binary) for name, path in beside.items() if path is not None}
-    planes["picture"] = open_large(pictures[0], binary=binary)
+    planes = {name: open_large(path, binary=binary, levels=levels) for name, path in beside.items() if path is not None}
+    planes["picture"] = open_large(pictures[0], binary=binary, levels=levels)
     shape = planes["picture"].shape
     stand_in, second = (np.broadcast_to(np.zeros((1, 1)), shape) for _ in range(2))  # roles need no pixels
     task = entry.task(stand_in, second if "state" in planes else None)

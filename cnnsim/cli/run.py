@@ -107,11 +107,11 @@ def run(
         given["boundary"] = parse_boundary(given["boundary"])
     where = backends.get(backend, dtype, device, threads)
     if engine is not None or store is not None:
-        if levels is not None or trajectory is not None:
-            raise InputError("--range or --trajectory with --engine; without them, or without an engine, wanted")
+        if trajectory is not None:
+            raise InputError("--trajectory with --engine; without one of them wanted")
         beside = {"state": state, "mask": mask, "bias": bias}
         chosen = {"engine": engine, "store": store, "workers": workers, "side": block}
-        run_large(entry, pictures, where, output, as_json, binary, given, beside, chosen)
+        run_large(entry, pictures, where, output, as_json, binary, levels, given, beside, chosen)
         return
     reading = Reading(binary, levels, where.dtype)
     shown = read_for(entry, pictures, reading, batch=True)

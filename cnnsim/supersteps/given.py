@@ -10,6 +10,7 @@ import numpy as np
 
 from cnnsim.planning.plan import Plan
 from cnnsim.supersteps.block_task import Place
+from cnnsim.supersteps.pictures import TiledPicture
 from cnnsim.supersteps.shards import can_be_read
 from cnnsim.supersteps.store import INPUT, MASK, STATE, STATES, GridStore, Record
 from cnnsim.support import Array, InputError
@@ -51,6 +52,8 @@ def _add(told: Any, value: Any) -> None:
 def _checksum(plane: Any, side: int) -> bytes:
     if hasattr(plane, "store_path"):
         return repr((str(plane.store_path), plane.shape, str(plane.dtype))).encode()
+    if isinstance(plane, TiledPicture) and (told := plane.told()) is not None:
+        return told
     total = 0
     for r0 in range(0, plane.shape[-2], side):
         total = zlib.crc32(np.ascontiguousarray(plane[..., r0 : r0 + side, :]).data.cast("B"), total)

@@ -4,23 +4,29 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PIL import Image
 
 from cnnsim.supersteps.store import zarr_library
+from cnnsim.supersteps.strips import FileRows
 from cnnsim.support import Array, InputError
-from cnnsim.support.files import writing
-from cnnsim.support.pictures.picture import opened
+from cnnsim.support.pictures.picture import check_size, opened, pictures_in
+from cnnsim.support.pictures.pixels import Levels, from_levels, grey_of, holds_numbers, table_of, values_of
 from cnnsim.support.values import from_gray
 
-MOST = 1 << 24
-"""Cells of a strip that is converted at a time."""
+WHOLE = 1 << 24
+"""Pixels up to which a PNG or TIFF is decoded whole."""
+IN_STRIPS = "PNG", "TIFF"
+"""Formats that are decoded strip by strip above it."""
 
 
 class TiledPicture:
-    """A plane (rows, cols) of CNN values over the numbers of a file; a part is read, and converted, when asked for."""
+    """A plane (rows, cols) of CNN values over the numbers of a file; a part is read, and converted, when asked for.
 
-    def __init__(self, levels: Any, *, binary: bool) -> None:
-        self._levels, self._binary = levels, binary
+    ``levels`` are booleans (True is black), whole numbers as grey levels, or floats as CNN values, unless ``between``
+    says which numbers are black and white.
+    """
+
+    def __init__(self, levels: Any, *, binary: bool, between: Levels | None = None, name: str = "a picture") -> None:
+        self._levels, self._binary, self._between, self._name = levels, binary, between, name
         self.shape: tuple[int, int] = levels.shape
         self.dtype = np.dtype(np.float32)
 
@@ -28,83 +34,69 @@ class TiledPicture:
         found = np.asarray(self._levels[part])
         if found.dtype == bool:
             return np.where(found, np.float32(1), np.float32(-1))
-        values = found if found.dtype.kind == "f" else from_gray(found, float(np.iinfo(found.dtype).max))
+        if self._between is not None:
+            values = from_levels(found, self._name, self._between, np.float32)
+        elif found.dtype == np.uint8:
+            return table_of(np.float32, binary=self._binary)[found]
+        else:
+            values = found if found.dtype.kind == "f" else from_gray(found, float(np.iinfo(found.dtype).max))
         return np.where(values > 0, np.float32(1), np.float32(-1)) if self._binary else values.astype(np.float32)
 
+    def told(self) -> bytes | None:
+        """Return what tells this picture from others without reading its pixels, None if only they can."""
+        if not isinstance(self._levels, FileRows):
+            return None
+        return repr((self.shape, self._binary, self._between)).encode() + self._levels.told()
 
-def open_large(path: Path, *, binary: bool = False) -> Any:
-    """Return a picture as a plane that is read in parts: .zarr, .npy, .pgm are never read whole, others as bytes.
 
-    A Zarr array of floats is returned as it is: CNN values.
+def open_large(path: Path, *, binary: bool = False, levels: Levels | None = None) -> Any:
+    """Return a picture as a plane that is read in parts, with ``levels`` (black, white) as in `read_picture`.
+
+    .zarr, .npy and .pgm are read where they are; PNG and TIFF in strips (`strips.FileRows`); others are decoded whole,
+    and are then a byte a pixel (two of 16 bits, four of floats). A Zarr array of floats is returned as it is: CNN
+    values.
 
     Raises:
-        InputError: no such picture, or none in two dimensions.
+        InputError: no such picture, or none in two dimensions; as `read_picture`.
     """
     if path.is_dir():
         zarr = zarr_library()
         try:
-            levels = zarr.open_array(path, mode="r")
+            found = zarr.open_array(path, mode="r")
         except (OSError, ValueError, KeyError) as error:
             raise InputError(f"{path}: no Zarr array; one, or a picture, wanted") from error
     elif path.suffix == ".npy":
         try:
-            levels = np.load(path, mmap_mode="r")
+            found = np.load(path, mmap_mode="r")
         except (OSError, ValueError) as error:
             raise InputError(f"{path}: cannot be read as an array: {error}") from error
     else:
-        levels = _levels(path)
-    if len(levels.shape) != 2 or 0 in levels.shape or np.dtype(levels.dtype).kind not in "bfu":
+        return _picture(path, binary=binary, levels=levels)
+    if len(found.shape) != 2 or 0 in found.shape or np.dtype(found.dtype).kind not in "bfu":
         raise InputError(
-            f"{path}: {levels.dtype} of shape {levels.shape}; (rows, cols) of floats, levels or truth wanted"
+            f"{path}: {found.dtype} of shape {found.shape}; (rows, cols) of floats, levels or truth wanted"
         )
-    floats = np.dtype(levels.dtype).kind == "f"
-    return levels if path.is_dir() and floats and not binary else TiledPicture(levels, binary=binary)
+    floats = np.dtype(found.dtype).kind == "f"
+    if path.is_dir() and floats and not binary and levels is None:
+        return found
+    return TiledPicture(found, binary=binary, between=levels, name=str(path))
 
 
-def _levels(path: Path) -> Any:
-    """Return the grey levels of a picture: mapped into memory where the file has them as they are, else a byte each."""
+def _picture(path: Path, *, binary: bool, levels: Levels | None) -> TiledPicture:
+    """Return a picture: mapped into memory where the file has it as it is, else in strips, else decoded whole."""
     with opened(path) as image:
+        rows, cols = image.size[1], image.size[0]
+        if pictures_in(image) > 1:
+            raise InputError(f"{path} holds {pictures_in(image)} pictures; one wanted")
+        if image.format in IN_STRIPS and rows * cols > WHOLE:
+            strips = FileRows(path, levels)
+            return TiledPicture(strips, binary=binary, between=strips.levels, name=str(path))
         tiles: Any = getattr(image, "tile", ())  # where the pixels lie in the file
         tile = tiles[0] if len(tiles) == 1 else None
         if image.format == "PPM" and image.mode == "L" and tile is not None and tile[0] == "raw":
-            return np.memmap(path, np.uint8, "r", tile[2], (image.size[1], image.size[0]))
-        return np.asarray(image if image.mode in ("1", "L") else _grey(image))
-
-
-def _grey(image: Image.Image) -> Image.Image:
-    if image.mode.startswith("I;16") or image.mode in ("I", "F"):
-        raise InputError(f"a large picture of mode {image.mode}; 8 bits, .npy or .zarr wanted")
-    return image.convert("RGB").convert("L")
-
-
-def write_large(plane: Any, path: Path) -> None:
-    """Write the outputs of a state that lies on the disk, strip by strip: as .npy, .pgm, or any picture Pillow writes.
-
-    Raises:
-        InputError: planes of several grids or layers, an ending that nobody knows.
-    """
-    if len(plane.shape) != 2:
-        raise InputError(f"a result of shape {plane.shape} as a picture; (rows, cols) wanted")
-    rows, cols = plane.shape
-    strip = max(1, MOST // cols)
-    parts = ((r0, np.clip(np.asarray(plane[r0 : r0 + strip]), -1.0, 1.0)) for r0 in range(0, rows, strip))
-    with writing(path) as beside:
-        if path.suffix == ".npy":
-            out = np.lib.format.open_memmap(beside, "w+", np.float32, (rows, cols))
-            for r0, y in parts:
-                out[r0 : r0 + strip] = y
-            out.flush()
-        elif path.suffix == ".pgm":
-            with beside.open("wb") as file:
-                file.write(f"P5\n{cols} {rows}\n255\n".encode())
-                for _, y in parts:
-                    file.write(_bytes(y))
-        else:
-            grey = np.empty((rows, cols), np.uint8)
-            for r0, y in parts:
-                grey[r0 : r0 + strip] = np.frombuffer(_bytes(y), np.uint8).reshape(y.shape)
-            Image.fromarray(grey).save(beside)
-
-
-def _bytes(y: Array) -> bytes:
-    return np.rint((1.0 - y) * 127.5).astype(np.uint8).tobytes()
+            found: Any = np.memmap(path, np.uint8, "r", tile[2], (rows, cols))
+            return TiledPicture(found, binary=binary, between=levels, name=str(path))
+        check_size(image, str(path), 4)
+        if holds_numbers(image) or levels is not None:
+            return TiledPicture(values_of(image, str(path), levels=levels, dtype=np.float32), binary=binary)
+        return TiledPicture(np.asarray(grey_of(image)), binary=binary)

@@ -39,21 +39,54 @@ def values_of(
     Raises:
         InputError: floats or whole numbers whose range is not known, or that leave the range given.
     """
-    transparent = image.has_transparency_data
-    if image.mode.startswith("I;16") or image.mode in ("I", "F"):
+    check_levels(image, name, levels)
+    if holds_numbers(image):
         values = _numbers(image, name, levels, dtype)
-        if transparent and isinstance(clear := image.info["transparency"], int):
+        if image.has_transparency_data and isinstance(clear := image.info["transparency"], int):
             values[np.asarray(image) == clear] = -1
         return _black_or_white(values) if binary else values
-    if levels is not None and (transparent or image.mode not in ("1", "L")):
-        raise InputError(f"{name} is a picture of mode {image.mode}; a range of levels goes with grey pictures")
     if levels is not None:
         values = from_levels(np.asarray(image.convert("L")), name, levels, dtype)
         return _black_or_white(values) if binary else values
-    if image.mode != "L" or transparent:
-        image = _over_white(image) if transparent else image.convert("RGB").convert("L")
+    return table_of(dtype, binary=binary)[np.asarray(grey_of(image))]
+
+
+def holds_numbers(image: Image.Image) -> bool:
+    """Return whether a picture holds numbers of 16 bits or more, or floats, and no colours."""
+    return image.mode.startswith("I;16") or image.mode in ("I", "F")
+
+
+def check_levels(image: Image.Image, name: str, levels: Levels | None) -> None:
+    """Refuse a range of levels for a picture in colours, or with transparency.
+
+    Raises:
+        InputError: its mode.
+    """
+    if holds_numbers(image) or levels is None or (image.mode in ("1", "L") and not image.has_transparency_data):
+        return
+    raise InputError(f"{name} is a picture of mode {image.mode}; a range of levels goes with grey pictures")
+
+
+def grey_of(image: Image.Image) -> Image.Image:
+    """Return a picture of bytes, colours or a palette as one of grey levels, over white."""
+    if image.has_transparency_data:
+        return _over_white(image)
+    return image if image.mode == "L" else image.convert("RGB").convert("L")
+
+
+def table_of(dtype: Any, *, binary: bool) -> Array:
+    """Return the CNN value of each of the 256 grey levels."""
     table = from_gray(np.arange(256))
-    return (np.where(table > 0, 1.0, -1.0) if binary else table).astype(dtype)[np.asarray(image)]
+    return (np.where(table > 0, 1.0, -1.0) if binary else table).astype(dtype)
+
+
+def own_levels(image: Image.Image) -> Levels | None:
+    """Return the levels that a picture of numbers says itself, by its format; None if only its numbers can tell."""
+    tags = getattr(image, "tag_v2", {})
+    if not (image.mode.startswith("I;16") or image.format in ("PNG", "PPM")):
+        return None
+    top = float(2 ** int(tags.get(_BITS_PER_SAMPLE, (16,))[0]) - 1)
+    return (top, 0.0) if tags.get(_PHOTOMETRIC) == _WHITE_IS_ZERO else (0.0, top)
 
 
 def from_levels(numbers: Array, name: str, levels: Levels, dtype: Any = np.float64) -> Array:
@@ -100,16 +133,23 @@ def range_of(numbers: Array, name: str) -> Levels:
     )
 
 
-def _numbers(image: Image.Image, name: str, levels: Levels | None, dtype: Any) -> Array:
-    numbers, tags = np.asarray(image), getattr(image, "tag_v2", {})
-    if levels is None and (image.mode.startswith("I;16") or image.format in ("PNG", "PPM")):
-        top = float(2 ** int(tags.get(_BITS_PER_SAMPLE, (16,))[0]) - 1)
-        levels = (top, 0.0) if tags.get(_PHOTOMETRIC) == _WHITE_IS_ZERO else (0.0, top)
-    if levels is None and image.mode == "I":
+def check_whole(image: Image.Image, name: str, least: float, most: float) -> None:
+    """Refuse whole numbers of 32 bits, which say nothing of their range.
+
+    Raises:
+        InputError: what they hold, and that a range is wanted.
+    """
+    if image.mode == "I":
         raise InputError(
-            f"{name} holds whole numbers of 32 bits from {numbers.min()} to {numbers.max()} and does not say which are "
+            f"{name} holds whole numbers of 32 bits from {least:.0f} to {most:.0f} and does not say which are "
             "black and white; the range (--range BLACK,WHITE; levels=(black, white)) wanted"
         )
+
+
+def _numbers(image: Image.Image, name: str, levels: Levels | None, dtype: Any) -> Array:
+    numbers, levels = np.asarray(image), levels or own_levels(image)
+    if levels is None:
+        check_whole(image, name, float(numbers.min()), float(numbers.max()))
     return from_levels(numbers, name, range_of(numbers, name) if levels is None else levels, dtype)
 
 

@@ -8,7 +8,8 @@ from click.testing import CliRunner
 import cnnsim
 from cnnsim.cli.group import main
 from cnnsim.supersteps.engine import Engine, side_of_blocks
-from cnnsim.supersteps.pictures import TiledPicture, open_large, write_large
+from cnnsim.supersteps.pictures import TiledPicture, open_large
+from cnnsim.supersteps.written import write_large
 from cnnsim.support import InputError
 
 LEVELS = np.random.default_rng(2).integers(0, 256, (40, 30), dtype=np.uint8)
@@ -39,7 +40,7 @@ def test_a_raw_picture_and_an_array_are_read_part_by_part_as_they_are_read_whole
 def test_outputs_are_written_strip_by_strip_as_they_are_whole(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("cnnsim.supersteps.pictures.MOST", 30 * 7)
+    monkeypatch.setattr("cnnsim.supersteps.written.MOST", 30 * 7)
     write_large(TiledPicture(LEVELS, binary=False), tmp_path / name)
     found = np.load(tmp_path / name) if name == "y.npy" else cnnsim.read_picture(tmp_path / name)
     assert np.allclose(found, VALUES, atol=1e-6)
