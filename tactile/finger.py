@@ -27,6 +27,7 @@ from tactile.events.thresholds import levels
 from tactile.events.travel import Travel
 from tactile.inverse.load import Load
 from tactile.inverse.localise import localise
+from tactile.inverse.point import OnePoint
 from tactile.inverse.summed import summed
 from tactile.inverse.weights import weigh
 from tactile.settings import Settings
@@ -65,6 +66,8 @@ class Finger:
         self._machine, self._inverse = machine, _inverse(array, modulus, contact.dead_band)
         if self._inverse is not None:
             machine.prepare(self._inverse, array.shape)
+        alone = self._inverse is not None and machine.backend.name == "cpu" and self._radial is None
+        self._point = OnePoint(array, modulus, contact.dead_band) if alone else None
         self._positions = array.positions()
         self._half = array.cols * array.pitch / 2, array.rows * array.pitch / 2
         self._newtons = _newtons(array, modulus)
@@ -108,6 +111,10 @@ class Finger:
         values = frame.values
         if not (frame.whole and self._none_left_out):
             values = np.where((frame.valid & ~self._left_out)[..., None], values, np.nan)
+        if self._point is not None and self._saturated is None:
+            load = self._point(values, self._weights)
+            if load is not None:
+                return load
         signals = {name: values[..., i] for i, name in enumerate(self._inverse.inputs)}
         planes = tuple(self._machine.run(self._inverse, **signals).values())
         if self._radial is not None:

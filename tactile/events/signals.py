@@ -138,12 +138,14 @@ class Signals:
         """Take a located load as if it were one taxel that measures force; no load is 0 N, what is not known stays."""
         lost = load.validity is Validity.NO_LOAD
         self._one[0, 0] = (0.0, 0.0, 0.0) if lost else (load.Q, load.R, load.F)
-        sigma = load.sigma[2:]
-        if not lost and all(map(isfinite, sigma)):
-            keep = self._interval / (self._interval + 2 * FAST)
-            self._quiet[0] += 0.1 * (max(sigma[:2]) * keep**0.5 - self._quiet[0])
-            self._quiet[1] += 0.1 * (sigma[2] * keep**0.5 - self._quiet[1])
-            self._drawn = DRAWN * self._quiet[0]
+        if not lost:
+            _, _, of_q, of_r, of_f = load.sigma
+            if isfinite(of_q + of_r + of_f):
+                keep = (self._interval / (self._interval + 2 * FAST)) ** 0.5
+                shear, normal = self._quiet.item(0), self._quiet.item(1)  # numbers: arrays of one cell take their time
+                self._quiet[0, 0, 0] = shear = shear + 0.1 * (max(of_q, of_r) * keep - shear)
+                self._quiet[1, 0, 0] = normal + 0.1 * (of_f * keep - normal)
+                self._drawn[0, 0] = DRAWN * shear
         self._update(t, self._one, ALWAYS, ONE)
 
     def put_load(self, load: "Signals") -> None:

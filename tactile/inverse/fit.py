@@ -82,7 +82,7 @@ class Fit:
         told = 2 if xx + yy == 0 else int(xx * yy - xy * xy <= 1e-12 * (xx + yy) ** 2)
         self.free = max(signals.felt.size - signals.lost - (3 + told) * len(loads), 0)
         left, noise = chi / self.free if self.free else math.nan, signals.noise
-        self.variance = left if noise is None else noise**2 if not left > noise**2 else left
+        self.variance = left if noise is None or left > noise * noise else noise * noise
 
     @cached_property
     def rest(self) -> Floats:
@@ -122,7 +122,7 @@ class Fit:
         if noise is None:
             noise = min(_quantile(self.rest, 0.5), _quantile(self.signals.felt, 0.1))
             return min(noise**2 * (size + LOOSE * math.sqrt(size)), self.chi * (1 - self._likeness()))
-        return noise**2 * (self.free + CHANCE * math.sqrt(2 * self.free))
+        return noise * noise * (self.free + CHANCE * math.sqrt(2 * self.free))
 
     def _likeness(self) -> float:
         """Return how like its neighbours' is what a taxel leaves unexplained: 0 for noise, 1 for a smooth field."""

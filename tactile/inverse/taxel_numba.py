@@ -115,7 +115,8 @@ def _hand_out(results, dx, dy, force, validity):  # type: ignore[no-untyped-def]
 
 
 @kept_njit(error_model="numpy")
-def _strain_blocks(x, y, z, dx, dy, force, validity, first, last, numbers):  # type: ignore[no-untyped-def]
+def strain_blocks(x, y, z, dx, dy, force, validity, first, last, numbers):  # type: ignore[no-untyped-def]
+    """Write the load of the strain taxels of the blocks from ``first`` on, before ``last``; planes of one dimension."""
     results = np.empty(4 * BLOCK, x.dtype)
     for start in range(first * BLOCK, min(last * BLOCK, x.size), BLOCK):
         cut = slice(start, min(start + BLOCK, x.size))
@@ -124,7 +125,8 @@ def _strain_blocks(x, y, z, dx, dy, force, validity, first, last, numbers):  # t
 
 
 @kept_njit(error_model="numpy")
-def _stress_blocks(x, y, z, dx, dy, force, validity, first, last, numbers):  # type: ignore[no-untyped-def]
+def stress_blocks(x, y, z, dx, dy, force, validity, first, last, numbers):  # type: ignore[no-untyped-def]
+    """Write the load of the stress taxels of the blocks from ``first`` on, before ``last``; planes of one dimension."""
     results = np.empty(4 * BLOCK, x.dtype)
     for start in range(first * BLOCK, min(last * BLOCK, x.size), BLOCK):
         cut = slice(start, min(start + BLOCK, x.size))
@@ -136,14 +138,14 @@ def _stress_blocks(x, y, z, dx, dy, force, validity, first, last, numbers):  # t
 def _strain_parallel(x, y, z, dx, dy, force, validity, blocks, threads, numbers):  # type: ignore[no-untyped-def]
     for thread in prange(threads):
         first, last = thread * blocks // threads, (thread + 1) * blocks // threads
-        _strain_blocks(x, y, z, dx, dy, force, validity, first, last, numbers)
+        strain_blocks(x, y, z, dx, dy, force, validity, first, last, numbers)
 
 
 @kept_njit(parallel=True, error_model="numpy")
 def _stress_parallel(x, y, z, dx, dy, force, validity, blocks, threads, numbers):  # type: ignore[no-untyped-def]
     for thread in prange(threads):
         first, last = thread * blocks // threads, (thread + 1) * blocks // threads
-        _stress_blocks(x, y, z, dx, dy, force, validity, first, last, numbers)
+        stress_blocks(x, y, z, dx, dy, force, validity, first, last, numbers)
 
 
 def strain_inverse(
@@ -169,7 +171,7 @@ def strain_inverse(
     planes = u_xz, u_yz, u_zz, dx, dy, force, validity
     blocks = -(-u_xz.size // BLOCK)
     if u_xz.size < SERIAL_BELOW:
-        _strain_blocks(*planes, 0, blocks, numbers)
+        strain_blocks(*planes, 0, blocks, numbers)
     else:
         _strain_parallel(*planes, blocks, get_num_threads(), numbers)
 
@@ -194,6 +196,6 @@ def stress_inverse(
     planes = s_xz, s_yz, s_zz, dx, dy, force, validity
     blocks = -(-s_xz.size // BLOCK)
     if s_xz.size < SERIAL_BELOW:
-        _stress_blocks(*planes, 0, blocks, numbers)
+        stress_blocks(*planes, 0, blocks, numbers)
     else:
         _stress_parallel(*planes, blocks, get_num_threads(), numbers)

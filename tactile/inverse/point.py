@@ -1,0 +1,50 @@
+"""One point load from the readings of a frame at one go: what `localise` says where nothing is in doubt, sooner."""
+
+import numpy as np
+
+from cnnsim.support import Floats
+from tactile.core.frame import TaxelArray
+from tactile.inverse.alternatives import SLIGHT
+from tactile.inverse.attempt import RIVAL, SEEDS, UNSURE, VOTERS
+from tactile.inverse.fit import ALL, CHANCE, FOREIGN, REACH, SMALL, STEPS, SURELY, USUAL
+from tactile.inverse.load import Load
+from tactile.inverse.validity import Validity
+from tactile.inverse.weights import Weights
+
+FEWEST = 4
+"""Fewer taxels are never without doubt."""
+OF_ATTEMPT = VOTERS, SEEDS, STEPS, REACH
+OF_FIT = FOREIGN[0], SURELY, FOREIGN[1], CHANCE, SMALL, USUAL
+LIMITS = FEWEST, ALL, RIVAL, UNSURE, SLIGHT
+NO_LOAD = Load(validity=Validity.NO_LOAD)
+
+
+class OnePoint:
+    """Called with the readings of a strain or stress array and their weights, gives the load, or None in any doubt.
+
+    The answer is, to the last bit, that of the inverse in every cell and `localise`; the loops are theirs. Arguments:
+    ``modulus`` E [Pa] of an array that measures strain; ``floor``: the largest signal that is no load.
+    """
+
+    def __init__(self, array: TaxelArray, modulus: float | None, floor: float) -> None:
+        from tactile.inverse.point_numba import FOUND, NOT_SIMPLE, one_point  # numba is slow to import
+
+        self._loop, self._not_simple, self._found = one_point, NOT_SIMPLE, FOUND
+        self._at = np.ascontiguousarray(array.positions().reshape(-1, 2), np.float64)
+        self._strain, depth = array.quantity == "strain", array.depth
+        size = 4 * np.pi / 3 * (modulus or 1.0) * depth * depth if self._strain else 2 * np.pi / 3 * depth * depth
+        self._numbers = size, depth, float(floor)
+        self._answer = np.empty(13)
+
+    def __call__(self, values: Floats, weights: Weights) -> Load | None:
+        """Return the load that the readings (rows, cols, 3) say without doubt."""
+        known = weights.scale, weights.trust, self._strain, self._numbers, weights.noise or 0.0
+        read = np.ascontiguousarray(values, np.float64)
+        said = self._loop(read, self._at, *known, OF_ATTEMPT, OF_FIT, LIMITS, self._answer)
+        if said == self._not_simple:
+            return None
+        if said != self._found:
+            return NO_LOAD
+        x, y, q, r, f, dx, dy, dq, dr, df, misfit, taxels, inside = self._answer.tolist()
+        validity = Validity.INSIDE if inside else Validity.OUTSIDE
+        return Load(x, y, q, r, f, (dx, dy, dq, dr, df), misfit, int(taxels), validity)

@@ -1,0 +1,95 @@
+"""One point load from the readings of a frame at one go, compiled: the taxels' inverse, their consensus, the fit.
+
+It answers where one load explains all taxels and nothing speaks against it, which is nearly every frame; where any of
+that is in doubt it says so, and `tactile.inverse.localise` goes its long way.
+"""
+
+import math
+
+import numpy as np
+
+from cnnsim.support.compiling.kept_loops import kept_njit
+from tactile.inverse.attempt_numba import one_load
+from tactile.inverse.consensus_numba import strongest
+from tactile.inverse.taxel_numba import strain_blocks, stress_blocks
+
+NOT_SIMPLE, NOTHING, FOUND = 0, 1, 2
+"""What `one_point` says: go the long way; no taxel feels anything; the answer is filled in."""
+
+
+@kept_njit(error_model="numpy")
+def one_point(values, at, scale, trust, strain, numbers, noise, of_attempt, of_fit, limits, answer):  # type: ignore[no-untyped-def]  # numba types it
+    """Fill ``answer`` (13,) with a load and return `FOUND`: x, y [m], Q, R, F [N], their standard deviations, misfit,
+    taxels, whether it is inside.
+
+    ``values`` (rows, cols, 3); ``at`` (n, 2) [m]; ``scale``, ``trust`` and ``noise`` [N] (0 where none is known) as
+    `Weights`; ``numbers``: the inverse's scale [N], depth [m] and floor; ``of_attempt``: voters, seeds, steps, reach;
+    ``of_fit``: the least a stranger feels, in parts and in standard deviations, how many times what the loads make
+    there, standard deviations that are chance, share of the energy below which nobody asks for noise, noise where
+    none is known; ``limits``: taxels at least and at most, how much worse a rival fits, how unsure a place may be, the
+    misfit from which on something may be to blame.
+    """
+    rows, cols, _ = values.shape
+    n = rows * cols
+    times, depth, floor = numbers
+    voters, seeds, steps, reach = of_attempt
+    foreign_part, foreign_sigmas, foreign_times, chance, small, usual = of_fit
+    fewest, most, rival_times, unsure, slight = limits
+    signals, quiet = np.empty((3, n)), True
+    for i in range(rows):
+        for j in range(cols):
+            for k in range(3):
+                value = values[i, j, k]
+                signals[k, i * cols + j] = value
+                quiet = quiet and abs(value) <= floor  # not so where it is NaN
+    if quiet:
+        return NOTHING
+    planes, blocks, tiny = np.empty((2 if strain else 1, 4, n)), (n + 1023) // 1024, np.finfo(np.float64).tiny
+    for f in range(len(planes)):
+        out = planes[f]
+        if strain:
+            given = times, tiny, depth, floor, 1.0 - 2.0 * f
+            strain_blocks(signals[0], signals[1], signals[2], out[0], out[1], out[2], out[3], 0, blocks, given)
+        else:
+            given_two = times, tiny, depth, floor
+            stress_blocks(signals[0], signals[1], signals[2], out[0], out[1], out[2], out[3], 0, blocks, given_two)
+    signal, peak, order = strongest(planes, trust, depth, strain, voters)
+    if not fewest <= order.size <= most:
+        return NOT_SIMPLE
+    top = peak[order[0]]
+    one = noise / top
+    tried, first, second, seen, felt, _, tie, loads, chi, whole, spread, stranger = one_load(
+        at, planes, signal, trust, scale, order, depth, strain, top, voters, seeds, steps, reach,
+        max(foreign_part, foreign_sigmas * one), foreign_times,
+    )  # fmt: skip
+    rivals = second != first and tried[second, 2] < rival_times * tried[first, 2]
+    if stranger >= 0 or tie[0] > 0 or tie[2] > 0 or rivals:
+        return NOT_SIMPLE
+    free = felt.size - len(loads[0])
+    left, random = chi / free, 0.0
+    if noise > 0:
+        random = one * one * (free + chance * math.sqrt(2.0 * free))
+        variance = left if left > one * one else one * one
+    elif chi < small * whole:
+        variance = left
+    else:
+        return NOT_SIMPLE
+    energy = max(whole - random, random / len(seen))
+    misfit = math.sqrt(min(max(chi - random, 0.0) / energy, 1.0)) if energy > 0 else 0.0
+    deviation = math.sqrt(variance)
+    doubt = max(deviation, usual) if noise == 0 else deviation
+    if not (misfit <= slight and doubt * math.sqrt(max(spread[0, 0], spread[0, 1])) <= unsure):
+        return NOT_SIMPLE
+    x, y, nearest = loads[0, 0], loads[0, 1], np.inf
+    for i in range(len(seen)):
+        dx, dy = seen[i, 0] - x, seen[i, 1] - y
+        nearest = min(nearest, dx * dx + dy * dy)
+    answer[0] = at[order[0], 0] + (x - seen[0, 0]) * depth
+    answer[1] = at[order[0], 1] + (y - seen[0, 1]) * depth
+    for k in range(5):
+        unit = depth if k < 2 else top
+        if k >= 2:
+            answer[k] = loads[0, k] * top
+        answer[5 + k] = deviation * math.sqrt(spread[0, k]) * unit
+    answer[10], answer[11], answer[12] = misfit, order.size, nearest < 2
+    return FOUND
