@@ -64,14 +64,18 @@ def _facts(result: ImportedFile) -> dict[str, object]:
     }
 
 
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
+
+
 def _summary(results: list[ImportedFile]) -> str:
     written = sum(len(result.written) for result in results)
     missing = sum(len(result.not_written) for result in results)
     failed = sum(result.report.failed for result in results)
     warnings = sum(len(result.report.of("warning")) for result in results)
     return (
-        f"{len(results)} files: {written} templates written, {missing} parsed but not written, {failed} files failed, "
-        f"{warnings} warnings"
+        f"{_counted(len(results), 'file')}: {_counted(written, 'template')} written, {missing} parsed but not written, "
+        f"{_counted(failed, 'file')} failed, {_counted(warnings, 'warning')}"
     )
 
 

@@ -10,6 +10,7 @@ from cnnsim.library.read_network import TEMPLATE_KEYS, parse_pictures, read_temp
 from cnnsim.network import LayeredTemplate, parse_boundary
 from cnnsim.network.characteristic import parse_cell
 from cnnsim.support import Floats, InputError, naming
+from cnnsim.support.errors import shown
 from cnnsim.support.names import check_name
 from cnnsim.support.toml_file import check_keys, line_of, located, read_toml, take, take_duration, take_tables
 
@@ -70,7 +71,7 @@ def _number(data: dict[str, Any], key: str) -> float | None:
 def _words(data: dict[str, Any], key: str) -> tuple[str, ...]:
     found = take(data, key, list, "template", [])
     if not all(isinstance(word, str) for word in found):
-        raise InputError(f"template: {key} = {found!r}, a list of texts wanted{line_of(data, key)}")
+        raise InputError(f"template: {key} = {shown(found)}, a list of texts wanted{line_of(data, key)}")
     return tuple(found)
 
 
@@ -86,7 +87,7 @@ def _state(value: Any) -> Role:
 def _role(key: str, value: Any, words: tuple[str, ...]) -> Role:
     if value in words or (isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= 1):
         return value
-    raise InputError(f"{key} is {value!r}; one of {', '.join(map(repr, words))} or a number from -1 to 1 wanted")
+    raise InputError(f"{key} is {shown(value)}; one of {', '.join(map(repr, words))} or a number from -1 to 1 wanted")
 
 
 def _example(data: dict[str, Any]) -> Example:

@@ -21,6 +21,7 @@ import numpy as np
 from cnnsim.network import AnyTemplate, LayeredTemplate, Template, Term
 from cnnsim.network.table import parse_table
 from cnnsim.support import Floats, InputError, naming
+from cnnsim.support.errors import shown
 from cnnsim.support.pictures.picture import parse_ascii
 from cnnsim.support.toml_file import check_keys, line_of, located, take_tables
 
@@ -72,12 +73,12 @@ def parse_pictures(value: Any) -> Floats:
         InputError: no picture, or pictures of different size.
     """
     if not isinstance(value, list):
-        raise InputError(f"a picture is {value!r}; a list of rows wanted")
+        raise InputError(f"a picture is {shown(value)}; a list of rows wanted")
     first = value[0] if value else None
     if not (isinstance(first, list) and first and isinstance(first[0], str | list)):
         return parse_ascii(value)
     if not all(isinstance(plane, list) for plane in value):
-        raise InputError(f"{value!r}: a list of pictures, each a list of rows, wanted")
+        raise InputError(f"{shown(value)}: a list of pictures, each a list of rows, wanted")
     planes = [parse_ascii(plane) for plane in value]
     if len({plane.shape for plane in planes}) > 1:
         raise InputError(f"pictures of different size in one list: {[plane.shape for plane in planes]}")

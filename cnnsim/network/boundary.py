@@ -8,6 +8,7 @@ import numpy as np
 
 from cnnsim.network.weights import Tap, reach
 from cnnsim.support import Array, InputError, Integers
+from cnnsim.support.errors import shown
 from cnnsim.support.values import is_number
 
 BoundaryKind = Literal["fixed", "zero-flux", "periodic"]
@@ -34,7 +35,7 @@ class Boundary:
         for name in ("y", "u"):
             value = getattr(self, name)
             if not is_number(value) or not abs(value) <= 1:
-                raise InputError(f"fixed boundary value of {name} is {value!r}; a number from -1 to 1 wanted")
+                raise InputError(f"fixed boundary value of {name} is {shown(value)}; a number from -1 to 1 wanted")
 
     @property
     def constants(self) -> tuple[tuple[float, float], ...]:
@@ -74,7 +75,7 @@ def parse_boundary(value: Any) -> Boundary:
             return fixed(*(float(part) for part in value.removeprefix("fixed:").split(",", 1)))
         except ValueError as error:
             raise InputError(
-                f"boundary {value!r}; 'fixed:v' or 'fixed:x,u' with numbers from -1 to 1 wanted"
+                f"boundary {shown(value)}; 'fixed:v' or 'fixed:x,u' with numbers from -1 to 1 wanted"
             ) from error
     if isinstance(value, str) and value in get_args(BoundaryKind) and value != "fixed":
         return Boundary(value)  # type: ignore[arg-type]  # just checked
@@ -85,7 +86,7 @@ def parse_boundary(value: Any) -> Boundary:
         if set(inner) == {"x", "u"}:
             return fixed(inner["x"], inner["u"])
     raise InputError(
-        f"boundary {value!r}; wanted 'zero-flux', 'periodic', 'fixed:v' or, in a file, {{ fixed = v }} "
+        f"boundary {shown(value)}; wanted 'zero-flux', 'periodic', 'fixed:v' or, in a file, {{ fixed = v }} "
         "or { fixed = { x = v, u = w } }"
     )
 

@@ -7,6 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from cnnsim.support import Array, InputError
+from cnnsim.support.errors import shown
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class Table:
             try:
                 object.__setattr__(self, name, tuple(float(number) for number in getattr(self, name)))
             except (TypeError, ValueError, OverflowError) as error:
-                raise InputError(f"table: {name} is {getattr(self, name)!r}; a list of numbers wanted") from error
+                raise InputError(f"table: {name} is {shown(getattr(self, name))}; a list of numbers wanted") from error
         wanted = len(self.at) + (self.kind == "step")
         if not self.values or len(self.values) != wanted:
             raise InputError(
@@ -134,10 +135,10 @@ def parse_table(value: Any) -> Table:
     match value:
         case {"linear": [*points], **other} if not other:
             if not all(isinstance(point, list) and len(point) == 2 for point in points):
-                raise InputError(f"linear table {points!r}; pairs [v, f] wanted")
+                raise InputError(f"linear table {shown(points)}; pairs [v, f] wanted")
             return lines(*((point[0], point[1]) for point in points))
         case {"step": {"at": [*at], "values": [*values], **rest}, **other} if not other and rest.keys() <= {"closed"}:
             return Table("step", tuple(at), tuple(values), rest.get("closed", "right"))  # type: ignore[arg-type]  # checked when made
     raise InputError(
-        f"table {value!r}; {{ linear = [[v, f], ...] }} or {{ step = {{ at = [...], values = [...] }} }} wanted"
+        f"table {shown(value)}; {{ linear = [[v, f], ...] }} or {{ step = {{ at = [...], values = [...] }} }} wanted"
     )

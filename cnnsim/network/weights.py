@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.support import Floats, InputError
+from cnnsim.support.errors import shown
 from cnnsim.support.toml_file import in_range
 from cnnsim.support.values import is_number
 
@@ -32,7 +33,8 @@ def checked_weights(owner: str, which: str, entries: ArrayLike, *, varying: bool
     try:
         matrix = np.array(entries, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{owner}: {which} is no rectangular matrix of numbers: {entries!r}") from error
+        what = _ragged(entries) or shown(entries)
+        raise InputError(f"{owner}: {which} is no rectangular matrix of numbers: {what}") from error
     if matrix.ndim == 0:
         matrix = matrix.reshape(1, 1)
     dimensions = (2, 4) if varying else (2,)
@@ -50,6 +52,16 @@ def checked_weights(owner: str, which: str, entries: ArrayLike, *, varying: bool
     return matrix
 
 
+def _ragged(entries: object) -> str:
+    """Return which row is longer or shorter than the first; nothing where rows are not what is wrong."""
+    if not isinstance(entries, list | tuple) or not all(isinstance(row, list | tuple) for row in entries):
+        return ""
+    others = [number for number, row in enumerate(entries, start=1) if len(row) != len(entries[0])]
+    if not others:
+        return ""
+    return f"row {others[0]} has {len(entries[others[0] - 1])} entries, row 1 has {len(entries[0])}"
+
+
 def checked_number(owner: str, which: str, value: object) -> float:
     """Return a finite number.
 
@@ -58,7 +70,7 @@ def checked_number(owner: str, which: str, value: object) -> float:
     """
     number = value.item() if isinstance(value, np.number) else value
     if not is_number(number) or not in_range(number):
-        raise InputError(f"{owner}: {which} is {value!r}, a finite number wanted")
+        raise InputError(f"{owner}: {which} is {shown(value)}, a finite number wanted")
     return float(number)
 
 

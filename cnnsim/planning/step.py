@@ -68,6 +68,7 @@ def timed_step(
         times.append(duration)
     if step is None:
         most = usual_step(scheme, longest)
+        check_count(max(times, default=0.0), most)
         h = common_step(times, most) if times else most
         return h, f"at most {most:.4g}" + (" and divides all delays and holding times" if times else "")
     check_step(step, longest, scheme, "may be unstable")

@@ -38,6 +38,7 @@ from cnnsim.program.stretch import AtOneGo, Known, Stretch, stretches
 from cnnsim.program.template_steps import TemplateSteps
 from cnnsim.program.words import numbered
 from cnnsim.support import Array, InputError, naming
+from cnnsim.support.bounds import REGISTER
 from cnnsim.support.memory import LARGE
 from cnnsim.support.progress import watcher
 from cnnsim.task import Dtype
@@ -158,12 +159,8 @@ class UniversalMachine:
                 planes[to] = number if memory[to] == "wire" else self._constant(program, to, number, planes[""])
             case WireStep(wire=wire, of=of, to=to):
                 planes[to] = read_wire(wire, backend.count(planes[of]), math.prod(planes[""][-2:]))
-            case NumberStep(function=function, of=of, to=to):
-                numbers = [planes[n] if isinstance(n, str) else n for n in of]
-                if any(isinstance(n, np.ndarray) for n in numbers):  # a number for each grid of a batch
-                    planes[to] = np.vectorize(ARITHMETIC[function], otypes=[np.int64])(*numbers)
-                else:
-                    planes[to] = ARITHMETIC[function](*numbers)
+            case NumberStep(of=of, to=to):
+                planes[to] = _number(step, *(planes[n] if isinstance(n, str) else n for n in of))
             case RepeatStep(times=times, do=do):
                 for _ in range(times):
                     self._execute(program, do, planes)
@@ -232,3 +229,15 @@ class UniversalMachine:
 def _within(step: Step) -> tuple[tuple[Step, ...], ...]:
     """Return the steps that a loop repeats."""
     return (step.do,) if isinstance(step, RepeatStep | UntilUnchangedStep) else ()
+
+
+def _number(step: NumberStep, p: Any, q: Any) -> Any:
+    """Return what a number step comes to: a number, or one for each grid of a batch.
+
+    Raises:
+        InputError: no register has room for it.
+    """
+    found = np.frompyfunc(ARITHMETIC[step.function], 2, 1)(p, q)  # Python's own whole numbers, which never wrap
+    if abs(worst := max(np.ravel(found), key=abs)) > REGISTER:
+        raise InputError(f"{step.where}: comes to {float(worst):.4g}; registers hold {REGISTER:.4g} at most")
+    return found.astype(np.int64) if isinstance(found, np.ndarray) else found

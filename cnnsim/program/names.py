@@ -8,6 +8,7 @@ from cnnsim.planning.duration import Duration
 from cnnsim.program.program import ProgramMemory
 from cnnsim.support import InputError
 from cnnsim.support.bounds import PLANES, check_most
+from cnnsim.support.errors import shown
 from cnnsim.support.names import check_name
 from cnnsim.support.toml_file import in_range, line_of, located
 
@@ -31,7 +32,7 @@ class Names:
         for kind in get_args(ProgramMemory):
             names, where = declared.get(kind, []), line_of(declared, kind)
             if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-                raise InputError(f"{kind} is {names!r}; a list of names wanted{where}")
+                raise InputError(f"{kind} is {shown(names)}; a list of names wanted{where}")
             check_most(len(names), PLANES, f"{kind}: names{where}")
             for name in names:
                 with located(declared, kind):
@@ -46,7 +47,7 @@ class Names:
     def known(self, name: Any, where: str, *kinds: ProgramMemory) -> str:
         """Return a declared name of one of the kinds, or raise InputError."""
         if not isinstance(name, str) or name not in self.memory:
-            raise InputError(f"{where}: {name!r} is not declared; declared are {', '.join(self.memory) or 'none'}")
+            raise InputError(f"{where}: {shown(name)} is not declared; declared are {', '.join(self.memory) or 'none'}")
         if self.memory[name] not in kinds:
             raise InputError(f"{where}: {name!r} is in {self.memory[name]}; {' or '.join(kinds)} wanted")
         return name
@@ -69,8 +70,8 @@ class Names:
         if isinstance(value, str):
             if value not in self.parameters:
                 known = ", ".join(self.parameters) or "none"
-                raise InputError(f"{where}: no parameter {value!r}; defined are {known}")
+                raise InputError(f"{where}: no parameter {shown(value)}; defined are {known}")
             value = self.parameters[value]
         if isinstance(value, bool) or not isinstance(value, int | float) or not in_range(value):
-            raise InputError(f"{where}: {value!r} is no finite number")
+            raise InputError(f"{where}: {shown(value)} is no finite number")
         return float(value)

@@ -22,7 +22,8 @@ from cnnsim.program.program import (
 )
 from cnnsim.program.template_step import read_template_step
 from cnnsim.support import InputError, naming
-from cnnsim.support.bounds import REPEATS, STEPS, check_most
+from cnnsim.support.bounds import NUMBER, REPEATS, STEPS, check_most
+from cnnsim.support.errors import cut, shown
 from cnnsim.support.toml_file import check_keys, located
 
 
@@ -48,7 +49,7 @@ def _step(table: dict[str, Any], number: str, names: Names) -> Step:
     if len(kinds) != 1:
         raise InputError(f"{number}: has {' and '.join(kinds) or 'none'} of {', '.join(_READERS)}; exactly one wanted")
     required, optional, read = _READERS[kinds[0]]
-    where = f"{number} ({kinds[0]} {table[kinds[0]]})"
+    where = f"{number} ({kinds[0]} {cut(str(table[kinds[0]]))})"
     if kinds[0] not in ("fill", "repeat") and not isinstance(table[kinds[0]], str):
         raise InputError(f"{where}: a name wanted")
     check_keys(table, (kinds[0], *required, *optional), where, required)
@@ -147,13 +148,14 @@ def _integer(value: Any, where: str, names: Names) -> int:
     number = names.number(value, where)
     if not number.is_integer():
         raise InputError(f"{where}: {number:g}; a whole number wanted")
+    check_most(abs(number), NUMBER, where)
     return int(number)
 
 
 def _whole(value: Any, what: str, where: str, names: Names) -> int:
     value = names.number(value, where) if isinstance(value, str) else value
     if isinstance(value, bool) or not isinstance(value, int | float) or not 1 <= value <= REPEATS or value % 1:
-        raise InputError(f"{where}: {what} {value!r}; a whole number from 1 to {REPEATS} wanted")
+        raise InputError(f"{where}: {what} {shown(value)}; a whole number from 1 to {REPEATS} wanted")
     return int(value)
 
 

@@ -22,6 +22,10 @@ RATE, FRAMES = 1e6, 1e9
 """Frames a second, and of a whole scene."""
 PLANES, STEPS = 1000, 10_000
 """Planes and registers of a program; its steps, those of its branches and loops among them."""
+NUMBER = 2**53
+"""Size of a whole number that a program names: beyond it floats, which parameters are, leave some out."""
+REGISTER = 2**63 - 1
+"""Size of the largest whole number that a register of a program holds."""
 REPEATS = 10**6
 """How often a program repeats steps."""
 WINDOW = 10**6

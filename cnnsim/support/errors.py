@@ -8,6 +8,20 @@ class InputError(ValueError):
     """
 
 
+SHOWN = 120
+"""Characters of a value that a message shows: whole matrices and pictures would bury what is wanted."""
+
+
+def shown(value: object) -> str:
+    """Return a value as Python writes it, cut where it is long."""
+    return cut(repr(value))
+
+
+def cut(text: str) -> str:
+    """Return a text, cut where it is long."""
+    return text if len(text) <= SHOWN else text[:SHOWN] + " ..."
+
+
 class naming:  # noqa: N801 - it reads as a word after "with"; a generator would cost a step of a program a microsecond
     """Lead the message of an InputError with the place where it arose."""
 

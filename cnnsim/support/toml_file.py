@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from cnnsim.support.bounds import TEXT, check_file, check_most
-from cnnsim.support.errors import InputError
+from cnnsim.support.errors import InputError, shown
 from cnnsim.support.toml_lines import LinedTable, with_lines
 
 ValueType = TypeVar("ValueType")
@@ -87,7 +87,7 @@ def check_keys(
     """
     lead = f"{where}: " if where else ""
     if not isinstance(table, Mapping):
-        raise InputError(f"{lead}{table!r}, a table wanted")
+        raise InputError(f"{lead}{shown(table)}, a table wanted")
     found: list[str] = []
     for key in table:
         if key not in known:
@@ -163,7 +163,7 @@ def take(table: Mapping[str, Any], key: str, kind: type[ValueType], where: str, 
         value = float(value)
     right = isinstance(value, kind) and (type(value) in (kind, LinedTable))  # a bool is an int to isinstance
     if not right or (isinstance(value, float) and not in_range(value)):
-        raise InputError(f"{where}: {key} = {value!r}, {_named(kind)} wanted{line_of(table, key)}")
+        raise InputError(f"{where}: {key} = {shown(value)}, {_named(kind)} wanted{line_of(table, key)}")
     return value
 
 
@@ -188,7 +188,7 @@ def numbers(values: Any, count: int, where: str) -> list[float]:
         or len(values) != count
         or not all(type(v) in (int, float) and in_range(v) for v in values)
     ):
-        raise InputError(f"{where} = {values!r}, a list of {count} finite numbers wanted")
+        raise InputError(f"{where} = {shown(values)}, a list of {count} finite numbers wanted")
     return [float(v) for v in values]
 
 
@@ -202,7 +202,7 @@ def take_duration(table: Mapping[str, Any], where: str) -> Any:
     if value == "settled" or (type(value) in (int, float) and in_range(value) and value >= 0):
         return value
     wanted = "'settled' or a number of time constants >= 0 wanted"
-    raise InputError(f"{where}: duration = {value!r}, {wanted}{line_of(table, 'duration')}")
+    raise InputError(f"{where}: duration = {shown(value)}, {wanted}{line_of(table, 'duration')}")
 
 
 def take_tables(table: Mapping[str, Any], key: str, where: str) -> list[dict[str, Any]]:
@@ -213,7 +213,7 @@ def take_tables(table: Mapping[str, Any], key: str, where: str) -> list[dict[str
     """
     tables = table.get(key, [])
     if not isinstance(tables, list) or not all(isinstance(entry, dict) for entry in tables):
-        raise InputError(f"{where}: {key!r} is {tables!r}, [[{key}]] tables wanted{line_of(table, key)}")
+        raise InputError(f"{where}: {key!r} is {shown(tables)}, [[{key}]] tables wanted{line_of(table, key)}")
     return tables
 
 

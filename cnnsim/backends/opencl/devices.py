@@ -130,12 +130,12 @@ def choose_device(which: int | str | None = None) -> "cl.Device":
     choice = "; ".join(f"{i}: {title(device)}" for i, device in enumerate(found))
     if isinstance(asked, int) or asked.isdecimal():
         if not 0 <= int(asked) < len(found):
-            raise InputError(f"there is no OpenCL device {asked}{source}; there are {choice}")
+            raise InputError(f"there is no OpenCL device {asked}{source}; known are {choice}")
         return found[int(asked)]
     for device in found:
         if asked.casefold() in title(device).casefold():
             return device
-    raise InputError(f"no OpenCL device is called {asked!r}{source}; there are {choice}")
+    raise InputError(f"no OpenCL device is called {asked!r}{source}; known are {choice}")
 
 
 def title(device: "cl.Device") -> str:

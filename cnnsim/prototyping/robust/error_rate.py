@@ -41,7 +41,9 @@ def error_rate_of(entry: LibraryEntry, seed: int = 0, shown: Sequence[Example] =
         return _Examples(entry, shown, f"{len(shown)} picture{'s' * (len(shown) != 1)} given")
     if margin_of(entry).value is not None and entry.template.uncoupled and not works_on_grey(entry):
         return _Neighbourhoods(entry, seed)
-    return _Examples(entry, entry.examples, f"its own {len(entry.examples)} worked examples")
+    count = len(entry.examples)
+    what = "its own worked example" if count == 1 else f"its own {count} worked examples"
+    return _Examples(entry, entry.examples, what)
 
 
 def shown_to(entry: LibraryEntry, pictures: Array, state: Array | None = None) -> list[Example]:

@@ -40,6 +40,8 @@ def margin_of(entry: LibraryEntry) -> Margin:
     if entry.cell.model == "discrete-time" or entry.cell.characteristic is not None:
         return _none("its cells are not those of Chua and Yang")
     if "gray" in entry.tags and entry.margin is None:
+        if template.self_feedback > 1:
+            return _none("it works on grey values: how near a cell is to its decision is for the picture to say")
         return _none("it works on grey values: its output follows the picture continuously, and decides nothing")
     if template.uncoupled and works_on_grey(entry):
         return _none("it works on grey values: black-and-white neighbourhoods are not what it sees")

@@ -11,7 +11,7 @@ import numpy as np
 from PIL import Image
 
 from cnnsim.support.bounds import check_plain, line_of
-from cnnsim.support.errors import InputError
+from cnnsim.support.errors import InputError, shown
 from cnnsim.support.files import writing
 from cnnsim.support.memory import check_memory
 from cnnsim.support.pictures.pixels import Levels, pixel_bytes, values_of
@@ -154,8 +154,12 @@ def write_picture(values: Array, path: str | Path, scale: int = 1, *, follow: bo
         to_image(values, scale).save(beside)
 
 
+def _cell(value: float) -> float:
+    return (1.0 if value else -1.0) if isinstance(value, bool) else float(value)
+
+
 def parse_ascii(rows: Iterable[str | Sequence[float]]) -> Floats:
-    """Read a picture drawn in text: ``#`` is +1, ``.`` is -1; a row of numbers stands for itself.
+    """Read a picture drawn in text: ``#`` is +1, ``.`` is -1; a row of numbers stands for itself, true is black.
 
     Raises:
         InputError: another character, something that is no number, or rows of different length.
@@ -171,9 +175,10 @@ def parse_ascii(rows: Iterable[str | Sequence[float]]) -> Floats:
             values.append([1.0 if character == "#" else -1.0 for character in row])
         else:
             try:
-                values.append([float(value) for value in row])
+                values.append([_cell(value) for value in row])
             except (TypeError, ValueError, OverflowError) as error:
-                raise InputError(f"row {number} of a picture is {row!r}; a text or a list of numbers wanted") from error
+                what = f"row {number} of a picture is {shown(row)}"
+                raise InputError(f"{what}; a text or a list of numbers wanted") from error
         if len(values[-1]) != len(values[0]):
             raise InputError(f"row {number} of a picture has {len(values[-1])} cells, row 1 has {len(values[0])}")
     if not values or not values[0]:

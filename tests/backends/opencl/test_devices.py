@@ -42,9 +42,9 @@ def test_a_device_is_chosen_by_number_name_or_variable(monkeypatch: pytest.Monke
     first = opencl_devices.all_devices()[0]
     assert opencl_devices.choose_device(0) == first
     assert opencl_devices.choose_device(first.name[1:5].swapcase()) is not None
-    with pytest.raises(InputError, match=r"no OpenCL device 99; there are 0: "):
+    with pytest.raises(InputError, match=r"no OpenCL device 99; known are 0: "):
         opencl_devices.choose_device(99)
-    with pytest.raises(InputError, match=r"no OpenCL device is called 'zx81'; there are 0: "):
+    with pytest.raises(InputError, match=r"no OpenCL device is called 'zx81'; known are 0: "):
         opencl_devices.choose_device("zx81")
     monkeypatch.setenv(opencl_devices.VARIABLE, "0")
     assert OpenCLBackend().device == first

@@ -89,7 +89,7 @@ def test_a_bad_file_does_not_stop_the_others(tmp_path: Path) -> None:
     assert f"{tmp_path / 'bad.tem'}:5: error: CONTROL: a row of 6 in a matrix of 5 columns" in result.output
     assert f"{tmp_path / 'none.tem'}: error: No such file" in result.output
     assert "odd: parsed, not written: CONTROL twice in layer 1" in result.output
-    assert "4 files: 1 templates written, 1 parsed but not written, 2 files failed" in result.output
+    assert "4 files: 1 template written, 1 parsed but not written, 2 files failed" in result.output
 
 
 def test_import_writes_over_nothing_unless_told(tmp_path: Path) -> None:

@@ -63,6 +63,7 @@ def test_shipped_templates_have_worked_examples_and_own_ones_may_do_without(tmp_
     ("[[example]]\ninput = [[]]\noutput = ['#']", "a picture without cells"),
     ("[[example]]\ninput = [['#'], 5]\noutput = ['#']", "a list of pictures, each a list of rows"),
     (f"B = 1{'0' * 400}", "B is no rectangular matrix of numbers"),
+    (f"tags = {[1] * 1000}", r"tags = \[1, 1.{90,130} \.\.\., a list of texts wanted"),
     ("example = [5]", r"\[5\], \[\[example\]\] tables wanted"),
 ])  # fmt: skip
 def test_entries_of_a_wrong_kind_are_named(text: str, message: str, tmp_path: Path) -> None:
@@ -71,3 +72,13 @@ def test_entries_of_a_wrong_kind_are_named(text: str, message: str, tmp_path: Pa
     file.write_text(f"{file.read_text()}{text}\n")
     with pytest.raises(InputError, match=rf"mine\.toml: .*{message}"):
         library.load_file(file)
+
+
+def test_a_picture_of_true_and_false_is_black_and_white(tmp_path: Path) -> None:
+    own(tmp_path, "mine", "of booleans")
+    file = tmp_path / "mine.toml"
+    file.write_text(f"{file.read_text()}[[example]]\ninput = [[true, false]]\noutput = [[true, 0.5]]\n")
+    (example,) = library.load_file(file).examples
+    assert example.input is not None
+    assert example.input.tolist() == [[1, -1]]
+    assert example.output.tolist() == [[1, 0.5]]

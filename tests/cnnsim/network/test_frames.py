@@ -66,6 +66,9 @@ def test_nothing_is_interpolated() -> None:
         make_plan(t, (2, 2), fixed(0))
     with pytest.raises(InputError, match="no common step"):
         make_plan(t, (2, 2), fixed(0), duration=math.e)
+    steep = Template([[0.0, 1e308, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 0.0]], terms=[Term([[1.0]], "y_kl", delay=1.0)])
+    with pytest.raises(InputError, match=r"5 time constants in steps of .*; at most 1e\+\d+ steps wanted"):
+        make_plan(steep, (2, 2), fixed(0), duration=5.0)
     with pytest.raises(InputError, match="every"):
         Frames([np.ones((2, 2))], 0.0)
 

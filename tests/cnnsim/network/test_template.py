@@ -15,7 +15,8 @@ from cnnsim.network import Tap, pad, parse_boundary
     (np.zeros((13, 13)), "radius 6, at most 5"),
     ([[0, 0, 0], [0, np.nan, 0], [0, 0, 0]], r"nan in row 2, column 2"),
     ([[0, 0, 0], [0, 1, np.inf], [0, 0, 0]], "inf in row 2, column 3"),
-    ([[1, 2, 3], [4, 5], [6, 7, 8]], "no rectangular matrix"),
+    ([[1, 2, 3], [4, 5], [6, 7, 8]], "no rectangular matrix of numbers: row 2 has 2 entries, row 1 has 3"),
+    ([["x"] * 11] * 11, r"no rectangular matrix of numbers: .{100,130} \.\.\.$"),
     ([["a"]], "no rectangular matrix"),
 ])  # fmt: skip
 def test_a_bad_matrix_is_refused(a: Any, message: str) -> None:

@@ -40,7 +40,7 @@ STEP = "[[step]]\n"
     ('cellwise = []\nof = ["a"]\nto = "b"', r"step 1 \(cellwise \[\]\): a name wanted"),
     ('template = "edge"\ninput = [1]\nto = "r"', r"step 1 .*: \[1\] is no finite number"),
     ('template = "recall"\ninput = "p"\nstate = nan\nto = "r"', r"step 1 .*: nan is no finite number"),
-    (f"fill = 1{'0' * 400}\nto = \"r\"", r"step 1 .*: 10*0 is no finite number"),
+    (f"fill = 1{'0' * 400}\nto = \"r\"", r"step 1 \(fill 10* \.\.\.\): 10* \.\.\. is no finite number"),
 ])  # fmt: skip
 def test_a_wrong_step_is_named(body: str, message: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=message):

@@ -56,3 +56,36 @@ def test_wrong_numbers_are_refused(old: str, new: str, message: str, tmp_path: P
     assert old in COUNTING
     with pytest.raises(InputError, match=message):
         load(tmp_path, COUNTING.replace(old, new))
+
+
+POWERS = """
+name = "powers"
+llm = ["picture"]
+wire = ["n"]
+inputs = ["picture"]
+outputs = ["n"]
+parameters = { rounds = 62 }
+step = [
+  { wire = "any", of = "picture", to = "n" },
+  { repeat = "rounds", do = [ { number = "multiply", of = ["n", 2], to = "n" } ] },
+  { number = "add", of = ["n", 0], to = "n" },
+  { number = "add", of = ["n", 0], to = "n" },
+]
+"""
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("grids", [(), (2,)], ids=["one grid", "a batch"])
+def test_registers_are_exact_up_to_their_size_and_no_further(
+    backend: str, grids: tuple[int, ...], tmp_path: Path
+) -> None:
+    plane = np.ones((*grids, 2, 3), bool)
+    assert np.all(machine(backend).run(load(tmp_path, POWERS), picture=plane)["n"] == 2**62)
+    with pytest.raises(InputError, match=r"multiply\): comes to 9.223e\+18; registers hold 9.223e\+18 at most"):
+        machine(backend).run(load(tmp_path, POWERS, parameters={"rounds": 63}), picture=plane)
+
+
+def test_a_number_beyond_those_that_floats_count_is_refused(tmp_path: Path) -> None:
+    text = COUNTING.replace('["rounds", 1]', '["rounds", 1e308]')
+    with pytest.raises(InputError, match=r"1e\+308; .* at most wanted"):
+        load(tmp_path, text)

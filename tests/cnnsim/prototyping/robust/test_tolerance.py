@@ -31,6 +31,11 @@ def test_a_margin_does_not_apply_to_grey_templates(name: str) -> None:
     assert "does not apply" in found.why
 
 
+def test_a_grey_template_that_decides_is_not_said_to_decide_nothing() -> None:
+    assert "how near a cell is to its decision" in margin_of(library.load("threshold")).why
+    assert "decides nothing" in margin_of(library.load("average")).why
+
+
 def colours(name: str, factors: dict[tuple[int, ...], float], epsilon: float) -> np.ndarray:
     """Colours in the end, from the closed form of the cell, of all neighbourhoods with entries times 1 + epsilon f."""
     entry = library.load(name)
