@@ -38,7 +38,8 @@ def run_on_engine(
     if not template.reads_input:
         planes.pop("input", None)
     end = run_large(task.plan, planes, where, parse_engine(engine, store), choices.get("without", ()))
-    result = Result(end.x, end.t, end.settled, end.rate, task.plan)
+    plan = replace(task.plan, decisions=(*task.plan.decisions, *end.decisions))
+    result = Result(end.x, end.t, end.settled, end.rate, plan)
     if task.plan.duration != "settled":
         return result
     if end.x.size <= LARGE:

@@ -60,18 +60,25 @@ class BlockTask:
 
 @dataclass(frozen=True)
 class BlockReport:
-    """What a task found: its checks, in order, and the seconds of reading and writing and of stepping."""
+    """What a task found: its checks, in order, the seconds of reading and writing and of stepping, and the device."""
 
     block: int
     checks: Sequence[Check] = field(default_factory=tuple)
     disk: float = 0.0
     stepping: float = 0.0
+    device: str = ""
 
 
 @cache
-def _backend(place: Place) -> Backend:
-    threads = 1 if place.backend == "cpu" else None
-    return backends.get(place.backend, place.dtype, place.device, threads)
+def _backend(place: Place) -> tuple[Backend, str]:
+    """Return the backend of this process, and on OpenCL what its device is called: its own, if none was asked for."""
+    if place.backend != "opencl":
+        return backends.get(place.backend, place.dtype, place.device, 1 if place.backend == "cpu" else None), ""
+    from cnnsim.backends.opencl.own_device import own_device, title_of  # only there is pyopencl wanted
+
+    own = own_device() if place.device is None else place.device
+    found = backends.get(place.backend, place.dtype, None if own is None else str(own))
+    return found, title_of(found)
 
 
 @lru_cache(4)
@@ -90,12 +97,13 @@ def run_block(task: BlockTask) -> BlockReport:
     with one_thread(), naming(f"block {task.block}, from row {rows[r0]}, column {cols[c0]}"):
         if task.first == 0:  # what stays where it was is read here for the first time
             _check_finite({"state": x, **given})
-        steps = _BlockSteps(_backend(task.place), task, x, given, inside)
+        where, device = _backend(task.place)
+        steps = _BlockSteps(where, task, x, given, inside)
         after, checks = steps.caught_up() if task.behind else steps.run()
     stepped = perf_counter()
     if task.target is not None:
         store.write(task.target, task.blocks.area(task.block), after[..., r0:r1, c0:c1])
-    return BlockReport(task.block, checks, read - begun + perf_counter() - stepped, stepped - read)
+    return BlockReport(task.block, checks, read - begun + perf_counter() - stepped, stepped - read, device)
 
 
 def _check_finite(planes: dict[str, Array]) -> None:

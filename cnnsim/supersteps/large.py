@@ -25,15 +25,21 @@ from cnnsim.support import InputError
 from cnnsim.support.memory import check_memory
 from cnnsim.workers import Workers, open_workers
 
+_OWN = "each worker has one of its own, in turn if there are more"
+
 
 class LargeEnd(NamedTuple):
-    """Where a transient ended, as `Outcome`; ``x`` is an array or a Zarr array, ``saturated``: all cells, for good."""
+    """Where a transient ended, as `Outcome`; ``x`` is an array or a Zarr array, ``saturated``: all cells, for good.
+
+    ``decisions``: where it was computed, as those of a plan.
+    """
 
     x: Any
     t: float
     settled: bool
     rate: float
     saturated: bool
+    decisions: tuple[tuple[str, str], ...]
 
 
 def is_stored(plane: Any) -> bool:
@@ -66,7 +72,11 @@ def run_large(plan: Plan, planes: Planes, where: Backend, engine: Engine, withou
             steps.to_the_end()
         except (InputError, OSError) as error:
             raise _kept(error, record, plan, engine) from error
-        return _ended(engine.store is not None and is_stored(planes["state"]), store, record)
+        blocks = f"blocks of {store.blocks.side} x {store.blocks.side} cells, {len(store.blocks)} of them"
+        told = [("engine", f"{engine.name}: {workers.count} workers, {blocks}")]
+        if devices := sorted(steps.devices - {""}):
+            told.append(("devices", f"{'; '.join(devices)}; " + (_OWN if place.device is None else "as asked for")))
+        return _ended(engine.store is not None and is_stored(planes["state"]), store, record, tuple(told))
 
 
 def _opened(
@@ -100,7 +110,7 @@ def _kept(error: Exception, record: Record, plan: Plan, engine: Engine) -> Excep
     return InputError(f"{what}; {engine.store} keeps superstep {record.superstep}, t = {t:g}: run again to go on")
 
 
-def _ended(stays: bool, store: GridStore, record: Record) -> LargeEnd:
+def _ended(stays: bool, store: GridStore, record: Record, decisions: tuple[tuple[str, str], ...]) -> LargeEnd:
     assert record.end is not None
     end, state = record.end, store.array(record.end["plane"])
     if stays:
@@ -109,4 +119,4 @@ def _ended(stays: bool, store: GridStore, record: Record) -> LargeEnd:
         check_memory("the result", state.nbytes, "a Zarr array as state, and a store, wanted")
         x = store.whole(end["plane"])
     t, settled, rate = (float(end[key]) for key in ("t", "settled", "rate"))
-    return LargeEnd(x, t, bool(settled), rate, all(record.saturated))
+    return LargeEnd(x, t, bool(settled), rate, all(record.saturated), decisions)

@@ -27,7 +27,7 @@ class Supersteps:
     """A transient of a large grid: its plan, its store with the record of the last superstep, and its workers.
 
     ``given`` are the arrays besides the states; ``sleeps``: whether blocks may sleep; ``run`` tells this run from
-    others.
+    others; ``devices``: what the workers have told of their OpenCL devices.
     """
 
     plan: Plan
@@ -39,6 +39,7 @@ class Supersteps:
     depth: int | None
     sleeps: bool
     run: str
+    devices: set[str] = field(default_factory=set, init=False)
     _forced: bool = field(default=False, init=False)
 
     def to_the_end(self) -> None:
@@ -114,6 +115,7 @@ class Supersteps:
                     lost.append(report.task)
                     continue
                 done.append(report)
+                self.devices.add(report.device)
                 tell(self, len(done), len(waiting), steps)
             waiting = lost
             if not waiting:

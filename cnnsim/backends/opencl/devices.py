@@ -57,7 +57,7 @@ def devices() -> list[OpenCLDevice]:
             device.name.strip(),
             device.platform.name.strip(),
             device.version.strip(),
-            _type_of(device),
+            type_of(device),
             device.max_compute_units,
             device.global_mem_size,
             has_float64(device),
@@ -125,7 +125,7 @@ def choose_device(which: int | str | None = None) -> "cl.Device":
         raise InputError(f"there is no OpenCL device; {CURE}")
     asked = which if which is not None else os.environ.get(VARIABLE, "").strip()
     if asked == "":
-        return next((device for device in found if _type_of(device) == "gpu"), found[0])
+        return next((device for device in found if type_of(device) == "gpu"), found[0])
     source = "" if which is not None else f" ({VARIABLE})"
     choice = "; ".join(f"{i}: {title(device)}" for i, device in enumerate(found))
     if isinstance(asked, int) or asked.isdecimal():
@@ -143,7 +143,7 @@ def title(device: "cl.Device") -> str:
     return f"{device.name.strip()} ({device.platform.name.strip()})"
 
 
-def _type_of(device: "cl.Device") -> str:
+def type_of(device: "cl.Device") -> str:
     """Return "cpu", "gpu" or "accelerator"."""
     import pyopencl as cl
 
@@ -153,7 +153,7 @@ def _type_of(device: "cl.Device") -> str:
 
 def family_of(device: "cl.Device") -> Family:
     """Return the family of kernels for a device: by its type."""
-    return "cpu" if _type_of(device) == "cpu" else "gpu"
+    return "cpu" if type_of(device) == "cpu" else "gpu"
 
 
 def has_float64(device: "cl.Device") -> bool:
