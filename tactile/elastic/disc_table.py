@@ -21,8 +21,9 @@ DEEPEST = 1e8
 """A layer of more depths than this is the half-space to rounding."""
 KINDS = ([ZZ, RZ], [ZR, EVEN, ODD], [TWIST])
 """Functions of a normal force, of a tangential one, of a twist."""
-PAD = 3
-"""Knots beyond both ends, for the spline's own end conditions fall off by 0.27 a knot."""
+PAD, FALL = 3, 0.27
+"""Knots beyond both ends at least, for the spline's own end conditions fall off by so much a knot. At the largest
+radius the functions still change: as many as the accuracy asks for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,21 +92,23 @@ def _table(
 ) -> DiscTable:
     medium, limit = Medium(1.0, nu, quantity), unit * profile.limit
     ends = REACH / ratio if ratio else FAR
-    fall = 10 - np.log(accuracy)
+    fall, beyond = 10 - np.log(accuracy), max(PAD, int(np.ceil(np.log(accuracy) / np.log(FALL))))
     random = np.random.default_rng(0)
     # a cubic spline is off by about (step / 3)^4 of a function that turns once in a unit
     # and at the rim of a circle of many depths in a depth
     step = min(0.3, 2 * accuracy**0.25) / max(1.0, _radius(top, limit) / 1.5)
     while True:
         distances = int(np.ceil(np.arcsinh(ends) / step)) + 1 + PAD
-        radii = int(np.ceil(top / step)) + 1 + PAD if top else 1
+        radii = int(np.ceil(top / step)) + 1 + beyond if top else 1
         across, along = np.arange(distances) * step, np.arange(radii) * step
         exact = _weighted(across, along, ratio, profile, unit, limit, medium, whole, fall)
         made = DiscTable(_spline(exact), 1 / step, 1 / step, limit, ends, not ratio)
         # most points where the functions turn, about the rim
-        turning = min(np.arcsinh(ends), np.arcsinh(2 * _radius(top, limit)) + 1.5)
-        at = np.concatenate([[0.0], random.uniform(0, turning, 48), random.uniform(0, np.arcsinh(ends), 8)])
-        of = random.uniform(0, top, 10) if top else np.zeros(1)
+        turning, widest = min(np.arcsinh(ends), np.arcsinh(2 * _radius(top, limit)) + 1.5), _radius(top, limit)
+        rims = np.minimum(np.arcsinh(widest * random.uniform(0.5, 1.5, 16)), np.arcsinh(ends))
+        near = random.uniform(0, 2 * step, 4)
+        at = np.concatenate([[0.0], near, rims, random.uniform(0, turning, 32), random.uniform(0, np.arcsinh(ends), 8)])
+        of = np.concatenate([[top], random.uniform(0, top, 9)]) if top else np.zeros(1)
         wanted = _weighted(at, of, ratio, profile, unit, limit, medium, whole, fall)
         gap = np.abs(_read(made, at, of) - wanted)
         # of each circle's own peak under one kind of load, which on a thin layer falls off otherwise than the weights
@@ -152,9 +155,10 @@ def _at_zero(
     whole: bool,
     fall: float,
 ) -> Floats:
-    """What is 0 / 0 right under the load: even functions, so their value at a thousandth serves to 1e-6."""
-    here = np.array([1e-3])
-    near = _weighted(here, along, ratio, profile, unit, limit, medium, whole, fall)[:, 0]
+    """What is 0 / 0 right under the load: even functions, so that two values near it tell it to the fourth order."""
+    here = np.array([3e-3, 6e-3])
+    near = _weighted(here, along, ratio, profile, unit, limit, medium, whole, fall)
+    near = (4 * near[:, 0] - near[:, 1]) / 3
     radius = _radius(along, limit)
     return near[:, [ZR, RZ, TWIST, ODD]] / (1 + radius**2)[:, None]
 

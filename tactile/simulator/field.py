@@ -45,7 +45,7 @@ class Field:
 
     ``contacts`` on this finger; ``times`` (n,) [s]; ``first``: number of the first frame; ``rig``: how contacts are
     held; ``taxels``: where they lie; ``method`` of summation; ``accuracy`` of the peak; ``bumps``: the cover has them;
-    ``device``: where sums over loads are done, None for the CPU.
+    ``device``: where sums over loads are done, None for the CPU; ``trial``: too few frames for a table to pay.
     """
 
     array: TaxelArray
@@ -59,6 +59,12 @@ class Field:
     accuracy: float = ACCURACY
     bumps: "Bumps | None" = field(default=None, compare=False)
     device: "DeviceSum | None" = field(default=None, compare=False)
+    trial: bool = False
+
+    @property
+    def at_points(self) -> bool:
+        """Whether every contact is one point load, whatever the cover: a force, with no law of its own."""
+        return self.rig.tip == 0 and self.loads.points.shape[1] == len(self.contacts)
 
     @cached_property
     def loads(self) -> Loads:
@@ -73,7 +79,9 @@ class Field:
             return self.bumps.readings(self.array, self.medium, self.loads)
         method = DIRECT if self.method.name != "direct" and moving(self.loads.points) else self.method
         return self.taxels.feel(
-            lambda at, depth, medium: field_at(at, depth, self.loads, medium, method, self.accuracy, self.device),
+            lambda at, depth, medium: field_at(
+                at, depth, self.loads, medium, method, self.accuracy, self.device, self.trial
+            ),
             self.medium,
             self.accuracy,
             at_once=method.name != "fft",
@@ -88,11 +96,13 @@ def field_at(
     method: Summation | None = None,
     accuracy: float = ACCURACY,
     device: "DeviceSum | None" = None,
+    trial: bool = False,
 ) -> Floats:
     """What taxels at ``positions`` (..., 2) feel of all loads: (frames, ..., 3).
 
     Points are summed by the method; in a layer where it is direct, and circles and twists, from tables as fine as the
-    accuracy asks for, or by quadrature below 1e-7; what is not there is not imported.
+    accuracy asks for, or by quadrature below 1e-7; in a ``trial`` on the half-space by a rough quadrature, since a
+    table for a few frames does not pay. What is not there is not imported.
 
     Raises:
         InputError: taxels below the cover.
@@ -125,7 +135,7 @@ def field_at(
         spread.append((loads.points, np.zeros(loads.points.shape[:2]), HERTZ, np.inf))
     if spread:
         _add_spread(
-            values.reshape(len(values), -1, 3), positions.reshape(-1, 2), depth, spread, medium, accuracy, device
+            values.reshape(len(values), -1, 3), positions.reshape(-1, 2), depth, spread, medium, accuracy, device, trial
         )
     return values
 
@@ -138,15 +148,19 @@ def _as_sixth(twists: Floats) -> Floats:
 
 def _add_spread(
     values: Floats, at: Floats, depth: float, spread: Iterable[tuple[Floats, Floats, Profile, float]], medium: Medium,
-    accuracy: float, device: "DeviceSum | None",
+    accuracy: float, device: "DeviceSum | None", trial: bool,
 ) -> None:  # fmt: skip
+    layered = bool(np.isfinite(medium.thickness))
+    if trial and not layered:
+        for rows, radii, profile, unit in spread:
+            _add_exact(values, at, depth, rows, radii, profile, unit, medium, rough=True)
+        return
     if device is None:
         from tactile.elastic.disc_loops import add_discs  # only where called for
     else:
         add_discs = device.add_discs
     from tactile.elastic.disc_table import disc_table, table_size  # the same
 
-    layered = bool(np.isfinite(medium.thickness))
     for rows, radii, profile, unit in spread:
         pressing = (rows[..., PLACE.stop :] != 0).any(axis=-1)
         alone = pressing & ((radii > WIDEST * depth) | (accuracy < TABLES))
@@ -163,12 +177,13 @@ def _add_spread(
 
 
 def _add_exact(
-    values: Floats, at: Floats, depth: float, rows: Floats, radii: Floats, profile: Profile, unit: float, medium: Medium
-) -> None:
+    values: Floats, at: Floats, depth: float, rows: Floats, radii: Floats, profile: Profile, unit: float,
+    medium: Medium, rough: bool = False,
+) -> None:  # fmt: skip
     """The half-space's share by quadrature."""
     from tactile.elastic.discs import disc_load, twist_load  # only where called for
 
     if rows.shape[-1] == COLUMNS:
-        values += disc_load(at, depth, rows[:, None], radii[:, None], profile, medium, radii[:, None] / unit)
+        values += disc_load(at, depth, rows[:, None], radii[:, None], profile, medium, radii[:, None] / unit, rough)
     else:
         values += twist_load(at, depth, rows[:, None][..., [0, 1, COLUMNS]], radii[:, None], medium)

@@ -24,8 +24,17 @@ class FiniteThickness:
 
     thickness: float | None = parameter(None, 1e-12, key="thickness_mm", unit=1e-3, none=np.inf)
 
+    def most(self, field: Field) -> float:
+        """Bound of the change over the largest reading: what the base adds falls off faster than (z / h)^2.
+
+        Of points alone: what a body presses with depends on the layer as well.
+        """
+        return np.inf if not field.at_points else 2.0 * (field.array.depth / self._of(field)) ** 2
+
+    def _of(self, field: Field) -> float:
+        return 2 * field.array.depth if self.thickness is None else self.thickness
+
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields in the layer."""
         for field in stream:
-            thickness = 2 * field.array.depth if self.thickness is None else self.thickness
-            yield replace(field, medium=replace(field.medium, thickness=thickness))
+            yield replace(field, medium=replace(field.medium, thickness=self._of(field)))

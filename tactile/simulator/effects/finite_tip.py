@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from tactile.core.loads import F
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
 
@@ -20,6 +21,12 @@ class FiniteTip:
     """
 
     radius: float = parameter(50e-6, key="radius_um", unit=1e-6, none=0.0)
+
+    def most(self, field: Field) -> float:
+        """Bound of the change over the largest reading: of the square of the contact's radius, Hertz' at most."""
+        forces = field.loads.totals[..., F].max(initial=0)
+        widest = min(self.radius, float(np.cbrt(0.75 * forces * self.radius / field.medium.modulus)))
+        return 4.0 * (widest / field.array.depth) ** 2
 
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields under tips."""

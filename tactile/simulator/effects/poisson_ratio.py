@@ -21,6 +21,10 @@ class PoissonRatio:
 
     nu: float = parameter(0.49, 0.0, 0.5, none=0.5)
 
+    def most(self, field: Field) -> float:
+        """Bound of the change over the largest reading, on the half-space and in layers; of points alone."""
+        return np.inf if not field.at_points else 3.0 * (1 - 2 * self.nu)
+
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields in the compressible cover."""
         for field in stream:

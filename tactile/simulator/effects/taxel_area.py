@@ -21,6 +21,10 @@ class TaxelArea:
 
     width: float = parameter(300e-6, key="width_um", unit=1e-6, none=0.0)
 
+    def most(self, field: Field) -> float:
+        """Bound of the change over the largest reading: w^2 / 24 of the field's curvature."""
+        return (self.width / field.array.depth) ** 2
+
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields as areas feel them."""
         for field in stream:

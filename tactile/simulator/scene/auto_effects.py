@@ -6,7 +6,7 @@ import numpy as np
 
 from cnnsim.support import InputError
 from tactile.simulator.effects import ORDER, effect_class
-from tactile.simulator.scene.effect_bounds import EffectBounds, Named
+from tactile.simulator.scene.effect_bounds import EffectBounds, LeftOut, Named
 from tactile.simulator.scene.scene import Scene
 
 MOMENTS = 64
@@ -73,34 +73,38 @@ def choose(scene: Scene, tolerance: float) -> Choice:
     if not tolerance > 0:
         raise InputError(f"tolerance {tolerance}, a positive number wanted")
     effects = all_effects(scene)
-    bounds = EffectBounds(scene, effects)
+    bounds = EffectBounds(scene, effects, tolerance=tolerance)
     sizes = bounds.sizes()
     fields = {name for name, effect in effects if effect.STAGE == "field"}
     order = sorted(sizes, key=lambda name: (name not in fields, sizes[name]))
-    off, joint = _left_out(bounds, order, fields, tolerance)
+    off, joint = _left_out(bounds, order, fields, sizes, tolerance)
     while bounds.bends(off):
         joint = bounds.without(off).change(off)
         if joint <= tolerance:
             break
         # it does more beside the others than alone, as Poisson's ratio at the bottom of a layer
         order.remove(max(off & fields, key=lambda name: sizes[name]))
-        off, joint = _left_out(bounds, order, fields, tolerance)
+        off, joint = _left_out(bounds, order, fields, sizes, tolerance)
     chosen = scene.with_effects((name, effect) for name, effect in effects if name not in off)
     together = tuple(name for name in sizes if name not in off and sizes[name] <= tolerance)
     return Choice(chosen, tolerance, sizes, {n: sizes[n] for n in sizes if n in off}, together, joint)
 
 
-def _left_out(bounds: EffectBounds, order: list[str], fields: set[str], tolerance: float) -> tuple[set[str], float]:
+def _left_out(
+    bounds: EffectBounds, order: list[str], fields: set[str], sizes: dict[str, float], tolerance: float
+) -> tuple[set[str], float]:
     """What can be left out of the effects in an order, and the bound of the error."""
     # where a converter's steps are coarse nothing before it may be left out, or the converter itself
     grains = {name for one in bounds.fingers for name in one.grains}
     found: list[tuple[set[str], float]] = []
     for ranked in [order, sorted(order, key=lambda name: name not in grains)][: 1 + bool(grains)]:
-        off: set[str] = set()
-        joint = 0.0
+        left, joint = [LeftOut() for _ in bounds.fingers], 0.0
         for name in ranked:
-            change = bounds.change({*off, name})
+            if sizes[name] > tolerance and name not in fields:
+                continue  # alone too large already; what is fixed may cancel
+            more = bounds.leave(left, name)
+            change = bounds.largest(more)
             if change <= tolerance:
-                off, joint = {*off, name}, change
-        found.append((off, joint))
+                left, joint = more, change
+        found.append((set(left[0].names), joint))
     return max(found, key=lambda one: (len(one[0] & fields), len(one[0])))

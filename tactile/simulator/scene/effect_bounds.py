@@ -1,7 +1,9 @@
 """Bounds of what effects change in a scene, each with the others on: by arithmetic, and by a trial on a few frames."""
 
 from collections.abc import Container, Iterable
+from copy import copy
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -16,13 +18,19 @@ from tactile.simulator.seen import RARE, Seen
 Named = tuple[str, Any]
 SAFE = 1.25
 """What is found on the frames that tell most may be so many times larger on another one."""
+SMALL, LARGE = 0.25, 5.0
+"""Bounds of an effect, in tolerances, between which it is tried: most effects do a third of their bound."""
+COARSEST = 1e-3
+"""Accuracy of trials at most: what effects change is a difference of two fields."""
+_NOTHING = np.random.default_rng(0)
+"""What is drawn by effects that draw nothing."""
 
 
 @dataclass
 class FingerBounds:
     """What the effects change in the readings of one finger, at most.
 
-    ``terms``: name -> what a fixed effect on fields adds in the frames tried; ``reach``: name -> what any other
+    ``terms``: name -> what a fixed effect on fields changes in the frames tried; ``reach``: name -> what any other
     effect changes at its place in the chain, those in ``normal`` adding up by their squares; ``growth``: name -> by
     what that may grow behind it; ``grains``: name -> what the smallest change before it may become, and the chance of
     that per unit of change.
@@ -33,21 +41,41 @@ class FingerBounds:
     normal: set[str] = field(default_factory=set)
     growth: dict[str, float] = field(default_factory=dict)
     grains: dict[str, tuple[float, float]] = field(default_factory=dict)
+    whole: Floats = field(default_factory=lambda: np.zeros(1))
 
     def size(self, name: str) -> float:
         """What one effect changes."""
         reach = _largest(self.terms[name]) * SAFE if name in self.terms else self.reach[name]
         return reach * self.growth[name]
 
-    def change(self, off: Iterable[str]) -> float:
+    def without(self, left: "LeftOut", name: str) -> "LeftOut":
+        """The same with one more effect left out."""
+        names = left.names | {name}
+        if name in self.terms:
+            growth = max(left.growth, self.growth[name])
+            return replace(left, names=names, terms=left.terms + self.terms[name], growth=growth)
+        size = self.reach[name] * self.growth[name]
+        if name in self.normal:
+            return replace(left, names=names, squares=left.squares + size**2)
+        return replace(left, names=names, plain=left.plain + size)
+
+    def change(self, left: "LeftOut") -> float:
         """What leaving these out changes: the sum of what each does."""
-        left = set(off)
-        fixed = [name for name in left if name in self.terms]
-        total = SAFE * _largest(sum(self.terms[name] for name in fixed)) * self.growth[fixed[0]] if fixed else 0.0
-        rest = [(self.reach[name] * self.growth[name], name in self.normal) for name in left if name in self.reach]
-        total += sum(size for size, normal in rest if not normal)
-        total += sum(size**2 for size, normal in rest if normal) ** 0.5
-        return total + sum(g for name, (g, chance) in self.grains.items() if name not in left and total * chance > RARE)
+        total = SAFE * _largest(left.terms) * left.growth + left.plain + left.squares**0.5
+        return total + sum(
+            g for name, (g, chance) in self.grains.items() if name not in left.names and total * chance > RARE
+        )
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """Effects that are left out on one finger, and the sums of what they change: see ``FingerBounds``."""
+
+    names: frozenset[str] = frozenset()
+    terms: Floats = field(default_factory=lambda: np.zeros(1))
+    growth: float = 0.0
+    plain: float = 0.0
+    squares: float = 0.0
 
 
 class EffectBounds:
@@ -55,16 +83,21 @@ class EffectBounds:
 
     ``on``: which of them act, all unless given; the others' bounds are those of adding one of them. ``peak``: the
     largest reading of the ideal skin; a share of the full scale where nothing presses. An effect that gives no bound of
-    its own may change everything.
+    its own may change everything. With a ``tolerance`` fixed effects on fields are tried only where their own bound
+    leaves open whether they matter, and no finer than it needs.
     """
 
-    def __init__(self, scene: Scene, effects: Iterable[Named], on: Container[str] | None = None) -> None:
-        self.effects = list(effects)
+    def __init__(
+        self, scene: Scene, effects: Iterable[Named], on: Container[str] | None = None, tolerance: float = 0.0
+    ) -> None:
+        self.effects, self._tolerance = list(effects), tolerance
         self._on = {name for name, _ in self.effects if on is None or name in on}
         ideal = [extremes(scene, finger) for finger in range(len(scene.arrays))]
         largest = max(one.seen.largest for one in ideal)
         self.peak = largest or max(scene.full_scale * scene.unit(0), float(np.finfo(float).tiny))
-        self._fields = [next(scene.fields(n, [(0, one.times)])) for n, one in enumerate(ideal)]
+        rough = max(scene.accuracy, min(tolerance / 30, COARSEST))
+        fields = (next(scene.fields(n, [(0, one.times)])) for n, one in enumerate(ideal))
+        self._fields = [replace(one, trial=True, accuracy=rough) for one in fields]
         self.fingers = [self._bound(*both) for both in zip(self._fields, ideal, strict=True)]
 
     def sizes(self) -> dict[str, float]:
@@ -73,46 +106,62 @@ class EffectBounds:
 
     def change(self, off: Iterable[str]) -> float:
         """What leaving these out changes at most, relative to the peak."""
-        return max(one.change(off) for one in self.fingers) / self.peak
+        nothing = [LeftOut() for _ in self.fingers]
+        return self.largest(reduce(self.leave, off, nothing))
+
+    def leave(self, left: list[LeftOut], name: str) -> list[LeftOut]:
+        """What is left out on every finger, with one effect more."""
+        return [one.without(before, name) for one, before in zip(self.fingers, left, strict=True)]
+
+    def largest(self, left: list[LeftOut]) -> float:
+        """What leaving these out on every finger changes at most, relative to the peak."""
+        return max(one.change(gone) for one, gone in zip(self.fingers, left, strict=True)) / self.peak
 
     def without(self, off: Container[str]) -> "EffectBounds":
-        """The same bounds, where what fixed effects on fields add is that without those left out."""
-        made = object.__new__(EffectBounds)
-        made.effects, made.peak, made._on, made._fields = self.effects, self.peak, self._on, self._fields
+        """The same bounds, where what fixed effects on fields change is what those left out do together."""
+        made = copy(self)
         made.fingers = []
         for given, old in zip(self._fields, self.fingers, strict=True):
-            now = given
-            for name, effect in self.effects:
-                if name in old.terms and name not in off:
-                    now = _acted(effect, now)
-            whole = sum(old.terms.values()) + _values(given)
-            # the first of them stands for all
             gone = [name for name in old.terms if name in off]
-            terms = dict.fromkeys(gone[1:], np.zeros(1)) | {gone[0]: whole - _values(now)}
-            made.fingers.append(replace(old, terms=old.terms | terms))
+            if len(gone) > 1:  # the first of them stands for all
+                terms = dict.fromkeys(gone[1:], np.zeros(1)) | {gone[0]: old.whole - self._acted(given, off).values}
+                old = replace(old, terms=old.terms | terms)
+            made.fingers.append(old)
         return made
 
     def bends(self, off: Container[str]) -> bool:
-        """Whether one of these changes loads or body, and with it what other effects on fields add."""
-        return any(name in self._bending and name in off for name, _ in self.effects)
+        """Whether several of these change loads or body, so that they may do more together than each alone."""
+        return any(sum(name in off for name in one.terms) > 1 for one in self.fingers)
+
+    def _acted(self, given: Field, off: Container[str]) -> Field:
+        now = given
+        for name, effect in self.effects:
+            if effect.STAGE == "field" and not effect.RANDOM and name in self._on and name not in off:
+                now = _after(effect, now)
+        return now
 
     def _bound(self, given: Field, ideal: Extremes) -> FingerBounds:
-        found, now, shaken = FingerBounds(), given, 0.0
-        felt = _values(given)
-        self._bending: set[str] = set()
+        found, shaken = FingerBounds(), 0.0
+        full = self._acted(given, ())
         for name, effect in self.effects:
-            if effect.STAGE == "field" and effect.RANDOM:
-                found.reach[name] = 0.0 if is_off(effect) else _asked(effect, "strays", np.inf, now, ideal.seen.frames)
+            if effect.STAGE != "field":
+                continue
+            if is_off(effect):
+                found.reach[name] = 0.0
+            elif effect.RANDOM:
+                found.reach[name] = _asked(effect, "strays", np.inf, given, ideal.seen.frames)
                 shaken = float(np.hypot(shaken, found.reach[name] if name in self._on else 0.0))
-            elif effect.STAGE == "field":
-                changed = _acted(effect, now)
-                found.terms[name] = np.zeros(1)
-                if changed is not now:  # fields are computed with all effects at once
-                    self._bending.add(name)
-                    values = _values(changed)
-                    found.terms[name] = values - felt
-                    now, felt = (changed, values) if name in self._on else (now, felt)
-        seen = (ideal.seen if now is given else _behind(ideal.seen, given, now)).after(shaken, True)
+            else:
+                most = _asked(effect, "most", np.inf, given) if self._tolerance else np.inf
+                if np.isfinite(most) and not SMALL < most / self._tolerance < LARGE:
+                    found.reach[name] = most * ideal.seen.largest
+                elif name in self._on:
+                    found.terms[name] = full.values - self._acted(given, {name}).values
+                else:
+                    found.terms[name] = _after(effect, full).values - full.values
+        if found.terms:
+            found.whole = full.values
+        seen = (ideal.seen if full is given else _behind(ideal.seen, full)).after(shaken, True)
         grows: dict[str, float] = {}
         for name, effect in self.effects:
             if effect.STAGE == "field":
@@ -139,26 +188,17 @@ def _asked(effect: Any, what: str, else_: float, *given: Any) -> float:
     return else_ if ask is None else float(ask(*given))
 
 
-def _acted(effect: Any, now: Field) -> Field:
-    end: Field = next(effect(iter([now]), np.random.default_rng(0)))  # fixed: it draws nothing
+def _after(effect: Any, now: Field) -> Field:
+    end: Field = next(effect(iter([now]), _NOTHING))
     return end
-
-
-def _values(now: Field) -> Floats:
-    """What the taxels feel in the frames tried.
-
-    On the half-space by quadrature, since a table for a few frames does not pay; one for the layer is made anyway.
-    """
-    return replace(now, accuracy=0.0).values if np.isinf(now.medium.thickness) else now.values
 
 
 def _largest(values: Any) -> float:
     return float(np.abs(values).max(initial=0))
 
 
-def _behind(seen: Seen, ideal: Field, now: Field) -> Seen:
+def _behind(seen: Seen, now: Field) -> Seen:
     """The bounds of the ideal field, behind effects on it, from the frames that tell most."""
-    before, after = _largest(ideal.values), _largest(now.values)
-    scale = SAFE * after / before if before > 0 else 1.0
+    scale = SAFE * _largest(now.values) / seen.largest if seen.largest > 0 else 1.0
     low, high = seen.normal
     return replace(seen, largest=seen.largest * scale, normal=(low * scale, high * scale), change=seen.change * scale)

@@ -22,6 +22,12 @@ class CoverError:
     gradient_x: float = parameter(5e-3, -1.0, 1.0, key="gradient_x_um_per_mm", unit=1e-3, none=0.0)
     gradient_y: float = parameter(0.0, -1.0, 1.0, key="gradient_y_um_per_mm", unit=1e-3, none=0.0)
 
+    def most(self, field: Field) -> float:
+        """Bound of the change over the largest reading: it falls off like 1 / z^3 at most."""
+        x, y = np.moveaxis(np.abs(field.taxels.places - field.array.origin), -1, 0)
+        thicker = abs(self.error) + abs(self.gradient_x) * x + abs(self.gradient_y) * y
+        return 3.2 * float(thicker.max()) / field.array.depth
+
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields under the cover as it is."""
         for field in stream:

@@ -22,6 +22,13 @@ class CurvedFingertip:
 
     radius: float = parameter(0.05, 1e-9, key="radius_mm", unit=1e-3, none=np.inf)
 
+    def most(self, field: Field) -> float:
+        """Bound of the change over the largest reading: of thinner covers under points, which have no shape."""
+        if not field.at_points:
+            return np.inf
+        apart = float(((field.taxels.places - field.array.origin) ** 2).sum(axis=-1).max())
+        return 3.2 * (apart / (2 * self.radius) / field.array.depth)
+
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields under the dome."""
         for field in stream:

@@ -25,6 +25,13 @@ class Misplacement:
     tilt_x: float = parameter(5e-3, -1.0, 1.0, none=0.0)
     tilt_y: float = parameter(0.0, -1.0, 1.0, none=0.0)
 
+    def most(self, field: Field) -> float:
+        """Bound of the change over the largest reading: by the field's slope, its fall with depth and the axes."""
+        x, y = np.abs(field.taxels.places - field.array.origin).reshape(-1, 2).max(axis=0).tolist()
+        aside = float(np.hypot(self.shift_x, self.shift_y)) + abs(self.turn) * float(np.hypot(x, y))
+        deeper = abs(self.tilt_x) * x + abs(self.tilt_y) * y
+        return 2.5 * (aside + deeper) / field.array.depth + 2.5 * abs(self.turn)
+
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields at the taxels' true places."""
         for field in stream:

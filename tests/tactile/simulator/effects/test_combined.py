@@ -145,7 +145,7 @@ def test_every_method_of_summation_feels_the_layer() -> None:
 
 def test_accuracy_is_a_choice() -> None:
     exact = affected(sphere(0.5, 0.5, 0.0, 0.1), accuracy=0.0).values
-    for accuracy in (1e-3, 1e-4):
+    for accuracy in (1e-3, 1e-4, 1e-5, 1e-6):
         got = affected(sphere(0.5, 0.5, 0.0, 0.1), accuracy=accuracy).values
         assert 0 < np.abs(got - exact).max() < accuracy * np.abs(exact).max()
     layer = FiniteThickness(1.5 * Z)
