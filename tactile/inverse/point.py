@@ -4,9 +4,9 @@ import numpy as np
 
 from cnnsim.support import Floats
 from tactile.core.frame import TaxelArray
-from tactile.inverse.alternatives import SLIGHT
-from tactile.inverse.attempt import RIVAL, SEEDS, UNSURE, VOTERS
-from tactile.inverse.fit import ALL, CHANCE, FOREIGN, REACH, SMALL, STEPS, SURELY, USUAL
+from tactile.inverse.alternatives import HINT, LEAST_FREE, NEAR_END, SLIGHT
+from tactile.inverse.attempt import DOUBT, RIVAL, SEEDS, UNSURE, VOTERS
+from tactile.inverse.fit import ALL, CHANCE, FOREIGN, MANY, REACH, SMALL, STEPS, SURELY, USUAL
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 from tactile.inverse.weights import Weights
@@ -14,8 +14,9 @@ from tactile.inverse.weights import Weights
 FEWEST = 4
 """Fewer taxels are never without doubt."""
 OF_ATTEMPT = VOTERS, SEEDS, STEPS, REACH
-OF_FIT = FOREIGN[0], SURELY, FOREIGN[1], CHANCE, SMALL, USUAL
-LIMITS = FEWEST, ALL, RIVAL, UNSURE, SLIGHT
+OF_FIT = FOREIGN[0], SURELY, FOREIGN[1], CHANCE, SMALL, USUAL, MANY
+LIMITS = FEWEST, ALL, RIVAL, UNSURE, SLIGHT, DOUBT
+OF_CLIPPED = LEAST_FREE, NEAR_END, HINT
 NO_LOAD = Load(validity=Validity.NO_LOAD)
 
 
@@ -40,7 +41,7 @@ class OnePoint:
         """Return the load that the readings (rows, cols, 3) say without doubt."""
         known = weights.scale, weights.trust, self._strain, self._numbers, weights.noise or 0.0
         read = np.ascontiguousarray(values, np.float64)
-        said = self._loop(read, self._at, *known, OF_ATTEMPT, OF_FIT, LIMITS, self._answer)
+        said = self._loop(read, self._at, *known, OF_ATTEMPT, OF_FIT, LIMITS, OF_CLIPPED, self._answer)
         if said == self._not_simple:
             return None
         if said != self._found:

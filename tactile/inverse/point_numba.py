@@ -11,6 +11,7 @@ import numpy as np
 from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.inverse.attempt_numba import one_load
 from tactile.inverse.consensus_numba import strongest
+from tactile.inverse.doubt_numba import without_largest
 from tactile.inverse.taxel_numba import strain_blocks, stress_blocks
 
 NOT_SIMPLE, NOTHING, FOUND = 0, 1, 2
@@ -18,7 +19,7 @@ NOT_SIMPLE, NOTHING, FOUND = 0, 1, 2
 
 
 @kept_njit(error_model="numpy")
-def one_point(values, at, scale, trust, strain, numbers, noise, of_attempt, of_fit, limits, answer):  # type: ignore[no-untyped-def]  # numba types it
+def one_point(values, at, scale, trust, strain, numbers, noise, of_attempt, of_fit, limits, of_clipped, answer):  # type: ignore[no-untyped-def]  # numba types it
     """Fill ``answer`` (13,) with a load and return `FOUND`: x, y [m], Q, R, F [N], their standard deviations, misfit,
     taxels, whether it is inside.
 
@@ -26,15 +27,18 @@ def one_point(values, at, scale, trust, strain, numbers, noise, of_attempt, of_f
     `Weights`; ``numbers``: the inverse's scale [N], depth [m] and floor; ``of_attempt``: voters, seeds, steps, reach;
     ``of_fit``: the least a stranger feels, in parts and in standard deviations, how many times what the loads make
     there, standard deviations that are chance, share of the energy below which nobody asks for noise, noise where
-    none is known; ``limits``: taxels at least and at most, how much worse a rival fits, how unsure a place may be, the
-    misfit from which on something may be to blame.
+    none is known, from how many taxels on it is asked for; ``limits``: taxels at least and at most, how much worse a
+    rival fits, how unsure a place may be, the misfit from which on a clipped reading may be to blame, and anything;
+    ``of_clipped``: degrees of freedom that tell nothing of it, how near to the largest reading others are clipped too,
+    how many times less has to be left without it.
     """
     rows, cols, _ = values.shape
     n = rows * cols
     times, depth, floor = numbers
     voters, seeds, steps, reach = of_attempt
-    foreign_part, foreign_sigmas, foreign_times, chance, small, usual = of_fit
-    fewest, most, rival_times, unsure, slight = limits
+    foreign_part, foreign_sigmas, foreign_times, chance, small, usual, many = of_fit
+    fewest, most, rival_times, unsure, slight, doubtful = limits
+    least_free, near_end, hint = of_clipped
     signals, quiet = np.empty((3, n)), True
     for i in range(rows):
         for j in range(cols):
@@ -58,7 +62,7 @@ def one_point(values, at, scale, trust, strain, numbers, noise, of_attempt, of_f
         return NOT_SIMPLE
     top = peak[order[0]]
     one = noise / top
-    tried, first, second, seen, felt, _, tie, loads, chi, whole, spread, stranger = one_load(
+    tried, first, second, seen, felt, scaled, tie, loads, chi, whole, spread, stranger = one_load(
         at, planes, signal, trust, scale, order, depth, strain, top, voters, seeds, steps, reach,
         max(foreign_part, foreign_sigmas * one), foreign_times,
     )  # fmt: skip
@@ -70,7 +74,7 @@ def one_point(values, at, scale, trust, strain, numbers, noise, of_attempt, of_f
     if noise > 0:
         random = one * one * (free + chance * math.sqrt(2.0 * free))
         variance = left if left > one * one else one * one
-    elif chi < small * whole:
+    elif chi < small * whole or len(seen) < many:
         variance = left
     else:
         return NOT_SIMPLE
@@ -78,7 +82,11 @@ def one_point(values, at, scale, trust, strain, numbers, noise, of_attempt, of_f
     misfit = math.sqrt(min(max(chi - random, 0.0) / energy, 1.0)) if energy > 0 else 0.0
     deviation = math.sqrt(variance)
     doubt = max(deviation, usual) if noise == 0 else deviation
-    if not (misfit <= slight and doubt * math.sqrt(max(spread[0, 0], spread[0, 1])) <= unsure):
+    if misfit > slight and free > least_free:
+        without, beyond, cut = without_largest(seen, felt, scaled, loads[0], strain, tie, near_end)
+        if cut != 1 or not (without * hint > chi or beyond < 1):
+            return NOT_SIMPLE
+    if not (misfit <= doubtful and doubt * math.sqrt(max(spread[0, 0], spread[0, 1])) <= unsure):
         return NOT_SIMPLE
     x, y, nearest = loads[0, 0], loads[0, 1], np.inf
     for i in range(len(seen)):
