@@ -1,15 +1,24 @@
 """Contacts along a line, an edge or a lying cylinder, as point loads that taxels cannot tell from them."""
 
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.support import Floats, InputError
 from tactile.core.loads import COLUMNS, FORCE, X, Y
 from tactile.elastic.gauss import gauss
+from tactile.elastic.medium import Medium
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 MOST_NODES = 2000
 """Nodes along one direction; a longer contact, or a shallower taxel, is refused."""
 
+WIDE = 1.0
+"""Half widths over the thickness to which the base's share of an indentation is known."""
 LINE = 0.6
 """Half of a cylinder's contact over the thickness of a layer, up to which it is as wide as on the half-space: within
 6 %, by height maps on bonded incompressible layers; it is 14 % narrower where both are equal."""
@@ -54,6 +63,47 @@ def cylinder_half_width(force: ArrayLike, length: float, radius: float, contact_
     pressing = np.maximum(np.asarray(force, dtype=np.float64), 0)
     width: Floats = np.sqrt(pressing) * np.sqrt(4 * radius / (np.pi * contact_modulus * length))
     return width
+
+
+def line_indentation(force: ArrayLike, length: float, half_width: Floats, medium: Medium) -> Floats:
+    """Indentation [m] of a body that presses along a line: what its middle sinks in, 0 where nothing presses.
+
+    P / (pi E* L) (2 ln(2 L / b) + 1) under a pressure uniform along a length L and elliptic across 2 b; the base of a
+    layer h thick takes away 2 / h times the integral from 0 to L / 2 of d(r / h) dx, averaged over the width, d being
+    the layer's own surface displacement under a point, see ``rough_contact``.
+
+    Arguments: ``force`` P [N] and ``half_width`` b [m], of one shape; in a layer wider contacts than `WIDE` thicknesses
+    lose no more than those.
+    """
+    pressing = np.maximum(np.asarray(force, dtype=np.float64), 0)
+    narrow = np.maximum(half_width, 1e-12 * length)
+    sunk = 2 * np.log(2 * length / narrow) + 1
+    if np.isfinite(medium.thickness):
+        sunk = sunk - _base(round(length / medium.thickness, 12), medium.nu)(
+            np.minimum(half_width / medium.thickness, WIDE)
+        )
+    out: Floats = pressing * sunk / (np.pi * medium.contact_modulus * length)
+    return out
+
+
+@lru_cache(maxsize=64)
+def _base(length: float, nu: float) -> "CubicSpline":
+    """What the base takes away of the bracket, by the half width; lengths in thicknesses."""
+    from scipy.interpolate import CubicSpline  # SciPy only where a layer asks for it
+
+    from tactile.elastic.rough_contact import REACH, taken_away  # the same
+
+    end = min(length / 2, REACH)
+    nodes, weights = gauss(16)
+    edges = np.linspace(0, end, int(np.ceil(end / 2)) + 1)
+    x = (((edges[:-1] + edges[1:]) / 2)[:, None] + (edges[1] / 2) * nodes).ravel()
+    turn = np.arange(1, 9) * np.pi / 9
+    widths = np.linspace(0, WIDE, 9)
+    apart = np.hypot(x, (widths[:, None] * np.cos(turn))[..., None])
+    felt = taken_away(nu)(np.minimum(apart, REACH)) @ np.tile(weights * edges[1] / 2, len(edges) - 1)
+    # far away nothing moves: all that the half-space would, 1 / r
+    total = 2 * (felt @ (2 / 9 * np.sin(turn) ** 2) + np.log(max(length / 2, end) / end))
+    return CubicSpline(widths, total)
 
 
 def _count(half: float, depth: float) -> int:

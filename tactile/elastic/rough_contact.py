@@ -93,14 +93,14 @@ def _displacement(x: Floats, y: Floats, pitch: float, medium: Medium) -> Floats:
     if np.isfinite(medium.thickness):
         h = medium.thickness
         rho = np.hypot(x, y) / h
-        taken = _taken(medium.nu)(np.minimum(rho, REACH))
+        taken = taken_away(medium.nu)(np.minimum(rho, REACH))
         out -= np.where(rho < REACH, taken * pitch**2 / (np.pi * medium.contact_modulus * h), out)
     return out
 
 
 @lru_cache(maxsize=16)
-def _taken(nu: float) -> CubicSpline:
-    """The integral over the layer's waves, by the distance in thicknesses."""
+def taken_away(nu: float) -> CubicSpline:
+    """The integral of (1 - T(k)) J0(k rho) over the layer's waves, by the distance in thicknesses up to `REACH`."""
     nodes, weights = gauss(16)
     edges = np.linspace(0, 20.0, 81)
     k = (((edges[:-1] + edges[1:]) / 2)[:, None] + (edges[1] / 2) * nodes).ravel()

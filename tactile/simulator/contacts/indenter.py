@@ -134,14 +134,14 @@ class Indenter:
     def indentation(self, force: Floats, medium: Medium) -> Floats:
         """Indentation [m] of a body under normal forces [N], 0 where nothing presses.
 
-        An edge is a cylinder of its ``radius``; a uniform disc sinks in like a flat punch. Lines sink into a layer as
-        into the half-space.
+        An edge is a cylinder of its ``radius``; a uniform disc sinks in like a flat punch on the half-space. Into a
+        layer lines sink less, with the half-space's width.
 
         Raises:
             InputError: as ``contact_radius``; a point, which has no size.
 
-        Source: Johnson, Contact Mechanics, eqs (4.23), (3.36); Sneddon (1965); for the cylinder the displacement under
-        a pressure uniform along a length L and elliptic across 2 b, P (2 ln(2 L / b) + 1) / (pi E* L).
+        Source: Johnson, Contact Mechanics, eqs (4.23), (3.36); Sneddon (1965); ``lines`` for the
+        cylinder.
         """
         pressing, stiff = np.maximum(force, 0), medium.contact_modulus
         layer = self._on_layer(medium)
@@ -154,11 +154,10 @@ class Indenter:
         if self.shape == "needle":
             return round_tip_indentation(pressing, self.radius, stiff)
         if self.shape in ("edge", "cylinder"):
-            from tactile.elastic.lines import cylinder_half_width  # only where called for
+            from tactile.elastic.lines import cylinder_half_width, line_indentation  # only where called for
 
             width = cylinder_half_width(pressing, self.length, self.radius, stiff)
-            narrow = np.maximum(width, 1e-12 * self.length)
-            return pressing * (2 * np.log(2 * self.length / narrow) + 1) / (np.pi * stiff * self.length)
+            return line_indentation(pressing, self.length, width, medium)
         raise InputError(f"the indentation of a {self.shape}, which has no size; another shape wanted")
 
     def held_factor(self, force: Floats, rise: Floats, medium: Medium, needle: float) -> Floats:

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.linalg import expm
-from scipy.special import j0
+from scipy.special import j0, j1
 
 from cnnsim.support import InputError
 from tactile.elastic.layer_contact import WIDEST, Body, excess, layer_contact
+from tactile.elastic.lines import line_indentation
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import hertz_force, hertz_radius, punch_force
 from tactile.simulator.contacts.indenter import Indenter
@@ -96,3 +97,22 @@ def test_what_goes_through_the_cover_is_refused() -> None:
         Indenter("sphere", 5e-3).contact_radius(np.array([1e3]), thin)
     with pytest.raises(InputError, match=f"at most {WIDEST:g} thicknesses wanted"):
         Indenter("flat_punch", 1.0).force_at(np.array([1e-4]), thin)
+
+
+@pytest.mark.parametrize(("length", "nu"), [(1.0, 0.3), (6.0, 0.49)])
+def test_a_line_sinks_into_a_layer_by_what_the_waves_of_its_pressure_do(length: float, nu: float) -> None:
+    medium, force = Medium(1.0, nu, thickness=1.0), 0.01
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    k, step = 8 * (nodes + 1), 8 * weights
+    less = 1 - np.array([compliance(one, nu) for one in k.tolist()])
+    turn, around = np.pi / 4 * (nodes + 1), np.pi / 4 * weights
+    along, across = np.multiply.outer(k, np.cos(turn)), np.multiply.outer(k, np.sin(turn))
+    for width in (0.05, 0.5):
+        waves = np.sinc(along * length / 2 / np.pi) * 2 * j1(across * width) / (across * width)
+        taken = 4 * force / (2 * np.pi**2 * medium.contact_modulus) * float((less * step) @ waves @ around)
+        plain = force * (2 * np.log(2 * length / width) + 1) / (np.pi * medium.contact_modulus * length)
+        found = float(line_indentation(force, length, np.array(width), medium))
+        assert found == pytest.approx(plain - taken, rel=1e-3)
+        assert taken > 0.1 * plain
+        deep = Medium(1.0, nu, thickness=1e4)
+        assert float(line_indentation(force, length, np.array(width), deep)) == pytest.approx(plain, rel=1e-3)
