@@ -8,6 +8,8 @@ import numpy as np
 from cnnsim.supersteps.store import zarr_library
 from cnnsim.supersteps.strips import FileRows
 from cnnsim.support import Array, InputError
+from cnnsim.support.array_file import mapped_array
+from cnnsim.support.bounds import one_line
 from cnnsim.support.pictures.picture import check_size, opened, pictures_in
 from cnnsim.support.pictures.pixels import Levels, from_levels, grey_of, holds_numbers, table_of, values_of
 from cnnsim.support.values import from_gray
@@ -61,15 +63,10 @@ def open_large(path: Path, *, binary: bool = False, levels: Levels | None = None
     """
     if path.is_dir():
         zarr = zarr_library()
-        try:
+        with one_line(path, "a Zarr array"):
             found = zarr.open_array(path, mode="r")
-        except (OSError, ValueError, KeyError) as error:
-            raise InputError(f"{path}: no Zarr array; one, or a picture, wanted") from error
     elif path.suffix == ".npy":
-        try:
-            found = np.load(path, mmap_mode="r")
-        except (OSError, ValueError) as error:
-            raise InputError(f"{path}: cannot be read as an array: {error}") from error
+        found = mapped_array(path)
     else:
         return _picture(path, binary=binary, levels=levels)
     if len(found.shape) != 2 or 0 in found.shape or np.dtype(found.dtype).kind not in "bfu":

@@ -15,6 +15,7 @@ import numpy as np
 from cnnsim.supersteps.blocks import Area, Blocks, Span, runs
 from cnnsim.supersteps.shards import Shards, create
 from cnnsim.support import Array, InputError, Integers
+from cnnsim.support.bounds import one_line
 from cnnsim.support.extras import install_line
 from cnnsim.support.files import make_folder
 
@@ -150,10 +151,8 @@ def open_store(folder: Path, blocks: Blocks, run: str) -> tuple[GridStore, Recor
             raise InputError(f"{folder} is not empty, and has no store; a folder of its own wanted")
         zarr.create_group(folder, attributes={"format": FORMAT, "version": VERSION, "run": run})
         return GridStore(folder, blocks), None
-    try:
-        attributes = json.loads(mark.read_text(encoding="utf-8")).get("attributes", {})
-    except (OSError, ValueError) as error:
-        raise InputError(f"{mark} cannot be read: {error}") from error
+    with one_line(mark, "the mark of a store"):
+        attributes = dict(json.loads(mark.read_text(encoding="utf-8")).get("attributes", {}))
     if attributes.get("format") != FORMAT:
         raise InputError(f"{folder} is another Zarr store; a folder of its own wanted")
     if attributes.get("version") != VERSION:
@@ -161,4 +160,5 @@ def open_store(folder: Path, blocks: Blocks, run: str) -> tuple[GridStore, Recor
     if attributes.get("run") != run:
         raise InputError(f"{folder} has the store of another run (other numbers or planes); a folder for each wanted")
     kept = attributes.get("record")
-    return GridStore(folder, blocks), None if kept is None else Record(**kept)
+    with one_line(mark, "the record of a run"):
+        return GridStore(folder, blocks), None if kept is None else Record(**kept)

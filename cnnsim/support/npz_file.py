@@ -2,13 +2,14 @@
 
 import sys
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 
 from cnnsim.support.bounds import check_file, check_unpacked, one_line
+from cnnsim.support.types import Array
 
 
 @contextmanager
@@ -25,3 +26,17 @@ def open_npz(path: Path, what: str) -> Iterator["np.lib.npyio.NpzFile"]:
         # opened here, since NumPy leaves a file open that turns out to be no archive
         with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             yield file
+
+
+def read_npz_arrays(path: Path, what: str, names: Iterable[str]) -> dict[str, Array]:
+    """Return those arrays of an NPZ file that are there, by name.
+
+    Raises:
+        InputError: as `open_npz`, or a member that is no array.
+    """
+    with open_npz(path, what) as file:
+        found = {name: file[name] for name in names if name in file.files}
+        for name, one in found.items():
+            if not isinstance(one, np.ndarray):  # NumPy gives out bytes of what does not begin as an array
+                raise ValueError(f"{name} is no array")
+    return found

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim.support import InputError
+from cnnsim.support.bounds import one_line
 from cnnsim.support.extras import install_line
 from cnnsim.support.files import make_folder, telling_nobody, writing
 from cnnsim.sweep.kind import Row
@@ -30,7 +31,7 @@ class SweepTable:
         if mark.exists():
             try:
                 known = json.loads(mark.read_text(encoding="utf-8"))["digest"]
-            except (ValueError, KeyError, TypeError) as error:
+            except (OSError, ValueError, KeyError, TypeError) as error:
                 raise InputError(f"{mark}: not the mark of a sweep; another folder wanted") from error
             if known != digest:
                 raise InputError(f"{folder} has the rows of another sweep; a folder for each wanted")
@@ -39,14 +40,18 @@ class SweepTable:
                 raise InputError(f"{folder} has a table that is not this sweep's; a folder of its own wanted")
             with writing(mark) as beside:
                 beside.write_text(json.dumps({"digest": digest}), encoding="utf-8")
-        self._next = 1 + max((int(part.stem) for part in self._parts.glob("*.parquet")), default=-1)
+        known = [part.stem for part in self._parts.glob("*.parquet")]
+        if strange := [name for name in known if not name.isdecimal()]:
+            raise InputError(f"{self._parts}: {strange[0]}.parquet is no part of a sweep; a folder of its own wanted")
+        self._next = 1 + max((int(name) for name in known), default=-1)
 
     def done(self) -> set[int]:
         """Return the numbers of the cases that have a row."""
         files = [self.file] if self.file.exists() else []
         found: set[int] = set()
         for file in [*files, *self._parts.glob("*.parquet")]:
-            found |= set(self._parquet.read_table(file, columns=[NUMBER])[NUMBER].to_pylist())
+            with one_line(file, "a part of a sweep"):
+                found |= set(self._parquet.read_table(file, columns=[NUMBER])[NUMBER].to_pylist())
         return found
 
     def add(self, rows: Sequence[Row]) -> None:

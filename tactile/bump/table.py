@@ -7,12 +7,12 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 
-from cnnsim.support import Floats
+from cnnsim.support import Floats, InputError
 from cnnsim.support.compiling.private_folder import user_cache
+from cnnsim.support.npz_file import read_npz_arrays
 
 VERSION = 1
 """Goes up when the same bump gets other numbers: older tables are then computed anew."""
@@ -54,10 +54,11 @@ def remembered(key: str, make: Callable[[], Response]) -> Response:
     """
     key = f"{VERSION} {key}"
     path = folder() / f"{hashlib.sha256(key.encode()).hexdigest()[:24]}.npz"
-    with contextlib.suppress(OSError, ValueError, KeyError, EOFError, BadZipFile), path.open("rb") as file:
-        kept = np.load(file)
-        if str(kept["key"]) == key:
-            return Response(**{part.name: kept[part.name] for part in fields(Response)})
+    names = ["key", *(part.name for part in fields(Response))]
+    with contextlib.suppress(InputError, KeyError):
+        kept = read_npz_arrays(path, "table of a bump", names)
+        if str(kept.pop("key")) == key:
+            return Response(**{name: kept[name] for name in names[1:]})
     table = make()
     with contextlib.suppress(OSError):
         _keep(path, key, table)

@@ -29,7 +29,7 @@ def read_weights(path: Path) -> tuple[Floats, KnownLoads]:
         with path.open(newline="", encoding="utf-8") as file:
             table = csv.DictReader(line for line in file if not line.startswith("#"))
             names, rows = [name.strip() for name in table.fieldnames or ()], list(table)
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InputError(
             f"{path}: {getattr(error, 'strerror', None) or 'no text'}; a table of weights wanted"
         ) from error

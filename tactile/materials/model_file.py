@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import InputError
+from cnnsim.support.bounds import one_line
 from cnnsim.support.files import make_folder, writing
-from cnnsim.support.npz_file import open_npz
+from cnnsim.support.npz_file import read_npz_arrays
 from tactile.materials.features import BANDS, FINE, FeatureSet
 from tactile.materials.model import Confidence, TextureModel
 from tactile.materials.nearest import Known, Space
@@ -57,10 +58,11 @@ def read_model(path: Path) -> TextureModel:
     Raises:
         InputError: no such file, no model, a newer version, a damaged or missing part.
     """
-    with open_npz(path, "texture model") as file:
-        if not {"head", *ARRAYS} <= set(file.files):
-            raise InputError(f"{path}: holds {', '.join(file.files) or 'nothing'}; a texture model wanted")
-        head, arrays = json.loads(str(file["head"])), {name: file[name] for name in ARRAYS}
+    arrays = read_npz_arrays(path, "texture model", ("head", *ARRAYS))
+    if missing := [name for name in ("head", *ARRAYS) if name not in arrays]:
+        raise InputError(f"{path}: {', '.join(missing)} missing; a texture model wanted")
+    with one_line(path, "a texture model"):
+        head = json.loads(str(arrays.pop("head")))
         if not isinstance(head, dict) or (head.get("format"), head.get("version")) != (FORMAT, VERSION):
             raise InputError(f"{path}: its head is not that of a {FORMAT} of version {VERSION}, which is wanted")
         return _model(head, arrays)

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Floats, InputError
-from cnnsim.support.npz_file import open_npz
+from cnnsim.support.bounds import one_line
+from cnnsim.support.npz_file import read_npz_arrays
 from tactile.materials.slide import Slide
 
 NEEDED = ("force", "length", "t")
@@ -25,6 +26,8 @@ BLOCKS = 5
 
 def is_slide_file(path: Path) -> bool:
     """Return whether a file is an NPZ file of slides, by the names of its arrays."""
+    if not path.is_file():
+        return False
     try:
         with zipfile.ZipFile(path) as archive:
             return {f"{name}.npy" for name in NEEDED} <= set(archive.namelist())
@@ -38,12 +41,12 @@ def read_slide_file(path: Path) -> list[Slide]:
     Raises:
         InputError: no such file, a missing array or one of the wrong shape.
     """
-    with open_npz(path, "file of slides") as file:
-        found = {name: file[name] for name in (*NEEDED, *KNOWN, "axes") if name in file.files}
+    found = read_npz_arrays(path, "file of slides", (*NEEDED, *KNOWN, "axes"))
     missing = [name for name in NEEDED if name not in found]
     if missing:
         raise InputError(f"{path}: {', '.join(missing)} missing; {', '.join(NEEDED)} wanted")
-    return _slides(found, path)
+    with one_line(path, "an NPZ file of slides"):
+        return _slides(found, path)
 
 
 def _slides(found: dict[str, Any], path: Path) -> list[Slide]:

@@ -47,7 +47,7 @@ def read_labels(path: Path) -> list[Labelled]:
         try:
             numbers = {name: float(line[name]) for name in (*known, *HOLD, FLAG) if line.get(name)}
             finger = int(line["sensor"])
-        except ValueError as error:
+        except (TypeError, ValueError) as error:  # a TypeError: a line that ends before its sensor
             raise InputError(f"{path}, line {n}: {error}; numbers wanted") from error
         holds = (numbers[HOLD[0]] + SETTLING, numbers[HOLD[1]]) if all(name in numbers for name in HOLD) else None
         times = {TRUTHS[name]: numbers[name] for name in known if name in numbers}

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Flags, Floats, InputError
-from cnnsim.support.npz_file import open_npz
+from cnnsim.support.npz_file import read_npz_arrays
 from tactile import pipeline
 from tactile.core.frame import Frame
 from tactile.core.source import FrameStream, Provenance
@@ -59,8 +59,7 @@ def read_sequences(path: Path, description: Description, rate: float | None = No
     Raises:
         InputError: no such file, an array that is missing or of another shape.
     """
-    with open_npz(path, "file of sequences") as file:
-        found = {name: np.asarray(file[name]) for name in ("signal", "slip", "onset_s", "rate_hz") if name in file}
+    found = read_npz_arrays(path, "file of sequences", ("signal", "slip", "onset_s", "rate_hz"))
     chips = sum(board.chips for board in description.boards)
     signal, slips = found.get("signal", np.empty(0)), found.get("slip", np.empty(0))
     if signal.ndim != 3 or signal.shape[2] != 3 * chips or slips.shape != signal.shape[:1] or not len(slips):

@@ -4,6 +4,7 @@ import struct
 from pathlib import Path
 
 from tests.fuzz.broken_texts import Broken
+from tests.fuzz.changed_bytes import bytes_changed
 
 PILLAR = "float32 fX\nfloat32 fY\nfloat32 fZ\n"
 STATE = "int64 tus\npapillarray_ros_v2/PillarState[] pillars\n"
@@ -26,6 +27,40 @@ def bag(folder: Path) -> bytes:
             data = store.serialize_ros1(state(n, [pillar(n, 0, 1)] * 4), kind)
             written.write(topic, 51_000_000_000 + 1_000_000 * n, data)
     return (folder / "good.bag").read_bytes()
+
+
+def bag2(folder: Path) -> tuple[bytes, bytes]:
+    """Return a ROS 2 bag of one sensor with a few messages: its data base and what is said of it."""
+    from rosbags.rosbag2 import Writer
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    kinds = {"papillarray_ros_v2/msg/PillarState": PILLAR, "papillarray_ros_v2/msg/SensorState": STATE}
+    for kind, text in kinds.items():
+        store.register(get_types_from_msg(text, kind))
+    pillar, state = (store.types[kind] for kind in kinds)
+    kind = "papillarray_ros_v2/msg/SensorState"
+    with Writer(folder / "good", version=8) as written:
+        topic = written.add_connection("/s", kind, typestore=store)
+        for n in range(5):
+            data = store.serialize_cdr(state(n, [pillar(n, 0, 1)] * 4), kind)
+            written.write(topic, 51_000_000_000 + 1_000_000 * n, data)
+    return (folder / "good" / "good.db3").read_bytes(), (folder / "good" / "metadata.yaml").read_bytes()
+
+
+def bags(folder: Path, count: int) -> Broken:
+    """ROS bags of both kinds; a data base lies beside the description of a good one, and the other way round."""
+    yield from bag_files()
+    yield from bytes_changed("b.bag", bag(folder), count)
+    data, about = bag2(folder)
+    (folder / "metadata.yaml").write_bytes(about)
+    yield from bytes_changed("good.db3", data, count)
+    (folder / "good.db3").write_bytes(data)
+    for text in (b"a: " + b"[" * 5000, b"a: &a [x]\nb: [" + b"*a," * 10_000 + b"]", b"!!python/object/apply:id [x]",
+                 about.replace(b": 5", b": 9223372036854775807"), about.replace(b"good.db3", b"../../etc/passwd"),
+                 about.replace(b"good.db3", b"/dev/zero"), about.replace(b"sqlite3", b"mcap")):  # fmt: skip
+        yield "metadata.yaml", text
+    yield from bytes_changed("metadata.yaml", about, count)
 
 
 def bag_files() -> Broken:

@@ -2,102 +2,37 @@
 
 import io
 import json
-import random
 import struct
-import zipfile
 import zlib
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from numpy.lib import format as npy
 
-from tests.fuzz.broken_bags import bag, bag_files
+from tests.fuzz.broken_arrays import HEADER, array_files, npy_head, side_files
+from tests.fuzz.broken_bags import bags
+from tests.fuzz.broken_tables import large_files, table_files
 from tests.fuzz.broken_texts import TEXTS, Broken, toml_files
-
-HEADER = """tactile_recording = 1
-title = "t"
-[[finger]]
-name = "tip"
-rows = {rows}
-cols = {cols}
-pitch_m = 0.001
-depth_m = 0.001
-quantity = "force"
-"""
-
+from tests.fuzz.changed_bytes import bytes_changed
+from tests.fuzz.packed_zeros import zlib_zeros, zstd_zeros
 
 TEM = b"NEIGHBORHOOD: 1\n\nFEEDBACK:\n0 1 0\n2 3 -4\n0 5 0\n\nCONTROL:\n0 0 0\n0 6 0\n0 0 0\nCURRENT: -7\n"
 CNNSIM = b"A 0 1 0 2 3 -4 0 5 0\nB 0 0 0 0 6 0 0 0 0\nZ -7\nC ZeroFlux\n"
 
 
-def bytes_changed(name: str, data: bytes, count: int, seed: int = 0) -> Broken:
-    """A file cut short, with bytes changed, and followed by others."""
-    rng = random.Random(seed)
-    for _ in range(count):
-        at = rng.randrange(len(data))
-        yield name, data[:at]
-        changed = bytearray(data)
-        for _ in range(rng.choice((1, 1, 4, 64))):
-            changed[rng.randrange(len(changed))] = rng.randrange(256)
-        yield name, bytes(changed)
-        yield name, data[:at] + rng.randbytes(64) + data[at:]
-    yield name, b""
-    yield name, rng.randbytes(3000)
-
-
-def frames(count: int = 20) -> Callable[[Path], None]:
-    """Return what writes a recording of a few frames in any form."""
+def frames(path: Path, count: int = 20) -> bytes:
+    """Return a recording of a few frames in the form that a path's suffix says; frame n holds n everywhere."""
     from tactile.core.frame import Frame, TaxelArray
     from tactile.core.source import FrameStream
     from tactile.sources.convert import WRITERS
 
     array = TaxelArray("tip", 2, 2, 1e-3, 1e-3, quantity="force")
     some = [Frame(0, 0.01 * n, n, np.full((2, 2, 3), float(n)), np.ones((2, 2), bool)) for n in range(count)]
-
-    def write(path: Path) -> None:
-        WRITERS[path.suffix](path, FrameStream("t", (array,), None, count, some))
-
-    return write
-
-
-def npz(**arrays: bytes) -> bytes:
-    """Return an archive of raw members."""
-    out = io.BytesIO()
-    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, data in arrays.items():
-            archive.writestr(f"{name}.npy", data)
-    return out.getvalue()
-
-
-def npy_head(shape: tuple[int, ...], kind: str = "<f8", order: bool = False) -> bytes:
-    """Return the head of an .npy file of that shape, without its numbers."""
-    out = io.BytesIO()
-    npy.write_array_header_1_0(out, {"descr": kind, "fortran_order": order, "shape": shape})
-    return out.getvalue()
-
-
-def array_files() -> Broken:
-    """Archives and arrays of NumPy: heads of 10^12 frames, zeros by the gigabyte, heads that are no heads, pickles."""
-    zeros = npy_head((40_000_000, 9, 3)) + bytes(20_000_000)
-    small = {"s0_t_ns": npy_head((1,), "<i8") + b"\0" * 8}
-    for head in (npy_head((10**12, 9, 3)), npy_head((2**62, 2**62)), npy_head((-1, 9, 3)), zeros, b"\x93NUMPY\x01\x00",
-                 b"\x93NUMPY\x01\x00\x10\x00{'descr': (((((", b"\x93NUMPY\x09\x00aaaa", npy_head((1, 9, 3), "|O"),
-                 b"\x93NUMPY\x02\x00\xff\xff\xff\x7f{", npy_head((1, 9, 3), "<U99999999")):  # fmt: skip
-        for name in ("force", "values"):
-            yield "r.npz", npz(**small, **{f"s0_{name}": head}, tactile=head)
-        yield "r.npy", head
-    header = np.frombuffer(HEADER.format(rows=2**31, cols=2**31).encode(), "S1")
-    yield "r.npz", npz(tactile=npy_head((), f"<U{header.size}") + "".join(map(chr, range(60))).encode("utf-32-le"))
-    bomb = io.BytesIO()
-    with (
-        zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as archive,
-        archive.open("s0_force.npy", "w", force_zip64=True) as member,
-    ):
-        member.write(npy_head((4_000_000_000 // 216, 9, 3)))
-        for _ in range(400):
-            member.write(bytes(10_000_000))
-    yield "bomb.npz", bomb.getvalue()
+    path.unlink(missing_ok=True)
+    WRITERS[path.suffix](path, FrameStream("t", (array,), None, count, some))
+    data = path.read_bytes()
+    path.unlink()
+    return data
 
 
 def csv_files() -> Broken:
@@ -167,9 +102,8 @@ def picture_files(count: int) -> Broken:
             yield name, bytes(big)
     yield "p.pgm", b"P5 1000000000 1000000000 255\n"
     yield "p.pgm", b"P5 " + b"9" * 10_000
-    head = struct.pack(">IIBBBBB", 30_000, 30_000, 8, 0, 0, 0, 0)
-    pack = zlib.compressobj(9)
-    rows = b"".join(pack.compress(bytes(30_001)) for _ in range(30_000)) + pack.flush()
+    head = struct.pack(">IIBBBBB", 30_000, 29_999, 8, 0, 0, 0, 0)
+    rows = zlib_zeros(30_001 * 30_000)
     chunks = [(b"IHDR", head), (b"IDAT", rows), (b"IEND", b"")]
     yield (
         "bomb.png",
@@ -183,8 +117,6 @@ def picture_files(count: int) -> Broken:
 
 def mcap_files() -> Broken:
     """MCAP files whose chunks unpack to gigabytes, or say that they do."""
-    import zstandard
-
     magic = b"\x89MCAP0\r\n"
 
     def text(value: bytes) -> bytes:
@@ -193,11 +125,7 @@ def mcap_files() -> Broken:
     def record(op: int, body: bytes) -> bytes:
         return bytes([op]) + struct.pack("<Q", len(body)) + body
 
-    out = io.BytesIO()
-    with zstandard.ZstdCompressor(level=3).stream_writer(out, closefd=False) as file:
-        for _ in range(400):
-            file.write(bytes(10_000_000))
-    packed = out.getvalue()
+    packed = zstd_zeros(4_000_000_000)
     for said in (4_000_000_000, 100, 2**62):
         body = struct.pack("<QQQI", 0, 0, said, 0) + text(b"zstd") + struct.pack("<Q", len(packed)) + packed
         yield "bomb.mcap", magic + record(1, text(b"") * 2) + record(6, body)
@@ -208,27 +136,51 @@ def mcap_files() -> Broken:
     yield "r.mcap", magic + b"\x05" + struct.pack("<Q", 2**27) + b"\0" * 100
 
 
-def all_files(folder: Path, count: int) -> Broken:
-    """Yield them all, and three times ``count`` changes of a good file of every kind."""
-    yield from toml_files()
-    yield from array_files()
-    yield from csv_files()
-    yield from foreign_files()
-    yield from picture_files(count)
-    yield from bag_files()
+def recording_files(folder: Path, count: int) -> Broken:
+    """Recordings that other libraries pack: MCAP and Parquet."""
     yield from mcap_files()
-    yield from bytes_changed("b.bag", bag(folder), count)
+    for name in ("r.parquet", "r.mcap"):
+        yield from bytes_changed(name, frames(folder / name), count)
+
+
+def array_recordings(folder: Path, count: int) -> Broken:
+    """Recordings and pictures as arrays."""
+    yield from array_files()
     yield from bytes_changed("r.npy", npy_head((4, 4)) + np.linspace(-1, 1, 16).tobytes(), count)
-    yield from bytes_changed("t.tem", TEM, count)
-    yield from bytes_changed("t.cnnsim", CNNSIM, count)
-    write = frames()
-    for suffix in (".csv", ".npz", ".parquet", ".mcap"):
-        path = folder / f"good{suffix}"
-        write(path)
-        yield from bytes_changed(f"r{suffix}", path.read_bytes(), count)
+    yield from bytes_changed("r.npz", frames(folder / "r.npz"), count)
+
+
+def text_recordings(folder: Path, count: int) -> Broken:
+    """Recordings as text."""
+    yield from csv_files()
+    yield from bytes_changed("r.csv", frames(folder / "r.csv"), count)
+
+
+def foreign_templates(_folder: Path, count: int) -> Broken:
+    """Templates of other systems."""
+    yield from foreign_files()
     json_text = b'{"name": "x", "feedback": [[1]], "control": [[2]], "bias": 1, "tags": ["a"]}'
     matlab = b"X_A = [1 2 1; 0 1 0; 0 0 0];\nX_B = [1]; X_I = -1;\n"
+    for name, text in (("t.m", matlab), ("t.gene", b"1 " * 19), ("t.json", json_text), ("t.tem", TEM),
+                       ("t.cnnsim", CNNSIM)):  # fmt: skip
+        yield from bytes_changed(name, text, count)
+
+
+def texts(_folder: Path, count: int) -> Broken:
+    """Files of TOML."""
+    yield from toml_files()
     for kind, words in TEXTS.items():
         yield from bytes_changed(kind, words.encode(), count)
-    for name, text in (("t.m", matlab), ("t.gene", b"1 " * 19), ("t.json", json_text)):
-        yield from bytes_changed(name, text, count)
+
+
+def pictures(_folder: Path, count: int) -> Broken:
+    """Pictures of every kind."""
+    yield from picture_files(count)
+
+
+PARTS: dict[str, Callable[[Path, int], Broken]] = {
+    "texts": texts, "arrays": array_recordings, "text-recordings": text_recordings, "foreign": foreign_templates,
+    "pictures": pictures, "recordings": recording_files, "sides": side_files, "tables": table_files,
+    "large": large_files, "bags": bags,
+}  # fmt: skip
+"""The parts, each of which gives the fixed files of its kinds and three times so many changes of a good one."""

@@ -61,5 +61,5 @@ def toml_files() -> Broken:
                      "aliases = 1", "inputs = 3", 'keep = "x"', "\0", "title = '\x1b'"):  # fmt: skip
             yield kind, f"{more}\n{text}".encode()
         yield kind, text.encode("utf-16")
-        yield kind, (text + "\n[[step]]" * 100_000).encode()
+        yield kind, (text + "\n[[step]]" * (100_000 if kind in ("scene.toml", "template.toml") else 10_000)).encode()
         yield kind, b"#" + b"x" * 4_000_000

@@ -1,39 +1,43 @@
-"""Every reader of a file run on one file: what it raises, how long it takes, how much memory the process has had."""
+"""Every reader of a file run on broken files: which were read, which refused in one line, and which taken badly.
 
+python -m tests.fuzz.readers 3400 pictures          one part of `broken_files.PARTS`; three times as many files a kind
+"""
+
+import contextlib
+import io
 import json
 import os
-import resource
-import subprocess
 import sys
 import tempfile
-import time
 import traceback
 import warnings
 from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from cnnsim.support import InputError
-from tests.fuzz.broken_files import all_files
+from tests.fuzz.broken_files import PARTS
+from tests.fuzz.guarded import Guard, Verdict
 
-SLOW = 5.0
-"""[s] of the processor that no file may take."""
-LARGE = 1000 * 2**20
-"""Bytes that no file may take beyond what the readers themselves need."""
-LIMIT = 3000 * 2**20
-"""Bytes beyond which the system gives none: what is asked for in vain is no harm, but a fault where it is not told."""
 OWN = 4
-"""Bags that are read as the product does it, in a process of their own."""
+"""Bags that are read as the product does it, in a process of their own for each."""
 FRAMES = 1000
 """Frames that are read of a recording: a scene of a year is no broken file."""
+SUMMED = (".mcap", ".npz")
+"""Recordings with sums over all bytes: what is read of a changed one is what was written."""
 
 
 def _source(path: Path) -> None:
     from tactile.sources import open_source
 
-    for _ in islice(open_source(path), FRAMES):
-        pass
+    for frame in islice(open_source(path), FRAMES):
+        n = frame.sequence
+        if path.name in {f"r{suffix}" for suffix in SUMMED} and not (
+            0 <= n < 20 and abs(frame.t - 0.01 * n) < 1e-6 and (frame.values == n).all() and frame.valid.all()
+        ):
+            raise AssertionError(f"a frame that was not written: {frame}")
 
 
 def _template(path: Path) -> None:
@@ -79,104 +83,169 @@ def _picture(path: Path) -> None:
     read_pictures(path)
 
 
+def _large(path: Path) -> None:
+    from cnnsim.supersteps.pictures import open_large
+
+    plane = open_large(path if path.suffix == ".npy" else path.parent)
+    plane[: min(plane.shape[0], 64), : min(plane.shape[1], 64)]
+
+
+def _labels(path: Path) -> None:
+    from tactile.score.labels import read_labels
+
+    read_labels(path)
+
+
+def _slide_labels(path: Path) -> None:
+    from tactile.materials.slide_labels import read_slide_labels
+
+    read_slide_labels(path)
+
+
+def _weights(path: Path) -> None:
+    from tactile.calibration.weights_file import read_weights
+
+    read_weights(path)
+
+
+def _model(path: Path) -> None:
+    from tactile.materials.model_file import read_model
+
+    read_model(path)
+
+
+def _slides(path: Path) -> None:
+    from tactile.materials.slide_folder import read_slides
+
+    read_slides(path)
+
+
+def _sequences(path: Path) -> None:
+    from tactile.score.sequences import read_sequences
+    from tactile.wire.description_file import parse_description
+
+    read_sequences(path, parse_description(BOARD, "board"))
+
+
+def _heights(path: Path) -> None:
+    from tactile.simulator.contacts.heights import read_heights
+
+    read_heights(path, 1e-4)
+
+
+def _traction(path: Path) -> None:
+    from tactile.simulator.scene.contact_tables import read_map
+
+    read_map({"file": path.name, "pitch_mm": 1.0}, ["tip"], "map", path.parent)
+
+
+def _bag(path: Path) -> None:
+    """Read a bag within the limits of the process that the product starts, without its start."""
+    from tactile.sources import bag_process
+
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(said), Path(os.devnull).open("w") as none, contextlib.redirect_stdout(none):
+            bag_process.main(path if path.suffix == ".bag" else path.parent)
+    except SystemExit as end:
+        if end.code != 2 or not said.getvalue().strip():
+            raise AssertionError(f"ended with {end.code}: {said.getvalue()}") from end
+        raise InputError(said.getvalue()) from end
+
+
+BOARD = """
+title = "board"
+protocol = "reskin"
+[[finger]]
+name = "tip"
+rows = 1
+cols = 2
+pitch_mm = 7.0
+depth_mm = 2.0
+quantity = "field"
+"""
 BY_NAME: dict[str, Callable[[Path], None]] = {
     "template.toml": _template, "program.toml": _program, "array.toml": _array, "calibration.toml": _calibration,
-    "truth.toml": _truth,
+    "truth.toml": _truth, "large.npy": _large, "zarr.json": _large, "labels.csv": _labels,
+    "slide_labels.csv": _slide_labels, "weights.csv": _weights, "model.npz": _model, "slides.npz": _slides,
+    "sequences.npz": _sequences, "heights.npy": _heights, "body.stl": _heights, "traction.npy": _traction,
 }  # fmt: skip
 BY_SUFFIX: dict[str, tuple[Callable[[Path], None], ...]] = {
     ".toml": (_source,), ".csv": (_source,), ".npz": (_source, _picture), ".npy": (_picture,), ".parquet": (_source,),
-    ".mcap": (_source,), ".bag": (_source,), ".m": (_foreign,), ".gene": (_foreign,), ".json": (_foreign,),
-    ".cnnsim": (_foreign,), ".tem": (_foreign,), ".png": (_picture,), ".gif": (_picture,), ".bmp": (_picture,),
-    ".tif": (_picture,), ".jpg": (_picture,), ".pgm": (_picture,),
+    ".mcap": (_source,), ".bag": (_bag,), ".db3": (_bag,), ".yaml": (_bag,), ".m": (_foreign,), ".gene": (_foreign,),
+    ".json": (_foreign,), ".cnnsim": (_foreign,), ".tem": (_foreign,), ".png": (_picture,), ".gif": (_picture,),
+    ".bmp": (_picture,), ".tif": (_picture,), ".jpg": (_picture,), ".pgm": (_picture,), ".mp4": (_picture,),
 }  # fmt: skip
 
 
-def judge(path: Path) -> list[str]:
-    """Return what is wrong with how a file was taken, in words."""
-    found = []
-    readers = (BY_NAME[path.name],) if path.name in BY_NAME else BY_SUFFIX[path.suffix]
+def judge(path: Path) -> Verdict:
+    """Return what is wrong with how a file was taken."""
+    return _judged(path, (BY_NAME[path.name],) if path.name in BY_NAME else BY_SUFFIX[path.suffix])
+
+
+def _judged(path: Path, readers: tuple[Callable[[Path], None], ...]) -> Verdict:
+    told = Verdict()
     for reader in readers:
-        begun = time.process_time()  # a busy machine is not the file's fault
         try:
             reader(path)
+            told.read = True
         except InputError as error:
             if not str(error):
-                found.append("an error that says nothing")
+                told.faults.append("an error that says nothing")
         except MemoryError:
-            found.append("no memory: " + traceback.format_exc().splitlines()[-3].strip())
+            told.faults.append("no memory: " + traceback.format_exc().splitlines()[-3].strip())
         except Exception as error:
             last = traceback.extract_tb(error.__traceback__)[-1]
-            found.append(f"{type(error).__name__}: {str(error)[:100]} at {last.filename}:{last.lineno}")
-        seconds = time.process_time() - begun
-        if seconds > SLOW:
-            found.append(f"{seconds:.1f} s")
+            told.faults.append(f"{type(error).__name__}: {str(error)[:100]} at {last.filename}:{last.lineno}")
+    return told
+
+
+@dataclass
+class Taken:
+    """How the files of a kind were taken: how many, how many of them read, processor time [s], and the bad ones."""
+
+    files: int = 0
+    read: int = 0
+    seconds: float = 0.0
+    bad: list[str] = field(default_factory=list)
+
+
+def take(part: str, count: int) -> dict[str, Taken]:
+    """Judge the files of a part, and return by name how they were taken."""
+    warnings.simplefilter("ignore")
+    os.environ["CNNSIM_MEMORY"] = "500M"  # pictures may be as large as the memory that is free
+    taken: dict[str, Taken] = {}
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        if part == "bags":  # within a gigabyte there is no place for other libraries
+            from rosbags import highlevel, typesys
+
+            del highlevel
+            typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
+        guard, own = Guard(judge), Guard(lambda path: _judged(path, (_source,)))
+        for file, data in PARTS[part](folder, count):
+            one = taken.setdefault(file, Taken())
+            if one.files == 0 and part != "bags":  # what a reader loads counts for none of the files
+                (folder / file).write_bytes(b"x")
+                judge(folder / file)
+            (folder / file).write_bytes(data)
+            told = (own if file.endswith(".bag") and one.files < OWN else guard).judge(folder / file)
+            one.files += 1
+            one.read += told.read
+            one.seconds += told.seconds
+            one.bad += [f"{file} ({len(data)} bytes, begins {data[:60]!r}): {fault}" for fault in told.faults]
+        guard.close()
+        own.close()
+    return taken
+
+
+def main(count: int, parts: list[str]) -> dict[str, Any]:
+    """Judge the files of parts, all but that of the bags in one process."""
+    found: dict[str, Any] = {}
+    for part in parts:
+        found |= {name: asdict(one) for name, one in take(part, count).items()}
     return found
 
 
-class Bags:
-    """Bags after the first few: judged by `bag_children`."""
-
-    def __init__(self) -> None:
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "tests.fuzz.bag_children"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-            env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
-        )  # fmt: skip
-
-    def judge(self, path: Path) -> list[str]:
-        """Return what is wrong with how a bag was taken, in words."""
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
-        self._process.stdin.write(f"{path}\n")
-        self._process.stdin.flush()
-        code, seconds, *said = self._process.stdout.readline().split(" ", 2)
-        found = [f"{seconds} s"] if float(seconds) > SLOW else []
-        if int(code) not in (0, 2) or (code == "2" and not "".join(said).strip()):
-            found.append(f"ended with {code}: {said}")
-        return found
-
-    def close(self) -> None:
-        """Let it end."""
-        self._process.communicate()
-
-
-def peak() -> int:
-    """Return the most memory that this process has had [bytes]."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-
-
-def main(count: int, part: int = 0, parts: int = 1, watch: bool = False) -> dict[str, Any]:
-    """Run every ``parts``-th file from ``part`` on, keep those that were taken badly."""
-    warnings.simplefilter("ignore")
-    os.environ["CNNSIM_MEMORY"] = "500M"  # pictures may be as large as the memory that is free
-    bad: list[str] = []
-    seen: dict[str, int] = {}
-    took: dict[str, float] = {}
-    bags = Bags()
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for warm in BY_SUFFIX:  # what the readers load counts for none of the files
-            (folder / f"warm{warm}").write_bytes(b"x")
-            judge(folder / f"warm{warm}")
-        used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
-        resource.setrlimit(resource.RLIMIT_AS, (used + LIMIT, used + LIMIT))
-        for file, data in islice(all_files(folder, count), part, None, parts):
-            path = folder / file
-            path.write_bytes(data)
-            if watch:
-                print(file, len(data), data[:40], f"{peak() / 1e6:.0f} MB", file=sys.stderr, flush=True)
-            before = peak()
-            started = time.process_time()
-            faults = judge(path) if path.suffix != ".bag" or seen.get(".bag", 0) < OWN else bags.judge(path)
-            took[path.suffix] = took.get(path.suffix, 0.0) + time.process_time() - started
-            if peak() - before > LARGE:
-                faults.append(f"{(peak() - before) / 1e6:.0f} MB")
-            bad += [f"{file} ({len(data)} bytes, begins {data[:60]!r}): {fault}" for fault in faults]
-            seen[path.suffix] = seen.get(path.suffix, 0) + 1
-    bags.close()
-    return {"seen": seen, "bad": bad, "took": took}
-
-
 if __name__ == "__main__":
-    numbers = [int(word) for word in sys.argv[1:] if word.isdigit()]
-    count, part, parts = numbers if len(numbers) > 1 else (numbers[0], 0, 1)
-    print(json.dumps(main(count, part, parts, "watch" in sys.argv)))
+    print(json.dumps(main(int(sys.argv[1]), sys.argv[2:] or list(PARTS))))

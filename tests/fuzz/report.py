@@ -13,7 +13,6 @@ import re
 import subprocess
 import sys
 import time
-from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -23,6 +22,7 @@ import click
 
 from cnnsim.support.command_line import watched
 from cnnsim.support.files import write_text
+from tests.fuzz.broken_files import PARTS
 from tests.fuzz.cable import BURST, BYTE, judge
 from tests.kits.wire import SHAPES, VARIANTS
 
@@ -47,8 +47,11 @@ if its values and its number are those that were sent, in their order, and false
 arrays; one of n times as many bytes is damaged about n times as often.""",
     "Random bytes": "Noise at full rate, and streams of frames in which one byte in 500 is changed, lost or added.",
     "Broken files": """\
-Cut short, changed, of wrong types, of huge sizes in few bytes, to every reader. All but the first bags are read in
-children of one process that has loaded their library, within the limits of the process that the product starts.""",
+Cut short, changed, of wrong types, of huge sizes in few bytes, to every reader, many of them one after the other in a
+process that another watches. Badly: an exception, 5 s of the processor, a gigabyte, the end of the process, or of a
+recording with sums over its bytes (MCAP, NPZ) a frame that was not written. What a format without sums says after a
+change may be read. All but the first bags are read within the limits of the process that the product starts, without
+its start.""",
     "Frames held and lost": """\
 Through a pseudo-terminal, with the pipeline running and a recording written. A device that finds no room for a packet
 drops it; formats with numbers count that as missing.""",
@@ -113,25 +116,25 @@ def random_bytes(count: int) -> list[str]:
 
 
 def files(count: int) -> list[str]:
-    """Return what broken files came to, a part of them in a process for each processor."""
-    parts = os.cpu_count() or 1
-    with ThreadPoolExecutor(parts) as pool:
-        ran = list(pool.map(lambda part: run("tests.fuzz.readers", str(count), str(part), str(parts)), range(parts)))
-    if failed := [said for good, said in ran if not good]:
-        return [f"failed: {last_line(failed[0])}"]
-    return files_told([json.loads(said) for _, said in ran])
+    """Return the table of broken files, their parts on all processors."""
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        ran = list(pool.map(lambda part: run("tests.fuzz.readers", str(count), part), PARTS))
+    failed = [f"failed: {part}: {last_line(said)}" for part, (good, said) in zip(PARTS, ran, strict=True) if not good]
+    return files_told([json.loads(said) for good, said in ran if good]) + failed
 
 
 def files_told(found: list[dict[str, Any]]) -> list[str]:
-    """Return the lines on files that the processes found."""
-    seen = Counter[str]()
-    for one in found:
-        seen.update(one["seen"])
-    kinds = ", ".join(f"{number} {suffix}" for suffix, number in seen.items())
-    bad = [line for one in found for line in one["bad"]]
-    said = "".join(f"\n- {line[:300]}" for line in bad[:20])
-    return [f"{seen.total()} files ({kinds}); {len(bad)} of them were not refused in one line, took 5 s or a gigabyte."
-            + (f"\n{said}" if said else "")]  # fmt: skip
+    """Return the table of what the processes found, and the files that were taken badly."""
+    kinds = {name: one for part in found for name, one in part.items()}
+    rows = [
+        f"| {name} | {one['files']} | {one['read']} | {one['files'] - one['read'] - len(one['bad'])} |"
+        f" {len(one['bad'])} | {1e3 * one['seconds'] / one['files']:.2g} ms |"
+        for name, one in kinds.items()
+    ]  # fmt: skip
+    bad = [f"- {line[:300]}" for one in kinds.values() for line in one["bad"]]
+    total = sum(one["files"] for one in kinds.values())
+    return ["| file | of them | read | refused in one line | taken badly | processor, each |",
+            "|---|---|---|---|---|---|", *rows, "", f"{total} files, {len(bad)} taken badly.", *bad[:20]]  # fmt: skip
 
 
 def told(kind: str, times: int) -> list[str]:

@@ -61,8 +61,8 @@ def opened(path: str | Path) -> Iterator[Image.Image]:
         raise
     except FileNotFoundError as error:
         raise InputError(f"no picture {path}") from error
-    except MemoryError:
-        raise
+    except MemoryError as error:
+        raise InputError(f"{path}: no memory for what it says it holds; a smaller or a whole one wanted") from error
     except (
         Exception
     ) as error:  # Pillow's decoders let through whatever goes wrong inside: AssertionError, TypeError ...

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from cnnsim.support.bounds import check_plain
+from cnnsim.support.bounds import check_plain, one_line
 from cnnsim.support.errors import InputError
+from cnnsim.support.memory import check_memory
 from cnnsim.support.pictures.film import video_library
 from cnnsim.support.pictures.picture import check_size, opened, pictures_in
 from cnnsim.support.pictures.pixels import Levels, values_of
@@ -86,25 +87,29 @@ def of_video(path: Path, reading: Reading) -> PictureSequence:
     av = video_library(path)
 
     def decoded() -> Iterator[Any]:
-        try:
-            with av.open(str(path)) as container:
-                if not container.streams.video:
-                    raise InputError(f"{path} holds no pictures; a video wanted")
-                yield from container.decode(video=0)
-        except av.FFmpegError as error:
-            raise InputError(f"{path} is no video that PyAV can read: {error.strerror or error}") from error
+        with one_line(path, "a video"), av.open(str(path), metadata_errors="replace") as container:
+            if not container.streams.video:
+                raise InputError(f"{path} holds no pictures; a video wanted")
+            for frame in container.decode(video=0):
+                size = frame.height * frame.width * (3 + np.dtype(reading.dtype).itemsize)
+                check_memory(f"{path}: a picture of {frame.height} x {frame.width}", size, "give a smaller one")
+                yield frame
 
     def pictures() -> Iterator[Array]:
         for frame in decoded():
+            if (frame.height, frame.width) != shape:
+                other = size_text((frame.height, frame.width))
+                raise InputError(f"pictures of different sizes: {path} begins with {size_text(shape)}, one is {other}")
             yield reading.values(Image.fromarray(frame.to_ndarray(format="gray")), str(path))
 
     first = next(decoded(), None)
     if first is None:
         raise InputError(f"{path} holds no pictures; a video wanted")
-    with av.open(str(path)) as container:
+    shape = int(first.height), int(first.width)
+    with one_line(path, "a video"), av.open(str(path), metadata_errors="replace") as container:
         rate = container.streams.video[0].average_rate
     return PictureSequence(
-        str(path), (first.height, first.width), lambda: sum(1 for _ in decoded()), pictures, float(rate or 0) or None,
+        str(path), shape, lambda: sum(1 for _ in decoded()), pictures, float(rate or 0) or None,
         long=True,
     )  # fmt: skip
 

@@ -5,9 +5,13 @@ from pathlib import Path
 import numpy as np
 
 from cnnsim.support import Floats, InputError
+from cnnsim.support.array_file import read_array
+from cnnsim.support.bounds import check_file, one_line
 
 MOST = 1 << 18
 """Cells of a height map, at most."""
+LARGEST = 2**26
+"""Bytes of an STL file: of 1.3 million triangles."""
 
 
 def read_heights(path: Path, pitch: float, unit: float = 1e-3) -> Floats:
@@ -18,10 +22,8 @@ def read_heights(path: Path, pitch: float, unit: float = 1e-3) -> Floats:
     """
     if path.suffix.lower() == ".stl":
         return cast_heights(read_stl(path) * unit, pitch)
-    try:
-        heights = np.asarray(np.load(path, allow_pickle=False), dtype=np.float64) * unit
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: cannot be read as an array: {error}") from error
+    with one_line(path, "an array of heights"):
+        heights = np.asarray(read_array(path), dtype=np.float64) * unit
     if heights.ndim != 2 or not heights.size or not np.isfinite(heights).all():
         raise InputError(f"{path}: heights of shape {heights.shape}; finite (rows, cols) wanted")
     _check(heights.shape)
@@ -35,6 +37,7 @@ def read_stl(path: Path) -> Floats:
         InputError: no such file, not an STL file.
     """
     try:
+        check_file(path, "body", LARGEST)
         raw = path.read_bytes()
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error}") from error
@@ -63,18 +66,19 @@ def cast_heights(triangles: Floats, pitch: float) -> Floats:
         InputError: over 262 144 cells.
     """
     low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
-    cols, rows = np.ceil((high - low)[:2] / pitch).astype(int).clip(1).tolist()
+    cols, rows = (max(1, int(n)) for n in np.minimum(np.ceil((high - low)[:2] / pitch), 2.0**53))
     _check((rows, cols))
     first = (low + high)[:2] / 2 - pitch * (np.array([cols, rows]) - 1) / 2
     heights = np.full((rows, cols), np.inf)
-    for a, b, c in triangles:
-        ends = np.stack([a, b, c])[:, :2]
-        start = np.ceil((ends.min(axis=0) - first) / pitch - 1e-9).astype(int).clip(0)
-        stop = np.floor((ends.max(axis=0) - first) / pitch + 1e-9).astype(int)
+    ends = triangles[:, :, :2]
+    starts = np.ceil((ends.min(axis=1) - first) / pitch - 1e-9).astype(int).clip(0)
+    stops = np.floor((ends.max(axis=1) - first) / pitch + 1e-9).astype(int)
+    (bx, by), (cx, cy) = ((ends[:, k] - ends[:, 0]).T for k in (1, 2))
+    wholes = bx * cy - cx * by
+    # the others stand upright, or lie between the cells' middles
+    for n in np.flatnonzero((wholes != 0) & (stops >= starts).all(axis=1)).tolist():
+        (a, b, c), start, stop, whole = triangles[n], starts[n], stops[n], wholes[n]
         x, y = np.meshgrid(*(first[k] + pitch * np.arange(start[k], stop[k] + 1) for k in (0, 1)))
-        whole = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
-        if whole == 0 or not x.size:
-            continue  # it stands upright, or lies between the cells' middles
         u = ((x - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (y - a[1])) / whole
         v = ((b[0] - a[0]) * (y - a[1]) - (x - a[0]) * (b[1] - a[1])) / whole
         z = a[2] + u * (b[2] - a[2]) + v * (c[2] - a[2])

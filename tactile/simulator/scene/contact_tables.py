@@ -7,6 +7,8 @@ from typing import Any, cast
 import numpy as np
 
 from cnnsim.support import InputError, naming
+from cnnsim.support.array_file import read_array
+from cnnsim.support.bounds import one_line
 from cnnsim.support.toml_file import check_keys, take, take_numbers
 from tactile.simulator.contacts.indenter import ROUND, Indenter, ShapeName
 from tactile.simulator.contacts.materials import PRESETS
@@ -113,9 +115,10 @@ def read_map(table: dict[str, Any], names: list[str], where: str, folder: Path) 
     """
     path = folder / take(table, "file", str, where)
     try:
-        traction = np.asarray(np.load(path, allow_pickle=False), dtype=np.float64)
-    except (OSError, ValueError) as error:
-        raise InputError(f"{where}: {path}: cannot be read as an array: {error}") from error
+        with one_line(path, "an array of tractions"):
+            traction = np.asarray(read_array(path), dtype=np.float64)
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from error
     if traction.ndim == 2:
         traction = np.stack([np.zeros_like(traction), np.zeros_like(traction), traction], axis=-1)
     if traction.ndim != 3 or traction.shape[2] != 3 or not traction.size or not np.isfinite(traction).all():

@@ -222,7 +222,7 @@ def test_broken_and_empty_sources(folder: Path) -> None:
     pytest.importorskip("av")
     done = call("program", "motion-detection", "--input", "frame=film.mp4")
     assert done.exit_code == 2
-    assert "film.mp4 is no video that PyAV can read" in done.stderr
+    assert "film.mp4: cannot be read as a video" in done.stderr
 
 
 def test_a_video_without_pyav_says_what_to_install(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
