@@ -50,7 +50,7 @@ def test_what_is_no_picture_is_told(tmp_path: Path) -> None:
     np.save(tmp_path / "cube.npy", np.zeros((3, 4, 5)))
     with pytest.raises(InputError, match=r"float64 of shape \(3, 4, 5\); \(rows, cols\) of floats, levels or truth"):
         open_large(tmp_path / "cube.npy")
-    with pytest.raises(InputError, match="no Zarr array; one, or a picture, wanted"):
+    with pytest.raises(InputError, match="cannot be read as a Zarr array"):
         open_large(tmp_path)
 
 

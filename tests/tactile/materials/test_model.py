@@ -75,7 +75,7 @@ def test_damaged_and_foreign_files_are_refused(learned: TextureModel, tmp_path: 
         with pytest.raises(InputError, match=r"bad\.npz"):
             read_model(bad)
     np.savez(bad, force=np.zeros(3))
-    with pytest.raises(InputError, match="holds force; a texture model wanted"):
+    with pytest.raises(InputError, match="missing; a texture model wanted"):
         read_model(bad)
 
 
