@@ -24,8 +24,8 @@ _FILE = click.Path(path_type=Path)
 @click.command(
     epilog=examples(
         "cnnsim accuracy diffusion",
-        "cnnsim accuracy hole-filler scan.png -o accuracy.png --time 10",
-        "cnnsim accuracy diffusion photo.png --csv accuracy.csv --backend cpu --backend opencl",
+        "cnnsim accuracy hole-filler scan.png -o accuracy.png --csv accuracy.csv",
+        "cnnsim accuracy diffusion photo.png --time 1 --backend cpu --backend reference",
     )
 )
 @click.argument("name")

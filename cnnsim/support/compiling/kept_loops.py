@@ -11,6 +11,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from hashlib import sha256
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -28,12 +29,26 @@ _BYTES = sha256().digest_size
 listen_to_numba()
 
 
+def _candidates() -> list[Path]:
+    own = (Path(config.CACHE_DIR),) if config.CACHE_DIR else ()
+    beside = Path(__file__).with_name("__pycache__")
+    return [*own, beside, user_cache() / "cellular-wave-touch" / "loops"]
+
+
 @cache
 def folder() -> Path:
     """Return the folder of the disk cache: NUMBA_CACHE_DIR, or beside the code, or the user's, or a temporary one."""
-    own = (Path(config.CACHE_DIR),) if config.CACHE_DIR else ()
-    beside = Path(__file__).with_name("__pycache__")
-    return first_usable([*own, beside, user_cache() / "cellular-wave-touch" / "loops"], "compiled loops")
+    return first_usable(_candidates(), "compiled loops that are not kept yet")
+
+
+@cache
+def _read_from() -> tuple[Path, ...]:
+    """Return where kept loops are looked for: the folder, and those before it that cannot be written, or not now.
+
+    On a full disk all that was compiled before is still there.
+    """
+    full = takewhile(lambda candidate: candidate != folder(), _candidates())
+    return folder(), *(path for path in full if path.is_dir() and is_private(path))
 
 
 class LoopFiles:
@@ -48,7 +63,9 @@ class LoopFiles:
 
     def load(self, key: Any) -> Any:
         """Return what is kept under a key, None where there is nothing that can be trusted."""
-        path = self._path(key)
+        return next((data for place in _read_from() if (data := self._load(key, self._path(key, place)))), None)
+
+    def _load(self, key: Any, path: Path) -> Any:
         try:
             raw = path.read_bytes()
         except OSError:
@@ -70,7 +87,7 @@ class LoopFiles:
             try:
                 with os.fdopen(handle, "wb") as file:
                     file.write(sha256(raw).digest() + raw)
-                Path(name).replace(self._path(key))
+                Path(name).replace(self._path(key, folder()))
             except OSError:
                 Path(name).unlink()
 
@@ -79,8 +96,8 @@ class LoopFiles:
         for path in folder().glob(f"{self._stem}.*.loop"):
             path.unlink()
 
-    def _path(self, key: Any) -> Path:
-        return folder() / f"{self._stem}.{sha256(str(key).encode()).hexdigest()[:16]}.loop"
+    def _path(self, key: Any, place: Path) -> Path:
+        return place / f"{self._stem}.{sha256(str(key).encode()).hexdigest()[:16]}.loop"
 
 
 def _keep(compiler: Any, function: Any, options: dict[str, Any]) -> None:

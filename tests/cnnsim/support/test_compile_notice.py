@@ -46,8 +46,10 @@ def test_a_terminal_is_told_where_the_loops_are_kept(tmp_path: Path) -> None:
     with pytest.raises(BlockingIOError):  # nothing was said
         os.read(ours, 10_000)
     assert again.stdout == ran.stdout
-    empty = {**where, "NUMBA_CACHE_DIR": str(tmp_path / "other")}
-    piped = subprocess.run(command, env=empty, capture_output=True, check=True)  # compiles, into pipes
+    (kept,) = (tmp_path / "cache").glob("*.closed_form_*.loop")
+    kept.unlink()
+    piped = subprocess.run(command, env=where, capture_output=True, check=True)  # compiles one anew, into pipes
     assert piped.stderr == b""
+    assert kept.exists()
     for end in (ours, theirs):
         os.close(end)

@@ -1,6 +1,7 @@
 """Compiled loops on disk: damaged files are made anew, what others can write is not used, forks go on alone."""
 
 import os
+import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -26,14 +27,17 @@ print(folder(), hits)
 """
 
 
-def run(cache: Path | None, code: str = TEMPLATE, **variables: str) -> tuple[Path, int, str]:
+def run(cache: Path | None, code: str = TEMPLATE, *, full: bool = False, **variables: str) -> tuple[Path, int, str]:
     env = {**os.environ, "PYTHONPATH": str(ROOT), **variables}
     if cache is not None:
         env["NUMBA_CACHE_DIR"] = str(cache)
     file = (cache or Path(variables["HOME"])) / "double.py"
     file.parent.mkdir(exist_ok=True, mode=0o700)
     file.write_text(code)
-    done = subprocess.run([sys.executable, file], env=env, capture_output=True, text=True, check=False)
+    limit = (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))) if full else None
+    done = subprocess.run(
+        [sys.executable, file], env=env, capture_output=True, text=True, check=False, preexec_fn=limit
+    )
     assert done.returncode == 0, done.stderr
     folder, hits = done.stdout.split()
     return Path(folder), int(hits), done.stderr
@@ -47,6 +51,15 @@ def cache(tmp_path: Path) -> Path:
 def test_loops_are_compiled_once(cache: Path) -> None:
     assert run(cache)[:2] == (cache, 0)
     assert run(cache) == (cache, 1, "")
+
+
+def test_a_full_disk_has_what_was_kept_before(cache: Path) -> None:
+    """A limit on the size of files stands for it."""
+    run(cache)
+    place, hits, told = run(cache, full=True)
+    assert place != cache
+    assert hits == 1
+    assert "loops that are not kept yet are made anew" in told
 
 
 @pytest.mark.parametrize("damage", ["empty", "cut", "garbage", "one bit", "text"])
