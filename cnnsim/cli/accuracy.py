@@ -31,12 +31,12 @@ _FILE = click.Path(path_type=Path)
 @click.argument("name")
 @click.argument("picture", type=_FILE, required=False)
 @click.option("-o", "--output", type=_FILE, help="Where the diagram goes (PNG, SVG, PDF).")
-@click.option("--csv", "table", type=_FILE, help="Where the figures go, a line a run.")
+@click.option("--csv", "figures", type=_FILE, help="Where the figures go, a line a run.")
 @click.option("--time", "duration", type=float, help="Compare after so many time constants; else the template's or 10.")
 @click.option("--backend", "names", multiple=True, type=click.Choice(backends.NAMES), help="One or more; cpu if none.")
 @json_option
 def accuracy(
-    name: str, picture: Path | None, output: Path | None, table: Path | None, duration: float | None,
+    name: str, picture: Path | None, output: Path | None, figures: Path | None, duration: float | None,
     names: tuple[str, ...], as_json: bool,
 ) -> None:  # fmt: skip
     """Measure what accuracy costs template NAME on PICTURE: every scheme, step and dtype against the exact transient.
@@ -65,23 +65,31 @@ def accuracy(
         raise InputError(
             f"template {name!r}: no step from {runs[0][3]:g} to {runs[-1][3]:g} is stable; another one wanted"
         )
-    if table is not None:
-        write_rows(table, [asdict(row) for row in rows])
+    if figures is not None:
+        write_rows(figures, [asdict(row) for row in rows])
     if output is not None:
         _draw(rows, output, f"{name}, t = {given['duration']:g}", f"{shown.shape[0]} x {shown.shape[1]} cells")
     if as_json:
         print_json({"template": name, "reference": how, "rows": [asdict(row) for row in rows]})
         return
     say(f"{name}, {shown.shape[0]} x {shown.shape[1]} cells, t = {given['duration']:g}; truth: {how}")
+    for line in table(rows):
+        echo(line)
+
+
+def table(rows: list["Row"]) -> list[str]:
+    """Return the lines of a table of the cheapest settings, which fits a terminal of 80 columns."""
     lines = _cheapest(rows)
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    for line in lines:
-        echo("  ".join(map(str.ljust, line, widths)).rstrip())
+    return ["  ".join(map(str.ljust, line, widths)).rstrip() for line in lines]
 
 
 def _cheapest(rows: list["Row"]) -> list[tuple[str, ...]]:
-    """Return a table of the cheapest setting for each accuracy from 1e-1 to 1e-8, its head first."""
-    lines: list[tuple[str, ...]] = [("error", "cheapest setting", "evaluations", "time", "times", "right signs")]
+    """Return a table of the cheapest setting for each accuracy from 1e-1 to 1e-8, its head first.
+
+    Columns: how often A*y is taken, the best wall time, that in times of the first, the share of right signs.
+    """
+    lines: list[tuple[str, ...]] = [("error", "cheapest setting", "A*y", "time", "times", "signs")]
     first = None
     for wanted in (f"1e-{digits}" for digits in range(1, 9)):
         row = min((row for row in rows if row.error <= float(wanted)), key=lambda row: row.seconds, default=None)
@@ -89,7 +97,7 @@ def _cheapest(rows: list["Row"]) -> list[tuple[str, ...]]:
             lines.append((wanted, "none of these", "", "", "", ""))
             continue
         first = first or row.seconds
-        setting = f"{row.scheme} h={row.step:.4g} {row.dtype} {row.backend}"
+        setting = f"{row.scheme} h={row.step:.3g} {row.dtype} {row.backend}"
         cost = f"{row.seconds * 1e3:.3g} ms", f"{row.seconds / first:.2g}", f"{row.signs:.2%}"
         lines.append((wanted, setting, str(row.evaluations), *cost))
     return lines

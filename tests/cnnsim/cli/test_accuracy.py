@@ -6,7 +6,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
+from cnnsim.cli.accuracy import table
 from cnnsim.cli.group import main
+from cnnsim.prototyping.accuracy.work_precision import Row
 
 
 def called(*words: str) -> Result:
@@ -17,7 +19,7 @@ def test_the_table_fits_a_terminal_and_the_file_has_a_row_a_run(tmp_path: Path) 
     found = called("threshold", "--time", "1", "--csv", str(tmp_path / "a.csv"), "-o", str(tmp_path / "a.png"))
     assert found.exit_code == 0, found.output
     head, *lines = found.stdout.splitlines()[-9:]
-    assert head.split() == ["error", "cheapest", "setting", "evaluations", "time", "times", "right", "signs"]
+    assert head.split() == ["error", "cheapest", "setting", "A*y", "time", "times", "signs"]
     assert [line.split()[0] for line in lines] == [f"1e-{digits}" for digits in range(1, 9)]
     assert max(map(len, [head, *lines])) <= 80
     with (tmp_path / "a.csv").open(encoding="utf-8") as file:
@@ -26,6 +28,13 @@ def test_the_table_fits_a_terminal_and_the_file_has_a_row_a_run(tmp_path: Path) 
     euler = [float(row["error"]) for row in rows if row["scheme"] == "euler" and row["dtype"] == "float64"]
     assert euler[0] > 30 * euler[-1] > 0  # a step of a 128th: first order
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_longest_names_fit_a_terminal() -> None:
+    row = Row("opencl", "float64", "exponential-euler", 0.3333333, 1e-9, 0.98765, 99999, 0.123456)
+    lines = table([row])
+    assert len(lines) == 9
+    assert max(map(len, lines)) <= 80
 
 
 @pytest.mark.parametrize("option", ["--csv", "-o"])
