@@ -1,5 +1,5 @@
-# Everything happens in an environment of its own. constraints.txt has the versions; of those `make lock` makes run.lock
-# and test.lock with the hashes of their files, and what has another hash is not installed.
+# Everything happens in an environment of its own. constraints.txt has the versions; of those `make lock` makes run.lock,
+# test.lock and bench.lock with the hashes of their files, and what has another hash is not installed.
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
@@ -59,10 +59,11 @@ $(VENV)/.test: pyproject.toml test.lock | $(BIN)/python
 	$(ITSELF)
 	touch $@ $(VENV)/.run
 
-$(VENV)/.bench: $(VENV)/.test    # the peers, by version alone: gigabytes of them are a matter of the machine
-	PIP_CONSTRAINT=constraints.txt $(PIP) -e '.[bench]'
+$(VENV)/.bench: $(VENV)/.test bench.lock    # with the peers: gigabytes
+	$(LOCKED) bench.lock
 	touch $@
 
 lock:                        ## after a change of constraints.txt or pyproject.toml; wants uv
 	$(COMPILE) -o run.lock
 	$(COMPILE) $(EXTRAS) --extra test -o test.lock
+	$(COMPILE) $(EXTRAS) --extra test --extra bench -o bench.lock

@@ -7,6 +7,7 @@ import pytest
 
 from tests.kits.paths import ROOT
 
+LOCKS = ["run.lock", "test.lock", "bench.lock"]
 PIN = re.compile(r"^([A-Za-z0-9_.-]+)==(\S+)", re.MULTILINE)
 
 
@@ -29,11 +30,12 @@ def test_the_locks_have_all_that_the_project_wants() -> None:
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
     assert wanted() | tools <= pins("run.lock").keys()
     assert wanted(*(extras.keys() - {"bench"})) | tools <= pins("test.lock").keys()
+    assert wanted(*extras) | tools <= pins("bench.lock").keys()
     locked = re.findall(r"--extra (\w+)", (ROOT / "Makefile").read_text(encoding="utf-8"))
-    assert set(locked) == extras.keys() - {"bench"}
+    assert set(locked) == extras.keys()
 
 
-@pytest.mark.parametrize("file", ["run.lock", "test.lock"])
+@pytest.mark.parametrize("file", LOCKS)
 def test_every_line_of_a_lock_has_a_version_and_hashes_and_names_no_place(file: str) -> None:
     text = (ROOT / file).read_text(encoding="utf-8")
     assert "://" not in text
@@ -43,13 +45,16 @@ def test_every_line_of_a_lock_has_a_version_and_hashes_and_names_no_place(file: 
 
 def test_the_locks_versions_are_those_of_the_constraints() -> None:
     known = pins("constraints.txt")
-    for file in ("run.lock", "test.lock"):
+    for file in LOCKS:
         other = {name: version for name, version in pins(file).items() if known.get(name, version) != version}
         assert not other, "make lock"
-    assert pins("run.lock").items() <= pins("test.lock").items()
+    assert pins("run.lock").items() <= pins("test.lock").items() <= pins("bench.lock").items()
 
 
 def test_make_installs_by_hash() -> None:
     text = (ROOT / "Makefile").read_text(encoding="utf-8")
     assert "--require-hashes" in text
+    assert len(re.findall(r"^\t\$\(LOCKED\) \w+\.lock$", text, re.MULTILINE)) == len(LOCKS)
+    installs = re.findall(r"^\t.*\$\(PIP\).*$", text, re.MULTILINE)
+    assert installs == []  # what is installed goes through LOCKED, or is this project itself
     assert "--no-deps --no-build-isolation" in text
