@@ -23,7 +23,7 @@ from tactile.recording.reader import open_recording
 from tactile.wire.description_file import read_description
 from tactile.wire.registry import NAMES
 from tests.fuzz.random_bytes import random_bytes
-from tests.fuzz.two_ends import busy, emulator, peak_mib, processor_seconds, reader
+from tests.fuzz.two_ends import busy, emulator, metronome, peak_mib, processor_seconds, reader
 
 
 @click.group()
@@ -49,6 +49,7 @@ def rate(
         tempfile.TemporaryDirectory() as name,
         emulator(Path(name), hz, min(seconds, 4.0), "--loop", protocol=protocol, fingers=fingers) as device,
         busy(others),
+        metronome() as paused,
     ):
         folder = Path(name)
         options = [] if record_only else ["--tare", "off"]
@@ -71,6 +72,7 @@ def rate(
         seen = end["counts"]
         stored = sum(count for topic, count in recorded.messages.items() if topic.startswith("/frames/"))
         print(f"{protocol}, {others} other busy processes, load {os.getloadavg()[0]:.1f}\ndevice: {said}")
+        print(f"longest pause of the machine itself {1e3 * paused():.2f} ms")
         print(f"counts: {seen}, recorded frames: {stored}, clock {end['clock']}")
         if spent:
             used, frames, took = (last - first for first, last in zip(spent[0], spent[-1], strict=True))

@@ -127,5 +127,6 @@ def _print(times: Any, collections: list[float]) -> None:
         print(f"{name:32}{figures}")
     late = parts["all"] > np.percentile(parts["all"], 99)
     shares = " ".join(f"{name} {parts[name][late].mean():.2f}" for name in STAGES)
-    print(f"of the latest 1 % [ms]: {shares}")
+    when = times[late, 0] - times[0, 0]
+    print(f"of the latest 1 % [ms]: {shares}; arrived {when.min():.0f} to {when.max():.0f} ms after the first")
     print(f"garbage collections: {len(collections)}, longest {1e3 * max(collections, default=0.0):.2f} ms")

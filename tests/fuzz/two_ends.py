@@ -3,6 +3,8 @@
 import os
 import signal
 import subprocess
+import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -83,6 +85,28 @@ def processor_seconds(process: "subprocess.Popen[str]") -> float:
     """Return the processor time [s] that a running process has had, in its own code and the kernel's."""
     fields = Path(f"/proc/{process.pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+@contextmanager
+def metronome(period: float = 0.005) -> "Iterator[Callable[[], float]]":
+    """Give the longest time [s] by which a thread above all others woke too late: a pause of the machine itself."""
+    latest, done = [0.0], threading.Event()
+
+    def beat() -> None:
+        with suppress(OSError, AttributeError):  # not allowed here: then it says less
+            os.sched_setscheduler(threading.get_native_id(), os.SCHED_RR, os.sched_param(2))
+        while not done.is_set():
+            begun = time.perf_counter()
+            time.sleep(period)
+            latest[0] = max(latest[0], time.perf_counter() - begun - period)
+
+    thread = threading.Thread(target=beat)
+    thread.start()
+    try:
+        yield lambda: latest[0]
+    finally:
+        done.set()
+        thread.join()
 
 
 @contextmanager
