@@ -5,23 +5,24 @@ from collections.abc import Sequence
 
 from cnnsim.supersteps.block_task import BlockReport
 
-FIRST, PART = 64, 32
-"""Steps of the first superstep, before anything is known: at most `FIRST`, and a halo of one part in so many."""
+FIRST, PART, SLEEPING = 256, 16, 32
+"""Steps of the first superstep, before anything is known: at most `FIRST`, and a halo of one part in so many; where
+blocks may sleep of one in `SLEEPING`, as a halo that is deep keeps blocks awake that a wave will not reach."""
 MOST = 256
 """The most steps of a superstep: what a crash may cost."""
 
 
-def first_depth(side: int, reach: int) -> int:
+def first_depth(side: int, reach: int, *, sleeps: bool) -> int:
     """Return the steps of the first superstep."""
-    return max(1, min(FIRST, side // (PART * max(1, reach))))
+    return max(1, min(FIRST, side // ((SLEEPING if sleeps else PART) * max(1, reach))))
 
 
 class Depth:
     """How many steps the next superstep has; ``fixed`` where it was said."""
 
-    def __init__(self, side: int, reach: int, every: int | None, fixed: int | None) -> None:
+    def __init__(self, side: int, reach: int, every: int | None, fixed: int | None, *, sleeps: bool = False) -> None:
         self._side, self._reach, self._every, self._fixed = side, reach, every, fixed
-        self._steps = self._whole(first_depth(side, reach))
+        self._steps = self._whole(first_depth(side, reach, sleeps=sleeps))
 
     def steps(self, left: int) -> int:
         """Return how many steps to take of those that are ``left``; the same in all supersteps, as far as they go."""

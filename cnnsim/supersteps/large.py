@@ -83,7 +83,7 @@ def _opened(
     plan: Plan, planes: Planes, place: Place, engine: Engine, folder: Path, workers: Workers, *, sleeps: bool
 ) -> tuple[GridStore, Record, str]:
     side = side_of_blocks(engine, plan, workers.count, sleeps=sleeps and "sleep" in plan.savings)
-    depth, dtype = engine.depth or first_depth(side, reach_of(plan)), np.dtype(place.dtype)
+    depth, dtype = engine.depth or first_depth(side, reach_of(plan), sleeps=sleeps), np.dtype(place.dtype)
     halo = halo_of(plan, depth, checked=True)
     lead = math.prod(planes["state"].shape[:-2])
     needed = worker_bytes(plan, side, halo, lead, dtype.itemsize, len(planes) - 1, has_mask="mask" in planes)

@@ -49,7 +49,7 @@ class Supersteps:
             self._closed_form()
             return
         every = plan.check_every if settles else None
-        depth = Depth(self.store.blocks.side, reach_of(plan), every, self.depth)
+        depth = Depth(self.store.blocks.side, reach_of(plan), every, self.depth, sleeps=self.sleeps)
         if (settles or self.sleeps) and not record.checked:
             reports = self._tasks(self._all, 0, (0,), written=False)
             self._note(reports)

@@ -10,8 +10,6 @@ column, where the virtual cells on the left fit in.
     total = w + sum of the taps in their order,    x <- x + h (total - x),    new y = clip(x, -1, 1)
 """
 
-import numpy as np
-
 from cnnsim.backends.cpu.jit.compile import fused, helper
 from cnnsim.support import Array
 
@@ -209,38 +207,3 @@ def any_taps(
         else:
             drive_row_exact(scratch, at_w + o, at_y + o, taps, r, at_row, n)
             finish_row_exact(scratch, at_x + o, at_row, at_out + o + PAD, n, h)
-
-
-def _catch_up_row(scratch: Array, at_x: int, at_drive: int, n: int, h: float, steps: int) -> None:
-    """Take so many steps towards a drive that stays: x <- x + h (drive - x), until no bit changes any more.
-
-    Cells that are all alike, as most are in black and white, are a few and copies of them.
-    """
-    x, drive = scratch[at_x : at_x + n], scratch[at_drive : at_drive + n]
-    others = np.int32(0)
-    for j in range(n):
-        others += np.int32(x[j] != x[0]) + np.int32(drive[j] != drive[0])
-    few = n if others else min(n, PAD)
-    for _ in range(steps):
-        changes = np.int32(0)
-        for j in range(few):
-            v = x[j] + h * (drive[j] - x[j])
-            changes += np.int32(v != x[j])
-            x[j] = v
-        if changes == 0:
-            break
-    for j in range(few, n):
-        x[j] = x[0]
-
-
-catch_up_row_fused, catch_up_row_exact = fused(_catch_up_row), helper(_catch_up_row)
-
-
-@helper
-def catch_up_block(scratch: Array, at_x: int, at_drive: int, n: int, h: float, steps: int) -> None:
-    """Take the steps that a block has slept through, with the rounding of every single one."""
-    for q in range(BLOCK):
-        if scratch.itemsize == 4:
-            catch_up_row_fused(scratch, at_x + q * STRIDE, at_drive + q * STRIDE, n, h, steps)
-        else:
-            catch_up_row_exact(scratch, at_x + q * STRIDE, at_drive + q * STRIDE, n, h, steps)

@@ -11,9 +11,10 @@ import numba
 from numba import types
 
 from cnnsim.backends.cpu.euler.boundary import is_periodic, set_edges
+from cnnsim.backends.cpu.euler.catch_up import catch_up_block
 from cnnsim.backends.cpu.euler.grid import Area, Feedback
 from cnnsim.backends.cpu.euler.loops import step_block
-from cnnsim.backends.cpu.euler.rows import BLOCK, PAD, STRIDE, catch_up_block
+from cnnsim.backends.cpu.euler.rows import BLOCK, PAD, STRIDE
 from cnnsim.backends.cpu.euler.scratch import clip_rows, fill, load_row, move
 from cnnsim.backends.cpu.euler.settled import check_block
 from cnnsim.backends.cpu.jit.address import compiled_at
@@ -24,7 +25,7 @@ CHECK, CATCH_UP = 0, 1
 
 
 class WindowLayout(NamedTuple):
-    """Where things begin: rows of x and w, two sets of rows of y, a drive, a row, nine entries of A."""
+    """Where things begin: rows of x and w, two sets of rows of y, a drive, a row, nine entries of A, pairs of cells."""
 
     x: int
     w: int
@@ -33,6 +34,7 @@ class WindowLayout(NamedTuple):
     drive: int
     row: int
     square: int
+    pairs: int
 
 
 @helper
@@ -44,7 +46,7 @@ def window_rows(height: int, depth: int, r: int) -> int:
 @helper
 def window_cells(height: int, depth: int, r: int) -> int:
     """Return the size of a thread's scratch."""
-    return STRIDE * (4 * window_rows(height, depth, r) + BLOCK + 3)
+    return STRIDE * (4 * window_rows(height, depth, r) + BLOCK + 4)
 
 
 @helper
@@ -53,7 +55,7 @@ def window_layout(scratch: Array, height: int, depth: int, r: int) -> WindowLayo
     x, size = ((64 - (scratch.ctypes.data & 63)) & 63) // scratch.itemsize, STRIDE * window_rows(height, depth, r)
     drive = x + 4 * size
     row = drive + BLOCK * STRIDE
-    return WindowLayout(x, x + size, x + 2 * size, x + 3 * size, drive, row, row + STRIDE)
+    return WindowLayout(x, x + size, x + 2 * size, x + 3 * size, drive, row, row + STRIDE, row + 2 * STRIDE)
 
 
 def step_window(
@@ -93,6 +95,7 @@ def step_window(
                    whole, h, blocks)  # fmt: skip
         set_edges(scratch, new, m, n, sides, edge)
         y, new = new, y
+    pairs = 0
     for i in range(area.r0, area.r1, BLOCK):  # from x = 0 a step of length 1 goes to the drive, as a step computes it
         o = (i - top) * STRIDE
         for q in range(BLOCK):
@@ -102,7 +105,8 @@ def step_window(
         if task == CHECK:
             check_block(scratch, at.x + o + inner, at.drive + inner, area, i, rest, measure, found)
         else:
-            catch_up_block(scratch, at.x + o + inner, at.drive + inner, area.c1 - area.c0, h, behind)
+            pairs = catch_up_block(scratch, at.x + o + inner, at.drive + inner, at.pairs, at.row, area.c1 - area.c0, h,
+                                   behind, pairs)  # fmt: skip
     if depth > 0 or task != CHECK:
         for i in range(area.r0, area.r1):
             move(scratch, at.x + (i - top) * STRIDE + inner, target[i], area.c0, area.c1 - area.c0)
@@ -113,7 +117,7 @@ def window(feedback: Any) -> Any:
     """Return `step_window` compiled for feedback of this numba type."""
     cells = feedback.types[-1]
     plane, row = types.Array(cells, 2, "C"), types.Array(cells, 1, "C")
-    area, layout = numba.typeof(Area(0, 0, 0, 0)), numba.typeof(WindowLayout(0, 0, 0, 0, 0, 0, 0))
+    area, layout = numba.typeof(Area(0, 0, 0, 0)), numba.typeof(WindowLayout(0, 0, 0, 0, 0, 0, 0, 0))
     return compiled_at(
         step_window,
         types.void(
