@@ -17,6 +17,7 @@ from tactile.inverse.attempt import DOUBT, Attempt, Taxels
 from tactile.inverse.load import INF, NAN, Load
 from tactile.inverse.validity import Validity
 from tactile.inverse.weights import Weights, weigh
+from tactile.inverse.windows import Window, false_taxels, windows_of
 
 
 def localise(
@@ -30,7 +31,8 @@ def localise(
     t = rho^2 / z^2 weighs (signal / (1 + t))^2: the inverse variance of its place under equal noise in the signals.
     Then (x, y, Q, R, F) by least squares to the signals of all taxels, and what is left decides: a taxel that
     contradicts all others is left out, several loads are tried where one does not fit. For three taxels without noise
-    the components are those of eq. (14).
+    the components are those of eq. (14). On pads of more than 16 taxels a side, loads far from each other are located
+    each from the taxels around it, any number of them (`tactile.inverse.windows`).
 
     Arguments: ``positions`` (rows, cols, 2) of the taxels [m]; ``pressing``: the planes (dx, dy, force, validity)
     of ``invert_strain`` with pressing = 1, or of ``invert_stress``; ``pulling``: those with pressing = -1, None
@@ -60,15 +62,33 @@ def localise(
         marked = (planes[:, 3] == Validity.INVALID).any()
         named = () if saturated is None else _named(saturated)
         return Load(validity=Validity.INVALID if marked else Validity.NO_LOAD, saturated=named)
-    found = taxels.attempt(taxels.order)
-    if taxels.order.size >= 4:
-        found = explained(taxels, found)
-    load = _load(taxels, found)
-    if not found.clipped and railed is None:
+    windows = windows_of(at, planes, taxels)
+    if windows is None:
+        found = taxels.attempt(taxels.order)
+        windows = [Window(taxels, explained(taxels, found) if taxels.order.size >= 4 else found, (0, 0))]
+    loads = [load for window in windows for load in _loads(window)]
+    load = loads[0]
+    if len(loads) > 1:
+        load = _strongest_first(loads)
+        if len(windows) > 1 and (false := false_taxels(taxels)):
+            load = replace(load, left_out=tuple(sorted({*load.left_out, *false})))
+    clipped = [(window.corner, divmod(cell, window.taxels.shape[1])) for window in windows
+               for cell in window.found.clipped]  # fmt: skip
+    if not clipped and railed is None:
         return load
     at_end = np.zeros(positions.shape[:2], bool) if saturated is None else saturated.copy()
-    at_end.ravel()[list(found.clipped)] = True
+    for (row, col), (i, j) in clipped:
+        at_end[row + i, col + j] = True
     return replace(load, saturated=_named(at_end))
+
+
+def _strongest_first(loads: list[Load]) -> Load:
+    """Return the first of several loads with the others, and with all taxels that were left out."""
+    rank = sorted(
+        loads, key=lambda load: -math.hypot(*(0.0 if one != one else one for one in (load.Q, load.R, load.F)))
+    )
+    out = tuple(sorted({taxel for load in loads for taxel in load.left_out}))
+    return replace(rank[0], others=tuple(rank[1:]), left_out=out)
 
 
 def _named(taxels: Flags) -> tuple[tuple[int, int], ...]:
@@ -99,11 +119,13 @@ def three_taxels(x: ArrayLike, y: ArrayLike, m: ArrayLike, depth: float) -> tupl
     return q, r, f
 
 
-def _load(taxels: Taxels, found: Attempt) -> Load:
-    """Return the loads of an attempt in metres and newtons."""
+def _loads(window: Window) -> list[Load]:
+    """Return the loads of a window in metres and newtons."""
+    taxels, found, (row, col) = window
     out: tuple[tuple[int, int], ...] = ()
     if len(found.order) < len(taxels.order):
-        out = tuple(divmod(taxel, taxels.shape[1]) for taxel in np.setdiff1d(taxels.order, found.order).tolist())
+        gone = np.setdiff1d(taxels.order, found.order)
+        out = tuple((row + int(k) // taxels.shape[1], col + int(k) % taxels.shape[1]) for k in gone)
     fit, depth, top = found.fit, taxels.depth, found.top
     seen, tie = fit.signals.seen, fit.signals.tie.tolist()
     (x0, y0), (x1, y1) = taxels.at[found.order[0]].tolist(), seen[0].tolist()
@@ -119,8 +141,7 @@ def _load(taxels: Taxels, found: Attempt) -> Load:
         place = x0 + (x - x1) * depth, y0 + (y - y1) * depth
         validity = _validity(found, x, y)
         loads.append(Load(*place, q, r, f * top, (dx, dy, dq, dr, df), fit.misfit, len(found.order), validity, out))
-    first, *others = loads
-    return replace(first, others=tuple(others)) if others else first
+    return loads
 
 
 def _validity(found: Attempt, x: float, y: float) -> Validity:
