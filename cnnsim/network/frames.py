@@ -13,7 +13,7 @@ from cnnsim.support.values import is_number
 T = TypeVar("T")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Frames(Generic[T]):
     """Planes that follow one another: number k holds for k period <= t < (k + 1) period, the last one for ever.
 
@@ -33,6 +33,14 @@ class Frames(Generic[T]):
             raise InputError("a sequence of planes without a plane; one or more wanted")
         if not is_number(period) or not 0 < period < np.inf:
             raise InputError(f"a plane every {period!r}; a positive number of time constants wanted")
+
+    def __repr__(self) -> str:
+        """The number and size of the planes, not their values."""
+        plane: Any = self.planes[0]  # an array, or a plane of a backend, which has no shape
+        shape = np.shape(plane)
+        size = f" of {' x '.join(map(str, shape))}" if shape else ""
+        count = f"{len(self.planes)} plane{'s' if len(self.planes) > 1 else ''}{size}"
+        return f"Frames({count}, a new one every {self.period:g} time constants)"
 
     def map(self, function: Callable[[T], Any]) -> "Frames[Any]":
         """Return the same sequence of other planes."""

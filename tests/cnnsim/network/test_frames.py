@@ -130,3 +130,9 @@ def test_crossings_of_the_grid_illusion_are_grayer(backend: str) -> None:
     assert picture is not None
     y = run("herring-grid", picture, backend=backend).y
     assert y[3:5, 3:5].min() > y[3:5, 6].max() + 0.1
+
+
+def test_a_sequence_says_its_size_and_not_its_numbers() -> None:
+    plane = np.zeros((40, 50))
+    assert repr(Frames([plane, plane], 0.5)) == "Frames(2 planes of 40 x 50, a new one every 0.5 time constants)"
+    assert repr(Frames([[[1.0, 0.0]]], 2)) == "Frames(1 plane of 1 x 2, a new one every 2 time constants)"
