@@ -12,9 +12,10 @@ from cnnsim.ended import NotSettledError, ended
 from cnnsim.network import AnyTemplate
 from cnnsim.result import Result
 from cnnsim.supersteps.engine import Engine, parse_engine
-from cnnsim.supersteps.large import is_stored, run_large
+from cnnsim.supersteps.large import run_large
 from cnnsim.support import InputError
 from cnnsim.support.memory import LARGE
+from cnnsim.support.values import is_stored
 from cnnsim.task import load, make_task
 
 PLANES = ("state", "input", "bias", "mask")

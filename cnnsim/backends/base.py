@@ -67,11 +67,19 @@ class Backend(Protocol):
     def load(self, values: Array, memory: Memory, *, copy: bool = True) -> Plane:
         """Bring an array in; into an LLM everything above 0 is black. ``copy=False``: it stays as it is meanwhile."""
 
+    def constant(self, value: float | Array, shape: tuple[int, ...], memory: Memory) -> Plane:
+        """Make a plane of one number, or of one for each grid of a batch."""
+        return self.load(np.full(shape, value), memory)
+
     def read(self, plane: Plane, *, copy: bool = True) -> Array:
         """Bring a plane out as an array: floats from a LAM, booleans (True is black) from an LLM.
 
         ``copy=False``: the plane is the end of a transient and in use no more, so the array may be the plane itself.
         """
+
+    def hand_out(self, name: str, plane: Plane) -> Any:
+        """Give a plane as a program's result ``name``: an array, or where planes are not in memory what reads it."""
+        return self.read(plane)
 
     def convert(self, plane: Plane, memory: Memory) -> Plane:
         """Give the plane for the other memory: black is +1, white -1; a value above 0 is black."""

@@ -1,7 +1,11 @@
 """The command `explain`: how a template, or each template step of a program, would be computed, and why."""
 
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
 import click
 
+from cnnsim.cli.large import block_option, engine_option, workers_option
 from cnnsim.cli.run import json_option, without_option
 from cnnsim.cli.show import program_of
 from cnnsim.library.explain import explain as explanation
@@ -11,6 +15,9 @@ from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.echo import say, say_table
 
+if TYPE_CHECKING:
+    from cnnsim.program.explain_large import LargeProgram
+
 
 @click.command(
     epilog=examples(
@@ -18,17 +25,25 @@ from cnnsim.support.echo import say, say_table
         "cnnsim explain hole-filler --size 512x512 --without sleep",
         "cnnsim explain diffusion --accuracy 1e-6",
         "cnnsim explain slip-front --size 16x16",
+        "cnnsim explain skeleton --size 32768x32768 --engine processes",
     )
 )
 @click.argument("name")
 @click.option("--size", default="64x64", show_default=True, help="Grid as ROWSxCOLS.")
 @click.option("--accuracy", help="As in `cnnsim run`: what it would decide.")
 @without_option
+@engine_option
+@workers_option
+@block_option
 @json_option
-def explain(name: str, size: str, accuracy: str | None, without: tuple[str, ...], as_json: bool) -> None:
+def explain(
+    name: str, size: str, accuracy: str | None, without: tuple[str, ...], engine: str | None, workers: int | None,
+    block: int | None, as_json: bool,
+) -> None:  # fmt: skip
     """Print what the plan decides for a template, or for each template step of a program, and why.
 
-    NAME is one of the library, or a file; where a template and a program share it, programs/NAME is the program.
+    NAME is one of the library, or a file; where a template and a program share it, programs/NAME is the program. With
+    --engine also the blocks of a program, its planes on the disk and their bytes.
     """
     shape = _shape(size)
     program = program_of(name)
@@ -36,8 +51,16 @@ def explain(name: str, size: str, accuracy: str | None, without: tuple[str, ...]
         if without or accuracy:
             given = f"--without {without[0]}" if without else f"--accuracy {accuracy}"
             raise InputError(f"{given}: {name} is a program; {given.split()[0]} goes with templates")
-        _explain_steps(program, shape, as_json)
+        large = None
+        if engine is not None:
+            from cnnsim.program.explain_large import explain_large  # it and the next bring Zarr
+            from cnnsim.supersteps.engine import Engine
+
+            large = explain_large(program, shape, Engine(engine, workers=workers, side=block))
+        _explain_steps(program, shape, large, as_json)
         return
+    if engine is not None:
+        raise InputError(f"--engine {engine}: {name} is a template; a program wanted")
     found = explanation(name, shape, without=without, accuracy=accuracy)
     if as_json:
         plan, known = found.plan, found.guaranteed
@@ -48,17 +71,21 @@ def explain(name: str, size: str, accuracy: str | None, without: tuple[str, ...]
         say_table(found.lines)
 
 
-def _explain_steps(program: Program, shape: tuple[int, int], as_json: bool) -> None:
+def _explain_steps(program: Program, shape: tuple[int, int], large: "LargeProgram | None", as_json: bool) -> None:
     steps = explain_program(program, shape)
     if as_json:
         keys = ("number", "words", "method", "decisions")
-        print_json({"program": program.name, "steps": [{key: getattr(step, key) for key in keys} for step in steps]})
+        facts = {"program": program.name, "steps": [{key: getattr(step, key) for key in keys} for step in steps]}
+        print_json(facts | ({} if large is None else {"engine": asdict(large)}))
         return
     for step in steps:
         say(f"step {step.number}: {step.words}")
         say_table([(f"  {what}", why) for what, why in step.decisions])
     if not steps:
         say(f"{program.name} runs no template: all of its steps are cellwise or logic")
+    if large is not None:
+        say("on the engine:")
+        say_table([(f"  {what}", found) for what, found in large.lines])
 
 
 def _shape(size: str) -> tuple[int, int]:

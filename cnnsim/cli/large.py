@@ -1,7 +1,9 @@
-"""The options `--engine` and `--store` of `run`: pictures of any size taken block by block, on processes or on Dask."""
+"""The options `--engine` and `--store`: pictures of any size taken block by block, on processes or on Dask."""
 
+from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
@@ -13,7 +15,13 @@ from cnnsim.support import InputError
 from cnnsim.support.command_line import print_json
 from cnnsim.support.echo import say
 from cnnsim.support.pictures.pixels import Levels
+from cnnsim.support.pictures.sequence import PictureSequence, Reading, size_text
 
+if TYPE_CHECKING:
+    from cnnsim.program.machine import UniversalMachine
+
+STRIP = 1024
+"""Rows that are read at a time."""
 engine_option = click.option(
     "--engine", metavar="ENGINE",
     help="Compute in blocks that lie on the disk: 'processes', 'dask' (on this machine) or 'dask=ADDRESS'.",
@@ -56,7 +64,7 @@ def run_large(
     )  # fmt: skip
     if output is not None:
         write_large(result.x, output)
-    black = sum(int((np.asarray(result.x[r0 : r0 + 1024]) > 0).sum()) for r0 in range(0, shape[0], 1024))
+    black = black_cells(result.x)
     if as_json:
         facts = {"template": entry.name, "t": result.t, "settled": result.settled, "rate": result.rate}
         print_json({**facts, "black": black, "cells": result.x.size, "shape": result.x.shape})
@@ -64,3 +72,42 @@ def run_large(
     ended = "at rest" if not np.isfinite(result.t) else f"t = {result.t:g}" + (", settled" if result.settled else "")
     cells = " x ".join(map(str, shape))
     say(f"{entry.name}: {cells} cells, {ended}, {black} black" + arrow([] if output is None else [output]))
+
+
+def sequence_of_large(paths: list[str], reading: Reading, _key: str = "") -> PictureSequence:
+    """Return large pictures, a file each, as a sequence whose planes are read in parts.
+
+    Raises:
+        InputError: as `open_large`; pictures of different sizes.
+    """
+    from cnnsim.supersteps.pictures import open_large
+
+    planes = [open_large(Path(path), binary=reading.binary, levels=reading.levels) for path in paths]
+    for path, plane in zip(paths, planes, strict=True):
+        if plane.shape != planes[0].shape:
+            sizes = size_text(planes[0].shape), size_text(plane.shape)
+            raise InputError(f"pictures of different sizes: {paths[0]} is {sizes[0]}, {path} {sizes[1]}")
+    return PictureSequence(paths[0], planes[0].shape, lambda: len(planes), lambda: iter(planes))
+
+
+def machine_on_engine(where: Backend, chosen: dict[str, Any], stack: ExitStack) -> "UniversalMachine":
+    """Return a machine with planes on the disk, in the store that was chosen or in one that goes with ``stack``."""
+    from cnnsim.program.machine import UniversalMachine
+    from cnnsim.supersteps.engine import Engine
+
+    store = chosen["store"] or Path(stack.enter_context(TemporaryDirectory(prefix="cnnsim-store-")))
+    engine = Engine(chosen["engine"] or "processes", store, chosen["workers"], chosen["side"])
+    return UniversalMachine(where, engine=engine)
+
+
+def black_cells(plane: Any) -> int:
+    """Return how many cells of a plane are black, read in strips."""
+    return sum(int((np.asarray(plane[..., r0 : r0 + STRIP, :]) > 0).sum()) for r0 in range(0, plane.shape[-2], STRIP))
+
+
+def write_result(plane: Any, path: Path) -> None:
+    """Write a plane that a program on an engine gave as a picture, in strips."""
+    from cnnsim.supersteps.pictures import TiledPicture
+    from cnnsim.supersteps.written import write_large
+
+    write_large(TiledPicture(plane, binary=False), path, follow=False)

@@ -1,12 +1,22 @@
 """The command `program`: an analogic program run on pictures, or step by step on sequences of pictures."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 import click
 
+from cnnsim.cli.large import (
+    black_cells,
+    block_option,
+    engine_option,
+    machine_on_engine,
+    sequence_of_large,
+    store_option,
+    workers_option,
+    write_result,
+)
 from cnnsim.cli.pictures import FRAME_RATE, arrow, binary_option, range_option
 from cnnsim.cli.run import backend_option, device_option, json_option
 from cnnsim.cli.threads import find_backend, threads_option
@@ -29,6 +39,7 @@ _SHOWN = 10
         "cnnsim program gray-opening --input picture=photo.png --set radius=2 -o out/",
         "cnnsim program motion-detection --input frame=f1.png --input frame=f2.png -o out/",
         "cnnsim program motion-detection --input frame=walk.mp4 --binary -o moving.gif",
+        "cnnsim program count-objects --input picture=scan.png --engine processes --store blocks/ --json",
         "cnnsim program my-program.toml --input a=left/ --input b=right/ --still mask=mask.png -o out/ --json",
     )
 )
@@ -47,16 +58,22 @@ _SHOWN = 10
 @backend_option
 @device_option
 @threads_option
+@engine_option
+@store_option
+@workers_option
+@block_option
 @json_option
 def program(
     file: str, pairs: tuple[str, ...], stills: tuple[str, ...], settings: tuple[str, ...], output: Path | None,
     binary: bool, levels: tuple[float, float] | None, backend: str, device: str | None,
-    threads: int | None, as_json: bool,
+    threads: int | None, as_json: bool, engine: str | None, store: Path | None, workers: int | None,
+    block: int | None,
 ) -> None:  # fmt: skip
     """Run an analogic program: FILE is a TOML file, or the name of a program of the library.
 
     On sequences it runs once for each picture, in order, and what it keeps goes on from step to step. Of several
-    inputs all have as many pictures.
+    inputs all have as many pictures. With --engine planes lie on the disk, and its results stay in the store as Zarr
+    arrays (outputs/NAME); what was stopped goes on when the same command is given again.
     """
     from cnnsim.program.file import load_program
     from cnnsim.program.machine import UniversalMachine
@@ -64,16 +81,21 @@ def program(
     parsed = load_program(file, parameters={key: _number(key, text) for key, text in _pairs("--set", settings)})
     where = find_backend(backend, device=device, threads=threads)
     reading = Reading(binary, levels, where.dtype)
-    inputs = _sequences(_pairs("--input", pairs), _pairs("--still", stills), reading)
-    steps = _steps(inputs, {key for key, _ in _pairs("--still", stills)})
-    machine = UniversalMachine(where)
+    large = engine is not None or store is not None
     film = output is not None and is_film(output)
+    if large and film:
+        raise InputError(f"{output} with --engine; a folder for pictures, or no engine, wanted")
+    sequence = sequence_of_large if large else sequence_of
+    inputs = _sequences(_pairs("--input", pairs), _pairs("--still", stills), reading, sequence)
+    steps = _steps(inputs, {key for key, _ in _pairs("--still", stills)})
     numbers: dict[str, list[Any]] = {name: [] for name in parsed.outputs}
     files: dict[str, list[Path]] = {name: [] for name in parsed.outputs}
     planes = [name for name in parsed.outputs if parsed.memory[name] != "wire"]
     rate = next((sequence.rate for sequence in inputs.values() if sequence.rate), FRAME_RATE)
     with ExitStack() as films:
         adding = {}
+        chosen = {"engine": engine, "store": store, "workers": workers, "side": block}
+        machine = machine_on_engine(where, chosen, films) if large else UniversalMachine(where)
         if film and output is not None:
             for name in planes:
                 path = output if len(planes) == 1 else output.with_stem(f"{output.stem}-{name}")
@@ -84,18 +106,27 @@ def program(
                 if isinstance(value, int):
                     numbers[name].append(value)
                     continue
-                numbers[name].append({"black": int((value > 0).sum()), "shape": value.shape})
+                black = black_cells(value) if large else int((value > 0).sum())
+                numbers[name].append({"black": black, "shape": value.shape})
                 if name in adding:
                     adding[name](value)
                 elif output is not None:
                     make_folder(output)
                     files[name].append(output / (f"{name}-{number:04d}.png" if several else f"{name}.png"))
-                    write_picture(value, files[name][-1], follow=False)
+                    if large:
+                        write_result(value, files[name][-1])
+                    else:
+                        write_picture(value, files[name][-1], follow=False)
+                elif store is not None:
+                    files[name].append(Path(value.store.root) / value.path)
     _report(parsed.name, numbers, files, several, as_json)
 
 
 def _sequences(
-    pairs: list[tuple[str, str]], stills: list[tuple[str, str]], reading: Reading
+    pairs: list[tuple[str, str]],
+    stills: list[tuple[str, str]],
+    reading: Reading,
+    sequence: Callable[..., PictureSequence],
 ) -> dict[str, PictureSequence]:
     given: dict[str, list[str]] = {}
     for key, path in pairs:
@@ -106,7 +137,7 @@ def _sequences(
                 f"--still {key}={path}: {key} is given already; one picture, or --input for several, wanted"
             )
         given[key] = [path]
-    return {key: sequence_of(paths, reading, key) for key, paths in given.items()}
+    return {key: sequence(paths, reading, key) for key, paths in given.items()}
 
 
 def _steps(inputs: dict[str, PictureSequence], stills: set[str]) -> int | None:

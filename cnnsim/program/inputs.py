@@ -3,18 +3,19 @@
 import math
 from collections.abc import Mapping
 from difflib import get_close_matches
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.program.program import Program
-from cnnsim.support import Array, InputError
+from cnnsim.support import InputError
 from cnnsim.support.memory import check_memory
-from cnnsim.support.values import as_numbers, as_picture, largest
+from cnnsim.support.values import as_numbers, as_picture, is_stored, largest
 
 
-def check_inputs(program: Program, inputs: dict[str, ArrayLike]) -> dict[str, Array]:
-    """Return the inputs of a run as arrays of one shape.
+def check_inputs(program: Program, inputs: dict[str, ArrayLike], *, stored: bool = False) -> dict[str, Any]:
+    """Return the inputs of a run as arrays of one shape; ``stored``: those on the disk are left there.
 
     Raises:
         InputError: one is missing or unknown, is no array of numbers, or has another shape.
@@ -25,7 +26,12 @@ def check_inputs(program: Program, inputs: dict[str, ArrayLike]) -> dict[str, Ar
         raise InputError(
             f"program {program.name!r} got {', '.join(inputs) or 'nothing'}; {', '.join(program.inputs)} wanted{hint}"
         )
-    arrays = {name: as_numbers(name, inputs[name], logic=program.memory[name] == "llm") for name in program.inputs}
+    arrays: dict[str, Any] = {
+        name: _stored(name, inputs[name])
+        if stored and is_stored(inputs[name])
+        else as_numbers(name, inputs[name], logic=program.memory[name] == "llm")
+        for name in program.inputs
+    }
     shape = next(iter(arrays.values())).shape
     if len(shape) not in (2, 3) or 0 in shape or any(array.shape != shape for array in arrays.values()):
         shapes = {name: array.shape for name, array in arrays.items()}
@@ -33,16 +39,24 @@ def check_inputs(program: Program, inputs: dict[str, ArrayLike]) -> dict[str, Ar
     return arrays
 
 
-def check_values(program: Program, inputs: Mapping[str, ArrayLike]) -> None:
+def _stored(name: str, plane: Any) -> Any:
+    if np.dtype(plane.dtype).kind not in "bf":
+        raise InputError(f"{name} is a stored plane of {plane.dtype}; CNN values as floats, or truth values, wanted")
+    return plane
+
+
+def check_values(program: Program, inputs: Mapping[str, ArrayLike], *, stored: bool = False) -> None:
     """Refuse what a single run of a program would answer wrongly; a machine that runs many a second asks for less.
 
-    Logic planes beyond [-1, 1] are warned of.
+    Logic planes beyond [-1, 1] are warned of. ``stored``: planes on the disk are looked at where they are read.
 
     Raises:
         InputError: an input that is not finite, or colours; several pictures where the program keeps planes from
             picture to picture: the grids of a batch know nothing of each other, so each would be a first picture.
     """
     for name in set(program.inputs) & set(inputs):
+        if stored and is_stored(inputs[name]):  # looked at where it is read
+            continue
         logic = program.memory[name] == "llm"
         array = as_picture(name, inputs[name], logic=True) if logic else as_numbers(name, inputs[name])
         if not np.isfinite(largest(array)):

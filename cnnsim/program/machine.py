@@ -2,22 +2,20 @@
 
 import math
 from functools import partial
-from typing import Any, assert_never
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, assert_never
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim import backends
 from cnnsim.accuracy.at_rest import seen_to_the_end
-from cnnsim.accuracy.repeatable import Repeatable
 from cnnsim.accuracy.settle import SETTLED_DISTANCE
-from cnnsim.accuracy.wanted import Wanted, parse_accuracy
-from cnnsim.backends.base import Backend, Outcome, Plane
-from cnnsim.ended import reached
+from cnnsim.accuracy.wanted import parse_accuracy
+from cnnsim.backends.base import Backend, Plane
 from cnnsim.keywords import spelled
 from cnnsim.operations.global_wire import read_wire
 from cnnsim.operations.logic import function_number
-from cnnsim.planning.plan import Plan
 from cnnsim.program.inputs import check_inputs, check_planes_fit
 from cnnsim.program.program import (
     ARITHMETIC,
@@ -36,12 +34,16 @@ from cnnsim.program.program import (
 )
 from cnnsim.program.stretch import AtOneGo, Known, Stretch, stretches
 from cnnsim.program.template_steps import TemplateSteps
+from cnnsim.program.to_accuracy import to_accuracy
 from cnnsim.program.words import numbered
 from cnnsim.support import Array, InputError, naming
 from cnnsim.support.bounds import REGISTER
 from cnnsim.support.memory import LARGE
 from cnnsim.support.progress import watcher
 from cnnsim.task import Dtype
+
+if TYPE_CHECKING:
+    from cnnsim.supersteps.engine import Engine
 
 _XOR = function_number("xor")
 Part = tuple[AtOneGo | None, Stretch | Step]
@@ -53,17 +55,24 @@ class UniversalMachine:
 
     Planes stay on the backend while a program runs. What a program keeps (see `Program`) lives here from run to run;
     `reset` forgets it. Arguments: ``backend`` a name or a backend; ``dtype`` the numbers it computes with, None for its
-    own; ``threads`` of the cpu backend, None for as many as pay. Roska and Chua, "The CNN universal machine", IEEE
-    Trans. CAS-II 40 (1993) 163.
+    own; ``threads`` of the cpu backend, None for as many as pay; ``engine`` and ``store`` as in `run_transient`: planes
+    then lie on the disk in blocks, and a machine that was stopped goes on when it runs the same programs again. Roska
+    and Chua, "The CNN universal machine", IEEE Trans. CAS-II 40 (1993) 163.
     """
 
     @spelled()
     def __init__(
-        self, backend: str | Backend = "cpu", dtype: Dtype | None = None, *, threads: int | None = None
-    ) -> None:
+        self, backend: str | Backend = "cpu", dtype: Dtype | None = None, *, threads: int | None = None,
+        engine: "str | Engine | None" = None, store: str | Path | None = None,
+    ) -> None:  # fmt: skip
         self.backend = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend
         self._kept: dict[Program, dict[str, Plane]] = {}
-        self._ways = TemplateSteps()
+        self._ways, self._on_engine = TemplateSteps(), None
+        if engine is not None or store is not None:
+            from cnnsim.program.on_engine import OnEngine  # only here: it brings processes and Zarr
+
+            self._on_engine = OnEngine(self.backend, engine or "processes", store, self._ways)
+            self.backend = self._on_engine.backend
         self._stretches: dict[tuple[int, tuple[int, ...]], tuple[tuple[Step, ...], list[Part]]] = {}
 
     def reset(self) -> None:
@@ -93,10 +102,17 @@ class UniversalMachine:
         """
         if not isinstance(program, Program):
             raise InputError(f"program {program!r}; a Program, as of load_program, wanted")
-        arrays = check_inputs(program, inputs)
+        arrays = check_inputs(program, inputs, stored=self._on_engine is not None)
+        if self._on_engine is not None:
+            with self._on_engine.running(program, arrays):
+                return self._run(program, arrays)
         shape = next(iter(arrays.values())).shape
         if math.prod(shape) >= LARGE:
             check_planes_fit(program, shape, self.backend.dtype.itemsize)
+        return self._run(program, arrays)
+
+    def _run(self, program: Program, arrays: dict[str, Array]) -> dict[str, Any]:
+        shape = next(iter(arrays.values())).shape
         planes: dict[str, Any] = {
             name: self.backend.load(array, program.memory[name])  # type: ignore[arg-type]  # inputs are never wires
             for name, array in arrays.items()
@@ -111,7 +127,7 @@ class UniversalMachine:
         if program.keep:
             self._kept[program] = {name: planes[name] for name in ("", *program.keep)}
         return {
-            name: planes[name] if program.memory[name] == "wire" else self.backend.read(planes[name])
+            name: planes[name] if program.memory[name] == "wire" else self.backend.hand_out(name, planes[name])
             for name in program.outputs
         }
 
@@ -119,11 +135,13 @@ class UniversalMachine:
         watched_by = watcher()
         for at_one_go, part in self._parts(program, steps, planes[""]):
             inside = part.steps if isinstance(part, Stretch) else (part,)
-            if watched_by is not None:
+            if watched_by is not None and self._on_engine is None:
                 watched_by(None, inside[0].where)
             if not (isinstance(part, Stretch) and at_one_go is not None and part.done(at_one_go, planes)):
                 for step in inside:
                     self._step(program, step, planes)
+                    if self._on_engine is not None:
+                        self._on_engine.ended(step, planes)
 
     def _parts(self, program: Program, steps: tuple[Step, ...], shape: tuple[int, ...]) -> list[Part]:
         """Return the steps, those of a stretch together with what the backend does it with; found once."""
@@ -139,6 +157,8 @@ class UniversalMachine:
 
     def _step(self, program: Program, step: Step, planes: dict[str, Any]) -> None:
         backend, memory = self.backend, program.memory
+        if self._on_engine is not None:
+            self._on_engine.begins(step)
         match step:
             case TemplateStep(to=to, input=u):
                 rule = self._ways.rule(program, step)
@@ -174,13 +194,13 @@ class UniversalMachine:
                 assert_never(step)
 
     def _transient(self, program: Program, step: TemplateStep, planes: dict[str, Any]) -> Plane:
-        shape = planes[""]
+        shape, backend = planes[""], self.backend
         plan = self._ways.plan(step, shape)
 
         def plane(name: str | float | None) -> Plane:
             if isinstance(name, str):
                 return planes[name] if program.memory[name] == "lam" else self.backend.convert(planes[name], "lam")
-            return None if name is None else self.backend.load(np.full(shape, name), "lam")
+            return None if name is None else self.backend.constant(name, shape, "lam")
 
         mask = None if step.mask is None else planes[step.mask]
         if step.mask is not None and program.memory[step.mask] == "lam":
@@ -188,28 +208,16 @@ class UniversalMachine:
         with naming(step.where):
             x, u, bias = plane(step.state), plane(step.input), plane(step.bias)
             if step.accuracy is not None:
-                return self._to_accuracy(plan, parse_accuracy(step.accuracy), x, u, bias, mask)
-            outcome = self.backend.transient(plan, x, u, bias, mask)
+                return to_accuracy(backend, plan, parse_accuracy(step.accuracy), x, u, bias, mask)
+            outcome = backend.transient(plan, x, u, bias, mask)
             if outcome.settled:
-                outcome, _ = seen_to_the_end(self.backend, plan, outcome, u, bias, mask, SETTLED_DISTANCE)
+                end = partial(seen_to_the_end, backend, plan, outcome, u, bias, mask, SETTLED_DISTANCE)
+                outcome = end()[0] if self._on_engine is None else self._on_engine.backend.seen(outcome, end)
         if step.duration == "settled" and not outcome.settled:
             raise InputError(
                 f"{step.where}: has not settled after {outcome.t:g} time constants; |dx/dt| {outcome.rate:.3g}"
             )
         return outcome.x
-
-    def _to_accuracy(self, plan: Plan, wanted: Wanted, *planes: Plane | None) -> Plane:
-        """Run a transient to an accuracy, in float64 where it must be, and return its state."""
-        read = [None if plane is None else self.backend.read(plane) for plane in planes]
-        x, u, bias = (None if plane is None else plane.astype(np.float64) for plane in read[:3])
-
-        def start(where: Backend, again: Plan, pushed: Array | None = None, /) -> Outcome:
-            given = (x if pushed is None else pushed, u, bias)
-            state, shown, added = (None if plane is None else where.load(plane, "lam") for plane in given)
-            return where.transient(again, state, shown, added, None if read[3] is None else where.load(read[3], "llm"))
-
-        found = reached(Repeatable(plan, start, (x, u, bias, read[3])), self.backend, wanted)
-        return self.backend.load(found.x.astype(self.backend.dtype), "lam")
 
     def _until_unchanged(self, program: Program, step: UntilUnchangedStep, planes: dict[str, Any]) -> None:
         if len(planes[""]) == 3:
@@ -223,7 +231,7 @@ class UniversalMachine:
 
     def _constant(self, program: Program, name: str, value: float | Array, shape: tuple[int, ...]) -> Plane:
         each = value[:, None, None] if isinstance(value, np.ndarray) else value
-        return self.backend.load(np.full(shape, each), program.memory[name])  # type: ignore[arg-type]  # planes only
+        return self.backend.constant(each, shape, program.memory[name])  # type: ignore[arg-type]  # planes only
 
 
 def _within(step: Step) -> tuple[tuple[Step, ...], ...]:

@@ -26,6 +26,11 @@ def check_plan(plan: Plan) -> None:
         raise InputError(f"discrete time with the characteristic {plan.characteristic}; sign or clip wanted")
 
 
+def may_sleep(plan: Plan) -> bool:
+    """Return whether blocks whose cells are saturated for good may be left out."""
+    return plan.method == "stepped" and plan.saturation_ends
+
+
 def reach_of(plan: Plan) -> int:
     """Return how many cells a change of state travels in a step."""
     if plan.method == "closed form":

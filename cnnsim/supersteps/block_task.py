@@ -15,7 +15,7 @@ from cnnsim.backends.base import Backend, Check
 from cnnsim.planning.plan import Plan
 from cnnsim.supersteps.block_plan import reach_of
 from cnnsim.supersteps.blocks import Area, Blocks
-from cnnsim.supersteps.store import INPUT, GridStore
+from cnnsim.supersteps.store import INPUT, MASK, GridStore
 from cnnsim.support import Array, InputError
 from cnnsim.support.errors import naming
 from cnnsim.workers.base import one_thread
@@ -70,7 +70,7 @@ class BlockReport:
 
 
 @cache
-def _backend(place: Place) -> tuple[Backend, str]:
+def backend_of(place: Place) -> tuple[Backend, str]:
     """Return the backend of this process, and on OpenCL what its device is called: its own, if none was asked for."""
     if place.backend != "opencl":
         return backends.get(place.backend, place.dtype, place.device, 1 if place.backend == "cpu" else None), ""
@@ -90,14 +90,15 @@ def run_block(task: BlockTask) -> BlockReport:
     """Run a task."""
     store, begun = _store(task.folder, task.blocks, task.run), perf_counter()
     rows, cols, inside = task.blocks.around(task.block, task.halo)
-    x = store.read(task.planes, rows, cols)
-    given = {name: store.read(name, rows, cols) for name in task.given}
+    dtype = np.dtype(task.place.dtype)
+    x = store.read(task.planes, rows, cols, dtype)
+    given = {name: store.read(name, rows, cols, np.dtype(bool) if name == MASK else dtype) for name in task.given}
     read = perf_counter()
     (r0, r1), (c0, c1) = inside
     with one_thread(), naming(f"block {task.block}, from row {rows[r0]}, column {cols[c0]}"):
         if task.first == 0:  # what stays where it was is read here for the first time
             _check_finite({"state": x, **given})
-        where, device = _backend(task.place)
+        where, device = backend_of(task.place)
         steps = _BlockSteps(where, task, x, given, inside)
         after, checks = steps.caught_up() if task.behind else steps.run()
     stepped = perf_counter()

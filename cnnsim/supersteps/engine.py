@@ -50,12 +50,12 @@ def parse_engine(engine: "str | Engine", store: "str | Path | None") -> Engine:
     return found if store is None else replace(found, store=Path(store))
 
 
-def side_of_blocks(engine: Engine, plan: Plan, workers: int, *, sleeps: bool) -> int:
+def side_of_blocks(engine: Engine, shape: tuple[int, ...], workers: int, *, sleeps: bool) -> int:
     """Return the side of a block: the engine's own, or the largest that gives all workers work and fits."""
     if engine.side is not None:
         return engine.side
     fits = math.isqrt(int(SHARE * free_memory() / workers / 64)) if math.isfinite(free_memory()) else LARGEST
-    enough = math.isqrt(max(1, plan.shape[0] * plan.shape[1] // (TASKS * workers)))
+    enough = math.isqrt(max(1, shape[-2] * shape[-1] // (TASKS * workers)))
     side = min(SLEEPING if sleeps else LARGEST, fits, enough)
     return max(SMALLEST, side // WHOLE * WHOLE if side >= WHOLE else side)
 

@@ -16,6 +16,8 @@ from cnnsim.supersteps.store import INPUT, MASK, STATE, STATES, GridStore, Recor
 from cnnsim.support import Array, InputError
 from cnnsim.support.progress import watcher
 
+STRIP = 1024
+"""Rows of a plane that are read at a time for its checksum, whatever the blocks are."""
 Planes = dict[str, Any]
 """The planes by name: "state", and perhaps "input", "bias", "mask"; arrays, or Zarr arrays, of one shape."""
 
@@ -26,12 +28,24 @@ def run_digest(plan: Plan, planes: Planes, place: Place, side: int) -> str:
     for name in ("template", "network", "boundary", "cell", "method", "duration", "limit", "scheme", "step", "shape"):
         _add(told, getattr(plan, name))
     _add(told, (place.backend, place.dtype, side))
+    _add_planes(told, planes, side)
+    return told.hexdigest()
+
+
+def signature(values: Any, planes: Planes) -> str:
+    """Return what tells a run of a program from others: its values, and its planes, read so many rows at a time."""
+    told = sha256()
+    _add(told, values)
+    _add_planes(told, planes, STRIP)
+    return told.hexdigest()
+
+
+def _add_planes(told: Any, planes: Planes, side: int) -> None:
     seen: dict[int, bytes] = {}
     for name, plane in sorted(planes.items()):
         if id(plane) not in seen:
             seen[id(plane)] = _checksum(plane, side)
         told.update(name.encode() + seen[id(plane)])
-    return told.hexdigest()
 
 
 def _add(told: Any, value: Any) -> None:
@@ -45,6 +59,8 @@ def _add(told: Any, value: Any) -> None:
     elif isinstance(value, tuple | list):
         for entry in value:
             _add(told, entry)
+    elif callable(value):
+        told.update(f"{value.__module__}.{value.__qualname__}".encode())
     else:
         told.update(repr(value).encode())
 
@@ -87,7 +103,11 @@ def write_planes(store: GridStore, planes: Planes, dtype: np.dtype[Any], *, link
     for target in STATES:
         if target != first:
             store.add(target, state.shape, dtype)
-    count = len(blocks)
+    return first_record(len(blocks), first, linked)
+
+
+def first_record(count: int, first: str, linked: dict[str, str]) -> Record:
+    """Return the record of step 0, with the states of all blocks in the array ``first``."""
     return Record(0, 0, [first] * count, [0] * count, [False] * count, [float("inf")] * count, [None] * count, linked)
 
 

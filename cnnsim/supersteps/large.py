@@ -4,6 +4,7 @@ import math
 from collections.abc import Collection
 from contextlib import ExitStack
 from pathlib import Path
+from shutil import rmtree
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
@@ -12,17 +13,17 @@ import numpy as np
 from cnnsim.backends.base import Backend
 from cnnsim.network import Frames
 from cnnsim.planning.plan import Plan
-from cnnsim.supersteps.block_plan import check_plan, halo_of, reach_of
+from cnnsim.supersteps.block_plan import check_plan, halo_of, may_sleep, reach_of
 from cnnsim.supersteps.block_task import Place
 from cnnsim.supersteps.blocks import Blocks
 from cnnsim.supersteps.depth import first_depth
 from cnnsim.supersteps.engine import Engine, check_workers_memory, side_of_blocks, worker_bytes
-from cnnsim.supersteps.given import Planes, run_digest, write_planes
-from cnnsim.supersteps.pictures import TiledPicture
+from cnnsim.supersteps.given import Planes, first_record, run_digest, write_planes
 from cnnsim.supersteps.run import Supersteps
-from cnnsim.supersteps.store import GridStore, Record, open_store, zarr_library
+from cnnsim.supersteps.store import STATE, STATES, GridStore, Record, open_store, record_of, zarr_library
 from cnnsim.support import InputError
 from cnnsim.support.memory import check_memory
+from cnnsim.support.values import is_stored
 from cnnsim.workers import Workers, open_workers
 
 _OWN = "each worker has one of its own, in turn if there are more"
@@ -42,11 +43,6 @@ class LargeEnd(NamedTuple):
     decisions: tuple[tuple[str, str], ...]
 
 
-def is_stored(plane: Any) -> bool:
-    """Return whether a plane is a Zarr array, which is told without importing zarr, or a picture read in parts."""
-    return type(plane).__module__.split(".")[0] == "zarr" or isinstance(plane, TiledPicture)
-
-
 def run_large(plan: Plan, planes: Planes, where: Backend, engine: Engine, without: Collection[str]) -> LargeEnd:
     """Run a transient in supersteps; of a state that is a Zarr array, that of the result is one of the store.
 
@@ -58,7 +54,7 @@ def run_large(plan: Plan, planes: Planes, where: Backend, engine: Engine, withou
     if any(isinstance(plane, Frames) for plane in planes.values()):
         raise InputError("planes that change with time on an engine; single planes, or no engine, wanted")
     zarr_library()
-    sleeps = plan.method == "stepped" and plan.saturation_ends and "sleep" not in without
+    sleeps = may_sleep(plan) and "sleep" not in without
     place = Place(where.name, where.dtype.name, getattr(where, "chosen_device", None))
     with ExitStack() as stack:
         workers = stack.enter_context(open_workers(engine.name, engine.workers))
@@ -82,16 +78,15 @@ def run_large(plan: Plan, planes: Planes, where: Backend, engine: Engine, withou
 def _opened(
     plan: Plan, planes: Planes, place: Place, engine: Engine, folder: Path, workers: Workers, *, sleeps: bool
 ) -> tuple[GridStore, Record, str]:
-    side = side_of_blocks(engine, plan, workers.count, sleeps=sleeps and "sleep" in plan.savings)
-    depth, dtype = engine.depth or first_depth(side, reach_of(plan), sleeps=sleeps), np.dtype(place.dtype)
-    halo = halo_of(plan, depth, checked=True)
-    lead = math.prod(planes["state"].shape[:-2])
-    needed = worker_bytes(plan, side, halo, lead, dtype.itemsize, len(planes) - 1, has_mask="mask" in planes)
-    if engine.name == "processes" or engine.name == "dask":
-        check_workers_memory(needed, workers.count, side)
+    side = side_of_blocks(engine, plan.shape, workers.count, sleeps=sleeps and "sleep" in plan.savings)
+    dtype = np.dtype(place.dtype)
+    _check_memory(
+        plan, side, math.prod(planes["state"].shape[:-2]), list(planes), engine, workers, dtype, sleeps=sleeps
+    )
     blocks = Blocks(plan.shape, side, plan.boundary)
     run = run_digest(plan, planes, place, side)
-    store, record = open_store(folder, blocks, run)
+    kept = open_store(folder, run)
+    store, record = GridStore(folder, blocks), None if kept is None else record_of(folder, Record, kept)
     if record is None:
         try:
             record = write_planes(store, planes, dtype, link="=" not in engine.name)  # a cluster may not see them
@@ -99,6 +94,47 @@ def _opened(
         except OSError as error:
             raise InputError(f"{folder}: {error.strerror or error}; room for the planes wanted") from error
     return store, record, run
+
+
+def _check_memory(
+    plan: Plan, side: int, lead: int, names: list[str], engine: Engine, workers: Workers, dtype: np.dtype[Any],
+    *, sleeps: bool,
+) -> None:  # fmt: skip
+    halo = halo_of(plan, engine.depth or first_depth(side, reach_of(plan), sleeps=sleeps), checked=True)
+    needed = worker_bytes(plan, side, halo, lead, dtype.itemsize, len(names) - 1, has_mask="mask" in names)
+    if engine.name in ("processes", "dask"):
+        check_workers_memory(needed, workers.count, side)
+
+
+def run_linked(
+    plan: Plan, linked: dict[str, str], shape: tuple[int, ...], place: Place, engine: Engine, side: int, folder: Path,
+    workers: Workers, run: str,
+) -> tuple[dict[str, Any], bool]:  # fmt: skip
+    """Run a transient of planes that are stored already, by the paths of their arrays; return its end, if saturated.
+
+    Its states are arrays of the store in ``folder``, from which it goes on if it was stopped; that of the end alone is
+    left.
+
+    Raises:
+        InputError: as `run_large`.
+    """
+    check_plan(plan)
+    dtype, blocks = np.dtype(place.dtype), Blocks(plan.shape, side, plan.boundary)
+    _check_memory(plan, side, math.prod(shape[:-2]), list(linked), engine, workers, dtype, sleeps=may_sleep(plan))
+    kept = open_store(folder, run)
+    store = GridStore(folder, blocks)
+    if kept is None:
+        for target in STATES:
+            store.add(target, shape, dtype)
+        record = first_record(len(blocks), STATE, linked)
+        store.commit(record, run)
+    else:
+        record = record_of(folder, Record, kept)
+    given, sleeps = tuple(name for name in linked if name != STATE), may_sleep(plan)
+    Supersteps(plan, store, record, place, workers, given, engine.depth, sleeps, run).to_the_end()
+    assert record.end is not None
+    rmtree(folder / next(name for name in STATES if name != record.end["plane"]), ignore_errors=True)
+    return record.end, all(record.saturated)
 
 
 def _kept(error: Exception, record: Record, plan: Plan, engine: Engine) -> Exception:

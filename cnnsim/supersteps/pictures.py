@@ -27,6 +27,8 @@ class TiledPicture:
     says which numbers are black and white.
     """
 
+    in_parts = True
+
     def __init__(self, levels: Any, *, binary: bool, between: Levels | None = None, name: str = "a picture") -> None:
         self._levels, self._binary, self._between, self._name = levels, binary, between, name
         self.shape: tuple[int, int] = levels.shape

@@ -8,6 +8,7 @@ run towards constant drives, and are taken there when it wakes up (`Backend.catc
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 from cnnsim.planning.plan import SETTLED_RATE, Plan
 from cnnsim.supersteps.block_plan import block_plan, halo_of, reach_of
@@ -15,11 +16,8 @@ from cnnsim.supersteps.block_task import BlockReport, BlockTask, Place, run_bloc
 from cnnsim.supersteps.depth import Depth
 from cnnsim.supersteps.progress import tell
 from cnnsim.supersteps.store import STATES, GridStore, Record
-from cnnsim.support import InputError
-from cnnsim.workers import Lost, Workers
-
-AGAIN = 3
-"""How often a block is tried whose worker died."""
+from cnnsim.supersteps.tasks import all_done
+from cnnsim.workers import Workers
 
 
 @dataclass
@@ -107,23 +105,10 @@ class Supersteps:
         """Run a task for each block, and again where a worker died."""
         halo = halo_of(self.plan, steps, checked=bool(checks))
         waiting = [self._task(block, steps, tuple(checks), halo, written, behind) for block in blocks]
-        done: list[BlockReport] = []
-        for _ in range(AGAIN):
-            lost = []
-            for report in self.workers.map(run_block, waiting):
-                if isinstance(report, Lost):
-                    lost.append(report.task)
-                    continue
-                done.append(report)
-                self.devices.add(report.device)
-                tell(self, len(done), len(waiting), steps)
-            waiting = lost
-            if not waiting:
-                return done
-        raise InputError(
-            f"a worker process died {2 * AGAIN} times on block {waiting[0].block} of {len(self.store.blocks)}; smaller "
-            "blocks, or workers with more memory, wanted"
-        )
+        told = partial(tell, self, tasks=len(waiting), steps=steps)
+        done = all_done(self.workers, run_block, waiting, len(self.store.blocks), told)
+        self.devices |= {report.device for report in done}
+        return done
 
     def _task(
         self, block: int, steps: int, checks: tuple[int, ...], halo: int, written: bool, behind: int

@@ -3,16 +3,18 @@
 Zarr itself copies a shard three times and takes a call for each chunk in it. A shard here is one whose chunks go over
 all its columns: one after the other they are its rows as in memory, and the index behind them is always the same. What
 Zarr reads from such a file is what was written, and what Zarr wrote elsewhere without shards can be read here as well.
+Black and white takes a bit a cell: a shard has eight cells of a row in a byte, and rows of whole bytes.
 """
 
+import math
 import struct
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from cnnsim.supersteps.blocks import Area, Span
-from cnnsim.support import Array, InputError
+from cnnsim.supersteps.blocks import Area, Span, runs
+from cnnsim.support import Array, InputError, Integers
 
 ROWS = 256
 """The most rows of a chunk, the least that Zarr reads of a shard."""
@@ -22,12 +24,20 @@ STRETCH = 1 << 22
 """Bytes that are handed to the system at a time: they stay in the cache between the copy and the write."""
 
 
-def create(group: Any, name: str, shape: tuple[int, ...], dtype: Any, side: int, width: int) -> Any:
-    """Make a Zarr array whose shards have ``side`` rows and ``width`` columns, an old one of that name gone."""
+def create(
+    group: Any, name: str, shape: tuple[int, ...], dtype: Any, side: int, *, bits: bool = False, fill: float = 0
+) -> Any:
+    """Make a Zarr array whose shards have ``side`` rows and columns of cells, an old one of that name gone.
+
+    ``bits``: eight cells a byte; ``fill``: what cells hold of which nothing is written.
+    """
     lead, part = shape[:-2], next(rows for rows in range(min(side, ROWS), 0, -1) if side % rows == 0)
+    width = math.ceil(side / 8) if bits else side
+    cols = width * math.ceil(shape[-1] / side) if bits else shape[-1]
     return group.create_array(
-        name, shape=shape, dtype=dtype, shards=(*lead, side, width), chunks=(*(1 for _ in lead), part, width),
-        compressors=None, filters=None, fill_value=0, overwrite=True, attributes={"rows": True},
+        name, shape=(*shape[:-1], cols), dtype=np.uint8 if bits else dtype, shards=(*lead, side, width),
+        chunks=(*(1 for _ in lead), part, width), compressors=None, filters=None,
+        fill_value=255 * (fill > 0) if bits else fill, overwrite=True, attributes={"rows": True, "bits": bits},
     )  # fmt: skip
 
 
@@ -48,6 +58,7 @@ class Shards:
 
     def __init__(self, array: Any) -> None:
         self.shape, self.dtype = tuple(array.shape), np.dtype(array.dtype)
+        self.bits = bool(array.attrs.get("bits"))
         self._of = tuple(array.shards or array.chunks)
         self._folder, self._key = Path(array.store.root) / array.path, array.metadata.encode_chunk_key
         self._fill, self._trailer = array.fill_value, b""
@@ -55,9 +66,30 @@ class Shards:
             chunks = np.array(array.shards) // np.array(array.chunks)
             self._trailer = _index(int(chunks.prod()), int(np.prod(array.chunks)) * self.dtype.itemsize)
 
+    @property
+    def holds(self) -> np.dtype[Any]:
+        """The type of a cell."""
+        return np.dtype(bool) if self.bits else self.dtype
+
+    @property
+    def _size(self) -> tuple[int, int]:
+        """Rows and columns of cells in a shard."""
+        return self._of[-2], self._of[-2] if self.bits else self._of[-1]
+
+    def cells(self, rows: Integers, cols: Integers, dtype: Any = None) -> Array:
+        """Return the cells in these rows and columns; ``dtype``: of what is returned, as `read` has it."""
+        out = np.empty((*self.shape[:-2], len(rows), len(cols)), self.holds if dtype is None else dtype)
+        for (p0, p1), down in runs(rows, 0):
+            for (q0, q1), across in runs(cols, 0):
+                self.read(out[..., p0:p1, q0:q1], down, across)
+        return out
+
     def read(self, out: Array, rows: Span, cols: Span) -> None:
-        """Read the cells in these rows and columns; a file that is not there has the array's fill value."""
-        side, width = self._of[-2:]
+        """Read the cells in these rows and columns; a file that is not there has the array's fill value.
+
+        Black and white becomes +1 and -1 in an ``out`` of numbers.
+        """
+        side, width = self._size
         for i in range(rows[0] // side, -(-rows[1] // side)):
             p0, p1 = max(rows[0], i * side), min(rows[1], (i + 1) * side)
             for j in range(cols[0] // width, -(-cols[1] // width)):
@@ -66,19 +98,22 @@ class Shards:
                 try:
                     shard = np.memmap(self._file(i, j), self.dtype, "r", 0, self._of)
                 except FileNotFoundError:
-                    part[...] = self._fill
+                    part[...] = _levels(np.bool_(self._fill), out.dtype) if self.bits else self._fill
                     continue
                 except ValueError as error:
                     raise InputError(f"{self._file(i, j)} is cut short; a whole shard wanted") from error
-                part[...] = shard[..., p0 - i * side : p1 - i * side, q0 - j * width : q1 - j * width]
+                there = shard[..., p0 - i * side : p1 - i * side, :]
+                first, after = q0 - j * width, q1 - j * width
+                part[...] = _levels(_unpacked(there, first, after), out.dtype) if self.bits else there[..., first:after]
 
     def write(self, area: Area, values: Array) -> None:
         """Write one shard; beyond the end of the grid it has whatever it had."""
-        (r0, r1), (c0, c1) = area
-        side, width = self._of[-2:]
+        (r0, r1), (c0, _) = area
+        side, width = self._size
         file = self._file(r0 // side, c0 // width)
         file.parent.mkdir(parents=True, exist_ok=True)
-        item, whole = self.dtype.itemsize, c1 - c0 == width
+        values, width = np.packbits(values, axis=-1) if self.bits else values, self._of[-1]
+        item, whole = self.dtype.itemsize, values.shape[-1] == width
         strip = max(1, STRETCH // (width * item)) if whole else 1
         planes = values.reshape(-1, *values.shape[-2:])
         with file.open("r+b" if file.exists() else "w+b", buffering=0 if whole else STRETCH) as stream:
@@ -91,6 +126,16 @@ class Shards:
 
     def _file(self, i: int, j: int) -> Path:
         return self._folder / self._key((*(0 for _ in self.shape[:-2]), i, j))
+
+
+def _unpacked(shard: Array, first: int, after: int) -> Array:
+    """Return the bits of some columns of cells."""
+    low = first // 8
+    return np.unpackbits(shard[..., low : -(-after // 8)], axis=-1)[..., first - 8 * low : after - 8 * low]
+
+
+def _levels(bits: Any, dtype: np.dtype[Any]) -> Any:
+    return bits if dtype.kind == "b" else np.where(bits, dtype.type(1), dtype.type(-1))
 
 
 def _put(stream: Any, what: Any) -> None:

@@ -5,21 +5,22 @@ which array has it; it is replaced as a whole after each superstep, so a run tha
 """
 
 import json
-import math
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
-from cnnsim.supersteps.blocks import Area, Blocks, Span, runs
+from cnnsim.supersteps.blocks import Area, Blocks, runs
 from cnnsim.supersteps.shards import Shards, create
 from cnnsim.support import Array, InputError, Integers
 from cnnsim.support.bounds import one_line
 from cnnsim.support.extras import install_line
 from cnnsim.support.files import make_folder
 
-FORMAT, VERSION = "cnnsim supersteps", 2
+Kept = TypeVar("Kept")
+FORMAT, VERSION = "cnnsim supersteps", 3
 STATES = ("x0", "x1")
 STATE, INPUT, MASK = "state", "input", "mask"
 
@@ -60,7 +61,7 @@ def zarr_library() -> Any:
 
 
 class GridStore:
-    """The arrays of one run in a folder, read by regions and written by blocks; masks have eight cells a byte."""
+    """The arrays of one run in a folder, read by regions and written by blocks."""
 
     def __init__(self, folder: Path, blocks: Blocks) -> None:
         self.folder, self.blocks = folder, blocks
@@ -79,53 +80,31 @@ class GridStore:
         return self._shards[name]
 
     def add(self, name: str, shape: tuple[int, ...], dtype: Any) -> None:
-        """Make an array of the grid, an old one of that name gone."""
-        side, packed = self.blocks.side, np.dtype(dtype) == bool
-        width = math.ceil(side / 8) if packed else side
-        cols = width * self.blocks.counts[1] if packed else shape[-1]
-        create(self._group, name, (*shape[:-1], cols), np.uint8 if packed else dtype, side, width)
+        """Make an array of the grid, an old one of that name gone; truth values take a bit each."""
+        create(self._group, name, shape, dtype, self.blocks.side, bits=np.dtype(dtype) == bool)
         self._shards.pop(name, None)
 
-    def read(self, plane: str | dict[int, str], rows: Integers, cols: Integers, out: Array | None = None) -> Array:
+    def read(
+        self, plane: str | dict[int, str], rows: Integers, cols: Integers, dtype: Any = None, out: Array | None = None
+    ) -> Array:
         """Return the cells in these rows and columns of one array, or of those that have the states of blocks.
 
-        ``out``: where they are put, if it is given.
+        ``dtype``: of what is returned, None for the array's own; ``out``: where they are put, if it is given.
         """
         names = {plane} if isinstance(plane, str) else {plane[block] for block in self.blocks.touched(rows, cols)}
         first, side = self.shards(next(iter(names))), self.blocks.side
-        packed = plane == MASK
         if out is None:
-            out = np.empty((*first.shape[:-2], len(rows), len(cols)), bool if packed else first.dtype)
-        cut = side if len(names) > 1 or packed else 0
+            out = np.empty((*first.shape[:-2], len(rows), len(cols)), first.holds if dtype is None else dtype)
+        cut = side if len(names) > 1 else 0
         for (p0, p1), down in runs(rows, cut):
             for (q0, q1), across in runs(cols, cut):
-                part = out[..., p0:p1, q0:q1]
-                if packed:
-                    part[...] = self._bits(first, down, across)
-                    continue
                 at = down[0] // side * self.blocks.counts[1] + across[0] // side
                 source = self.shards(plane[at]) if isinstance(plane, dict) and cut else first
-                source.read(part, down, across)
+                source.read(out[..., p0:p1, q0:q1], down, across)
         return out
-
-    def _bits(self, source: Shards, rows: Span, cols: Span) -> Array:
-        """Return cells of a mask; the columns are those of one block."""
-        side = self.blocks.side
-        begin = cols[0] // side * side
-        low, high = (cols[0] - begin) // 8, math.ceil((cols[1] - begin) / 8)
-        first = cols[0] // side * math.ceil(side / 8)
-        out = np.empty((*source.shape[:-2], rows[1] - rows[0], high - low), np.uint8)
-        source.read(out, rows, (first + low, first + high))
-        cells = np.unpackbits(out, axis=-1)
-        return cells[..., cols[0] - begin - 8 * low : cols[1] - begin - 8 * low]
 
     def write(self, name: str, area: Area, values: Array) -> None:
         """Write one block: one shard, as it has the block's rows and columns."""
-        if name == MASK:
-            down, (c0, _) = area
-            bits = np.packbits(values, axis=-1)
-            first = c0 // self.blocks.side * math.ceil(self.blocks.side / 8)
-            area, values = (down, (first, first + bits.shape[-1])), bits
         self.shards(name).write(area, values)
 
     def whole(self, name: str) -> Array:
@@ -134,11 +113,18 @@ class GridStore:
 
     def commit(self, record: Record, run: str) -> None:
         """Replace the record."""
-        self._group.attrs.put({"format": FORMAT, "version": VERSION, "run": run, "record": asdict(record)})
+        put_record(self._group, run, asdict(record))
 
 
-def open_store(folder: Path, blocks: Blocks, run: str) -> tuple[GridStore, Record | None]:
-    """Open the store of a run in a folder, or make one; the record is None where the planes are still to be written.
+def put_record(group: Any, run: str, record: dict[str, Any], form: str = FORMAT) -> None:
+    """Replace the record of a store as a whole; a process that is killed meanwhile leaves the old one or the new."""
+    group.attrs.put({"format": form, "version": VERSION, "run": run, "record": record})
+
+
+def open_store(folder: Path, run: str, form: str = FORMAT) -> dict[str, Any] | None:
+    """Open the store of a run in a folder, or make one; return its record, None where there is none yet.
+
+    ``form``: what the store is of, a transient or a program.
 
     Raises:
         InputError: the folder has something else, another run, or a store of another version; it cannot be made.
@@ -149,16 +135,25 @@ def open_store(folder: Path, blocks: Blocks, run: str) -> tuple[GridStore, Recor
     if not mark.exists():
         if any(folder.iterdir()):
             raise InputError(f"{folder} is not empty, and has no store; a folder of its own wanted")
-        zarr.create_group(folder, attributes={"format": FORMAT, "version": VERSION, "run": run})
-        return GridStore(folder, blocks), None
+        zarr.create_group(folder, attributes={"format": form, "version": VERSION, "run": run})
+        return None
     with one_line(mark, "the mark of a store"):
         attributes = dict(json.loads(mark.read_text(encoding="utf-8")).get("attributes", {}))
-    if attributes.get("format") != FORMAT:
-        raise InputError(f"{folder} is another Zarr store; a folder of its own wanted")
+    if attributes.get("format") != form:
+        raise InputError(f"{folder} is another Zarr store, not one of {form}; a folder of its own wanted")
     if attributes.get("version") != VERSION:
         raise InputError(f"{folder} is a store of version {attributes.get('version')}; version {VERSION} wanted")
     if attributes.get("run") != run:
         raise InputError(f"{folder} has the store of another run (other numbers or planes); a folder for each wanted")
-    kept = attributes.get("record")
-    with one_line(mark, "the record of a run"):
-        return GridStore(folder, blocks), None if kept is None else Record(**kept)
+    kept: dict[str, Any] | None = attributes.get("record")
+    return kept
+
+
+def record_of(folder: Path, kind: Callable[..., Kept], kept: dict[str, Any]) -> Kept:
+    """Return the record of a store as a value of its kind.
+
+    Raises:
+        InputError: it is none.
+    """
+    with one_line(folder / "zarr.json", "the record of a run"):
+        return kind(**kept)

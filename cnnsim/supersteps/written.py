@@ -25,8 +25,10 @@ _Put = Callable[[int, Array], None]
 """Takes the first row of a strip, and its outputs."""
 
 
-def write_large(plane: Any, path: Path) -> None:
+def write_large(plane: Any, path: Path, *, follow: bool = True) -> None:
     """Write the outputs of a state that lies on the disk, strip by strip: .npy, .pgm, PNG, TIFF; others whole.
+
+    ``follow`` as in `writing`.
 
     Raises:
         InputError: planes of several grids or layers, an ending that nobody knows, OpenImageIO is missing for a large
@@ -36,7 +38,7 @@ def write_large(plane: Any, path: Path) -> None:
         raise InputError(f"a result of shape {plane.shape} as a picture; (rows, cols) wanted")
     rows, cols = plane.shape
     strip = max(1, MOST // cols)
-    with writing(path) as beside, _way(beside, rows, cols)(beside, rows, cols) as put:
+    with writing(path, follow=follow) as beside, _way(beside, rows, cols)(beside, rows, cols) as put:
         for r0 in range(0, rows, strip):
             if (told := watcher()) is not None:
                 told(r0 / rows, f"writing {path.name}")

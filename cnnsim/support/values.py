@@ -22,6 +22,11 @@ def is_whole(value: Any) -> TypeGuard[int]:
     return isinstance(value, Integral) and not isinstance(value, bool)
 
 
+def is_stored(plane: Any) -> bool:
+    """Return whether a plane is a Zarr array, told without importing zarr, or a picture that is read in parts."""
+    return type(plane).__module__.split(".")[0] == "zarr" or getattr(plane, "in_parts", False) is True
+
+
 def from_gray(levels: ArrayLike, top: float = 255.0) -> Floats:
     """Return grey levels from 0 (black) to ``top`` (white) as CNN values, 1 - 2 g / top.
 

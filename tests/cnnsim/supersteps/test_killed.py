@@ -74,6 +74,55 @@ def test_everything_killed_in_mid_run_goes_on_from_the_last_superstep(tmp_path: 
     assert supersteps(tmp_path) > kept
 
 
+def done(folder: Path) -> int:
+    try:
+        return int(json.loads((folder / "blocks" / "zarr.json").read_text())["attributes"]["record"]["done"])
+    except (OSError, KeyError):
+        return 0
+
+
+def wait_until_done(folder: Path, run: "subprocess.Popen[str]", count: int) -> None:
+    until = time.monotonic() + 100
+    while done(folder) < count and run.poll() is None:
+        assert time.monotonic() < until
+        time.sleep(0.01)
+
+
+def test_a_program_loses_a_worker_then_everything_and_goes_on(tmp_path: Path) -> None:
+    np.save(tmp_path / "p.npy", PICTURE[:64, :70] > 0)
+    call = "program size-sorting --input picture=p.npy --block 24 --workers 2 --store blocks -o out"
+
+    def started() -> "subprocess.Popen[str]":
+        return subprocess.Popen(
+            [sys.executable, "-m", "cnnsim", *call.split()], cwd=tmp_path, env=ENVIRONMENT, text=True,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
+        )  # fmt: skip
+
+    run = started()
+    wait_until_done(tmp_path, run, 5)
+    children = Path(f"/proc/{run.pid}/task/{run.pid}/children")
+    workers = [
+        int(child) for child in (children.read_text() if children.exists() else "").split()
+        if b"popen_loky" in Path(f"/proc/{child}/cmdline").read_bytes()
+    ]  # fmt: skip
+    for worker in workers[:1]:
+        os.kill(worker, signal.SIGKILL)
+    wait_until_done(tmp_path, run, 8)
+    assert run.poll() is None, run.communicate()
+    os.killpg(run.pid, signal.SIGKILL)
+    run.communicate()
+    kept = done(tmp_path)
+    again = started()
+    out, errors = again.communicate(timeout=200)
+    assert again.returncode == 0, errors
+    assert done(tmp_path) > kept >= 8
+    whole = cnnsim.run_program("size-sorting", picture=PICTURE[:64, :70] > 0)
+    for name, value in whole.items():
+        assert f"{name}: {int(value.sum())} black cells" in out
+        shown = cnnsim.read_picture(tmp_path / "out" / f"{name}.png") > 0
+        assert np.array_equal(shown, value)
+
+
 def test_a_dask_cluster_of_separate_processes_loses_a_worker_and_its_scheduler(tmp_path: Path) -> None:
     pytest.importorskip("distributed")
     file = tmp_path / "scheduler.json"

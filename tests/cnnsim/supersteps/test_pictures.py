@@ -69,8 +69,8 @@ def test_the_command_runs_on_an_engine_as_without(tmp_path: Path, monkeypatch: p
 def test_blocks_are_small_enough_for_all_workers_and_the_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     plan = cnnsim.run_transient(cnnsim.Template(1.0), state=np.zeros((2, 2)), duration=0.1).plan
     large = plan.__class__(**{**vars(plan), "shape": (32768, 32768)})
-    assert side_of_blocks(Engine(), large, 2, sleeps=False) == 4096
-    assert side_of_blocks(Engine(), large, 2, sleeps=True) == 1024
-    assert side_of_blocks(Engine(side=48), large, 2, sleeps=True) == 48
+    assert side_of_blocks(Engine(), large.shape, 2, sleeps=False) == 4096
+    assert side_of_blocks(Engine(), large.shape, 2, sleeps=True) == 1024
+    assert side_of_blocks(Engine(side=48), large.shape, 2, sleeps=True) == 48
     monkeypatch.setenv("CNNSIM_MEMORY", "512M")
-    assert side_of_blocks(Engine(), large, 2, sleeps=False) <= 1280
+    assert side_of_blocks(Engine(), large.shape, 2, sleeps=False) <= 1280

@@ -20,7 +20,7 @@ F4 = np.dtype("f4")
 
 
 def written(folder: Path, values: Any, side: int) -> Any:
-    array = create(zarr.open_group(folder), "a", values.shape, values.dtype, side, side)
+    array = create(zarr.open_group(folder), "a", values.shape, values.dtype, side)
     files, (rows, cols) = Shards(array), values.shape[-2:]
     for r0 in range(0, rows, side):
         for c0 in range(0, cols, side):

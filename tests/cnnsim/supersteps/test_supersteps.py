@@ -175,7 +175,7 @@ def test_a_store_of_something_else_is_refused(tmp_path: Path) -> None:
     mark = json.loads((store / "zarr.json").read_text())
     mark["attributes"]["version"] = 7
     (store / "zarr.json").write_text(json.dumps(mark))
-    with pytest.raises(InputError, match="store of version 7; version 2 wanted"):
+    with pytest.raises(InputError, match="store of version 7; version 3 wanted"):
         cnnsim.run_transient(MIXED, **task)
     mark["attributes"] = {}
     (store / "zarr.json").write_text(json.dumps(mark))
