@@ -53,7 +53,6 @@ class Session:
         self._until = float("inf") if seconds is None else time.monotonic() + seconds
         self.source = WireSource(description, self._chunks(), None if self.recording is None else self._keep)
         self.check = PortCheck(port, description, lambda: self.source.counts, warn)
-        self.reader.start()
 
     @property
     def counts(self) -> Counts:
@@ -82,6 +81,7 @@ class Session:
 
     def _chunks(self) -> Iterator[Chunk]:
         closing = False
+        self.reader.start()  # not before somebody takes what comes: it would wait for him
         while True:
             over = self._ready.closed
             chunks = self._ready.get(0)

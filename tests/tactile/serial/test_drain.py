@@ -224,3 +224,15 @@ def test_who_waits_takes_what_comes_himself_and_the_thread_what_he_leaves() -> N
     assert sum(polled) > len(polled) / 2
     assert not any(who == threading.get_ident() for who, _ in came[len(polled) :])
     assert b"".join(data for _, data in came) == b"".join(data for _, data in stream)
+
+
+def test_reading_begins_when_somebody_takes_what_comes() -> None:
+    """What came while he was still busy would wait for him, and be late."""
+    description = emulated_description("native", grip(4.0))
+    with device(packets(description, grip(4.0), loop=True)) as emulator:
+        session = Session(emulator.port, description, seconds=LIMIT)
+        time.sleep(0.3)
+        begun = session.now()
+        next(iter(session.source))
+        assert session.source.arrival >= begun
+        session.close()
