@@ -9,6 +9,7 @@ import socket
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 
 from cnnsim.support import InputError
 from tactile.core.epoch import Epoch
@@ -59,7 +60,9 @@ class PortReader:
         self._thread = threading.Thread(target=self._run, name=f"port {name}", daemon=True)
 
     def start(self) -> None:
-        """Begin to read."""
+        """Begin to read; what the system has kept since the port was opened came nobody knows when."""
+        with suppress(Exception):  # the port is gone, which reading it tells
+            self._port.reset_input_buffer()
         self._thread.start()
 
     def ask_tare(self, force: bool = False) -> None:
