@@ -43,11 +43,19 @@ KERNEL void logic(__global const ulong *restrict p, __global const ulong *restri
     const ulong end = rest ? ((ulong)1 << rest) - 1 : ~(ulong)0;
     const ulong f0 = -(ulong)(function & 1), f1 = -(ulong)(function >> 1 & 1);
     const ulong f2 = -(ulong)(function >> 2 & 1), f3 = -(ulong)(function >> 3 & 1);
+#define RESULT(a, b) ((~(a) & ((f0 & ~(b)) | (f1 & (b)))) | ((a) & ((f2 & ~(b)) | (f3 & (b)))))
+#ifdef CPU
+    EACH(line, lines) { // a division for each word would take longer than all else
+        const long first = line * words;
+        for (int c = 0; c < words; c++) out[first + c] = RESULT(p[first + c], q[first + c]);
+        out[first + words - 1] &= end;
+    }
+#else
     EACH(i, lines * words) {
-        const ulong a = p[i], b = q[i];
-        const ulong word = (f0 & ~a & ~b) | (f1 & ~a & b) | (f2 & a & ~b) | (f3 & a & b);
+        const ulong word = RESULT(p[i], q[i]);
         out[i] = i % words == words - 1 ? word & end : word;
     }
+#endif
 }
 
 // The black cells of all grids, counted in parts.
