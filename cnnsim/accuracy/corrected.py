@@ -17,18 +17,24 @@ from cnnsim.planning.scheme import RK4
 from cnnsim.planning.step import check_count
 from cnnsim.support import Array, Flags, Floats
 
-MOST_CELLS = 1 << 15
+MOST_CELLS = 1 << 16
 """Of a grid that one thread takes through its steps; on larger ones the backend is faster."""
-USUAL = 1e-4
-"""Of an error over (step x norm of A - I)^3: the median of 600 random transients; 1 in 20 has 30 times that."""
-SAFE = 10.0
-"""How much larger than it is estimated the error may be: of 600 random transients 1 in 200 had more."""
-_MIDDLE = 0.6
+USUAL = 2e-3
+"""Of an error over (step x norm of A - I)^3: of 64 x 64 random cells half have less."""
+SAFE = 4.0
+"""How much larger than it is estimated the error may be: of 1200 random transients 1 in 500 had more."""
+_FINE, _LONGEST_FIRST = 2.8, 5.6
+"""Steps, times the norm of A - I: two longer ones may err alike where one is not three times as long; the longest."""
+APART = 0.4
+"""How far apart the outputs of two runs may ever be: where both took the wrong side of a ridge it was 0.45 and more."""
+_MIDDLE = 0.4
 """Of the estimate, the error that is usually found."""
 _OF_A_PUSH = 0.6
 """Of the difference of two runs from starts pushed this way and that: half is what a push alone makes of a cell."""
 _SHORTEST, _LONGEST = 1 / 6, 0.7
 """Of the last step that the next one may be."""
+_PATH = 1 << 22
+"""Outputs that are kept on the way, of the first steps: it is there that a cell decides."""
 _MOST_RUNS, _MOST_FOR_SIGNS = 12, 7
 _PLANES = 13
 
@@ -59,13 +65,25 @@ class CorrectedSteps:
 
     def run(self, state: Array, steps: int) -> Floats:
         """Return the state (rows, cols) after so many steps of one length."""
+        return self.taken(state, steps, self.path(0), 1, self.path(0))[0]
+
+    def path(self, steps: int) -> Array:
+        """Return where the outputs after each of some steps are kept: of as many as memory is for."""
+        cells = self._real.size
+        return np.empty((min(steps, _PATH // cells), cells), np.float32)
+
+    def taken(self, state: Array, steps: int, path: Array, every: int, kept: Array) -> tuple[Floats, float]:
+        """Return the state after so many steps, and how far its outputs ever were from a path of longer ones.
+
+        ``every`` of these steps are one of the ``path``; the outputs on the way are written to ``kept``.
+        """
         pad = self._padding
         self._planes[0] = pad.flat(state, self._around)
-        self._run(
+        apart = self._run(
             self._planes, self._real, pad.heads, pad.after, *self._taps, pad.virtual, pad.source, pad.first, pad.last,
-            self.duration / steps, steps,
+            self.duration / steps, steps, path, every, kept,
         )  # fmt: skip
-        return np.array(pad.real(self._planes[0]))
+        return np.array(pad.real(self._planes[0])), float(apart)
 
 
 def is_correctable(plan: Plan, shape: tuple[int, ...]) -> bool:
@@ -82,42 +100,50 @@ def is_corrected(transient: Repeatable) -> bool:
 
 
 def first_step(wanted: Wanted) -> float:
-    """Return a step, times the norm of A - I, whose half usually reaches the accuracy: two runs show that it does."""
-    return float(2.0 * (wanted.error / (SAFE * USUAL)) ** (1 / 3))
+    """Return a step, times the norm of A - I, half of which usually is as accurate as that."""
+    return float(min(2 * (wanted.error / USUAL) ** (1 / 3), _LONGEST_FIRST))
 
 
 def by_corrected_steps(transient: Repeatable, where: Backend, wanted: Wanted) -> Reached:
     """Return the end of a transient by shorter and shorter corrected steps, until two runs agree.
 
     The error of the last run is taken to be its difference to the one before over r^3 - 1, r being the ratio of their
-    steps, and no less than what the runs before promise by order 5: two runs may agree by chance.
+    steps, and no less than what the runs before promise by order 5: two runs may agree by chance. They must agree on
+    the way as well: two that pass a ridge on its wrong side end alike, but leave it at different times.
     """
     plan = transient.plan
     steps, duration = CorrectedSteps(plan, transient.planes), float(plan.duration)
     starts = [transient.pushed(where, way) for way in (0.5, -0.5)]  # what rounding decides comes out both ways
     floor = 4 * float(np.finfo(where.dtype).eps) * max(1.0, largest(transient.planes[0]))
     norm = 1.0 + float(np.abs(plan.template.A).sum())
-    number = math.ceil(duration / min(first_step(wanted) / norm, longest_step(plan, RK4)) - 1e-9)
-    before, taken = steps.run(starts[0], number), [number]
-    estimate, done, number = math.inf, False, 2 * number
+    step = min(first_step(wanted) / norm, longest_step(plan, RK4))
+    number = math.ceil(duration / step - 1e-9)
+    kept = steps.path(number)
+    (before, _), taken = steps.taken(starts[0], number, steps.path(0), 1, kept), [number]
+    estimate, done, on_the_way, number = math.inf, False, math.inf, (2 if step * norm < _FINE else 3) * number
     while True:
         check_count(duration, duration / number)
-        end, ratio = steps.run(starts[len(taken) % 2], number), number / taken[-1]
+        ratio, together = number / taken[-1], on_the_way <= APART
+        path, kept = kept, steps.path(0 if together else number)
+        end, way = steps.taken(starts[len(taken) % 2], number, path, round(ratio), kept)
         taken.append(number)
         difference = end - before
         apart = largest(difference)
+        on_the_way = max(on_the_way if together else way, apart)
         estimate = floor + max(apart / (ratio**3 - 1), estimate / ratio**5 if estimate < math.inf else 0.0)
+        done = on_the_way <= APART and SAFE * estimate <= wanted.error
+        goal = wanted.error / SAFE
         if wanted.signs:
             unsure = _unsure(end, difference, ratio, floor, estimate)
+            done = done and not unsure.any()
             nearest = float(np.abs(end)[unsure].min(initial=estimate))
-            done = not unsure.any() and SAFE * estimate <= wanted.error  # a cell near a ridge may go wrong twice
-            goal = min(max(nearest, estimate / 64), estimate / 4) if unsure.any() else wanted.error / SAFE
-        else:
-            done, goal = SAFE * estimate <= wanted.error, wanted.error / SAFE
+            goal = min(max(nearest, estimate / 64), estimate / 4) if unsure.any() else goal
         if done or len(taken) >= (_MOST_FOR_SIGNS if wanted.signs else _MOST_RUNS) or estimate <= 4 * floor:
             break
         part = (0.6 * goal / estimate) ** (1 / 3) if estimate < math.inf else _SHORTEST
-        number = math.ceil(number / min(max(part, _SHORTEST), _LONGEST))
+        ratio = 1 / min(max(part, _SHORTEST), _LONGEST)
+        # cells on the wrong side of a ridge change it at once, not by the scheme's order
+        number = math.ceil(number * ratio) if on_the_way <= APART else 2 * number
         before = end
     if not wanted.signs:
         unsure = _unsure(end, difference, ratio, floor, estimate)

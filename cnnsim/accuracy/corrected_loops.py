@@ -125,12 +125,25 @@ def add_to_neighbours(x, y, real, j, missed, offsets, weights):  # type: ignore[
 
 
 @kept_njit(error_model="numpy")
-def corrected_steps(planes, real, heads, after, offsets, weights, virtual, source, first, last, h, steps):  # type: ignore[no-untyped-def]
+def farthest(y, real, path, apart):  # type: ignore[no-untyped-def]
+    """Return how far outputs are from those that were kept on the path, or what it was before if that is more."""
+    for i in range(y.size):
+        away = abs(y[i] - path[i]) * real[i]
+        apart = away if away > apart else apart
+    return apart
+
+
+@kept_njit(error_model="numpy")
+def corrected_steps(
+    planes, real, heads, after, offsets, weights, virtual, source, first, last, h, steps, path, every, kept
+):  # type: ignore[no-untyped-def]
     """Take the state, ``planes[0]``, through so many steps; ``planes`` (13, padded cells), 1 and 2 are w and free.
 
     ``real`` marks cells that move; ``heads``, ``after`` list the virtual cells that stand for each cell; ``first`` and
-    ``last`` real cell.
+    ``last`` real cell. The outputs after each of the first steps are written to ``kept`` (steps, padded cells). Those after
+    every ``every`` steps are held against ``path``, which another run has kept: returns how far apart they ever were.
     """
+    apart = 0.0
     x, drive, free = planes[0], planes[1], planes[2]
     end, inner = planes[3], planes[4]
     y1, y2, y3, y4, y5 = planes[5], planes[6], planes[7], planes[8], planes[9]
@@ -138,7 +151,7 @@ def corrected_steps(planes, real, heads, after, offsets, weights, virtual, sourc
     onward(x[first:last], k[first:last], 0.0, end[first:last], y1[first:last])
     repeat_cells(y1, virtual, source)
     met = np.empty(CHUNK, np.int64)
-    for _ in range(steps):
+    for step in range(steps):
         for at in range(first, last, CHUNK):
             to = min(at + CHUNK, last)
             stage(y1, x, drive, free, offsets, weights, at, to, k1)
@@ -185,7 +198,13 @@ def corrected_steps(planes, real, heads, after, offsets, weights, virtual, sourc
                     add_to_neighbours(end, y5, real, copy, missed, offsets, weights)
                     copy = after[copy]
         repeat_cells(y5, virtual, source)
+        if step < len(kept):
+            kept[step, first:last] = y5[first:last]
+        place = (step + 1) // every - 1
+        if (step + 1) % every == 0 and place < len(path):
+            apart = farthest(y5[first:last], real[first:last], path[place, first:last], apart)
         x, end = end, x
         y1, y5 = y5, y1
     if steps % 2:
         planes[0, first:last] = x[first:last]
+    return apart

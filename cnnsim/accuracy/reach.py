@@ -7,6 +7,7 @@ import numpy as np
 
 from cnnsim.accuracy.choice import choose
 from cnnsim.accuracy.corrected import by_corrected_steps, is_correctable, is_corrected
+from cnnsim.accuracy.jumps import at_a_jump
 from cnnsim.accuracy.kink_to_kink import affordable_kinks, by_kinks
 from cnnsim.accuracy.ladder import Ladder
 from cnnsim.accuracy.plain_signs import by_plain_signs
@@ -37,6 +38,10 @@ def reach(transient: Repeatable, backend: Backend, wanted: Wanted) -> Reached:
         where, told = in_float64(backend), f"; in float64, as float32 cannot give {wanted}"
         if where.dtype != "float64":
             raise InputError(f"accuracy {wanted}: the device has no float64, and float32 cannot give it")
+    edge = at_a_jump(plan, transient.planes[0].shape, transient.planes[1], where.dtype)
+    if edge is not None and edge.any() and (finer := in_float64(backend)).dtype != where.dtype:
+        where, told = finer, "; in float64, as inputs lie at the edge of a step of a table"
+        edge = at_a_jump(plan, transient.planes[0].shape, transient.planes[1], where.dtype)
     if plan.cell == "discrete-time":
         found = transient.once(where, "discrete time has no error")
     elif plan.method == "closed form":
@@ -49,6 +54,9 @@ def reach(transient: Repeatable, backend: Backend, wanted: Wanted) -> Reached:
         found = _by_sample(transient, sample, where, wanted)
     else:
         found = _by_steps(transient, where, wanted)
+    if edge is not None and edge.any():
+        found = replace(found, undecided=found.undecided | edge)
+        told += f"; at {int(edge.sum())} cells the last digit of the input decides"
     return replace(found, how=f"accuracy {wanted}: {found.how}{told}")
 
 

@@ -1,15 +1,18 @@
 """A transient to its rest, by two steps that must lead to one end where there may be several."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from cnnsim.accuracy.at_rest import seen_to_the_end
+from cnnsim.accuracy.corrected import is_corrected
 from cnnsim.accuracy.linear.spectral import is_definite
 from cnnsim.accuracy.monotone import goes_one_way, is_cooperative
 from cnnsim.accuracy.repeatable import Reached, Repeatable
 from cnnsim.accuracy.steps import by_steps, longest_step
+from cnnsim.accuracy.ties import decided_by_ties
 from cnnsim.accuracy.wanted import Wanted
 from cnnsim.backends.base import Backend
 from cnnsim.backends.reference.drive import control
@@ -41,6 +44,8 @@ def to_rest(transient: Repeatable, where: Backend, wanted: Wanted) -> Reached:
             return ends[-1]
         if len(ends) > 1 and _alike(ends[-2], ends[-1], wanted):
             break
+        if len(ends) > 1 and wanted.signs and is_corrected(transient):
+            return _tied(transient, where, wanted, max(end.t for end in ends))
     before, last = ends[-2:]
     y, other = (end.plan.output(end.x) for end in (last, before))
     apart = np.abs(y - other)
@@ -56,6 +61,17 @@ def to_rest(transient: Repeatable, where: Backend, wanted: Wanted) -> Reached:
     )  # fmt: skip
 
 
+def _tied(transient: Repeatable, where: Backend, wanted: Wanted, time: float) -> Reached:
+    """Return the rest that fine steps lead to, where two plain runs do not agree on its signs."""
+    x, unsure, runs = decided_by_ties(transient, time)
+    reached = _ended(transient, where, wanted, transient.plan, state=x)
+    how = f"two plain runs differ; rk4 with its kinks corrected decides, {runs} runs from pushed starts; {reached.how}"
+    if unsure.any():
+        how = f"{int(unsure.sum())} cells end elsewhere by the smallest push: {how}"
+    unsure = unsure | reached.undecided | ((x > 0) != (reached.x > 0))
+    return replace(reached, t=max(time, reached.t), undecided=unsure, how=how)
+
+
 def _one_step(transient: Repeatable) -> tuple[float, str] | None:
     """Return the step (0: the plan's own) with which one run is enough, and why; None if it takes two."""
     plan, (state, u, bias, mask) = transient.plan, transient.planes
@@ -69,9 +85,11 @@ def _one_step(transient: Repeatable) -> tuple[float, str] | None:
     return None
 
 
-def _ended(transient: Repeatable, where: Backend, wanted: Wanted, plan: Plan, push: int = 0) -> Reached:
+def _ended(
+    transient: Repeatable, where: Backend, wanted: Wanted, plan: Plan, push: int = 0, state: Array | None = None
+) -> Reached:
     """Run once until it settles, and see it to its end."""
-    outcome = transient.start(where, plan, transient.pushed(where, push) if push else None)
+    outcome = transient.start(where, plan, transient.pushed(where, push) if push else state)
     if not outcome.settled:
         x = where.read(outcome.x)
         return Reached(x, outcome.t, False, outcome.rate, math.inf, np.ones(x.shape, bool), plan, "not settled")

@@ -16,6 +16,7 @@ from tactile.simulator.scene.file import bare_scene
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.scene.sizes import sizes_in
 from tactile.simulator.scene.tradeoff import Trade, trades
+from tests.benchmarks.accuracy.labels import label_points
 from tests.benchmarks.accuracy.section import Section
 from tests.kits.touch.random_scenes import error_of_seeds, everything, random_scene
 
@@ -152,11 +153,12 @@ def _draw(figure: Any, found: dict[str, list[Trade]], parts: dict[str, list[tupl
     above, below = figure.subplots(2, len(found))
     for (name, trade), one, other in zip(found.items(), above, below, strict=True):
         draw_trades(trade, one, name)
-        for effect, size, seconds in parts[name]:
-            other.plot(seconds * 1e6, max(size, 1e-4), ".", color="C0")
-            other.annotate(effect.replace("_", " "), (seconds * 1e6, max(size, 1e-4)), fontsize=6, xytext=(3, 1),
-                           textcoords="offset points")  # fmt: skip
+        places = [(seconds * 1e6, max(size, 1e-4)) for _, size, seconds in parts[name]]
+        other.plot(*zip(*places, strict=True), ".", color="C0")
         other.set(xscale="log", yscale="log", title=f"{name}: what each effect adds")
         other.set(xlabel="time of a frame [us]", ylabel="size over the peak")
         other.margins(x=0.25)
         other.grid(alpha=0.3, which="both")
+    for (name, some), axes in zip(parts.items(), below, strict=True):  # when all axes have their sizes
+        places = [(seconds * 1e6, max(size, 1e-4)) for _, size, seconds in some]
+        label_points(axes, places, [effect.replace("_", " ") for effect, _, _ in parts[name]])

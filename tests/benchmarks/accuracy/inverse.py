@@ -163,14 +163,15 @@ def _draw(figure: Any, rows: list[dict[str, Any]]) -> None:
             found = sorted((r["noise"], r[part]) for r in of)
             middle.loglog(*zip(*found, strict=True), line, color=colour, label=f"{name}, {way}", markersize=4)
     middle.set(title="noise, 8 x 8 taxels", xlabel="noise over the largest signal", ylabel="rms error")
-    for level in NOISES:
+    time = right.twinx()
+    for level, line in zip(NOISES, ("-", "--", "-.", ":"), strict=True):
         of = [r for r in rows if r["family"] == "noise" and (r["way"], r["noise"]) == (WAYS[0], level)]
-        label = f"noise {level:g}"
-        right.loglog([r["seconds"] for r in of], [r["error"] for r in of], "o-", label=label, markersize=4)
-        for r in of if level == NOISES[-1] else ():
-            where = r["seconds"], r["error"]
-            right.annotate(f"{r['size']} x {r['size']}", where, fontsize=7, xytext=(3, 3), textcoords="offset points")
-    right.set(title="how many taxels", xlabel="best wall time of a frame [s]", ylabel="rms error of the place [z]")
+        sides = [r["size"] for r in of]
+        right.loglog(sides, [r["error"] for r in of], "o-", label=f"noise {level:g}", markersize=4)
+        time.semilogx(sides, [1e6 * r["seconds"] for r in of], line, color="grey", linewidth=0.8)
+    time.set(ylim=(0, None), ylabel="best wall time of a frame [us], grey")
+    right.set(title="how many taxels", xlabel="taxels on a side", ylabel="rms error of the place [z]")
+    right.set_xticks(SIDES, [str(side) for side in SIDES])
     for one in (left, middle, right):
         one.legend(fontsize=7)
         one.grid(alpha=0.3)

@@ -66,8 +66,11 @@ Setting = tuple[int, str, float]
 """Evaluations, scheme and step."""
 
 
-def by_hand(one: Case) -> dict[float, Setting]:
-    """The setting of fewest evaluations that keeps each accuracy, of all schemes and steps tried; in float64."""
+def by_hand(one: Case, least: float = min(ACCURACIES)) -> dict[float, Setting]:
+    """The setting of fewest evaluations that keeps each accuracy, of all schemes and steps tried; in float64.
+
+    Steps are tried from the longest on until one keeps ``least``: shorter ones only cost more.
+    """
     best: dict[float, Setting] = {}
     for scheme in SCHEMES:
         for step in STEPS:
@@ -81,6 +84,8 @@ def by_hand(one: Case) -> dict[float, Setting]:
                 if error <= accuracy:
                     setting = where.evaluations, scheme, step
                     best[accuracy] = min(best.get(accuracy, setting), setting)
+            if error <= least or where.evaluations > max((best[a][0] for a in best if a <= least), default=10**9):
+                break
     return best
 
 

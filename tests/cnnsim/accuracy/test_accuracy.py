@@ -42,7 +42,8 @@ def test_every_backend_keeps_it(name: str) -> None:
 def test_it_costs_a_few_times_the_best_setting_found_by_hand() -> None:
     ratios = []
     for seed in (3, 5):
-        one, fewest = case(seed), by_hand(case(seed))
+        one = case(seed)
+        fewest = by_hand(one, least=1e-5)
         for accuracy in (1e-3, 1e-4, 1e-5):
             where: Any = Counting(build("cpu", None, "float64"))
             run_transient(**one.given, accuracy=accuracy, backend=where)
@@ -80,7 +81,7 @@ def test_settled_templates_end_where_shorter_steps_do() -> None:
     picture = np.where(np.random.default_rng(2).random((20, 20)) < 0.5, 1.0, -1.0)
     for accuracy in ("binary", 1e-3):
         found = run("hole-filler", picture, accuracy=accuracy)
-        assert np.array_equal(found.y > 0, run("hole-filler", picture, scheme="rk4", step=0.02).y > 0)
+        assert np.array_equal(found.y > 0, run("hole-filler", picture, scheme="rk4", step=0.05).y > 0)
         assert not len(found.undecided)
     fine = run("laplace-solver", picture * 0.5, mask=picture, accuracy=1e-7)
     assert fine.error <= 1e-7
@@ -92,13 +93,13 @@ def test_delays_and_layers_are_run_by_steps_that_divide_their_times() -> None:
 
     late = Template(0.5, z=0.3, terms=[Term([[-0.8]], "y_kl", delay=1.0)])
     found = run_transient(late, state=np.full((1, 2), 0.4), duration=5.0, accuracy=1e-3)
-    finer = run_transient(late, state=np.full((1, 2), 0.4), duration=5.0, scheme="heun", step=0.001, dtype="float64")
+    finer = run_transient(late, state=np.full((1, 2), 0.4), duration=5.0, scheme="heun", step=0.002, dtype="float64")
     assert np.abs(found.x - finer.x).max() <= 1e-3
 
 
-@pytest.mark.parametrize("shape", [(64, 64), (128, 256), (129, 256), (2, 32, 32)])
+@pytest.mark.parametrize("shape", [(64, 64), (256, 256), (257, 256), (2, 32, 32)])
 def test_what_is_explained_is_what_is_run(shape: tuple[int, ...]) -> None:
-    """Corrected steps are for one grid of up to 32 768 cells, windows for larger ones."""
+    """Corrected steps are for one grid of up to 65 536 cells, windows for larger ones."""
     wave = Template([[0.1, 0.3, 0.1], [0.2, 1.5, 0.2], [0.1, 0.4, 0.1]], 0.4, 0.05)
     x = np.random.default_rng(2).uniform(-1, 1, shape)
     found = run_transient(wave, state=x, input=x, duration=2.0, accuracy=0.1)
