@@ -140,8 +140,9 @@ def corrected_steps(
     """Take the state, ``planes[0]``, through so many steps; ``planes`` (13, padded cells), 1 and 2 are w and free.
 
     ``real`` marks cells that move; ``heads``, ``after`` list the virtual cells that stand for each cell; ``first`` and
-    ``last`` real cell. The outputs after each of the first steps are written to ``kept`` (steps, padded cells). Those after
-    every ``every`` steps are held against ``path``, which another run has kept: returns how far apart they ever were.
+    ``last`` real cell. The outputs after each of the first steps are written to ``kept`` (steps, padded cells).
+    Those after every ``every`` steps are held against ``path``, which another run has kept: returns how far apart they
+    ever were.
     """
     apart = 0.0
     x, drive, free = planes[0], planes[1], planes[2]
