@@ -134,9 +134,9 @@ def farthest(y, real, path, apart):  # type: ignore[no-untyped-def]
 
 
 @kept_njit(error_model="numpy")
-def corrected_steps(
+def corrected_steps(  # type: ignore[no-untyped-def]
     planes, real, heads, after, offsets, weights, virtual, source, first, last, h, steps, path, every, kept
-):  # type: ignore[no-untyped-def]
+):
     """Take the state, ``planes[0]``, through so many steps; ``planes`` (13, padded cells), 1 and 2 are w and free.
 
     ``real`` marks cells that move; ``heads``, ``after`` list the virtual cells that stand for each cell; ``first`` and
