@@ -1,5 +1,7 @@
 """Cells near a ridge, in a tie or at the edge of a table's step: gone the right way, or named."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -36,7 +38,7 @@ def test_runs_are_held_against_each_other_on_their_way() -> None:
 
 
 @pytest.mark.parametrize("dtype", ["float32", "float64"])
-def test_inputs_at_the_edge_of_a_step_are_named(dtype: str) -> None:
+def test_inputs_at_the_edge_of_a_step_are_named(dtype: Any) -> None:
     term = Term([[0, 1, 0], [1, 0, 1], [0, 1, 0]], "u_kl - u_ij", Table("step", (0.01,), (1.0, -1.0)))
     template = Template([[0, 0, 0], [0, 3, 0], [0, 0, 0]], z=-3, terms=[term])
     u = np.full((3, 5), -1.0)
@@ -60,6 +62,7 @@ def test_ties_of_a_mirrored_picture_are_named_and_all_else_is_right() -> None:
     named = np.zeros(found.y.shape, bool)
     named[tuple(found.undecided.T)] = True
     u, rng = example.input, np.random.default_rng(3)
+    assert u is not None
     taps, free = found.plan.template.feedback_taps, np.ones(u.size, bool)
     system = linear_system(taps, u.shape, found.plan.boundary)
     system = system.with_planes(control(found.plan, u, u, None).ravel(), free)
