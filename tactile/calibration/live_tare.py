@@ -25,7 +25,7 @@ IDLE = "idle"
 """Why an offset was renewed that nobody asked for."""
 CURE = "let nothing touch it, then ask for a tare"
 MUCH = 4.0
-"""Half of the taxels may wander on their own, by up to so many times as much."""
+"""Half of the taxels may wander on their own; one that is pressed meanwhile by up to so many times as much."""
 AFTER = 0.1
 """[s] after a contact from which no frame is used: silicone creeps back."""
 WANDER = 7.0
@@ -52,7 +52,9 @@ class LiveTare:
     """Subtracts an offset from one finger's frames, renews it from blocks that are still and unloaded, measures noise.
 
     Still: in at most half of the taxels do the means of a block's parts differ by more than half of the dead band, or
-    than seven times the taxel's own jitter, so noise alone is never taken for motion; in none by four times that.
+    than seven times the taxel's own jitter, so noise alone is never taken for motion; in none that is pressed more
+    meanwhile by four times that. One whose silicone creeps back, or that wanders sideways, costs itself alone: it is
+    too noisy to be used.
     Unloaded: the block's mean is within half a dead band (or three sigma) of the offset. The first one only has to be
     still and press no more than the first frames did, since there is nothing yet to tell a load by. A load that grows
     by less than half a dead band per block, the slowest of all, is taken for drift, unless a contact was told of: a
@@ -133,8 +135,11 @@ class LiveTare:
         parts = np.array([np.nanmean(part, axis=0) for part in np.array_split(block, STRETCHES)])
         wander = parts.max(axis=0) - parts.min(axis=0)
         # one without readings is still; taxels with slow noise of their own are not an array that moves
-        far = wander / np.maximum(self._limit / 2, WANDER * noise.jitter)
-        still = 2 * (far > 1).any(-1).sum() <= max(far.shape[0] * far.shape[1], 2) and not (far > MUCH).any()
+        least = np.maximum(self._limit / 2, WANDER * noise.jitter)
+        far = wander / least
+        pressed = (self._inward * (parts - parts[0])[..., NORMAL]).max(axis=0) > least[..., NORMAL]
+        touched = pressed & (far > MUCH).any(-1)
+        still = 2 * (far > 1).any(-1).sum() <= max(far.shape[0] * far.shape[1], 2) and not touched.any()
         if self._start is None:
             self._start = parts[0]
         away = None if self._offset is None else mean - self._offset

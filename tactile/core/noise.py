@@ -79,15 +79,18 @@ class Noise:
 def measured(block: Floats) -> Noise:
     """Return the noise of frames (n, rows, cols, 3) without a load; NaN where a taxel did not read.
 
-    Robust: median absolute deviations, about the median and from frame to frame, where frames that repeat the one
-    before do not count, unless most do. No component is taken for calmer than two thirds of the array's median one:
-    few frames measure a sigma badly.
+    Robust: median absolute deviations, about the median, and of the steps from frame to frame about theirs; frames that
+    repeat the one before do not count, unless most do. No component is taken for calmer than two thirds of the array's
+    median one: few frames measure a sigma badly.
     """
     differs = np.any(np.diff(block, axis=0) != 0, axis=(1, 2, 3))
     fresh = np.concatenate([block[:1], block[1:][differs]]) if 2 * differs.sum() > differs.size else block
     series = np.ascontiguousarray(np.moveaxis(fresh, 0, -1))
     sigma = _spread(series - _median(series)[..., None])
-    jitter = _spread(np.diff(series)) / np.sqrt(2) if len(fresh) > 2 else np.zeros_like(sigma)
+    steps = np.diff(series)
+    jitter = np.zeros_like(sigma)
+    if len(fresh) > 2:  # about their median: what grows steadily is no noise
+        jitter = _spread(steps - _median(steps)[..., None]) / np.sqrt(2)
     still = (np.nanmax(block, axis=0) == np.nanmin(block, axis=0)).all(-1)
     dead = still & (2 * still.sum() < still.size)
     alive = np.where(dead[..., None], np.nan, sigma)

@@ -1,5 +1,7 @@
 """Tares of arriving frames: when they are taken, what readings are after them, and the noise they measure."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -112,3 +114,17 @@ def test_a_tare_knows_what_its_readings_will_be() -> None:
         fed(plain, given)
         fed(scaled, given / gains(np.ones(3)))
         assert [note.why for note in plain.notes] == [note.why for note in scaled.notes] == [why]
+
+
+@pytest.mark.parametrize(
+    ("pull", "why"), [((0, 0, -1), "at the start"), ((0, 1, 0), "at the start"), ((0, 0, 1), "refused: moving")]
+)
+def test_a_pillar_that_creeps_costs_itself_alone_and_one_that_is_touched_the_tare(pull: Any, why: str) -> None:
+    block = noise(2e-3)
+    block[:, 0, 2] += 0.3 * np.multiply.outer(np.linspace(0, 1, len(block)), pull)
+    tare = LiveTare(0, PAD)
+    fed(tare, block)
+    assert [note.why for note in tare.notes] == [why]
+    if why == "at the start":
+        assert tare.noise is not None
+        assert np.argwhere(tare.noise.left_out).tolist() == [[0, 2]]
