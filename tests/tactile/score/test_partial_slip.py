@@ -9,6 +9,7 @@ import pytest
 from tactile.core.frame import TaxelArray
 from tactile.events.event import EventLog
 from tactile.pipeline import run
+from tactile.score import partial_slip
 from tactile.score.measure import voted
 from tactile.score.partial_slip import Grasp, grasp
 from tactile.score.simulated import score_grasps
@@ -98,3 +99,18 @@ def test_the_command_scores_one_half_and_says_what_is_missing() -> None:
 def test_a_vote_leaves_out_what_no_neighbour_says() -> None:
     plane = np.array([[1, 1, 0], [0, 0, 0], [0, 0, -1]], np.int8)
     assert np.array_equal(voted(plane), [[1, 1, 0], [0, 0, 0], [0, 0, 0]])
+
+
+@pytest.mark.parametrize("seed", [5002, 5009])
+def test_a_pull_held_on_four_taxels_in_a_square_is_no_slip(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(partial_slip, "NOISY", np.array(partial_slip.NOISE))
+    rng, one = np.random.default_rng(seed), grasp(seed)
+    pad = TaxelArray("pad", 2, 2, one.array.pitch, 0.0, quantity="force")
+    radius = float(rng.uniform(0.5, 0.95)) * pad.pitch  # all four bear a quarter: no edge, no core
+    most = float(rng.uniform(0.4, 0.75))
+    held = replace(one, array=pad, radius=radius, middle=(0.0, 0.0), drive="held", most=most, noisy=(0, 0))
+    log = EventLog()
+    run(held.source(), Settings(tare="auto"), [lambda report: log.add(report.events, report.ended)])
+    kinds = {event.kind for event in log.events}
+    assert "contact" in kinds
+    assert not kinds & {"slip", "incipient_slip"}
