@@ -59,6 +59,7 @@ def run_large(plan: Plan, planes: Planes, where: Backend, engine: Engine, withou
     with ExitStack() as stack:
         workers = stack.enter_context(open_workers(engine.name, engine.workers))
         folder = engine.store or Path(stack.enter_context(TemporaryDirectory(prefix="cnnsim-store-")))
+        folder = folder.absolute()  # workers may have begun in another one
         store, record, run = _opened(plan, planes, place, engine, folder, workers, sleeps=sleeps)
         steps = Supersteps(
             plan, store, record, place, workers, tuple(name for name in planes if name != "state"), engine.depth,

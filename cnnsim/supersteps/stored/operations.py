@@ -34,7 +34,7 @@ class Operations:
     def __init__(self, where: Backend, engine: Engine) -> None:
         device = getattr(where, "chosen_device", None)
         self.place, self.engine, self.dtype = Place(where.name, where.dtype.name, device), engine, where.dtype
-        self.folder = engine.store or Path(mkdtemp(prefix="cnnsim-store-"))
+        self.folder = (engine.store or Path(mkdtemp(prefix="cnnsim-store-"))).absolute()  # workers began elsewhere
         if engine.store is None:
             finalize(self, rmtree, self.folder, ignore_errors=True)
         self.progress, self.opened, self.runs = ProgramProgress({}), uuid4().hex, 0
@@ -93,7 +93,7 @@ class Operations:
             return error
         what = f"{error.strerror or error}" if isinstance(error, OSError) else str(error)
         where = f"{self.progress.step}: " if self.progress.step else ""
-        kept = f"; {self.folder} keeps what was done before: run again to go on" if self.engine.store else ""
+        kept = f"; {self.engine.store} keeps what was done before: run again to go on" if self.engine.store else ""
         return _StoppedError(f"{where}{what}{kept}")
 
     def _delete_unused(self) -> None:
