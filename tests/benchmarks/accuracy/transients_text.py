@@ -42,9 +42,9 @@ _COST = """\
 cheapest that just keeps the accuracy counts (it knows the answer). Times are of the processor, median; over all
 accuracies {median:.2g} x. Two or three corrected runs that agree cost about as much as one plain run that is known to
 suffice; where much is asked for, going from kink to kink costs less than any step. On grids of 64 x 64 and larger,
-where the call no longer counts, 1e-4 costs about as much as the best setting by hand and 1e-3 about 1.4 x, but 1e-1
-and 1e-2 two to three times as much: among so many cells there nearly always is one near a ridge, which a run that knows
-the answer may take the right way by luck, and one that does not has to look at twice."""
+where the call no longer counts, 1e-4 costs about as much as the best setting by hand, 1e-3 two to three times as much,
+1e-1 and 1e-2 three to six times, the more the larger: among so many cells there nearly always is one near a ridge,
+which a run that knows the answer may take the right way by luck, and one that does not has to look at twice."""
 
 
 def fewest(rows: list[Row], accuracy: float | str) -> float:
