@@ -105,7 +105,7 @@ def _table(
         made = DiscTable(_spline(exact), 1 / step, 1 / step, limit, ends, not ratio)
         # most points where the functions turn, about the rim
         turning, widest = min(np.arcsinh(ends), np.arcsinh(2 * _radius(top, limit)) + 1.5), _radius(top, limit)
-        rims = np.minimum(np.arcsinh(widest * random.uniform(0.5, 1.5, 16)), np.arcsinh(ends))
+        rims = np.minimum(np.arcsinh(widest * random.uniform(0.5, 1.5, 16 if top else 0)), np.arcsinh(ends))
         near = random.uniform(0, 2 * step, 4)
         at = np.concatenate([[0.0], near, rims, random.uniform(0, turning, 32), random.uniform(0, np.arcsinh(ends), 8)])
         of = np.concatenate([[top], random.uniform(0, top, 9)]) if top else np.zeros(1)

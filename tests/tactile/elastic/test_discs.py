@@ -211,3 +211,10 @@ def test_tables_keep_their_accuracy_under_the_load_at_the_rim_and_at_the_largest
             add_discs(found, at, 1.0, load, np.full((1, 1), radius), table, medium)
             known = disc_load(at, 1.0, load[:, None], np.full((1, 1, 1), radius), HERTZ, medium)
             assert np.abs(found - known).max() < accuracy * np.abs(known).max()
+
+
+@pytest.mark.parametrize("top", [0.0, 1.0])
+def test_tables_are_no_finer_than_their_accuracy_takes(top: float) -> None:
+    """A look at a taxel costs the more, the larger the table: of points in a layer as well as of circles."""
+    table = disc_table(1.0, top, HERTZ, np.inf, Medium(1.0, thickness=2.0), 1e-4, whole=False)
+    assert table.numbers.shape[1] < 200
