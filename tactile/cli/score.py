@@ -33,7 +33,7 @@ HALVES = ("all", "tune", "report")
 @click.option("--window-ms", type=float, default=50.0, show_default=True, help="How near an event has to begin.")
 @ARRAY
 @click.option("--gain", "gains", type=float, multiple=True, help="Of sequences: also try readings times this; again.")
-@click.option("--kind", "kinds", multiple=True, help="Of sequences: kind of event that says yes [pull, twist, slip, incipient_slip].")
+@click.option("--kind", "kinds", multiple=True, help="Of sequences: kind that says yes [all of pulling and slipping].")
 @click.option("--rate", type=float, help="Of sequences: readings a second, if the file does not say it.")
 @detection
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
