@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from time import perf_counter, process_time
+from time import perf_counter, thread_time
 
 from tactile.simulator.scene.auto_effects import all_effects, choose
 from tactile.simulator.scene.estimate import Sample
@@ -66,9 +66,12 @@ def trades(scene: Scene, tolerances: Sequence[float] = TOLERANCES, seeds: int = 
 
 
 def _seconds(scene: Scene) -> float:
-    """Processor time of a frame of one finger, which other work on the machine changes little."""
-    start = process_time()
+    """Processor time of a frame of one finger, which other work on the machine changes little.
+
+    That of this thread: others of a parallel loop go on waiting for more work long after it, each as it happens.
+    """
+    start = thread_time()
     for finger in range(len(scene.arrays)):
         for _ in scene.batches(finger):
             pass
-    return (process_time() - start) / scene.samples / len(scene.arrays)
+    return (thread_time() - start) / scene.samples / len(scene.arrays)
