@@ -111,7 +111,8 @@ def section(sides: tuple[int, ...] = SIDES) -> Section:
 
 _TEXT = """\
 A frame under one load with 0.3 % noise, {pitch} mm pitch and depth, median times on this machine ({note}). *simulator*:
-a frame of the half-space; *inverse*: every taxel's own load; *all taxels*: the consensus of all, and least squares;
+a frame of the half-space; *inverse*: every taxel's own load; *all taxels*: the consensus of all, and least squares,
+after a look for several loads on pads above 16 x 16;
 *window*: inverse and localisation with the taxels within 2.5 depths of a peak alone; *events*: tare, comparators and
 detectors; *frame*: tare, inverse, localisation and events, which is the latency from the last byte to the event. At
 constant area the times are the same, as they follow the taxels; what changes with the pitch is in section 2.
