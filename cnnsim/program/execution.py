@@ -1,0 +1,160 @@
+"""Execution of a program: its planes and registers by name, and what each kind of step does to them."""
+
+import math
+from functools import partial
+from typing import TYPE_CHECKING, Any, assert_never
+
+import numpy as np
+
+from cnnsim.accuracy.at_rest import seen_to_the_end
+from cnnsim.accuracy.settle import SETTLED_DISTANCE
+from cnnsim.accuracy.wanted import parse_accuracy
+from cnnsim.backends.base import Backend, Plane
+from cnnsim.operations.global_wire import read_wire
+from cnnsim.operations.logic import function_number
+from cnnsim.program.parts import Parts
+from cnnsim.program.program import (
+    ARITHMETIC,
+    BranchStep,
+    CellwiseStep,
+    CopyStep,
+    FillStep,
+    LogicStep,
+    NumberStep,
+    Program,
+    RepeatStep,
+    Step,
+    TemplateStep,
+    UntilUnchangedStep,
+    WireStep,
+)
+from cnnsim.program.stretch import Stretch
+from cnnsim.program.to_accuracy import to_accuracy
+from cnnsim.support import Array, InputError, naming
+from cnnsim.support.bounds import REGISTER
+from cnnsim.support.progress import watcher
+
+if TYPE_CHECKING:
+    from cnnsim.program.on_engine import OnEngine
+
+_XOR = function_number("xor")
+
+
+def filled(backend: Backend, program: Program, name: str, value: float | Array, shape: tuple[int, ...]) -> Plane:
+    """Return a plane of one number, or of one for each grid of a batch (n,), in the memory that its name has."""
+    each = value[:, None, None] if isinstance(value, np.ndarray) else value
+    return backend.constant(each, shape, program.memory[name])  # type: ignore[arg-type]  # planes only
+
+
+class Execution:
+    """A program as it runs on planes of one shape.
+
+    Arguments: ``parts`` the steps as a machine has prepared them; ``planes`` by name, those of the inputs and of what
+    was kept, to which the steps add theirs; ``on_engine`` where planes lie on the disk.
+    """
+
+    def __init__(
+        self, parts: Parts, program: Program, planes: dict[str, Any], shape: tuple[int, ...],
+        on_engine: "OnEngine | None" = None,
+    ) -> None:  # fmt: skip
+        self.planes, self._program, self._shape = planes, program, shape
+        self._parts, self._backend, self._on_engine = parts, parts.backend, on_engine
+
+    def run(self, steps: tuple[Step, ...]) -> None:
+        """Do steps in their order."""
+        planes, watched_by = self.planes, watcher()
+        for at_one_go, part in self._parts.of(self._program, steps, self._shape):
+            inside = part.steps if isinstance(part, Stretch) else (part,)
+            if watched_by is not None and self._on_engine is None:
+                watched_by(None, inside[0].where)
+            if not (isinstance(part, Stretch) and at_one_go is not None and part.done(at_one_go, planes)):
+                for step in inside:
+                    self._step(step)
+                    if self._on_engine is not None:
+                        self._on_engine.ended(step, planes)
+
+    def _step(self, step: Step) -> None:
+        backend, memory, planes = self._backend, self._program.memory, self.planes
+        if self._on_engine is not None:
+            self._on_engine.begins(step)
+        match step:
+            case TemplateStep(to=to, input=u):
+                rule = self._parts.ways.rule(self._program, step)
+                if rule is not None:
+                    planes[to] = backend.neighbourhood(rule, step.boundary, planes[u])  # type: ignore[index]  # a rule has an input plane
+                    return
+                x = self._transient(step)
+                planes[to] = backend.output(x) if memory[to] == "lam" else backend.convert(x, "llm")
+            case CellwiseStep(operation=operation, of=of, to=to, parameters=parameters):
+                planes.update(zip(to, backend.cellwise(operation, [planes[p] for p in of], parameters), strict=True))
+            case LogicStep(function=function, p=p, q=q, to=to):
+                planes[to] = backend.logic(function, planes[p], planes[q])
+            case CopyStep(source=source, to=to):
+                same = memory[source] == memory[to]
+                planes[to] = planes[source] if same else backend.convert(planes[source], memory[to])  # type: ignore[arg-type]  # wires are not copied
+            case FillStep(value=value, to=to):
+                number = planes[value] if isinstance(value, str) else value
+                planes[to] = number if memory[to] == "wire" else filled(backend, self._program, to, number, self._shape)
+            case WireStep(wire=wire, of=of, to=to):
+                planes[to] = read_wire(wire, backend.count(planes[of]), math.prod(self._shape[-2:]))
+            case NumberStep(of=of, to=to):
+                planes[to] = _number(step, *(planes[n] if isinstance(n, str) else n for n in of))
+            case RepeatStep(times=times, do=do):
+                for _ in range(times):
+                    self.run(do)
+            case UntilUnchangedStep():
+                self._until_unchanged(step)
+            case BranchStep(register=register, do=do, otherwise=otherwise):
+                if len(self._shape) == 3:
+                    raise InputError(f"{step.where}: grids of a batch may go different ways; run them one by one")
+                self.run(do if planes[register] else otherwise)
+            case _:
+                assert_never(step)
+
+    def _transient(self, step: TemplateStep) -> Plane:
+        backend, memory, planes, shape = self._backend, self._program.memory, self.planes, self._shape
+        plan = self._parts.ways.plan(step, shape)
+
+        def plane(name: str | float | None) -> Plane:
+            if isinstance(name, str):
+                return planes[name] if memory[name] == "lam" else backend.convert(planes[name], "lam")
+            return None if name is None else backend.constant(name, shape, "lam")
+
+        mask = None if step.mask is None else planes[step.mask]
+        if step.mask is not None and memory[step.mask] == "lam":
+            mask = backend.convert(mask, "llm")
+        with naming(step.where):
+            x, u, bias = plane(step.state), plane(step.input), plane(step.bias)
+            if step.accuracy is not None:
+                return to_accuracy(backend, plan, parse_accuracy(step.accuracy), x, u, bias, mask)
+            outcome = backend.transient(plan, x, u, bias, mask)
+            if outcome.settled:
+                end = partial(seen_to_the_end, backend, plan, outcome, u, bias, mask, SETTLED_DISTANCE)
+                outcome = end()[0] if self._on_engine is None else self._on_engine.backend.seen(outcome, end)
+        if step.duration == "settled" and not outcome.settled:
+            raise InputError(
+                f"{step.where}: has not settled after {outcome.t:g} time constants; |dx/dt| {outcome.rate:.3g}"
+            )
+        return outcome.x
+
+    def _until_unchanged(self, step: UntilUnchangedStep) -> None:
+        if len(self._shape) == 3:
+            raise InputError(f"{step.where}: grids of a batch may take different times; run them one by one")
+        for _ in range(step.limit):
+            before = self.planes[step.plane]
+            self.run(step.do)
+            if not self._backend.count(self._backend.logic(_XOR, before, self.planes[step.plane])):
+                return
+        raise InputError(f"{step.where}: still changing after {step.limit} rounds")
+
+
+def _number(step: NumberStep, p: Any, q: Any) -> Any:
+    """Return what a number step comes to: a number, or one for each grid of a batch.
+
+    Raises:
+        InputError: no register has room for it.
+    """
+    found = np.frompyfunc(ARITHMETIC[step.function], 2, 1)(p, q)  # Python's own whole numbers, which never wrap
+    if abs(worst := max(np.ravel(found), key=abs)) > REGISTER:
+        raise InputError(f"{step.where}: comes to {float(worst):.4g}; registers hold {REGISTER:.4g} at most")
+    return found.astype(np.int64) if isinstance(found, np.ndarray) else found
