@@ -1,18 +1,19 @@
 """Reads a template file: the whole of it, checked, as an entry of the library. Its keys: templates/README.md."""
 
-from dataclasses import replace
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from cnnsim.accuracy.wanted import read_accuracy
 from cnnsim.library.entry import Example, LibraryEntry, Role
-from cnnsim.library.read_network import TEMPLATE_KEYS, parse_pictures, read_template
+from cnnsim.library.read_network import TEMPLATE_KEYS, needed_keys, parse_pictures, read_template
 from cnnsim.network import LayeredTemplate, parse_boundary
 from cnnsim.network.characteristic import parse_cell
 from cnnsim.support import Floats, InputError, naming
 from cnnsim.support.errors import shown
 from cnnsim.support.names import check_name
-from cnnsim.support.toml_file import check_keys, line_of, located, read_toml, take, take_duration, take_tables
+from cnnsim.support.toml_file import KeyFaults, line_of, located, read_toml, take, take_duration, take_tables
 
 _REQUIRED = ("name", "summary", "reference", "input", "initial_state", "boundary", "duration")
 _OPTIONAL = ("tags", "margin", "note", "aliases", "example", "cell", "step", "frame_time", "accuracy", *TEMPLATE_KEYS)
@@ -23,61 +24,68 @@ def load_file(path: Path) -> LibraryEntry:
     """Read and check one template file. A shipped one has a worked example; a user's own may do without.
 
     Raises:
-        InputError: what is wrong, with the file's name.
+        InputError: all that is wrong, with the file's name and the lines.
     """
     data = read_toml(path, "template file")
+    faults = KeyFaults(str(path))
+    found = _found(data, path.stem, faults)
+    faults.tell()
     with naming(path):
-        entry = replace(_entry(data, path.stem), file=path)
+        entry = LibraryEntry(**found, file=path)
+        _check_whole(data, entry)
         if entry.shipped and not entry.examples:
             raise InputError("no worked example; at least one [[example]] wanted")
         return entry
 
 
-def _entry(data: dict[str, Any], stem: str) -> LibraryEntry:
-    check_keys(data, (*_REQUIRED, *_OPTIONAL), required=_REQUIRED)
-    with located(data, "name"):
-        check_name(take(data, "name", str, "template"), "template")
-    if data["name"] != stem:
-        where = line_of(data, "name")
-        raise InputError(f"the name is {data['name']!r}, the file is {stem}.toml; one name wanted{where}")
-    template, roles = read_template(data, data["name"]), data["initial_state"]
-    with located(data, "initial_state"):
-        state = tuple(map(_state, roles)) if isinstance(roles, list) else _state(roles)
-    with located(data, "input"):
-        shown = _role("input", data["input"], ("picture", "none"))
-    with located(data, "boundary"):
-        boundary = parse_boundary(data["boundary"])
-    with located(data, "cell"):
-        cell = parse_cell(data.get("cell", "chua-yang"))
-    entry = LibraryEntry(
-        data["name"], take(data, "summary", str, "template"), take(data, "reference", str, "template"), template, shown,
-        state, boundary, take_duration(data, "template"), _words(data, "tags"), _number(data, "margin"),
-        take(data, "note", str, "template", ""), _words(data, "aliases"),
-        tuple(_example(item) for item in take_tables(data, "example", "template")),
-        cell=cell, step=_number(data, "step"),
-        frame_time=_number(data, "frame_time"), accuracy=read_accuracy(data, "template"),
-    )  # fmt: skip
+def _found(data: dict[str, Any], stem: str, faults: KeyFaults) -> dict[str, Any]:
+    """Return what a file says as the fields of an entry; ``faults`` get what is missing, unknown and wrong."""
+    faults.check(data, (*_REQUIRED, *_OPTIONAL), required=(*_REQUIRED, *needed_keys(data)))
+    found: dict[str, Any] = {}
+    for key, read in _READERS.items():
+        if key in data:
+            with faults.collecting(), located(data, key):
+                found[key] = read(data)
+    name = found.get("name", stem)
+    if name != stem:
+        with faults.collecting(), located(data, "name"):
+            raise InputError(f"the name is {name!r}, the file is {stem}.toml; one name wanted")
+    with faults.collecting():
+        found["examples"] = tuple(_example(item, faults) for item in take_tables(data, "example", "template"))
+    return found | {"network": read_template(data, name, faults)}
+
+
+def _check_whole(data: dict[str, Any], entry: LibraryEntry) -> None:
+    """Check what only holds between keys."""
+    template, roles = entry.network, entry.initial_state
     if template.reads_input and entry.input == "none":
         raise InputError(f"B is not zero, or a term reads u, but input is 'none'{line_of(data, 'input')}")
-    if isinstance(roles, list) and not (isinstance(template, LayeredTemplate) and len(roles) == len(template.layers)):
+    if isinstance(roles, tuple) and not (isinstance(template, LayeredTemplate) and len(roles) == len(template.layers)):
         raise InputError(f"{len(roles)} initial states; one, or one a layer, wanted{line_of(data, 'initial_state')}")
-    return entry
 
 
-def _number(data: dict[str, Any], key: str) -> float | None:
-    return take(data, key, float, "template") if key in data else None
+def _name(data: dict[str, Any]) -> str:
+    return check_name(take(data, "name", str, "template"), "template")
 
 
-def _words(data: dict[str, Any], key: str) -> tuple[str, ...]:
-    found = take(data, key, list, "template", [])
+def _initial_state(data: dict[str, Any]) -> Role | tuple[Role, ...]:
+    roles = data["initial_state"]
+    return tuple(map(_state, roles)) if isinstance(roles, list) else _state(roles)
+
+
+def _text(key: str, data: dict[str, Any]) -> str:
+    return take(data, key, str, "template")
+
+
+def _number(key: str, data: dict[str, Any]) -> float:
+    return take(data, key, float, "template")
+
+
+def _words(key: str, data: dict[str, Any]) -> tuple[str, ...]:
+    found = take(data, key, list, "template")
     if not all(isinstance(word, str) for word in found):
-        raise InputError(f"template: {key} = {shown(found)}, a list of texts wanted{line_of(data, key)}")
+        raise InputError(f"template: {key} = {shown(found)}, a list of texts wanted")
     return tuple(found)
-
-
-def _picture(data: dict[str, Any], key: str) -> Floats:
-    with located(data, key):
-        return parse_pictures(data[key])
 
 
 def _state(value: Any) -> Role:
@@ -90,13 +98,43 @@ def _role(key: str, value: Any, words: tuple[str, ...]) -> Role:
     raise InputError(f"{key} is {shown(value)}; one of {', '.join(map(repr, words))} or a number from -1 to 1 wanted")
 
 
-def _example(data: dict[str, Any]) -> Example:
-    check_keys(data, (*_PLANES, "tolerance"), required=("output",))
-    planes = {key: _picture(data, key) if key in data else None for key in _PLANES}
-    if planes["input"] is None and planes["state"] is None:
-        raise InputError(f"an example without input and without state; at least one of them wanted{line_of(data)}")
-    shapes = {key: plane.shape[-2:] for key, plane in planes.items() if plane is not None}
-    if len(set(shapes.values())) > 1:
-        raise InputError(f"an example's planes have different shapes: {shapes}{line_of(data)}")
-    tolerance = take(data, "tolerance", float, "example") if "tolerance" in data else None
-    return Example(**planes, tolerance=tolerance)  # type: ignore[arg-type]  # output is required above
+def _example(data: dict[str, Any], faults: KeyFaults) -> Example | None:
+    before = len(faults)
+    faults.check(data, (*_PLANES, "tolerance"), required=("output",))
+    planes: dict[str, Floats | None] = dict.fromkeys(_PLANES)
+    for key in _PLANES:
+        if key in data:
+            with faults.collecting(), located(data, key), naming(f"example: {key}"):
+                planes[key] = parse_pictures(data[key])
+    tolerance = None
+    with faults.collecting(), located(data):
+        tolerance = take(data, "tolerance", float, "example") if "tolerance" in data else None
+        if len(faults) > before:
+            return None
+        if planes["input"] is None and planes["state"] is None:
+            raise InputError("an example without input and without state; at least one of them wanted")
+        shapes = {key: plane.shape[-2:] for key, plane in planes.items() if plane is not None}
+        if len(set(shapes.values())) > 1:
+            raise InputError(f"an example's planes have different shapes: {shapes}")
+        return Example(**planes, tolerance=tolerance)  # type: ignore[arg-type]  # output is required above
+    return None
+
+
+_READERS: dict[str, Callable[[dict[str, Any]], Any]] = {
+    "name": _name,
+    "summary": partial(_text, "summary"),
+    "reference": partial(_text, "reference"),
+    "input": lambda data: _role("input", data["input"], ("picture", "none")),
+    "initial_state": _initial_state,
+    "boundary": lambda data: parse_boundary(data["boundary"]),
+    "duration": lambda data: take_duration(data, "template"),
+    "tags": partial(_words, "tags"),
+    "margin": partial(_number, "margin"),
+    "note": partial(_text, "note"),
+    "aliases": partial(_words, "aliases"),
+    "cell": lambda data: parse_cell(data["cell"]),
+    "step": partial(_number, "step"),
+    "frame_time": partial(_number, "frame_time"),
+    "accuracy": lambda data: read_accuracy(data, "template"),
+}
+"""Key of a file, which is a field of an entry, and what reads its value where it is there."""

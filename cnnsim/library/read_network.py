@@ -23,47 +23,63 @@ from cnnsim.network.table import parse_table
 from cnnsim.support import Floats, InputError, naming
 from cnnsim.support.errors import shown
 from cnnsim.support.pictures.picture import parse_ascii
-from cnnsim.support.toml_file import check_keys, line_of, located, take_tables
+from cnnsim.support.toml_file import KeyFaults, located, take_tables
 
 TEMPLATE_KEYS = ("A", "B", "z", "term", "layer")
+_NEEDED = ("A", "z")
 _LAYER_KEYS = ("A", "B", "z", "term", "time_constant")
 _TERM_KEYS = tuple(part.name for part in fields(Term))
 
 
-def read_template(data: dict[str, Any], name: str) -> AnyTemplate:
-    """Return the template of a file, of whatever kind.
+def needed_keys(data: dict[str, Any]) -> tuple[str, ...]:
+    """Return the keys that the network of a file has to have."""
+    return ("layer",) if "layer" in data else _NEEDED
 
-    Raises:
-        InputError: what is wrong, with the number of the layer or term.
-    """
+
+def read_template(data: dict[str, Any], name: str, faults: KeyFaults) -> AnyTemplate | None:
+    """Return the template of a file, of whatever kind; None where something is wrong, which ``faults`` then have."""
     if "layer" not in data:
-        return _single_layer(data, name)
+        return _single_layer(data, name, faults, "")
     extra = {"A", "B", "z", "term"} & data.keys()
-    if extra:
-        where = line_of(data, min(extra, key=list(data).index))
-        raise InputError(
-            f"layers and {', '.join(sorted(extra))}: with layers, each has its own A, B, z and terms{where}"
-        )
-    layers = []
-    for number, table in enumerate(take_tables(data, "layer", "template")):
-        check_keys(table, _LAYER_KEYS, f"layer {number}")
-        with located(table), naming(f"layer {number}"):
-            layers.append(_single_layer(table, f"{name}, layer {number}"))
-    return LayeredTemplate(layers, [table.get("time_constant", 1.0) for table in data["layer"]], name)
+    with faults.collecting(), located(data, min(extra, key=list(data).index) if extra else "layer"):
+        if extra:
+            raise InputError(f"layers and {', '.join(sorted(extra))}: with layers, each has its own A, B, z and terms")
+        tables = take_tables(data, "layer", "template")
+        for number, table in enumerate(tables):
+            faults.check(table, _LAYER_KEYS, f"layer {number}", _NEEDED)
+        layers = [_single_layer(table, f"{name}, layer {n}", faults, f"layer {n}: ") for n, table in enumerate(tables)]
+        whole = [layer for layer in layers if layer is not None]
+        if len(whole) == len(tables):
+            return LayeredTemplate(whole, [table.get("time_constant", 1.0) for table in tables], name)
+    return None
 
 
-def _single_layer(data: dict[str, Any], name: str) -> Template:
-    check_keys(data, data, required=("A", "z"))
-    terms = []
-    for number, table in enumerate(take_tables(data, "term", "template")):
-        check_keys(table, _TERM_KEYS, f"term {number}")
-        with located(table), naming(f"term {number}"):
-            values = table if "table" not in table else table | {"table": parse_table(table["table"])}
-            terms.append(Term(**{"weights": None, **values}))
+def _single_layer(data: dict[str, Any], name: str, faults: KeyFaults, place: str) -> Template | None:
+    """Return the template of one layer, or None; its keys are checked already. Each fault has its own line."""
+    before = len(faults)
+    tables: list[dict[str, Any]] = []
+    with faults.collecting():
+        tables = take_tables(data, "term", "template")
+    terms = [_term(table, f"{place}term {number}", faults) for number, table in enumerate(tables)]
     for key in ("A", "B", "z"):
-        with located(data, key):  # a template of this alone, so that what is wrong has its own line
+        with faults.collecting(), located(data, key):  # a template of this alone
             Template(**{"A": 0.0, key: data.get(key, 0.0)}, name=name)
-    return Template(data["A"], data.get("B", 0.0), data["z"], name, terms)
+    if len(faults) > before or not data.keys() >= set(_NEEDED):
+        return None
+    return Template(data["A"], data.get("B", 0.0), data["z"], name, [term for term in terms if term is not None])
+
+
+def _term(table: dict[str, Any], place: str, faults: KeyFaults) -> Term | None:
+    before = len(faults)
+    faults.check(table, _TERM_KEYS, place, ("weights",))
+    values: dict[str, Any] = dict(table)
+    if "table" in table:
+        with faults.collecting(), located(table, "table"), naming(place):
+            values["table"] = parse_table(table["table"])
+    for key in [key for key in _TERM_KEYS if key in values and key != "table"]:
+        with faults.collecting(), located(table, key), naming(place):  # a term of this alone, as above
+            Term(**{"weights": 0.0, key: values[key]})
+    return None if len(faults) > before else Term(**values)
 
 
 def parse_pictures(value: Any) -> Floats:

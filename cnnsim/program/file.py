@@ -5,15 +5,16 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim.library.folders import program_file
-from cnnsim.network import Template, parse_boundary
+from cnnsim.network import ZERO_FLUX, Template, parse_boundary
 from cnnsim.program.names import LocalTemplate, Names
-from cnnsim.program.program import Program
+from cnnsim.program.program import Program, Step
 from cnnsim.program.steps import read_steps
 from cnnsim.support import InputError, naming
 from cnnsim.support.names import check_name
-from cnnsim.support.toml_file import check_keys, located, read_toml, take, take_duration
+from cnnsim.support.toml_file import KeyFaults, check_keys, located, read_toml, take, take_duration
 
 _REQUIRED = ("name", "inputs", "outputs", "step")
+_KINDS: dict[str, type[Any]] = {"name": str, "inputs": list, "outputs": list, "summary": str, "reference": str}
 _OPTIONAL = ("summary", "reference", "lam", "llm", "wire", "keep", "parameters", "templates")
 
 
@@ -47,37 +48,67 @@ def program_of(
     Raises:
         InputError: the step and what is wrong with it.
     """
-    check_keys(data, (*_REQUIRED, *_OPTIONAL), required=_REQUIRED)
-    with located(data, "name"):
-        own_name = check_name(take(data, "name", str, "program"), "program")
-    inputs, outputs = (take(data, key, list, "program") for key in ("inputs", "outputs"))
-    numbers = _replaced("parameter", take(data, "parameters", dict, "program", {}), parameters)
-    local = {name: _local_template(name, table) for name, table in take(data, "templates", dict, "program", {}).items()}
-    _replaced("template", local, templates)
-    local.update({name: (template, *local[name][1:]) for name, template in templates.items()})
-    names = Names(data, numbers, local)
-    with located(data, "keep"):
-        kept = take(data, "keep", dict, "program", {})
-        keep = {names.known(name, "keep", "lam", "llm"): names.number(v, f"keep: {name}") for name, v in kept.items()}
-    with located(data, "inputs"):
-        names.written |= {*(names.known(name, "inputs", "lam", "llm") for name in inputs), *keep}
-    with located(data, "step"):
-        steps = read_steps(data["step"], "step ", names)
-    with located(data, "outputs"):
-        for name in outputs:
+    faults = KeyFaults()
+    faults.check(data, (*_REQUIRED, *_OPTIONAL), required=_REQUIRED)
+    found: dict[str, Any] = dict.fromkeys(("name", "inputs", "outputs"), ())
+    for key, kind in _KINDS.items():
+        with faults.collecting(), located(data, key):
+            if key in data:
+                found[key] = take(data, key, kind, "program")
+                if key == "name":
+                    check_name(found[key], "program")
+    numbers, local = _numbers(data, parameters, faults), _local_templates(data, templates, faults)
+    names = Names(data, numbers, local, faults)
+    keep = _kept(data, names)
+    for name in found["inputs"]:
+        with faults.collecting(), located(data, "inputs"):
+            names.written.add(names.known(name, "inputs", "lam", "llm"))
+    names.written |= keep.keys()
+    steps: tuple[Step, ...] = ()
+    with faults.collecting(), located(data, "step"):
+        steps = read_steps(data["step"], "step ", names) if "step" in data else ()
+    for name in found["outputs"]:
+        with faults.collecting(), located(data, "outputs"):
             names.read(name, "outputs", "lam", "llm", "wire")
+    faults.tell()
     return Program(
-        own_name,
-        take(data, "summary", str, "program", ""),
-        names.memory,
-        tuple(inputs),
-        tuple(outputs),
-        keep,
-        steps,
-        path,
-        take(data, "reference", str, "program", ""),
-        numbers,
-    )
+        found["name"], found.get("summary", ""), names.memory, tuple(found["inputs"]), tuple(found["outputs"]), keep,
+        steps, path, found.get("reference", ""), numbers,
+    )  # fmt: skip
+
+
+def _numbers(data: dict[str, Any], parameters: Mapping[str, float], faults: KeyFaults) -> dict[str, Any]:
+    defined: dict[str, Any] = {}
+    with faults.collecting():
+        defined = take(data, "parameters", dict, "program", {})
+        return _replaced("parameter", defined, parameters)
+    return defined
+
+
+def _local_templates(
+    data: dict[str, Any], templates: Mapping[str, Template], faults: KeyFaults
+) -> dict[str, LocalTemplate]:
+    """Return the program's own templates by name; a wrong one stands there as one that does nothing."""
+    tables: dict[str, Any] = {}
+    with faults.collecting():
+        tables = take(data, "templates", dict, "program", {})
+    local: dict[str, LocalTemplate] = {}
+    for name, table in tables.items():
+        local[name] = Template(0.0), ZERO_FLUX, "settled"
+        with faults.collecting():
+            local[name] = _local_template(name, table)
+    with faults.collecting():
+        _replaced("template", local, templates)
+        local.update({name: (template, *local[name][1:]) for name, template in templates.items()})
+    return local
+
+
+def _kept(data: dict[str, Any], names: Names) -> dict[str, float]:
+    keep: dict[str, float] = {}
+    with names.faults.collecting(), located(data, "keep"):
+        for name, value in take(data, "keep", dict, "program", {}).items():
+            keep[names.known(name, "keep", "lam", "llm")] = names.number(value, f"keep: {name}")
+    return keep
 
 
 def _replaced(what: str, defined: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from cnnsim.support import InputError
 from cnnsim.support.bounds import PLANES, check_most
 from cnnsim.support.errors import shown
 from cnnsim.support.names import check_name
-from cnnsim.support.toml_file import in_range, line_of, located
+from cnnsim.support.toml_file import KeyFaults, in_range, located
 
 LocalTemplate = tuple[Template, Boundary, Duration]
 
@@ -18,30 +18,27 @@ LocalTemplate = tuple[Template, Boundary, Duration]
 class Names:
     """Names declared under ``lam``, ``llm`` and ``wire``, those written so far, numbers and templates.
 
-    The numbers are those that parameters stand for, the templates the program's own.
-
-    Raises:
-        InputError: something else than names of letters, digits, - and _, or one declared in two memories.
+    The numbers are those that parameters stand for, the templates the program's own. What is wrong with the file is
+    collected in ``faults``, at first that something else than names is declared, or one in two memories.
     """
 
     def __init__(
         self, declared: Mapping[str, Any], parameters: Mapping[str, float],
-        templates: Mapping[str, LocalTemplate],
+        templates: Mapping[str, LocalTemplate], faults: KeyFaults,
     ) -> None:  # fmt: skip
         self.memory: dict[str, ProgramMemory] = {}
         for kind in get_args(ProgramMemory):
-            names, where = declared.get(kind, []), line_of(declared, kind)
-            if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-                raise InputError(f"{kind} is {shown(names)}; a list of names wanted{where}")
-            check_most(len(names), PLANES, f"{kind}: names{where}")
+            names: list[str] = []
+            with faults.collecting(), located(declared, kind):
+                names = _declared(declared, kind)
             for name in names:
-                with located(declared, kind):
+                with faults.collecting(), located(declared, kind):
                     check_name(name, f"{kind}: plane or register")
-                if name in self.memory:
-                    both = f"{self.memory[name]} and as {kind}"
-                    raise InputError(f"{name!r} is declared as {both}; one memory wanted{where}")
-                self.memory[name] = kind
-        self.parameters, self.templates = parameters, templates
+                    if name in self.memory:
+                        both = f"{self.memory[name]} and as {kind}"
+                        raise InputError(f"{name!r} is declared as {both}; one memory wanted")
+                    self.memory[name] = kind
+        self.parameters, self.templates, self.faults = parameters, templates, faults
         self.written: set[str] = set()
 
     def known(self, name: Any, where: str, *kinds: ProgramMemory) -> str:
@@ -75,3 +72,11 @@ class Names:
         if isinstance(value, bool) or not isinstance(value, int | float) or not in_range(value):
             raise InputError(f"{where}: {shown(value)} is no finite number")
         return float(value)
+
+
+def _declared(declared: Mapping[str, Any], kind: ProgramMemory) -> list[str]:
+    names = declared.get(kind, [])
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise InputError(f"{kind} is {shown(names)}; a list of names wanted")
+    check_most(len(names), PLANES, f"{kind}: names")
+    return names

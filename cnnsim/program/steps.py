@@ -20,31 +20,38 @@ from cnnsim.program.program import (
     UntilUnchangedStep,
     WireStep,
 )
-from cnnsim.program.template_step import read_template_step
+from cnnsim.program.template_step import find_template, read_template_step
 from cnnsim.support import InputError, naming
 from cnnsim.support.bounds import NUMBER, REPEATS, STEPS, check_most
 from cnnsim.support.errors import cut, shown
-from cnnsim.support.toml_file import check_keys, located
+from cnnsim.support.toml_file import located
 
 
 def read_steps(tables: Any, prefix: str, names: Names) -> tuple[Step, ...]:
     """Turn a list of tables into steps; ``prefix`` leads their numbers in messages.
 
+    What is wrong with a step, led by its number and kind, goes to the faults of ``names``; it is then left out.
+
     Raises:
-        InputError: what is wrong, led by the step's number and kind.
+        InputError: no list of tables, or too many.
     """
     if not isinstance(tables, list) or not tables or not all(isinstance(table, dict) for table in tables):
         raise InputError(f"{prefix.strip()}: no steps; one table or more wanted")
     check_most(len(tables), STEPS, f"{prefix.strip()}: steps")
-    return tuple(_located_step(table, f"{prefix}{i}", names) for i, table in enumerate(tables, start=1))
+    steps: list[Step] = []
+    for i, table in enumerate(tables, start=1):
+        before = len(names.faults)
+        with names.faults.collecting(), located(table):
+            step = _step(table, f"{prefix}{i}", names)
+            steps += () if step is None else (step,)
+        if len(names.faults) > before:  # what it would have written is no fault of the steps that read it
+            to = _list(table.get("to", []))
+            names.written |= {name for name in to if isinstance(name, str) and name in names.memory}
+    return tuple(steps)
 
 
-def _located_step(table: dict[str, Any], number: str, names: Names) -> Step:
-    with located(table):
-        return _step(table, number, names)
-
-
-def _step(table: dict[str, Any], number: str, names: Names) -> Step:
+def _step(table: dict[str, Any], number: str, names: Names) -> Step | None:
+    """Return a step; None where its keys are wrong, whose values are then looked at as far as that goes."""
     kinds = [key for key in _READERS if key in table]
     if len(kinds) != 1:
         raise InputError(f"{number}: has {' and '.join(kinds) or 'none'} of {', '.join(_READERS)}; exactly one wanted")
@@ -52,8 +59,22 @@ def _step(table: dict[str, Any], number: str, names: Names) -> Step:
     where = f"{number} ({kinds[0]} {cut(str(table[kinds[0]]))})"
     if kinds[0] not in ("fill", "repeat") and not isinstance(table[kinds[0]], str):
         raise InputError(f"{where}: a name wanted")
-    check_keys(table, (kinds[0], *required, *optional), where, required)
+    before = len(names.faults)
+    names.faults.check(table, (kinds[0], *required, *optional), where, required)
+    whole = len(names.faults) == before
+    with names.faults.collecting(), located(table), naming(where):
+        _check_kind(kinds[0], table[kinds[0]], names)
+    if not whole:
+        return None
     return read(table, where, number, names)
+
+
+def _check_kind(kind: str, value: str, names: Names) -> None:
+    """Refuse a function or template that is not known, by itself: a reader may find another fault before it."""
+    if kind == "template":
+        find_template(value, names)
+    elif kind in ("cellwise", "logic", "wire"):
+        {"cellwise": cellwise.find, "logic": function_number, "wire": check_wire}[kind](value)
 
 
 def _cellwise(table: dict[str, Any], where: str, _number: str, names: Names) -> Step:

@@ -18,7 +18,8 @@ def read_template_step(table: dict[str, Any], where: str, _number: str, names: N
     Raises:
         InputError: no such template, or no plane where it needs one.
     """
-    template, boundary, duration, u, x0, cell, step, accuracy = _find_template(table["template"], where, names)
+    with naming(where):
+        template, boundary, duration, u, x0, cell, step, accuracy = find_template(table["template"], names)
     u = table.get("input", u)
     if template.reads_input and u is None:
         raise InputError(f"{where}: the template has a B, so 'input' must name a plane")
@@ -44,8 +45,8 @@ def read_template_step(table: dict[str, Any], where: str, _number: str, names: N
     )
 
 
-def _find_template(
-    name: str, where: str, names: Names
+def find_template(
+    name: str, names: Names
 ) -> tuple[Template, Boundary, Duration, Any, Any, Cell, float | None, Accuracy | None]:
     """Return template, boundary, duration, what u and x(0) are if the step does not say (None: it must), cell, step,
     accuracy.
@@ -54,11 +55,10 @@ def _find_template(
     """
     if name in names.templates:
         return (*names.templates[name], None, None, CHUA_YANG, None, None)
-    with naming(where):
-        entry = library.load(name)
-        template = entry.template
-        if entry.frame_time:
-            raise InputError(f"template {name!r} takes a sequence of pictures, a step has one")
+    entry = library.load(name)
+    template = entry.template
+    if entry.frame_time:
+        raise InputError(f"template {name!r} takes a sequence of pictures, a step has one")
     u = entry.input if isinstance(entry.input, int | float) else None
     x0 = 0.0 if entry.initial_state == "any" else entry.initial_state
     return template, entry.boundary, entry.duration, u, x0, entry.cell, entry.step, entry.accuracy

@@ -20,8 +20,8 @@ from cnnsim.support.files import Replaced
 from cnnsim.support.progress import terminal_bar, watched_by
 
 Item = TypeVar("Item")
-LONGEST = 1000
-"""Characters of a message."""
+LONGEST = 3000
+"""Characters of a message, which may tell of twenty faults of a file."""
 
 
 class _Mistake(click.ClickException):

@@ -16,6 +16,8 @@ from cnnsim.support.toml_lines import LinedTable, with_lines
 
 ValueType = TypeVar("ValueType")
 _WITH_LINE = re.compile(r"\(lines? \d+|, line \d+")
+MOST_FAULTS = 20
+"""Faults of a file that are told at once: who has mended those sees the others."""
 REQUIRED = object()
 """The default of a key that must be there."""
 
@@ -102,11 +104,17 @@ def check_keys(
 
 
 class KeyFaults:
-    """Collects what `check_keys` finds in several tables of a file, to be told at once; ``where`` names the file."""
+    """Collects what is wrong with the keys of a file, and with their values, to be told at once, the same thing once.
 
-    def __init__(self, where: str) -> None:
+    ``where`` names the file, unless that is done outside; the length is how many faults there are.
+    """
+
+    def __init__(self, where: str = "") -> None:
         self._where = where
         self._found: list[str] = []
+
+    def __len__(self) -> int:
+        return len(self._found)
 
     def check(self, table: Any, known: Collection[str], place: str = "", required: Collection[str] = ()) -> None:
         """Check a table as `check_keys`; ``place`` names it in messages."""
@@ -121,7 +129,8 @@ class KeyFaults:
         try:
             yield
         except InputError as error:
-            self._found.append(str(error).removeprefix(f"{self._where}: "))
+            fault = str(error).removeprefix(f"{self._where}: ")
+            self._found += () if fault in self._found else (fault,)
 
     def tell(self) -> None:
         """Refuse the file if anything was found.
@@ -130,7 +139,9 @@ class KeyFaults:
             InputError: all that was found.
         """
         if self._found:
-            raise InputError(f"{self._where}: {'; '.join(self._found)}")
+            more = [f"and {len(self) - MOST_FAULTS} more"] if len(self) > MOST_FAULTS else []
+            lead = f"{self._where}: " if self._where else ""
+            raise InputError(lead + "; ".join(self._found[:MOST_FAULTS] + more))
 
 
 def _room(table: Mapping[str, Any]) -> str:

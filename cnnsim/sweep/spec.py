@@ -12,7 +12,7 @@ import numpy as np
 
 from cnnsim.support import InputError
 from cnnsim.support.errors import naming
-from cnnsim.support.toml_file import check_keys, line_of, located, read_toml, take
+from cnnsim.support.toml_file import KeyFaults, check_keys, located, read_toml, take
 from cnnsim.sweep.kind import Case, Kind, load_kind
 
 MOST_CASES = 10**8
@@ -53,19 +53,12 @@ def read_sweep(path: Path, kinds: Mapping[str, str]) -> Sweep:
         InputError: unknown keys or kinds, keys given twice, no case, a case that cannot be.
     """
     table = read_toml(path, "sweep")
+    faults = KeyFaults(str(path))
+    faults.check(table, ("kind", "grid", "fixed"), required=("kind", "grid"))
+    kind, values, chosen = _parts(table, kinds, faults)
+    faults.tell()
+    assert kind is not None
     with naming(path):
-        check_keys(table, ("kind", "grid", "fixed"), required=("kind", "grid"))
-        with located(table, "kind"):
-            kind = load_kind(table["kind"], kinds)
-        grid, fixed = take(table, "grid", dict, "sweep"), take(table, "fixed", dict, "sweep", {})
-        for part, name in ((grid, "[grid]"), (fixed, "[fixed]")):
-            check_keys(part, kind.keys, name)
-        if twice := grid.keys() & fixed.keys():
-            raise InputError(f"{', '.join(sorted(twice))} in [grid] and in [fixed]; one of them wanted")
-        if missing := [key for key in kind.needed if key not in grid and key not in fixed]:
-            raise InputError(f"no {', '.join(map(repr, missing))} in [grid] or [fixed]{line_of(grid)}")
-        values = {key: _values(grid, key) for key in grid}
-        chosen = {key: _plain(value) for key, value in fixed.items()}
         for key in kind.paths:
             if key in values:
                 values[key] = tuple(_beside(path, value) for value in values[key])
@@ -78,15 +71,50 @@ def read_sweep(path: Path, kinds: Mapping[str, str]) -> Sweep:
     return sweep
 
 
+def _parts(
+    table: Mapping[str, Any], kinds: Mapping[str, str], faults: KeyFaults
+) -> tuple[Kind | None, dict[str, tuple[Any, ...]], dict[str, Any]]:
+    """Return the kind, the values of each key of [grid], and those of [fixed]; None for a kind that is not known."""
+    kind: Kind | None = None
+    if "kind" in table:
+        with faults.collecting(), located(table, "kind"):
+            kind = load_kind(table["kind"], kinds)
+    grid: dict[str, Any] = {}
+    fixed: dict[str, Any] = {}
+    with faults.collecting():
+        grid = take(table, "grid", dict, "sweep", {})
+    with faults.collecting():
+        fixed = take(table, "fixed", dict, "sweep", {})
+    if kind is not None:
+        for part, name in ((grid, "[grid]"), (fixed, "[fixed]")):
+            faults.check(part, kind.keys, name)
+        missing = [key for key in kind.needed if key not in grid and key not in fixed]
+        with faults.collecting(), located(grid):
+            if missing and "grid" in table:
+                raise InputError(f"no {', '.join(map(repr, missing))} in [grid] or [fixed]")
+    with faults.collecting(), located(fixed):
+        if twice := grid.keys() & fixed.keys():
+            raise InputError(f"{', '.join(sorted(twice))} in [grid] and in [fixed]; one of them wanted")
+    values: dict[str, tuple[Any, ...]] = {}
+    for key in grid:
+        with faults.collecting():
+            values[key] = _values(grid, key)
+    return kind, values, {key: _plain(value) for key, value in fixed.items()}
+
+
 def _check(sweep: Sweep) -> None:
     """Check each value of each key once, beside the first values of the others."""
     if sweep.kind.check is None:
         return
     first: Case = sweep.case(0)
-    sweep.kind.check(first)
+    faults = KeyFaults()
+    with faults.collecting():
+        sweep.kind.check(first)
     for key, values in sweep.grid.items():
         for value in values[1:]:
-            sweep.kind.check({**first, key: value})
+            with faults.collecting():
+                sweep.kind.check({**first, key: value})
+    faults.tell()
 
 
 def _values(grid: Mapping[str, Any], key: str) -> tuple[Any, ...]:

@@ -9,9 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.network import Boundary
 from cnnsim.prototyping.design.rule import WindowRule, window_text, windows
-from cnnsim.support import Flags, Floats, InputError, naming
+from cnnsim.support import Flags, Floats, InputError
+from cnnsim.support.errors import shown
 from cnnsim.support.pictures.picture import read_picture
-from cnnsim.support.toml_file import check_keys, line_of, located, read_toml
+from cnnsim.support.toml_file import KeyFaults, located, read_toml
 from cnnsim.support.values import as_numbers
 
 PicturePair = tuple[Floats, Floats]
@@ -30,33 +31,38 @@ def read_table(path: str | Path) -> WindowRule:
         InputError: no such file, unknown keys, a window of another form, or one that is in both lists.
     """
     data = read_toml(Path(path), "truth table")
-    check_keys(data, ("black", "white", "default"), str(path))
-    with naming(path):
-        return _table(data, str(path))
+    faults = KeyFaults(str(path))
+    faults.check(data, ("black", "white", "default"))
+    table = _table(data, faults)
+    faults.tell()
+    return WindowRule(table, f"the truth table {Path(path).name}")
 
 
-def _table(data: dict[str, Any], text: str) -> WindowRule:
-    lists = {1: data.get("black", []), -1: data.get("white", [])}
-    for name, item in (("black", lists[1]), ("white", lists[-1])):
-        if not isinstance(item, list) or not all(isinstance(window, list) for window in item):
-            raise InputError(f"{name} holds windows: lists of three strings, one for each row{line_of(data, name)}")
+def _table(data: dict[str, Any], faults: KeyFaults) -> NDArray[np.int8]:
+    lists: dict[int, list[Any]] = {1: [], -1: []}
+    for colour, name in ((1, "black"), (-1, "white")):
+        with faults.collecting(), located(data, name):
+            item = data.get(name, [])
+            if not isinstance(item, list) or not all(isinstance(window, list) for window in item):
+                raise InputError(f"{name} holds windows: lists of three strings, one for each row")
+            lists[colour] = item
     size = 10 if any(len(window) == 4 for item in lists.values() for window in item) else 9
     rows = windows(size)
     table = np.zeros(1 << size, dtype=np.int8)
     for colour, item in lists.items():
-        with located(data, "black" if colour > 0 else "white"):
-            for window in item:
+        for window in item:
+            with faults.collecting(), located(data, "black" if colour > 0 else "white"):
                 match = _matches(rows, window)
                 if (table[match] == -colour).any():
                     both = rows[match][table[match] == -colour][0]
                     raise InputError(f"window {window_text(both)} is said to be black and to be white")
                 table[match] = colour
     default = data.get("default", "either")
-    if default not in ("black", "white", "either"):
-        where = line_of(data, "default")
-        raise InputError(f"default is {default!r}; 'black', 'white' or 'either' wanted{where}")
-    table[table == 0] = {"black": 1, "white": -1, "either": 0}[default]
-    return WindowRule(table, f"the truth table {Path(text).name}")
+    with faults.collecting(), located(data, "default"):
+        if default not in ("black", "white", "either"):
+            raise InputError(f"default is {shown(default)}; 'black', 'white' or 'either' wanted")
+        table[table == 0] = {"black": 1, "white": -1, "either": 0}[default]
+    return table
 
 
 def _matches(rows: NDArray[np.int8], window: list[Any]) -> Flags:
