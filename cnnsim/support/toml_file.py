@@ -118,10 +118,8 @@ class KeyFaults:
 
     def check(self, table: Any, known: Collection[str], place: str = "", required: Collection[str] = ()) -> None:
         """Check a table as `check_keys`; ``place`` names it in messages."""
-        try:
+        with self.collecting():
             check_keys(table, known, place, required)
-        except InputError as error:
-            self._found.append(str(error))
 
     @contextmanager
     def collecting(self) -> Iterator[None]:
