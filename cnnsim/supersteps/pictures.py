@@ -11,7 +11,16 @@ from cnnsim.support import Array, InputError
 from cnnsim.support.array_file import mapped_array
 from cnnsim.support.bounds import one_line
 from cnnsim.support.pictures.picture import check_size, opened, pictures_in
-from cnnsim.support.pictures.pixels import Levels, from_levels, grey_of, holds_numbers, table_of, values_of
+from cnnsim.support.pictures.pixels import (
+    Levels,
+    check_labels,
+    from_levels,
+    grey_of,
+    holds_numbers,
+    table_of,
+    values_of,
+)
+from cnnsim.support.pictures.upright import upright, upright_size
 from cnnsim.support.values import from_gray
 
 WHOLE = 1 << 24
@@ -84,7 +93,7 @@ def open_large(path: Path, *, binary: bool = False, levels: Levels | None = None
 def _picture(path: Path, *, binary: bool, levels: Levels | None) -> TiledPicture:
     """Return a picture: mapped into memory where the file has it as it is, else in strips, else decoded whole."""
     with opened(path) as image:
-        rows, cols = image.size[1], image.size[0]
+        rows, cols = upright_size(image)
         if pictures_in(image) > 1:
             raise InputError(f"{path} holds {pictures_in(image)} pictures; one wanted")
         if image.format in IN_STRIPS and rows * cols > WHOLE:
@@ -96,6 +105,7 @@ def _picture(path: Path, *, binary: bool, levels: Levels | None) -> TiledPicture
             found: Any = np.memmap(path, np.uint8, "r", tile[2], (rows, cols))
             return TiledPicture(found, binary=binary, between=levels, name=str(path))
         check_size(image, str(path), 4)
+        check_labels(image, str(path), levels)
         if holds_numbers(image) or levels is not None:
             return TiledPicture(values_of(image, str(path), levels=levels, dtype=np.float32), binary=binary)
-        return TiledPicture(np.asarray(grey_of(image)), binary=binary)
+        return TiledPicture(np.asarray(grey_of(upright(image))), binary=binary)

@@ -21,6 +21,7 @@ from cnnsim.support.pictures.pixels import (
     own_levels,
     range_of,
 )
+from cnnsim.support.pictures.upright import orientation
 from cnnsim.support.progress import watcher
 
 MOST = 1 << 22
@@ -63,6 +64,8 @@ class FileRows:
         with opened(path) as image:
             if pictures_in(image) > 1:
                 raise InputError(f"{path} holds {pictures_in(image)} pictures; one wanted")
+            if (turned := orientation(image)) != 1:
+                raise InputError(f"{path}: of EXIF orientation {turned}, and read in strips; an upright picture wanted")
             check_levels(image, str(path), levels)
             self._mode, self._numbers = image.mode, holds_numbers(image)
             self.shape = image.size[1], image.size[0]

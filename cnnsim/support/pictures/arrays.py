@@ -10,7 +10,7 @@ from PIL import Image
 from cnnsim.support.bounds import check_unpacked, one_line
 from cnnsim.support.errors import InputError
 from cnnsim.support.memory import check_memory
-from cnnsim.support.pictures.pixels import from_levels, range_of
+from cnnsim.support.pictures.pixels import from_levels, labels_error, range_of
 from cnnsim.support.pictures.sequence import PictureSequence, Reading
 from cnnsim.support.types import Array
 
@@ -24,6 +24,8 @@ def of_array(path: Path, reading: Reading, key: str) -> PictureSequence:
         InputError: no such file, no such array, another shape, numbers without a range, more than memory holds.
     """
     name, values = str(path), _loaded(path, key)
+    if levels_wanted(values, reading):
+        raise labels_error(name)
     colours = values.dtype == np.uint8 and values.ndim in (3, 4) and values.shape[-1] in (3, 4)
     planes = values if values.ndim == 3 + colours else values[None]
     if planes.ndim != 3 + colours or not planes.size:
@@ -46,6 +48,13 @@ def of_array(path: Path, reading: Reading, key: str) -> PictureSequence:
         return np.where(found > 0, 1.0, -1.0).astype(reading.dtype) if reading.binary else found
 
     return _of_planes(name, planes, plane)
+
+
+def levels_wanted(values: Array, reading: Reading) -> bool:
+    """Return whether whole numbers are only 0 and 1: grey levels, CNN values and labels look alike then."""
+    if reading.levels is not None or values.dtype.kind not in "iu" or not values.size:
+        return False
+    return (int(values.min()), int(values.max())) == (0, 1)
 
 
 def _of_planes(name: str, planes: Array, values: Callable[[Array], Array]) -> PictureSequence:

@@ -14,7 +14,8 @@ from cnnsim.support.bounds import check_plain, line_of
 from cnnsim.support.errors import InputError, shown
 from cnnsim.support.files import writing
 from cnnsim.support.memory import check_memory
-from cnnsim.support.pictures.pixels import Levels, pixel_bytes, values_of
+from cnnsim.support.pictures.pixels import Levels, check_labels, least_bytes, pixel_bytes, values_of
+from cnnsim.support.pictures.upright import read_through, upright_size
 from cnnsim.support.types import Array, Floats
 from cnnsim.support.values import as_numbers, largest
 
@@ -43,6 +44,7 @@ def read_picture(
         if pictures_in(image) > 1:
             raise InputError(f"{path} holds {pictures_in(image)} pictures; one wanted (read_pictures reads all)")
         check_size(image, str(path), np.dtype(dtype).itemsize)
+        check_labels(image, str(path), levels)
         return values_of(image, str(path), binary=binary, levels=levels, dtype=dtype)
 
 
@@ -56,6 +58,7 @@ def opened(path: str | Path) -> Iterator[Image.Image]:
     try:
         check_plain(Path(path), "picture")
         with _AnySize(), Image.open(path) as image:
+            read_through(image)
             yield image
     except InputError:
         raise
@@ -77,10 +80,18 @@ def pictures_in(image: Image.Image) -> int:
 def check_size(image: Image.Image, name: str, cell_bytes: int) -> None:
     """Refuse a picture that does not fit into the memory that is free, before its pixels are read.
 
+    Or that cannot be in the file, however well it is packed; ``name`` is its path.
+
     Raises:
         InputError: both sizes, and what to do.
     """
-    cols, rows = image.size
+    rows, cols = upright_size(image)
+    least, there = least_bytes(image), Path(name).stat().st_size
+    if there < least:
+        raise InputError(
+            f"{name}: {there} bytes that say they are {rows} x {cols} pixels, which take {least:.0f} at least; a whole "
+            "file wanted"
+        )
     what = f"{name}: reading {rows} x {cols} pixels"
     check_memory(what, rows * cols * (pixel_bytes(image.mode) + cell_bytes), _TOO_LARGE)
 

@@ -13,6 +13,7 @@ import numpy as np
 from PIL import Image
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.pictures.upright import upright
 from cnnsim.support.types import Array
 from cnnsim.support.values import from_gray
 
@@ -20,6 +21,8 @@ Levels = tuple[float, float]
 """The numbers that stand for black and for white."""
 
 _BITS_PER_SAMPLE, _PHOTOMETRIC, _WHITE_IS_ZERO = 258, 262, 0  # tags of TIFF
+_DEFLATE = 1032
+"""Bytes that a byte of a PNG can unpack to: 258 for two bits."""
 _STRIP = 1 << 20
 """Pixels that are worked on at a time: what is needed in between stays small."""
 
@@ -31,6 +34,34 @@ def pixel_bytes(mode: str) -> int:
     return 6 if mode.startswith("I;16") else 14
 
 
+def least_bytes(image: Image.Image) -> float:
+    """Return how many bytes the pixels of a file take at the least; 0 where its packing knows no bound."""
+    pixels, bits = float(image.size[0]) * image.size[1], 1 if image.mode == "1" else 8
+    if image.format == "PNG":  # palettes and greys may have a bit a pixel
+        return pixels * (1 if image.mode in ("1", "L", "P") else bits) / 8 / _DEFLATE
+    tiles: Any = getattr(image, "tile", ())
+    raw = len(tiles) == 1 and tiles[0][0] == "raw" and image.format in ("BMP", "PPM", "TIFF")
+    return pixels * bits / 8 if raw and image.mode in ("1", "L", "RGB") else 0.0
+
+
+def check_labels(image: Image.Image, name: str, levels: Levels | None) -> None:
+    """Refuse a grey picture of the levels 0 and 1 alone, unless ``levels`` say what they are: labels, not greys.
+
+    Raises:
+        InputError: of 255 both are black.
+    """
+    if levels is None and image.mode == "L" and image.getextrema() == (0, 1):
+        raise labels_error(name)
+
+
+def labels_error(name: str) -> InputError:
+    """Return the error for whole numbers that are only 0 and 1."""
+    return InputError(
+        f"{name} holds the numbers 0 and 1 alone, as grey levels of 0 to 255 both black; their meaning wanted: "
+        "--range 1,0 (1 is black), 0,1 (1 is white), 0,255 (levels); in Python levels=(1, 0)"
+    )
+
+
 def values_of(
     image: Image.Image, name: str, *, binary: bool = False, levels: Levels | None = None, dtype: Any = np.float64
 ) -> Array:
@@ -40,6 +71,7 @@ def values_of(
         InputError: floats or whole numbers whose range is not known, or that leave the range given.
     """
     check_levels(image, name, levels)
+    image = upright(image)
     if holds_numbers(image):
         values = _numbers(image, name, levels, dtype)
         if image.has_transparency_data and isinstance(clear := image.info["transparency"], int):
@@ -96,8 +128,10 @@ def from_levels(numbers: Array, name: str, levels: Levels, dtype: Any = np.float
         InputError: numbers outside that range, or a range of no length.
     """
     black, white = levels
-    if not (np.isfinite(levels).all() and black != white):
-        raise InputError(f"black is {black:g} and white {white:g}; two different numbers wanted")
+    with np.errstate(all="ignore"):
+        scale = 2.0 / (np.float64(white) - black)
+    if not (np.isfinite(levels).all() and 0 < abs(scale) < np.inf):
+        raise InputError(f"black is {black:g} and white {white:g}; two different numbers, of some size, wanted")
     least, most = _extremes(numbers, name)
     if not min(levels) <= least <= most <= max(levels):
         raise InputError(f"{name} holds numbers from {least:g} to {most:g}; {black:g} (black) to {white:g} wanted")
@@ -105,7 +139,7 @@ def from_levels(numbers: Array, name: str, levels: Levels, dtype: Any = np.float
     flat, source = values.reshape(-1), numbers.reshape(-1)
     for first in range(0, flat.size, _STRIP):
         part = source[first : first + _STRIP].astype(np.float64)
-        flat[first : first + _STRIP] = 1.0 - (part - black) * (2.0 / (white - black))
+        flat[first : first + _STRIP] = 1.0 - (part - black) * scale
     return values
 
 

@@ -13,7 +13,8 @@ from cnnsim.support.errors import InputError
 from cnnsim.support.memory import check_memory
 from cnnsim.support.pictures.film import video_library
 from cnnsim.support.pictures.picture import check_size, opened, pictures_in
-from cnnsim.support.pictures.pixels import Levels, values_of
+from cnnsim.support.pictures.pixels import Levels, check_labels, values_of
+from cnnsim.support.pictures.upright import upright_size
 from cnnsim.support.types import Array
 
 
@@ -53,11 +54,10 @@ def of_file(path: Path, reading: Reading) -> PictureSequence:
     """
     with opened(path) as image:
         check_size(image, str(path), np.dtype(reading.dtype).itemsize)
-        count, (cols, rows) = pictures_in(image), image.size
+        count, (rows, cols) = pictures_in(image), upright_size(image)
         for number in range(1, count):
             image.seek(number)
-            if image.size != (cols, rows):
-                other = image.size[1], image.size[0]
+            if (other := upright_size(image)) != (rows, cols):
                 raise InputError(
                     f"pictures of different sizes: {path} begins with {size_text((rows, cols))}, its "
                     f"picture {number} is {size_text(other)}"
@@ -69,6 +69,8 @@ def of_file(path: Path, reading: Reading) -> PictureSequence:
             for number in range(count):
                 if count > 1:
                     image.seek(number)
+                else:
+                    check_labels(image, str(path), reading.levels)
                 yield reading.values(image, str(path))
 
     rate = 1000 / lasting if count > 1 and lasting else None
