@@ -43,7 +43,7 @@ def upright(image: Image.Image) -> Image.Image:
 def read_through(image: Image.Image) -> None:
     """Keep Pillow from mapping a TIFF on its end into memory: it takes rows for columns there."""
     if image.format == "TIFF" and orientation(image) in _ON_END:
-        image.filename = ""
+        vars(image)["filename"] = ""  # of files alone, so that Pillow's types do not know it
 
 
 def _known(found: Any) -> int:

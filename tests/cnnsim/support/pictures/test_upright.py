@@ -2,6 +2,7 @@
 
 import zlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,7 +28,7 @@ UPRIGHT = {
     ("a.jpg", "L", {"quality": 100}),
 ])  # fmt: skip
 def test_a_picture_lies_as_it_is_seen(
-    lying: int, name: str, mode: str, options: dict[str, object], tmp_path: Path
+    lying: int, name: str, mode: str, options: dict[str, Any], tmp_path: Path
 ) -> None:
     exif, path = Image.Exif(), tmp_path / name
     exif[0x0112] = lying
