@@ -10,8 +10,8 @@ from cnnsim import library, plot
 from cnnsim.backends.opencl.devices import devices
 from cnnsim.ended import NotSettledError
 from cnnsim.library.catalogue import run
-from cnnsim.library.explain import explain
 from cnnsim.network import PERIODIC, ZERO_FLUX, Boundary, Cell, Frames, LayeredTemplate, Table, Template, Term, fixed
+from cnnsim.program.explain import explain
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import Program

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from cnnsim import explain, run
+from cnnsim import explain, library, run
 
 
 def main() -> None:
     """Fill holes with and without what the plan leaves out."""
     picture = np.where(np.random.default_rng(1).random((64, 64)) < 0.45, 1.0, -1.0)
-    found = explain("hole-filler", picture)
+    found = explain(library.load("hole-filler"), picture)
     print(found)
     fast = run("hole-filler", picture)
     slow = run("hole-filler", picture, without=["sparse taps", "blocking", "sleep"])

@@ -8,11 +8,12 @@ import click
 import numpy as np
 
 from cnnsim import backends, library
+from cnnsim.cli.pictures import check_plot
 from cnnsim.cli.run import json_option
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.echo import echo, say
-from cnnsim.support.files import write_rows, writing
+from cnnsim.support.files import check_place, write_rows, writing
 from cnnsim.support.pictures.picture import read_picture
 
 if TYPE_CHECKING:
@@ -47,6 +48,8 @@ def accuracy(
     from cnnsim.prototyping.accuracy.work_precision import measured, reference_state, settings
 
     entry = library.load(name)
+    check_plot(output)
+    check_place(figures)
     shown = np.random.default_rng(1).uniform(-1, 1, (16, 16)) if picture is None else _middle(read_picture(picture))
     if entry.frame_time is not None or isinstance(entry.initial_state, tuple) or entry.cell.model == "discrete-time":
         raise InputError(f"template {name!r} takes a sequence, layers or discrete time; one layer that runs on wanted")

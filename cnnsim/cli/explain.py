@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from cnnsim.cli.large import block_option, engine_option, workers_option
+from cnnsim.cli.large import block_option, check_engine_options, engine_option, workers_option
 from cnnsim.cli.run import json_option, without_option
-from cnnsim.cli.show import program_of
-from cnnsim.library.explain import explain as explanation
+from cnnsim.library.explain import explain_template
 from cnnsim.program.explain import explain_program
+from cnnsim.program.file import find_program
 from cnnsim.program.program import Program
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
@@ -46,7 +46,8 @@ def explain(
     --engine also the blocks of a program, its planes on the disk and their bytes.
     """
     shape = _shape(size)
-    program = program_of(name)
+    check_engine_options(engine, None, workers, block)
+    program = find_program(name)
     if program is not None:
         if without or accuracy:
             given = f"--without {without[0]}" if without else f"--accuracy {accuracy}"
@@ -61,7 +62,7 @@ def explain(
         return
     if engine is not None:
         raise InputError(f"--engine {engine}: {name} is a template; a program wanted")
-    found = explanation(name, shape, without=without, accuracy=accuracy)
+    found = explain_template(name, shape, without=without, accuracy=accuracy)
     if as_json:
         plan, known = found.plan, found.guaranteed
         facts = {"template": name, "method": plan.method, "step": plan.step, "decisions": plan.decisions}

@@ -9,11 +9,12 @@ import click
 import numpy as np
 
 from cnnsim.backends.base import Backend
-from cnnsim.cli.pictures import arrow
+from cnnsim.cli.pictures import arrow, check_output
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.support import InputError
 from cnnsim.support.command_line import print_json
 from cnnsim.support.echo import say
+from cnnsim.support.files import check_folder, make_folder
 from cnnsim.support.pictures.pixels import Levels
 from cnnsim.support.pictures.sequence import PictureSequence, Reading, size_text
 
@@ -34,6 +35,19 @@ workers_option = click.option("--workers", type=click.IntRange(1), help="Worker 
 block_option = click.option("--block", type=click.IntRange(8), help="Rows and columns of a block.")
 
 
+def check_engine_options(engine: str | None, store: Path | None, workers: int | None, block: int | None) -> None:
+    """Refuse choices of an engine where there is none: they would be passed over.
+
+    Raises:
+        InputError: what is given.
+    """
+    if engine is not None or store is not None:
+        return
+    for option, value in (("--workers", workers), ("--block", block)):
+        if value is not None:
+            raise InputError(f"{option} {value} without an engine; --engine processes, or dask, wanted")
+
+
 def run_large(
     entry: LibraryEntry, pictures: tuple[Path, ...], where: Backend, output: Path | None, as_json: bool, binary: bool,
     levels: Levels | None, given: dict[str, Any], beside: dict[str, Path | None], chosen: dict[str, Any],
@@ -46,6 +60,11 @@ def run_large(
 
     if len(pictures) != 1 or entry.frame_time is not None:
         raise InputError(f"{len(pictures)} pictures on an engine; a template for one picture, and one, wanted")
+    if output is not None and (output.is_dir() or not output.suffix):
+        output /= f"{entry.name}.png"
+        check_folder(output.parent)
+    elif output is not None and output.suffix.lower() != ".npy":
+        check_output(output, film=False)
     planes = {name: open_large(path, binary=binary, levels=levels) for name, path in beside.items() if path is not None}
     planes["picture"] = open_large(pictures[0], binary=binary, levels=levels)
     shape = planes["picture"].shape
@@ -63,6 +82,7 @@ def run_large(
         }),
     )  # fmt: skip
     if output is not None:
+        make_folder(output.parent)
         write_large(result.x, output)
     black = black_cells(result.x)
     if as_json:

@@ -7,12 +7,13 @@ from typing import Any
 
 import click
 import numpy as np
+from PIL import Image
 
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.network import LayeredTemplate
 from cnnsim.support import Array, InputError
-from cnnsim.support.files import make_folder
-from cnnsim.support.pictures.film import filming, is_film
+from cnnsim.support.files import check_folder, check_place, make_folder
+from cnnsim.support.pictures.film import FILM_ENDINGS, filming, is_film, video_library
 from cnnsim.support.pictures.picture import write_picture
 from cnnsim.support.pictures.read import read_pictures
 from cnnsim.support.pictures.sequence import Reading
@@ -76,6 +77,55 @@ def read_beside(path: Path | None, what: str, pictures: Array, reading: Reading)
     if len(planes) != count:
         raise InputError(f"{what}: {len(planes)} pictures for {count}; one, or as many, wanted")
     return planes
+
+
+def check_output(path: Path | None, *, film: bool) -> None:
+    """Refuse before the run what `write_planes` could not write after it; None is nothing.
+
+    Raises:
+        InputError: no folder, or an ending that no picture (or no ``film``) has.
+    """
+    if path is None:
+        return
+    if path.is_dir() or not path.suffix:
+        check_folder(path)
+        return
+    check_place(path)
+    if film and is_film(path):
+        check_film(path)
+    elif Image.registered_extensions().get(path.suffix.lower()) not in Image.SAVE:
+        raise InputError(f"cannot write {path}: unknown file extension: {path.suffix}")
+
+
+def check_film(path: Path | None) -> None:
+    """Refuse before the run a film that could not be written after it; None is nothing.
+
+    Raises:
+        InputError: no folder, an ending of no film, a video without PyAV.
+    """
+    if path is None:
+        return
+    if not is_film(path):
+        raise InputError(f"cannot write {path}: a film is one of {', '.join(FILM_ENDINGS)}")
+    check_place(path)
+    if path.suffix.lower() != ".gif":
+        video_library(path)
+
+
+def check_plot(path: Path | None) -> None:
+    """Refuse before the run a plot that could not be written after it; None is nothing.
+
+    Raises:
+        InputError: no folder, or an ending that matplotlib does not write.
+    """
+    if path is None:
+        return
+    from matplotlib.backend_bases import FigureCanvasBase  # slow to import, and only needed for plots
+
+    check_place(path)
+    known = sorted(FigureCanvasBase.filetypes)
+    if path.suffix[1:].lower() not in known:
+        raise InputError(f"cannot write {path}: a plot is one of .{', .'.join(known)}")
 
 
 def write_planes(y: Array, path: Path, *, film: bool, name: str = "") -> list[Path]:

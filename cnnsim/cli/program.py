@@ -10,6 +10,7 @@ import click
 from cnnsim.cli.large import (
     black_cells,
     block_option,
+    check_engine_options,
     engine_option,
     machine_on_engine,
     sequence_of_large,
@@ -23,7 +24,7 @@ from cnnsim.cli.threads import find_backend, threads_option
 from cnnsim.support import Array, InputError
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.echo import say
-from cnnsim.support.files import make_folder
+from cnnsim.support.files import check_folder, make_folder
 from cnnsim.support.pictures.film import filming, is_film
 from cnnsim.support.pictures.picture import write_picture
 from cnnsim.support.pictures.read import sequence_of
@@ -78,13 +79,18 @@ def program(
     from cnnsim.program.file import load_program
     from cnnsim.program.machine import UniversalMachine
 
-    parsed = load_program(file, parameters={key: _number(key, text) for key, text in _pairs("--set", settings)})
+    check_engine_options(engine, store, workers, block)
+    parsed = load_program(
+        file, parameters={key: _number(key, text) for key, text in _pairs("--set", settings, once=True)}
+    )
     where = find_backend(backend, device=device, threads=threads)
     reading = Reading(binary, levels, where.dtype)
     large = engine is not None or store is not None
     film = output is not None and is_film(output)
     if large and film:
         raise InputError(f"{output} with --engine; a folder for pictures, or no engine, wanted")
+    if output is not None and not film:
+        check_folder(output)
     sequence = sequence_of_large if large else sequence_of
     inputs = _sequences(_pairs("--input", pairs), _pairs("--still", stills), reading, sequence)
     steps = _steps(inputs, {key for key, _ in _pairs("--still", stills)})
@@ -190,11 +196,16 @@ def _report(
         say(f"{key}: {shown}{' black cells' if plane else ''}" + arrow(files[key]))
 
 
-def _pairs(option: str, pairs: tuple[str, ...]) -> list[tuple[str, str]]:
+def _pairs(option: str, pairs: tuple[str, ...], *, once: bool = False) -> list[tuple[str, str]]:
+    found: list[tuple[str, str]] = []
     for pair in pairs:
-        if "=" not in pair:
+        key, _, value = pair.partition("=")
+        if not key or not value:  # an empty path would be the folder one is in
             raise InputError(f"{option} {pair!r}; NAME=VALUE wanted")
-    return [(key, value) for key, _, value in (pair.partition("=") for pair in pairs)]
+        if once and key in dict(found):
+            raise InputError(f"{option} {pair}: {key} is {dict(found)[key]} already; one value wanted")
+        found.append((key, value))
+    return found
 
 
 def _number(name: str, text: str) -> float:

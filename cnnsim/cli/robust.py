@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from cnnsim import library
-from cnnsim.cli.pictures import binary_option, range_option
+from cnnsim.cli.pictures import binary_option, check_plot, range_option
 from cnnsim.cli.run import json_option
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, progress
@@ -47,6 +47,7 @@ def robust(
     from cnnsim.prototyping.robust.error_rate import shown_to
     from cnnsim.prototyping.robust.robust import measure
 
+    check_plot(output)
     entry, shown = library.load(name), []
     if pictures:
         planes = read_pictures(*pictures, binary=binary, levels=levels)

@@ -7,11 +7,13 @@ import click
 import numpy as np
 
 from cnnsim import backends, library
-from cnnsim.cli.large import block_option, engine_option, run_large, store_option, workers_option
+from cnnsim.cli.large import block_option, check_engine_options, engine_option, run_large, store_option, workers_option
 from cnnsim.cli.pictures import (
     arrow,
     as_map,
     binary_option,
+    check_film,
+    check_output,
     picture_argument,
     range_option,
     read_beside,
@@ -105,6 +107,7 @@ def run(
     given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
     if "boundary" in given:
         given["boundary"] = parse_boundary(given["boundary"])
+    check_engine_options(engine, store, workers, block)
     where = backends.get(backend, dtype, device, threads)
     if engine is not None or store is not None:
         if trajectory is not None:
@@ -121,6 +124,8 @@ def run(
         if (plane := read_beside(path, f"--{key}", shown, reading)) is not None:
             task[key] = as_map(plane, f"--{key}", task["state"])
     film = entry.frame_time is None and shown.ndim == 3
+    check_output(output, film=film)
+    check_film(trajectory)
     try:
         result = run_transient(entry.network, **task, backend=where)
     except NotSettledError as error:

@@ -1,23 +1,20 @@
 """The command `show`: a template's numbers, its source and a worked example as text; a program's steps."""
 
-from pathlib import Path
 from shutil import get_terminal_size
 
 import click
 
 from cnnsim import library
 from cnnsim.cli.run import json_option
-from cnnsim.library import folders
-from cnnsim.library.catalogue import has_template
 from cnnsim.library.entry import Example, LibraryEntry
 from cnnsim.network import Table, Template, layered
+from cnnsim.program.file import find_program
 from cnnsim.program.program import Program
 from cnnsim.program.words import step_rows
 from cnnsim.support import Floats
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.echo import echo, hanging, say_table
 from cnnsim.support.pictures.picture import to_ascii
-from cnnsim.support.toml_file import read_toml
 
 
 @click.command(epilog=examples("cnnsim show edge", "cnnsim show hole-filler --json", "cnnsim show slip-front"))
@@ -30,7 +27,7 @@ def show(name: str, as_json: bool) -> None:
     """
     from cnnsim.library.write_terms import template_keys  # only for JSON and terms
 
-    program = program_of(name)
+    program = find_program(name)
     if program is not None:
         _show_program(program, as_json)
         return
@@ -51,23 +48,6 @@ def show(name: str, as_json: bool) -> None:
         echo("\nExample\n" + _drawn(entry.examples[0]))
     else:
         echo("\nNo worked example: nobody has checked this file.")
-
-
-def program_of(name: str) -> Program | None:
-    """Return the program that a name or a file stands for; None if it is that of a template, or of nothing.
-
-    Raises:
-        InputError: the program's file is wrong.
-    """
-    from cnnsim.program.file import load_program
-
-    if name.endswith(".toml"):
-        path = Path(name)
-        return load_program(path) if "step" in read_toml(path, "template or program file") else None
-    leading, _, last = name.rpartition("/")
-    if leading == "programs" or (last in folders.programs() and not has_template(last)):
-        return load_program(last)
-    return None
 
 
 def _show_program(program: Program, as_json: bool) -> None:

@@ -5,7 +5,15 @@ from pathlib import Path
 import click
 
 from cnnsim import backends, library
-from cnnsim.cli.pictures import binary_option, picture_argument, range_option, read_beside, read_for
+from cnnsim.cli.pictures import (
+    binary_option,
+    check_film,
+    check_plot,
+    picture_argument,
+    range_option,
+    read_beside,
+    read_for,
+)
 from cnnsim.cli.run import backend_option, json_option
 from cnnsim.network import parse_boundary
 from cnnsim.network.boundary import BOUNDARY_FORMS
@@ -56,6 +64,8 @@ def trace(
 
     if output is None and film is None and not as_json:
         raise InputError("nothing to do: give -o for a plot, --film for a film, or --json")
+    check_plot(output)
+    check_film(film)
     entry = library.load(name)
     where = backends.get(backend)
     reading = Reading(binary, levels, where.dtype)

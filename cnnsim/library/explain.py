@@ -1,4 +1,4 @@
-"""explain: how a template would be computed on a grid, and how long it takes by theory; nothing is computed."""
+"""Explanation: how a template would be computed on a grid, and how long it takes by theory; nothing is computed."""
 
 from dataclasses import dataclass
 from typing import Unpack
@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.accuracy.settle import solving_bytes
-from cnnsim.keywords import spelled
 from cnnsim.library.catalogue import load
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.network import AnyTemplate, layered
@@ -51,21 +50,12 @@ class Explanation:
         return lines_of(self.lines)
 
 
-@spelled(TaskOptions)
-def explain(
+def explain_template(
     template: str | LibraryEntry | AnyTemplate, picture: ArrayLike = (64, 64), **changes: Unpack[TaskOptions]
 ) -> Explanation:
-    """Return what the plan decides for a template on a grid, and why.
-
-    Arguments: ``template`` a name or an entry of the library, or a template of your own, whose time no theory tells
-    here; ``picture`` CNN values (rows, cols), or only the shape (rows, cols), of which no plane is made; ``changes``
-    as in `run_transient`.
-
-    Raises:
-        InputError: no such template, no shape of a grid, or as `run_transient`.
-    """
+    """Return what the plan decides for a template; arguments and errors as `cnnsim.program.explain.explain`."""
     values = np.asarray(picture)
-    values = _blank(values) if values.ndim == 1 else values
+    values = blank(values) if values.ndim == 1 else values
     if not isinstance(template, str | LibraryEntry):
         layers = len(layered(template).layers)
         state = np.broadcast_to(values, (layers, *values.shape[-2:])) if layers > 1 else values
@@ -85,7 +75,7 @@ def _explained(task: Task, guaranteed: RunningTime) -> Explanation:
     return Explanation(task.plan, guaranteed, task.cell_bytes(np.dtype(np.float32).itemsize), task.state.size)
 
 
-def _blank(shape: Array) -> Array:
+def blank(shape: Array) -> Array:
     """Return a white picture of a shape, however large, that takes no memory."""
     sizes = shape.tolist()
     try:

@@ -1,11 +1,22 @@
-"""How the template steps of a program would be computed on a grid; nothing is computed."""
+"""explain: how a template, or the template steps of a program, would be computed on a grid; nothing is computed."""
 
 from dataclasses import dataclass
+from typing import Unpack, overload
 
-from cnnsim.planning.plan import Plan, make_plan
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cnnsim.keywords import spelled
+from cnnsim.library.entry import LibraryEntry
+from cnnsim.library.explain import Explanation, blank, explain_template
+from cnnsim.network import AnyTemplate
+from cnnsim.planning.plan import Plan, lines_of, make_plan
 from cnnsim.program.bit_steps import rule_of
+from cnnsim.program.file import find_program
 from cnnsim.program.program import Program, TemplateStep
 from cnnsim.program.words import numbered
+from cnnsim.support import InputError
+from cnnsim.task import TaskOptions
 
 
 @dataclass(frozen=True)
@@ -31,6 +42,21 @@ class ExplainedStep:
         return self.plan.decisions
 
 
+@dataclass(frozen=True)
+class ProgramExplanation:
+    """The ``steps`` of a program that run a template; ``str`` has a line for each decision of theirs."""
+
+    program: str
+    steps: tuple[ExplainedStep, ...]
+
+    def __str__(self) -> str:
+        if not self.steps:
+            return f"{self.program} runs no template: all of its steps are cellwise or logic"
+        heads = [f"step {step.number}: {step.words}" for step in self.steps]
+        bodies = [lines_of([(f"  {what}", why) for what, why in step.decisions]) for step in self.steps]
+        return "\n".join(line for pair in zip(heads, bodies, strict=True) for line in pair)
+
+
 def explain_program(program: Program, shape: tuple[int, int] = (64, 64)) -> list[ExplainedStep]:
     """Return what is decided for each step that runs a template, on a grid of ``shape`` (rows, cols).
 
@@ -46,3 +72,40 @@ def explain_program(program: Program, shape: tuple[int, int] = (64, 64)) -> list
                                  step=step.step)  # fmt: skip
             found.append(ExplainedStep(number, str(step), plan))
     return found
+
+
+@overload
+def explain(
+    template: LibraryEntry | AnyTemplate, picture: ArrayLike = ..., **changes: Unpack[TaskOptions]
+) -> Explanation: ...
+@overload
+def explain(template: Program, picture: ArrayLike = ...) -> ProgramExplanation: ...
+@overload
+def explain(
+    template: str, picture: ArrayLike = ..., **changes: Unpack[TaskOptions]
+) -> Explanation | ProgramExplanation: ...
+@spelled(TaskOptions)
+def explain(
+    template: str | LibraryEntry | AnyTemplate | Program, picture: ArrayLike = (64, 64),
+    **changes: Unpack[TaskOptions],
+) -> Explanation | ProgramExplanation:  # fmt: skip
+    """Return what the plan decides for a template, or for each template step of a program, on a grid, and why.
+
+    Arguments: ``template`` a name or an entry of the library, a program or its name ("programs/NAME" where a template
+    has it too), a file, or a template of your own, whose time no theory tells here; ``picture`` CNN values (rows,
+    cols), or only the shape (rows, cols), of which no plane is made; ``changes`` as in `run_transient`, for templates.
+
+    Raises:
+        InputError: no such template or program, no shape of a grid, changes of a program, or as `run_transient`.
+    """
+    program = find_program(template) if isinstance(template, str) else template
+    if not isinstance(program, Program):
+        assert not isinstance(template, Program)
+        return explain_template(template, picture, **changes)
+    if changes:
+        raise InputError(f"{', '.join(changes)}: {program.name!r} is a program; they go with templates")
+    shape = np.asarray(picture)
+    shape = blank(shape) if shape.ndim == 1 else shape
+    if shape.ndim != 2:
+        raise InputError(f"a picture of shape {shape.shape}; (rows, cols) wanted")
+    return ProgramExplanation(program.name, tuple(explain_program(program, (shape.shape[0], shape.shape[1]))))

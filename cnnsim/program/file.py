@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from cnnsim.library.folders import program_file
+from cnnsim.library.catalogue import has_template
+from cnnsim.library.folders import program_file, programs
 from cnnsim.network import ZERO_FLUX, Template, parse_boundary
 from cnnsim.program.names import LocalTemplate, Names
 from cnnsim.program.program import Program, Step
@@ -38,6 +39,23 @@ def load_program(
     data = read_toml(file, "program file")
     with naming(file):
         return program_of(data, templates or {}, parameters or {}, file)
+
+
+def find_program(name: str) -> Program | None:
+    """Return the program that a name or a file stands for; None if it is that of a template, or of nothing.
+
+    Where a template and a program share a name, "programs/NAME" is the program.
+
+    Raises:
+        InputError: the program's file is wrong.
+    """
+    if name.endswith(".toml"):
+        path = Path(name)
+        return load_program(path) if "step" in read_toml(path, "template or program file") else None
+    leading, _, last = name.rpartition("/")
+    if leading == "programs" or (last in programs() and not has_template(last)):
+        return load_program(last)
+    return None
 
 
 def program_of(

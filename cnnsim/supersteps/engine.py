@@ -9,6 +9,7 @@ from cnnsim.planning.plan import Plan
 from cnnsim.support import InputError
 from cnnsim.support.memory import check_memory, free_memory
 from cnnsim.support.values import is_whole
+from cnnsim.workers.engine import check_engine_name
 
 LARGEST, SLEEPING, SMALLEST = 4096, 1024, 64
 """Sides of blocks: the most, the most where blocks may sleep (the smaller, the more of them sleep), and the least."""
@@ -38,6 +39,7 @@ class Engine:
     depth: int | None = None
 
     def __post_init__(self) -> None:
+        check_engine_name(self.name)
         for what in ("side", "depth", "workers"):
             value = getattr(self, what)
             if value is not None and not (is_whole(value) and value >= 1):

@@ -14,7 +14,7 @@ import click
 from cnnsim.support.compile_notice import Terminal
 from cnnsim.support.compiling.private_folder import Notices
 from cnnsim.support.compiling.stopping import STOPPED, Stopping, leave
-from cnnsim.support.echo import as_markup, console, echo, printable
+from cnnsim.support.echo import as_markup, console, echo, json_line, printable
 from cnnsim.support.errors import InputError
 from cnnsim.support.files import Replaced
 from cnnsim.support.progress import terminal_bar, watched_by
@@ -22,6 +22,9 @@ from cnnsim.support.progress import terminal_bar, watched_by
 Item = TypeVar("Item")
 LONGEST = 3000
 """Characters of a message, which may tell of twenty faults of a file."""
+
+
+_JSON = "cnnsim.support.command_line.json"
 
 
 class _Mistake(click.ClickException):
@@ -56,15 +59,28 @@ class CommandGroup(click.Group):
         """Find the command; an empty argument, as of an unset variable of the shell, would name the folder one is in.
 
         Raises:
-            InputError: an argument is empty.
+            InputError: an argument is empty, or stands for standard input.
         """
+        ctx.meta[_JSON] = "--json" in args
         if "" in args:
             where = f"argument {args.index('')} of {args[0] or 'the command'}"
             raise InputError(f"{where} is empty; a value wanted (an unset variable of the shell?)")
+        if "-" in args:
+            raise InputError(
+                f"argument {args.index('-')} of {args[0]} is '-'; a file wanted, no standard input or output"
+            )
         return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the command."""
+        """Run the command; what it refuses is JSON on stdout as well where JSON was asked for."""
+        try:
+            return self._invoked(ctx)
+        except click.ClickException as error:
+            if ctx.meta.pop(_JSON, False):  # once, of groups in a group
+                echo(json_line({"error": " ".join(error.format_message().split())}))
+            raise
+
+    def _invoked(self, ctx: click.Context) -> Any:
         os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # threads that spin while they wait starve one another
         Terminal.wanted = sys.stderr.isatty()
         Replaced.tell = _tell_replaced

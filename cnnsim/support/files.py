@@ -1,6 +1,7 @@
 """Files written whole or not at all: beside the target first, then renamed; what was replaced is told."""
 
 import csv
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -77,6 +78,36 @@ def check_free(*paths: Path, replace: bool) -> None:
     if there:
         verb = "is" if len(there) == 1 else "are"
         raise InputError(f"{', '.join(there)} {verb} there already; --replace would write over it")
+
+
+def check_place(*paths: Path | None) -> None:
+    """Refuse before any work is done files that `writing` could not write after it; None is none.
+
+    Raises:
+        InputError: a folder has the name, there is no folder to write into, or it is closed.
+    """
+    for path in paths:
+        if path is None:
+            continue
+        if path.is_dir():
+            raise InputError(f"cannot write {path}: there is a folder of that name")
+        if not path.parent.is_dir():
+            raise InputError(f"cannot write {path}: there is no folder {path.parent}")
+        if not os.access(path.parent, os.W_OK | os.X_OK) and not path.exists():  # a device may be written in its place
+            raise InputError(f"cannot write {path}: the folder {path.parent} is closed")
+
+
+def check_folder(folder: Path) -> None:
+    """Refuse before any work is done a folder that `make_folder` could not make after it.
+
+    Raises:
+        InputError: something in the path is no folder.
+    """
+    for place in (folder, *folder.parents):
+        if place.exists() or place.is_symlink():
+            if not place.is_dir():
+                raise InputError(f"cannot make the folder {folder}: {place} is no folder")
+            return
 
 
 def write_text(path: str | Path, text: str, *, replace: bool = True, follow: bool = True) -> None:

@@ -20,7 +20,7 @@ EDGE = cnnsim.library.load("edge").template
         (lambda: cnnsim.run("edge", PICTURE, backed="cpu"), "did you mean 'backend'"),  # type: ignore[call-arg]
         (lambda: cnnsim.run("edge", PICTURE, recrod=[1.0]), "did you mean 'record'"),  # type: ignore[call-arg]
         (lambda: cnnsim.run_transient(EDGE, state=PICTURE, schema="rk4"), "did you mean 'scheme'"),  # type: ignore[call-arg]
-        (lambda: cnnsim.explain("edge", (4, 4), durration=1.0), "did you mean 'duration'"),  # type: ignore[call-arg]
+        (lambda: cnnsim.explain("edge", (4, 4), durration=1.0), "did you mean 'duration'"),  # type: ignore[call-overload]
         (lambda: cnnsim.UniversalMachine(backnd="cpu"), "UniversalMachine: no .* mean 'backend'"),  # type: ignore[call-arg]
         (lambda: cnnsim.UniversalMachine(thread=1), "did you mean 'threads'"),  # type: ignore[call-arg]
         (lambda: cnnsim.run_program("opening", picture=PICTURE, backnd="cpu"), "did you mean 'backend'"),

@@ -12,6 +12,7 @@ from PIL import Image
 from cnnsim import (
     InputError,
     explain,
+    library,
     read_picture,
     run,
     run_program,
@@ -24,7 +25,7 @@ def test_explain_allocates_no_plane() -> None:
     explain("edge", (10, 10))
     tracemalloc.start()
     for name in ("edge", "hole-filler", "autowave", "median", "moving-parts", "path-tracing"):
-        found = explain(name, (100_000, 100_000))
+        found = explain(library.load(name), (100_000, 100_000))
         assert found.cells >= 10**10
         assert "GB" in found.memory or "TB" in found.memory
     assert tracemalloc.get_traced_memory()[1] < 20e6

@@ -64,10 +64,24 @@ def test_every_template_is_explained(name: str) -> None:
 
 
 def test_a_shape_and_a_picture_of_it_are_explained_alike() -> None:
-    by_shape, by_picture = cnnsim.explain("hole-filler", (7, 7)), cnnsim.explain("hole-filler", SQUARE)
+    by_shape, by_picture = (cnnsim.explain(library.load("hole-filler"), picture) for picture in ((7, 7), SQUARE))
     assert str(by_shape) == str(by_picture)
     assert by_shape.plan.shape == (7, 7)
     assert by_shape.guaranteed == library.load("hole-filler").running_time((7, 7))
+
+
+def test_programs_are_explained_by_name_file_and_value() -> None:
+    path = library.folder() / "programs" / "skeleton.toml"
+    told = [str(cnnsim.explain(what)) for what in ("skeleton", "programs/skeleton", str(path))]
+    assert told[0] == told[1] == told[2] == str(cnnsim.explain(cnnsim.load_program("skeleton"), np.ones((64, 64))))
+    assert "step 2.1: template skeleton-1" in told[0]
+    assert "closed form" in told[0]
+    assert "packed logic" in str(cnnsim.explain("programs/opening", (7, 9)))  # of a template of that name, too
+    assert "runs no template" in str(cnnsim.explain("locate-strain"))
+    with pytest.raises(InputError, match="duration: 'skeleton' is a program"):
+        cnnsim.explain("skeleton", duration=3.0)
+    with pytest.raises(InputError, match=r"no program 'edge', but a template"):
+        cnnsim.explain("programs/edge")
 
 
 def test_templates_of_ones_own_are_explained() -> None:

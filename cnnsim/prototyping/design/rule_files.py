@@ -102,7 +102,7 @@ def read_pairs(texts: Sequence[str]) -> list[PicturePair]:
     pairs = []
     for text in texts:
         first, equals, second = text.partition("=")
-        if not equals:
+        if not equals or not first or not second:
             raise InputError(f"pair {text!r}; INPUT=OUTPUT wanted, two pictures")
         pair = read_picture(first, binary=True), read_picture(second, binary=True)
         if pair[0].shape != pair[1].shape:

@@ -33,7 +33,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (["program", "skeleton", "--input", "picture=one.png", "-o", ""], "argument 5 of program is empty"),
         ("run 123 one.png", "no template '123' in the library; `cnnsim list` shows all"),
         ("explain edge --size -3x4", "size '-3x4'; ROWSxCOLS wanted"),
-        ("program skeleton --input picture=one.png -o file", "file: File exists"),
+        ("program skeleton --input picture=one.png -o file", "the folder file: file is no folder"),
     ],
 )
 def test_one_line(folder: Path, command: str | list[str], message: str) -> None:
