@@ -19,8 +19,8 @@ from tactile.core.rails import Rails
 from tactile.events.code import CONTACT, SIGN, Code, encode
 from tactile.events.comparators import BINARY, Comparators
 from tactile.events.detector import Detector, Happening
-from tactile.events.detector_file import published, read_detector, shipped_detectors
-from tactile.events.planes import CODE, NAMES, Moment, PlanePool
+from tactile.events.detector_file import shipped_detectors, users_detectors
+from tactile.events.planes import CODE, Moment, PlanePool
 from tactile.events.registry import SHIPPED
 from tactile.events.signals import Signals
 from tactile.events.thresholds import levels
@@ -53,11 +53,12 @@ class Finger:
         self._signs = settings.shear == SIGN
         self.taxels = Comparators(machine, array.shape, SIGN if self._signs else BINARY, BINARY)
         self._signals, self._pool = Signals(array.shape, array.quantity), PlanePool(machine, array.shape)
-        files = shipped_detectors(SHIPPED)
-        known = (*NAMES, *published()) if settings.programs else ()
-        files += [read_detector(name, known) for name in settings.programs]
+        files = [*shipped_detectors(SHIPPED), *users_detectors(settings.programs)]
         # a machine each: programs of one name keep nothing of each other's
-        self._detectors = [Detector(file, UniversalMachine(settings.backend, "float64"), self._pool) for file in files]
+        self._detectors = [
+            Detector(file, UniversalMachine(settings.backend, "float64"), self._pool, publishes=n < len(SHIPPED))
+            for n, file in enumerate(files)
+        ]
         self._own = self._detectors[len(SHIPPED) :]
         self._travel, self._whole = Travel(), Signals((1, 1), "force")
         least = contact.dead_band if array.quantity == "force" else CONTACT["force"].dead_band
@@ -118,14 +119,14 @@ class Finger:
         signals = {name: values[..., i] for i, name in enumerate(self._inverse.inputs)}
         planes = tuple(self._machine.run(self._inverse, **signals).values())
         if self._radial is not None:
-            planes = tuple(plane for k in range(0, len(planes), 4) for plane in self._radial(planes[k : k + 4]))
+            planes = self._radial.of_signs(planes)
         pressing, pulling = planes[:4], planes[4:] or None
         return localise(self._positions, pressing, pulling, self.array.depth, self._weights, self._saturated)
 
     def notice(self, frame: Frame, load: Load) -> list[Happening]:
         """Run the comparators and the detectors on the frame and return what begins and what ends."""
-        if self.tare.noise is None and self._settings.tare != "off" and not frame.valid.any():
-            return []  # there is no offset yet
+        if not frame.whole and not frame.valid.any():
+            return []  # there is no offset yet, or no taxel can be read: nothing is known, and what lasts goes on
         use, all_used = frame.valid, frame.whole and self._none_left_out
         if not self._none_left_out:
             use = use & ~self._left_out

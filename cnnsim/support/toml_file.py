@@ -91,11 +91,17 @@ def check_keys(
     if not isinstance(table, Mapping):
         raise InputError(f"{lead}{shown(table)}, a table wanted")
     found: list[str] = []
+    far: list[str] = []
     for key in table:
         if key not in known:
             near = get_close_matches(key, known, 1)
-            hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}"
-            found.append(f"unknown key {key!r}{line_of(table, key)}; {hint}")
+            place = f"{key!r}{line_of(table, key)}"
+            if near:
+                found.append(f"unknown key {place}; did you mean {near[0]!r}?")
+            else:
+                far.append(place)
+    if far:
+        found.append(f"unknown key{'s' * (len(far) > 1)} {', '.join(far)}; known are {', '.join(known)}")
     missing = [key for key in required if key not in table]
     if missing:
         found.append(f"no {', '.join(map(repr, missing))}{_room(table)}")

@@ -11,6 +11,7 @@ from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection
 from tactile.calibration.taxel_file import taxel_gains
 from tactile.calibration.taxel_gains import TaxelGains
+from tactile.core.file_kinds import refuse_other_kind
 
 KEYS = ("shear_gain", "normal_gain", "depth_mm", "sigma", "radial")
 GAIN_KEYS = ("shear_gain", "normal_gain", "depth_mm")
@@ -49,6 +50,7 @@ def parse_calibration(text: str, where: str) -> Calibration | TaxelGains:
 
 
 def _calibration(table: dict[str, Any], where: str) -> Calibration | TaxelGains:
+    refuse_other_kind(table, where, "calibration")
     if "taxel" in table:
         return taxel_gains(table, where)
     faults = KeyFaults(where)

@@ -113,7 +113,8 @@ class LiveTare:
         if len(self._block) == self._frames if counted else self._full(frame.t):
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", RuntimeWarning)  # a taxel without readings has no mean
-                self._end_block(frame.t, np.array(self._block))
+                block = np.array(self._block)
+                self._end_block(frame.t, np.where(np.isfinite(block), block, np.nan))  # no offset is infinite
             self._block = []
             if counted:  # the frames that were averaged are not to be used
                 return replace(frame, valid=np.zeros_like(frame.valid))

@@ -19,6 +19,7 @@ from tactile.inverse.validity import Validity
 
 EVERYWHERE = 1.0
 """[m] A correction measured to this distance holds for every answer."""
+LOCATED = (Validity.INSIDE, Validity.OUTSIDE)
 LEAST = 3
 """A ring with fewer answers says nothing."""
 SURE = 2.0
@@ -61,6 +62,21 @@ class RadialCorrection:
     def constant(cls, factor: float) -> Self:
         """Return the correction that leaves every place alone and multiplies every force."""
         return cls((0.0, EVERYWHERE), (0.0, EVERYWHERE), (factor, factor))
+
+    def of_signs(self, planes: Planes) -> Planes:
+        """Return the planes of a load that presses, and where there are eight those of one that pulls, corrected.
+
+        A taxel reads the same of a load that presses far away and of one that pulls near it. Where the first is beyond
+        what was measured, the second counts only beside answers of other taxels, which it must agree with.
+        """
+        corrected = [self(planes[k : k + 4]) for k in range(0, len(planes), 4)]
+        if len(corrected) == 2:
+            (*_, pressing), (*place, pulling) = corrected
+            alone = np.isin(pressing, LOCATED) | np.isin(pulling, LOCATED)
+            if np.count_nonzero(alone) == 1:
+                lost = alone & np.isin(planes[3], LOCATED) & (pressing == Validity.INVALID)
+                corrected[1] = *place, np.where(lost, Validity.INVALID, pulling)
+        return tuple(plane for one in corrected for plane in one)
 
     @cached_property
     def _curves(self) -> tuple[PchipInterpolator, PchipInterpolator]:

@@ -36,11 +36,10 @@ def accuracy(
     Errors are over the whole recording and three seeds, relative to the peak of the ideal skin. Of a scene of more than
     400 frames 400 are computed.
     """
-    from cnnsim.support.toml_file import read_toml  # not for --help
-    from tactile.simulator.scene.file import bare_scene  # the same
+    from tactile.simulator.scene.file import bare_scene, scene_table  # not for --help
     from tactile.simulator.scene.tradeoff import TOLERANCES, trades  # the same
 
-    bare, _ = bare_scene(read_toml(scene, "scene"), str(scene), scene.parent)
+    bare, _ = bare_scene(scene_table(scene), str(scene), scene.parent)
     chosen = tolerances or TOLERANCES
     rows = list(watched(trades(bare, chosen), "tolerances", len(chosen) + 1))
     if table is not None:

@@ -24,13 +24,16 @@ def planes(as_json: bool) -> None:
     say_table(found.items())
 
 
-@click.command(epilog=examples("tactile codes 0101010101010101", "tactile codes", "tactile codes --json"))
+@click.command(
+    epilog=examples("tactile codes 0101010101010101", "tactile codes 0xd8d8", "tactile codes", "tactile codes --json")
+)
 @click.argument("code", nargs=-1, metavar="[CODE]...")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
 def codes(code: tuple[str, ...], as_json: bool) -> None:
-    """Say what sign CODEs of two 2 x 2 fingers mean: 16 bits, or a number up to 65535; all of them without one.
+    """Say what sign CODEs of two 2 x 2 fingers mean: 16 bits, 0xd8d8 or a number up to 65535; all without one.
 
-    Two bits a taxel (x, then y; 1 is plus), row by row, the first finger highest, as in the events' "hand".
+    Two bits a taxel (x, then y; 1 is plus), row by row, the first finger highest, as in the events' "hand", which is
+    hexadecimal: letters or a 0 in front say so, too.
     """
     from tactile.events.dictionary import entries, word  # NumPy is slow to import
 
@@ -42,7 +45,16 @@ def codes(code: tuple[str, ...], as_json: bool) -> None:
 
 
 def _number(text: str) -> int:
-    binary = len(text) == 16 and set(text) <= {"0", "1"}
-    if not binary and not (text.isdecimal() and int(text) < 1 << 16):
-        raise click.UsageError(f"code {text!r}; 16 bits or a number from 0 to 65535 wanted")
-    return int(text, 2 if binary else 10)
+    if len(text) != 16 or not set(text) <= {"0", "1"}:
+        whole = text.isdecimal() and (text == "0" or text[0] != "0")
+        digits = text.lower().removeprefix("0x")
+        if whole and int(text) < 1 << 16:
+            if len(text) == 4:  # so many the table of events has
+                echo(f"{text}: read as a decimal number; 0x{text} is the code that events print so", err=True)
+            return int(text)
+        if whole or not 1 <= len(digits) <= 4 or not set(digits) <= set("0123456789abcdef"):
+            raise click.UsageError(
+                f"code {text!r}; 16 bits, hexadecimal digits as 0xd8d8, or a number from 0 to 65535 wanted"
+            )
+        return int(digits, 16)
+    return int(text, 2)

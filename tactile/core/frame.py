@@ -13,6 +13,8 @@ from cnnsim.support.names import check_name
 Quantity = Literal["strain", "stress", "force"]
 """What a taxel measures: strain (u_xz, u_yz, u_zz), stress [Pa] of the same components, or force [N]."""
 
+HAND = "hand"
+"""The finger of events that several fingers make together: no array has this name."""
 FLAGS = {"slip_detection": 1, "reference_loaded": 2, "contact": 4}
 """Words of a device on its sensor as a whole -> the bit of each."""
 MOST_FLAGS = 2**32 - 1
@@ -44,6 +46,8 @@ class TaxelArray:
 
     def __post_init__(self) -> None:
         check_name(self.name, "taxel array")
+        if self.name == HAND:
+            raise InputError("taxel array 'hand': events of all fingers together are called so; another name wanted")
         if self.rows < 1 or self.cols < 1:
             raise InputError(f"taxel array {self.name!r}: {self.rows} x {self.cols} taxels, at least 1 x 1 wanted")
         check_most(self.rows * self.cols, TAXELS, f"taxel array {self.name!r}: {self.rows} x {self.cols} taxels")

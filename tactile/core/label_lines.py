@@ -18,4 +18,5 @@ def read_lines(path: Path) -> tuple[list[dict[str, str]], Sequence[str]]:
             reader = csv.DictReader(file)
             return list(reader), reader.fieldnames or ()
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: cannot be read as labels: {error}") from error
+        why = error.strerror if isinstance(error, OSError) else str(error)
+        raise InputError(f"{path}: cannot be read as labels: {why}") from error

@@ -31,10 +31,13 @@ class Detector:
     """One detector on one finger, with its machine's memory.
 
     A program sees every frame. It is not run where that could not tell: while its planes are those of the frame before,
-    all of them logic, and its memory came out of the last run as it went in, its outputs are the same again.
+    all of them logic, and its memory came out of the last run as it went in, its outputs are the same again. One that
+    ``publishes`` gives its outputs to the pool, where the detectors that follow find them; users' detectors do not:
+    whatever they call their planes, those of the shipped ones stay as they are.
     """
 
-    def __init__(self, file: DetectorFile, machine: UniversalMachine, pool: PlanePool) -> None:
+    def __init__(self, file: DetectorFile, machine: UniversalMachine, pool: PlanePool, *, publishes: bool) -> None:
+        self._publishes = publishes
         self.file, self.outputs, self.changed = file, dict[str, Any](), False
         self._machine, self._pool = machine, pool
         machine.prepare(file.program, pool.shape)
@@ -74,7 +77,7 @@ class Detector:
         kept = self._machine.kept(program) if logic and program.keep else {}
         self._fixed = logic and _alike(kept, self._kept)
         self._last, self._kept = inputs, kept
-        for name, out in self.outputs.items():  # for the detectors that follow
+        for name, out in self.outputs.items() if self._publishes else ():
             if program.memory[name] == "llm":
                 pool.set_logic(name, out)
             elif program.memory[name] == "wire":

@@ -8,16 +8,17 @@ from string import Formatter
 from typing import Any
 
 from cnnsim import InputError
-from cnnsim.library.folders import folder, folders, not_found, program_file
+from cnnsim.library.folders import folder, folders, not_found, program_file, programs
 from cnnsim.program.file import load_program, program_of
 from cnnsim.program.program import Program
 from cnnsim.support import naming
 from cnnsim.support.toml_file import check_keys, read_toml, take, take_tables
+from tactile.core.file_kinds import refuse_other_kind
 from tactile.events.planes import LATE, NAMES
 
 EVENT_KEYS = ("kind", "when", "words", "taxels", "direction", "sense", "confirm_ms", "release_ms", "lag_ms", "lag_of")
-OF_THE_DATA = ("direction", "sense", "taxels", "of_taxels", "force_n", "shear_n", "length_mm")
-"""What the words of an event may name in braces."""
+OF_THE_DATA = ("direction", "sense", "taxels", "of_taxels", "force_n", "shear_n")
+"""What the words of an event may name in braces; a slip has a length, too."""
 OF_LOAD = "load"
 """A direction that is that of the whole tangential load."""
 WAYS = ("right", "left", "down", "up")
@@ -76,11 +77,39 @@ def read_detector(name: str | Path, known: Collection[str] = NAMES) -> DetectorF
     if not path.suffix:
         path = _named(str(name))
     table = read_toml(path, "detector or program file")
+    refuse_other_kind(table, path, "detector")
     with naming(path):
         rules = tuple(_rule(event, f"event {n}") for n, event in enumerate(take_tables(table, "event", "detector"), 1))
         program = _program(table, path)
         _check(program, rules, known)
     return DetectorFile(program.name, program, rules)
+
+
+def users_detectors(names: Collection[str]) -> list[DetectorFile]:
+    """Return the detectors and programs that a user has named, which stand beside the shipped ones.
+
+    Raises:
+        InputError: as `read_detector`; a name that two of them have, or a kind of event that another detector makes.
+    """
+    if not names:
+        return []
+    from tactile.events.registry import SHIPPED  # which reads with this module
+
+    shipped, found = shipped_detectors(SHIPPED), list[DetectorFile]()
+    known = (*NAMES, *(name for detector in shipped for name in detector.program.outputs))
+    makers = {rule.kind: f"the shipped {detector.name!r}" for detector in shipped for rule in detector.rules}
+    for name in names:
+        detector = read_detector(name, known)
+        if detector.name in (one.name for one in found):
+            raise InputError(f"{name}: there is a program {detector.name!r} already; each once, and a name each wanted")
+        kinds = [rule.kind for rule in detector.rules]
+        for n, kind in enumerate(kinds):
+            if kind in makers or kind in kinds[:n]:
+                maker = makers.get(kind, "another of its events")
+                raise InputError(f"{name}: kind {kind!r} is made by {maker}; a kind that no other has wanted")
+        makers |= dict.fromkeys(kinds, f"{detector.name!r}")
+        found.append(detector)
+    return found
 
 
 def shipped_detectors(names: Collection[str]) -> list[DetectorFile]:
@@ -92,13 +121,6 @@ def shipped_detectors(names: Collection[str]) -> list[DetectorFile]:
     return found
 
 
-def published() -> tuple[str, ...]:
-    """Return the outputs of the shipped detectors, which users' detectors may have as inputs, too."""
-    from tactile.events.registry import SHIPPED  # which reads with this module
-
-    return tuple(name for detector in shipped_detectors(SHIPPED) for name in detector.program.outputs)
-
-
 def _named(name: str) -> Path:
     found = {path.stem: path for place in folders() for path in (place / "programs" / "touch").glob("*.toml")}
     if name in found:
@@ -107,7 +129,7 @@ def _named(name: str) -> Path:
         return program_file(name)
     except InputError as error:
         if found and "did you mean" not in str(error):
-            raise not_found("detector or program", name, found, "cnnsim list --programs") from error
+            raise not_found("detector or program", name, {**found, **programs()}, "cnnsim list --programs") from error
         raise
 
 
@@ -128,11 +150,12 @@ def _rule(table: dict[str, Any], where: str) -> EventRule:
         raise InputError(f"{where}: kind = {kind!r}; small letters, digits and _ wanted, such as 'two_blobs'")
     words = words or kind.replace("_", " ")
     try:
-        unknown = {name for _, name, _, _ in Formatter().parse(words) if name is not None} - set(OF_THE_DATA)
+        data = (*OF_THE_DATA, *(("length_mm",) if kind == "slip" else ()))
+        unknown = {name for _, name, _, _ in Formatter().parse(words) if name is not None} - set(data)
     except ValueError as error:
         raise InputError(f"{where}: words = {words!r}: {error}") from error
     if unknown:
-        raise InputError(f"{where}: words name {', '.join(sorted(unknown))}; of {', '.join(OF_THE_DATA)} wanted")
+        raise InputError(f"{where}: words name {', '.join(sorted(unknown))}; of {', '.join(data)} wanted")
     lists: dict[str, tuple[str, ...]] = {}
     along = table.get("direction") == OF_LOAD
     if along:

@@ -1,5 +1,6 @@
 """Events: what has happened to a finger or the hand: an interval, a kind and its data; words are made here alone."""
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -8,8 +9,7 @@ from tactile.inverse.load import Load
 
 Data = Mapping[str, str | int | float]
 """An event's data by name; the name of a quantity ends in its SI unit: ``force_n`` [N], ``length_m`` [m]."""
-HAND = "hand"
-"""The finger of events that several fingers make together."""
+_GAPS = re.compile(r"( ?,)+")  # around data that are not known
 UNITS = {"_n": ("N", 2), "_mm": ("mm", 2), "_pa": ("Pa", 0)}
 """Ending of a quantity's name -> its unit in words, and decimal places."""
 
@@ -50,7 +50,7 @@ class Event:
         left out."""
         known: dict[str, Any] = {f"{name}m": 1e3 * float(v) for name, v in self.data.items() if name.endswith("_m")}
         said = self.text.format_map(_Said({**self.data, **known}))
-        return " ".join(said.split()).rstrip(" :,")
+        return _GAPS.sub(",", " ".join(said.split())).strip(" :,")
 
     @property
     def key(self) -> tuple[str, str, float]:

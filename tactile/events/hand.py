@@ -3,7 +3,8 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
-from tactile.events.event import HAND, Event
+from tactile.core.frame import HAND
+from tactile.events.event import Event
 
 TOGETHER = 0.25
 """[s] Tangential loads of two fingers that begin this near to each other are one event of the hand."""

@@ -1,6 +1,6 @@
 """Travel of a located load over the skin: whether it leaves the place where it rested, by more than its own unrest."""
 
-from math import exp, hypot
+from math import exp, hypot, isfinite
 
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
@@ -8,7 +8,7 @@ from tactile.inverse.validity import Validity
 START = 50e-6
 """[m] of travel that begins a slip: ten times the precision of localisation (3-5 um, paper, section 4) ..."""
 SIGMAS = 6.0
-"""... and at least so many times the unrest of the place from frame to frame."""
+"""... and at least so many times the unrest of the place from frame to frame, and what both places are uncertain by."""
 REST = 0.25
 """[s] without so much travel that ends one: longer than the sticking phases of stick-slip."""
 MEMORY = 0.5
@@ -26,7 +26,7 @@ class Travel:
     """
 
     def __init__(self) -> None:
-        self._mark: tuple[float, float, float] | None = None
+        self._mark: tuple[float, float, float, float] | None = None
         self._last: list[tuple[float, float, float]] = []
         self._unrest = 0.0
         self._travels = False
@@ -51,14 +51,15 @@ class Travel:
         self._at = (t, load.x, load.y)
         self._learn(t, load)
         if self._mark is None:
-            self._mark = (t, load.x, load.y)
+            self._mark = (t, load.x, load.y, _spread(load))
             return False
-        since, x, y = self._mark
-        least = max(START, SIGMAS * self._unrest)
+        since, x, y, spread = self._mark
+        # where little presses, as a contact begins or ends, the unrest is not yet known, or that of a firmer grip
+        least = max(START, SIGMAS * self._unrest, SIGMAS * hypot(spread, _spread(load)))
         self._away = self._away + 1 if hypot(load.x - x, load.y - y) > least else 0
         # with noise one reading proves little
         if self._away >= (1 if self._unrest < START / SIGMAS else 3):
-            self._mark, self._away = (t, load.x, load.y), 0
+            self._mark, self._away = (t, load.x, load.y, _spread(load)), 0
             if not self._travels:
                 self._start = (x, y)
             self.way = (load.x - self._start[0], load.y - self._start[1])
@@ -88,3 +89,9 @@ class Travel:
         weight = 1 - exp(-max(t2 - t0, 0.0) / 2 / MEMORY)  # a device's clock may jump back
         if bend < START or self._unrest > 0:  # a jump is no noise
             self._unrest = (self._unrest**2 * (1 - weight) + min(bend, START) ** 2 * weight) ** 0.5
+
+
+def _spread(load: Load) -> float:
+    """Return the standard deviation of a load's place [m], of the axis known less; 0 where nobody knows it."""
+    spread = max(load.sigma[:2])
+    return spread if isfinite(spread) else 0.0

@@ -64,6 +64,7 @@ class Collected:
         self._tares: dict[str, TareCheck] = {}
         self.frames = 0
         self._rows: dict[str, list[tuple[float, ...]]] = {}
+        self._others: dict[str, list[tuple[float, float, float, float]]] = {}
 
     def __call__(self, report: FrameReport) -> None:
         """Take one report."""
@@ -81,6 +82,9 @@ class Collected:
         if self._truth is not None:
             true = self._truth(report)
             self._errors.setdefault(report.array.name, []).append((true.error_m, true.error_n))
+        if load.others:
+            more = [(report.frame.t, other.x, other.y, other.F) for other in load.others]
+            self._others.setdefault(report.array.name, []).extend(more)
         place = load.x, load.y, load.Q, load.R, load.F, float(load.validity)
         self._rows.setdefault(report.array.name, []).append((
             report.frame.t, total(report, SHEAR_X), total(report, SHEAR_Y), total(report, NORMAL), *place,
@@ -100,6 +104,10 @@ class Collected:
         """Return the figures of one finger's frames."""
         rows = np.array(self._rows.get(finger, []), dtype=np.float64).reshape(-1, len(Columns._fields))
         return Columns(*rows.T)
+
+    def others(self, finger: str) -> Floats:
+        """Return (loads, 4): time [s], place (x, y) [m] and force F [N] of loads located beside the strongest one."""
+        return np.array(self._others.get(finger, []), dtype=np.float64).reshape(-1, 4)
 
     def errors(self, finger: str) -> Floats:
         """Return (frames, 2): distance of the located load from the true one [m], and what its force is off [N].

@@ -1,6 +1,7 @@
 """Events as plain data for JSON; of large arrays only what has changed in the code since the event before."""
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -59,6 +60,20 @@ def event_data(event: Event) -> dict[str, Any]:
         "arrows": event.arrows, "ternary": event.ternary, "hand": f"{event.hand:x}",
         "load": load_data(event.load),
     }  # fmt: skip
+
+
+def program_data(t: float, finger: str, program: str, outputs: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a program of the user's says of a frame: logic as 0 and 1, analog numbers to six digits."""
+    plain = {}
+    for output, value in outputs.items():
+        values = np.asarray(value)
+        if values.dtype.kind in "bi":
+            plain[output] = values.astype(int).tolist()
+        else:
+            known = np.array(np.round(values, 6), dtype=object)
+            known[~np.isfinite(values)] = None
+            plain[output] = known.tolist()
+    return {"t_s": t, "finger": finger, "program": program, "outputs": plain}
 
 
 def load_data(load: Load | None) -> dict[str, Any] | None:

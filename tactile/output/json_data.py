@@ -10,7 +10,7 @@ from tactile.core.frame import TaxelArray
 from tactile.events.phases import Phase, phases
 from tactile.inverse.validity import Validity
 from tactile.output.collected import Collected
-from tactile.output.event_data import EventData
+from tactile.output.event_data import EventData, program_data
 from tactile.settings import Settings
 
 
@@ -47,12 +47,13 @@ def finger_data(collected: Collected, arrays: tuple[TaxelArray, ...]) -> dict[st
 
 
 def run_data(collected: Collected, arrays: tuple[TaxelArray, ...], settings: Settings) -> dict[str, Any]:
-    """Return a run: its settings, what it says of every finger, its events, and tares that were taken or refused."""
+    """Return a run: its settings, fingers, events, changed outputs of the user's programs, and what became of tares."""
     told = EventData(arrays)
     return {
         "settings": settings_data(settings), "seconds": collected.seconds, "frames": collected.frames,
         "fingers": finger_data(collected, arrays),
         "events": [told(event) | {"latency_s": event.latency} for event in collected.events],
+        "programs": [program_data(*said) for said in collected.said],
         "tares": [
             {"t_s": note.t, "finger": arrays[note.finger].name, "why": note.why, "detail": note.detail}
             for note in collected.notes if note.detail

@@ -8,9 +8,8 @@ import numpy as np
 from cnnsim.support import Floats
 from cnnsim.support.files import writing
 from tactile.calibration.tare_check import UNITS
-from tactile.core.frame import TaxelArray
+from tactile.core.frame import HAND, TaxelArray
 from tactile.events.code import CONTACT
-from tactile.events.event import HAND
 from tactile.output.collected import Collected, Columns
 from tactile.output.plot_labels import label, mark
 from tactile.output.plot_plane import SURE, draw_plane
@@ -54,7 +53,8 @@ def picture(collected: Collected, arrays: tuple[TaxelArray, ...], title: str) ->
             _tared(normal, shear, columns.t[: tare.frames])
         mark((normal, shear), events)
         labels.set_title(f"{array.name}: {len(events)} events", loc="left")
-        draw_plane(part.add_subplot(grid[:, 1]), columns, array, collected.strongest.get(array.name))
+        others = collected.others(array.name)
+        draw_plane(part.add_subplot(grid[:, 1]), columns, array, collected.strongest.get(array.name), others)
         labelled.append((labels, events, array.name))
     figure.draw_without_rendering()  # lays it out: where labels fit is known from here on
     figure.set_layout_engine("none")

@@ -20,15 +20,18 @@ REACH = 0.85
 """Length of the longest arrow over the distance of neighbouring ones."""
 
 
-def draw_plane(axis: Any, columns: Columns, array: TaxelArray, strongest: Floats | None) -> None:
-    """Draw the taxels, and over them the track of the located load, or the forces of the firmest moment."""
+def draw_plane(axis: Any, columns: Columns, array: TaxelArray, strongest: Floats | None, others: Floats) -> None:
+    """Draw the taxels, and over them the tracks of the located loads, or the forces of the firmest moment.
+
+    ``others`` (n, 4): t, x, y, F of loads beside the strongest.
+    """
     places = array.positions() * 1e3
     _frame(axis, places, array)
     _taxels(axis, array)
     if array.quantity == "force":
         words = "nothing pressed" if strongest is None else _forces(axis, array, places, strongest)
     else:
-        words = _track(axis, columns)
+        words = _track(axis, columns, others)
     axis.set_title(f"{array.rows} x {array.cols} taxels seen from outside\n{words}", loc="left", fontsize=9)
     axis.set_xlabel("x [mm]")
     axis.set_ylabel("y [mm]")
@@ -60,8 +63,8 @@ def _taxels(axis: Any, array: TaxelArray) -> None:
     axis.add_collection(PatchCollection(squares, facecolor="none", edgecolor="0.6", linewidth=0.8))
 
 
-def _track(axis: Any, columns: Columns) -> str:
-    """Draw the places of the load over time, and apart from them those that are not sure."""
+def _track(axis: Any, columns: Columns, others: Floats) -> str:
+    """Draw the places of the loads over time, and apart from them those that are not sure."""
     placed = np.isfinite(columns.x)
     sure = placed & np.isin(columns.validity, SURE)
     doubted = placed & ~sure
@@ -72,15 +75,19 @@ def _track(axis: Any, columns: Columns) -> str:
         )
         words.append(f"crosses: not sure, {doubted.sum()} frames")
     if sure.any():
-        t, x, y, force = (column[sure] for column in (columns.t, columns.x, columns.y, columns.F))
+        strongest = (column[sure] for column in (columns.t, columns.x, columns.y, columns.F))
+        several = np.isin(others[:, 0], columns.t[sure])
+        t, x, y, force = (np.concatenate(both) for both in zip(strongest, others[several].T, strict=True))
         press = np.where(np.isfinite(force), np.abs(force), 0.0)
         most = max(float(press.max()), 1e-12)
         dots = axis.scatter(x * 1e3, y * 1e3, c=t, s=6 + 60 * press / most, cmap="viridis", linewidth=0, zorder=2)
         axis.figure.colorbar(dots, ax=axis, label="time [s]", shrink=0.6, format="%g")
         words.insert(0, f"located load, largest dot {most:.2g} N")
+        if several.any():
+            words.append(f"several at once in {len(np.unique(others[several, 0]))} frames")
         (left, right), (low, high) = axis.get_xlim(), sorted(axis.get_ylim())
         beyond = int(((x * 1e3 < left) | (x * 1e3 > right) | (y * 1e3 < low) | (y * 1e3 > high)).sum())
-        words += [f"{beyond} frame{'s' * (beyond != 1)} beyond the edge"] if beyond else []
+        words += [f"{beyond} dot{'s' * (beyond != 1)} beyond the edge"] if beyond else []
     return "\n".join(words) or "no load located"
 
 

@@ -12,6 +12,7 @@ from cnnsim.support.files import make_folder, write_text, writing
 from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y, TaxelArray
 from tactile.events.event import EventLog
 from tactile.events.phases import phases
+from tactile.inverse.load import Load
 from tactile.output.collected import texture_mean, total
 from tactile.output.event_data import INLINE, EventData
 from tactile.output.truth import Truth
@@ -20,14 +21,15 @@ from tactile.wire.extras import need
 
 COLUMNS = (
     "t_s", "finger", "sequence", "shear_x", "shear_y", "normal", "code", "load_x_m", "load_y_m", "load_q_n", "load_r_n",
-    "load_f_n", "load_validity", "load_taxels", "load_misfit", "friction", "roughness", "events",
+    "load_f_n", "load_validity", "load_taxels", "load_misfit", "load_sigma_x_m", "load_sigma_y_m", "load_sigma_q_n",
+    "load_sigma_r_n", "load_sigma_f_n", "load_others", "friction", "roughness", "events",
 )  # fmt: skip
 
 TRUE_COLUMNS = (
     "true_loads", "true_x_m", "true_y_m", "true_q_n", "true_r_n", "true_f_n", "error_m", "error_n",
 )  # fmt: skip
 """Further columns where a scene knows the truth."""
-KINDS = dict.fromkeys(("finger", "code", "load_validity", "events"), str) | dict.fromkeys(
+KINDS = dict.fromkeys(("finger", "code", "load_validity", "load_others", "events"), str) | dict.fromkeys(
     ("sequence", "load_taxels", "true_loads"), int
 )
 """Columns that are texts and whole numbers; all others are floating-point numbers."""
@@ -108,17 +110,19 @@ class Record:
             self._tares[report.array.name] = report.tare.plain()
         load, texture, frame = report.load, report.texture, report.frame
         located = (load.x, load.y, load.Q, load.R, load.F, load.validity.name.lower(), load.taxels, load.misfit)
+        spread, others = load.sigma, "; ".join(_words(other) for other in load.others)
         code = self._code(report)
         happened = "; ".join(event.words for event in report.events)
         figures = total(report, SHEAR_X), total(report, SHEAR_Y), total(report, NORMAL)
         felt = texture_mean(texture.friction, texture.valid), texture_mean(texture.roughness, texture.valid)
         true = () if self._truth is None else self._truth(report)
         name, cell = report.array.name, "" if code is None else text_cell(code, always=True)
+        beside, told = text_cell(others), text_cell(happened)
         self._csv.writerow(
-            (frame.t, text_cell(name), frame.sequence, *figures, cell, *located, *felt, text_cell(happened), *true)
+            (frame.t, text_cell(name), frame.sequence, *figures, cell, *located, *spread, beside, *felt, told, *true)
         )
         if self._rows is not None:
-            self._rows(frame.t, name, frame.sequence, *figures, code, *located, *felt, happened, *true)
+            self._rows(frame.t, name, frame.sequence, *figures, code, *located, *spread, others, *felt, happened, *true)
 
     def _code(self, report: FrameReport) -> str | None:
         """Return the ternary code; of a large array None where it is that of the frame before."""
@@ -127,3 +131,8 @@ class Record:
             return None
         self._codes[name] = code
         return code
+
+
+def _words(load: Load) -> str:
+    """Return a load beside the strongest as x y [m] Q R F [N]."""
+    return " ".join(f"{value:.6g}" for value in (load.x, load.y, load.Q, load.R, load.F))

@@ -32,13 +32,15 @@ def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
     _print_events(screen, collected.events, arrays, not forces)
     for name, facts in finger_data(collected, arrays).items():
         texture = f"friction {_figure(facts['friction'])}, roughness {_figure(facts['roughness'])}"
-        line = f"{name}: {facts['frames']} frames; {texture}"
+        line = f"{name}: {facts['frames']} frame{'s' * (facts['frames'] != 1)}; {texture}"
         places = ", ".join(f"{count} {kind.replace('_', ' ')}" for kind, count in facts["located"].items())
         screen.print(line + (f"; loads: {places}" if places and not forces else ""), highlight=False, markup=False)
         if (error := facts["error"]) is not None:
             place = f"{error['place_median_m'] * 1e3:.2g} mm, at most {error['place_max_m'] * 1e3:.2g}"
             force = f"{error['force_median_n']:.2g} N, at most {error['force_max_n']:.2g}"
             screen.print(f"{name}: off the truth by {place}; {force}", highlight=False, markup=False)
+    if (earlier := len(collected.said) - SAID) > 0:
+        screen.print(f"{earlier} outputs of programs before these; --json has all", highlight=False, markup=False)
     for t, finger, name, outputs in collected.said[-SAID:]:
         plain = ", ".join(f"{key} {_short(value)}" for key, value in outputs.items())
         screen.print(f"{t:.3f} {finger}: {name}: {plain}", highlight=False, markup=False)

@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import InputError
-from cnnsim.support.toml_file import read_toml
 from cnnsim.sweep.kind import Case, Kind, Row, in_kernels
 from tactile.output.collected import Collected
 from tactile.output.truth import truth_of
 from tactile.pipeline import run as run_pipeline
 from tactile.settings import PipelineOptions
-from tactile.simulator.scene.file import scene_from
+from tactile.simulator.scene.file import scene_from, scene_table
 
 FINGER = ("rows", "cols", "pitch_mm", "depth_mm")
 TOP = ("rate_hz", "duration_s", "seed")
@@ -66,7 +65,7 @@ def changed_table(case: Case) -> tuple[dict[str, Any], Path]:
 
 @cache
 def _table(path: Path) -> dict[str, Any]:
-    return read_toml(path, "scene")
+    return scene_table(path)
 
 
 def check(case: Case) -> None:

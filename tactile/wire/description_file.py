@@ -35,6 +35,7 @@ from cnnsim.support.bounds import TEXT, check_file
 from cnnsim.support.toml_file import KeyFaults, check_keys, line_of, parse_toml, take, take_numbers, take_tables
 from tactile.calibration.gains import Gains
 from tactile.core.array_table import take_array
+from tactile.core.file_kinds import refuse_other_kind
 from tactile.core.frame import TaxelArray
 from tactile.events.threshold_choices import take_choices
 from tactile.wire.base import Options
@@ -71,6 +72,7 @@ def parse_description(text: str, where: str) -> Description:
         InputError: as `read_description`.
     """
     table = parse_toml(text, where)
+    refuse_other_kind(table, where, "array description")
     faults = KeyFaults(where)
     faults.check(table, TOP_KEYS, "", ("protocol", "finger"))
     fingers = table.get("finger", [])

@@ -3,11 +3,9 @@
 import json
 import sys
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any, Final, Literal
-
-import numpy as np
 
 from cnnsim import backends
 from cnnsim.support import InputError
@@ -17,7 +15,7 @@ from tactile import pipeline
 from tactile.calibration.live_tare import IDLE, TareNote
 from tactile.cli.port.meter import Meter
 from tactile.events.event import Event
-from tactile.output.event_data import EventData, finite
+from tactile.output.event_data import EventData, finite, program_data
 from tactile.pipeline import FrameReport
 from tactile.settings import PipelineOptions
 from tactile.wire.source import Chunk, WireSource
@@ -97,17 +95,6 @@ def recorded_options(text: str, where: str) -> LiveOptions:
     return LiveOptions(**found)
 
 
-def program_line(report: FrameReport, name: str, outputs: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a program of the user's says as plain data: logic as 0 and 1, analog numbers to six digits."""
-    plain = {}
-    for output, value in outputs.items():
-        values = np.asarray(value)
-        plain[output] = (values.astype(int) if values.dtype == bool else np.round(values.astype(float), 6)).tolist()
-    return {
-        "type": "program", "t_s": report.frame.t, "finger": report.array.name, "program": name, "outputs": plain,
-    }  # fmt: skip
-
-
 def tare_line(note: TareNote, finger: str) -> dict[str, Any]:
     """Return what became of a tare as plain data."""
     return {
@@ -153,7 +140,7 @@ class LiveMonitor:
             self._say(line)
             self._note("/events", arrival, line)
         for name, outputs in report.said.items():
-            self._say(program_line(report, name, outputs))
+            self._say({"type": "program"} | program_data(report.frame.t, report.array.name, name, outputs))
         for tared in report.tares:
             line = tare_line(tared, self._source.arrays[tared.finger].name)
             again = line["why"] == IDLE == self.tared.get(line["finger"], line | {"why": ""})["why"]

@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.support.toml_file import read_toml
 from tactile.simulator.scene.auto_effects import Choice, candidates, choose
 from tactile.simulator.scene.estimate import Sample
-from tactile.simulator.scene.file import bare_scene
+from tactile.simulator.scene.file import bare_scene, scene_table
 from tactile.simulator.scene.model_range import out_of_range
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.scene.sizes import sizes_in
@@ -60,7 +59,7 @@ def explain_file(path: Path, write: Path | None = None) -> SceneExplanation:
     Raises:
         InputError: as ``read_scene``; ``write`` for a scene without effects = "auto", or where its files are not found.
     """
-    table = read_toml(path, "scene")
+    table = scene_table(path)
     scene, tolerance = bare_scene(table, str(path), path.parent)
     choice = choose(scene, tolerance) if tolerance is not None else None
     if write is not None:
@@ -150,7 +149,7 @@ def _lines(scene: Scene) -> list[str]:
         method = scene.method(finger)
         mine = [contact for contact in (*scene.loads, *scene.contacts) if contact.finger == finger]
         kinds = Counter(WORDS.get(type(contact).__name__, type(contact).__name__) for contact in mine)
-        presses = ", ".join(f"{count} {kind}" for kind, count in kinds.items()) or "nothing presses"
+        presses = ", ".join(f"{count} {kind}{'s' * (count > 1)}" for kind, count in kinds.items()) or "nothing presses"
         lines.append(
             f"{array.name}: {array.rows} x {array.cols} taxels of {array.quantity}, {array.depth * 1e3:g} mm deep; "
             f"{presses}; method: {method.name} ({method.why})"

@@ -7,6 +7,7 @@ from cnnsim.support import InputError
 from cnnsim.support.bounds import FRAMES, RATE, check_most
 from cnnsim.support.toml_file import read_toml, take, take_tables
 from tactile.core.array_table import take_array
+from tactile.core.file_kinds import refuse_other_kind
 from tactile.core.frame import TaxelArray
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.field import ACCURACY, Contact
@@ -25,7 +26,23 @@ def read_scene(path: Path) -> Scene:
     Raises:
         InputError: no such file, no TOML, an unknown or missing key, a wrong type or value, nothing that presses.
     """
-    return scene_from(read_toml(path, "scene"), str(path), path.parent)
+    return scene_from(scene_table(path), str(path), path.parent)
+
+
+def scene_table(path: Path) -> dict[str, Any]:
+    """Return the table of a scene file as it stands there, none of its keys looked at.
+
+    Raises:
+        InputError: no such file, no TOML, or another kind of file, such as a recording or an array description.
+    """
+    if path.is_file() and path.suffix.lower() != ".toml":
+        raise InputError(
+            f"{path}: suffix {path.suffix!r}, a scene (.toml) wanted; frames that are recorded have none"
+            f" (`tactile run {path}` takes recordings)"
+        )
+    table = read_toml(path, "scene")
+    refuse_other_kind(table, path, "scene")
+    return table
 
 
 def scene_from(table: dict[str, Any], where: str, folder: Path = Path()) -> Scene:

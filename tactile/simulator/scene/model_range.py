@@ -29,19 +29,15 @@ def out_of_range(scene: Scene) -> Iterator[str]:
     Raises:
         InputError: what has no meaning at all: strains above 1, a contact wider than the sphere that makes it.
     """
+    numbered = dict(enumerate((one for one in scene.contacts if isinstance(one, MovingContact)), 1))
     sure = [(name, effect) for name, effect in scene.effects if not effect.RANDOM]
     for finger, array in enumerate(scene.arrays):
-        mine = [
-            contact for contact in scene.contacts if contact.finger == finger and isinstance(contact, MovingContact)
-        ]
-        times = _moments(scene, mine)
+        mine = {n: one for n, one in numbered.items() if one.finger == finger}
+        times = _moments(scene, list(mine.values()))
         fields = scene.affected(scene.fields(finger, [(0, times)]), "field", sure, finger)
         field = next(fields)
         if scene.bumps is None:
-            for contact in mine:
-                number = 1 + sum(
-                    isinstance(one, MovingContact) for one in scene.contacts[: scene.contacts.index(contact)]
-                )
+            for number, contact in mine.items():
                 yield from _contact(contact, f"contact {number}, a {contact.indenter.shape}", times, field)
             for one in scene.contacts:
                 if isinstance(one, HeightMap) and one.finger == finger and not one.given_depth:

@@ -7,9 +7,12 @@ from cnnsim.support import Floats, InputError
 from tactile.calibration.from_load import depth_from_speed, gains_from_load
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection, radial_from_scan
+from tactile.core.frame import Frame, TaxelArray
 from tactile.elastic.halfspace import point_load_strain, point_load_stress
+from tactile.finger import Finger
 from tactile.inverse.taxel import invert_strain
 from tactile.inverse.validity import Validity
+from tactile.settings import Settings
 
 DEPTH, MODULUS, FORCE = 2e-4, 2.4e6, 0.02
 
@@ -211,3 +214,15 @@ def test_scans_that_cannot_correct_are_refused() -> None:
     for factor in (0.0, -1.0, np.nan, np.inf):
         with pytest.raises(InputError, match="positive ones wanted"):
             RadialCorrection((0, 1), (0, 1), (1, factor))
+
+
+def test_one_taxel_alone_takes_no_far_load_for_a_pull_near_it() -> None:
+    """A load that presses beyond the scan, at 2.2 depths: the same reading is a pull at 0.9 depths, which nobody saw."""
+    depth, measured = 4e-4, RadialCorrection((0.0, 4.7e-4), (0.0, 4.7e-4), (1.0, 1.0))
+    array = TaxelArray("one", 1, 1, 1e-3, depth)
+    finger = Finger(array, 2.4e6, Settings(radial=measured))
+    for x, force, wanted in ((-8.8e-4, 0.02, Validity.INVALID), (-2e-4, 0.02, Validity.INSIDE)):
+        values = point_load_strain(array.positions(), depth, [(x, 0.0, 0.0, 0.0, force)], 2.4e6)
+        load = finger.locate(Frame(0, 0.0, 0, values, np.ones((1, 1), bool)))
+        assert load.validity is wanted
+    assert (load.x, load.F) == pytest.approx((-2e-4, 0.02))

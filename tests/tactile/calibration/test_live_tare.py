@@ -1,5 +1,6 @@
 """Tares of arriving frames: when they are taken, what readings are after them, and the noise they measure."""
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -128,3 +129,16 @@ def test_a_pillar_that_creeps_costs_itself_alone_and_one_that_is_touched_the_tar
     if why == "at the start":
         assert tare.noise is not None
         assert np.argwhere(tare.noise.left_out).tolist() == [[0, 2]]
+
+
+def test_readings_that_are_infinite_make_no_offset_and_no_warning() -> None:
+    values = noise(1e-3, 60)
+    values[:, 2, 2, 0] = np.inf
+    tare = LiveTare(0, PAD)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        frames = fed(tare, values)
+    assert frames[-1].valid.sum() == 8
+    assert not frames[-1].valid[2, 2]
+    assert tare.notes[0].offset is not None
+    assert not np.isinf(tare.notes[0].offset).any()

@@ -80,3 +80,14 @@ def test_wrong_input_is_refused() -> None:
         point_load_stress((0, 0, 0), 1, [(0, 0, 0, 0, 1)])
     with pytest.raises(InputError, match="modulus 0"):
         point_load_strain((0, 0), 1, [(0, 0, 0, 0, 1)], 0)
+
+
+def test_shear_points_to_what_presses_and_against_a_pull() -> None:
+    """As CONNECT.md tells how to try the signs of a board: a tip to the right, then a push to the right."""
+    here, tip = (0.0, 0.0), [(1e-4, 0.0, 0.0, 0.0, 0.02)]
+    for pressed in (point_load_strain(here, DEPTH, tip, MODULUS), point_load_stress(here, DEPTH, tip)):
+        assert pressed[0] > 0 > pressed[2]
+    for x in (-1e-4, 1e-4):
+        push = [(x, 0.0, 0.01, 0.0, 0.0)]
+        assert point_load_strain(here, DEPTH, push, MODULUS)[0] < 0
+        assert point_load_stress(here, DEPTH, push)[0] < 0

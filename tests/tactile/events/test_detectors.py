@@ -11,14 +11,15 @@ import pytest
 
 from cnnsim import InputError
 from tactile.core.frame import Frame, Quantity, TaxelArray
-from tactile.core.source import FrameStream
-from tactile.events.detector_file import EventRule, read_detector, shipped_detectors
+from tactile.core.source import FrameStream, Source
+from tactile.events.detector_file import EventRule, read_detector, shipped_detectors, users_detectors
 from tactile.events.event import Event, EventLog
 from tactile.events.phases import phases
 from tactile.events.registry import SHIPPED
 from tactile.events.tracker import Tracker
 from tactile.pipeline import run, warm_up
 from tactile.settings import Settings
+from tactile.sources import open_source
 from tests.kits.paths import ROOT
 from tests.kits.serial import call
 
@@ -37,7 +38,7 @@ def stream(forces: np.ndarray, rate: float = 200.0, noise: float = 2e-3, seed: i
     return FrameStream("made", (PAD,), None, len(frames), frames)
 
 
-def events(source: FrameStream, **settings: Any) -> list[Event]:
+def events(source: Source, **settings: Any) -> list[Event]:
     log = EventLog()
     run(source, Settings(**settings), [lambda report: log.add(report.events, report.ended)])
     return log.events
@@ -97,6 +98,7 @@ def test_the_detector_on_the_page_runs_on_a_scene(tmp_path: Path) -> None:
     (('inputs  = ["touch"]', 'inputs  = ["toch"]'), "toch"),
     (('"two_blobs"', '"Two blobs"'), "small letters"),
     (("{taxels}", "{taxel}"), "words name taxel"),
+    (("{taxels}", "{length_mm}"), "words name length_mm; of direction, sense, taxels, of_taxels"),
     (("confirm_ms = 20", 'lag_of = "touch"'), "lag_of = 'touch'; one of yielding wanted"),
     (("confirm_ms", "confirms_ms"), "did you mean 'confirm_ms'"),
 ])  # fmt: skip
@@ -105,6 +107,62 @@ def test_wrong_detectors_are_refused(tmp_path: Path, change: tuple[str, str], me
     path.write_text(TWO_BLOBS.replace(*change), encoding="utf-8")
     with pytest.raises(InputError, match=re.escape(message)):
         read_detector(path)
+
+
+OWN_NAMES = """
+name    = "own-names"
+summary = "Calls its planes as the shipped detectors call theirs, and says the contrary."
+llm     = ["touch", "contact", "right", "left", "moved", "unsteady"]
+wire    = ["in_contact", "slides"]
+inputs  = ["touch"]
+outputs = ["contact", "right", "left", "moved", "unsteady", "in_contact", "slides"]
+step = [
+  { logic = "not-p", of = "touch", to = "contact" },
+  { logic = "black", of = "touch", to = "right" },
+  { logic = "black", of = "touch", to = "left" },
+  { logic = "black", of = "touch", to = "moved" },
+  { logic = "black", of = "touch", to = "unsteady" },
+  { fill = 1, to = "in_contact" },
+  { fill = 1, to = "slides" },
+]
+"""
+
+
+def test_what_a_user_calls_his_planes_changes_no_event_of_the_shipped_detectors(tmp_path: Path) -> None:
+    path = tmp_path / "own-names.toml"
+    path.write_text(OWN_NAMES, encoding="utf-8")
+    forces = np.concatenate([grip(200), np.zeros((60, 6, 6, 3))])
+    forces[160:200, 1:5, 1:5, 0] = np.linspace(0, 0.2, 40)[:, None, None]
+    plain, beside = (
+        [(e.t, e.end, e.kind, e.words, e.taxels) for e in events(stream(forces), programs=programs)]
+        for programs in ((), (str(path),))
+    )
+    assert plain == beside
+    assert {kind for _, _, kind, _, _ in plain} >= {"contact", "hold", "tangential_load", "release"}
+
+
+def test_a_kind_is_made_by_one_detector_and_a_program_runs_once(tmp_path: Path) -> None:
+    path = two_blobs(tmp_path)
+    other, third = tmp_path / "other.toml", tmp_path / "third.toml"
+    renamed = TWO_BLOBS.replace('"two-blobs"', '"other"')
+    other.write_text(renamed.replace('"two_blobs"', '"contact"'), encoding="utf-8")
+    third.write_text(renamed, encoding="utf-8")
+    for programs, message in (
+        ((path, path), "there is a program 'two-blobs' already"),
+        ((other,), "kind 'contact' is made by the shipped 'contact'"),
+        ((path, third), "kind 'two_blobs' is made by 'two-blobs'"),
+    ):
+        with pytest.raises(InputError, match=re.escape(message)):
+            users_detectors([str(one) for one in programs])
+
+
+@pytest.mark.parametrize(("text", "words"), [
+    ("edge {direction}, {taxels} taxels", "edge, 3 taxels"), ("tap, {force_n}, {direction}, {taxels}", "tap, 3"),
+    ("{direction}: {taxels}", "3"),
+])  # fmt: skip
+def test_words_close_over_data_that_are_not_known(text: str, words: str) -> None:
+    event = Event(0.0, "pad", 0, "edge", {"taxels": 3}, text, "", "", 0, 0.0, None)
+    assert event.words == words
 
 
 @pytest.mark.parametrize(("along", "direction"), [((1, 0), "+x"), ((0, -1), "-y"), ((-1, 1), "-x +y")])
@@ -194,6 +252,35 @@ def test_idle_noise_is_nothing_and_one_noisy_taxel_too() -> None:
     for frame in source.stream:
         frame.values[2, 3] = 0.05 * rng.standard_normal(3)
     assert events(source, tare="auto") == []
+
+
+@pytest.mark.parametrize("quantity", ["strain", "stress"])
+def test_nothing_is_pulled_once_the_finger_is_released(tmp_path: Path, quantity: str) -> None:
+    """A pull that goes off with the grip: shear falls to 0 by as much as would be a load, but nothing touches."""
+    path = tmp_path / "let-go.toml"
+    path.write_text(
+        'title = "let go"\nrate_hz = 200\nduration_s = 2.2\n[cover]\nyoungs_modulus_mpa = 2.4\n'
+        f'quantity = "{quantity}"\n[[finger]]\nname = "tip"\nrows = 3\ncols = 5\npitch_mm = 1.0\ndepth_mm = 1.0\n'
+        '[[load]]\nfinger = "tip"\npath = ['
+        "[0.3, 0.5, -0.4, 0, 0, 0], [0.5, 0.5, -0.4, 0, 0, 0.2], [1, 0.5, -0.4, 0, 0, 0.2],"
+        "[1.3, 0.5, -0.4, 0.12, 0.03, 0.2], [1.6, 0.5, -0.4, 0.12, 0.03, 0.2], [1.8, 0.5, -0.4, 0, 0, 0]]\n",
+        encoding="utf-8",
+    )
+    found = events(open_source(path))
+    (let_go,) = (event.t for event in found if event.kind == "release")
+    pulls = [event for event in found if event.kind in ("tangential_load", "pull")]
+    assert [event.data["direction"] for event in pulls] == ["+x", "+x"]
+    assert all(event.t < let_go and event.end is not None and event.end <= let_go for event in pulls)
+
+
+def test_a_frame_that_no_taxel_read_ends_nothing() -> None:
+    source = stream(grip(200))
+    for n in (150, 220, 221, 222):
+        source.stream[n].values[:] = np.nan  # type: ignore[index]  # a list
+        source.stream[n].valid[:] = False  # type: ignore[index]  # the same
+    plain, broken = ([(e.kind, e.t, e.end) for e in events(one)] for one in (stream(grip(200)), source))
+    assert [kind for kind, *_ in broken] == [kind for kind, *_ in plain] == ["contact", "load", "hold"]
+    assert all(one[1:] == other[1:] for one, other in zip(plain, broken, strict=True))
 
 
 def test_a_shipped_detector_is_a_file_that_users_can_read() -> None:

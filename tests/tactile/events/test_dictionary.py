@@ -57,3 +57,19 @@ def test_the_command_prints_it() -> None:
     assert json.loads(result.stdout) == {"1" * 16: "both pull +x +y"}
     assert call("codes").stdout.count("\n") == 1 << 16
     assert "from 0 to 65535 wanted" in call("codes", "65536").output
+
+
+@pytest.mark.parametrize(("typed", "bits", "note"), [
+    ("0xd8d8", "1101100011011000", ""), ("d8d8", "1101100011011000", ""), ("0101", "0000000100000001", ""),
+    ("1101", "0000010001001101", "0x1101 is the code that events print so"), ("0", "0" * 16, ""),
+])  # fmt: skip
+def test_a_code_is_taken_as_events_print_it(typed: str, bits: str, note: str) -> None:
+    result = call("codes", typed, "--json")
+    assert list(json.loads(result.stdout)) == [bits]
+    assert note in result.stderr
+    assert bool(note) == bool(result.stderr)
+
+
+@pytest.mark.parametrize("typed", ["0x12345", "g", "012345", "0x"])
+def test_what_is_no_code_is_refused(typed: str) -> None:
+    assert call("codes", typed).exit_code == 2

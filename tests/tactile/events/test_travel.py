@@ -33,3 +33,13 @@ def test_another_load_is_no_travel() -> None:
         found.append(travel.update(n / 100, seen, contact=True))
     assert not any(found)
     assert travel.update(3.0, at(6.2e-3), contact=True)  # it is followed from there on
+
+
+def test_a_place_that_is_not_well_known_does_not_travel() -> None:
+    """As a contact begins so little presses that noise moves the place by 0.1 mm; then it rests."""
+    vague, sure = (3e-5, 3e-5, 0.0, 0.0, 0.0), (1e-6, 1e-6, 0.0, 0.0, 0.0)
+    found, travel = [], Travel()
+    for n, (x, sigma) in enumerate([(0.0, vague), (6e-5, vague), *[(1e-4, sure)] * 30, *[(3e-4, sure)] * 9]):
+        found.append(travel.update(n / 250, replace(at(x), sigma=sigma), contact=True))
+    assert not any(found[:32])
+    assert found[32]

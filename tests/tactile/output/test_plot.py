@@ -1,5 +1,6 @@
 """The picture of a run: scales are stated, labels can be read, what is not sure looks so."""
 
+import csv
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 from tactile.output.collected import Collected
 from tactile.output.plot import draw, picture
+from tactile.output.record import Record
 from tactile.pipeline import run
 from tactile.settings import Settings
 from tactile.sources import open_source
@@ -135,3 +137,32 @@ def test_one_row_or_column_knows_one_shear_and_says_so(tmp_path: Path, rows: int
     figure, _ = drawn(open_source(tmp_path / "line.toml"))
     legend = axis(figure, "shear").get_legend()
     assert [text.get_text() for text in legend.get_texts()] == names
+
+
+def test_loads_at_once_are_all_in_the_picture_and_the_record(tmp_path: Path) -> None:
+    scene = tmp_path / "two.toml"
+    loads = "".join(
+        f'[[load]]\nfinger = "tip"\npath = [[0.1, {x}, 0, 0, 0, 0], [0.2, {x}, 0, 0, 0, 0.3], [0.4, {x}, 0, 0, 0, 0.3]]'
+        "\n"
+        for x in (-3, 3)
+    )
+    scene.write_text(
+        'title = "two"\nrate_hz = 50\nduration_s = 0.6\n[cover]\nyoungs_modulus_mpa = 2.4\n[[finger]]\nname = "tip"\n'
+        f"rows = 8\ncols = 8\npitch_mm = 1.0\ndepth_mm = 1.0\n{loads}",
+        encoding="utf-8",
+    )
+    source = open_source(scene)
+    figure, collected = drawn(source)
+    plane = axis(figure, "y [mm]")
+    (dots,) = (one for one in plane.collections if one.get_offsets().shape[0] > 8 and one.get_array() is not None)
+    x = np.asarray(dots.get_offsets())[:, 0]
+    assert {round(float(one)) for one in x} == {-3, 3}
+    assert f"several at once in {len(collected.others('tip'))} frames" in plane.get_title(loc="left")
+    with Record(tmp_path / "out", source.arrays, {}) as record:
+        run(source, Settings(backend="reference"), [record])
+    rows = list(csv.DictReader((tmp_path / "out" / "frames.csv").read_text(encoding="utf-8").splitlines()))
+    both = [row for row in rows if row["load_others"]]
+    assert len(both) == len(collected.others("tip"))
+    places = {round(1e3 * float(row["load_others"].lstrip("'").split()[0])) for row in both}
+    assert places <= {-3, 3}
+    assert all(0 < float(row["load_sigma_x_m"]) < 1e-4 for row in both)

@@ -3,6 +3,7 @@
 import json
 from typing import Any
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from rich.console import Console
@@ -13,6 +14,7 @@ from tactile.events.event import Event
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 from tactile.output.collected import Collected
+from tactile.output.json_data import run_data
 from tactile.output.record import text_cell
 from tactile.output.tables import tables
 from tactile.pipeline import FrameReport, warm_up
@@ -101,3 +103,23 @@ def test_an_event_takes_two_lines_at_most(
     assert max(map(len, shown)) <= width
     assert sum("(+1.00, -2.00) +0.100 +0.200 +4.200" in line for line in body) == 9
     assert ("no room for: hand" in " ".join(shown)) == (width < 150)
+
+
+def test_what_programs_put_out_is_in_the_json_and_the_last_of_it_in_the_table(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    collected, array = Collected(), TaxelArray("pad", 2, 2, 1e-3, 1e-3)
+    plane = np.array([[True, False], [False, False]])
+    collected.said = [
+        (n / 10, "pad", "mine", {"here": plane, "level": np.array([0.5, np.nan]), "count": n}) for n in range(8)
+    ]
+    told = json.loads(json.dumps(run_data(collected, (array,), Settings()), allow_nan=False))["programs"]
+    assert len(told) == 8
+    assert told[2] == {
+        "t_s": 0.2, "finger": "pad", "program": "mine",
+        "outputs": {"here": [[1, 0], [0, 0]], "level": [0.5, None], "count": 2},
+    }  # fmt: skip
+    tables(collected, (array,))
+    shown = capsys.readouterr().out
+    assert "3 outputs of programs before these" in shown
+    assert shown.count("mine: here") == 5

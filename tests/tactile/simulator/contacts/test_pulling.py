@@ -126,3 +126,10 @@ def test_a_rig_presses_by_each_contacts_own_law() -> None:
     grown = raised.totals[0, 0, 4] / still.totals[0, 0, 4]
     assert grown > 1.2
     assert raised.discs[0].radii[0, 0] / still.discs[0].radii[0, 0] == pytest.approx(np.cbrt(grown))
+
+
+def test_the_range_of_two_alike_bodies_is_told_of_each() -> None:
+    array = TaxelArray("pad", 2, 2, 1e-3, 1e-3)
+    bodies = [pressed(0.0, 0.05, 0.0), pressed(0.05, -0.5), pressed(0.05, -0.5)]
+    said = list(out_of_range(Scene("s", 100.0, 2.0, 2.4e6, (array,), (), bodies)))
+    assert [line.split(",")[0] for line in said] == ["contact 2", "contact 3"]

@@ -7,6 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 from tactile.cli.explain import explain as command
+from tactile.cli.group import main
 from tactile.core.frame import TaxelArray
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effects import ORDER
@@ -17,7 +18,7 @@ from tactile.simulator.scene.estimate import Sample
 from tactile.simulator.scene.explain import explain, explain_file
 from tactile.simulator.scene.file import read_scene
 from tactile.simulator.scene.scene import Scene
-from tests.kits.paths import SCENES
+from tests.kits.paths import ROOT, SCENES
 from tests.kits.touch.random_scenes import error, error_of_seeds, needle
 
 
@@ -99,3 +100,11 @@ def test_no_line_is_cut_where_the_output_is_no_terminal() -> None:
     for part in (*told.lines, *(part.what for part in told.parts)):
         assert any(line.endswith(part) for line in lines), part
     assert len(lines) == 3 + len(told.lines) + len(told.parts) + len(told.notes)
+
+
+@pytest.mark.parametrize("arguments", (["explain"], ["accuracy"]))
+def test_a_recording_is_no_scene_and_the_command_that_takes_it_is_told(arguments: list[str]) -> None:
+    result = CliRunner().invoke(main, [*arguments, str(ROOT / "examples" / "grasp.npz")])
+    assert result.exit_code == 2
+    assert "grasp.npz: suffix '.npz', a scene (.toml) wanted" in result.output
+    assert "`tactile run " in result.output

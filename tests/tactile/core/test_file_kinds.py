@@ -1,0 +1,41 @@
+"""Files of one kind given for another are named as what they are, with what takes them."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cnnsim import InputError
+from tactile.calibration.file import load_calibration
+from tactile.cli.new_texts import ARRAY, DETECTOR, SCENE
+from tactile.core.frame import TaxelArray
+from tactile.events.detector_file import read_detector
+from tactile.simulator.scene.file import read_scene
+from tactile.wire.description_file import read_description
+
+TEXTS = {"scene": SCENE, "array": ARRAY, "detector": DETECTOR}
+READERS: dict[str, Callable[[Path], Any]] = {
+    "scene": read_scene, "array description": read_description, "detector": read_detector,
+    "calibration": load_calibration,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("wanted", READERS)
+@pytest.mark.parametrize("given", ["scene", "array", "detector"])
+def test_another_kind_of_file_is_named(tmp_path: Path, given: str, wanted: str) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(TEXTS[given].replace("NAME", "mine"), encoding="utf-8")
+    if wanted.startswith(given):
+        READERS[wanted](path)
+        return
+    message = rf"mine.toml: an? {given}.*, as `tactile (run|live).*` takes it; a {wanted} wanted$"
+    with pytest.raises(InputError, match=message) as raised:
+        READERS[wanted](path)
+    assert not re.search("unknown key", str(raised.value))
+
+
+def test_no_array_has_the_name_of_the_hand() -> None:
+    with pytest.raises(InputError, match="events of all fingers together are called so"):
+        TaxelArray("hand", 2, 2, 1e-3, 1e-3)
