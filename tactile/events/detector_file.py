@@ -12,7 +12,7 @@ from cnnsim.library.folders import folder, folders, not_found, program_file, pro
 from cnnsim.program.file import load_program, program_of
 from cnnsim.program.program import Program
 from cnnsim.support import naming
-from cnnsim.support.toml_file import check_keys, read_toml, take, take_tables
+from cnnsim.support.toml_file import KeyFaults, check_keys, read_toml, take, take_tables
 from tactile.core.file_kinds import refuse_other_kind
 from tactile.events.planes import LATE, NAMES
 
@@ -78,11 +78,17 @@ def read_detector(name: str | Path, known: Collection[str] = NAMES) -> DetectorF
         path = _named(str(name))
     table = read_toml(path, "detector or program file")
     refuse_other_kind(table, path, "detector")
+    faults, rules = KeyFaults(str(path)), list[EventRule]()
     with naming(path):
-        rules = tuple(_rule(event, f"event {n}") for n, event in enumerate(take_tables(table, "event", "detector"), 1))
+        events = take_tables(table, "event", "detector")
+    for number, event in enumerate(events, 1):
+        with faults.collecting():
+            rules.append(_rule(event, f"event {number}"))
+    with faults.collecting():
         program = _program(table, path)
         _check(program, rules, known)
-    return DetectorFile(program.name, program, rules)
+    faults.tell()
+    return DetectorFile(program.name, program, tuple(rules))
 
 
 def users_detectors(names: Collection[str]) -> list[DetectorFile]:
@@ -178,7 +184,7 @@ def _rule(table: dict[str, Any], where: str) -> EventRule:
     )  # fmt: skip
 
 
-def _check(program: Program, rules: tuple[EventRule, ...], known: Collection[str]) -> None:
+def _check(program: Program, rules: Collection[EventRule], known: Collection[str]) -> None:
     wrong = [plane for plane in program.inputs if plane not in known]
     if wrong:
         raise InputError(f"inputs {', '.join(wrong)}; of {', '.join(known)} wanted")

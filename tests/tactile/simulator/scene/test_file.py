@@ -212,3 +212,49 @@ def test_reading_again_gives_the_same_scene() -> None:
             other.arrays,
             other.modulus,
         )
+
+
+def test_wrong_values_are_told_at_once_and_with_missing_keys() -> None:
+    text = """
+title = "wrong"
+rate_hz = -5
+duraton_s = 2.0
+dtype = "float16"
+[cover]
+youngs_modulus_mpa = -2
+quantity = "force"
+[[finger]]
+name = "a"
+rows = 0
+cols = 2
+pitch_mm = 1
+depth_mm = 1
+[[load]]
+finger = "nobody"
+path = [[0, 0, 0]]
+[[contact]]
+finger = "a"
+shape = "sphere"
+radius_mm = -1
+path = [[1, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0]]
+[effect.read_noise]
+rms = -1
+"""
+    with pytest.raises(InputError) as raised:
+        scene_from(tomllib.loads(text), "wrong.toml")
+    told = str(raised.value).split("; ")
+    for what in (
+        "unknown key 'duraton_s'",
+        "no 'duration_s'",
+        "rate_hz = -5.0",
+        "cpu in float16",
+        "youngs_modulus_mpa = -2.0",
+        "quantity = 'force'",
+        "0 x 2 taxels",
+        "finger = 'nobody'",
+        "load 1: keyframe",
+        "contact 1: keyframe 2",
+        "[effect.read_noise]",
+    ):
+        assert sum(what in one for one in told) == 1, what
+    assert str(raised.value).count("wrong.toml") == 1
