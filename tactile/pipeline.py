@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Floats
+from cnnsim.support.progress import watched_by
 from tactile.calibration.live_tare import TareMode, TareNote
 from tactile.calibration.tare_check import TareCheck
 from tactile.core.frame import Frame, TaxelArray
@@ -76,32 +77,33 @@ def run(source: Source, settings: Settings, sinks: Iterable[Sink], fingers: list
         fingers = make_fingers(source.arrays, source.modulus, settings)
     told = Narrator(fingers)
     requests = getattr(source, "tare_requests", None)  # of sources that people can talk to
-    for raw in source:
-        arrived = perf_counter()
-        while requests:
-            force = requests.popleft()
-            for one in fingers:
-                one.tare.ask(force)
-        finger = fingers[raw.finger]
-        frame = finger.calibrate(raw)
-        load = finger.locate(frame)
-        happened = finger.notice(frame, load)
-        texture = finger.feel(frame, load)
-        begun, ended = told.events(finger, frame, load, happened, arrived) if happened else ((), ())
-        report = FrameReport(
-            finger.array,
-            frame,
-            finger.taxels.code,
-            load,
-            texture,
-            begun,
-            ended,
-            *_tares(finger),
-            finger.said(),
-            finger.levels,
-        )
-        for sink in sinks:
-            sink(report)
+    with watched_by(None):  # of long work: a frame's programs are none, and a bar would count their steps
+        for raw in source:
+            arrived = perf_counter()
+            while requests:
+                force = requests.popleft()
+                for one in fingers:
+                    one.tare.ask(force)
+            finger = fingers[raw.finger]
+            frame = finger.calibrate(raw)
+            load = finger.locate(frame)
+            happened = finger.notice(frame, load)
+            texture = finger.feel(frame, load)
+            begun, ended = told.events(finger, frame, load, happened, arrived) if happened else ((), ())
+            report = FrameReport(
+                finger.array,
+                frame,
+                finger.taxels.code,
+                load,
+                texture,
+                begun,
+                ended,
+                *_tares(finger),
+                finger.said(),
+                finger.levels,
+            )
+            for sink in sinks:
+                sink(report)
 
 
 def _tares(finger: Finger) -> tuple[tuple[TareNote, ...], TareCheck | None]:

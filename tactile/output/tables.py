@@ -19,6 +19,8 @@ TIME, UNTIL, FINGER, CODE, HAND, MEANING = "time [s]", "until", "finger", "code"
 LOAD, LATENCY = "load: (x, y) [mm], Q R F [N]", "latency [µs]"
 WIDE = 10_000
 """Columns in which any line has room: how wide a table would be is measured in that."""
+LEAST = 30
+"""Characters below which what happened is not cut but goes on in the next line."""
 SAID = 5
 """Most lines of what users' programs have said that are shown: the last ones."""
 LEGIBLE = 16
@@ -80,19 +82,27 @@ def _print_events(screen: "Console", events: list[Event], arrays: tuple[TaxelArr
             else:
                 dropped.append(heading)
             table = _table(headings, rows)
+    if screen.measure(table, options=screen.options.update(width=WIDE)).maximum > screen.width:
+        table = _table(headings, rows, screen.width)
     screen.print(table)
     if dropped:
         screen.print(f"no room for: {', '.join(dropped)}; --json has all", highlight=False, markup=False)
 
 
-def _table(headings: list[str], rows: list[dict[str, str]]) -> "Table":
+def _table(headings: list[str], rows: list[dict[str, str]], width: int = WIDE) -> "Table":
+    """Return the table of events; where the ``width`` is too small only what happened is cut, or goes on below."""
     from rich.table import Table  # only for people
 
     table = Table(title="Events", title_justify="left")
+    needed = {name: max(len(name), *(len(row[name]) for row in rows), 0) for name in headings}
+    room = width - sum(needed[name] + 3 for name in headings if name != MEANING) - 4
     for heading in headings:
+        cut = heading == MEANING
         table.add_column(
-            heading, justify="right" if heading in (TIME, UNTIL, LATENCY) else "left", no_wrap=True, overflow="ellipsis"
-        )
+            heading, justify="right" if heading in (TIME, UNTIL, LATENCY) else "left",
+            no_wrap=not (cut and room < LEAST), overflow="fold" if cut and room < LEAST else "ellipsis",
+            min_width=None if cut or width == WIDE else needed[heading],
+        )  # fmt: skip
     for row in rows:
         table.add_row(*(row[heading] for heading in headings))
     return table

@@ -12,12 +12,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from cnnsim.support.progress import watched_by
 from tactile.calibration.gains import Gains
-from tactile.core.frame import Frame
+from tactile.core.frame import Frame, TaxelArray
 from tactile.events.code import SIGN
 from tactile.inverse.validity import Validity
 from tactile.output.collected import Collected
-from tactile.pipeline import FrameReport, run
+from tactile.pipeline import FrameReport, run, warm_up
 from tactile.settings import Settings
 from tactile.sources import open_source
 from tactile.sources.replay_csv import write_csv
@@ -178,3 +179,18 @@ def test_real_grasps_run(tmp_path: Path) -> None:
         assert "contact" in [event["kind"] for event in data["events"]]
         assert len(data["events"]) <= 20
         assert all(facts["located"]["inside"] > 1000 for facts in data["fingers"].values())
+
+
+def test_no_bar_counts_the_steps_of_a_frames_programs() -> None:
+    class Counter:
+        calls = 0
+
+        def __call__(self, share: float | None, text: str) -> None:
+            self.calls += 1
+
+        def over(self) -> None: ...
+
+    watcher, array = Counter(), TaxelArray("tip", 2, 2, 1e-3, 0.0, quantity="force")
+    with watched_by(watcher):
+        warm_up((array,), None, Settings())
+    assert watcher.calls == 0

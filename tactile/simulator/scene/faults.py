@@ -34,9 +34,9 @@ def tell_all(table: dict[str, Any], where: str, folder: Path, first: InputError)
     for key in POSITIVE:
         if key in table:
             trying(partial(positive, table, key, where))
-    for key, kind in (("title", str), ("seed", int), ("accuracy", float)):
+    for key, value in (("title", str), ("seed", int), ("accuracy", float)):
         if key in table:
-            trying(partial(take, table, key, kind, where))
+            trying(partial(take, table, key, value, where))
     trying(partial(_where_computed, table, where))
     cover = table.get("cover")
     if isinstance(cover, dict):
@@ -57,8 +57,8 @@ def tell_all(table: dict[str, Any], where: str, folder: Path, first: InputError)
                 trying(partial(keyframes, one, columns, place))
             if kind in READERS and set(TABLES[kind][1]) <= one.keys():
                 trying(partial(READERS[kind], one, names, place, folder))
-    effects = table.get("effect")
-    for name in ORDER if isinstance(effects, dict) else ():
+    effects: dict[str, Any] = named if isinstance(named := table.get("effect"), dict) else {}
+    for name in ORDER:
         if name in effects:
             trying(partial(_effect, effects, name, where))
     with faults.collecting():

@@ -123,3 +123,22 @@ def test_what_programs_put_out_is_in_the_json_and_the_last_of_it_in_the_table(
     shown = capsys.readouterr().out
     assert "3 outputs of programs before these" in shown
     assert shown.count("mine: here") == 5
+
+
+@pytest.mark.parametrize("width", [32, 40, 60])
+def test_a_narrow_table_keeps_times_and_fingers(
+    width: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    collected, array = Collected(), TaxelArray("thumb", 2, 2, 1e-3, 1e-3)
+    load = Load(1e-3, -2e-3, -0.1, 0.2, 0.42, taxels=4, validity=Validity.INSIDE)
+    words = "separate contacts on 12 taxels"
+    event = Event(12.345, "thumb", 0, "two_blobs", {}, words, "....", "00", 0, 1e-3, load, end=13.0)
+    collected.take([event], [])
+    monkeypatch.setattr("tactile.output.tables.console", lambda: Console(width=width))
+    tables(collected, (array,))
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= width
+    assert any("12.345" in line and "thumb" in line for line in lines)
+    cells = " ".join(line.split("│")[3].strip() for line in lines if line.startswith("│"))
+    assert words in cells
+    assert "+0.420" in cells.replace(" ", "")
