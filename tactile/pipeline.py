@@ -3,12 +3,13 @@
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
-from cnnsim.support import Floats
+from cnnsim.support import Floats, InputError
 from cnnsim.support.progress import watched_by
 from tactile.calibration.live_tare import TareMode, TareNote
 from tactile.calibration.tare_check import TareCheck
@@ -73,6 +74,8 @@ def run(source: Source, settings: Settings, sinks: Iterable[Sink], fingers: list
     ``fingers``: new ones of the source's arrays, where they had to be there before the first frame.
     """
     sinks = tuple(sinks)
+    if isinstance(source, str | Path):
+        raise InputError(f"run({str(source)!r}, ...); a source of frames wanted: open_source({str(source)!r})")
     if fingers is None:
         fingers = make_fingers(source.arrays, source.modulus, settings)
     told = Narrator(fingers)

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from numbers import Integral
+from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 from cnnsim.support import InputError
@@ -19,6 +21,9 @@ if TYPE_CHECKING:  # SciPy's splines are slow to import
     from tactile.calibration.radial import RadialCorrection
 
 
+TARES = ("auto", "manual", "off")
+
+
 @dataclass(frozen=True)
 class Settings:
     """What the pipeline can be told; None means: as the array's quantity asks for.
@@ -29,6 +34,9 @@ class Settings:
     from readings to the array's quantity, eq. (15); ``depth`` [m] to locate with and ``radial`` correction of what a
     taxel locates, as a scan measured them; ``programs``: users' detectors, files or names of the library; ``backend``
     of the machine.
+
+    Raises:
+        InputError: a window that is no whole number, a tare of no known kind, a text in the place of programs.
     """
 
     shear: Threshold | None = None
@@ -42,6 +50,14 @@ class Settings:
     radial: "RadialCorrection | None" = None
     programs: tuple[str, ...] = ()
     backend: str = "cpu"
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.window, Integral) or isinstance(self.window, bool):
+            raise InputError(f"window {self.window!r}; a whole number of frames wanted")
+        if self.tare not in TARES and (not isinstance(self.tare, Integral) or isinstance(self.tare, bool)):
+            raise InputError(f"tare {self.tare!r}; one of {', '.join(map(repr, TARES))} or a number of frames wanted")
+        if isinstance(self.programs, str | Path):
+            raise InputError(f"programs {str(self.programs)!r}; a tuple of files or names wanted")
 
     def calibrated(self, skin: "Calibration | TaxelGains", arrays: Iterable[TaxelArray]) -> Self:
         """Return the settings with this skin's gains, depth and radial correction.

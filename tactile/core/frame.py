@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from numbers import Integral, Real
 from typing import Literal, get_args
 
 import numpy as np
@@ -22,6 +23,10 @@ MOST_FLAGS = 2**32 - 1
 
 SHEAR_X, SHEAR_Y, NORMAL = 0, 1, 2
 """The last axis of a frame."""
+
+
+def _is_whole(value: object) -> bool:
+    return isinstance(value, Integral) and not isinstance(value, bool)
 
 
 @dataclass(frozen=True)
@@ -45,6 +50,12 @@ class TaxelArray:
     quantity: Quantity = "strain"
 
     def __post_init__(self) -> None:
+        lengths = all(isinstance(one, Real) for one in (self.pitch, self.depth))
+        if not (isinstance(self.name, str) and lengths and all(map(_is_whole, (self.rows, self.cols)))):
+            raise InputError(
+                f"taxel array {self.name!r}: {self.rows!r} x {self.cols!r} taxels, pitch {self.pitch!r}, depth"
+                f" {self.depth!r}; a text, two whole numbers and two lengths [m] wanted"
+            )
         check_name(self.name, "taxel array")
         if self.name == HAND:
             raise InputError("taxel array 'hand': events of all fingers together are called so; another name wanted")

@@ -89,7 +89,18 @@ class Taxels:
                 ambiguous = other.chi < max(RIVAL * fit.chi, ROUNDING * fit.whole)
         if len(order) == 1 or fit.unsure > UNSURE:
             fit = self._pressing(fit, int(order[0]))
+        if len(order) == 1:
+            ambiguous = self._silent_nearer(fit, int(order[0]))
         return Attempt(order, fit, float(self.peak[order[0]]), ambiguous or fit.unsure > UNSURE)
+
+    def _silent_nearer(self, fit: Fit, first: int) -> bool:
+        """Whether a taxel that feels nothing lies nearer to a place outside than the only taxel that has an answer."""
+        away = fit.loads[0, :2] - fit.signals.seen[0]
+        silent = (self.planes[:, 3] == Validity.NO_LOAD).all(axis=0)
+        if (away**2).sum() < 2 or not silent.any():
+            return False
+        gaps = np.hypot(*(self.at - self.at[first] - away * self.depth).T)
+        return bool(gaps[silent].min() < gaps[first])
 
     def _pressing(self, fit: Fit, first: int) -> Fit:
         """Return the fit without shear if it explains as much: one taxel alone feels the load, pressing."""

@@ -2,6 +2,8 @@
 
 import subprocess
 import sys
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -26,3 +28,26 @@ def test_a_scene_through_the_door() -> None:
     source = tactile.open_source(SCENES / "needle.toml")
     tactile.run(source, tactile.Settings(), [lambda report: kinds.extend(one.kind for one in report.events)])
     assert kinds == ["contact", "hold", "release"]
+
+
+@pytest.mark.parametrize(("wrong", "message"), [
+    (lambda: tactile.TaxelArray("a", 3.5, 5, 1e-3, 1e-3), "3.5 x 5 taxels"),
+    (lambda: tactile.TaxelArray("a", "3", 5, 1e-3, 1e-3), "two whole numbers and two lengths"),
+    (lambda: tactile.TaxelArray("a", 3, 5, "x", 1e-3), "pitch 'x'"),
+    (lambda: tactile.TaxelArray(1, 3, 5, 1e-3, 1e-3), "taxel array 1"),
+    (lambda: tactile.Settings(window="x"), "window 'x'; a whole number of frames wanted"),
+    (lambda: tactile.Settings(tare="sometimes"), "tare 'sometimes'; one of 'auto', 'manual', 'off'"),
+    (lambda: tactile.Settings(programs="two-blobs.toml"), "programs 'two-blobs.toml'; a tuple"),
+    (lambda: tactile.run("scene.toml", tactile.Settings(), []), r"open_source\('scene.toml'\)"),
+])  # fmt: skip
+def test_what_is_no_value_of_the_doors_things_is_refused(wrong: Callable[[], Any], message: str) -> None:
+    with pytest.raises(tactile.InputError, match=message):
+        wrong()
+
+
+def test_scenes_can_be_compared() -> None:
+    array = tactile.TaxelArray("a", 2, 2, 1e-3, 1e-3)
+    one, other = (tactile.MovingLoad(0, [[0.1, 0, 0, 0, 0, 0], [0.5, 0, 0, 0, 0, 0.2]]) for _ in range(2))
+    scene = tactile.Scene("s", 100.0, 1.0, 2.4e6, (array,), (one,))
+    assert scene == tactile.Scene("s", 100.0, 1.0, 2.4e6, (array,), (one,))
+    assert scene != tactile.Scene("s", 100.0, 1.0, 2.4e6, (array,), (other,))

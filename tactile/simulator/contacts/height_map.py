@@ -16,7 +16,7 @@ LEVELS = 17
 """Indentations at which pressures are solved, closer where the contact begins; in between they are straight."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)  # arrays are not compared
 class HeightMap:
     """A rigid body with an underside of ``heights`` (rows, cols) [m], cells of a ``pitch`` [m].
 

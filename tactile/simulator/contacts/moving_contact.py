@@ -19,7 +19,7 @@ TORQUE = COLUMNS
 """The column of M, behind those of a load."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # arrays are not compared
 class MovingContact:
     """An indenter on one finger.
 

@@ -47,7 +47,7 @@ def span(path: Floats) -> str:
     return f"{len(path)} keyframe{'s' * (len(path) != 1)} from {path[0, 0]:g} to {path[-1, 0]:g} s"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # arrays are not compared
 class MovingLoad:
     """A point load on one finger, the one of that number in the scene's arrays.
 

@@ -14,7 +14,7 @@ from tactile.simulator.contacts.moving_load import along_path
 from tactile.simulator.contacts.rig import STILL, Rig
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # arrays are not compared
 class TractionMap:
     """A map that keeps its shape and place and changes in strength.
 

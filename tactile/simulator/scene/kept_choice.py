@@ -20,12 +20,15 @@ def write_choice(path: Path, table: dict[str, Any], choice: Choice | None, write
     Comments and all other tables stay as they are.
 
     Raises:
-        InputError: nothing was chosen; the scene reads files of its folder and ``write`` lies in another one; effects
-            written in a way that cannot be taken out line by line.
+        InputError: nothing was chosen; ``write`` is the scene itself; the scene reads files of its folder and ``write``
+            lies in another one; effects written in a way that cannot be taken out line by line.
     """
     if choice is None:
         raise InputError(f"{path}: nothing to keep; a scene with effects = 'auto' wanted")
-    if table.get("map") and write.resolve().parent != path.resolve().parent:
+    if write.resolve() == path.resolve():
+        raise InputError(f"{write} is the scene itself; another name wanted")
+    files = table.get("map") or any("file" in contact for contact in table.get("contact", []))
+    if files and write.resolve().parent != path.resolve().parent:
         raise InputError(f"{write}: {path} reads files beside it; a file in the same folder wanted")
     lines: list[str] = []
     skipping = False

@@ -137,3 +137,17 @@ def test_a_taxel_that_may_be_false_or_feel_another_load_is_called_so() -> None:
     load = found(at, signals + random.normal(size=signals.shape) * 5e-3 * np.abs(signals).max(), True)
     assert load.x == pytest.approx(first[0], abs=0.05 * DEPTH)
     assert len(load.others) == 1 or load.validity in (Validity.AMBIGUOUS, Validity.NOT_ONE)
+
+
+def test_a_place_beside_which_others_feel_nothing_is_called_ambiguous() -> None:
+    """What viscous rubber leaves behind: one taxel reads a little pull, as of newtons many depths away."""
+    pad = TaxelArray("pad", 4, 4, 1e-3, 1e-3)
+    finger = Finger(pad, 2.4e6, Settings())
+    values = np.zeros((4, 4, 3))
+    values[2, 2] = 5e-4, 9e-4, 2.2e-3
+    load = finger.locate(Frame(0, 0.0, 0, values, np.ones((4, 4), bool)))
+    assert load.taxels == 1
+    assert load.validity is Validity.AMBIGUOUS
+    alone = Finger(TaxelArray("one", 1, 1, 1e-3, 1e-3), 2.4e6, Settings())
+    known = alone.locate(Frame(0, 0.0, 0, values[2:3, 2:3], np.ones((1, 1), bool)))
+    assert known.validity is Validity.OUTSIDE

@@ -1,5 +1,6 @@
 """Effects chosen by their size: the tolerance is kept over the whole recording and for other seeds."""
 
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ from tactile.simulator.scene.auto_effects import candidates, choose
 from tactile.simulator.scene.effect_bounds import EffectBounds
 from tactile.simulator.scene.extremes import extremes
 from tactile.simulator.scene.file import read_scene
+from tactile.simulator.scene.kept_choice import write_choice
 from tests.kits.paths import SCENES
 from tests.kits.touch.random_scenes import error, error_of_seeds, everything, needle, random_scene
 
@@ -145,3 +147,15 @@ def test_a_file_whose_effects_cannot_be_taken_out_by_lines_is_refused(tmp_path: 
     path.write_text('effects = "auto"\neffect.read_noise.rms = 0.01\n' + text, encoding="utf-8")
     done = CliRunner().invoke(command, [str(path), "--write", str(tmp_path / "kept.toml")])
     assert "[effect.NAME] wanted" in str(done.exception)
+
+
+def test_a_choice_is_kept_beside_its_scene_and_the_files_it_reads(tmp_path: Path) -> None:
+    text = (SCENES / "textures.toml").read_text(encoding="utf-8")
+    path = tmp_path / "scene.toml"
+    path.write_text(text, encoding="utf-8")
+    done = CliRunner().invoke(command, [str(path), "--write", str(path)], standalone_mode=False)
+    assert "is the scene itself; another name wanted" in str(done.exception)
+    assert path.read_text(encoding="utf-8") == text
+    table = tomllib.loads(text) | {"contact": [{"shape": "height_map", "file": "key.npy"}]}
+    with pytest.raises(InputError, match="reads files beside it"):
+        write_choice(path, table, choose(read_scene(SCENES / "needle.toml"), 0.1), tmp_path / "other" / "kept.toml")
