@@ -58,7 +58,7 @@ def ports(as_json: bool) -> None:
 @click.option("--stall-for", type=float, default=0.2, show_default=True, help="... for so many.")
 @click.option("--unplug", type=float, default=0.0, help="Take the port away every so many seconds ...")
 @click.option("--unplug-for", type=float, default=0.5, show_default=True, help="... for so many.")
-@click.option("--seed", type=int, default=0, help="Seed of the faults.")
+@click.option("--seed", type=click.IntRange(0), default=0, help="Seed of the faults.")
 @ends_at_once()
 def emulate(
     protocol: str | None, array: Path | None, scene: Path | None, recording: Path | None, write_array: Path | None,

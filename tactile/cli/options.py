@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -77,6 +78,17 @@ def write_new_text(path: Path, text: str) -> None:
         raise InputError(f"{path}: there is something else of that name; another name wanted")
     with writing(path) as beside:
         beside.write_bytes(text.encode())
+
+
+class Finite(click.FloatRange):
+    """A finite number in a range: of itself a range takes nan, which is on neither side of its ends."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number."""
+        number = super().convert(value, param, ctx)
+        if not isfinite(number):
+            self.fail(f"{number}; a finite number wanted", param, ctx)
+        return number
 
 
 class TareChoice(click.ParamType):  # type: ignore[type-arg]  # generic only in newer versions

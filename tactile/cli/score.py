@@ -8,7 +8,7 @@ import click
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.echo import echo
-from tactile.cli.options import ARRAY, check_thresholds, detection
+from tactile.cli.options import ARRAY, Finite, check_thresholds, detection
 
 if TYPE_CHECKING:
     from tactile.core.source import Source
@@ -28,13 +28,23 @@ HALVES = ("all", "tune", "report")
 @click.option("--labels", type=click.Path(path_type=Path), help="CSV: recording, sensor, times [s].")
 @click.option("--grasps", type=click.IntRange(0), default=0, help="So many simulated grasps with known onsets.")
 @click.option("--from-seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the first grasp.")
-@click.option("--idle-minutes", type=click.FloatRange(0), default=0.0, help="Minutes of noise in which nothing is.")
+@click.option("--idle-minutes", type=Finite(0), default=0.0, help="Minutes of noise in which nothing is.")
 @click.option("--half", type=click.Choice(HALVES), default="all", help="Every other recording and grasp.")
-@click.option("--window-ms", type=float, default=50.0, show_default=True, help="How near an event has to begin.")
+@click.option(
+    "--window-ms",
+    type=Finite(0, min_open=True),
+    default=50.0,
+    show_default=True,
+    help="How near an event has to begin.",
+)
 @ARRAY
-@click.option("--gain", "gains", type=float, multiple=True, help="Of sequences: also try readings times this; again.")
+@click.option(
+    "--gain", "gains", type=Finite(), multiple=True, help="Of sequences: also try readings times this; again."
+)
 @click.option("--kind", "kinds", multiple=True, help="Of sequences: kind that says yes [all of pulling and slipping].")
-@click.option("--rate", type=float, help="Of sequences: readings a second, if the file does not say it.")
+@click.option(
+    "--rate", type=Finite(0, min_open=True), help="Of sequences: readings a second, if the file does not say it."
+)
 @detection
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
 def score(

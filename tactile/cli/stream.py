@@ -17,6 +17,7 @@ from tactile.cli.options import (
     ARRAY,
     FILE,
     PROTOCOL,
+    Finite,
     check_thresholds,
     chosen_description,
     detection,
@@ -26,7 +27,7 @@ from tactile.cli.options import (
 from tactile.cli.port import console
 
 PORT = click.option("--port", "-p", required=True, help="Port to read; `tactile ports` lists them.")
-SECONDS = click.option("--seconds", type=click.FloatRange(0, min_open=True), help="Stop after this time [s].")
+SECONDS = click.option("--seconds", type=Finite(0, min_open=True), help="Stop after this time [s].")
 ONCE = click.option("--once", is_flag=True, help="Stop when the port is unplugged instead of waiting for it.")
 OVERWRITE = click.option("--overwrite", is_flag=True, help="Replace the recording if there is one of that name.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON lines for other programs.")
@@ -123,7 +124,7 @@ def live(
 @click.command(epilog=examples("tactile replay hand.mcap", "tactile replay hand.mcap --paced --json"))
 @click.argument("recording", type=FILE)
 @click.option("--paced", is_flag=True, help="At the recording's own speed instead of as fast as possible.")
-@click.option("--speed", type=click.FloatRange(0, min_open=True), help="As --paced, this many times as fast.")
+@click.option("--speed", type=Finite(0, min_open=True), help="As --paced, this many times as fast.")
 @detection
 @JSON
 def replay(recording: Path, paced: bool, speed: float | None, as_json: bool, **chosen: Any) -> None:

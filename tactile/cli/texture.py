@@ -10,7 +10,7 @@ from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.echo import echo, say_table
 from cnnsim.support.files import check_free
-from tactile.cli.options import FILE
+from tactile.cli.options import FILE, Finite
 
 if TYPE_CHECKING:
     from tactile.materials.assess import Assessment
@@ -94,7 +94,7 @@ def train(
 @texture.command(epilog=examples("tactile texture classify slides/ --model out/materials.npz"))
 @click.argument("source", type=FILE)
 @click.option("--model", type=FILE, required=True, help="What `tactile texture train` has written.")
-@click.option("--confidence", type=click.FloatRange(0, 1), default=0.5, show_default=True,
+@click.option("--confidence", type=Finite(0, 1), default=0.5, show_default=True,
               help="A material told with less is unknown.")  # fmt: skip
 @_shared
 def classify(

@@ -6,7 +6,7 @@ import pytest
 
 from tactile.sources import open_source
 from tactile.sources.replay_csv import write_csv
-from tests.kits.serial import GRIP
+from tests.kits.serial import GRIP, call
 from tests.kits.touch.one_finger import run_command, write_scene
 
 
@@ -54,3 +54,16 @@ def test_a_truncated_recording_names_its_line(tmp_path: Path) -> None:
     assert result.exit_code == 2
     assert "cut.csv" in result.stderr
     assert "line" in result.stderr
+
+
+@pytest.mark.parametrize("arguments", [
+    ("score", "--idle-minutes", "nan"), ("score", "--grasps", "1", "--window-ms", "nan"),
+    ("score", GRIP, "--array", GRIP, "--gain", "inf"), ("replay", "a.mcap", "--speed", "nan"),
+    ("live", "-p", "x", "--seconds", "inf"), ("record", "-p", "x", "-o", "a.mcap", "--seconds", "nan"),
+    ("texture", "classify", "a.npz", "--model", "b.npz", "--confidence", "nan"),
+    ("emulate", "--protocol", "native", "--scene", GRIP, "--seed", "-1"),
+])  # fmt: skip
+def test_numbers_that_are_none_are_refused(arguments: tuple[object, ...]) -> None:
+    result = call(*arguments)
+    assert result.exit_code == 2
+    assert "a finite number wanted" in result.stderr or "not in the range" in result.stderr
