@@ -38,7 +38,7 @@ from cnnsim.backends.cpu.routine import MOST_CELLS, CompiledRoutine
 from cnnsim.backends.cpu.term_steps import CompiledDiscreteSteps, CompiledTermSteps
 from cnnsim.backends.cpu.terms import CompiledNetwork, with_control_terms
 from cnnsim.backends.cpu.threads import checked_threads, on_threads
-from cnnsim.backends.cpu.transient import CompiledSteps, fused_euler, over_area
+from cnnsim.backends.cpu.transient import by_tiles, check_free, over_area
 from cnnsim.backends.slices import EXPONENTIALS, pieces
 from cnnsim.network import Boundary
 from cnnsim.operations.bitwise import BitRule
@@ -121,8 +121,8 @@ class CpuBackend(Backend):
         self, plan: Plan, x: Array, u: Array | None, bias: Array | None = None, mask: Bits | None = None
     ) -> Outcome:
         check_fixed_step(plan)
-        cells = _NO_MASK if mask is None else grids(self._unpack(mask, np.dtype(bool)))
         if plan.method == "general":
+            cells = self._held(mask)
             network = CompiledNetwork(plan, x, u, bias, cells)
             with np.errstate(over="ignore", invalid="ignore"):  # what overflows is found and reported below
                 steps = CompiledDiscreteSteps(network) if plan.cell == "discrete-time" else CompiledTermSteps(network)
@@ -135,20 +135,21 @@ class CpuBackend(Backend):
                     np.empty_like(x),
                     pieces(lines, (work + (0 if ready.settles else EXPONENTIALS * x.size)) / lines),
                 )
-                loop = closed.closed_form.for_work(work)
+                loop, cells = closed.closed_form.for_work(work), self._held(mask)
                 fine = [loop(grids(x), grids(end), cells, ready.cell, given, ready.around_u, *part) for part in parts]
                 if not all(fine):
                     check_finite(end, ready.t)
                 return Outcome(end, ready.t, ready.settles, 0.0 if ready.settles else math.nan)
             w = self._drive(ready, x, given, work, lines)
-            if ready.fused_euler and mask is None:
-                outcome = fused_euler(plan, ready, x, w, self._pool)
-            else:
-                outcome = driver.run(plan, CompiledSteps(plan, ready, x, w, cells))
+            outcome = by_tiles(plan, ready, x, w, None if mask is None else mask.words, self._pool)
             self._pool.keep(w)
         if not planes.all_finite.for_work(x.size)(grids(outcome.x)):
             check_finite(outcome.x, outcome.t)
         return outcome
+
+    def _held(self, mask: Bits | None) -> Array:
+        """Return a mask as truth values; without cells it holds none."""
+        return _NO_MASK if mask is None else grids(self._unpack(mask, np.dtype(bool)))
 
     def _given(self, plan: Plan, ready: Prepared, x: Array, u: Any, bias: Any) -> tuple[Any, int, int]:
         """Return what w = B*u + z + bias is made of, the sums it takes, and the rows there are."""
@@ -166,24 +167,24 @@ class CpuBackend(Backend):
         check_fixed_step(plan)
         if plan.method != "general" and mask is None:
             ready = self._ready(plan)
-            if ready.fused_euler:
+            if ready.is_euler:
                 w = self._drive(ready, x, *self._given(plan, ready, x, u, bias))
                 found = over_area(plan, ready, x, x, w, area, CHECK, 0)
                 self._pool.keep(w)
                 return found
-        cells = grids(outside(x.shape, area, None if mask is None else self._unpack(mask, np.dtype(bool))))
+        held = outside(x.shape, area, None if mask is None else self._unpack(mask, np.dtype(bool)))
         if plan.method == "general":
-            steps = CompiledTermSteps(CompiledNetwork(plan, x, u, bias, cells))
+            steps = CompiledTermSteps(CompiledNetwork(plan, x, u, bias, grids(held)))
             steps.start_span(0)
             return steps.check_settled(0, last=True)
         ready = self._ready(plan)
         w = self._drive(ready, x, *self._given(plan, ready, x, u, bias))
-        found = CompiledSteps(plan, ready, x, w, cells).check_settled(0, last=True)
+        found = check_free(plan, ready, x, w, self._pack(held).words)
         self._pool.keep(w)
         return found
 
     def catch_up(self, plan: Plan, x: Array, u: Any, bias: Any, mask: Any, area: Area, steps: int) -> Array | None:
-        if plan.method == "general" or mask is not None or not (ready := self._ready(plan)).fused_euler:
+        if plan.method == "general" or mask is not None or not (ready := self._ready(plan)).is_euler:
             return None
         w, end = self._drive(ready, x, *self._given(plan, ready, x, u, bias)), x.copy()
         over_area(plan, ready, x, end, w, area, CATCH_UP, min(steps, math.ceil(E_FOLDS / plan.step)))
@@ -191,7 +192,7 @@ class CpuBackend(Backend):
         return end
 
     def advance(self, plan: Plan, x: Array, u: Any, bias: Any, mask: Any, area: Area, steps: int) -> Array | None:
-        if plan.method == "general" or mask is not None or not (ready := self._ready(plan)).fused_euler or not steps:
+        if plan.method == "general" or mask is not None or not (ready := self._ready(plan)).is_euler or not steps:
             return None
         w = self._drive(ready, x, *self._given(plan, ready, x, u, bias))
         end = narrowed(plan, ready, x, w, area, steps, self._pool)

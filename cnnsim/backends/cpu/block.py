@@ -8,7 +8,8 @@ from cnnsim.backends.cpu.euler.narrowing import pass_over
 from cnnsim.backends.cpu.euler.tile import streaming
 from cnnsim.backends.cpu.planes import grids
 from cnnsim.backends.cpu.pool import Pool
-from cnnsim.backends.cpu.prepared import TILE_COLS, TILE_ROWS, Prepared
+from cnnsim.backends.cpu.prepared import Prepared
+from cnnsim.backends.cpu.tiled import TILE_COLS, TILE_ROWS
 from cnnsim.planning.plan import Plan
 from cnnsim.planning.savings import steps_a_pass
 from cnnsim.support import Array
@@ -22,7 +23,7 @@ def narrowed(
     pool: Pool,
 ) -> Array:  # fmt: skip
     """Return a plane with the cells of an area after some steps; the others have anything."""
-    feedback = ready.feedback
+    feedback = ready.tiled.feedback
     address, r = int(streaming(numba.typeof(feedback)).address), feedback[4]
     depth = steps_a_pass(steps, r) if "blocking" in plan.savings else 1
     source, target, spare = x, pool.plane(x), pool.plane(x)

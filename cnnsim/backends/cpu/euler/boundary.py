@@ -1,7 +1,4 @@
-"""The boundaries that the fused Euler loops know: how they set virtual cells while rows are in the cache.
-
-A plan with any other boundary takes the steps of stages (`cnnsim.backends.cpu.transient`).
-"""
+"""Virtual cells of the loops over tiles: how they are set while rows are in the cache."""
 
 from cnnsim.backends.codes import BoundaryCode
 from cnnsim.backends.cpu.euler.grid import Edge
@@ -10,7 +7,6 @@ from cnnsim.backends.cpu.euler.scratch import GROUP, fill, move
 from cnnsim.backends.cpu.jit.compile import helper
 from cnnsim.support import Array
 
-KNOWN = BoundaryCode.FIXED, BoundaryCode.ZERO_FLUX, BoundaryCode.PERIODIC
 ZERO_FLUX, PERIODIC = int(BoundaryCode.ZERO_FLUX), int(BoundaryCode.PERIODIC)
 
 

@@ -26,15 +26,21 @@ class Edge(NamedTuple):
 class Feedback(NamedTuple):
     """A template's feedback: the address of its innermost ``loop``, its taps as records, the nine middle entries of A,
     the length of a step, and the fields of the `Edge` of the grid (threaded loops take no group within a group).
+
+    A step of so many ``stages`` has its scheme's table in place of the entries of A (0: a fused Euler step); ``lives``
+    are the sets of live rows that it needs (see `TileLayout`), ``limited`` is whether states stay within +-1.
     """
 
     loop: int
     taps: Array
-    square: Array
+    numbers: Array
     h: Any
     r: int
     code: int
     constant: Any
+    stages: int
+    lives: int
+    limited: bool
 
 
 class Tiling(NamedTuple):
@@ -56,6 +62,12 @@ class Schedule(NamedTuple):
     check_every: int
     rest: float
     freezes: bool
+
+
+@helper
+def levels_of(steps: int, feedback: Feedback) -> int:
+    """Return how many levels the rows of a tile go through in so many steps: one a stage."""
+    return steps * max(1, feedback[7])
 
 
 @helper

@@ -20,10 +20,11 @@ def pass_over(
     """
     x, target, w = planes
     r, (height, width), (top, bottom, left, right) = feedback[4], tile, area
-    scratch, found = np.empty(tile_cells(steps, r), x.dtype), np.empty(FIGURES)
-    at = tile_layout(scratch, steps, r)
+    lives, no_mask = feedback[8], np.empty((0, 0), np.uint64)
+    scratch, found = np.empty(tile_cells(steps, r, lives), x.dtype), np.empty(FIGURES)
+    at = tile_layout(scratch, steps, r, lives)
     for g in range(x.shape[0]):
         for r0 in range(top, bottom, height):
             for c0 in range(left, right, width):
                 part = Area(r0, min(r0 + height, bottom), c0, min(c0 + width, right))
-                call(address, (x[g], w[g], target[g], feedback, steps, part, scratch, at, False, 0.0, False, found))
+                call(address, (x[g], w[g], no_mask, target[g], feedback, steps, part, scratch, at, False, 0.0, False, found))

@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+import numpy as np
+
 from cnnsim.backends.cpu.euler.rows import BLOCK, PAD, STRIDE
 from cnnsim.backends.cpu.jit.compile import helper
 from cnnsim.support import Array
@@ -14,35 +16,37 @@ SLACK = 16
 
 class TileLayout(NamedTuple):
     """Where things begin: live rows of x and w, two groups of y, the rows of y kept for each level, a drive,
-    a row, and the nine entries of a 3 x 3 matrix.
+    a row, and the numbers of the feedback. Other live rows come after those of w, each ``size`` cells after the last:
+    the mask's if there is one, and of a scheme of some stages those of the stage, the sum, and rates that are kept.
     """
 
     x: int
     w: int
+    size: int
     y: int
     new: int
     kept: int
     drive: int
     row: int
-    square: int
+    numbers: int
 
 
 @helper
-def tile_cells(depth: int, r: int) -> int:
-    """Return the size of a thread's scratch for tiles of this depth."""
-    return STRIDE * (2 * (depth * r + GROUP + SLACK) + 2 * (GROUP + 2 * r) + 2 * r * depth + GROUP + 2)
+def tile_cells(levels: int, r: int, lives: int) -> int:
+    """Return the size of a thread's scratch for tiles of so many levels and sets of live rows."""
+    return STRIDE * (lives * (levels * r + GROUP + SLACK) + 2 * (GROUP + 2 * r) + 2 * r * levels + GROUP + 2)
 
 
 @helper
-def tile_layout(scratch: Array, depth: int, r: int) -> TileLayout:
+def tile_layout(scratch: Array, levels: int, r: int, lives: int) -> TileLayout:
     """Lay the buffers out, the first at the start of a cache line."""
     x = ((64 - (scratch.ctypes.data & 63)) & 63) // scratch.itemsize
-    live, block = STRIDE * (depth * r + GROUP + SLACK), STRIDE * (GROUP + 2 * r)
-    y = x + 2 * live
+    live, block = STRIDE * (levels * r + GROUP + SLACK), STRIDE * (GROUP + 2 * r)
+    y = x + lives * live
     kept = y + 2 * block
-    drive = kept + STRIDE * 2 * r * depth
+    drive = kept + STRIDE * 2 * r * levels
     row = drive + STRIDE * GROUP
-    return TileLayout(x, x + live, y, y + block, kept, drive, row, row + STRIDE)
+    return TileLayout(x, x + live, live, y, y + block, kept, drive, row, row + STRIDE)
 
 
 @helper
@@ -76,6 +80,22 @@ def load_row(plane: Array, i: int, first: int, n: int, scratch: Array, at: int, 
     row, to = plane[i % rows], scratch[at : at + n]
     for m in range(n):
         to[m] = row[(first + m) % cols]
+
+
+@helper
+def load_bits(words: Array, i: int, first: int, n: int, cols: int, scratch: Array, at: int, whole: int) -> None:
+    """Write 1 for black cells of row i of a packed plane, 0 for white ones; columns and rows as `load_row` has them."""
+    fill(scratch, at + n, whole - n, 0)
+    row, one, zero = words[i % words.shape[0]], scratch.dtype.type(1), scratch.dtype.type(0)
+    begin, at_begin = first % cols, at
+    while at_begin < at + n:
+        word, bit = row[begin // 64], begin % 64
+        count = min(64 - bit, cols - begin, at + n - at_begin)
+        to = scratch[at_begin : at_begin + count]
+        word >>= np.uint64(bit)
+        for b in range(count):
+            to[b] = one if (word >> np.uint64(b)) & np.uint64(1) else zero
+        begin, at_begin = (begin + count) % cols, at_begin + count
 
 
 @helper

@@ -116,7 +116,7 @@ def arrived(tiles: Array, step: int) -> float:
 
 @twins
 def sleeping(
-    planes: tuple[Array, Array, Array, Array], feedback: Feedback, tiling: Tiling, schedule: Schedule, tiles: Array,
+    planes: tuple[Array, Array, Array, Array, Array], feedback: Feedback, tiling: Tiling, schedule: Schedule, tiles: Array,
     position: Position, most: int,
 ) -> tuple[Fields, bool, float]:  # fmt: skip
     """Run a slice of the transient of n grids until all have settled; everything as in `dense.dense`.
@@ -124,11 +124,11 @@ def sleeping(
     The address of ``tiling`` is that of `window.step_window`; ``tiles`` has `COLUMNS` for each tile of `HEIGHT` x
     `WIDTH` cells.
     """
-    x, first, second, w = planes
+    x, first, second, w, _ = planes
     address, depth, _, _, threads = tiling
     steps, check_every, rest, _ = schedule
     done, where, phase, k, now, to_do = position
-    r, h, periodic = feedback[4], feedback[3], is_periodic(feedback[4:])
+    r, h, periodic = feedback[4], feedback[3], is_periodic(feedback[4:7])
     scratches = np.empty((threads, window_cells(HEIGHT, depth, r)), x.dtype)
     looking, largest, settled, left = phase != BEGIN, np.nan, False, most
     if phase == BEGIN:

@@ -14,28 +14,31 @@ import numba
 from numba import types
 
 from cnnsim.backends.cpu.euler.boundary import is_periodic, set_virtual
-from cnnsim.backends.cpu.euler.grid import Area, Feedback
+from cnnsim.backends.cpu.euler.grid import Area, Feedback, levels_of
 from cnnsim.backends.cpu.euler.loops import step_block
 from cnnsim.backends.cpu.euler.rows import BLOCK, PAD, STRIDE
-from cnnsim.backends.cpu.euler.scratch import GROUP, SLACK, TileLayout, clip_rows, fill, load_row, move
+from cnnsim.backends.cpu.euler.scratch import GROUP, SLACK, TileLayout, clip_rows, fill, load_bits, load_row, move
 from cnnsim.backends.cpu.euler.settled import check_block
+from cnnsim.backends.cpu.euler.stage_rows import CHECK, NOWHERE, StageOf, stage_rows
 from cnnsim.backends.cpu.jit.address import compiled_at
 from cnnsim.support import Array
 
 
 def stream(
-    source: Array, w: Array, target: Array, feedback: Feedback, depth: int, area: Area, scratch: Array, at: TileLayout,
-    check: bool, rest: float, measure: bool, found: Array,
+    source: Array, w: Array, mask: Array, target: Array, feedback: Feedback, depth: int, area: Area, scratch: Array,
+    at: TileLayout, check: bool, rest: float, measure: bool, found: Array,
 ) -> None:  # fmt: skip
     """Send a tile's rows through the levels; the last one goes to ``target``.
 
-    With ``check`` (depth 1) nothing is written, but the step that would come is checked (`check_block`).
+    With ``check`` (depth 1) nothing is written, but the step that would come is checked (`check_block`). The words of
+    a ``mask`` without cells hold none; only steps of stages know one.
     """
     rows, cols = source.shape
-    loop, taps, square, h, r, code, constant = feedback
+    loop, taps, numbers, h, r, code, constant, stages, lives, limited = feedback
     edge = r, code, constant
-    periodic = is_periodic(edge)
-    reach = depth * r
+    periodic, masked = is_periodic(edge), mask.size > 0
+    levels = 1 if check else levels_of(depth, feedback)
+    reach = levels * r
     lo, hi, top, bottom = area.c0 - reach, area.c1 + reach, area.r0 - reach, area.r1 + reach
     if not periodic:
         lo, hi, top, bottom = max(lo, 0), min(hi, cols), max(top, 0), min(bottom, rows)
@@ -43,19 +46,23 @@ def stream(
     n, inner, width = hi - lo, area.c0 - lo, area.c1 - area.c0
     whole = (n + PAD - 1) // PAD * PAD  # no remainder loops: the cells beyond n are never read
     used = whole + 2 * PAD
-    for m in range(square.size):
-        scratch[at.square + m] = square[m]
+    for m in range(numbers.size):
+        scratch[at.numbers + m] = numbers[m]
+    at_held = at.w + at.size
+    at_stage = at_held + at.size if masked else at_held
+    keeps = lives > 4 + masked
     y, new = at.y, at.new
     line = reach  # where row `base` lies among the live rows of x and w
     for base in range(top, area.r1 + reach, GROUP):
         if line > reach + SLACK:
             for p in range(reach):
-                for live in (at.x, at.w):
-                    move(scratch, live + (line - reach + p) * STRIDE, scratch, live + p * STRIDE, whole)
+                for m in range(lives):
+                    live = at.x + m * at.size + p * STRIDE
+                    move(scratch, live + (line - reach) * STRIDE, scratch, live, whole)
             line = reach
         through = False
-        for level in range(depth + 1):
-            i, margin = base - level * r, (depth - level) * r
+        for level in range(levels + 1):
+            i, margin = base - level * r, (levels - level) * r
             if i >= area.r1 + margin or (not periodic and i >= rows + r):
                 through = True  # this level has done its rows; the next one finds the last of them kept
                 continue
@@ -66,24 +73,36 @@ def stream(
                     move(scratch, at.kept + ((level - 1) * 2 * r + p) * STRIDE, scratch, y + p * STRIDE, used)
                 through = False
             o, out = (line - level * r) * STRIDE, new + 2 * r * STRIDE
-            blocks = (min(GROUP, area.r1 + margin - i) + BLOCK - 1) // BLOCK
+            count = min(GROUP, area.r1 + margin - i)
+            blocks = (count + BLOCK - 1) // BLOCK
+            of = StageOf(
+                CHECK if check else (level - 1) % max(1, stages), stages, keeps, limited, at.numbers, at.row,
+                at_stage + o, at_held + o if masked else NOWHERE,
+            )  # fmt: skip
             if level == 0:
                 for q in range(GROUP):
                     if i + q < bottom:
                         load_row(source, i + q, lo, n, scratch, at.x + o + q * STRIDE, whole)
                         load_row(w, i + q, lo, n, scratch, at.w + o + q * STRIDE, whole)
+                        if masked:
+                            load_bits(mask, i + q, lo, n, cols, scratch, at_held + o + q * STRIDE, whole)
                 clip_rows(scratch, at.x + o, out, whole, GROUP)
             elif check:  # from x = 0 a step of length 1 goes to the drive, in the arithmetic of the steps
-                for q in range(GROUP):
-                    fill(scratch, at.drive + q * STRIDE, whole, 0)
-                one = source.dtype.type(1)
-                step_block(loop, taps, r, scratch, at.row, at.square, at.drive, at.w + o, y, out, whole, one, blocks)
+                if stages:
+                    stage_rows(loop, scratch, at.x + o, at.size, y, at.drive, whole, taps, r, of, count)
+                else:
+                    for q in range(GROUP):
+                        fill(scratch, at.drive + q * STRIDE, whole, 0)
+                    step_block(loop, taps, r, scratch, at.row, at.numbers, at.drive, at.w + o, y, out, whole,
+                               source.dtype.type(1), blocks)  # fmt: skip
                 for q in range(0, blocks * BLOCK, BLOCK):
                     x0, drive0 = at.x + o + inner + q * STRIDE, at.drive + inner + q * STRIDE
                     check_block(scratch, x0, drive0, area, i + q, rest, measure, found)
+            elif stages:
+                stage_rows(loop, scratch, at.x + o, at.size, y, out, whole, taps, r, of, count)
             else:
-                step_block(loop, taps, r, scratch, at.row, at.square, at.x + o, at.w + o, y, out, whole, h, blocks)
-            if level == depth:
+                step_block(loop, taps, r, scratch, at.row, at.numbers, at.x + o, at.w + o, y, out, whole, h, blocks)
+            if level == levels:
                 if not check:
                     for q in range(max(area.r0 - i, 0), min(area.r1 - i, GROUP)):
                         move(scratch, at.x + o + q * STRIDE + inner, target[i + q], area.c0, width)
@@ -101,13 +120,13 @@ def stream(
 @cache
 def streaming(feedback: Any) -> Any:
     """Return `stream` compiled for feedback of this numba type."""
-    cells = feedback.types[-1]
-    plane, row = types.Array(cells, 2, "C"), types.Array(cells, 1, "C")
-    area, layout = numba.typeof(Area(0, 0, 0, 0)), numba.typeof(TileLayout(0, 0, 0, 0, 0, 0, 0, 0))
+    cells = feedback.types[3]
+    plane, row, words = types.Array(cells, 2, "C"), types.Array(cells, 1, "C"), types.Array(types.uint64, 2, "C")
+    area, layout = numba.typeof(Area(0, 0, 0, 0)), numba.typeof(TileLayout(0, 0, 0, 0, 0, 0, 0, 0, 0))
     return compiled_at(
         stream,
         types.void(
-            plane, plane, plane, feedback, types.int64, area, row, layout, types.boolean, types.float64, types.boolean,
-            types.float64[::1],
+            plane, plane, words, plane, feedback, types.int64, area, row, layout, types.boolean, types.float64,
+            types.boolean, types.float64[::1],
         ),
     )  # fmt: skip

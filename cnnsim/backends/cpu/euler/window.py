@@ -68,7 +68,7 @@ def step_window(
     has stayed the same (`catch_up_block`).
     """
     rows, cols = source.shape
-    loop, taps, square, h, r, code, constant = feedback
+    loop, taps, square, h, r, code, constant, _, _, _ = feedback
     edge = r, code, constant
     periodic, reach = is_periodic(edge), (depth + 1) * r
     lo, hi, top, bottom = area.c0 - reach, area.c1 + reach, area.r0 - reach, area.r1 + reach
@@ -115,7 +115,7 @@ def step_window(
 @cache
 def window(feedback: Any) -> Any:
     """Return `step_window` compiled for feedback of this numba type."""
-    cells = feedback.types[-1]
+    cells = feedback.types[3]
     plane, row = types.Array(cells, 2, "C"), types.Array(cells, 1, "C")
     area, layout = numba.typeof(Area(0, 0, 0, 0)), numba.typeof(WindowLayout(0, 0, 0, 0, 0, 0, 0, 0))
     return compiled_at(
