@@ -2,8 +2,8 @@
 
 From `cnnsim.run_transient` to the innermost loop are five calls at most: the backend's ``transient``, the time loop
 (`driver.run`), the stepper's ``advance``, on the CPU the compiled loop over steps, and in it the loop over rows; with
-OpenCL the launch of a kernel. The fused Euler steps of the CPU check in their compiled loop: ``transient``,
-``fused_euler``, `dense` or `sleeping`, a tile, its rows.
+OpenCL the launch of a kernel. The steps by tiles of the CPU check in their compiled loop: ``transient``,
+``by_tiles``, `dense` or `sleeping`, a tile, its rows.
 """
 
 from importlib import import_module

@@ -3,16 +3,18 @@
 from cnnsim.backends.term_table import longest_delay, table_of
 from cnnsim.planning.plan import Plan
 
-MASK_BYTES = 2.125
-"""Bytes a cell of a mask: as truth values where it is checked, as bits in the LLM, as truth values in the loops."""
+MASK_BYTES, MASK_BYTES_IN_LOOPS = 1.125, 1.0
+"""Bytes a cell of a mask: as truth values where it is checked, and as bits; loops that read no bits take it as truth
+values once more."""
 
 
 def cell_bytes(plan: Plan, given: int, itemsize: int, *, has_mask: bool = False) -> float:
     """Return the bytes a cell of a transient in numbers of ``itemsize`` bytes, with so many planes ``given``."""
-    return (given + working_planes(plan, has_mask=has_mask)) * itemsize + (MASK_BYTES if has_mask else 0.0)
+    mask = MASK_BYTES + MASK_BYTES_IN_LOOPS * (plan.method != "stepped") if has_mask else 0.0
+    return (given + working_planes(plan)) * itemsize + mask
 
 
-def working_planes(plan: Plan, *, has_mask: bool = False) -> float:
+def working_planes(plan: Plan) -> float:
     """Return the planes that a transient makes besides those it is given: its result, w = B*u + z, steps in between.
 
     OpenCL keeps about as many on its device; the reference backend, which is for small grids, more.
@@ -22,10 +24,7 @@ def working_planes(plan: Plan, *, has_mask: bool = False) -> float:
     control = 1 if plan.template.control_terms else 0  # their sum; what it is made from has gone when steps begin
     if plan.method == "closed form":
         return 1 + control
-    stages = 1 if plan.scheme is None else len(plan.scheme.b)
-    if stages == 1 and not has_mask and plan.cell == "chua-yang":
-        return 3 + control  # w, and two planes between which the steps go by turns
-    return 3 + stages + (stages > 1) + control  # w, x, outputs with virtual cells, the rates of the stages, the stage
+    return 3 + control  # w, and two planes between which the steps go by turns
 
 
 def _general(plan: Plan) -> float:

@@ -22,7 +22,7 @@ from cnnsim.network.characteristic import CLIP, parse_cell
 from cnnsim.network.template import all_taps
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.general import check_grid, decide_general, why_general
-from cnnsim.planning.savings import Saving, stepped_savings, steps_a_pass
+from cnnsim.planning.savings import Saving, halo_of_a_step, stepped_savings, steps_a_pass
 from cnnsim.planning.scheme import ADAPTIVE, Scheme, find_scheme
 from cnnsim.planning.stability import step_limit, usual_scheme
 from cnnsim.planning.step import DEFAULT_STEP, check_count, check_step, divided, usual_step
@@ -100,7 +100,8 @@ class Plan:
         if "blocking" not in self.savings:
             return 1
         steps = self.check_every if self.duration == "settled" else self.steps
-        return steps_a_pass(steps, reach((k, l) for k, l, _ in self.feedback_taps))
+        assert self.scheme is not None
+        return steps_a_pass(steps, halo_of_a_step(self.feedback_taps, self.scheme))
 
     def explain(self) -> str:
         """Return the decisions as lines of text."""

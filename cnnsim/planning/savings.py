@@ -1,9 +1,10 @@
 """Savings: the ways of computing less for the same output, and which of them apply to a stepped transient."""
 
 import math
+from collections.abc import Iterable
 from typing import Literal
 
-from cnnsim.network import CellModel, Template, reach
+from cnnsim.network import CellModel, Tap, Template, reach
 from cnnsim.planning.scheme import Scheme
 
 Saving = Literal["closed form", "sparse taps", "shared sums", "blocking", "sleep"]
@@ -13,12 +14,17 @@ MOST_HALO = 25
 """Cells around a tile that are computed again for the steps of one pass."""
 
 
-def steps_a_pass(steps: int, radius: int) -> int:
+def halo_of_a_step(taps: Iterable[Tap], scheme: Scheme) -> int:
+    """Return from how far a cell's neighbours have come into its state after a step: each stage looks at them once."""
+    return reach((tap.k, tap.l) for tap in taps) * len(scheme.b)
+
+
+def steps_a_pass(steps: int, halo: int) -> int:
     """Return how many of so many steps are taken while the rows of a tile are in the cache.
 
-    Each step of a tile needs ``radius`` rows and columns more around it; `MOST_HALO` of them cost less than they save.
+    Each step of a tile needs ``halo`` rows and columns more around it; `MOST_HALO` of them cost less than they save.
     """
-    most = max(1, MOST_HALO // max(radius, 1))
+    most = max(1, MOST_HALO // max(halo, 1))
     return math.ceil(steps / max(1, math.ceil(steps / most)))
 
 
@@ -33,9 +39,9 @@ def stepped_savings(
     found: list[tuple[Saving, str]] = [("sparse taps", f"{taps} of the {entries} entries of A are not zero")]
     if template.isotropic and template.A.shape[0] == 3 and template.A[0, 0]:
         found.append(("shared sums", "A is the same in all directions: neighbours are added before they are weighed"))
-    if len(scheme.b) == 1:
-        depth = steps_a_pass(steps, reach((k, l) for k, l, _ in template.feedback_taps))
-        found.append(("blocking", f"one-stage scheme: {depth} steps a pass while the rows of a tile are in the cache"))
-        if settles and h <= 1 and cell == "chua-yang" and not template.uncoupled:
-            found.append(("sleep", "tiles in which no output can change are left out"))
+    depth, stages = steps_a_pass(steps, halo_of_a_step(template.feedback_taps, scheme)), len(scheme.b)
+    together = f"{depth} steps" if stages == 1 else f"{depth} steps of {stages} stages" if depth > 1 else "all stages"
+    found.append(("blocking", f"{together} a pass while the rows of a tile are in the cache"))
+    if stages == 1 and settles and h <= 1 and cell == "chua-yang" and not template.uncoupled:
+        found.append(("sleep", "tiles in which no output can change are left out"))
     return found

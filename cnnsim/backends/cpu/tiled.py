@@ -10,6 +10,7 @@ from cnnsim.backends.codes import boundary_code
 from cnnsim.backends.cpu.euler.grid import Edge, Feedback
 from cnnsim.backends.cpu.euler.loops import ANY, CROSS, ISOTROPIC, NINE, loop
 from cnnsim.backends.cpu.euler.rows import PAD, STRIDE
+from cnnsim.backends.cpu.euler.scratch import GROUP
 from cnnsim.backends.cpu.euler.sleep import HEIGHT, WIDTH
 from cnnsim.backends.cpu.euler.stage_rows import stage_loop
 from cnnsim.backends.cpu.euler.tile import streaming
@@ -46,8 +47,11 @@ class Tiled:
             tap_records(plan.feedback_taps, dtype), square(plan, dtype) if self._fused else table_of(scheme, h, dtype),
             dtype.type(h), *Edge(r, int(boundary_code(boundary)), dtype.type(boundary.y)), stages, lives, limited,
         )  # fmt: skip
-        shape = tile_shape(plan, threads, widest(plan.depth * max(1, stages) * r))
-        self._tile = plan.depth, *shape
+        depth, rows = plan.depth, plan.shape[0]
+        if stages and rows <= GROUP // 2:  # a grid so low goes through the levels as one group, if they are few
+            depth = max(1, min(depth, (GROUP - rows) // (stages * r)))
+        shape = tile_shape(plan, threads, widest(depth * max(1, stages) * r))
+        self._tile = depth, *shape
         rows, cols = (HEIGHT, WIDTH) if self.sleeps else shape
         self.count = -(-plan.shape[0] // rows) * -(-plan.shape[1] // cols)
         self.work = rows * cols * max(1, len(plan.feedback_taps)) * max(1, stages)

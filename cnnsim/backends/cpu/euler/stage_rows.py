@@ -186,11 +186,16 @@ def _go_on(scratch: Array, at_x: int, at_out: int, size: int, n: int, of: StageO
     s, count, rate, stage = of.stage, of.stages, of.at_row, of.at_stage + o
     weight, total = scratch[of.at_table + count * count + s], of.at_stage + size + o
     if s + 1 == count:
-        _sum_onto(scratch, rate, scratch, at_x if s == 0 else total, weight, n)
-        if of.at_held != NOWHERE:
-            _where_held(scratch, rate, scratch, of.at_held + o, scratch, at_x, n)
-        _output(scratch, at_out, scratch, rate, n)
-        _copy(scratch, at_x, scratch, at_out if of.limited else rate, n)
+        if s > 0 and of.at_held == NOWHERE:
+            _sum_and_output(scratch, at_x, scratch, at_out, scratch, total, weight, scratch, rate, n)
+        else:  # x itself is needed until the end
+            _sum_onto(scratch, rate, scratch, at_x if s == 0 else total, weight, n)
+            if of.at_held != NOWHERE:
+                _where_held(scratch, rate, scratch, of.at_held + o, scratch, at_x, n)
+            _output(scratch, at_out, scratch, rate, n)
+            _copy(scratch, at_x, scratch, rate, n)
+        if of.limited:
+            _copy(scratch, at_x, scratch, at_out, n)
         return
     if s == 0:
         _sum(scratch, total, scratch, at_x, weight, scratch, rate, n)
@@ -212,10 +217,11 @@ def _go_on(scratch: Array, at_x: int, at_out: int, size: int, n: int, of: StageO
 
 @helper
 def _stage_rows(
-    scratch: Array, at_x: int, size: int, at_y: int, at_out: int, n: int, taps: Array, r: int, of: StageOf, rows: int
-) -> None:
+    scratch: Array, at_x: int, size: int, at_y: int, at_out: int, n: int, taps: Array, r: int, of: StageOf,
+    some: tuple[int, int],
+) -> None:  # fmt: skip
     """Do a stage with some rows, or write what drives them; ``size`` is the distance between sets of live rows."""
-    for q in range(rows):
+    for q in range(some[0], some[1]):
         o = q * STRIDE
         x, w, y, out = at_x + o, at_x + size + o, at_y + o, at_out + o
         if of.stage == CHECK:
@@ -241,10 +247,10 @@ def _stage_rows(
 def _stage_at(
     numbers: Any, cells: int, at_x: int, size: int, at_y: int, at_out: int, n: int, taps: Any, tap_count: int, r: int,
     stage: int, stages: int, keeps: bool, limited: bool, at_table: int, at_row: int, at_stage: int, at_held: int,
-    rows: int,
+    first: int, after: int,
 ) -> None:  # fmt: skip
-    of = StageOf(stage, stages, keeps, limited, at_table, at_row, at_stage, at_held)
-    _stage_rows(carray(numbers, (cells,)), at_x, size, at_y, at_out, n, carray(taps, (tap_count,)), r, of, rows)
+    of, some = StageOf(stage, stages, keeps, limited, at_table, at_row, at_stage, at_held), (first, after)
+    _stage_rows(carray(numbers, (cells,)), at_x, size, at_y, at_out, n, carray(taps, (tap_count,)), r, of, some)
 
 
 @cache
@@ -254,15 +260,18 @@ def stage_loop(dtype: np.dtype[Any]) -> Any:
     cells, taps = pointer_type(dtype), pointer_type(tap_type(dtype))
     return compiled_at(
         _stage_at,
-        types.void(cells, *6 * [integer], taps, *4 * [integer], yes, yes, *5 * [integer]),
+        types.void(cells, *6 * [integer], taps, *4 * [integer], yes, yes, *6 * [integer]),
     )
 
 
 @helper
 def stage_rows(
     loop: int, scratch: Array, at_x: int, size: int, at_y: int, at_out: int, n: int, taps: Array, r: int, of: StageOf,
-    rows: int,
+    some: tuple[int, int],
 ) -> None:  # fmt: skip
-    """Do a stage with some rows by the loop at an address; of a check (`CHECK`) the drives go to ``at_out``."""
+    """Do a stage with some rows, from the first to that after them, by the loop at an address; of a check (`CHECK`) the
+    drives go to ``at_out``.
+    """
     call(loop, (pointer(scratch), scratch.size, at_x, size, at_y, at_out, n, pointer(taps), taps.size, r, of.stage,
-                of.stages, of.keeps, of.limited, of.at_table, of.at_row, of.at_stage, of.at_held, rows))  # fmt: skip
+                of.stages, of.keeps, of.limited, of.at_table, of.at_row, of.at_stage, of.at_held, some[0],
+                some[1]))  # fmt: skip

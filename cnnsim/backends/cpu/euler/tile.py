@@ -73,8 +73,9 @@ def stream(
                     move(scratch, at.kept + ((level - 1) * 2 * r + p) * STRIDE, scratch, y + p * STRIDE, used)
                 through = False
             o, out = (line - level * r) * STRIDE, new + 2 * r * STRIDE
-            count = min(GROUP, area.r1 + margin - i)
-            blocks = (count + BLOCK - 1) // BLOCK
+            blocks = (min(GROUP, area.r1 + margin - i) + BLOCK - 1) // BLOCK
+            begin, end = max(area.r0 - margin, top), min(area.r1 + margin, bottom)
+            some = max(begin - i, 0), min(end - i, GROUP)
             of = StageOf(
                 CHECK if check else (level - 1) % max(1, stages), stages, keeps, limited, at.numbers, at.row,
                 at_stage + o, at_held + o if masked else NOWHERE,
@@ -89,7 +90,7 @@ def stream(
                 clip_rows(scratch, at.x + o, out, whole, GROUP)
             elif check:  # from x = 0 a step of length 1 goes to the drive, in the arithmetic of the steps
                 if stages:
-                    stage_rows(loop, scratch, at.x + o, at.size, y, at.drive, whole, taps, r, of, count)
+                    stage_rows(loop, scratch, at.x + o, at.size, y, at.drive, whole, taps, r, of, some)
                 else:
                     for q in range(GROUP):
                         fill(scratch, at.drive + q * STRIDE, whole, 0)
@@ -99,7 +100,7 @@ def stream(
                     x0, drive0 = at.x + o + inner + q * STRIDE, at.drive + inner + q * STRIDE
                     check_block(scratch, x0, drive0, area, i + q, rest, measure, found)
             elif stages:
-                stage_rows(loop, scratch, at.x + o, at.size, y, out, whole, taps, r, of, count)
+                stage_rows(loop, scratch, at.x + o, at.size, y, out, whole, taps, r, of, some)
             else:
                 step_block(loop, taps, r, scratch, at.row, at.numbers, at.x + o, at.w + o, y, out, whole, h, blocks)
             if level == levels:
