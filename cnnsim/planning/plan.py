@@ -16,7 +16,6 @@ from cnnsim.network import (
     Tap,
     Template,
     layered,
-    reach,
 )
 from cnnsim.network.characteristic import CLIP, parse_cell
 from cnnsim.network.template import all_taps

@@ -48,8 +48,7 @@ def short(monkeypatch: pytest.MonkeyPatch) -> Callable[[float, float], None]:
     def cut(first: float, piece: float) -> None:
         for name, value in {"FIRST": first, "SLICE": 1e-9, "PIECE": piece}.items():
             monkeypatch.setattr(slices, name, value)
-        for module in ("cpu.terms", "cpu.transient"):
-            monkeypatch.setattr(f"cnnsim.backends.{module}.PIECE", piece)
+        monkeypatch.setattr("cnnsim.backends.cpu.terms.PIECE", piece)
 
     return cut
 

@@ -19,6 +19,7 @@ from cnnsim.backends.slices import Pace
 from cnnsim.planning.plan import SETTLED_RATE, Plan
 from cnnsim.support import Array
 
+
 def by_tiles(plan: Plan, ready: Prepared, x: Array, w: Array, mask: Array | None, pool: Pool) -> Outcome:
     """Run a transient, several steps or stages a pass over the grid, in slices; ``mask``: its words."""
     tiled = ready.tiled if mask is None else ready.masked

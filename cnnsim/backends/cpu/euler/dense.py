@@ -1,4 +1,4 @@
-"""Euler transients of whole grids, tile by tile, several steps a pass."""
+"""Transients of whole grids, tile by tile, several steps a pass."""
 
 import numpy as np
 from numba import prange
@@ -14,8 +14,8 @@ from cnnsim.support import Array
 
 @twins
 def dense(
-    planes: tuple[Array, Array, Array, Array, Array], feedback: Feedback, tiles: Tiling, schedule: Schedule, found: Array,
-    position: Position, most: int,
+    planes: tuple[Array, Array, Array, Array, Array], feedback: Feedback, tiles: Tiling, schedule: Schedule,
+    found: Array, position: Position, most: int,
 ) -> tuple[Fields, bool, float]:  # fmt: skip
     """Run a slice of the transient of n grids, at least ``most`` steps of a tile, from ``position`` on.
 
@@ -50,8 +50,8 @@ def dense(
             for tile in range(next_tile + thread * (stop - next_tile) // threads,
                               next_tile + (thread + 1) * (stop - next_tile) // threads):  # fmt: skip
                 g, area = tile_area(tile, x.shape, height, width)
-                call(address, (source[g], w[g], mask[g], target[g], feedback, now, area, scratch, at, checks, rest, measure,
-                               found[thread]))  # fmt: skip
+                call(address, (source[g], w[g], mask[g], target[g], feedback, now, area, scratch, at, checks, rest,
+                               measure, found[thread]))  # fmt: skip
         left -= now * (stop - next_tile)
         next_tile = stop
         if stop < count:

@@ -27,4 +27,7 @@ def pass_over(
         for r0 in range(top, bottom, height):
             for c0 in range(left, right, width):
                 part = Area(r0, min(r0 + height, bottom), c0, min(c0 + width, right))
-                call(address, (x[g], w[g], no_mask, target[g], feedback, steps, part, scratch, at, False, 0.0, False, found))
+                call(
+                    address,
+                    (x[g], w[g], no_mask, target[g], feedback, steps, part, scratch, at, False, 0.0, False, found),
+                )

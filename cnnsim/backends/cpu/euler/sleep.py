@@ -116,8 +116,8 @@ def arrived(tiles: Array, step: int) -> float:
 
 @twins
 def sleeping(
-    planes: tuple[Array, Array, Array, Array, Array], feedback: Feedback, tiling: Tiling, schedule: Schedule, tiles: Array,
-    position: Position, most: int,
+    planes: tuple[Array, Array, Array, Array, Array], feedback: Feedback, tiling: Tiling, schedule: Schedule,
+    tiles: Array, position: Position, most: int,
 ) -> tuple[Fields, bool, float]:  # fmt: skip
     """Run a slice of the transient of n grids until all have settled; everything as in `dense.dense`.
 

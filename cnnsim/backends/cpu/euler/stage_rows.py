@@ -3,7 +3,8 @@
 Everything lies in one flat array, laid out as in `cnnsim.backends.cpu.euler.rows`, and is handed over once for each of
 its uses, as there. Sums are rounded like the reference's, in float32 too:
 
-    k_i = w + sum of the taps of y_i in their order - x_i,    x_(i+1) = x + sum of h a_ij k_j,    x <- x + sum of h b_i k_i
+    k_i = w + sum of the taps of y_i in their order - x_i
+    x_i = x + sum of h a_ij k_j over j < i,    x <- x + sum of h b_i k_i
 
 The sum that the step ends with is added up stage by stage. So a stage leaves no more behind than that sum and the next
 stage, unless a later stage but one asks for its rate: then all rates are kept.
@@ -12,7 +13,6 @@ stage, unless a later stage but one asks for its rate: then all rates are kept.
 from functools import cache
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 from numba import carray, types
 
