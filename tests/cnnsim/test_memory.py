@@ -76,6 +76,21 @@ def test_float64_computed_in_float64() -> None:
     assert bytes_per_cell(8, prepared) <= 40.5
 
 
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+@pytest.mark.parametrize("scheme", ["heun", "rk4"])
+def test_schemes_of_stages_take_as_much_as_euler(scheme: str, dtype: Any) -> None:
+    """State, input, w, and two planes between which the steps go by turns: the stages live in a thread's cache."""
+    size = np.dtype(dtype).itemsize
+
+    def prepared(cells: int) -> Callable[[], Any]:
+        x, u = picture_of(cells, dtype), -picture_of(cells, dtype)
+        nine = np.full((3, 3), 0.1)
+        choices: dict[str, Any] = {"scheme": scheme, "step": 0.1, "duration": 1.0, "dtype": dtype}
+        return lambda: run_transient(Template(nine, nine), state=x, input=u, **choices)
+
+    assert bytes_per_cell(2 * size, prepared) <= 5 * size + 0.5
+
+
 CASES: dict[str, dict[str, Any]] = {
     "closed form": {"template": "edge"},
     "steps by turns": {"template": "hole-filler", "duration": 2.0},
@@ -119,12 +134,13 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, file=sys.stderr)
 """
 
 
-def test_the_command_line(tmp_path: Path) -> None:
+@pytest.mark.parametrize("choices", [(), ("--scheme", "rk4")], ids=["euler", "rk4"])
+def test_the_command_line(choices: tuple[str, ...], tmp_path: Path) -> None:
     """Peak memory of whole processes, of which one compiles: the picture is read, run and written."""
     peaks = []
     for size in (100, 600, 1800):
         Image.fromarray(np.where(picture_of(size) > 0, 0, 255).astype(np.uint8)).save(tmp_path / "x.png")
-        words = ["run", "hole-filler", tmp_path / "x.png", "--time", "1", "-o", tmp_path / "y.png"]
+        words = ["run", "hole-filler", tmp_path / "x.png", "--time", "1", *choices, "-o", tmp_path / "y.png"]
         done = subprocess.run(
             [sys.executable, "-c", PEAK, *map(str, words)], cwd=ROOT, capture_output=True, text=True, check=True
         )

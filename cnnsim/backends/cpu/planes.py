@@ -16,13 +16,6 @@ def grids(plane: Array) -> Array:
 
 
 @helper
-def copy_row(row: Array, out: Array) -> None:
-    """Copy a row."""
-    for j in range(row.size):
-        out[j] = row[j]
-
-
-@helper
 def largest_of(values: Array) -> float:
     """Return the largest value; NaN if there is one."""
     largest = values[0]

@@ -1,8 +1,8 @@
 """Several steps of one tile of the grid while its rows stay in the cache: Euler steps, or stages of Runge-Kutta steps.
 
-The tile's rows stream through levels, 16 rows at a time; level t holds the state after t Euler steps, or after t stages,
-and follows level t-1 by r rows, which is all that a template of radius r needs to see. x and w exist once: each level
-replaces the rows of x in place, and only the 2r rows of outputs that the next level still needs are kept for each
+The tile's rows stream through levels, 16 rows at a time; level t holds the state after t Euler steps, or after t
+stages, and follows level t-1 by r rows, which is all that a template of radius r needs to see. x and w exist once: each
+level replaces the rows of x in place, and only the 2r rows of outputs that the next level still needs are kept for each
 level. The same is true of the stage and of the sum that a Runge-Kutta step has beside x (`stage_rows`). The tile is
 loaded with r cells more all round for each level; what comes in from outside spoils r of them a level, and what is left
 at the end is exact. At the rim of the grid the virtual cells are set again at every level.
