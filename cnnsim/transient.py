@@ -55,18 +55,18 @@ def run_transient(
 
         if record is not None:
             raise InputError("record on an engine; states of large grids are not kept: no engine, or no record, wanted")
-        where = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend
+        where = backends.chosen(backend, dtype, threads)
         return run_on_engine(template, where, engine or "processes", store, {**choices, "state": state})
     task = make_task(template, state=state, **choices)
     if task.accuracy is not None:
         if record is not None:
             raise InputError("record with an accuracy: several runs are made; give scheme and step to record one")
-        where = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend
+        where = backends.chosen(backend, dtype, threads)
         given = task.state, task.input, task.bias, task.mask
         again = Repeatable(task.plan, lambda backend, plan, state=None, /: task.start(backend, state, plan), given)
         return reached(again, where, task.accuracy)
     wanted = None if record is None else parse_record(record, task.state.shape)
-    where = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend
+    where = backends.chosen(backend, dtype, threads)
     outcome = task.start(where)
     result = Result(where.read(outcome.x, copy=False), outcome.t, outcome.settled, outcome.rate, task.plan)
     if wanted is not None:
@@ -98,7 +98,7 @@ def trajectory(
     if not is_number(until) or not 0 <= until < math.inf:
         raise InputError(f"until {until!r}; a number of time constants >= 0 wanted")
     task = make_task(template, state=state, **choices).owned()
-    where = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend
+    where = backends.chosen(backend, dtype, threads)
     yield 0.0, task.plan.output(where.read(where.load(task.state, "lam")))
     for t, x in task.states(where, until, frames):
         yield t, task.plan.output(x)

@@ -10,7 +10,7 @@ from importlib import import_module
 
 from numpy.typing import DTypeLike
 
-from cnnsim.backends.base import Backend
+from cnnsim.backends.base import Backend, parse_dtype
 from cnnsim.support import InputError
 from cnnsim.support.extras import install_line
 
@@ -44,6 +44,24 @@ def get(
     given = [value for value in (device, threads) if value is not None]
     found: Backend = backend(dtype, *given)
     return found
+
+
+def chosen(backend: str | Backend, dtype: DTypeLike | None = None, threads: int | None = None) -> Backend:
+    """Return the backend of a name, as `get`, or the backend that is given: its numbers and threads are its own.
+
+    Raises:
+        InputError: as `get`; something else, or another dtype or threads than those of the backend that is given.
+    """
+    if isinstance(backend, str):
+        return get(backend, dtype, threads=threads)
+    if not hasattr(backend, "transient"):
+        raise InputError(f"backend {backend!r}; one of {', '.join(NAMES)}, or a backend, wanted")
+    if threads is not None or (dtype is not None and parse_dtype(dtype) != backend.dtype):
+        given = f"dtype {dtype!r}" if threads is None else f"threads {threads!r}"
+        raise InputError(
+            f"{given} with a backend of {backend.dtype} that is made already; its name, or neither, wanted"
+        )
+    return backend
 
 
 def in_float64(backend: Backend) -> Backend:

@@ -75,6 +75,8 @@ def load(name: str) -> LibraryEntry:
     Raises:
         InputError: there is none (the message has the nearest names), or its file is wrong.
     """
+    if not isinstance(name, str):
+        raise InputError(f"template {name!r}; the name of one of the library, or of a file, wanted")
     path = Path(name) if name.endswith(".toml") else files().get(name) or _by_alias(name)
     if path is None:
         raise not_found("template", name, names(), "cnnsim list")

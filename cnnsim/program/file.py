@@ -33,6 +33,8 @@ def load_program(
     Raises:
         InputError: the file, the step and what is wrong with it.
     """
+    if not isinstance(path, str | Path):
+        raise InputError(f"program {path!r}; the name of one of the library, or a file, wanted")
     file = Path(path)
     if not file.suffix:
         file = program_file(str(path))

@@ -42,7 +42,7 @@ class UniversalMachine:
         self, backend: str | Backend = "cpu", dtype: Dtype | None = None, *, threads: int | None = None,
         engine: "str | Engine | None" = None, store: str | Path | None = None,
     ) -> None:  # fmt: skip
-        self.backend = backends.get(backend, dtype, threads=threads) if isinstance(backend, str) else backend
+        self.backend = backends.chosen(backend, dtype, threads)
         self._kept: dict[Program, _Kept] = {}
         ways, self._on_engine = TemplateSteps(), None
         if engine is not None or store is not None:

@@ -1,7 +1,7 @@
 """CNN values from arrays: black is +1, white is -1, a grey level g of 0..255 is 1 - 2 g / 255."""
 
 import warnings
-from numbers import Integral, Real
+from numbers import Integral
 from pathlib import Path
 from typing import Any, TypeGuard
 
@@ -14,7 +14,7 @@ from cnnsim.support.types import Array, Floats
 
 def is_number(value: Any) -> TypeGuard[float]:
     """Return whether a value is a real number, of Python's own types or of NumPy's; a boolean is none."""
-    return isinstance(value, Real) and not isinstance(value, bool)
+    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
 
 
 def is_whole(value: Any) -> TypeGuard[int]:
@@ -70,7 +70,8 @@ def _checked_levels(name: str, levels: ArrayLike, top: float) -> Floats:
 def as_numbers(name: str, values: ArrayLike, *, levels: bool = False, logic: bool = False) -> Array:
     """Return a plane as an array of numbers: booleans become black and white.
 
-    ``levels``: any whole number will do; ``logic``: above 0 is black, so 0 and 1 will do.
+    ``levels``: any whole number will do, but for bytes above 1, as pictures have them; ``logic``: above 0 is black, so
+    0 and 1 will do.
 
     Raises:
         InputError: what is no array of numbers, or whole numbers that look like grey levels or colours.
@@ -87,7 +88,9 @@ def as_numbers(name: str, values: ArrayLike, *, levels: bool = False, logic: boo
         raise InputError(f"{name} is no rectangular array of numbers") from error
     if array.dtype == bool:
         return np.where(array, 1.0, -1.0)
-    if array.dtype.kind == "f" or (levels and array.dtype.kind in "iu"):
+    if array.dtype.kind == "f":
+        return array
+    if levels and array.dtype.kind in "iu" and (array.dtype != np.uint8 or array.max(initial=0) <= 1):
         return array
     if array.dtype.kind not in "iu":
         raise InputError(f"{name} holds {array.dtype} values; real numbers or booleans wanted")

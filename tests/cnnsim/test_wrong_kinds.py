@@ -1,0 +1,55 @@
+"""Values of another kind at the doors of Python end in one line that says what is wanted; none is passed over."""
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+
+import cnnsim
+from cnnsim import InputError, Template, backends, load_program, run, run_program, run_transient
+
+PLANE = np.random.default_rng(2).uniform(-1, 1, (5, 6))
+ANY: Any = 3
+CASES: dict[str, tuple[Callable[[], Any], str]] = {
+    "fraction": (lambda: run("diffusion", PLANE, duration=ANY * Fraction(1, 2)), r"duration Fraction\(3, 2\)"),
+    "step": (lambda: run("diffusion", PLANE, step=ANY * Fraction(1, 30)), r"step Fraction\(1, 10\)"),
+    "without": (lambda: run("hole-filler", PLANE, without=ANY), "without 3; names of what can be switched off"),
+    "backend": (lambda: run("edge", PLANE, backend=ANY), "backend 3; one of reference, cpu, opencl, or a backend"),
+    "machine": (lambda: cnnsim.UniversalMachine(ANY), "backend 3; one of reference"),
+    "trajectory": (
+        lambda: list(cnnsim.trajectory(Template(2.0), state=PLANE, until=1.0, frames=1, backend=ANY)),
+        "backend 3",
+    ),
+    "program": (lambda: load_program(ANY), "program 3; the name of one of the library, or a file"),
+    "template": (lambda: cnnsim.library.load(ANY), "template 3; the name of one of the library"),
+    "dtype": (
+        lambda: run("edge", PLANE, backend=backends.get("cpu", "float32"), dtype="float64"),
+        "dtype 'float64' with a backend of float32 that is made already",
+    ),
+    "threads": (
+        lambda: run_program("opening", picture=PLANE, backend=backends.get("cpu"), threads=1),
+        "threads 1 with a backend of float32 that is made already",
+    ),
+    "bias": (
+        lambda: run_transient(Template(2.0), state=PLANE, bias=np.full((5, 6), 200, np.uint8)),
+        r"bias holds whole numbers from 200 to 200.*from_gray",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_one_line(name: str) -> None:
+    call, message = CASES[name]
+    with pytest.raises(InputError, match=message):
+        call()
+
+
+def test_what_is_meant_goes_on() -> None:
+    own = backends.get("cpu", "float64")
+    assert run("edge", PLANE, backend=own, dtype="float64").x.dtype == np.float64
+    whole = run_transient(Template(0.0), state=PLANE, bias=np.full((5, 6), 2, np.int64), duration=20.0)
+    assert np.allclose(whole.x, 2.0, atol=1e-5)
+    bits = run_transient(Template(0.0), state=PLANE, bias=np.ones((5, 6), np.uint8), duration=20)
+    assert np.allclose(bits.x, 1.0, atol=1e-5)
