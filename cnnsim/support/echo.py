@@ -60,10 +60,13 @@ def console(width: int = 150, *, err: bool = False) -> "Console":
 def hanging(head: str, text: str, indent: int) -> str:
     """Return a text beside ``head``, its further lines ``indent`` columns in, wrapped to the width of the terminal.
 
-    A head that leaves no room for the text has a line of its own. Paths and long words are not broken.
+    A head that leaves no room for the text, or less than half of a narrow terminal, has a line of its own. Paths and
+    long words are not broken.
     """
+    narrow = bool(head) and indent > _width() // 2
+    indent = 4 if narrow else indent
     first = head.ljust(indent)
-    lead = [head] if len(first) > indent else []
+    lead = [head.rstrip()] if narrow or len(first) > indent else []
     lines = wrap(text, _width(), initial_indent=" " * indent if lead else first, subsequent_indent=" " * indent,
                  break_long_words=False, break_on_hyphens=False)  # fmt: skip
     return "\n".join([*lead, *lines]) if lines else head.rstrip()

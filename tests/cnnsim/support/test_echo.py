@@ -118,3 +118,11 @@ def test_nothing_is_printed_but_by_the_one_helper(path: Path) -> None:
         return
     found = re.findall(r"click\.s?echo\(|(?<![\w.])print\((?!\*)|\bConsole\(|from_markup\(", path.read_text("utf-8"))
     assert not found, "cnnsim.support.echo wanted: echo, console or as_markup"
+
+
+@pytest.mark.parametrize("columns", [40, 80, 200])
+def test_a_list_fits_the_terminal(columns: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", str(columns))
+    for command in (["list"], ["list", "--programs"], ["explain", "hole-filler"]):
+        lines = CliRunner().invoke(cnnsim, command).output.splitlines()
+        assert max(map(len, lines)) <= columns
