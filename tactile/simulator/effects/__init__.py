@@ -18,6 +18,7 @@ and, so that ``effects = "auto"`` may leave it out,
     strays(field, frames) -> float   a random one on fields: the same, for frames of a field
     most(field) -> float             a fixed one on fields, a bound that needs no trial, whatever the others are: over
                                      the largest reading of the skin without effects
+    saves(field) -> float            what leaving it out saves of a frame's time, where that is much or nothing
     passes(seen) -> float            where it lets a change before it grow: by how much at most
     behind(seen) -> Seen             where the bounds do not grow by all that it changes: those behind it
     grain(seen) -> float             where the smallest change before it may become a large one: that

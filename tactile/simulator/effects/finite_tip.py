@@ -28,6 +28,10 @@ class FiniteTip:
         widest = min(self.radius, float(np.cbrt(0.75 * forces * self.radius / field.medium.modulus)))
         return 4.0 * (widest / field.array.depth) ** 2
 
+    def saves(self, field: Field) -> float:
+        """Share of a frame's time: points are summed faster; where there are none, nothing."""
+        return 0.3 if field.loads.points.shape[1] else 0.0
+
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields under tips."""
         for field in stream:

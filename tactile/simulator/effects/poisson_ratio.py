@@ -25,6 +25,10 @@ class PoissonRatio:
         """Bound of the change over the largest reading, on the half-space and in layers; of points alone."""
         return np.inf if not field.at_points else 3.0 * (1 - 2 * self.nu)
 
+    def saves(self, field: Field) -> float:
+        """Nothing: another constant in the same formulae."""
+        return 0.0
+
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields in the compressible cover."""
         for field in stream:

@@ -1,11 +1,13 @@
 """Automatic choice of effects by size: ``effects = "auto"`` keeps what matters in a scene and says what it left out."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
 from cnnsim.support import InputError
-from tactile.simulator.effects import ORDER, effect_class
+from tactile.simulator.effects import ORDER, Effect, effect_class
 from tactile.simulator.scene.effect_bounds import EffectBounds, LeftOut, Named
 from tactile.simulator.scene.scene import Scene
 
@@ -35,25 +37,38 @@ def candidates(scene: Scene) -> list[Named]:
 
     Nor a typical one with which this scene has no meaning, such as a cover thinner than a contact sinks in.
     """
-    named = dict(scene.effects)
-    effects = [(name, named[name] if name in named else effect_class(name)()) for name in ORDER]
-    effects = [(name, effect) for name, effect in effects if scene.bumps is None or effect.STAGE != "field"]
-    return [(name, effect) for name, effect in effects if name in named or _has_meaning(scene, (name, effect))]
+    return _meaningful(scene, ORDER)
 
 
 def all_effects(scene: Scene) -> list[Named]:
     """The effects of a scene whose effects are all on: those that it describes, and what every skin has, typical."""
     named = dict(scene.effects)
-    return [(name, effect) for name, effect in candidates(scene) if name in named or effect.ASSUMED]
+    return _meaningful(scene, [name for name in ORDER if name in named or _typical(name).ASSUMED])
 
 
-def _has_meaning(scene: Scene, one: Named) -> bool:
-    if one[1].STAGE != "field" or one[1].RANDOM or not scene.contacts:
-        return True
+@cache
+def _typical(name: str) -> Effect:
+    return effect_class(name)()
+
+
+def _meaningful(scene: Scene, names: Iterable[str]) -> list[Named]:
+    named = dict(scene.effects)
+    effects: list[Named] = [(name, named[name] if name in named else _typical(name)) for name in names]
+    effects = [(name, effect) for name, effect in effects if scene.bumps is None or effect.STAGE != "field"]
+    guessed = [one for one in effects if one[0] not in named and one[1].STAGE == "field" and not one[1].RANDOM]
+    if not scene.contacts or _has_meaning(scene, guessed):  # which holds nearly always
+        return effects
+    absurd = {one[0] for one in guessed if not _has_meaning(scene, [one])}
+    return [one for one in effects if one[0] not in absurd]
+
+
+def _has_meaning(scene: Scene, more: list[Named]) -> bool:
     times = np.linspace(0, (scene.samples - 1) / scene.rate, min(scene.samples, MOMENTS))
+    order = {name: n for n, name in enumerate(ORDER)}
+    whole = scene.with_effects(sorted([*scene.effects, *more], key=lambda one: order[one[0]]))
     try:
         for finger in range(len(scene.arrays)):
-            scene.with_effects([*scene.effects, one]).loads_at(finger, times)
+            whole.loads_at(finger, times)
     except InputError:
         return False
     return True

@@ -4,7 +4,7 @@ from collections.abc import Container, Iterable
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import reduce
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from tactile.simulator.effect import is_off
 from tactile.simulator.field import Field
 from tactile.simulator.scene.extremes import Extremes, extremes
 from tactile.simulator.scene.scene import Scene
+from tactile.simulator.scene.trials import pays
 from tactile.simulator.seen import RARE, Seen
 
 Named = tuple[str, Any]
@@ -20,6 +21,10 @@ SAFE = 1.25
 """What is found on the frames that tell most may be so many times larger on another one."""
 SMALL, LARGE = 0.25, 5.0
 """Bounds of an effect, in tolerances, between which it is tried: most effects do a third of their bound."""
+SURE = 2.0
+"""What changes so many tolerances on the first frames tried stays: others could hardly make up for it."""
+FAR = 0.5
+"""Share of the peak from which bounds of all effects on fields together are too loose for what acts behind them."""
 COARSEST = 1e-3
 """Accuracy of trials at most: what effects change is a difference of two fields."""
 _NOTHING = np.random.default_rng(0)
@@ -50,29 +55,29 @@ class FingerBounds:
 
     def without(self, left: "LeftOut", name: str) -> "LeftOut":
         """The same with one more effect left out."""
-        names = left.names | {name}
+        names, terms, growth, plain, squares = left
         if name in self.terms:
-            growth = max(left.growth, self.growth[name])
-            return replace(left, names=names, terms=left.terms + self.terms[name], growth=growth)
-        size = self.reach[name] * self.growth[name]
-        if name in self.normal:
-            return replace(left, names=names, squares=left.squares + size**2)
-        return replace(left, names=names, plain=left.plain + size)
+            terms, growth = terms + self.terms[name], max(growth, self.growth[name])
+        elif name in self.normal:
+            squares += (self.reach[name] * self.growth[name]) ** 2
+        else:
+            plain += self.reach[name] * self.growth[name]
+        return LeftOut(names | {name}, terms, growth, plain, squares)
 
     def change(self, left: "LeftOut") -> float:
         """What leaving these out changes: the sum of what each does."""
-        total = SAFE * _largest(left.terms) * left.growth + left.plain + left.squares**0.5
+        fixed = SAFE * _largest(left.terms) * left.growth if left.growth else 0.0
+        total = fixed + left.plain + left.squares**0.5
         return total + sum(
             g for name, (g, chance) in self.grains.items() if name not in left.names and total * chance > RARE
         )
 
 
-@dataclass(frozen=True)
-class LeftOut:
+class LeftOut(NamedTuple):
     """Effects that are left out on one finger, and the sums of what they change: see ``FingerBounds``."""
 
     names: frozenset[str] = frozenset()
-    terms: Floats = field(default_factory=lambda: np.zeros(1))
+    terms: Floats = np.zeros(1)
     growth: float = 0.0
     plain: float = 0.0
     squares: float = 0.0
@@ -93,12 +98,15 @@ class EffectBounds:
         self.effects, self._tolerance = list(effects), tolerance
         self._on = {name for name, _ in self.effects if on is None or name in on}
         ideal = [extremes(scene, finger) for finger in range(len(scene.arrays))]
+        self._samples = scene.samples
         largest = max(one.seen.largest for one in ideal)
         self.peak = largest or max(scene.full_scale * scene.unit(0), float(np.finfo(float).tiny))
         rough = max(scene.accuracy, min(tolerance / 30, COARSEST))
-        fields = (next(scene.fields(n, [(0, one.times)])) for n, one in enumerate(ideal))
-        self._fields = [replace(one, trial=True, accuracy=rough) for one in fields]
-        self.fingers = [self._bound(*both) for both in zip(self._fields, ideal, strict=True)]
+        self._fields, self._first = [
+            [replace(scene.field(n, at), trial=True, accuracy=rough) for n, at in enumerate(times)]
+            for times in ([one.times for one in ideal], [one.foremost for one in ideal])
+        ]
+        self.fingers = [self._bound(*one) for one in zip(self._fields, self._first, ideal, strict=True)]
 
     def sizes(self) -> dict[str, float]:
         """The bound of every effect relative to the peak."""
@@ -140,9 +148,9 @@ class EffectBounds:
                 now = _after(effect, now)
         return now
 
-    def _bound(self, given: Field, ideal: Extremes) -> FingerBounds:
-        found, shaken = FingerBounds(), 0.0
-        full = self._acted(given, ())
+    def _bound(self, given: Field, first: Field, ideal: Extremes) -> FingerBounds:
+        found, shaken, most = FingerBounds(), 0.0, 0.0
+        full, soon = self._acted(given, ()), self._acted(first, ())
         for name, effect in self.effects:
             if effect.STAGE != "field":
                 continue
@@ -152,16 +160,18 @@ class EffectBounds:
                 found.reach[name] = _asked(effect, "strays", np.inf, given, ideal.seen.frames)
                 shaken = float(np.hypot(shaken, found.reach[name] if name in self._on else 0.0))
             else:
-                most = _asked(effect, "most", np.inf, given) if self._tolerance else np.inf
-                if np.isfinite(most) and not SMALL < most / self._tolerance < LARGE:
-                    found.reach[name] = most * ideal.seen.largest
-                elif name in self._on:
-                    found.terms[name] = full.values - self._acted(given, {name}).values
-                else:
-                    found.terms[name] = _after(effect, full).values - full.values
+                bound = _asked(effect, "most", np.inf, given) if self._tolerance else np.inf
+                most += bound if name in self._on else 0.0
+                found.reach[name] = bound * ideal.seen.largest
+                if SMALL < bound / (self._tolerance or 1.0) < LARGE or not np.isfinite(bound):
+                    self._try(name, effect, found, (given, full), (first, soon))
         if found.terms:
             found.whole = full.values
-        seen = (ideal.seen if full is given else _behind(ideal.seen, full)).after(shaken, True)
+        if found.terms or most > FAR:
+            seen = _behind(ideal.seen, full if found.terms else soon)
+        else:
+            seen = ideal.seen.after(most * ideal.seen.largest, False)
+        seen = seen.after(shaken, True)
         grows: dict[str, float] = {}
         for name, effect in self.effects:
             if effect.STAGE == "field":
@@ -181,6 +191,30 @@ class EffectBounds:
             if effect.NORMAL:
                 found.normal.add(name)
         return found
+
+
+    def _try(
+        self, name: str, effect: Any, found: FingerBounds, every: tuple[Field, Field], few: tuple[Field, Field]
+    ) -> None:
+        """Find what a fixed effect on fields changes on the frames that tell most, where that may pay.
+
+        Much on the first of them settles that it stays.
+        """
+        if not self._tolerance:
+            found.terms[name] = self._change(name, effect, *every)
+        elif pays(effect, few[0], self._samples, len(every[0].times)):
+            change = _largest(self._change(name, effect, *few))
+            if change > SURE * self._tolerance * self.peak:
+                found.reach[name] = change * SAFE
+            else:
+                found.terms[name] = self._change(name, effect, *every)
+        if name in found.terms:
+            found.reach.pop(name)
+
+    def _change(self, name: str, effect: Any, given: Field, full: Field) -> Floats:
+        if name in self._on:
+            return full.values - self._acted(given, {name}).values
+        return _after(effect, full).values - full.values
 
 
 def _asked(effect: Any, what: str, else_: float, *given: Any) -> float:

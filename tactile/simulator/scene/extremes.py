@@ -9,16 +9,17 @@ from tactile.core.frame import NORMAL
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.seen import Seen
 
-PEAKS, SPREAD = 10, 3
-"""Frames on which effects on fields are tried: where readings have their peaks, and some evenly spread."""
+PEAKS, SPREAD, FOREMOST = 10, 3, 3
+"""Frames on which effects on fields are tried: where readings have their peaks, and some evenly spread; the first."""
 
 
 @dataclass(frozen=True)
 class Extremes:
-    """``seen``: bounds of the ideal readings; ``times`` [s] of the frames that tell most."""
+    """``seen``: bounds of the ideal readings; ``times`` [s] of the frames that tell most; ``foremost``: of a few."""
 
     seen: Seen
     times: Floats
+    foremost: Floats
 
 
 def extremes(scene: Scene, finger: int) -> Extremes:
@@ -39,15 +40,18 @@ def extremes(scene: Scene, finger: int) -> Extremes:
         low, high = min(low, float(normal.min())), max(high, float(normal.max()))
     unit = scene.unit(finger)
     seen = Seen(array, unit, scene.full_scale * unit, scene.rate, scene.samples, _largest(peaks), (low, high), change)
-    return Extremes(seen, _telling(peaks, where, scene.samples) / scene.rate)
+    telling = _telling(peaks, where)
+    spread = np.linspace(0, scene.samples - 1, SPREAD).round().astype(np.int64)
+    every, few = np.unique(np.concatenate([telling, spread])), np.sort(telling[:FOREMOST])
+    return Extremes(seen, every / scene.rate, few / scene.rate)
 
 
 def _largest(values: Floats) -> float:
     return float(np.abs(values).max(initial=0))
 
 
-def _telling(peaks: Floats, where: Integers, samples: int) -> Integers:
+def _telling(peaks: Floats, where: Integers) -> Integers:
+    """The frames in which channels have their peaks, the largest first."""
     ranked = where[np.argsort(-peaks, kind="stable")]
     _, first = np.unique(ranked, return_index=True)
-    spread = np.linspace(0, samples - 1, SPREAD).round().astype(np.int64)
-    return np.unique(np.concatenate([ranked[np.sort(first)][:PEAKS], spread]))
+    return ranked[np.sort(first)][:PEAKS]

@@ -33,6 +33,8 @@ LOADS_AT_ONCE = 1 << 22
 """Load components held at once: scenes with very many loads are computed in smaller pieces."""
 CHUNK_ON_DEVICE = 16_384
 """Frames sent to an OpenCL device at once."""
+WITHOUT_EFFECTS = ("_fingers", "_load_counts", "_methods", "_device")
+"""What a scene keeps of itself that no effect changes."""
 FULL_SCALE = 0.1
 """Largest strain the electronics are made for, unless a scene says otherwise: the paper's needle just reaches it."""
 
@@ -149,12 +151,20 @@ class Scene:
         return self._field(finger, 0, times, DIRECT).loads
 
     def _field(self, finger: int, first: int, times: Floats, method: Summation) -> Field:
-        mine = tuple(contact for contact in (*self.loads, *self.contacts) if contact.finger == finger)
-        array = self.arrays[finger]
+        mine, taxels, medium = self._fingers[finger]
         return Field(
-            array, self.medium(finger), times, first, mine, Taxels.of(array),
+            self.arrays[finger], medium, times, first, mine, taxels,
             method=method, accuracy=self.accuracy, bumps=self.bumps, device=self._device,
         )  # fmt: skip
+
+    @cached_property
+    def _fingers(self) -> list[tuple[tuple[Contact, ...], Taxels, Medium]]:
+        """What presses on every finger, its taxels and its cover, which are the same in all pieces."""
+        pressing = (*self.loads, *self.contacts)
+        return [
+            (tuple(one for one in pressing if one.finger == finger), Taxels.of(array), self.medium(finger))
+            for finger, array in enumerate(self.arrays)
+        ]
 
     def loads_at(self, finger: int, times: Floats) -> Floats:
         """Return the (times, contacts, 5) rows (x, y, Q, R, F) on a finger: what a localiser should find.
@@ -185,16 +195,21 @@ class Scene:
         for first, piece in times:
             yield self._field(finger, first, piece, self.method(finger))
 
+    def field(self, finger: int, times: Floats) -> Field:
+        """The field at the taxels, without effects, at any times [s]."""
+        return self._field(finger, 0, times, self.method(finger))
+
     def pieces(self, finger: int) -> Iterator[tuple[int, Floats]]:
         """(first frame, times) of the pieces in which a finger's frames are computed."""
         most = CHUNK if self.backend == "cpu" else CHUNK_ON_DEVICE
-        count = max(1, min(most, LOADS_AT_ONCE // max(1, COLUMNS * self._load_count(finger))))
+        count = max(1, min(most, LOADS_AT_ONCE // max(1, COLUMNS * self._load_counts[finger])))
         for start in range(0, self.samples, count):
             yield start, np.arange(start, min(start + count, self.samples)) / self.rate
 
-    def _load_count(self, finger: int) -> int:
-        loads = self.finger_loads(finger, np.zeros(1))
-        return loads.points.shape[1] + sum(disc.radii.shape[1] for disc in loads.discs)
+    @cached_property
+    def _load_counts(self) -> list[int]:
+        loads = [self.finger_loads(finger, np.zeros(1)) for finger in range(len(self.arrays))]
+        return [one.points.shape[1] + sum(disc.radii.shape[1] for disc in one.discs) for one in loads]
 
     def random(self, name: str, finger: int) -> np.random.Generator:
         """The generator of one effect on one finger."""
@@ -237,5 +252,7 @@ class Scene:
                 yield Frame(finger, t, sequence, batch.values[k], batch.valid[k])
 
     def with_effects(self, effects: Iterable[tuple[str, Any]]) -> "Scene":
-        """The same scene with other effects."""
-        return replace(self, effects=tuple(effects))
+        """The same scene with other effects, and with what was found out about it without any."""
+        made = replace(self, effects=tuple(effects))
+        made.__dict__.update({name: self.__dict__[name] for name in WITHOUT_EFFECTS if name in self.__dict__})
+        return made
