@@ -6,6 +6,7 @@ import numpy as np
 
 from cnnsim.support import Floats
 from tactile.core.loads import F
+from tactile.simulator.contacts.rig import POINT
 from tactile.simulator.field import Field
 
 
@@ -20,7 +21,12 @@ def raised(field: Field, rise: float, needle: float) -> float:
         return np.zeros_like(places), np.full(len(places), rise)
 
     forces = field.loads.totals[..., F]
-    pressed = replace(field, rig=field.rig.with_move(move, needle)).loads.totals[..., F]
-    factor = np.where(forces != 0, pressed / np.where(forces != 0, forces, 1), 1.0)
+    if rise == 0:
+        return 0.0
+    if field.at_points:  # all by the law of the tip, at one go
+        factor = POINT.held_factor(forces, np.full(forces.shape, rise), field.medium, needle)
+    else:
+        pressed = replace(field, rig=field.rig.with_move(move, needle)).loads.totals[..., F]
+        factor = np.where(forces != 0, pressed / np.where(forces != 0, forces, 1), 1.0)
     readings = np.abs(field.values).reshape(len(forces), -1).max(axis=1, initial=0)
     return float((np.abs(factor - 1).max(axis=1, initial=0) * readings).max(initial=0))

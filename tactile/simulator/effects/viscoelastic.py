@@ -70,13 +70,14 @@ class Viscoelastic:
             keep = np.exp(-steps)
             take = np.where(steps > 0, -np.expm1(-steps) / np.where(steps > 0, steps, 1), 1.0)
             out = np.empty_like(flat)
-            _recur(flat, before, inner, keep, take, shares, out)
+            recur(flat, before, inner, keep, take, shares, out)
             last = float(batch.t[-1]) if len(batch.t) else last
             yield replace(batch, values=out.reshape(batch.values.shape))
 
 
 @kept_njit()
-def _recur(x, before, inner, keep, take, shares, out):  # type: ignore[no-untyped-def]  # numba types it at the call
+def recur(x, before, inner, keep, take, shares, out):  # type: ignore[no-untyped-def]  # numba types it at the call
+    """Put x - sum of shares (x - h) into ``out`` (n, channels), h from ``inner`` on as the recursion has it."""
     for n in range(x.shape[0]):
         for c in range(x.shape[1]):
             out[n, c] = x[n, c]

@@ -2,13 +2,15 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 
 from cnnsim.support import InputError
+from tactile.simulator.effect import is_off
 from tactile.simulator.effects import ORDER, Effect, effect_class
-from tactile.simulator.scene.effect_bounds import EffectBounds, LeftOut, Named
+from tactile.simulator.scene.effect_bounds import EffectBounds, Named
+from tactile.simulator.scene.finger_bounds import LeftOut
 from tactile.simulator.scene.scene import Scene
 
 MOMENTS = 64
@@ -19,17 +21,29 @@ MOMENTS = 64
 class Choice:
     """What the automatic choice decided.
 
-    ``scene`` with the chosen effects; ``sizes``: bound of what every effect changes with the others on, relative to the
-    peak; ``left_out``: those of the effects that are off; ``together``: effects smaller than the tolerance that are on
-    because with them the others left out would exceed it; ``bound``: of the error against everything on.
+    ``scene`` with the chosen effects; ``off``: those that it leaves out; ``bound``: of the error against everything on.
     """
 
     scene: Scene
     tolerance: float
-    sizes: dict[str, float]
-    left_out: dict[str, float]
-    together: tuple[str, ...]
+    off: frozenset[str]
     bound: float
+    bounds: EffectBounds
+
+    @cached_property
+    def sizes(self) -> dict[str, float]:
+        """Bound of what every effect changes with the others on, relative to the peak."""
+        return self.bounds.sizes()
+
+    @property
+    def left_out(self) -> dict[str, float]:
+        """Those of the effects that are off."""
+        return {name: size for name, size in self.sizes.items() if name in self.off}
+
+    @property
+    def together(self) -> tuple[str, ...]:
+        """Effects smaller than the tolerance that are on because with them what is left out would exceed it."""
+        return tuple(name for name, size in self.sizes.items() if name not in self.off and size <= self.tolerance)
 
 
 def candidates(scene: Scene) -> list[Named]:
@@ -89,8 +103,17 @@ def choose(scene: Scene, tolerance: float) -> Choice:
         raise InputError(f"tolerance {tolerance}, a positive number wanted")
     effects = all_effects(scene)
     bounds = EffectBounds(scene, effects, tolerance=tolerance)
+    off, joint = {name for name, effect in effects if is_off(effect)}, 0.0
+    if not bounds.coarse:
+        off, joint = _negligible(bounds, tolerance)
+    chosen = scene.with_effects((name, effect) for name, effect in effects if name not in off)
+    return Choice(chosen, tolerance, frozenset(off), joint, bounds)
+
+
+def _negligible(bounds: EffectBounds, tolerance: float) -> tuple[set[str], float]:
+    """What can be left out, and the bound of the error."""
     sizes = bounds.sizes()
-    fields = {name for name, effect in effects if effect.STAGE == "field"}
+    fields = {name for name, effect in bounds.effects if effect.STAGE == "field"}
     order = sorted(sizes, key=lambda name: (name not in fields, sizes[name]))
     off, joint = _left_out(bounds, order, fields, sizes, tolerance)
     while bounds.bends(off):
@@ -100,9 +123,7 @@ def choose(scene: Scene, tolerance: float) -> Choice:
         # it does more beside the others than alone, as Poisson's ratio at the bottom of a layer
         order.remove(max(off & fields, key=lambda name: sizes[name]))
         off, joint = _left_out(bounds, order, fields, sizes, tolerance)
-    chosen = scene.with_effects((name, effect) for name, effect in effects if name not in off)
-    together = tuple(name for name in sizes if name not in off and sizes[name] <= tolerance)
-    return Choice(chosen, tolerance, sizes, {n: sizes[n] for n in sizes if n in off}, together, joint)
+    return off, joint
 
 
 def _left_out(

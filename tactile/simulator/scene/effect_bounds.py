@@ -2,9 +2,9 @@
 
 from collections.abc import Container, Iterable
 from copy import copy
-from dataclasses import dataclass, field, replace
-from functools import reduce
-from typing import Any, NamedTuple
+from dataclasses import replace
+from functools import cached_property, reduce
+from typing import Any
 
 import numpy as np
 
@@ -12,13 +12,12 @@ from cnnsim.support import Floats
 from tactile.simulator.effect import is_off
 from tactile.simulator.field import Field
 from tactile.simulator.scene.extremes import Extremes, extremes
+from tactile.simulator.scene.finger_bounds import SAFE, FingerBounds, LeftOut, largest
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.scene.trials import pays
-from tactile.simulator.seen import RARE, Seen
+from tactile.simulator.seen import Seen
 
 Named = tuple[str, Any]
-SAFE = 1.25
-"""What is found on the frames that tell most may be so many times larger on another one."""
 SMALL, LARGE = 0.25, 5.0
 """Bounds of an effect, in tolerances, between which it is tried: most effects do a third of their bound."""
 SURE = 2.0
@@ -29,58 +28,6 @@ COARSEST = 1e-3
 """Accuracy of trials at most: what effects change is a difference of two fields."""
 _NOTHING = np.random.default_rng(0)
 """What is drawn by effects that draw nothing."""
-
-
-@dataclass
-class FingerBounds:
-    """What the effects change in the readings of one finger, at most.
-
-    ``terms``: name -> what a fixed effect on fields changes in the frames tried; ``reach``: name -> what any other
-    effect changes at its place in the chain, those in ``normal`` adding up by their squares; ``growth``: name -> by
-    what that may grow behind it; ``grains``: name -> what the smallest change before it may become, and the chance of
-    that per unit of change.
-    """
-
-    terms: dict[str, Floats] = field(default_factory=dict)
-    reach: dict[str, float] = field(default_factory=dict)
-    normal: set[str] = field(default_factory=set)
-    growth: dict[str, float] = field(default_factory=dict)
-    grains: dict[str, tuple[float, float]] = field(default_factory=dict)
-    whole: Floats = field(default_factory=lambda: np.zeros(1))
-
-    def size(self, name: str) -> float:
-        """What one effect changes."""
-        reach = _largest(self.terms[name]) * SAFE if name in self.terms else self.reach[name]
-        return reach * self.growth[name]
-
-    def without(self, left: "LeftOut", name: str) -> "LeftOut":
-        """The same with one more effect left out."""
-        names, terms, growth, plain, squares = left
-        if name in self.terms:
-            terms, growth = terms + self.terms[name], max(growth, self.growth[name])
-        elif name in self.normal:
-            squares += (self.reach[name] * self.growth[name]) ** 2
-        else:
-            plain += self.reach[name] * self.growth[name]
-        return LeftOut(names | {name}, terms, growth, plain, squares)
-
-    def change(self, left: "LeftOut") -> float:
-        """What leaving these out changes: the sum of what each does."""
-        fixed = SAFE * _largest(left.terms) * left.growth if left.growth else 0.0
-        total = fixed + left.plain + left.squares**0.5
-        return total + sum(
-            g for name, (g, chance) in self.grains.items() if name not in left.names and total * chance > RARE
-        )
-
-
-class LeftOut(NamedTuple):
-    """Effects that are left out on one finger, and the sums of what they change: see ``FingerBounds``."""
-
-    names: frozenset[str] = frozenset()
-    terms: Floats = np.zeros(1)
-    growth: float = 0.0
-    plain: float = 0.0
-    squares: float = 0.0
 
 
 class EffectBounds:
@@ -96,17 +43,31 @@ class EffectBounds:
         self, scene: Scene, effects: Iterable[Named], on: Container[str] | None = None, tolerance: float = 0.0
     ) -> None:
         self.effects, self._tolerance = list(effects), tolerance
-        self._on = {name for name, _ in self.effects if on is None or name in on}
-        ideal = [extremes(scene, finger) for finger in range(len(scene.arrays))]
-        self._samples = scene.samples
-        largest = max(one.seen.largest for one in ideal)
-        self.peak = largest or max(scene.full_scale * scene.unit(0), float(np.finfo(float).tiny))
-        rough = max(scene.accuracy, min(tolerance / 30, COARSEST))
-        self._fields, self._first = [
-            [replace(scene.field(n, at), trial=True, accuracy=rough) for n, at in enumerate(times)]
-            for times in ([one.times for one in ideal], [one.foremost for one in ideal])
-        ]
-        self.fingers = [self._bound(*one) for one in zip(self._fields, self._first, ideal, strict=True)]
+        self._on = {name for name, effect in self.effects if (on is None or name in on) and not is_off(effect)}
+        self._scene = scene
+        self._ideal = [extremes(scene, finger) for finger in range(len(scene.arrays))]
+        highest = max(one.seen.largest for one in self._ideal)
+        self.peak = highest or max(scene.full_scale * scene.unit(0), float(np.finfo(float).tiny))
+
+    @cached_property
+    def fingers(self) -> list[FingerBounds]:
+        """Those of every finger, found when they are asked for."""
+        return [self._bound(*both) for both in zip(self._every, self._ideal, strict=True)]
+
+    @cached_property
+    def _every(self) -> list[Field]:
+        return [self._trial(finger, one.times) for finger, one in enumerate(self._ideal)]
+
+    def _trial(self, finger: int, times: Floats) -> Field:
+        rough = max(self._scene.accuracy, min(self._tolerance / 30, COARSEST))
+        return replace(self._scene.field(finger, times), trial=True, accuracy=rough)
+
+    @property
+    def coarse(self) -> bool:
+        """Whether a converter's steps are so coarse that it is on, and nothing before it may be left out."""
+        most = 2 * self._tolerance * self.peak
+        converters = [effect for name, effect in self.effects if name in self._on and hasattr(effect, "grain")]
+        return any(effect.grain(one.seen) > most for effect in converters for one in self._ideal)
 
     def sizes(self) -> dict[str, float]:
         """The bound of every effect relative to the peak."""
@@ -129,7 +90,7 @@ class EffectBounds:
         """The same bounds, where what fixed effects on fields change is what those left out do together."""
         made = copy(self)
         made.fingers = []
-        for given, old in zip(self._fields, self.fingers, strict=True):
+        for given, old in zip(self._every, self.fingers, strict=True):
             gone = [name for name in old.terms if name in off]
             if len(gone) > 1:  # the first of them stands for all
                 terms = dict.fromkeys(gone[1:], np.zeros(1)) | {gone[0]: old.whole - self._acted(given, off).values}
@@ -148,9 +109,9 @@ class EffectBounds:
                 now = _after(effect, now)
         return now
 
-    def _bound(self, given: Field, first: Field, ideal: Extremes) -> FingerBounds:
+    def _bound(self, given: Field, ideal: Extremes) -> FingerBounds:
         found, shaken, most = FingerBounds(), 0.0, 0.0
-        full, soon = self._acted(given, ()), self._acted(first, ())
+        trial = _Trial(self, given, ideal)
         for name, effect in self.effects:
             if effect.STAGE != "field":
                 continue
@@ -164,11 +125,11 @@ class EffectBounds:
                 most += bound if name in self._on else 0.0
                 found.reach[name] = bound * ideal.seen.largest
                 if SMALL < bound / (self._tolerance or 1.0) < LARGE or not np.isfinite(bound):
-                    self._try(name, effect, found, (given, full), (first, soon))
+                    self._try(name, effect, found, trial)
         if found.terms:
-            found.whole = full.values
+            found.whole = trial.every[1].values
         if found.terms or most > FAR:
-            seen = _behind(ideal.seen, full if found.terms else soon)
+            seen = _behind(ideal.seen, (trial.every if found.terms else trial.few)[1])
         else:
             seen = ideal.seen.after(most * ideal.seen.largest, False)
         seen = seen.after(shaken, True)
@@ -192,29 +153,45 @@ class EffectBounds:
                 found.normal.add(name)
         return found
 
-
-    def _try(
-        self, name: str, effect: Any, found: FingerBounds, every: tuple[Field, Field], few: tuple[Field, Field]
-    ) -> None:
+    def _try(self, name: str, effect: Any, found: FingerBounds, trial: "_Trial") -> None:
         """Find what a fixed effect on fields changes on the frames that tell most, where that may pay.
 
         Much on the first of them settles that it stays.
         """
-        if not self._tolerance:
-            found.terms[name] = self._change(name, effect, *every)
-        elif pays(effect, few[0], self._samples, len(every[0].times)):
-            change = _largest(self._change(name, effect, *few))
+        given = trial.given
+        if self._tolerance:
+            if not pays(effect, given, self._scene.samples, len(given.times)):
+                return
+            change = largest(self._change(name, effect, *trial.few))
             if change > SURE * self._tolerance * self.peak:
                 found.reach[name] = change * SAFE
-            else:
-                found.terms[name] = self._change(name, effect, *every)
-        if name in found.terms:
-            found.reach.pop(name)
+                return
+        found.terms[name] = self._change(name, effect, *trial.every)
+        del found.reach[name]
 
     def _change(self, name: str, effect: Any, given: Field, full: Field) -> Floats:
         if name in self._on:
             return full.values - self._acted(given, {name}).values
         return _after(effect, full).values - full.values
+
+
+class _Trial:
+    """The fields of a finger without effects and with all that are fixed, computed when they are asked for.
+
+    ``every``: on the frames that tell most; ``few``: on the first of those.
+    """
+
+    def __init__(self, bounds: EffectBounds, given: Field, ideal: Extremes) -> None:
+        self.given, self._bounds, self._ideal = given, bounds, ideal
+
+    @cached_property
+    def every(self) -> tuple[Field, Field]:
+        return self.given, self._bounds._acted(self.given, ())
+
+    @cached_property
+    def few(self) -> tuple[Field, Field]:
+        first = replace(self.given, times=self._ideal.foremost)
+        return first, self._bounds._acted(first, ())
 
 
 def _asked(effect: Any, what: str, else_: float, *given: Any) -> float:
@@ -227,12 +204,8 @@ def _after(effect: Any, now: Field) -> Field:
     return end
 
 
-def _largest(values: Any) -> float:
-    return float(np.abs(values).max(initial=0))
-
-
 def _behind(seen: Seen, now: Field) -> Seen:
     """The bounds of the ideal field, behind effects on it, from the frames that tell most."""
-    scale = SAFE * _largest(now.values) / seen.largest if seen.largest > 0 else 1.0
+    scale = SAFE * largest(now.values) / seen.largest if seen.largest > 0 else 1.0
     low, high = seen.normal
     return replace(seen, largest=seen.largest * scale, normal=(low * scale, high * scale), change=seen.change * scale)

@@ -7,7 +7,10 @@ import numpy as np
 
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
+from tactile.simulator.effects.viscoelastic import recur
 from tactile.simulator.seen import Seen
+
+ALL = np.ones(1)
 
 
 @effect("frames", assumed=False)
@@ -26,15 +29,15 @@ class LowPass:
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Smoothed frames."""
-        before, lag, last = np.zeros(0), np.zeros(0), 0.0
+        before, lag, last = np.zeros(0), np.zeros((0, 0)), 0.0
         for batch in stream:
-            values = np.empty_like(batch.values)
-            for n, (t, x) in enumerate(zip(batch.t.tolist(), batch.values, strict=True)):
-                if not before.size:
-                    before, lag, last = x, np.zeros_like(x), t
-                step = max(t - last, 0.0) / self.time
-                # the lag x - y decays, and grows with the slope of x
-                grown = -np.expm1(-step) / step if step > 0 else 1.0
-                lag = np.exp(-step) * lag + grown * (x - before)
-                values[n], before, last = x - lag, x, t
-            yield replace(batch, values=values)
+            flat = batch.values.reshape(len(batch.t), -1)
+            if not before.size and len(flat):
+                before, lag, last = flat[0].copy(), np.zeros((1, flat.shape[1])), float(batch.t[0])
+            steps = np.maximum(np.diff(batch.t, prepend=last), 0)[:, None] / self.time
+            # the lag x - y decays, and grows with the slope of x: what relaxes of it, whole, is left
+            grown = np.where(steps > 0, -np.expm1(-steps) / np.where(steps > 0, steps, 1), 1.0)
+            late = np.empty_like(flat)
+            recur(flat, before, lag, np.exp(-steps), grown, ALL, late)
+            last = float(batch.t[-1]) if len(batch.t) else last
+            yield replace(batch, values=(flat - late).reshape(batch.values.shape))

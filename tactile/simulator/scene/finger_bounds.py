@@ -1,0 +1,69 @@
+"""Bounds of what effects change in the readings of one finger, one by one and left out together."""
+
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cnnsim.support import Floats
+from tactile.simulator.seen import RARE
+
+SAFE = 1.25
+"""What is found on the frames that tell most may be so many times larger on another one."""
+
+
+@dataclass
+class FingerBounds:
+    """What the effects change in the readings of one finger, at most.
+
+    ``terms``: name -> what a fixed effect on fields changes in the frames tried; ``reach``: name -> what any other
+    effect changes at its place in the chain, those in ``normal`` adding up by their squares; ``growth``: name -> by
+    what that may grow behind it; ``grains``: name -> what the smallest change before it may become, and the chance of
+    that per unit of change.
+    """
+
+    terms: dict[str, Floats] = field(default_factory=dict)
+    reach: dict[str, float] = field(default_factory=dict)
+    normal: set[str] = field(default_factory=set)
+    growth: dict[str, float] = field(default_factory=dict)
+    grains: dict[str, tuple[float, float]] = field(default_factory=dict)
+    whole: Floats = field(default_factory=lambda: np.zeros(1))
+
+    def size(self, name: str) -> float:
+        """What one effect changes."""
+        reach = largest(self.terms[name]) * SAFE if name in self.terms else self.reach[name]
+        return reach * self.growth[name]
+
+    def without(self, left: "LeftOut", name: str) -> "LeftOut":
+        """The same with one more effect left out."""
+        names, terms, growth, plain, squares = left
+        if name in self.terms:
+            terms, growth = terms + self.terms[name], max(growth, self.growth[name])
+        elif name in self.normal:
+            squares += (self.reach[name] * self.growth[name]) ** 2
+        else:
+            plain += self.reach[name] * self.growth[name]
+        return LeftOut(names | {name}, terms, growth, plain, squares)
+
+    def change(self, left: "LeftOut") -> float:
+        """What leaving these out changes: the sum of what each does."""
+        fixed = SAFE * largest(left.terms) * left.growth if left.growth else 0.0
+        total = fixed + left.plain + left.squares**0.5
+        return total + sum(
+            g for name, (g, chance) in self.grains.items() if name not in left.names and total * chance > RARE
+        )
+
+
+class LeftOut(NamedTuple):
+    """Effects that are left out on one finger, and the sums of what they change: see ``FingerBounds``."""
+
+    names: frozenset[str] = frozenset()
+    terms: Floats = np.zeros(1)
+    growth: float = 0.0
+    plain: float = 0.0
+    squares: float = 0.0
+
+
+def largest(values: Any) -> float:
+    """The largest of absolute values, 0 of none."""
+    return float(np.abs(values).max(initial=0))
