@@ -22,7 +22,7 @@ SMALL, LARGE = 0.25, 5.0
 """Bounds of an effect, in tolerances, between which it is tried: most effects do a third of their bound."""
 SURE = 2.0
 """What changes so many tolerances on the first frames tried stays: others could hardly make up for it."""
-FAR = 0.5
+FAR = 2.0
 """Share of the peak from which bounds of all effects on fields together are too loose for what acts behind them."""
 COARSEST = 1e-3
 """Accuracy of trials at most: what effects change is a difference of two fields."""
