@@ -17,7 +17,7 @@ from tactile.inverse.attempt import DOUBT, Attempt, Taxels
 from tactile.inverse.load import INF, NAN, Load
 from tactile.inverse.validity import Validity
 from tactile.inverse.weights import Weights, weigh
-from tactile.inverse.windows import Window, false_taxels, windows_of
+from tactile.inverse.windows import Window, false_taxels, may_be_many, windows_of
 
 
 def localise(
@@ -62,9 +62,9 @@ def localise(
         marked = (planes[:, 3] == Validity.INVALID).any()
         named = () if saturated is None else _named(saturated)
         return Load(validity=Validity.INVALID if marked else Validity.NO_LOAD, saturated=named)
-    windows = windows_of(at, planes, taxels)
+    found = taxels.attempt(taxels.order)
+    windows = windows_of(at, planes, taxels) if may_be_many(taxels, found) else None
     if windows is None:
-        found = taxels.attempt(taxels.order)
         windows = [Window(taxels, explained(taxels, found) if taxels.order.size >= 4 else found, (0, 0))]
     loads = [load for window in windows for load in _loads(window)]
     load = loads[0]

@@ -26,6 +26,8 @@ LEAST = 0.05
 """A peak of a load is so high, over the highest: side lobes of one that shears and presses are not."""
 QUIET, SURE = 0.1, 12.0
 """A peak is so many times what so many of the taxels feel at most: among a million of noise none is."""
+NOISE = 6.0
+"""Of normal noise nothing is so many standard deviations large on a million taxels."""
 COARSE = 1.5
 """Pitches [depths] up to which a load is felt by the neighbours of the taxel that feels it most, ..."""
 ALONE = 0.05
@@ -44,14 +46,25 @@ class Window(NamedTuple):
     corner: tuple[int, int]
 
 
+def may_be_many(taxels: Taxels, one: Attempt) -> bool:
+    """Whether a pad is so large that peaks are looked for, and one load leaves as much at a taxel as another's makes.
+
+    What is within the noise that is left is none.
+    """
+    if min(taxels.shape) <= LARGE or _pitch(taxels) > COARSE * taxels.depth:
+        return False
+    fit = one.fit
+    left = float(np.abs(fit.rest).max())
+    if left < LEAST / 2:  # what reads falsely leaves more
+        return False
+    return fit.foreign is not None or not left < NOISE * (fit.chi / max(fit.free, 1)) ** 0.5
+
+
 def windows_of(at: Floats, planes: Floats, taxels: Taxels) -> list[Window] | None:
     """Return the windows of a pad and what each of them finds, the strongest first; None if one has all the loads.
 
     ``at`` (rows, cols, 2) [m], ``planes`` (families, 4, rows cols) of all taxels.
     """
-    rows, cols = taxels.shape
-    if min(rows, cols) <= LARGE or _pitch(taxels) > COARSE * taxels.depth:
-        return None
     groups = _groups(_peaks(taxels), at, taxels)
     if len(groups) < 2:
         return None

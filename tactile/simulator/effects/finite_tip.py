@@ -23,10 +23,13 @@ class FiniteTip:
     radius: float = parameter(50e-6, key="radius_um", unit=1e-6, none=0.0)
 
     def most(self, field: Field) -> float:
-        """Bound of the change over the largest reading: of the square of the contact's radius, Hertz' at most."""
+        """Bound of the change over the largest reading: of the square of the contact's radius, Hertz' at most.
+
+        Half as much again as any of some thousand draws of forces and places over four taxels.
+        """
         forces = field.loads.totals[..., F].max(initial=0)
         widest = min(self.radius, float(np.cbrt(0.75 * forces * self.radius / field.medium.modulus)))
-        return 4.0 * (widest / field.array.depth) ** 2
+        return 9.0 * (widest / field.array.depth) ** 2
 
     def saves(self, field: Field) -> float:
         """Share of a frame's time: points are summed faster; where there are none, nothing."""

@@ -26,7 +26,7 @@ class CoverError:
         """Bound of the change over the largest reading: it falls off like 1 / z^3 at most."""
         x, y = np.moveaxis(np.abs(field.taxels.places - field.array.origin), -1, 0)
         thicker = abs(self.error) + abs(self.gradient_x) * x + abs(self.gradient_y) * y
-        return 3.2 * float(thicker.max()) / field.array.depth
+        return 4.5 * float(thicker.max()) / field.array.depth
 
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields under the cover as it is."""

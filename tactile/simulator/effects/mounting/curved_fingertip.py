@@ -27,7 +27,7 @@ class CurvedFingertip:
         if not field.at_points:
             return np.inf
         apart = float(((field.taxels.places - field.array.origin) ** 2).sum(axis=-1).max())
-        return 3.2 * (apart / (2 * self.radius) / field.array.depth)
+        return 4.5 * (apart / (2 * self.radius) / field.array.depth)
 
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields under the dome."""

@@ -21,7 +21,9 @@ from tactile.simulator.effects.quantisation import Quantisation
 from tactile.simulator.effects.read_noise import ReadNoise
 from tactile.simulator.effects.strain_nonlinearity import StrainNonlinearity
 from tactile.simulator.effects.surface_waviness import SurfaceWaviness
+from tactile.simulator.effects.taxel_area import TaxelArea
 from tactile.simulator.effects.viscoelastic import Viscoelastic
+from tactile.simulator.field import Field
 from tactile.simulator.scene.auto_effects import candidates, choose
 from tactile.simulator.scene.effect_bounds import EffectBounds
 from tactile.simulator.scene.extremes import extremes
@@ -159,3 +161,41 @@ def test_a_choice_is_kept_beside_its_scene_and_the_files_it_reads(tmp_path: Path
     table = tomllib.loads(text) | {"contact": [{"shape": "height_map", "file": "key.npy"}]}
     with pytest.raises(InputError, match="reads files beside it"):
         write_choice(path, table, choose(read_scene(SCENES / "needle.toml"), 0.1), tmp_path / "other" / "kept.toml")
+
+
+def test_bounds_that_need_no_trial_hold_over_seeds() -> None:
+    # 329, 92, 266 and 219 are the worst of 700 draws
+    for seed in (329, 92, 266, 219, *range(12)):
+        scene = random_scene(np.random.default_rng(910_000 + seed))
+        times = np.arange(0, scene.samples, max(1, scene.samples // 24)) / scene.rate
+        field = replace(scene.field(0, times), accuracy=1e-5, trial=True)
+        peak = np.abs(field.values).max()
+        for name, effect in scene.effects:
+            if name in ("finite_tip", "taxel_area", "misplacement", "curved_fingertip", "cover_error", "poisson_ratio"):
+                (after,) = effect(iter([field]), np.random.default_rng(0))
+                change = np.abs(after.values - field.values).max() / peak
+                assert change <= effect.most(field) * (1 + 1e-9), (seed, name)
+
+
+def test_a_short_scene_is_chosen_by_bounds_and_a_long_one_by_trials(monkeypatch: pytest.MonkeyPatch) -> None:
+    computed, bare = [0], Field.values.func
+
+    def counted(field: Field) -> Any:
+        computed[0] += 1
+        return bare(field)
+
+    monkeypatch.setattr(Field.values, "func", counted)
+    trials = {}
+    for frames in (200, 20_000):
+        scene = replace(needle(("finite_tip", FiniteTip(2e-5)), ("taxel_area", TaxelArea(3e-5))), rate=float(frames))
+        computed[0] = 0
+        choice = choose(scene, 0.02)
+        passes = -(-frames // 512)
+        trials[frames] = computed[0] - passes
+        assert error(choice.scene, everything(scene)) <= 0.02
+    assert trials[200] == 0
+    assert trials[20_000] > 0
+    coarse = needle(("read_noise", ReadNoise(2e-4)), ("quantisation", Quantisation(4, 1.5)))
+    computed[0] = 0
+    choose(coarse, 0.02)
+    assert computed[0] == 1
