@@ -178,13 +178,14 @@ def test_bounds_that_need_no_trial_hold_over_seeds() -> None:
 
 
 def test_a_short_scene_is_chosen_by_bounds_and_a_long_one_by_trials(monkeypatch: pytest.MonkeyPatch) -> None:
-    computed, bare = [0], Field.values.func
+    computed, values = [0], vars(Field)["values"]
+    bare = values.func
 
     def counted(field: Field) -> Any:
         computed[0] += 1
         return bare(field)
 
-    monkeypatch.setattr(Field.values, "func", counted)
+    monkeypatch.setattr(values, "func", counted)
     trials = {}
     for frames in (200, 20_000):
         scene = replace(needle(("finite_tip", FiniteTip(2e-5)), ("taxel_area", TaxelArea(3e-5))), rate=float(frames))
