@@ -7,17 +7,17 @@ import numpy as np
 
 from cnnsim.accuracy.choice import choose
 from cnnsim.accuracy.corrected import by_corrected_steps, is_correctable, is_corrected
-from cnnsim.accuracy.jumps import at_a_jump
 from cnnsim.accuracy.kink_to_kink import affordable_kinks, by_kinks
 from cnnsim.accuracy.ladder import Ladder
 from cnnsim.accuracy.plain_signs import by_plain_signs
 from cnnsim.accuracy.repeatable import LEAST_CELLS, Reached, Repeatable, largest
 from cnnsim.accuracy.steps import by_steps, longest_step
 from cnnsim.accuracy.to_rest import to_rest
+from cnnsim.accuracy.uncoupled.closed import by_closed_form
+from cnnsim.accuracy.uncoupled.jumps import jumps_of_last_digits
 from cnnsim.accuracy.wanted import Wanted
 from cnnsim.backends import in_float64
 from cnnsim.backends.base import Backend
-from cnnsim.backends.reference.drive import control
 from cnnsim.planning.general import delays_of
 from cnnsim.planning.plan import Plan
 from cnnsim.planning.scheme import EULER, RK4, Scheme
@@ -38,14 +38,14 @@ def reach(transient: Repeatable, backend: Backend, wanted: Wanted) -> Reached:
         where, told = in_float64(backend), f"; in float64, as float32 cannot give {wanted}"
         if where.dtype != "float64":
             raise InputError(f"accuracy {wanted}: the device has no float64, and float32 cannot give it")
-    edge = at_a_jump(plan, transient.planes[0].shape, transient.planes[1], where.dtype)
-    if edge is not None and edge.any() and (finer := in_float64(backend)).dtype != where.dtype:
+    jumps = jumps_of_last_digits(plan, transient.planes[0].shape, transient.planes[1], where.dtype)
+    if jumps is not None and (finer := in_float64(backend)).dtype != where.dtype:
         where, told = finer, "; in float64, as inputs lie at the edge of a step of a table"
-        edge = at_a_jump(plan, transient.planes[0].shape, transient.planes[1], where.dtype)
+        jumps = jumps_of_last_digits(plan, transient.planes[0].shape, transient.planes[1], where.dtype)
     if plan.cell == "discrete-time":
         found = transient.once(where, "discrete time has no error")
     elif plan.method == "closed form":
-        found = _closed(transient, where)
+        found = by_closed_form(transient, where, jumps)
     elif plan.duration == "settled":
         found = to_rest(transient, where, wanted)
     elif not plan.duration:
@@ -54,26 +54,11 @@ def reach(transient: Repeatable, backend: Backend, wanted: Wanted) -> Reached:
         found = _by_sample(transient, sample, where, wanted)
     else:
         found = _by_steps(transient, where, wanted)
-    if edge is not None and edge.any():
+    if jumps is not None:
+        edge = found.undecided & (jumps > 0) if plan.method == "closed form" else jumps > 0
         found = replace(found, undecided=found.undecided | edge)
         told += f"; at {int(edge.sum())} cells the last digit of the input decides"
     return replace(found, how=f"accuracy {wanted}: {found.how}{told}")
-
-
-def _closed(transient: Repeatable, where: Backend) -> Reached:
-    """One run: what rounding has added grows with the state, and with exp((a - 1) t) while a cell is linear."""
-    found = transient.once(where, "each cell has an exact solution")
-    plan = transient.plan
-    a, t = plan.template.self_feedback, min(found.t, 40.0)
-    size = max(1.0, largest(found.x))
-    push = control(plan, *transient.planes[:3]) if a > 1 else np.empty(0)
-    start = np.abs(push + (a - 1) * np.clip(transient.planes[0], -1, 1)) if a > 1 else np.ones(found.x.shape)
-    eps = float(np.finfo(where.dtype).eps)
-    y = plan.output(found.x)
-    unsure = (start <= 4 * eps * size) | ((np.abs(y) < 1) & (a > 1) & found.settled)
-    grown = math.exp(max(0.0, a - 1) * t) if not found.settled else 1.0
-    inside = float(np.abs(y).min()) < 1 and not found.settled
-    return replace(found, error=4 * eps * size * (grown if inside else 1.0), undecided=unsure)
 
 
 def _ladder(transient: Repeatable, where: Backend, plans: list[Plan], scheme: Scheme = RK4) -> Ladder:

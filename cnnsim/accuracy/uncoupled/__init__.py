@@ -1,0 +1,1 @@
+"""Cells that no neighbour's state reaches: exact ends, and what the last digit of an input decides of them."""
