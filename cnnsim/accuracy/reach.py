@@ -9,7 +9,7 @@ from cnnsim.accuracy.choice import choose
 from cnnsim.accuracy.corrected import by_corrected_steps, is_correctable, is_corrected
 from cnnsim.accuracy.kink_to_kink import affordable_kinks, by_kinks
 from cnnsim.accuracy.ladder import Ladder
-from cnnsim.accuracy.plain_signs import by_plain_signs
+from cnnsim.accuracy.plain_signs import CELLS, by_plain_signs
 from cnnsim.accuracy.repeatable import LEAST_CELLS, Reached, Repeatable, largest
 from cnnsim.accuracy.steps import by_steps, longest_step
 from cnnsim.accuracy.to_rest import to_rest
@@ -87,10 +87,12 @@ def _by_steps(transient: Repeatable, where: Backend, wanted: Wanted) -> Reached:
     kinks = affordable_kinks(plan, wanted) if transient.planes[0].ndim == 2 else 0
     if kinks > 0 and (exact := by_kinks(transient, kinks)) is not None:
         return replace(exact, x=exact.x.astype(where.dtype), error=max(exact.error, float(np.finfo(where.dtype).eps)))
-    if is_corrected(transient):
-        return by_corrected_steps(transient, where, wanted)
-    if wanted.signs and (plain := by_plain_signs(transient, where)) is not None:
+    corrected = is_corrected(transient)
+    quick = wanted.signs and (not corrected or transient.planes[0].size >= CELLS)
+    if quick and (plain := by_plain_signs(transient, where)) is not None:
         return plain
+    if corrected:
+        return by_corrected_steps(transient, where, wanted)
     ladder = _ladder(transient, where, plans)
     error, unsure, reached = ladder.climb(wanted)
     how = _how(ladder, plans[-1], wanted, reached)

@@ -8,7 +8,7 @@ import numpy as np
 
 from cnnsim.accuracy.at_rest import seen_to_the_end
 from cnnsim.accuracy.corrected import is_corrected
-from cnnsim.accuracy.linear.spectral import is_definite
+from cnnsim.accuracy.linear.spectral import is_definite, only_constants_last
 from cnnsim.accuracy.monotone import goes_one_way, is_cooperative
 from cnnsim.accuracy.repeatable import Reached, Repeatable
 from cnnsim.accuracy.steps import by_steps, longest_step
@@ -18,11 +18,13 @@ from cnnsim.backends.base import Backend
 from cnnsim.backends.reference.drive import control
 from cnnsim.planning.plan import Plan
 from cnnsim.planning.scheme import EULER
-from cnnsim.support import Array
+from cnnsim.support import Array, Flags
 
 _PARTS = (2.0, 1.0, 0.5, 0.125)
 """Of the plan's step: two runs that agree are enough."""
 _NEAR_THE_LIMIT = 0.75
+_NEAR = 2e-6
+"""How far from the one rest that there is signs are looked at."""
 _PUSH = 100
 """Roundings by which the start of every other run is pushed, so that what they decide comes out differently."""
 
@@ -32,7 +34,11 @@ def to_rest(transient: Repeatable, where: Backend, wanted: Wanted) -> Reached:
     plan = transient.plan
     if (once := _one_step(transient)) is not None:
         step, why = once
-        reached = _ended(transient, where, wanted, by_steps(plan, EULER, step) if step else plan)
+        goal = replace(wanted, error=_NEAR) if wanted.signs and not step else wanted  # a grey rest may be near to 0
+        reached = _ended(transient, where, goal, by_steps(plan, EULER, step) if step else plan)
+        if wanted.signs and not step:
+            near = np.abs(reached.x) <= reached.error
+            reached = replace(reached, undecided=reached.undecided | (near & (reached.x != 0)))
         return _said(reached, f"{why}; {reached.how}") if reached.settled else reached
     scheme = plan.scheme or EULER
     parts = [part for part in _PARTS if part <= 1 or plan.step * part <= _NEAR_THE_LIMIT * longest_step(plan, scheme)]
@@ -80,9 +86,22 @@ def _one_step(transient: Repeatable) -> tuple[float, str] | None:
     template = plan.template
     if is_cooperative(plan) and goes_one_way(plan, state, control(plan, state, u, bias), mask):
         return (1.0 if template.self_feedback >= 1 else 0.5), "no output ever turns round, so every step leads there"
-    if template.self_feedback < 1 and is_definite(template.feedback_taps, plan.boundary, decay=1e-9):
+    if is_definite(template.feedback_taps, plan.boundary, decay=1e-9):
         return 0.0, "there is one rest"
+    if _is_pinned(plan, mask):
+        return 0.0, "there is one rest that holds what is held"
     return None
+
+
+def _is_pinned(plan: Plan, mask: Flags | None) -> bool:
+    """Return whether I - A is definite among the free cells, as held ones or those beyond the edge pin all waves."""
+    taps, boundary = plan.template.feedback_taps, plan.boundary
+    if not is_definite(taps, boundary):
+        return False
+    if boundary.kind == "fixed":  # among finitely many cells no wave is nothing but one that lasts
+        return True
+    held = mask is not None and bool(mask.reshape(-1, *plan.shape).any(axis=(1, 2)).all())
+    return held and only_constants_last(taps, plan.shape, boundary)
 
 
 def _ended(

@@ -76,11 +76,16 @@ def timed_step(
     return step, f"as asked; certainly stable below {longest:.4g}"
 
 
+def is_whole_steps(times: Sequence[float], step: float) -> bool:
+    """Return whether all times are whole numbers of steps."""
+    return all(abs(max(1, round(time / step)) * step - time) <= 1e-9 * time for time in times)
+
+
 def check_whole_steps(times: Sequence[float], step: float) -> None:
     """Raise InputError if a time is no whole number of steps; the message has the nearest ones."""
     for time in times:
-        count = max(1, round(time / step))
-        if abs(count * step - time) > 1e-9 * time:
+        if not is_whole_steps([time], step):
+            count = max(1, round(time / step))
             raise InputError(
                 f"a delay, holding time or duration of {time:g} is {time / step:.6g} steps of {step:g}; a whole number "
                 f"wanted, nearest are the time {count * step:g} or the step {time / count:.6g}"

@@ -66,3 +66,17 @@ def is_definite(taps: tuple[Tap, ...], boundary: Boundary, *, decay: float = 0.0
     p = np.linspace(-np.pi, np.pi, 257)
     size = 1.0 - sum(weight * np.cos(k * p[:, None] + l * p) for k, l, weight in taps)
     return bool(np.min(size) >= decay - 1e-12 * np.max(np.abs(size)))
+
+
+@lru_cache(maxsize=16)
+def only_constants_last(taps: tuple[Tap, ...], shape: tuple[int, int], boundary: Boundary) -> bool:
+    """Return whether I - A leaves no wave of a grid as it is but constants; A and boundary as `is_definite` has them.
+
+    Held cells then leave none: a vector v of a semidefinite matrix M has v' M v = 0 only if M v = 0.
+    """
+    if boundary.kind == "fixed":
+        return False
+    p, q = (_frequencies(n, boundary) for n in shape)
+    size = 1.0 - sum(weight * np.cos(k * p[:, None] + l * q) for k, l, weight in taps)
+    size[0, 0] = size.max()
+    return bool(size.min() > 1e-9 * size.max())
