@@ -15,6 +15,7 @@ from cnnsim.accuracy.steps import by_steps, longest_step
 from cnnsim.accuracy.to_rest import to_rest
 from cnnsim.accuracy.uncoupled.closed import by_closed_form
 from cnnsim.accuracy.uncoupled.jumps import jumps_of_last_digits
+from cnnsim.accuracy.uncoupled.stairs import by_stairs, has_stairs
 from cnnsim.accuracy.wanted import Wanted
 from cnnsim.backends import in_float64
 from cnnsim.backends.base import Backend
@@ -46,6 +47,8 @@ def reach(transient: Repeatable, backend: Backend, wanted: Wanted) -> Reached:
         found = transient.once(where, "discrete time has no error")
     elif plan.method == "closed form":
         found = by_closed_form(transient, where, jumps)
+    elif plan.duration and has_stairs(plan) and (exact := by_stairs(transient, where)) is not None:
+        found = exact
     elif plan.duration == "settled":
         found = to_rest(transient, where, wanted)
     elif not plan.duration:
@@ -143,6 +146,8 @@ def decided(plan: Plan, wanted: Wanted, shape: tuple[int, ...]) -> tuple[str, st
     cells = math.prod(plan.shape)
     if plan.cell == "discrete-time" or plan.method == "closed form":
         why = "the plan's own, which is exact"
+    elif has_stairs(plan):
+        why = "each cell from jump to jump of its drive, exactly, if the input stays"
     elif plan.duration == "settled":
         why = (
             "one run where theory knows one end (no output turns round, or there is one rest), else two by different "
