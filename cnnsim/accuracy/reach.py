@@ -6,16 +6,16 @@ from dataclasses import replace
 import numpy as np
 
 from cnnsim.accuracy.choice import choose
+from cnnsim.accuracy.closed_form import by_closed_form
 from cnnsim.accuracy.corrected import by_corrected_steps, is_correctable, is_corrected
 from cnnsim.accuracy.kink_to_kink import affordable_kinks, by_kinks
 from cnnsim.accuracy.ladder import Ladder
 from cnnsim.accuracy.plain_signs import CELLS, by_plain_signs
 from cnnsim.accuracy.repeatable import LEAST_CELLS, Reached, Repeatable, largest
+from cnnsim.accuracy.stairs import by_stairs, has_stairs
 from cnnsim.accuracy.steps import by_steps, longest_step
 from cnnsim.accuracy.to_rest import to_rest
-from cnnsim.accuracy.uncoupled.closed import by_closed_form
 from cnnsim.accuracy.uncoupled.jumps import jumps_of_last_digits
-from cnnsim.accuracy.uncoupled.stairs import by_stairs, has_stairs
 from cnnsim.accuracy.wanted import Wanted
 from cnnsim.backends import in_float64
 from cnnsim.backends.base import Backend
@@ -54,7 +54,8 @@ def reach(transient: Repeatable, backend: Backend, wanted: Wanted) -> Reached:
     elif not plan.duration:
         found = transient.once(where, "no time goes by")
     elif not is_corrected(transient) and (sample := transient.sample()) is not None:
-        found = _by_sample(transient, sample, where, wanted)
+        plain = by_plain_signs(transient, where) if wanted.signs else None
+        found = plain or _by_sample(transient, sample, where, wanted)
     else:
         found = _by_steps(transient, where, wanted)
     if jumps is not None:

@@ -34,11 +34,14 @@ def to_rest(transient: Repeatable, where: Backend, wanted: Wanted) -> Reached:
     plan = transient.plan
     if (once := _one_step(transient)) is not None:
         step, why = once
-        goal = replace(wanted, error=_NEAR) if wanted.signs and not step else wanted  # a grey rest may be near to 0
-        reached = _ended(transient, where, goal, by_steps(plan, EULER, step) if step else plan)
-        if wanted.signs and not step:
-            near = np.abs(reached.x) <= reached.error
-            reached = replace(reached, undecided=reached.undecided | (near & (reached.x != 0)))
+        again = by_steps(plan, EULER, step) if step else plan
+        reached = _ended(transient, where, wanted, again)
+        if (
+            wanted.signs and (np.abs(reached.x) <= reached.error).any()
+        ):  # a grey rest: seen again, so near that few signs are open
+            reached = _ended(transient, where, replace(wanted, error=_NEAR), again, state=reached.x)
+            near = (np.abs(reached.x) <= reached.error) & (reached.x != 0)  # 0 in all digits has no sign
+            reached = replace(reached, undecided=reached.undecided | near)
         return _said(reached, f"{why}; {reached.how}") if reached.settled else reached
     scheme = plan.scheme or EULER
     parts = [part for part in _PARTS if part <= 1 or plan.step * part <= _NEAR_THE_LIMIT * longest_step(plan, scheme)]

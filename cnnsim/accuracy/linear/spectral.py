@@ -77,6 +77,8 @@ def only_constants_last(taps: tuple[Tap, ...], shape: tuple[int, int], boundary:
     if boundary.kind == "fixed":
         return False
     p, q = (_frequencies(n, boundary) for n in shape)
-    size = 1.0 - sum(weight * np.cos(k * p[:, None] + l * q) for k, l, weight in taps)
+    size = np.ones((p.size, q.size))
+    for k, l, weight in taps:
+        size -= weight * np.cos(k * p[:, None] + l * q)
     size[0, 0] = size.max()
     return bool(size.min() > 1e-9 * size.max())

@@ -55,6 +55,36 @@ def test_inputs_at_the_edge_of_a_step_are_named(dtype: Any) -> None:
     assert len(clear.undecided) == 0
 
 
+def test_inputs_at_an_edge_that_change_no_sign_are_not_named() -> None:
+    term = Term([[0, 1, 0], [1, 0, 1], [0, 1, 0]], "u_kl - u_ij", Table("step", (0.01,), (1.0, -1.0)))
+    u = np.array([[0.76, 0.77, 0.2], [0.9, 0.9, 0.9], [0.1, -0.3, 0.2]])  # 0.77 - 0.76 again; but 0.9 is higher still
+    for z, named in ((-3.0, []), (-1.0, [[0, 0]])):  # one neighbour that is higher is enough; it takes two
+        template = Template([[0, 0, 0], [0, 3, 0], [0, 0, 0]], z=z, terms=[term])
+        found = run_transient(
+            template, state=np.zeros_like(u), input=u, boundary=fixed(-1), accuracy="binary", dtype="float64"
+        )  # fmt: skip
+        assert found.undecided.tolist() == named
+
+
+def test_a_cell_in_flight_off_a_ridge_takes_a_third_run() -> None:
+    one = case(900397)  # by steps of 0.79 and 0.263 it errs nearly alike, by 0.07 and 0.05
+    found = run_transient(**one.given, accuracy=1e-2, dtype="float64")
+    assert np.abs(found.x - one.exact).max() <= 1e-2, found.how
+
+
+@pytest.mark.parametrize("seed", [500045, 500082])
+def test_plain_runs_that_pass_a_ridge_on_its_wrong_side_are_not_believed(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("cnnsim.accuracy.reach.CELLS", 0)  # plain runs first, as on grids that are large
+    rng = np.random.default_rng(seed + 1)
+    x = np.where(rng.random((40, 40)) < 0.5, 1.0, -1.0) if rng.random() < 0.3 else rng.uniform(-1, 1, (40, 40))
+    given = case(seed).given | {"state": x, "input": x[::-1], "bias": rng.normal(size=x.shape) * 0.3}
+    found, fine = run_transient(**given, accuracy="binary"), run_transient(**given, accuracy=1e-6)
+    wrong = {tuple(cell) for cell in np.argwhere(np.sign(found.y) != np.sign(fine.y))}
+    assert wrong <= {tuple(cell) for cell in found.undecided}, found.how
+
+
 def test_ties_of_a_mirrored_picture_are_named_and_all_else_is_right() -> None:
     entry = library.load("halftone-5x5")
     example = large(entry.examples[0], 16)

@@ -43,3 +43,26 @@ def test_a_push_grows_as_a_second_flow_says() -> None:
     flows = [exact_flow(system, start, push, 3.0, 10**4) for start in (x, x + push)]
     assert np.abs(flows[1].x - flows[0].x - flows[0].push).max() <= 0.02 * np.abs(flows[0].push).max()
     assert library.load("hole-filler").template.symmetric
+
+
+def test_held_cells_leave_one_rest_whose_signs_one_run_finds() -> None:
+    rng = np.random.default_rng(9)
+    heat = library.load("laplace-solver").network
+    x, mask = rng.uniform(-1, 1, (20, 24)), np.zeros((20, 24))
+    mask[rng.random(mask.shape) < 0.05] = 1
+    found = run_transient(heat, state=x, mask=mask, accuracy="binary", boundary=ZERO_FLUX)
+    assert "one rest that holds what is held" in found.how
+    other = np.where(mask > 0, x, -x)  # another start, the same held cells: the same rest
+    fine = run_transient(heat, state=other, mask=mask, accuracy=1e-8, boundary=ZERO_FLUX)
+    assert np.array_equal(found.y > 0, fine.y > 0)
+    assert "one rest" not in run_transient(heat, state=x, accuracy="binary", boundary=ZERO_FLUX).how
+
+
+def test_grey_rests_near_zero_are_seen_nearer_or_named() -> None:
+    pulled = Template([[0, 0.2, 0], [0.2, 0, 0.2], [0, 0.2, 0]])
+    bias = np.full((3, 3), 1e-4) * np.array([[1, -1, 1]])
+    found = run_transient(pulled, state=np.zeros((3, 3)), bias=bias, accuracy="binary", boundary=fixed(0))
+    fine = run_transient(pulled, state=np.zeros((3, 3)), bias=bias, accuracy=1e-9, boundary=fixed(0))
+    named = {tuple(cell) for cell in found.undecided}
+    assert {tuple(c) for c in np.argwhere((found.y > 0) != (fine.y > 0))} <= named
+    assert found.error <= 1e-5

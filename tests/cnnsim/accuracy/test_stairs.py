@@ -32,7 +32,9 @@ def euler(given: dict[str, Any], term: Term, until: float) -> Any:
 def test_it_is_where_short_steps_lead(seed: int) -> None:
     rng = np.random.default_rng(seed)
     shape, tables = (7, 9), [Table("step", (0.0,), (-1.0, 1.0)), Table("step", (-0.2, 0.3), (0.4, -1.0, 1.5), "left")]
-    term = Term(0.5 * (rng.random((3, 3)) < 0.7) * rng.choice([1.0, 1.0, -0.4], (3, 3)), "u_kl - x_ij", tables[seed % 2])
+    term = Term(
+        0.5 * (rng.random((3, 3)) < 0.7) * rng.choice([1.0, 1.0, -0.4], (3, 3)), "u_kl - x_ij", tables[seed % 2]
+    )
     A, B = np.zeros((3, 3)), np.zeros((3, 3))
     A[1, 1], B[1, 1] = rng.choice([0.0, 0.5, 1.0, 1.6]), 0.3
     boundary = (ZERO_FLUX, PERIODIC, fixed(0.1))[seed % 3]
