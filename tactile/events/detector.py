@@ -95,7 +95,7 @@ class Detector:
         return Happening(
             rule,
             turn,
-            max(tracker.onset - max(rule.lag, self._pool.late(rule.lag_of)), 0.0),
+            max(tracker.onset - max(rule.lag, self._pool.late(rule.lag_of, tracker.onset)), 0.0),
             tracker.end if turn == "ends" else None,
             taxels,
             direction_of((votes[0] - votes[1], votes[2] - votes[3])),

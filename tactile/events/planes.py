@@ -59,8 +59,8 @@ GREY = {
     "load_f": "normal load over full scale, in all cells",
 }  # fmt: skip
 """Analog planes."""
-LATE = ("yielding",)
-"""Planes that know what they came late by, which depends on the noise."""
+LATE = ("yielding", "drawn")
+"""What knows when it began: the plane by its noise, what is drawn by the bend of the shear."""
 NAMES = (*CODE, *(name for name, *_ in CELLS), *WHOLE, "usable", *GREY)
 FULL_LOAD = 10.0
 """[N] of a load that is 1."""
@@ -134,9 +134,12 @@ class PlanePool:
         plane = self._logic.get(name)
         return plane is self._black
 
-    def late(self, name: str | None) -> float:
-        """Return what one of the planes `LATE` comes late by in this frame [s]; 0 without a name."""
-        return 0.0 if name is None or self._moment is None else self._moment.signals.late
+    def late(self, name: str | None, since: float) -> float:
+        """Return what comes late [s] of that which was on ``since`` then, as one of `LATE` knows; 0 without a name."""
+        if name is None or self._moment is None:
+            return 0.0
+        signals = self._moment.signals
+        return signals.late if name == "yielding" else since - signals.drawn_since(since)
 
     def is_logic(self, name: str) -> bool:
         """Whether a plane is black and white, and so changes seldom."""

@@ -16,7 +16,7 @@ FAST, SLOW = 0.01, 0.2
 LOAD = (0.004, 0.015, 0.1, 0.3, 0.3, 0.05, 0.08)
 """[s] Time constants of the whole load: three means, the held load, the memory of the steepest fall, and of
 unrest; and the slow mean while the load is unsteady."""
-KEPT = 12
+KEPT = 15
 """Numbers that `signals_numba.step` keeps."""
 DRAWN = 9.0
 """An unexplained change of shear counts from so many sigma of it; it is tried on every taxel in every frame."""
@@ -36,7 +36,7 @@ LEVELS = (
     "yielding",
     "sticking",
 )
-RISING = LEVELS.index("rising")
+RISING, DROPPING = LEVELS.index("rising"), LEVELS.index("dropping")
 
 ALWAYS = np.ones((1, 1), bool)
 ONE = Levels(np.full((1, 1, 3), 0.01), np.full((1, 1, 3), 0.015))
@@ -71,10 +71,12 @@ class Signals:
     """
 
     def __init__(self, shape: tuple[int, int], quantity: Quantity) -> None:
-        from tactile.events.signals_numba import step  # numba is slow to import
+        from tactile.events.onset_numba import KEPT as FRAMES
+        from tactile.events.onset_numba import bend, remember  # numba is slow to import
+        from tactile.events.signals_numba import step
         from tactile.events.sliding_numba import slide  # the same
 
-        self._step, self._slide = step, slide
+        self._step, self._slide, self._remember, self._bend = step, slide, remember, bend
         self.planes = np.zeros((len(PLANES), *shape))
         self.levels = np.zeros(len(LEVELS))
         self.force = 0.0
@@ -88,6 +90,9 @@ class Signals:
         self._taus, self._growth = np.array(TAUS), np.zeros(2 * len(TAUS) + 3)
         self._shares = quantity == "force" and self._counts.size > 1  # where loads are located, a slip is a travel
         self._one = np.zeros((1, 1, 3))
+        self._times, self._past, self._next = np.zeros(FRAMES), np.zeros((FRAMES, *shape, 3)), np.zeros(2, np.int64)
+        self._series = np.zeros((2, FRAMES))
+        self._load = self
 
     def set_noise(self, noise: Noise | None, levels: Levels) -> None:
         """Take the noise: what is left of it after the means, and from where on a change is one."""
@@ -119,6 +124,10 @@ class Signals:
                 values, self._fast, use, self._quiet[2], self._quiet[0], self._quiet[1], dt, self._interval,
                 self._taus, self._growth, self.levels[RISING] > 0.25, self.planes, self.levels,
             )  # fmt: skip
+        if self.levels[RISING] > 0.25 or self.levels[DROPPING] > 0.25:
+            self._next[:] = 0  # how shear changes while a grip closes or opens is no beginning of a pull
+        else:
+            self._remember(t, self._fast, self._times, self._past, self._next)
         self.force = float(self._scalars[0])
 
     @property
@@ -128,6 +137,17 @@ class Signals:
         After a pull that stops at once its growth, (1 + t/tau) exp(-t/tau) of what it was, is below 0.2 by then.
         """
         return float(3 * self._growth[-1])
+
+    def drawn_since(self, t: float) -> float:
+        """Return when what is drawn now began to be [s]; ``t`` where nothing says so."""
+        load = self._load
+        if load._t is None:
+            return t
+        explained = not load._scalars[8] > 0.25 * load._scalars[9]
+        late = max(FAST, 2 * load._interval)
+        return load._bend(
+            load._t, load.planes[3:5], load._slow, explained, load._times, load._past, load._next, load._series
+        ) - late
 
     @property
     def unrest(self) -> float:
@@ -153,6 +173,7 @@ class Signals:
         self.planes[3:5] = load.planes[3:5]
         self.planes[5] = 0.0
         self.levels[:] = load.levels
+        self._load = load
 
     @property
     def shear(self) -> tuple[float, float]:

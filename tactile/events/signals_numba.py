@@ -6,6 +6,14 @@ from numba import njit
 
 CROSS = 0.02
 """Shear below this part of the normal component has no direction: axes of real taxels see each other so much."""
+WHOLE, WHOLE_PART = 6.0, 0.03
+"""An unexplained change of the whole shear counts from so many sigma and from this part of the load on ..."""
+OUTRUNS = 1.25
+"""... where it is so many times its own mean of late ..."""
+CREEP, CREEP_TIME = 0.3, 0.4
+"""... and so much of the largest change of late, which silicone goes on with for so long [s] ..."""
+HELD = 0.24
+"""... and otherwise lasts: between where a comparator goes off and on."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -48,7 +56,8 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     10 ms; ``taps`` the nine time constants [s];
     ``fast``, ``slow`` (rows, cols, 3) and ``scalars`` are kept from frame to frame: F after 4, 15 and 100 ms, the held
     load, the steepest fall, Q and R after 10 ms, frames seen, the changes
-    of shear and of pressing, the largest unrest of late.
+    of shear and of pressing, the largest unrest of late, the mean of the whole unexplained change,
+    and the largest change of the whole shear of late.
     """
     rows, cols = use.shape
     a_fast = 1 - math.exp(-dt / max(taps[0], 2 * dt)) if dt > 0 else 0.0
@@ -56,7 +65,7 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     # while the load changes the slow mean has to keep up: what was before says nothing of what is drawn now
     a_slow = 1 - math.exp(-dt / (taps[8] if scalars[10] > 1 and not sheared else taps[1]))
     first = scalars[7] == 0
-    force = q = r = q_slow = r_slow = press_noise = shear_noise = squares = 0.0
+    force = q = r = n = q_slow = r_slow = n_slow = press_noise = shear_noise = squares = 0.0
     for i in range(rows):
         for j in range(cols):
             for k in range(3):
@@ -82,6 +91,8 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
                 r += fast[i, j, 1]
                 q_slow += slow[i, j, 0]
                 r_slow += slow[i, j, 1]
+                n += fast[i, j, 2]
+                n_slow += slow[i, j, 2]
                 shear_noise += noise_q[i, j] ** 2
                 squares += fast[i, j, 2] ** 2
             if counts[i, j]:
@@ -111,18 +122,36 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     least = max(6 * math.sqrt(shear_noise), 0.004 * max(f100, 0.0), 1e-12)
     levels[7] = binary(driven, least / 1.5, least)
     levels[8] = binary(fall, 0.027 * top + noise / 3, 0.04 * top + noise / 2)
+    # noise falls with the root of the number of taxels: all together tell a pull that none of them could tell alone
+    explained = (n - n_slow) / n_slow if n_slow > 3 * math.sqrt(press_noise) and not sheared else 0.0
+    all_q, all_r = q - q_slow * (1 + explained), r - r_slow * (1 + explained)
+    scalars[14] = max(driven, scalars[14] * math.exp(-dt / CREEP_TIME))
+    least_all = max(WHOLE * math.sqrt(shear_noise), WHOLE_PART * max(f100, 0.0), CREEP * scalars[14], 1e-12)
+    # what the grip's closing has begun goes on ever more slowly; a pull that sets in outruns it
+    outruns = math.hypot(all_q, all_r) > OUTRUNS * math.hypot(scalars[12], scalars[13])
+    scalars[12] += a_slow * (all_q - scalars[12])
+    scalars[13] += a_slow * (all_r - scalars[13])
+    whole_q, whole_r = binary(all_q, least_all / 1.5, least_all), binary(all_r, least_all / 1.5, least_all)
+    if not outruns:
+        whole_q, whole_r = max(-HELD, min(HELD, whole_q)), max(-HELD, min(HELD, whole_r))
     moved = pressed = 0.0
     typical = squares / f100 if f100 > 0 else 0.0  # pressing of a taxel, weighted by itself
     for i in range(rows):
         for j in range(cols):
             change_n = fast[i, j, 2] - slow[i, j, 2]
             under = max(slow[i, j, 2], 0.0)
-            least = max(drawn_on[i, j], 0.016 * typical)
+            creep = CREEP * scalars[14] * min(under / n_slow, 1.0) if n_slow > 0 and rows * cols > 1 else 0.0
+            least = max(drawn_on[i, j], 0.016 * typical, creep)
             for k in range(2):
                 change = fast[i, j, k] - slow[i, j, k]
                 part = slow[i, j, k] / under if under > 3 * on[i, j, 2] and not sheared else 0.0
                 change -= part * change_n
-                planes[3 + k, i, j] = binary(change, least / 1.5, least) if use[i, j] else 0.0
+                own = binary(change, least / 1.5, least)
+                if rows * cols > 1 and abs(own) < 0.25 and planes[2, i, j] > 0.25:
+                    whole = whole_q if k == 0 else whole_r
+                    if abs(whole) > abs(own):
+                        own = whole
+                planes[3 + k, i, j] = own if use[i, j] else 0.0
                 if use[i, j]:
                     moved += change * change
             if use[i, j]:
