@@ -16,7 +16,7 @@ FULL_SCALE: dict[Quantity, float] = {"force": 10.0, "strain": 0.1, "stress": 2e5
 """Reading [N, 1, Pa] of one taxel that is 1 in the planes in units of full scale."""
 CELLS: tuple[tuple[str, str, float, str], ...] = (
     ("firm", "firmness", 1, "pressed at three times its level for a while, or at five times"),
-    ("drawn_right", "drawn_x", 1, "shear grows to the right, more than the pressing explains"),
+    ("drawn_right", "drawn_x", 1, "shear grows to the right, more than the pressing explains: its own or that of all"),
     ("drawn_left", "drawn_x", -1, "the same to the left"),
     ("drawn_down", "drawn_y", 1, "the same downwards"),
     ("drawn_up", "drawn_y", -1, "the same upwards"),
@@ -36,7 +36,7 @@ WHOLE = {
     "large": "the load is above 0.3 of the held one, until it is below 0.2",
     "unsteady": "the load is away from its mean of 100 ms (3 %)",
     "sheared": "shear changes by more than about half of what the pressing does",
-    "yielding": "the pull grows no more, at less than 0.2 of its fastest of late",
+    "yielding": "the pull grows no more, at less than 0.25 of its fastest of late",
     "sticking": "taxels that stick bear more than 15 % of the load",
     "driven": "the whole shear changes (0.4 % of the load, or 6 sigma, within about 0.2 s)",
     "travelling": "the located load travels over the skin: 50 um, or 6 sigma, within 0.25 s",

@@ -51,7 +51,8 @@ class Signals:
     of the pressing on the taxel. ``drawn_x``, ``drawn_y``: change of the shear s that the change of the normal n does
     not explain, ds - (s/n) dn, with d the mean of 10 ms (two frames at least) less that of 200 ms (80 while the load
     is unsteady), and ds alone where shear is most of what changes; on from 9 sigma and from 1.6 % of what a taxel
-    typically bears.
+    typically bears, or where the same of all taxels together is on for pressed ones: from 6 sigma, 3 % of F and 30 %
+    of what the whole shear changed by of late, where it outruns its own mean.
     ``share``: a taxel's shear along the whole one over its pressing, over that of the rim (of those above the mean):
     the same number for all where all slide. 1/4 from 0.9 on, -1/4 from 0.82 down (or 1.5 and 3 sigma), of the 3 x 3
     neighbourhood where sigma is above 0.04, 0 where noise leaves that open, too. ``firmness``: the slow
@@ -63,7 +64,7 @@ class Signals:
     0.2); ``unsteady`` F away from its mean of 100 ms (3 %); ``sheared`` whether shear changes by more than about half
     of what the pressing does (sums of squares over the taxels, 0.3); ``driven`` change of the whole shear (mean of 10
     ms less that of 200 ms) against 6 sigma and 0.4 % of F; ``dropping`` a fall of 4 %, as of a finger that opens;
-    ``yielding`` the growth of Q/F against its fastest of the last 0.5 s (on below 0.2, off above 0.4): a contact that
+    ``yielding`` the growth of Q/F against its fastest of the last 0.5 s (on below 0.25, off above 0.4): a contact that
     slides as a whole follows no further; ``sticking`` the part of F that taxels bear which stick (on above 0.15, off
     below 0.1).
 
@@ -132,11 +133,12 @@ class Signals:
 
     @property
     def late(self) -> float:
-        """What the growth of the pull came late by when it was told [s]: 3 tau of the two means that it needed.
+        """What the growth of the pull came late by when it was told [s]: 2.5 tau of the two means that it needed.
 
-        After a pull that stops at once its growth, (1 + t/tau) exp(-t/tau) of what it was, is below 0.2 by then.
+        After a pull that stops at once its growth, (1 + t/tau) exp(-t/tau) of what it was, is below 0.25 by 2.7 tau;
+        where it yields by and by the means are less late.
         """
-        return float(3 * self._growth[-1])
+        return float(2.5 * self._growth[-1])
 
     def drawn_since(self, t: float) -> float:
         """Return when what is drawn now began to be [s]; ``t`` where nothing says so."""
@@ -145,9 +147,12 @@ class Signals:
             return t
         explained = not load._scalars[8] > 0.25 * load._scalars[9]
         late = max(FAST, 2 * load._interval)
-        return load._bend(
-            load._t, load.planes[3:5], load._slow, explained, load._times, load._past, load._next, load._series
-        ) - late
+        return (
+            load._bend(
+                load._t, load.planes[3:5], load._slow, explained, load._times, load._past, load._next, load._series
+            )
+            - late
+        )
 
     @property
     def unrest(self) -> float:

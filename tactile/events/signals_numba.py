@@ -128,12 +128,14 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     scalars[14] = max(driven, scalars[14] * math.exp(-dt / CREEP_TIME))
     least_all = max(WHOLE * math.sqrt(shear_noise), WHOLE_PART * max(f100, 0.0), CREEP * scalars[14], 1e-12)
     # what the grip's closing has begun goes on ever more slowly; a pull that sets in outruns it
-    outruns = math.hypot(all_q, all_r) > OUTRUNS * math.hypot(scalars[12], scalars[13])
+    change_all, most = math.hypot(all_q, all_r), max(abs(all_q), abs(all_r))
+    level = binary(change_all, least_all / 1.5, least_all)
+    if not change_all > OUTRUNS * math.hypot(scalars[12], scalars[13]):
+        level = min(level, HELD)
+    whole_q = math.copysign(level, all_q) if 2 * abs(all_q) > most else 0.0
+    whole_r = math.copysign(level, all_r) if 2 * abs(all_r) > most else 0.0
     scalars[12] += a_slow * (all_q - scalars[12])
     scalars[13] += a_slow * (all_r - scalars[13])
-    whole_q, whole_r = binary(all_q, least_all / 1.5, least_all), binary(all_r, least_all / 1.5, least_all)
-    if not outruns:
-        whole_q, whole_r = max(-HELD, min(HELD, whole_q)), max(-HELD, min(HELD, whole_r))
     moved = pressed = 0.0
     typical = squares / f100 if f100 > 0 else 0.0  # pressing of a taxel, weighted by itself
     for i in range(rows):

@@ -8,6 +8,8 @@ from tactile.events.signals_numba import binary
 
 BORNE = 0.2
 """Taxels that bear less than this part of what the most pressed one does count by how much of it they bear."""
+LIGHT = 0.02
+"""Least part of what the most pressed one does that a taxel of the rim bears."""
 KNOWN = 0.12
 """Largest sigma of a share that is asked for."""
 ALONE = 0.04
@@ -26,11 +28,13 @@ GROWN = 0.1
 """Part of the present ratio by which it must have grown, above its least of late ..."""
 LATE = 2.0
 """... which is forgotten with this time constant [s]."""
-YIELDS, GOES_ON = 0.2, 0.4
+YIELDS, GOES_ON = 0.25, 0.4
 """The pull yields where it grows by less than this part of the fastest, until it grows by more than that.
 
 Where an object is moved evenly the growth falls as the root of the way that is left (Mindlin): less is nearer the slip.
 """
+FINE, SUDDEN = 0.05, 0.4
+"""Where the growth has fallen below that part of the fastest by and by, it is asked of a longer mean, of less noise."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -73,11 +77,14 @@ def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, 
     above = below = 0.0
     for i in range(rows):
         for j in range(cols):
-            if use[i, j] and fast[i, j, 2] > BORNE * most:
+            press = fast[i, j, 2]
+            # one that bears little is part of the rim all the same where it is well known
+            known = ALONE * ratio * press > math.hypot(noise_q[i, j], ratio * noise_n[i, j])
+            if use[i, j] and press > (LIGHT if known else BORNE) * most:
                 along = fast[i, j, 0] * x + fast[i, j, 1] * y
-                if along > ratio * fast[i, j, 2]:
+                if along > ratio * press:
                     above += along
-                    below += fast[i, j, 2]
+                    below += press
     bears = 0.0
     rim = max(above / below, ratio) if below > 0 else ratio
     for i in range(rows):
@@ -134,7 +141,19 @@ def _grow(now, noise, dt, interval, taus, kept, rising, levels):  # type: ignore
             least = kept[2 * count + 1] + (1 - math.exp(-dt / LATE)) * (kept[k] - kept[2 * count + 1])
             kept[2 * count + 1] = min(least, kept[k])
             kept[2 * count + 2] = tau
-            if kept[k] - least < GROWN * kept[k]:
+            if kept[k] - least < GROWN * kept[k] or _goes_on(fastest, noise, interval, taus, kept):
                 return
             levels[9] = binary(1 - growth / fastest, 1 - GOES_ON, 1 - YIELDS)
             return
+
+
+@njit(cache=True, error_model="numpy")
+def _goes_on(fastest, noise, interval, taus, kept):  # type: ignore[no-untyped-def]
+    """Return whether a growth that has become slow by and by goes on: what noise hides from a short mean."""
+    count = len(taus)
+    for k in range(count):
+        tau = max(taus[k], interval)
+        if 0.5 * noise * math.sqrt(interval / tau**3) < FINE * fastest:
+            growth = (kept[k] - kept[count + k]) / tau
+            return YIELDS * fastest < growth < SUDDEN * fastest
+    return False

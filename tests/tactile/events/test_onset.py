@@ -1,0 +1,67 @@
+"""Where a tangential load set in: the bend of a known course, weak pulls, real recordings at other tempos."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tactile.core.frame import Frame, TaxelArray
+from tactile.core.source import FrameStream, Provenance
+from tactile.events.event import Event, EventLog
+from tactile.events.onset_numba import KEPT, bend, remember
+from tactile.pipeline import run
+from tactile.settings import Settings
+from tactile.sources import open_source
+from tests.kits.paths import DATA
+
+REAL = DATA / "papillarray"
+ONSETS = {"rigid_obj_slide_23-08-23": 1.10, "rigid_obj_moment_23-06-07": 0.95}
+
+
+def told(array: TaxelArray, frames: list[Frame]) -> list[Event]:
+    log = EventLog()
+    source = FrameStream("", (array,), None, len(frames), frames, Provenance(untared=True))
+    run(source, Settings(tare="auto"), [lambda report: log.add(report.events, report.ended)])
+    return log.events
+
+
+@pytest.mark.parametrize("since", [0.06, 0.15, 0.22])
+def test_the_bend_of_a_course_that_drifts_is_where_it_was_made(since: float) -> None:
+    times, past, state = np.zeros(KEPT), np.zeros((KEPT, 1, 2, 3)), np.zeros(2, np.int64)
+    rng, now = np.random.default_rng(3), 1.0
+    for t in np.arange(0.0, now, 0.005):
+        course = 0.2 - 0.05 * t + 0.8 * max(t - (now - since), 0.0) + 1e-3 * rng.standard_normal()
+        remember(t, np.array([[[-course, 0.0, 4.0], [0.0, 9.0, 4.0]]]), times, past, state)
+    drawn = np.array([[[-0.3, 0.1]], [[0.0, 0.0]]])  # the second taxel is not drawn
+    found = bend(now, drawn, past[0], False, times, past, state, np.zeros((2, KEPT)))
+    assert found == pytest.approx(now - since, abs=0.008)
+    state[:] = 0
+    assert bend(now, drawn, past[0], False, times, past, state, np.zeros((2, KEPT))) == now
+
+
+def test_a_pull_that_no_taxel_could_tell_alone_is_told_by_all_of_them() -> None:
+    """0.9 N in 0.6 s over nine taxels, 0.17 N/s each, with noise of 15 mN: nine sigma of one taxel would take 0.4 s."""
+    rng, array = np.random.default_rng(11), TaxelArray("pad", 3, 3, 4e-3, 0.0, quantity="force")
+    t = np.arange(0.0, 3.2, 0.002)
+    force = 4.5 * np.interp(t, [0.6, 0.7, 3.0, 3.1], [0, 1, 1, 0])
+    pull = 0.9 * np.clip((t - 2.0) / 0.6, 0, 1) * (force > 0)
+    values = np.stack([0.8 * pull, -0.6 * pull, force], -1)[:, None, None] / 9 * np.ones((1, 3, 3, 1))
+    values += 0.015 * rng.standard_normal(values.shape)
+    every = np.ones(array.shape, bool)
+    frames = [Frame(0, time, n, one, every) for n, (time, one) in enumerate(zip(t.tolist(), values, strict=True))]
+    pulls = [event for event in told(array, frames) if event.kind == "tangential_load"]
+    assert [event.data["direction"] for event in pulls] == ["+x -y"]
+    assert pulls[0].t == pytest.approx(2.0, abs=0.03)
+    assert pulls[0].told < 2.2
+
+
+@pytest.mark.skipif(not REAL.exists(), reason="the recordings lie beside the project, and are not here")
+@pytest.mark.parametrize("tempo", [0.5, 0.7, 2.0])
+@pytest.mark.parametrize("name", ONSETS)
+def test_a_tangential_load_is_told_at_any_tempo(name: str, tempo: float) -> None:
+    """Played twice as fast to half as fast; the relaxing grip before is none."""
+    source = open_source(REAL / f"{name}.npz")
+    frames = [replace(frame, t=tempo * frame.t) for frame in source if frame.finger == 0 and frame.t < 1.5]
+    first = [event.t for event in told(source.arrays[0], frames) if event.kind == "tangential_load"]
+    assert first
+    assert first[0] == pytest.approx(tempo * ONSETS[name], abs=0.06)
