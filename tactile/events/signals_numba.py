@@ -142,7 +142,9 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
         for j in range(cols):
             change_n = fast[i, j, 2] - slow[i, j, 2]
             under = max(slow[i, j, 2], 0.0)
-            creep = CREEP * scalars[14] * min(under / n_slow, 1.0) if n_slow > 0 and rows * cols > 1 else 0.0
+            creep = 0.0  # where shear is most of what changes it is no closing grip that goes on
+            if n_slow > 0 and rows * cols > 1 and not sheared:
+                creep = CREEP * scalars[14] * min(under / n_slow, 1.0)
             least = max(drawn_on[i, j], 0.016 * typical, creep)
             for k in range(2):
                 change = fast[i, j, k] - slow[i, j, k]
