@@ -57,12 +57,31 @@ def packed_cell(grid: Array, i: int, j: int, virtual: VirtualCells) -> Any:
 
 
 @helper
+def fill_beside(cells: Array, at: int, width: int, virtual: VirtualCells) -> None:
+    """Set the virtual cells left and right of a row of a padded grid; ``at`` is the first of them in flat ``cells``."""
+    _, cols, r, constant = virtual
+    for each in range(2 * r):
+        j = each if each < r else each + width
+        q = cols[j]
+        cells[at + j] = constant if q < 0 else cells[at + r + q]
+
+
+@helper
+def fill_virtual_rows(padded: Array, virtual: VirtualCells) -> None:
+    """Set the r rows of virtual cells above and below one padded grid, whose real cells are there."""
+    rows, cols, r, _ = virtual
+    grid = padded[r : r + rows.size - 2 * r, r : r + cols.size - 2 * r]
+    for each in range(2 * r):
+        p = each if each < r else each + grid.shape[0]
+        for q in range(cols.size):
+            padded[p, q] = cell(grid, p - r, q - r, virtual)
+
+
+@helper
 def fill_virtual(padded: Array, virtual: VirtualCells) -> None:
     """Set the r virtual cells all round one padded grid, whose real cells are there."""
     rows, cols, r, _ = virtual
-    grid = padded[r : r + rows.size - 2 * r, r : r + cols.size - 2 * r]
-    for p in range(rows.size):
-        real = grid.shape[1] if r <= p < rows.size - r else 0
-        for q in range(cols.size - real):
-            at = q if q < r else q + real
-            padded[p, at] = cell(grid, p - r, at - r, virtual)
+    flat = padded.reshape(-1)
+    for p in range(r, rows.size - r):
+        fill_beside(flat, p * cols.size, cols.size - 2 * r, virtual)
+    fill_virtual_rows(padded, virtual)

@@ -43,12 +43,14 @@ def _four_steps(
 
 
 @helper
-def _five_lines(
+def _four_lines(
     out: Array, at_out: int, v: Array, at_v: int, n: int, fresh: bool, start: float, e0: float, e1: float, e2: float,
-    e3: float, e4: float, f0: float, f1: float, f2: float, f3: float, f4: float, r0: float, r1: float, r2: float,
-    r3: float, r4: float,
+    e3: float, f0: float, f1: float, f2: float, f3: float, r0: float, r1: float, r2: float, r3: float, last: float,
+    end: float,
 ) -> None:  # fmt: skip
-    """Replace what is there (``fresh``: start) by f0 + r0 (v - e0) where v is beyond e0, and so on."""
+    """Replace what is there (``fresh``: start) by f0 + r0 (v - e0) where v is beyond e0, and so on; by ``end`` beyond
+    ``last``, the place after all others.
+    """
     out, v = out[at_out : at_out + n], v[at_v : at_v + n]
     for j in range(n):
         p, f = v[j], start if fresh else out[j]
@@ -56,11 +58,11 @@ def _five_lines(
         f = f1 + r1 * (p - e1) if p > e1 else f
         f = f2 + r2 * (p - e2) if p > e2 else f
         f = f3 + r3 * (p - e3) if p > e3 else f
-        out[j] = f4 + r4 * (p - e4) if p > e4 else f
+        out[j] = end if p > last else f
 
 
 @helper
-def _step(places: int, at: int, values: int, s: int, numbers: Array) -> Any:
+def step_beyond(places: int, at: int, values: int, s: int, numbers: Array) -> Any:
     """Return place s and the value beyond it; NaN, beyond which nothing is, if there is none."""
     if s >= places:
         return numbers.dtype.type(math.nan), numbers.dtype.type(0)
@@ -68,14 +70,12 @@ def _step(places: int, at: int, values: int, s: int, numbers: Array) -> Any:
 
 
 @helper
-def _line(places: int, at: int, values: int, s: int, numbers: Array) -> Any:
+def line_from(lines: int, at: int, values: int, s: int, numbers: Array) -> Any:
     """Return place s, the value there and the slope from there on; NaN, beyond which nothing is, if there is none."""
     zero = numbers.dtype.type(0)
-    if s >= places:
+    if s >= lines:
         return numbers.dtype.type(math.nan), zero, zero
     e, f = numbers[at + s], numbers[values + s]
-    if s + 1 == places:
-        return e, f, zero
     return e, f, (numbers[values + s + 1] - f) / (numbers[at + s + 1] - e)
 
 
@@ -84,10 +84,10 @@ def _steps_row(
     out: Array, at_out: int, v: Array, at_v: int, n: int, places: int, at: int, values: int, numbers: Array
 ) -> None:
     for s in range(0, max(places, 1), 4):
-        e0, f0 = _step(places, at, values, s, numbers)
-        e1, f1 = _step(places, at, values, s + 1, numbers)
-        e2, f2 = _step(places, at, values, s + 2, numbers)
-        e3, f3 = _step(places, at, values, s + 3, numbers)
+        e0, f0 = step_beyond(places, at, values, s, numbers)
+        e1, f1 = step_beyond(places, at, values, s + 1, numbers)
+        e2, f2 = step_beyond(places, at, values, s + 2, numbers)
+        e3, f3 = step_beyond(places, at, values, s + 3, numbers)
         _four_steps(out, at_out, v, at_v, n, s == 0, numbers[values], e0, e1, e2, e3, f0, f1, f2, f3)
 
 
@@ -95,14 +95,14 @@ def _steps_row(
 def _lines_row(
     out: Array, at_out: int, v: Array, at_v: int, n: int, places: int, at: int, values: int, numbers: Array
 ) -> None:
-    for s in range(0, places, 5):
-        e0, f0, r0 = _line(places, at, values, s, numbers)
-        e1, f1, r1 = _line(places, at, values, s + 1, numbers)
-        e2, f2, r2 = _line(places, at, values, s + 2, numbers)
-        e3, f3, r3 = _line(places, at, values, s + 3, numbers)
-        e4, f4, r4 = _line(places, at, values, s + 4, numbers)
-        _five_lines(out, at_out, v, at_v, n, s == 0, numbers[values], e0, e1, e2, e3, e4, f0, f1, f2, f3, f4, r0, r1,
-                    r2, r3, r4)  # fmt: skip
+    lines = places - 1  # beyond the last place is none
+    for s in range(0, max(lines, 1), 4):
+        e0, f0, r0 = line_from(lines, at, values, s, numbers)
+        e1, f1, r1 = line_from(lines, at, values, s + 1, numbers)
+        e2, f2, r2 = line_from(lines, at, values, s + 2, numbers)
+        e3, f3, r3 = line_from(lines, at, values, s + 3, numbers)
+        _four_lines(out, at_out, v, at_v, n, s == 0, numbers[values], e0, e1, e2, e3, f0, f1, f2, f3, r0, r1, r2, r3,
+                    numbers[at + lines], numbers[values + lines])  # fmt: skip
 
 
 @helper

@@ -8,19 +8,22 @@ import numpy as np
 from numba import prange, types
 
 from cnnsim.backends.codes import NOTHING, FunctionCode, TaskCode
-from cnnsim.backends.cpu.boundary import VirtualCells, fill_virtual
+from cnnsim.backends.cpu.boundary import VirtualCells, fill_beside, fill_virtual, fill_virtual_rows, virtual_cells
 from cnnsim.backends.cpu.function_rows import copy_row, function_row, functions
-from cnnsim.backends.cpu.jit.address import call, compiled_at
+from cnnsim.backends.cpu.jit.address import bare, call, compiled_at
 from cnnsim.backends.cpu.jit.columns import records
 from cnnsim.backends.cpu.jit.compile import helper, twins
-from cnnsim.backends.cpu.term_rows import add_terms
+from cnnsim.backends.cpu.term_rows import SCRATCH_ROWS, add_terms
 from cnnsim.backends.term_table import TapColumns, TermColumns
+from cnnsim.network import ZERO_FLUX
 from cnnsim.support import Array
 
 SIGN = int(FunctionCode.SIGN)
 DRIVE, RATE, DISCRETE, EULER = map(int, TaskCode)
 NO_MASK = np.empty((1, 1, 1, 0), bool)
 """The mask that holds no cell."""
+APART = 32
+"""Numbers between what two threads write to: they must not share a line of the cache."""
 
 
 # Groups of parameters; Python hands them over as bare tuples (see `prepared`).
@@ -87,52 +90,63 @@ def find_slots(following: Array, number: int, kept: int, slots: Array) -> None:
 
 def fill_channels(
     function: int, stage: Array, past: Array, number: int, keeps: bool, slots: Array, padded: Array, following: Array,
-    characteristic: Any, threads: int, thread: int, r: int,
+    characteristic: Any, threads: int, thread: int, virtual: VirtualCells,
 ) -> None:  # fmt: skip
     """Copy a thread's share of the rows of ``stage``, and of the past, into the channels that follow the state.
 
+    They are the rows whose terms the thread adds up afterwards: what another core has written is slow to read.
     ``slots`` are places in the past (NOTHING: the stage itself). ``keeps``: ``stage`` becomes the past of step
     ``number``, which no channel follows yet.
     """
     n, layers, height, width = stage.shape
     kind, places, at, values, numbers = characteristic
-    now, before, to = stage.reshape(-1), past.reshape(-1), padded.reshape(-1)
+    now, before, to, numbers = bare(stage), bare(past), bare(padded), bare(numbers)
     if keeps:
         lines = n * layers * height
         first, after = thread * lines // threads * width, (thread + 1) * lines // threads * width
         copy_row(before, number % past.shape[0] * stage.size + first, now, first, after - first)
-    lines, (_, _, tall, wide) = following.size * n * height, padded.shape
+    lines, (_, _, tall, wide) = n * height, padded.shape
+    rows, cols, r, constant = virtual
+    beside = bare(rows), bare(cols), r, constant
     for line in range(thread * lines // threads, (thread + 1) * lines // threads):
-        m, g, i = line // (n * height), line // height % n, line % height
-        source = ((g * layers + following[m]["layer"]) * height + i) * width
-        out = ((following[m]["channel"] * n + g) * tall + i + r) * wide + r
-        whole = now
-        if slots[m] >= 0:
-            whole, source = before, slots[m] * stage.size + source
-        if following[m]["output"]:
-            function_row(function, to, out, whole, source, width, kind, places, at, values, numbers)
-        else:
-            copy_row(to, out, whole, source, width)
+        g, i = line // height, line % height
+        for m in range(following.size):
+            source = ((g * layers + following[m]["layer"]) * height + i) * width
+            out = ((following[m]["channel"] * n + g) * tall + i + r) * wide
+            whole = now
+            if slots[m] >= 0:
+                whole, source = before, slots[m] * stage.size + source
+            if following[m]["output"]:
+                function_row(function, to, out + r, whole, source, width, kind, places, at, values, numbers)
+            else:
+                copy_row(to, out + r, whole, source, width)
+            fill_beside(to, out, width, beside)
 
 
 def run_rows(
     function: int, task: int, planes: Planes, cells: Cells, characteristic: Any, field: TermArrays, r: int,
     scratch: Array, first: int, after: int,
 ) -> None:  # fmt: skip
-    """Do a task of `advance` with the rows from ``first`` on, counted through all layers and grids."""
+    """Do a task of `advance` with the rows from ``first`` on, counted through all layers of a row and all grids."""
     out, largest, x, w, _ = planes
     gains, mask, limited = cells
     padded, terms, taps, weights, term_numbers = field
     kind, places, at, values, numbers = characteristic
     _, layers, height, width = x.shape
     one = x.dtype.type(1)
-    flat, flat_weights, constant_drive = padded.reshape(-1), weights.reshape(-1), w.reshape(-1)
+    scratch, flat, flat_weights, constant_drive = bare(scratch), bare(padded), bare(weights), bare(w)
+    term_numbers, numbers, gains = bare(term_numbers), bare(numbers), bare(gains)
+    states, results, held = bare(x), bare(out), bare(mask)
+    terms, taps = bare(terms), bare(taps)
+    for j in range((SCRATCH_ROWS - 1) * width, SCRATCH_ROWS * width):
+        scratch[j] = 0
     for line in range(first, after):
-        g, layer, i = line // (layers * height), line // height % layers, line % height
-        copy_row(scratch, 0, constant_drive, line * width, width)
+        g, layer, i = line // (layers * height), line % layers, line // layers % height
+        cell = ((g * layers + layer) * height + i) * width
+        copy_row(scratch, 0, constant_drive, cell, width)
         add_terms(function, scratch, (g, layer, i), flat, padded.shape, r, terms, taps, flat_weights, term_numbers)
-        drive, new, old, gain = scratch[:width], out[g, layer, i], x[g, layer, i], gains[layer]
-        still = mask[g, layer, i] if mask.size else mask[0, 0, 0]
+        drive, new, old = scratch[:width], results[cell : cell + width], states[cell : cell + width]
+        gain, still = gains[layer], held[cell : cell + width if held.size else cell]
         if task == DRIVE:
             for j in range(width):
                 new[j] = drive[j]
@@ -173,7 +187,7 @@ def called(dtype: np.dtype[Any]) -> tuple[Any, Any, Any]:
     ))  # fmt: skip
     fill = types.void(
         integer, planes[2], planes[4], integer, types.boolean, types.int64[::1], field[0], following, characteristic,
-        integer, integer, integer,
+        integer, integer, numba.typeof(virtual_cells((1, 1), 0, ZERO_FLUX, dtype.type(0))),
     )  # fmt: skip
     run = types.void(
         integer, integer, planes, cells, characteristic, field, integer, numba.typeof(row), integer, integer
@@ -201,16 +215,16 @@ def advance(
     _, _, x, _, past = planes
     padded, (task, first, count, row, after) = field[0], job
     n, width, r = x.shape[0], x.shape[3], virtual[2]
-    scratches, slots = np.empty((threads, 3 * width), x.dtype), np.empty(following.size, np.int64)
+    scratches, slots = np.empty((threads, SCRATCH_ROWS * width + APART), x.dtype), np.empty(following.size, np.int64)
     keeps = task == EULER and past.shape[0] > 1
     for number in range(first, first + count):
         if row == 0:
             find_slots(following, number, past.shape[0], slots)
             for thread in prange(threads):
                 call(fill_at, (function, x, past, number, keeps, slots, padded, following, characteristic, threads,
-                               thread, r))  # fmt: skip
+                               thread, virtual))  # fmt: skip
             for line in prange(following.size * n):
-                fill_virtual(padded[following[line // n]["channel"], line % n], virtual)
+                fill_virtual_rows(padded[following[line // n]["channel"], line % n], virtual)
         for thread in prange(threads):
             mine, next_one = row + thread * (after - row) // threads, row + (thread + 1) * (after - row) // threads
             call(run_at, (function, task, planes, cells, characteristic, field, r, scratches[thread], mine,

@@ -1,7 +1,7 @@
 """Rows of a network of terms: differences, products and weighted sums of neighbours, a vector of cells at a time.
 
-Rows are given as a flat array and where they begin; what is worked on lies in ``scratch``, three rows that stay in the
-first-level cache: a drive, arguments, values.
+Rows are given as a flat array and where they begin; what is worked on lies in ``scratch``, `SCRATCH_ROWS` rows that
+stay in the first-level cache: a drive, arguments, values, zeros.
 """
 
 from typing import Any
@@ -9,9 +9,11 @@ from typing import Any
 from cnnsim.backends.codes import FunctionCode
 from cnnsim.backends.cpu.function_rows import copy_row, function_row
 from cnnsim.backends.cpu.jit.compile import helper
+from cnnsim.backends.cpu.short_tables import MOST_PLACES, add_table
 from cnnsim.support import Array
 
-IDENTITY, STEP = int(FunctionCode.IDENTITY), int(FunctionCode.STEP)
+IDENTITY, LINEAR, STEP = map(int, (FunctionCode.IDENTITY, FunctionCode.LINEAR, FunctionCode.STEP))
+SCRATCH_ROWS = 4
 
 
 @helper
@@ -55,23 +57,11 @@ def add_product(total: Array, at_total: int, weights: Array, at_weights: int, f:
 
 
 @helper
-def add_one_step(
-    total: Array, at_total: int, weight: float, v: Array, at_v: int, less: Array, at_less: int, n: int, edge: float,
-    low: float, high: float,
-) -> None:  # fmt: skip
-    """Add weight * f(v - less) for a step at a single edge, which is what medians and contours are made of."""
-    total, v, less = total[at_total : at_total + n], v[at_v : at_v + n], less[at_less : at_less + n]
-    below, above = weight * low, weight * high
-    for j in range(n):
-        total[j] += above if v[j] - less[j] > edge else below
-
-
-@helper
 def add_terms(
     function: int, scratch: Array, at: tuple[int, int, int], padded: Array, shape: Any, r: int, terms: Array,
     taps: Array, planes: Array, numbers: Array,
 ) -> None:  # fmt: skip
-    """Add all terms of a layer to a row of its drive, the first cells of ``scratch``, which has three rows.
+    """Add all terms of a layer to a row of its drive, the first cells of ``scratch``, whose last row is 0.
 
     ``at`` is (grid, layer, row). ``padded`` and ``planes`` are flat; ``shape`` is what ``padded`` was.
     """
@@ -89,13 +79,17 @@ def add_terms(
         at_places, values = term["at"], term["values"]
         here = (centre * grids + g) * height * width + own
         factor_here = (times_centre * grids + g) * height * width + own
+        squared = times_neighbour == neighbour and times_centre == centre  # f(v) is multiplied by v itself
+        short = kind in (LINEAR, STEP) and places <= MOST_PLACES
+        one_pass = short and (squared or times_neighbour < 0)
         for tap in range(term["first_tap"], term["end_tap"]):
             away = own + taps[tap]["k"] * width + taps[tap]["l"]
             there = (neighbour * grids + g) * height * width + away
             weight, plane = taps[tap]["weight"], taps[tap]["plane"]
-            if times_neighbour < 0 <= centre and plane < 0 and kind == STEP and places == 1:
-                add_one_step(scratch, 0, weight, padded, there, padded, here, n, numbers[at_places], numbers[values],
-                             numbers[values + 1])  # fmt: skip
+            if one_pass and plane < 0:
+                less, at_less = (padded, here) if centre >= 0 else (scratch, 3 * n)
+                add_table(kind == STEP, times_neighbour >= 0, scratch, 0, weight, padded, there, less, at_less, n,
+                          places, at_places, values, numbers)  # fmt: skip
                 continue
             argument, at_argument = padded, there
             if centre >= 0:
@@ -110,7 +104,7 @@ def add_terms(
                     copy_row(scratch, f, argument, at_argument, n)
                     result, at_result = scratch, f
                 factor = (times_neighbour * grids + g) * height * width + away
-                if times_neighbour == neighbour and times_centre == centre:
+                if squared:
                     times_row(scratch, f, argument, at_argument, n)
                 elif times_centre >= 0:
                     times_difference(scratch, f, padded, factor, padded, factor_here, n)

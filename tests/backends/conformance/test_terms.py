@@ -45,3 +45,7 @@ def test_tables_at_and_beside_their_places(backend: Backend, kind: Any, places: 
     moving = Template(0, terms=[Term([[0.5]], "u_kl - x_ij", table)])
     end = run_transient(moving, state=np.zeros(u.shape), input=u, duration=0.125, step=0.125, backend=backend)
     assert np.array_equal(end.x, found / 8)
+    times = Template(0, terms=[Term([[0.5]], "u_kl - x_ij", table, times="u_kl - x_ij")])
+    end = run_transient(times, state=np.zeros(u.shape), input=u, duration=0.125, step=0.125, backend=backend)
+    eps = np.finfo(backend.dtype).eps
+    assert np.allclose(end.x, found * u / 8, rtol=4 * eps, atol=4 * eps)

@@ -8,7 +8,18 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from cnnsim import InputError, UniversalMachine, load_program, run, write_picture
+from cnnsim import (
+    PERIODIC,
+    InputError,
+    LayeredTemplate,
+    Template,
+    Term,
+    UniversalMachine,
+    load_program,
+    run,
+    run_transient,
+    write_picture,
+)
 from cnnsim.backends import get
 from cnnsim.backends.cpu import planes, threads
 from cnnsim.cli.group import main
@@ -23,6 +34,21 @@ def test_the_result_is_the_same_on_any_number_of_threads(name: str) -> None:
     one, all_of_them = (run(name, PICTURE, threads=count, **changes) for count in (1, ALL))
     assert np.array_equal(one.x, all_of_them.x)
     assert one.t == all_of_them.t
+
+
+def test_layers_and_delays_are_the_same_on_any_number_of_threads() -> None:
+    ring = np.array([[0.1, 0, 0.2], [0, 0, 0], [0.3, 0, -0.1]])
+    layers = LayeredTemplate(
+        [Template(1.5, terms=[Term(ring, "x_kl - x_ij", layer=other), Term(ring, delay=0.2)]) for other in (1, 0)]
+    )
+    state = np.random.default_rng(0).uniform(-1, 1, (3, 2, 33, 70))
+    one, ends = (
+        run_transient(layers, state=state, duration=1.0, boundary=PERIODIC, backend=get("cpu", threads=count)).x
+        for count in (1, ALL)
+    )
+    assert np.array_equal(one, ends)
+    like = run_transient(layers, state=state, duration=1.0, boundary=PERIODIC, backend="reference").x
+    assert np.allclose(ends, like, atol=1e-5)
 
 
 def test_a_backend_works_on_its_own_number_and_leaves_that_of_the_process(monkeypatch: pytest.MonkeyPatch) -> None:

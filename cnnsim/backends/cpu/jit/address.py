@@ -9,12 +9,13 @@ from typing import Any
 import numba
 import numpy as np
 from llvmlite import ir  # type: ignore[import-untyped]
+from numba import carray
 from numba.core import cgutils
 from numba.core.types import CPointer, int64, none  # type: ignore[attr-defined]
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
-from cnnsim.backends.cpu.jit.compile import Kernel, named
+from cnnsim.backends.cpu.jit.compile import Kernel, helper, named
 from cnnsim.support.compiling.kept_loops import kept_cfunc
 
 
@@ -50,3 +51,12 @@ def pointer(_typing: Any, array: NDArray[Any]) -> Any:
         return context.make_array(signature.args[0])(context, builder, values[0]).data
 
     return CPointer(array.dtype)(array), code
+
+
+@helper
+def bare(array: NDArray[Any]) -> NDArray[Any]:
+    """Return an array's values as a flat array that counts no references, while somebody else keeps the array.
+
+    Each slice of one that counts costs two atomic instructions, and threads that share it wait for one another there.
+    """
+    return carray(pointer(array), (array.size,))
