@@ -36,10 +36,11 @@ class TaskCode(IntEnum):
     """What a loop over the cells does with their drives.
 
     DRIVE: write them; RATE: write the drives less the state; DISCRETE: write the outputs that they make; EULER: take
-    a step of a one-stage scheme.
+    a step of a one-stage scheme; CHECK: write the largest rate of each row (the cpu backend's alone).
     """
 
     DRIVE = 0
     RATE = 1
     DISCRETE = 2
     EULER = 3
+    CHECK = 4

@@ -30,8 +30,8 @@ def working_planes(plan: Plan) -> float:
 def _general(plan: Plan) -> float:
     assert plan.network is not None
     tables = [table_of(plan, plan.template.A.dtype, static=still) for still in (True, False)]
-    of_a_layer = sum(max(1, len(table.channels)) + len(table.planes) for table in tables)
-    past = longest_delay(plan, plan.network) + 1
+    of_a_layer = sum(len(table.channels) + len(table.planes) for table in tables)
+    delay = longest_delay(plan, plan.network)
     stages = 2 if plan.scheme is None else len(plan.scheme.b)
-    steps = 3 if plan.cell == "discrete-time" else 1 + stages + (stages > 1)
-    return past + 1 + steps + of_a_layer / len(plan.network.layers)
+    steps = 3 if plan.cell == "discrete-time" else 1 + (stages + 1 if stages > 1 else 0)
+    return (delay + 1 if delay else 0) + 1 + steps + of_a_layer / len(plan.network.layers)

@@ -91,6 +91,17 @@ def test_schemes_of_stages_take_as_much_as_euler(scheme: str, dtype: Any) -> Non
     assert bytes_per_cell(2 * size, prepared) <= 5 * size + 0.5
 
 
+@pytest.mark.parametrize(("name", "planes"), [("median", 6), ("local-maxima", 4)])
+def test_euler_steps_of_terms(name: str, planes: int) -> None:
+    """The picture, the state, what the input drives, and a plane for each channel that terms look at."""
+
+    def prepared(size: int) -> Callable[[], Any]:
+        picture = picture_of(size)
+        return lambda: run(name, picture, duration=0.2)
+
+    assert bytes_per_cell(4, prepared) <= 4 * planes + 0.4
+
+
 CASES: dict[str, dict[str, Any]] = {
     "closed form": {"template": "edge"},
     "steps by turns": {"template": "hole-filler", "duration": 2.0},

@@ -19,7 +19,7 @@ from cnnsim.network import ZERO_FLUX
 from cnnsim.support import Array
 
 SIGN = int(FunctionCode.SIGN)
-DRIVE, RATE, DISCRETE, EULER = map(int, TaskCode)
+DRIVE, RATE, DISCRETE, EULER, CHECK = map(int, TaskCode)
 NO_MASK = np.empty((1, 1, 1, 0), bool)
 """The mask that holds no cell."""
 APART = 32
@@ -161,6 +161,14 @@ def run_rows(
                 new[j] = old[j] if keeps else scratch[width + j]
                 change = max(change, abs(new[j] - old[j]))
             largest[line] = change
+        elif task == CHECK:
+            rate = x.dtype.type(0)
+            for j in range(width):
+                change = drive[j] - old[j]
+                against = limited and ((old[j] >= 1 and change > 0) or (old[j] <= -1 and change < 0))
+                if not against and not (still.size and still[j]):
+                    rate = max(rate, abs(change))
+            largest[line] = rate
         else:
             for j in range(width):
                 drive[j] = old[j] + gain * (drive[j] - old[j])
@@ -207,9 +215,9 @@ def advance(
 
     ``run`` are the addresses of `called` and the number of threads. DRIVE writes the drives to ``out``, RATE the drives
     less the state. DISCRETE writes the outputs that they make, the old one where a mask holds it or the drive of a sign
-    is 0, and the largest change of each row to ``largest``. EULER takes steps of a one-stage scheme in place: once all
-    channels are filled only the cell itself reads x, so a row may be replaced when it is done. One loop for all four,
-    because it is long to compile.
+    is 0, and the largest change of each row to ``largest``; CHECK the largest |drive - x| of its free cells. EULER
+    takes steps of a one-stage scheme in place: once all channels are filled only the cell itself reads x, so a row may
+    be replaced when it is done. One loop for all five, because it is long to compile.
     """
     function, fill_at, run_at, threads = run
     _, _, x, _, past = planes

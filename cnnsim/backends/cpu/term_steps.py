@@ -5,8 +5,7 @@ from numba import prange
 
 from cnnsim.backends.base import Check, Stepper
 from cnnsim.backends.cpu.jit.compile import twins
-from cnnsim.backends.cpu.planes import largest_of
-from cnnsim.backends.cpu.term_loops import DISCRETE, DRIVE, EULER, RATE, Cells
+from cnnsim.backends.cpu.term_loops import CHECK, DISCRETE, EULER, RATE, Cells
 from cnnsim.backends.cpu.terms import CompiledNetwork
 from cnnsim.support import Array
 
@@ -32,23 +31,6 @@ def combine(out: Array, x: Array, rates: Array, weights: Array, cells: Cells) ->
             to[j] = v
 
 
-@twins
-def largest_rate(drive: Array, x: Array, cells: Cells) -> float:
-    """Return the largest |dx/dt| of the free cells; the ``gains`` of ``cells`` are 1 / time constant here."""
-    gains, mask, limited = cells
-    n, layers, height, width = x.shape
-    largest = np.empty(n * layers * height, x.dtype)
-    for line in prange(n * layers * height):
-        g, layer, i = line // (layers * height), line // height % layers, line % height
-        largest[line] = 0
-        for j in range(width):
-            rate = (drive[g, layer, i, j] - x[g, layer, i, j]) * gains[layer]
-            against = limited and ((x[g, layer, i, j] >= 1 and rate > 0) or (x[g, layer, i, j] <= -1 and rate < 0))
-            if not against and not (mask.size and mask[g, layer, i, j]):
-                largest[line] = max(largest[line], abs(rate))
-    return float(largest_of(largest))
-
-
 class CompiledTermSteps(Stepper):
     """Steps of dx/dt = (drive - x) / T; in the full-range model every stage ends within +-1."""
 
@@ -59,10 +41,12 @@ class CompiledTermSteps(Stepper):
         self.work = network.work * len(scheme.b)
         self._a, self._b = [np.array(row, dtype) for row in scheme.a], np.array(scheme.b, dtype)
         self._ahead = [round(sum(row)) for row in scheme.a]
-        self._stage = np.empty_like(self._x) if len(scheme.b) > 1 else self._x  # Euler needs none
-        self._rates = np.empty((len(scheme.b), *network.shape), dtype)
+        stages = len(scheme.b) if len(scheme.b) > 1 else 0  # Euler needs none
+        self._stage, self._rates = (
+            np.empty((min(stages, 1), *network.shape), dtype),
+            np.empty((stages, *network.shape), dtype),
+        )
         self._combine = combine.for_work(self._x.size)
-        self._limited = network.cells[2]
 
     def start_span(self, step: int) -> None:
         """See `Stepper.start_span`."""
@@ -70,24 +54,22 @@ class CompiledTermSteps(Stepper):
 
     def check_settled(self, step: int, *, last: bool) -> Check:
         """See `Stepper.check_settled`."""
-        network, drive, x = self._network, self._rates[0], self._x
-        network.advance((drive, network.largest, x, network.w, network.past), (DRIVE, step, 1, 0, network.lines))
-        cells = network.rates.astype(network.dtype), network.mask, self._limited
-        return Check(largest_rate.for_work(x.size)(drive, x, cells))
+        network, x = self._network, self._x
+        network.advance((x, network.largest, x, network.w, network.past), (CHECK, step, 1, 0, network.lines))
+        of_layers = network.largest.reshape(network.shape[:3]).max((0, 2))
+        return Check(float((of_layers * network.rates.astype(network.dtype)).max()))
 
     def advance(self, step: int, count: int) -> None:
         """See `Stepper.advance`."""
         network, x, rates = self._network, self._x, self._rates
         if len(self._b) == 1:
-            network.advance(
-                (rates[0], network.largest, x, network.w, network.past), (EULER, step, count, 0, network.lines)
-            )
+            network.advance((x, network.largest, x, network.w, network.past), (EULER, step, count, 0, network.lines))
             return
         for number in range(step, step + count):
-            network.past[number % len(network.past)] = x
+            network.keep(number, x)
             for s, (row, ahead) in enumerate(zip(self._a, self._ahead, strict=True)):
-                self._combine(self._stage, x, rates, row, network.cells)
-                planes = rates[s], network.largest, self._stage, network.w, network.past
+                self._combine(self._stage[0], x, rates, row, network.cells)
+                planes = rates[s], network.largest, self._stage[0], network.w, network.past
                 network.advance(planes, (RATE, number + ahead, 1, 0, network.lines))
             self._combine(x, x, rates, self._b, network.cells)
 
@@ -127,7 +109,7 @@ class CompiledDiscreteSteps(Stepper):
 
     def _take(self, number: int) -> None:
         network = self._network
-        network.past[number % len(network.past)] = self._y
+        network.keep(number, self._y)
         planes = self._after, network.largest, self._y, network.w, network.past
         network.advance(planes, (DISCRETE, number, 1, 0, network.lines))
 

@@ -39,7 +39,7 @@ class Channels:
     def __init__(self, plan: Plan, table: TermTable, grids: int, dtype: np.dtype[Any]) -> None:
         r, (rows, cols), boundary = table.radius, plan.shape, plan.boundary
         self.channels, self.work = table.channels, max(1, len(table.taps.k))
-        self.padded = np.zeros((max(1, len(table.channels)), grids, rows + 2 * r, cols + 2 * r), dtype)
+        self.padded = np.zeros((len(table.channels), grids, rows + 2 * r, cols + 2 * r), dtype)
         virtual = (
             virtual_cells(plan.shape, r, boundary, dtype.type(constant)) for constant in (boundary.u, boundary.y)
         )
@@ -116,7 +116,8 @@ class CompiledNetwork:
         self.rates = 1 / np.array(plan.network.time_constants)
         gains = [plan.scheme.gain(plan.step * rate) if plan.scheme else 1.0 for rate in self.rates]
         self.cells = np.array(gains, x.dtype), self.mask, plan.cell == "full-range"
-        self.past = np.empty((longest_delay(plan, plan.network) + 1, *self.shape), x.dtype)
+        delay = longest_delay(plan, plan.network)
+        self.past = np.empty((delay + 1 if delay else 0, *self.shape), x.dtype)
         self.past[:] = self.x  # before t = 0 the state was x(0)
         self.w = np.empty_like(self.x)
         self.largest = np.empty(self.x.size // plan.shape[1], x.dtype)
@@ -134,6 +135,11 @@ class CompiledNetwork:
         """Return (first step, steps) of the spans in which input and bias stand still."""
         plan = self.plan
         return list(spans(plan.steps, plan.step, delays_of(self._network), self._u, self._bias)) or [(0, 0)]
+
+    def keep(self, number: int, x: Array) -> None:
+        """Keep the state at the beginning of a step, if a term will ask for it."""
+        if len(self.past):
+            self.past[number % len(self.past)] = x
 
     def start_span(self, number: int) -> None:
         """Take input and bias as they are from step ``number`` on."""
