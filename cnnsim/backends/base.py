@@ -89,6 +89,33 @@ class Backend(Protocol):
     ) -> Outcome:
         """Run a transient from the state ``x``; LAM planes, but ``mask`` (LLM): black cells keep their state."""
 
+    def output(self, x: Plane) -> Plane:
+        """Give y = clip(x, -1, 1)."""
+
+    def cellwise(self, operation: Cellwise, planes: Sequence[Plane], parameters: Sequence[float]) -> tuple[Plane, ...]:
+        """Apply a per-cell operation to LAM planes."""
+
+    def logic(self, function: int, p: Plane, q: Plane) -> Plane:
+        """Apply one of the 16 two-input functions (see `cnnsim.operations.logic`) to LLM planes."""
+
+    def neighbourhood(self, rule: BitRule, boundary: Boundary, plane: Plane) -> Plane:
+        """Apply an AND or OR of neighbours (a `BitRule`) to an LLM plane; fixed virtual cells hold u > 0."""
+
+    def count(self, plane: Plane) -> int | Integers:
+        """Count the black cells of an LLM plane, the global wire: a number, or (n,) numbers for n grids."""
+
+    def prepared(self, routine: Routine) -> Callable[[Stores], Stores | None] | None:
+        """Give what does a routine at one go; None where that saves nothing, so that its steps are done one by one.
+
+        It takes the planes and registers that are given and returns the results, or None where step by step is to tell
+        why there are none.
+        """
+        return None
+
+
+class BlockBackend(Backend, Protocol):
+    """A backend that also steps a part of a grid: a block, with what lies around it."""
+
     def check(
         self, plan: Plan, x: Plane, u: Plane | None, bias: Plane | None, mask: Plane | None, area: Area
     ) -> "Check":
@@ -115,28 +142,9 @@ class Backend(Protocol):
         """
         return None
 
-    def output(self, x: Plane) -> Plane:
-        """Give y = clip(x, -1, 1)."""
-
-    def cellwise(self, operation: Cellwise, planes: Sequence[Plane], parameters: Sequence[float]) -> tuple[Plane, ...]:
-        """Apply a per-cell operation to LAM planes."""
-
-    def logic(self, function: int, p: Plane, q: Plane) -> Plane:
-        """Apply one of the 16 two-input functions (see `cnnsim.operations.logic`) to LLM planes."""
-
-    def neighbourhood(self, rule: BitRule, boundary: Boundary, plane: Plane) -> Plane:
-        """Apply an AND or OR of neighbours (a `BitRule`) to an LLM plane; fixed virtual cells hold u > 0."""
-
-    def count(self, plane: Plane) -> int | Integers:
-        """Count the black cells of an LLM plane, the global wire: a number, or (n,) numbers for n grids."""
-
-    def prepared(self, routine: Routine) -> Callable[[Stores], Stores | None] | None:
-        """Give what does a routine at one go; None where that saves nothing, so that its steps are done one by one.
-
-        It takes the planes and registers that are given and returns the results, or None where step by step is to tell
-        why there are none.
-        """
-        return None
+    def take_back(self, plane: Plane) -> None:
+        """Take the end of a transient that is in use no more: the next one may lie in its memory."""
+        return
 
 
 class Check(NamedTuple):

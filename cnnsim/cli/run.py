@@ -7,6 +7,7 @@ import click
 import numpy as np
 
 from cnnsim import backends, library
+from cnnsim.backends.base import Backend
 from cnnsim.cli.large import block_option, check_engine_options, engine_option, run_large, store_option, workers_option
 from cnnsim.cli.pictures import (
     arrow,
@@ -108,7 +109,7 @@ def run(
     if "boundary" in given:
         given["boundary"] = parse_boundary(given["boundary"])
     check_engine_options(engine, store, workers, block)
-    where = backends.get(backend, dtype, device, threads)
+    where: Backend = backends.get(backend, dtype, device, threads)
     if engine is not None or store is not None:
         if trajectory is not None:
             raise InputError("--trajectory with --engine; without one of them wanted")

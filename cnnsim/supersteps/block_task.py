@@ -11,11 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cnnsim import backends
-from cnnsim.backends.base import Backend, Check
+from cnnsim.backends.base import BlockBackend, Check
 from cnnsim.planning.plan import Plan
 from cnnsim.supersteps.block_plan import reach_of
+from cnnsim.supersteps.block_planes import read_planes
 from cnnsim.supersteps.blocks import Area, Blocks
-from cnnsim.supersteps.store import INPUT, MASK, GridStore
+from cnnsim.supersteps.store import INPUT, GridStore
 from cnnsim.support import Array, InputError
 from cnnsim.support.errors import naming
 from cnnsim.workers.base import one_thread
@@ -70,7 +71,7 @@ class BlockReport:
 
 
 @cache
-def backend_of(place: Place) -> tuple[Backend, str]:
+def backend_of(place: Place) -> tuple[BlockBackend, str]:
     """Return the backend of this process, and on OpenCL what its device is called: its own, if none was asked for."""
     if place.backend != "opencl":
         return backends.get(place.backend, place.dtype, place.device, 1 if place.backend == "cpu" else None), ""
@@ -91,19 +92,20 @@ def run_block(task: BlockTask) -> BlockReport:
     store, begun = _store(task.folder, task.blocks, task.run), perf_counter()
     rows, cols, inside = task.blocks.around(task.block, task.halo)
     dtype = np.dtype(task.place.dtype)
-    x = store.read(task.planes, rows, cols, dtype)
-    given = {name: store.read(name, rows, cols, np.dtype(bool) if name == MASK else dtype) for name in task.given}
+    x, given = read_planes(store, task.planes, task.given, (rows, cols), dtype)
     read = perf_counter()
     (r0, r1), (c0, c1) = inside
     with one_thread(), naming(f"block {task.block}, from row {rows[r0]}, column {cols[c0]}"):
         if task.first == 0:  # what stays where it was is read here for the first time
-            _check_finite({"state": x, **given})
+            _check_finite(given if given.get(INPUT) is x else {"state": x, **given})
         where, device = backend_of(task.place)
         steps = _BlockSteps(where, task, x, given, inside)
         after, checks = steps.caught_up() if task.behind else steps.run()
     stepped = perf_counter()
     if task.target is not None:
         store.write(task.target, task.blocks.area(task.block), after[..., r0:r1, c0:c1])
+        if not np.may_share_memory(after, x):
+            where.take_back(after)
     return BlockReport(task.block, checks, read - begun + perf_counter() - stepped, stepped - read, device)
 
 
@@ -116,7 +118,7 @@ def _check_finite(planes: dict[str, Array]) -> None:
 class _BlockSteps:
     """The planes of a block with its halo on a backend."""
 
-    def __init__(self, where: Backend, task: BlockTask, x: Array, given: dict[str, Array], inside: Area) -> None:
+    def __init__(self, where: BlockBackend, task: BlockTask, x: Array, given: dict[str, Array], inside: Area) -> None:
         self._where, self._task, self._plan, self._x, self._inside = where, task, task.plan, x, inside
         u, bias, mask = (given.get(name) for name in (INPUT, "bias", "mask"))
         self._planes = (

@@ -6,17 +6,21 @@ from pathlib import Path
 
 from cnnsim.backends.memory import cell_bytes
 from cnnsim.planning.plan import Plan
+from cnnsim.supersteps.depth import first_depth
 from cnnsim.support import InputError
 from cnnsim.support.memory import check_memory, free_memory
 from cnnsim.support.values import is_whole
 from cnnsim.workers.engine import check_engine_name
 
-LARGEST, SLEEPING, SMALLEST = 4096, 1024, 64
+LARGEST, SLEEPING, SMALLEST = 8192, 1024, 64
 """Sides of blocks: the most, the most where blocks may sleep (the smaller, the more of them sleep), and the least."""
+SLEEPERS = 4
+"""Blocks for each worker at least where some of them may sleep."""
 WHOLE = 256
 """Sides above it are multiples of it, so that the chunks of a shard have that many rows."""
-TASKS = 4
-"""Blocks for each worker at least, so that the last of a superstep is not waited for long."""
+DISK, TASK, UNEVEN = 16, 1.4e7, 0.1
+"""What a block takes besides its steps: to read and write a cell as long as so many steps of it, a task as long as so
+many steps of cells; and the part of a block by which workers are apart at the end of a superstep."""
 WORKER_BYTES = 250e6
 """Memory of a worker process before it has a block: Python, NumPy and compiled loops."""
 SHARE = 0.5
@@ -45,6 +49,16 @@ class Engine:
             if value is not None and not (is_whole(value) and value >= 1):
                 raise InputError(f"{what} {value!r} of an engine; a whole number above 0 wanted")
 
+    def side_of_store(self, folder: Path, side: int) -> int:
+        """Return the side of the blocks in a store that is gone on with, whatever the workers are.
+
+        Raises:
+            InputError: the engine wants another one.
+        """
+        if self.side not in (None, side):
+            raise InputError(f"{folder} has blocks of {side} cells, not of {self.side}; {side}, or none said, wanted")
+        return side
+
 
 def parse_engine(engine: "str | Engine", store: "str | Path | None") -> Engine:
     """Return an engine by its name, with a store where one is given."""
@@ -53,13 +67,28 @@ def parse_engine(engine: "str | Engine", store: "str | Path | None") -> Engine:
 
 
 def side_of_blocks(engine: Engine, shape: tuple[int, ...], workers: int, *, sleeps: bool) -> int:
-    """Return the side of a block: the engine's own, or the largest that gives all workers work and fits."""
+    """Return the side of a block: the engine's own, or that with the shortest superstep of those that fit."""
     if engine.side is not None:
         return engine.side
+    rows, cols = shape[-2:]
     fits = math.isqrt(int(SHARE * free_memory() / workers / 64)) if math.isfinite(free_memory()) else LARGEST
-    enough = math.isqrt(max(1, shape[-2] * shape[-1] // (TASKS * workers)))
-    side = min(SLEEPING if sleeps else LARGEST, fits, enough)
-    return max(SMALLEST, side // WHOLE * WHOLE if side >= WHOLE else side)
+    enough = min(SLEEPING, math.isqrt(rows * cols // (SLEEPERS * workers))) if sleeps else LARGEST
+    most = max(SMALLEST, min(enough, fits))
+    most, longest = most // WHOLE * WHOLE if most >= WHOLE else most, max(rows, cols)
+    parts = range(-(-longest // most), max(-(-longest // most), longest // SMALLEST) + 1)
+    sides = {min(most, _whole(-(-longest // part))) for part in parts}
+
+    def seconds(side: int) -> float:
+        """Return how long a step of the grid takes, in steps of a cell."""
+        blocks, depth = math.ceil(rows / side) * math.ceil(cols / side), first_depth(side, 1, sleeps=sleeps)
+        return (math.ceil(blocks / workers) + UNEVEN) * ((side + depth) ** 2 + (DISK * side**2 + TASK) / depth)
+
+    return min(sides, key=seconds)
+
+
+def _whole(side: int) -> int:
+    """Return a side for blocks that are to have so many rows at least."""
+    return max(SMALLEST, side if side < WHOLE else -(-side // WHOLE) * WHOLE)
 
 
 def worker_bytes(plan: Plan, side: int, halo: int, lead: int, itemsize: int, given: int, *, has_mask: bool) -> float:

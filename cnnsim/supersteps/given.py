@@ -10,6 +10,7 @@ import numpy as np
 
 from cnnsim.planning.plan import Plan
 from cnnsim.supersteps.block_task import Place
+from cnnsim.supersteps.blocks import Blocks
 from cnnsim.supersteps.pictures import TiledPicture
 from cnnsim.supersteps.shards import can_be_read
 from cnnsim.supersteps.store import INPUT, MASK, STATE, STATES, GridStore, Record
@@ -22,13 +23,13 @@ Planes = dict[str, Any]
 """The planes by name: "state", and perhaps "input", "bias", "mask"; arrays, or Zarr arrays, of one shape."""
 
 
-def run_digest(plan: Plan, planes: Planes, place: Place, side: int) -> str:
-    """Return what tells a run from others: its numbers, its planes, where it is computed, the side of its blocks."""
+def run_digest(plan: Plan, planes: Planes, place: Place) -> str:
+    """Return what tells a run from others: its numbers, its planes, and where it is computed."""
     told = sha256()
     for name in ("template", "network", "boundary", "cell", "method", "duration", "limit", "scheme", "step", "shape"):
         _add(told, getattr(plan, name))
-    _add(told, (place.backend, place.dtype, side))
-    _add_planes(told, planes, side)
+    _add(told, (place.backend, place.dtype))
+    _add_planes(told, planes)
     return told.hexdigest()
 
 
@@ -36,15 +37,15 @@ def signature(values: Any, planes: Planes) -> str:
     """Return what tells a run of a program from others: its values, and its planes, read so many rows at a time."""
     told = sha256()
     _add(told, values)
-    _add_planes(told, planes, STRIP)
+    _add_planes(told, planes)
     return told.hexdigest()
 
 
-def _add_planes(told: Any, planes: Planes, side: int) -> None:
+def _add_planes(told: Any, planes: Planes) -> None:
     seen: dict[int, bytes] = {}
     for name, plane in sorted(planes.items()):
         if id(plane) not in seen:
-            seen[id(plane)] = _checksum(plane, side)
+            seen[id(plane)] = _checksum(plane)
         told.update(name.encode() + seen[id(plane)])
 
 
@@ -65,14 +66,14 @@ def _add(told: Any, value: Any) -> None:
         told.update(repr(value).encode())
 
 
-def _checksum(plane: Any, side: int) -> bytes:
+def _checksum(plane: Any) -> bytes:
     if hasattr(plane, "store_path"):
         return repr((str(plane.store_path), plane.shape, str(plane.dtype))).encode()
     if isinstance(plane, TiledPicture) and (told := plane.told()) is not None:
         return told
     total = 0
-    for r0 in range(0, plane.shape[-2], side):
-        total = zlib.crc32(np.ascontiguousarray(plane[..., r0 : r0 + side, :]).data.cast("B"), total)
+    for r0 in range(0, plane.shape[-2], STRIP):
+        total = zlib.crc32(np.ascontiguousarray(plane[..., r0 : r0 + STRIP, :]).data.cast("B"), total)
     return repr((plane.shape, np.dtype(plane.dtype).str, total)).encode()
 
 
@@ -103,12 +104,13 @@ def write_planes(store: GridStore, planes: Planes, dtype: np.dtype[Any], *, link
     for target in STATES:
         if target != first:
             store.add(target, state.shape, dtype)
-    return first_record(len(blocks), first, linked)
+    return first_record(blocks, first, linked)
 
 
-def first_record(count: int, first: str, linked: dict[str, str]) -> Record:
+def first_record(blocks: Blocks, first: str, linked: dict[str, str]) -> Record:
     """Return the record of step 0, with the states of all blocks in the array ``first``."""
-    return Record(0, 0, [first] * count, [0] * count, [False] * count, [float("inf")] * count, [None] * count, linked)
+    n = len(blocks)
+    return Record(blocks.side, 0, 0, [first] * n, [0] * n, [False] * n, [float("inf")] * n, [None] * n, linked)
 
 
 def _values(name: str, part: Any, dtype: np.dtype[Any], area: Any) -> Array:

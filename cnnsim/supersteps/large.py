@@ -79,15 +79,19 @@ def run_large(plan: Plan, planes: Planes, where: Backend, engine: Engine, withou
 def _opened(
     plan: Plan, planes: Planes, place: Place, engine: Engine, folder: Path, workers: Workers, *, sleeps: bool
 ) -> tuple[GridStore, Record, str]:
-    side = side_of_blocks(engine, plan.shape, workers.count, sleeps=sleeps and "sleep" in plan.savings)
+    run = run_digest(plan, planes, place)
+    kept = open_store(folder, run)
+    record = None if kept is None else record_of(folder, Record, kept)
+    if record is None:
+        side = side_of_blocks(engine, plan.shape, workers.count, sleeps=sleeps and "sleep" in plan.savings)
+    else:
+        side = engine.side_of_store(folder, record.side)
     dtype = np.dtype(place.dtype)
     _check_memory(
         plan, side, math.prod(planes["state"].shape[:-2]), list(planes), engine, workers, dtype, sleeps=sleeps
     )
     blocks = Blocks(plan.shape, side, plan.boundary)
-    run = run_digest(plan, planes, place, side)
-    kept = open_store(folder, run)
-    store, record = GridStore(folder, blocks), None if kept is None else record_of(folder, Record, kept)
+    store = GridStore(folder, blocks)
     if record is None:
         try:
             record = write_planes(store, planes, dtype, link="=" not in engine.name)  # a cluster may not see them
@@ -127,7 +131,7 @@ def run_linked(
     if kept is None:
         for target in STATES:
             store.add(target, shape, dtype)
-        record = first_record(len(blocks), STATE, linked)
+        record = first_record(blocks, STATE, linked)
         store.commit(record, run)
     else:
         record = record_of(folder, Record, kept)

@@ -105,6 +105,7 @@ class Supersteps:
         """Run a task for each block, and again where a worker died."""
         halo = halo_of(self.plan, steps, checked=bool(checks))
         waiting = [self._task(block, steps, tuple(checks), halo, written, behind) for block in blocks]
+        waiting.sort(key=lambda task: math.prod(task.plan.shape), reverse=True)  # the last ones are soon over
         told = partial(tell, self, tasks=len(waiting), steps=steps)
         done = all_done(self.workers, run_block, waiting, len(self.store.blocks), told)
         self.devices |= {report.device for report in done}

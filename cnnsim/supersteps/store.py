@@ -20,7 +20,7 @@ from cnnsim.support.extras import install_line
 from cnnsim.support.files import make_folder
 
 Kept = TypeVar("Kept")
-FORMAT, VERSION = "cnnsim supersteps", 3
+FORMAT, VERSION = "cnnsim supersteps", 4
 STATES = ("x0", "x1")
 STATE, INPUT, MASK = "state", "input", "mask"
 
@@ -29,12 +29,13 @@ STATE, INPUT, MASK = "state", "input", "mask"
 class Record:
     """What is known after a superstep: its number, the step, and of each block where its state is and how it moves.
 
-    ``plane``: the array with a block's state; ``upto``: the step that it belongs to, earlier than ``step`` where it
-    sleeps; ``saturated``, ``rate``, ``moving``: what the last check of the block found, the last where there are cells
-    that are not saturated. ``linked``: planes that are read where they are, and the paths there. ``end``: how the run
-    ended.
+    ``side``: that of the blocks; ``plane``: the array with a block's state; ``upto``: the step that it belongs to,
+    earlier than ``step`` where it sleeps; ``saturated``, ``rate``, ``moving``: what the last check of the block found,
+    the last where there are cells that are not saturated. ``linked``: planes that are read where they are, and the
+    paths there. ``end``: how the run ended.
     """
 
+    side: int
     superstep: int
     step: int
     plane: list[str]

@@ -1,12 +1,16 @@
 """Workers as processes of this machine: joblib's, which are started afresh when one of them was killed."""
 
 from collections.abc import Callable, Iterable, Iterator
+from functools import cache
 from typing import Any, TypeVar
 
 from cnnsim.support import InputError
 from cnnsim.support.extras import install_line
+from cnnsim.support.memory import free_memory
 from cnnsim.workers.base import Lost, Workers
 
+KEPT = 0.25
+"""Of the free memory, what a process may have grown by before it is taken to leak: planes of blocks are kept."""
 Task = TypeVar("Task")
 Outcome = TypeVar("Outcome")
 
@@ -72,4 +76,13 @@ class LocalWorkers(Workers):
 
 
 def _with_number(function: Callable[[Task], Outcome], number: int, task: Task) -> tuple[int, Outcome]:
+    _keep_memory()
     return number, function(task)
+
+
+@cache
+def _keep_memory() -> None:
+    """Let this process keep what it has for its next task: joblib takes 300 MB for a leak, and starts it afresh."""
+    from joblib.externals.loky import process_executor  # type: ignore[import-untyped]  # the same
+
+    process_executor._MAX_MEMORY_LEAK_SIZE = KEPT * free_memory()

@@ -12,7 +12,7 @@ from numpy.typing import DTypeLike
 from cnnsim.backends import driver
 from cnnsim.backends.base import (
     Area,
-    Backend,
+    BlockBackend,
     Check,
     Memory,
     Outcome,
@@ -53,7 +53,7 @@ announce(cache_folder(planes.clip.serial))
 _NO_MASK = np.empty((1, 1, 0), dtype=bool)
 
 
-class CpuBackend(Backend):
+class CpuBackend(BlockBackend):
     """LAM planes are contiguous NumPy arrays in ``dtype``, LLM planes are `Bits`.
 
     ``threads`` share the work of a large grid, None for all cores; small grids take one (see `THREADS_PAY_FROM`).
@@ -198,6 +198,9 @@ class CpuBackend(Backend):
         end = narrowed(plan, ready, x, w, area, steps, self._pool)
         self._pool.keep(w)
         return end
+
+    def take_back(self, plane: Array) -> None:
+        self._pool.keep(plane)
 
     def _ready(self, plan: Plan) -> Prepared:
         ready = self._prepared.get(plan)

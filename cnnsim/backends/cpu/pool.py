@@ -4,8 +4,9 @@ import numpy as np
 
 from cnnsim.support import Array
 
-MOST = 2
-"""Planes kept: the drive of a transient, and one of the two planes between which its steps go."""
+MOST = 3
+"""Planes kept: the drive of a transient, and the two planes between which its steps go; its end often is one of them,
+and comes back where blocks of a large grid are stepped."""
 ROOMY = 1.5
 """A plane may lie in memory that is so many times larger: blocks at an edge are smaller than others by their halo."""
 WORTH_KEEPING = 1 << 20

@@ -10,7 +10,7 @@ from numpy.typing import DTypeLike, NDArray
 from cnnsim.backends import driver
 from cnnsim.backends.base import (
     Area,
-    Backend,
+    BlockBackend,
     Check,
     Memory,
     Outcome,
@@ -37,7 +37,7 @@ from cnnsim.planning.plan import Plan
 from cnnsim.support import Array, InputError
 
 
-class OpenCLBackend(Backend):
+class OpenCLBackend(BlockBackend):
     """Computes on one OpenCL device, in float32 or float64; one thread at a time launches (see `DeviceContext`).
 
     Arguments: ``device`` as in `choose_device`; ``family`` of kernels, None for the device's own.

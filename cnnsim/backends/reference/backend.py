@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from cnnsim.backends import driver
-from cnnsim.backends.base import Area, Backend, Check, Memory, Outcome, check_finite, outside, parse_dtype
+from cnnsim.backends.base import Area, BlockBackend, Check, Memory, Outcome, check_finite, outside, parse_dtype
 from cnnsim.backends.reference import adaptive
 from cnnsim.backends.reference.closed import closed_form
 from cnnsim.backends.reference.drive import control
@@ -23,7 +23,7 @@ from cnnsim.planning.plan import Plan
 from cnnsim.support import Array, InputError, Integers
 
 
-class ReferenceBackend(Backend):
+class ReferenceBackend(BlockBackend):
     """Planes are NumPy arrays, float64 for LAM and bool for LLM."""
 
     name = "reference"

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.backends.base import Area, Backend, Check, Memory, Outcome
+from cnnsim.backends.base import Backend, Memory, Outcome
 from cnnsim.network import Boundary
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
@@ -126,10 +126,6 @@ class StoredBackend(Backend):
         name, (plane, t, settled, rate, saturated) = self.on.do(work)
         end = self.on.plane(f"{name}/{plane}", x.shape, "lam", name)
         return Outcome(end, float(t), bool(settled), float(rate), bool(saturated))
-
-    def check(self, plan: Plan, x: StoredPlane, u: Any, bias: Any, mask: Any, area: Area) -> Check:
-        """Refuse: supersteps check the blocks of a transient themselves, on the backend of each."""
-        raise NotImplementedError
 
     def seen(self, outcome: Outcome, see: Callable[[], tuple[Outcome, Any]]) -> Outcome:
         """Return what is seen of an outcome, whose plane may be read as a whole for it; looked at once."""

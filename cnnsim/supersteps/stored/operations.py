@@ -67,10 +67,11 @@ class Operations:
 
     def _open(self, signature: str, shape: tuple[int, ...], *, sleeps: bool) -> None:
         kept = open_store(self.folder, signature, PROGRAM)
-        side = side_of_blocks(self.engine, shape, self.workers.count, sleeps=sleeps)
-        record = ProgramRecord(side) if kept is None else record_of(self.folder, ProgramRecord, kept)
-        if self.engine.side not in (None, record.side):
-            raise InputError(f"{self.folder} has blocks of {record.side} cells; {self.engine.side} wanted, elsewhere")
+        if kept is None:
+            record = ProgramRecord(side_of_blocks(self.engine, shape, self.workers.count, sleeps=sleeps))
+        else:
+            record = record_of(self.folder, ProgramRecord, kept)
+            self.engine.side_of_store(self.folder, record.side)
         self.group = zarr_library().open_group(self.folder, mode="r+")
         self.journal = Journal(self.group, signature, record)
 

@@ -2,9 +2,14 @@
 
 import os
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+SHARE = 0.02
+"""Of a core, what looking may take: the system goes through all pages, 50 ms of processes with gigabytes, and those
+wait for it that want more."""
 
 
 @contextmanager
@@ -13,8 +18,11 @@ def peak_memory() -> Iterator[list[float]]:
     peak, over = [0.0], threading.Event()
 
     def watch() -> None:
-        while not over.wait(0.05):
+        took = 0.0
+        while not over.wait(max(0.05, took / SHARE)):
+            begun = time.perf_counter()
             peak[0] = max(peak[0], sum(map(_own_memory, family())))
+            took = time.perf_counter() - begun
 
     thread = threading.Thread(target=watch)
     thread.start()

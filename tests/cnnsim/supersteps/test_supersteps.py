@@ -1,6 +1,5 @@
 import errno
 import json
-import math
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,6 @@ import cnnsim
 from cnnsim.network import LayeredTemplate, Table, Template, Term
 from cnnsim.supersteps import block_task, run
 from cnnsim.supersteps.blocks import Blocks, runs
-from cnnsim.supersteps.depth import Depth
 from cnnsim.supersteps.engine import Engine
 from cnnsim.supersteps.store import GridStore
 from cnnsim.support import Array, InputError
@@ -165,6 +163,18 @@ def test_a_run_that_was_stopped_goes_on_from_its_last_superstep(
     assert cnnsim.run_transient(MIXED, engine=engine, **task).x.tobytes() == whole.x.tobytes()  # of a run that ended
 
 
+def test_a_store_is_gone_on_with_in_its_own_blocks_whatever_the_workers_are(tmp_path: Path) -> None:
+    store = tmp_path / "store"
+    task: dict[str, Any] = {"state": X, "input": U, "store": store}
+    whole = cnnsim.run_transient(MIXED, engine=one(side=24), **task)
+    for engine in (one(), Engine(workers=3), one(side=24)):
+        again = cnnsim.run_transient(MIXED, engine=engine, **task)
+        assert again.x.tobytes() == whole.x.tobytes()
+        assert "blocks of 24 x 24" in again.plan.explain()
+    with pytest.raises(InputError, match="store has blocks of 24 cells, not of 20; 24, or none said, wanted"):
+        cnnsim.run_transient(MIXED, engine=one(side=20), **task)
+
+
 def test_a_store_of_something_else_is_refused(tmp_path: Path) -> None:
     store = tmp_path / "store"
     task: dict[str, Any] = {"state": X, "input": U, "duration": 0.2, "engine": one(side=20, store=store)}
@@ -175,7 +185,7 @@ def test_a_store_of_something_else_is_refused(tmp_path: Path) -> None:
     mark = json.loads((store / "zarr.json").read_text())
     mark["attributes"]["version"] = 7
     (store / "zarr.json").write_text(json.dumps(mark))
-    with pytest.raises(InputError, match="store of version 7; version 3 wanted"):
+    with pytest.raises(InputError, match="store of version 7; version 4 wanted"):
         cnnsim.run_transient(MIXED, **task)
     mark["attributes"] = {}
     (store / "zarr.json").write_text(json.dumps(mark))
@@ -226,16 +236,14 @@ def test_what_lies_around_a_block_is_every_cell_that_can_reach_it() -> None:
     assert runs(np.array([3, 4, 5, 6]), 5) == [((0, 2), (3, 5)), ((2, 4), (5, 7))]
 
 
-def test_the_depth_is_what_costs_least_by_the_measured_rates() -> None:
-    def learnt(disk: float, stepping: float) -> int:
-        depth = Depth(1024, 1, None, None)
-        depth.learn([block_task.BlockReport(0, (), disk, stepping)], 16)
-        return depth.steps(10**6)
+def test_a_picture_that_is_state_and_input_is_read_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    read, inner = list[Any](), GridStore.read
 
-    assert learnt(0.001, 1.0) < learnt(0.1, 1.0) < learnt(1.0, 1.0)
+    def counted(store: GridStore, plane: Any, *rest: Any) -> Array:
+        read.append(plane)
+        return inner(store, plane, *rest)
 
-    def cost(d: int) -> float:  # of a step: cells of a halo that becomes narrower, and the disk once in d steps
-        return 1.0 / 16 * ((1024 + d) / (1024 + 16)) ** 2 + 0.1 / d
-
-    assert abs(learnt(0.1, 1.0) - min((int(2 ** (p / 2)) for p in range(17)), key=cost)) <= 1
-    assert math.isclose(cost(16), 1.0 / 16 + 0.1 / 16)
+    monkeypatch.setattr(GridStore, "read", counted)
+    assert_same(MIXED, one(side=40, depth=4), state=X, input=X, duration=0.8)
+    assert read[:4] == ["input"] * 4  # two blocks, whether they may sleep and their first superstep
+    assert read[4:8] == ["input", {0: "x0", 1: "x0"}] * 2  # by then the states have gone on
