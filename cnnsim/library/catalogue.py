@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from cnnsim.backends.base import Backend
 from cnnsim.keywords import spelled
 from cnnsim.library.entry import Example, LibraryEntry
-from cnnsim.library.folders import files, not_found
+from cnnsim.library.folders import file_of, files, not_found
 from cnnsim.library.read import load_file
 from cnnsim.network import AnyTemplate
 from cnnsim.recording import Record
@@ -77,7 +77,7 @@ def load(name: str) -> LibraryEntry:
     """
     if not isinstance(name, str):
         raise InputError(f"template {name!r}; the name of one of the library, or of a file, wanted")
-    path = Path(name) if name.endswith(".toml") else files().get(name) or _by_alias(name)
+    path = Path(name) if name.endswith(".toml") else file_of(name) or _by_alias(name)
     if path is None:
         raise not_found("template", name, names(), "cnnsim list")
     return _load(path)

@@ -128,14 +128,14 @@ class LibraryEntry:
         planes = self.planes(picture, state)
         return planes | self.rules(planes["state"].shape[-2:], len(np.asarray(picture)))
 
-    def rules(self, grid: tuple[int, int], frames: int) -> dict[str, Any]:
+    def rules(self, grid: tuple[int, int], frames: int, *, limit: float | None = None) -> dict[str, Any]:
         """Return what `run_transient` takes besides planes, on a grid (rows, cols), for a sequence of so many frames.
 
-        That is boundary, time, cell and step.
+        That is boundary, time, cell and step. ``limit``: how long to wait for rest, None for what is long enough.
         """
         rules: dict[str, Any] = {"boundary": self.boundary, "duration": self.duration, "cell": self.cell}
         if self.duration == "settled":
-            rules["limit"] = self.limit(grid)
+            rules["limit"] = self.limit(grid) if limit is None else limit
         elif self.frame_time:  # a longer sequence than that of the file is seen to its end
             rules["duration"] = max(self.duration, self.frame_time * frames)
         own = {"step": self.step, "accuracy": self.accuracy}

@@ -1,9 +1,10 @@
 """Runs a sweep on worker processes or on a Dask cluster, and goes on with one that was stopped."""
 
 from collections import defaultdict, deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from threading import Thread
 from time import perf_counter
 from typing import Any
 
@@ -14,8 +15,9 @@ from cnnsim.sweep.spec import Sweep
 from cnnsim.sweep.table import SweepTable
 from cnnsim.workers import Lost, Workers, open_workers
 
-JOB_SECONDS = 1.0
-"""How long a job is to take: to hand one out costs some milliseconds."""
+JOB_SECONDS, SHORTEST, PARTS = 1.0, 0.1, 4
+"""How long a job is to take, as to hand one out costs some milliseconds; how long the last ones are to, and the part of
+what is left, for each worker, that they are cut into."""
 PART_SECONDS = 5.0
 """How often rows are written: what a crash may cost."""
 FIRST, MOST = 4, 4096
@@ -37,8 +39,9 @@ class SweepSummary:
 class _Pace:
     """Cuts what is left into jobs whose size follows the seconds that cases of their group took."""
 
-    def __init__(self, sweep: Sweep, left: Iterable[int]) -> None:
+    def __init__(self, sweep: Sweep, left: Sequence[int], workers: int) -> None:
         self._sweep, self._each = sweep, dict[Any, float]()
+        self._left, self._workers = len(left), workers
         self._waiting: dict[Any, deque[int]] = defaultdict(deque)
         group = sweep.kind.group
         for number in left:
@@ -56,13 +59,14 @@ class _Pace:
         A group that nobody knows yet is taken for as slow as the slowest known one.
         """
         while self._waiting:
-            launches, left = list[Launch](), JOB_SECONDS
+            launches, left = list[Launch](), self._seconds()
             while self._waiting and left > 0:
                 group = next(iter(self._waiting))
                 numbers = self._waiting.pop(group)
                 each = self._each.get(group, max(self._each.values(), default=JOB_SECONDS / FIRST))
                 most = max(1, min(MOST, int(left / max(each, 1e-6))))
                 now = [numbers.popleft() for _ in range(min(most, len(numbers)))]
+                self._left -= len(now)
                 if numbers:
                     self._waiting[group] = numbers  # at the end: other groups have their turn
                 launches.append(Launch(group, [(number, self._sweep.case(number)) for number in now]))
@@ -70,6 +74,11 @@ class _Pace:
                 if left < each:
                     break
             yield Job(self._sweep.module, launches)
+
+    def _seconds(self) -> float:
+        """Return how long the next job is to take: towards the end less, so that all workers end together."""
+        rest = self._left * sum(self._each.values()) / max(len(self._each), 1)
+        return min(JOB_SECONDS, max(SHORTEST, rest / (PARTS * self._workers))) if self._each else JOB_SECONDS
 
 
 def run_sweep(sweep: Sweep, folder: Path, *, engine: str = "processes", workers: int | None = None) -> SweepSummary:
@@ -86,6 +95,7 @@ def run_sweep(sweep: Sweep, folder: Path, *, engine: str = "processes", workers:
     seconds = busy = 0.0
     if left:
         with open_workers(engine, workers) as crew:
+            Thread(target=table.prepare).start()  # while the processes start
             busy = _run(sweep, left, table, crew)
             seconds = perf_counter() - begun
             busy /= seconds * crew.count
@@ -94,9 +104,9 @@ def run_sweep(sweep: Sweep, folder: Path, *, engine: str = "processes", workers:
     return SweepSummary(rows, failed, len(left), seconds, busy, table.file)
 
 
-def _run(sweep: Sweep, left: list[int], table: SweepTable, workers: Workers) -> float:
+def _run(sweep: Sweep, left: Sequence[int], table: SweepTable, workers: Workers) -> float:
     """Run cases, write their rows now and then, and return the seconds in kernels."""
-    pace, rows, written, kernels, count = _Pace(sweep, left), list[Row](), perf_counter(), 0.0, 0
+    pace, rows, written, kernels, count = _Pace(sweep, left, workers.count), list[Row](), perf_counter(), 0.0, 0
     try:
         for done in _survivors(pace, workers):
             pace.learn(done)

@@ -34,9 +34,11 @@ class Sweep:
 
     def case(self, number: int) -> dict[str, Any]:
         """Return what is chosen in case ``number``."""
-        sizes = tuple(len(values) for values in self.grid.values())
-        at = np.unravel_index(number, sizes) if sizes else ()
-        return {**self.fixed, **{key: self.grid[key][int(i)] for key, i in zip(self.grid, at, strict=True)}}
+        chosen: dict[str, Any] = {}
+        for key in reversed(self.grid):
+            number, at = divmod(number, len(self.grid[key]))
+            chosen[key] = self.grid[key][at]
+        return {**self.fixed, **{key: chosen[key] for key in self.grid}}
 
     @property
     def digest(self) -> str:

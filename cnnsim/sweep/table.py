@@ -45,6 +45,10 @@ class SweepTable:
             raise InputError(f"{self._parts}: {strange[0]}.parquet is no part of a sweep; a folder of its own wanted")
         self._next = 1 + max((int(name) for name in known), default=-1)
 
+    def prepare(self) -> None:
+        """Have imported what pyarrow imports for its first table: a quarter of a second, for which all would wait."""
+        self._arrow.table({NUMBER: self._arrow.array([0])})
+
     def done(self) -> set[int]:
         """Return the numbers of the cases that have a row."""
         files = [self.file] if self.file.exists() else []

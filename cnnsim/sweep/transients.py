@@ -75,7 +75,7 @@ def run(cases: Sequence[Case]) -> list[Row]:
         changes["boundary"] = parse_boundary(first["boundary"])
     if "time" in first:
         changes["duration"] = first["time"]
-    task = entry.changed({**planes, **entry.rules(shown.shape[-2:], 1)}, changes)
+    task = entry.changed({**planes, **entry.rules(shown.shape[-2:], 1, limit=first.get("limit"))}, changes)
     where = {"backend": first.get("backend", "cpu"), "dtype": first.get("dtype")}
     with in_kernels():
         y = run_transient(_changed(entry.network, first), **task, **where).y

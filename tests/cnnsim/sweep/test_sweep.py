@@ -8,7 +8,7 @@ from cnnsim.support import InputError
 from cnnsim.sweep import transients
 from cnnsim.sweep.job import Done
 from cnnsim.sweep.plot import draw_columns, parse_plot
-from cnnsim.sweep.run import FIRST, JOB_SECONDS, SweepSummary, _Pace, run_sweep
+from cnnsim.sweep.run import FIRST, JOB_SECONDS, SHORTEST, SweepSummary, _Pace, run_sweep
 from cnnsim.sweep.spec import read_sweep
 from cnnsim.sweep.table import SweepTable
 
@@ -120,13 +120,15 @@ def test_transients_of_one_launch_come_out_as_each_by_itself() -> None:
 
 def test_a_job_has_launches_of_several_groups_until_it_lasts_its_time(tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_text(
-        'kind = "made-up"\n[grid]\nm = { from = 0, count = 50 }\nn = { from = 0, count = 10 }\n'
+        'kind = "made-up"\n[grid]\nm = { from = 0, count = 200 }\nn = { from = 0, count = 10 }\n'
     )
-    pace = _Pace(read_sweep(tmp_path / "a.toml", KINDS), range(500))
+    pace = _Pace(read_sweep(tmp_path / "a.toml", KINDS), range(2000), 1)
     first = next(jobs := pace.jobs())
     assert first.size <= FIRST
     pace.learn(Done(first, [], [0.005 * len(launch.cases) for launch in first.launches], 0.0))  # 5 ms a case
     second = next(jobs)
     assert len(second.launches) > 10
     assert 0.9 * JOB_SECONDS <= 0.005 * second.size <= 1.1 * JOB_SECONDS
-    assert sum(job.size for job in [first, second, *jobs]) == 500
+    rest = list(jobs)
+    assert sum(job.size for job in [first, second, *rest]) == 2000
+    assert 0.005 * rest[-1].size <= SHORTEST  # nobody is waited for long
