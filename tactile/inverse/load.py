@@ -17,8 +17,9 @@ class Load:
     many were used; ``left_out``: (row, column) of taxels that contradict all others; ``saturated`` of those that are
     at the end of their range and not used, or of which the largest reading is not, since all others say that it is cut
     off. ``validity``: INSIDE or OUTSIDE as seen from the nearest taxel, AMBIGUOUS where another place fits about as
-    well, where a taxel may read falsely or feel another load, or where the place is known to half a depth only, NOT_ONE
-    where no few point loads fit, NO_LOAD or INVALID without an answer. ``others``: further loads
+    well, where a taxel may read falsely or feel another load, where the place is known to half a depth only, or hangs
+    on what the load leaves unexplained (`tactile.inverse.steadiness`), NOT_ONE where no few point loads fit, NO_LOAD
+    or INVALID without an answer. ``others``: further loads
     at the same time, the strongest first. ``torque`` [N m] about the place, from x to y, where taxels measure forces;
     NaN where it is not known.
     """

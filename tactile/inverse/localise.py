@@ -15,6 +15,7 @@ from cnnsim.support import Flags, Floats, InputError
 from tactile.inverse.alternatives import POINT, explained
 from tactile.inverse.attempt import DOUBT, Attempt, Taxels
 from tactile.inverse.load import INF, NAN, Load
+from tactile.inverse.steadiness import unsteady
 from tactile.inverse.validity import Validity
 from tactile.inverse.weights import Weights, weigh
 from tactile.inverse.windows import Window, false_taxels, may_be_many, windows_of
@@ -131,7 +132,7 @@ def _loads(window: Window) -> list[Load]:
     (x0, y0), (x1, y1) = taxels.at[found.order[0]].tolist(), seen[0].tolist()
     to_q, to_r = top if tie[0] <= 0 else INF, top if tie[2] <= 0 else INF
     units = depth, depth, to_q, to_r, top
-    deviation = math.sqrt(fit.variance)
+    deviation, in_doubt = math.sqrt(fit.variance), found.ambiguous or unsteady(found, left_out=bool(out))
     loads = []
     for (x, y, q, r, f), spread in zip(fit.loads.tolist(), fit.spread.tolist(), strict=True):
         dx, dy, dq, dr, df = (
@@ -139,16 +140,16 @@ def _loads(window: Window) -> list[Load]:
         )
         q, r = q * to_q if to_q < INF else NAN, r * to_r if to_r < INF else NAN
         place = x0 + (x - x1) * depth, y0 + (y - y1) * depth
-        validity = _validity(found, x, y)
+        validity = _validity(found, x, y, in_doubt)
         loads.append(Load(*place, q, r, f * top, (dx, dy, dq, dr, df), fit.misfit, len(found.order), validity, out))
     return loads
 
 
-def _validity(found: Attempt, x: float, y: float) -> Validity:
+def _validity(found: Attempt, x: float, y: float, in_doubt: bool) -> Validity:
     """Return what the answer for a load at (x, y) is worth."""
     if found.fit.misfit > (POINT if len(found.fit.loads) == 1 else DOUBT) or found.fit.foreign is not None:
         return Validity.NOT_ONE
-    if found.ambiguous:
+    if in_doubt:
         return Validity.AMBIGUOUS
     seen = found.fit.signals.seen
     x1, y1 = seen[0].tolist()
