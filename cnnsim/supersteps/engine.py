@@ -12,8 +12,11 @@ from cnnsim.support.memory import check_memory, free_memory
 from cnnsim.support.values import is_whole
 from cnnsim.workers.engine import check_engine_name
 
-LARGEST, SLEEPING, SMALLEST = 8192, 1024, 64
-"""Sides of blocks: the most, the most where blocks may sleep (the smaller, the more of them sleep), and the least."""
+LARGEST, SMALLEST = 8192, 64
+"""Sides of blocks: the most, and the least."""
+SLEEPING, ACROSS, FEWEST = 512, 32, 8
+"""Sides where blocks may sleep: a front keeps those awake that it crosses, of ``ACROSS`` each way a few. Below
+``SLEEPING`` cells a task costs more than its block sleeps, but with fewer than ``FEWEST`` each way hardly one does."""
 SLEEPERS = 4
 """Blocks for each worker at least where some of them may sleep."""
 WHOLE = 256
@@ -72,8 +75,7 @@ def side_of_blocks(engine: Engine, shape: tuple[int, ...], workers: int, *, slee
         return engine.side
     rows, cols = shape[-2:]
     fits = math.isqrt(int(SHARE * free_memory() / workers / 64)) if math.isfinite(free_memory()) else LARGEST
-    enough = min(SLEEPING, math.isqrt(rows * cols // (SLEEPERS * workers))) if sleeps else LARGEST
-    most = max(SMALLEST, min(enough, fits))
+    most = max(SMALLEST, min(_of_sleepers(rows * cols, workers) if sleeps else LARGEST, fits))
     most, longest = most // WHOLE * WHOLE if most >= WHOLE else most, max(rows, cols)
     parts = range(-(-longest // most), max(-(-longest // most), longest // SMALLEST) + 1)
     sides = {min(most, _whole(-(-longest // part))) for part in parts}
@@ -84,6 +86,13 @@ def side_of_blocks(engine: Engine, shape: tuple[int, ...], workers: int, *, slee
         return (math.ceil(blocks / workers) + UNEVEN) * ((side + depth) ** 2 + (DISK * side**2 + TASK) / depth)
 
     return min(sides, key=seconds)
+
+
+def _of_sleepers(cells: int, workers: int) -> int:
+    """Return the side of blocks of which most may sleep, and which serve all workers."""
+    across = math.isqrt(cells)
+    few = min(across // FEWEST, math.isqrt(cells // (SLEEPERS * workers)))
+    return min(LARGEST, max(across // ACROSS, min(SLEEPING, few)))
 
 
 def _whole(side: int) -> int:

@@ -83,7 +83,7 @@ def _opened(
     kept = open_store(folder, run)
     record = None if kept is None else record_of(folder, Record, kept)
     if record is None:
-        side = side_of_blocks(engine, plan.shape, workers.count, sleeps=sleeps and "sleep" in plan.savings)
+        side = side_of_blocks(engine, plan.shape, workers.count, sleeps=sleeps)
     else:
         side = engine.side_of_store(folder, record.side)
     dtype = np.dtype(place.dtype)

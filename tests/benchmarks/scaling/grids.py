@@ -129,7 +129,7 @@ def sizes(sides: list[int], steps: int = 256) -> list[dict[str, Any]]:
 
 
 def sleep(side: int, time_constants: float = 25.6) -> list[dict[str, Any]]:
-    """Compare hole filling with blocks that sleep and without."""
+    """Compare hole filling with blocks that sleep and without, each with the side that is chosen for it."""
     entry = cnnsim.library.load("hole-filler")
     warm(2)
     with folder() as store:
@@ -138,7 +138,7 @@ def sleep(side: int, time_constants: float = 25.6) -> list[dict[str, Any]]:
 
         def run(name: str, *without: str) -> float:
             begun = time.perf_counter()
-            engine = Engine(workers=2, store=store.with_name(name), side=min(1024, side // 16))
+            engine = Engine(workers=2, store=store.with_name(name))
             cnnsim.run_transient(entry.template, state=state, input=picture, duration=time_constants,
                                  boundary=entry.boundary, dtype="float32", without=without, engine=engine)  # fmt: skip
             return time.perf_counter() - begun

@@ -67,6 +67,7 @@ def test_the_command_runs_on_an_engine_as_without(tmp_path: Path, monkeypatch: p
 
 
 def test_blocks_are_small_enough_for_all_workers_and_the_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CNNSIM_MEMORY", "16G")
     plan = cnnsim.run_transient(cnnsim.Template(1.0), state=np.zeros((2, 2)), duration=0.1).plan
     large = plan.__class__(**{**vars(plan), "shape": (32768, 32768)})
     assert side_of_blocks(Engine(), large.shape, 2, sleeps=False) == 4096

@@ -124,6 +124,13 @@ def test_blocks_that_sleep_are_left_out_and_catch_up_to_the_bit(monkeypatch: pyt
     assert len(tasks) == 64 * supersteps
 
 
+def test_blocks_that_may_sleep_are_small_ones_over_a_fixed_time_too() -> None:
+    entry, picture = cnnsim.library.load("hole-filler"), np.where(RANDOM.random((256, 256)) < 0.3, 1.0, -1.0)
+    for without, blocks in ([], "64 x 64 cells, 16 of them"), (["sleep"], "256 x 256 cells, 1 of them"):
+        task = entry.task(picture) | {"duration": 0.4, "without": without}
+        assert blocks in cnnsim.run_transient(entry.template, **task, engine=one()).plan.explain()
+
+
 def test_what_sleeps_wakes_up_when_a_wave_comes(monkeypatch: pytest.MonkeyPatch) -> None:
     woken: list[int] = []
 
