@@ -95,13 +95,15 @@ def check_keys(
     for key in table:
         if key not in known:
             near = get_close_matches(key, known, 1)
-            place = f"{key!r}{line_of(table, key)}"
+            place = f"{shown(key)}{line_of(table, key)}"
             if near:
                 found.append(f"unknown key {place}; did you mean {near[0]!r}?")
             else:
                 far.append(place)
     if far:
-        found.append(f"unknown key{'s' * (len(far) > 1)} {', '.join(far)}; known are {', '.join(known)}")
+        more = f" and {len(far) - MOST_FAULTS} more" * (len(far) > MOST_FAULTS)
+        some = ", ".join(far[:MOST_FAULTS]) + more
+        found.append(f"unknown key{'s' * (len(far) > 1)} {some}; known are {', '.join(known)}")
     missing = [key for key in required if key not in table]
     if missing:
         found.append(f"no {', '.join(map(repr, missing))}{_room(table)}")

@@ -56,7 +56,8 @@ class CompiledTermSteps(Stepper):
         """See `Stepper.check_settled`."""
         network, x = self._network, self._x
         network.advance((x, network.largest, x, network.w, network.past), (CHECK, step, 1, 0, network.lines))
-        of_layers = network.largest.reshape(network.shape[:3]).max((0, 2))
+        n, layers, rows, _ = network.shape
+        of_layers = network.largest.reshape(n, rows, layers).max((0, 1))  # the order of `run_rows`
         return Check(float((of_layers * network.rates.astype(network.dtype)).max()))
 
     def advance(self, step: int, count: int) -> None:

@@ -177,7 +177,7 @@ def test_a_finite_table_begins_like_a_small_one(finite: table.Response) -> None:
     ("changes", "message"),
     [
         ({"kind": "bumps"}, r"\[cover\]: kind = 'bumps', 'flat' or 'bump'"),
-        ({"kind": "flat"}, r"\[cover\]: unknown key 'diameter_mm'"),
+        ({"kind": "flat"}, r"\[cover\]: unknown keys 'diameter_mm', 'thickness_mm'"),
         ({"diametre_mm": 1}, "did you mean 'diameter_mm'"),
         ({"diameter_mm": -1}, "diameter_mm = -1.0, a positive"),
         ({"poissons_ratio": 0.6}, "Poisson's ratio 0.6"),
