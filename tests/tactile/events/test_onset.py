@@ -1,4 +1,4 @@
-"""Where a tangential load set in: the bend of a course, weak pulls, real recordings at other tempos; and where none."""
+"""Where a tangential load set in: the bend of a known course, weak pulls, real recordings at other tempos; where none."""
 
 from dataclasses import replace
 
