@@ -35,7 +35,7 @@ WHOLE = {
     "steep": "the fall is steep, at 0.6 of the steepest of late",
     "large": "the load is above 0.3 of the held one, until it is below 0.2",
     "unsteady": "the load is away from its mean of 100 ms (3 %)",
-    "sheared": "shear changes by more than about half of what the pressing does, and than noise does",
+    "sheared": "shear changes by more than about half of what the pressing does",
     "yielding": "the pull grows no more, at less than 0.25 of its fastest of late",
     "sticking": "taxels that stick bear more than 15 % of the load",
     "driven": "the whole shear changes (0.4 % of the load, or 6 sigma, within about 0.2 s)",

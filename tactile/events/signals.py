@@ -62,9 +62,8 @@ class Signals:
     F against its mean of 100 ms (25 %); ``falling`` the fall from the mean of 15 ms to that of 4 ms (1.5 % of the held
     load); ``steep`` this fall over the steepest of late (off below 0.4); ``large`` F over the held load (off below
     0.2); ``unsteady`` F away from its mean of 100 ms (3 %); ``sheared`` whether shear changes by more than about half
-    of what the pressing does (sums of squares over the taxels, 0.3) and than noise (6 variances); ``driven`` change of
-    the whole shear (mean of 10 ms less that of 200 ms) against 6 sigma and 0.4 % of F; ``dropping`` a fall of 4 %, as
-    of a finger that opens;
+    of what the pressing does (sums of squares over the taxels, 0.3); ``driven`` change of the whole shear (mean of 10
+    ms less that of 200 ms) against 6 sigma and 0.4 % of F; ``dropping`` a fall of 4 %, as of a finger that opens;
     ``yielding`` the growth of Q/F against its fastest of the last 0.5 s (on below 0.25, off above 0.4): a contact that
     slides as a whole follows no further; ``sticking`` the part of F that taxels bear which stick (on above 0.15, off
     below 0.1).

@@ -14,8 +14,6 @@ CREEP, CREEP_TIME = 0.3, 0.4
 """... and so much of the largest change of late, which silicone goes on with for so long [s] ..."""
 HELD = 0.24
 """... and otherwise lasts: between where a comparator goes off and on."""
-MOVED = 6.0
-"""Squares of the shear's changes, over the variances of their noise, that are more than noise (about 1)."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -165,5 +163,4 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     calm = 1 - math.exp(-dt / taps[7])
     scalars[8] += calm * (moved - scalars[8])
     scalars[9] += calm * (pressed - scalars[9])
-    still = MOVED * shear_noise  # in a still hold both are noise, and their proportion says nothing
-    levels[6] = binary(scalars[8], 0.2 * scalars[9] + still / 1.5, 0.3 * scalars[9] + still) if scalars[8] > 0 else 0.0
+    levels[6] = binary(scalars[8], 0.2 * scalars[9], 0.3 * scalars[9]) if scalars[8] > 0 else 0.0
