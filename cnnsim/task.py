@@ -49,9 +49,9 @@ class Task:
         planes = [p for value in values for p in (value.planes if isinstance(value, Frames) else (value,))]
         return list({id(plane): plane for plane in planes if plane is not None}.values())
 
-    def cell_bytes(self, itemsize: int) -> float:
+    def cell_bytes(self, itemsize: int, backend: str = "cpu") -> float:
         """Return the bytes a cell that a run takes, with what is given and the result, in numbers of so many bytes."""
-        return cell_bytes(self.plan, len(self.planes), itemsize, has_mask=self.mask is not None)
+        return cell_bytes(self.plan, len(self.planes), itemsize, has_mask=self.mask is not None, backend=backend)
 
     def check_memory(self, backend: Backend) -> None:
         """Refuse a run on a large grid that needs more memory than is free, before the machine swaps.
@@ -62,7 +62,7 @@ class Task:
         if self.state.size < LARGE:
             return
         there = sum(plane.dtype == backend.dtype and plane.flags.c_contiguous for plane in self.planes)
-        needed = self.cell_bytes(backend.dtype.itemsize) - there * backend.dtype.itemsize
+        needed = self.cell_bytes(backend.dtype.itemsize, backend.name) - there * backend.dtype.itemsize
         name, size = self.plan.template.name, " x ".join(map(str, self.state.shape))
         cure = "a smaller grid, float32 for float64, or blocks on the disk (engine='processes', --engine) wanted"
         check_memory(f"template {name!r} on {size} cells", needed * self.state.size, cure)

@@ -52,6 +52,11 @@ class Scheme:
             square[i, :i] = row
         return square
 
+    @property
+    def keeps_rates(self) -> bool:
+        """Whether a stage asks for a rate that is not of the stage before."""
+        return any(any(row[:-1]) for row in self.a)
+
     @cached_property
     def real_limit(self) -> float:
         """The largest h |lambda| for which a real decaying mode stays bounded: |R(-h lambda)| <= 1."""

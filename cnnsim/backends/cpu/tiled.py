@@ -42,7 +42,7 @@ class Tiled:
         r = max(reach((tap.k, tap.l) for tap in plan.feedback_taps), 1)  # the loops over rows take a radius of 1
         self._loop, self._dtype, h = loop_kind(plan, r, dtype), dtype, scheme.gain(plan.step)
         stages = 0 if self._fused else count
-        lives = 2 + masked + (0 if count == 1 else 2 + (count - 1) * keeps_rates(scheme))
+        lives = 2 + masked + (0 if count == 1 else 2 + (count - 1) * scheme.keeps_rates)
         self._numbers = (
             tap_records(plan.feedback_taps, dtype), square(plan, dtype) if self._fused else table_of(scheme, h, dtype),
             dtype.type(h), *Edge(r, int(boundary_code(boundary)), dtype.type(boundary.y)), stages, lives, limited,
@@ -106,8 +106,3 @@ def square(plan: Plan, dtype: np.dtype[Any]) -> Array:
 def table_of(scheme: Scheme, h: float, dtype: np.dtype[Any]) -> Array:
     """Return a scheme's table times h: the rows of a as a square, then b."""
     return np.concatenate(((h * scheme.matrix).reshape(-1), h * np.array(scheme.b))).astype(dtype)
-
-
-def keeps_rates(scheme: Scheme) -> bool:
-    """Return whether a stage asks for a rate that is not of the stage before."""
-    return any(any(row[:-1]) for row in scheme.a)

@@ -10,7 +10,6 @@ from cnnsim.backends.codes import TaskCode
 from cnnsim.backends.opencl.channels import ChannelPlanes
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.planes import DeviceGrid
-from cnnsim.backends.opencl.transient import StageSums
 from cnnsim.backends.term_table import longest_delay, table_of
 from cnnsim.network.frames import at_step, spans
 from cnnsim.planning.general import delays_of
@@ -75,6 +74,30 @@ class _NetworkSteps(Stepper):
         return self._x
 
 
+class _StageSums:
+    """Where a stage, or a step, leads: x + the layer's gain * sum of weight * rate; see stages.cl.
+
+    ``rates`` has a plane for each stage; ``sizes`` are what the kernel is told last.
+    """
+
+    def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, sizes: tuple[Any, ...]) -> None:
+        assert plan.scheme is not None
+        self._context, self._grid, self._kernel = context, grid, context.kernel("layers_stage", "stages", {})
+        self._rows = [
+            (context.table(np.array(row or (0.0,), context.dtype)), np.int32(len(row)))
+            for row in (*plan.scheme.a, plan.scheme.b)
+        ]
+        self._last = np.int32(plan.cell == "full-range"), np.int32(grid.cols), *sizes
+        self.rates = context.new(len(plan.scheme.b) * grid.cells * context.dtype.itemsize)
+
+    def write(self, row: int, x: Buffer, to: Buffer, mask: Buffer | None) -> None:
+        """Write the state that begins stage ``row``, or with -1 that after the step."""
+        self._context.launch(
+            self._kernel, self._grid.cells, x, self.rates, *self._rows[row], mask, to, np.int32(mask is not None),
+            *self._last,
+        )  # fmt: skip
+
+
 class _LayerSteps(_NetworkSteps):
     """Steps of dx/dt = (drive - x) / T; in the full-range model every stage ends within +-1."""
 
@@ -83,7 +106,7 @@ class _LayerSteps(_NetworkSteps):
         assert plan.scheme is not None
         self._ahead = [round(sum(row)) for row in plan.scheme.a]
         layers = self._states.gains, *self._states.layer_arguments
-        self._sums = StageSums(context, plan, grid, "layers_stage", 1.0, layers)
+        self._sums = _StageSums(context, plan, grid, layers)
         self._stage = context.new(self._x.size) if len(self._ahead) > 1 else None
         self._planes = [context.new(self._x.size) for _ in range(len(self._past) + 1)]
 

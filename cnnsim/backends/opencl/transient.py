@@ -80,59 +80,53 @@ class _TileSteps(CheckedSteps):
 
 
 class _StageSteps(CheckedSteps):
-    """Steps of any scheme with any boundary: two launches a stage, one more a step."""
+    """Steps of any scheme with any boundary: a launch a stage.
+
+    What the step ends with is added up stage by stage, so that beside it there are the state, a stage and the next one;
+    and the rates of all stages but the last, where a later stage but one asks for them.
+    """
 
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:
         super().__init__(context, plan, grid, planes)
-        assert plan.scheme is not None
-        self._stages = len(plan.scheme.a)
-        gain = plan.scheme.gain(plan.step)
-        self._sums = StageSums(context, plan, grid, "linear_stage", gain, (np.int64(grid.cells),))
+        scheme = plan.scheme
+        assert scheme is not None
+        gain, number, count = scheme.gain(plan.step), context.dtype.type, len(scheme.b)
+        self._weights = [number(gain * weight) for weight in scheme.b]
+        ahead = [[gain * weight for weight in row] for row in (*scheme.a[1:], (0.0,))]
+        self._ahead = [context.table(np.array(row, context.dtype)) for row in ahead]
         self._taps = tap_arguments(context, plan.feedback_taps, plan.boundary.y)
-        self.work *= self._stages
-        self._rate = context.kernel("rate", "boundary stencil", {**boundary_defines(plan.boundary), "RATE": ""})
-        self._stage = context.buffer(self._x.size)
-        self._own = False  # whether x may be written over
+        self.work *= count
+        self._kernel = context.kernel("stage", "boundary stencil", {**boundary_defines(plan.boundary), "STAGE": ""})
+        self._stages = [context.buffer(self._x.size) for _ in range(min(count - 1, 2))]
+        self._rates = context.new((count - 1) * self._x.size) if scheme.keeps_rates else None
+        self._mask_and_limit = self._mask, np.int32(self._mask is not None), np.int32(plan.cell == "full-range")
+        self._own: Buffer | None = None  # the state, once it is not the one that was given
+        self._spare: Buffer | None = None
 
     def advance(self, step: int, count: int) -> None:
         for _ in range(count):
-            for stage in range(self._stages):
-                self._sums.write(stage, self._x, self._stage, self._mask)
-                for first, lines in self._context.pieces(self._grid.lines, self.work / self._stages / self._grid.lines):
-                    self._context.launch(
-                        self._rate, lines * self._grid.cols, self._stage, self._w, self._sums.rates, np.int32(stage),
-                        np.int64(self._grid.cells), np.int64(first), *self._taps, np.int64(lines),
-                        *self._grid.arguments[1:],
-                    )  # fmt: skip
-            to = self._x if self._own else self._context.buffer(self._x.size)
-            self._sums.write(-1, self._x, to, self._mask)
-            self._x, self._own = to, True
+            to = self._spare or self._context.buffer(self._x.size)
+            self._step(to)
+            self._x, self._own, self._spare = to, to, self._own
 
+    def _step(self, to: Buffer) -> None:
+        """Take a step from the state into another plane."""
+        context, grid, y, count = self._context, self._grid, self._x, len(self._weights)
+        for stage, (weight, ahead) in enumerate(zip(self._weights, self._ahead, strict=True)):
+            last = stage + 1 == count
+            following = None if last else self._stages[stage % 2]
+            for first, lines in context.pieces(grid.lines, self.work / count / grid.lines):
+                context.launch(
+                    self._kernel, lines * grid.cols, self._x, y, self._w, to if stage else self._x, to, following,
+                    self._rates, ahead, weight, np.int32(stage), np.int32(last), np.int32(self._rates is not None),
+                    *self._mask_and_limit, np.int64(grid.cells), np.int64(first), *self._taps, np.int64(lines),
+                    *grid.arguments[1:],
+                )  # fmt: skip
+            y = following or y
 
-class StageSums:
-    """Where a stage, or a step, of a Runge-Kutta scheme leads: x + gain * sum of weight * rate; see stages.cl.
-
-    ``rates`` has a plane for each stage; ``sizes`` are what the ``kernel`` is told last.
-    """
-
-    def __init__(
-        self, context: DeviceContext, plan: Plan, grid: DeviceGrid, kernel: str, gain: float, sizes: tuple[Any, ...]
-    ) -> None:
-        assert plan.scheme is not None
-        self._context, self._grid, self._kernel = context, grid, context.kernel(kernel, "stages", {})
-        self._rows = [
-            (context.table(np.array([gain * weight for weight in row] or [0.0], context.dtype)), np.int32(len(row)))
-            for row in (*plan.scheme.a, plan.scheme.b)
-        ]
-        self._last = np.int32(plan.cell == "full-range"), np.int32(grid.cols), *sizes
-        self.rates = context.new(len(plan.scheme.b) * grid.cells * context.dtype.itemsize)
-
-    def write(self, row: int, x: Buffer, to: Buffer, mask: Buffer | None) -> None:
-        """Write the state that begins stage ``row``, or with -1 that after the step."""
-        self._context.launch(
-            self._kernel, self._grid.cells, x, self.rates, *self._rows[row], mask, to, np.int32(mask is not None),
-            *self._last,
-        )  # fmt: skip
+    def finish(self) -> Buffer:
+        self._context.recycle(*self._stages, *([self._spare] if self._spare else []))
+        return self._x
 
 
 def _shared_sums(context: DeviceContext, plan: Plan) -> Defines:

@@ -6,10 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cnnsim import Template
+from cnnsim import Template, Term
 from cnnsim.program.file import load_program
+from cnnsim.planning.scheme import SCHEMES
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.task import make_task
+from tests.backends.conformance.test_schemes import THREE_EIGHTHS
 from tests.kits.opencl import OpenCLBackend, cl
 
 NINE = np.arange(1, 10).reshape(3, 3) * 0.03 * np.array([[1, -1, 1], [-1, 1, 1], [1, 1, -1]])
@@ -43,20 +45,43 @@ def test_planes_stay_on_the_device_during_a_program(tmp_path: Path, monkeypatch:
     assert np.allclose(ours["b"], law["b"])
 
 
-def test_memory_of_a_dense_transient(monkeypatch: pytest.MonkeyPatch) -> None:
+CASES: dict[str, tuple[Template, dict[str, Any], int]] = {
+    "euler": (Template(NINE, NINE), {}, 4),
+    "heun": (Template(NINE, NINE), {"scheme": "heun"}, 5),
+    "rk4": (Template(NINE, NINE), {"scheme": "rk4"}, 6),
+    "rk4 settles": (Template(0.5 * np.eye(3)), {"scheme": "rk4", "duration": "settled", "limit": 40.0}, 6),
+    "full range": (Template(NINE, NINE), {"scheme": "rk4", "cell": "full-range"}, 6),
+    "keeps rates": (Template(NINE, NINE), {"scheme": "3/8"}, 9),
+    "closed form": (Template(2.0, NINE), {}, 3),
+    "terms by euler": (Template(0.5, terms=[Term(NINE, "x_kl")]), {}, 6),
+    "terms by rk4": (Template(0.5, terms=[Term(NINE, "x_kl")]), {"scheme": "rk4"}, 10),
+    "discrete time": (Template(0.5, NINE), {"cell": "discrete-time"}, 8),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_transient_takes_what_the_check_before_it_counts(case: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The planes on the device, the state that is given included: x, w, and of four stages the sum, a stage, the next
+    one and the step before; in the check the state and the result are counted outside of the device as well.
+    """
+    monkeypatch.setitem(SCHEMES, "3/8", THREE_EIGHTHS)
+    template, choices, most = CASES[case]
     backend = OpenCLBackend()
-    rows = 997  # a size that no other test leaves planes of in the pool
-    x = np.zeros((rows, 16), np.float32)
-    task = make_task(Template(NINE, NINE), state=x, input=x, duration=10.0)
+    rows = 97 + list(CASES).index(case)  # a size that no other test leaves planes of in the pool
+    x = np.zeros((rows, 514), np.float32)
+    choices = {"step": 0.1 if "scheme" in choices else None, "duration": 10.0, **choices}
+    task = make_task(template, state=x, input=x, **choices)
     planes = 0
     real = cl.Buffer
 
     def counted(*arguments: Any, **named: Any) -> Any:
         nonlocal planes
         buffer = real(*arguments, **named)
-        planes += buffer.size == x.nbytes
+        planes += round(buffer.size / x.nbytes, 1) if buffer.size > 0.9 * x.nbytes else 0
         return buffer
 
     monkeypatch.setattr(cl, "Buffer", counted)
     task.start(backend)
-    assert planes <= 5
+    said = task.cell_bytes(4, "opencl") / 4 - 2
+    print(case, planes, said, most)
+    assert planes <= said + 0.4

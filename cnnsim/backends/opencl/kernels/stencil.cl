@@ -1,4 +1,4 @@
-// Single sums over a template's taps: B*u + z (CONTROL), the rate of a stage (RATE), and whether the network has
+// Single sums over a template's taps: B*u + z (CONTROL), a stage of a Runge-Kutta step (STAGE), and whether the network has
 // settled (SETTLED). They run once, or once in many steps, so the taps are arguments: a build for each template would
 // cost more than it saves. One of the three is built at a time. Comes after boundary.cl.
 //
@@ -78,16 +78,43 @@ KERNEL void control(__global const real *u, __global const real *bias, __global 
     EACH_CELL(DO_CONTROL)
 }
 
-#elif defined(RATE)
-// The rate of a stage, A*y + w - x, into plane number `stage` of `rates`, of so many cells.
-KERNEL void rate(__global const real *x, __global const real *w, __global real *rates, int stage, long plane, ARGUMENTS)
+#elif defined(STAGE)
+// Stage number `stage` of a Runge-Kutta step from x, whose state is `y`, with its rate k = A*y + w - y:
+//
+//     out = sum + weight * k,    next = x + ahead[0] k_0 + ... + ahead[stage] k,
+//
+// where `sum` is what the stages before have added up to (x itself in the first), and may be `out`. Of the rates before,
+// `rates` has a plane of so many cells each, if they are asked for. The last of the stages ends the step and writes no
+// next one. What a step and a stage lead to is limited in the full-range cell; a masked cell keeps x.
+KERNEL void stage(__global const real *x, __global const real *y, __global const real *w, __global const real *sum,
+                  __global real *out, __global real *next, __global real *rates, __global const real *ahead,
+                  real weight, int stage, int last, int keeps, __global const ulong *mask, int has_mask, int limited,
+                  long plane, ARGUMENTS)
 {
-    rates += stage * plane;
-#define DO_RATE(type)                                 \
-    type total = LOAD(type, w);                       \
-    ADD_##type(x, total)                              \
-    STORE(type, rates) = total - LOAD(type, x);
-    EACH_CELL(DO_RATE)
+#define KEEP_real(v, old) if (black(mask, line, j, cols)) v = old;
+#define KEEP_vec(v, old) for (int q = 0; q < V; q++) if (black(mask, line, j + q, cols)) v[q] = old[q];
+#define FINISH(type, v, may_end)                                                                        \
+    if (limited && may_end) v = CLIP(type, v);                                                          \
+    if (has_mask) { KEEP_##type(v, start) }
+#define DO_STAGE(type)                                                                                  \
+    type k = LOAD(type, w);                                                                             \
+    ADD_##type(y, k)                                                                                    \
+    k -= LOAD(type, y);                                                                                 \
+    const type start = LOAD(type, x);                                                                   \
+    type total = LOAD(type, sum) + weight * k;                                                          \
+    FINISH(type, total, last)                                                                           \
+    STORE(type, out) = total;                                                                           \
+    if (!last) {                                                                                        \
+        type to = start;                                                                                \
+        if (keeps) {                                                                                    \
+            for (int i = 0; i < stage; i++) to += ahead[i] * LOAD(type, rates + i * plane);             \
+            STORE(type, rates + stage * plane) = k;                                                     \
+        }                                                                                               \
+        to += ahead[stage] * k;                                                                         \
+        FINISH(type, to, 1)                                                                             \
+        STORE(type, next) = to;                                                                         \
+    }
+    EACH_CELL(DO_STAGE)
 }
 
 #else // SETTLED
