@@ -41,10 +41,8 @@ def device_planes(plan: Plan) -> float:
     """Return the planes that a transient on the opencl backend makes on the device besides those it is given."""
     stages = _stages(plan)
     if plan.method == "general":
-        if plan.cell == "discrete-time":
-            steps = 4  # the first outputs, and three by turns
-        else:
-            steps = 2 + stages + (stages > 1)  # the state and the next one by turns, all rates, a stage
+        # the first outputs, and three by turns; or the state and the next one by turns, all rates, a stage
+        steps = 4 if plan.cell == "discrete-time" else 2 + stages + (stages > 1)
         return 1 + _delay(plan) + steps + _of_terms(plan, least=1)
     if plan.method == "closed form":
         return 2 + _control(plan)

@@ -1,5 +1,6 @@
 """Transients of the OpenCL backend: several steps a launch, shared sums, local memory, sleep."""
 
+import itertools
 from types import SimpleNamespace
 from typing import Any
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 
 from cnnsim import PERIODIC, ZERO_FLUX, InputError, Template, fixed, library
-from cnnsim.backends import slices
+from cnnsim.backends import get, slices
 from cnnsim.planning.plan import make_plan
 from cnnsim.task import make_task
 from cnnsim.transient import run_transient
@@ -154,3 +155,23 @@ def test_by_name_and_by_way_of_run_transient() -> None:
     assert np.array_equal(ours.x, run_transient(Template(NINE), state=x, duration=2.0, backend="reference").x)
     with pytest.raises(InputError, match="the adaptive scheme runs on the reference backend"):
         run_transient(Template(NINE), state=x, duration=2.0, scheme="adaptive", backend="opencl")
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_stages_have_the_bits_of_the_reference(family: Family) -> None:
+    """In float64, of free cells and of those that a mask holds, at the rim and inside."""
+    backend, reference = OpenCLBackend("float64", family=family), get("reference")
+    rng = np.random.default_rng(5)
+    x, mask = rng.uniform(-1, 1, (23, 66)), rng.random((23, 66)) - 0.7
+    for number, (scheme, cell) in enumerate(itertools.product(("heun", "rk4"), ("chua-yang", "full-range"))):
+        choices: Any = {
+            "scheme": scheme,
+            "step": 0.1,
+            "cell": cell,
+            "duration": 0.7,
+            "boundary": BOUNDARIES[number % 3],
+        }
+        for held in (None, mask):
+            task = make_task(Template(NINE), state=x, mask=held, **choices)
+            found, wanted = (where.read(task.start(where).x) for where in (backend, reference))
+            np.testing.assert_array_equal(found, wanted)
