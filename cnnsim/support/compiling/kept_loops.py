@@ -21,14 +21,12 @@ from numba.core.caching import FunctionCache
 from numba.core.ccallback import CFunc
 from numba.core.serialize import dumps
 
-from cnnsim.support.compiling.numba_arrays import import_array_functions
 from cnnsim.support.compiling.private_folder import first_usable, is_private, user_cache
 from cnnsim.support.compiling.stopping import listen_to_numba
 
 _BYTES = sha256().digest_size
 
 listen_to_numba()
-import_array_functions()
 
 
 def _candidates() -> list[Path]:
