@@ -27,8 +27,6 @@ from cnnsim.backends.cpu.bits import Bits
 from cnnsim.backends.cpu.block import narrowed
 from cnnsim.backends.cpu.boundary import virtual_cells
 from cnnsim.backends.cpu.drive import control, controlling
-from cnnsim.backends.cpu.euler.sleep import E_FOLDS
-from cnnsim.backends.cpu.euler.window import CATCH_UP, CHECK
 from cnnsim.backends.cpu.jit.compile import Kernel, cache_folder
 from cnnsim.backends.cpu.neighbourhood import literals, neighbourhood
 from cnnsim.backends.cpu.planes import grids
@@ -38,6 +36,8 @@ from cnnsim.backends.cpu.routine import MOST_CELLS, CompiledRoutine
 from cnnsim.backends.cpu.term_steps import CompiledDiscreteSteps, CompiledTermSteps
 from cnnsim.backends.cpu.terms import CompiledNetwork, with_control_terms
 from cnnsim.backends.cpu.threads import checked_threads, on_threads
+from cnnsim.backends.cpu.tiles.sleep import E_FOLDS
+from cnnsim.backends.cpu.tiles.window import CATCH_UP, CHECK
 from cnnsim.backends.cpu.transient import by_tiles, check_free, over_area
 from cnnsim.backends.slices import EXPONENTIALS, pieces
 from cnnsim.network import Boundary

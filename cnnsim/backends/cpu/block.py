@@ -4,12 +4,12 @@ import numba
 import numpy as np
 
 from cnnsim.backends.base import check_finite
-from cnnsim.backends.cpu.euler.narrowing import pass_over
-from cnnsim.backends.cpu.euler.tile import streaming
 from cnnsim.backends.cpu.planes import grids
 from cnnsim.backends.cpu.pool import Pool
 from cnnsim.backends.cpu.prepared import Prepared
-from cnnsim.backends.cpu.tiled import TILE_COLS, TILE_ROWS
+from cnnsim.backends.cpu.tiles.narrowing import pass_over
+from cnnsim.backends.cpu.tiles.tile import streaming
+from cnnsim.backends.cpu.tiles.tiled import TILE_COLS, TILE_ROWS
 from cnnsim.planning.plan import Plan
 from cnnsim.planning.savings import steps_a_pass
 from cnnsim.support import Array

@@ -1,6 +1,6 @@
 """Virtual cells in compiled loops: no other file of this folder knows what lies around a grid.
 
-The fast loops of `euler` set the virtual cells of the boundaries that they know by themselves (`euler.boundary`).
+The fast loops of `tiles` set the virtual cells of the boundaries that they know by themselves (`tiles.boundary`).
 """
 
 from typing import Any, NamedTuple

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from cnnsim.backends.cpu.boundary import virtual_cells
-from cnnsim.backends.cpu.euler.grid import Schedule
 from cnnsim.backends.cpu.jit.columns import tap_records
-from cnnsim.backends.cpu.tiled import Tiled
+from cnnsim.backends.cpu.tiles.grid import Schedule
+from cnnsim.backends.cpu.tiles.tiled import Tiled
 from cnnsim.network import reach
 from cnnsim.planning.plan import SETTLED_RATE, Plan
 

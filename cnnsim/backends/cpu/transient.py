@@ -4,17 +4,17 @@ import numba
 import numpy as np
 
 from cnnsim.backends.base import Check, Outcome
-from cnnsim.backends.cpu.euler.dense import dense
-from cnnsim.backends.cpu.euler.grid import Schedule
-from cnnsim.backends.cpu.euler.part import over_part
-from cnnsim.backends.cpu.euler.position import END, PHASE, START
-from cnnsim.backends.cpu.euler.settled import FIGURES, UNSATURATED
-from cnnsim.backends.cpu.euler.sleep import COLUMNS, sleeping
-from cnnsim.backends.cpu.euler.window import window
 from cnnsim.backends.cpu.jit.compile import threads_for
 from cnnsim.backends.cpu.planes import grids
 from cnnsim.backends.cpu.pool import Pool
 from cnnsim.backends.cpu.prepared import Prepared
+from cnnsim.backends.cpu.tiles.dense import dense
+from cnnsim.backends.cpu.tiles.grid import Schedule
+from cnnsim.backends.cpu.tiles.part import over_part
+from cnnsim.backends.cpu.tiles.position import END, PHASE, START
+from cnnsim.backends.cpu.tiles.settled import FIGURES, UNSATURATED
+from cnnsim.backends.cpu.tiles.sleep import COLUMNS, sleeping
+from cnnsim.backends.cpu.tiles.window import window
 from cnnsim.backends.slices import Pace
 from cnnsim.planning.plan import SETTLED_RATE, Plan
 from cnnsim.support import Array
@@ -59,7 +59,7 @@ def over_area(
     plan: Plan, ready: Prepared, x: Array, target: Array, w: Array, area: tuple[tuple[int, int], tuple[int, int]],
     task: int, behind: int,
 ) -> Check:  # fmt: skip
-    """Check, or catch up, the cells of an area (see `euler.window`), by the arithmetic of the fused Euler method."""
+    """Check, or catch up, the cells of an area (see `tiles.window`), by the arithmetic of the fused Euler method."""
     planes = grids(x), grids(target), grids(w)
     address = window(numba.typeof(ready.tiled.feedback)).address
     rate, saturated, (r0, r1, c0, c1) = over_part.serial(

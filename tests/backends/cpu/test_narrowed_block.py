@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cnnsim import backends
-from cnnsim.backends.cpu.euler import narrowing
+from cnnsim.backends.cpu.tiles import narrowing
 from cnnsim.network import Template
 from cnnsim.task import make_task
 

@@ -3,12 +3,12 @@
 import numpy as np
 from numba import prange
 
-from cnnsim.backends.cpu.euler.grid import Feedback, Schedule, Tiling, levels_of, steps_of_pass, tile_area, tile_count
-from cnnsim.backends.cpu.euler.position import BEGIN, END, MEASURE, STEP, Fields, Position, phase_at
-from cnnsim.backends.cpu.euler.scratch import tile_cells, tile_layout
-from cnnsim.backends.cpu.euler.settled import MOVING, UNSATURATED, largest_rate, start_check, total
 from cnnsim.backends.cpu.jit.address import call
 from cnnsim.backends.cpu.jit.compile import twins
+from cnnsim.backends.cpu.tiles.grid import Feedback, Schedule, Tiling, levels_of, steps_of_pass, tile_area, tile_count
+from cnnsim.backends.cpu.tiles.position import BEGIN, END, MEASURE, STEP, Fields, Position, phase_at
+from cnnsim.backends.cpu.tiles.scratch import tile_cells, tile_layout
+from cnnsim.backends.cpu.tiles.settled import MOVING, UNSATURATED, largest_rate, start_check, total
 from cnnsim.support import Array
 
 

@@ -1,10 +1,10 @@
 """Virtual cells of the loops over tiles: how they are set while rows are in the cache."""
 
 from cnnsim.backends.codes import BoundaryCode
-from cnnsim.backends.cpu.euler.grid import Edge
-from cnnsim.backends.cpu.euler.rows import PAD, STRIDE
-from cnnsim.backends.cpu.euler.scratch import GROUP, fill, move
 from cnnsim.backends.cpu.jit.compile import helper
+from cnnsim.backends.cpu.tiles.grid import Edge
+from cnnsim.backends.cpu.tiles.rows import PAD, STRIDE
+from cnnsim.backends.cpu.tiles.scratch import GROUP, fill, move
 from cnnsim.support import Array
 
 ZERO_FLUX, PERIODIC = int(BoundaryCode.ZERO_FLUX), int(BoundaryCode.PERIODIC)

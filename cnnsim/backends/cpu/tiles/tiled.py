@@ -7,16 +7,16 @@ import numba
 import numpy as np
 
 from cnnsim.backends.codes import boundary_code
-from cnnsim.backends.cpu.euler.grid import Edge, Feedback
-from cnnsim.backends.cpu.euler.loops import ANY, CROSS, ISOTROPIC, NINE, loop
-from cnnsim.backends.cpu.euler.rows import PAD, STRIDE
-from cnnsim.backends.cpu.euler.scratch import GROUP
-from cnnsim.backends.cpu.euler.sleep import HEIGHT, WIDTH
-from cnnsim.backends.cpu.euler.stage_rows import stage_loop
-from cnnsim.backends.cpu.euler.tile import streaming
-from cnnsim.backends.cpu.euler.window import window
 from cnnsim.backends.cpu.jit.columns import tap_records
 from cnnsim.backends.cpu.jit.compile import Kernel
+from cnnsim.backends.cpu.tiles.grid import Edge, Feedback
+from cnnsim.backends.cpu.tiles.loops import ANY, CROSS, ISOTROPIC, NINE, loop
+from cnnsim.backends.cpu.tiles.rows import PAD, STRIDE
+from cnnsim.backends.cpu.tiles.scratch import GROUP
+from cnnsim.backends.cpu.tiles.sleep import HEIGHT, WIDTH
+from cnnsim.backends.cpu.tiles.stage_rows import stage_loop
+from cnnsim.backends.cpu.tiles.tile import streaming
+from cnnsim.backends.cpu.tiles.window import window
 from cnnsim.backends.slices import Pace
 from cnnsim.network import reach
 from cnnsim.planning.plan import Plan
@@ -86,7 +86,7 @@ def widest(halo: int) -> int:
 
 
 def loop_kind(plan: Plan, r: int, dtype: np.dtype[Any]) -> Kernel:
-    """Choose the innermost loop (see `euler.rows`); float64 keeps the reference's order and rounding."""
+    """Choose the innermost loop (see `tiles.rows`); float64 keeps the reference's order and rounding."""
     if dtype != np.float32 or r > 1:
         return ANY
     if "shared sums" in plan.savings:

@@ -1,11 +1,11 @@
 """Rows of a stage, a vector of cells at a time: drives, rates, sums, outputs, and what a mask or a limit makes of them.
 
-Rows are given as a flat array and where they begin (see `cnnsim.backends.cpu.euler.rows`). Nothing is fused: what comes
+Rows are given as a flat array and where they begin (see `cnnsim.backends.cpu.tiles.rows`). Nothing is fused: what comes
 out has the rounding of the reference, in float32 too.
 """
 
-from cnnsim.backends.cpu.euler.rows import PAD, STRIDE, min_max
 from cnnsim.backends.cpu.jit.compile import helper
+from cnnsim.backends.cpu.tiles.rows import PAD, STRIDE, min_max
 from cnnsim.support import Array
 
 

@@ -1,6 +1,6 @@
 """Euler transients in which tiles sleep while no output in them can change; bit for bit the dense transient.
 
-Only cells that are not saturated for good (see `cnnsim.backends.cpu.euler.settled`) can change an output, and what they
+Only cells that are not saturated for good (see `cnnsim.backends.cpu.tiles.settled`) can change an output, and what they
 change travels r cells a step. So a tile farther than d r cells from every such cell keeps all its outputs for d steps
 and need not be computed: its states run towards constant drives, x(k) = d + (1 - h)^k (x - d), and when it wakes up it
 takes those steps at once, each rounded as it would have been. When all cells are saturated, no output will ever change.
@@ -9,14 +9,14 @@ takes those steps at once, each rounded as it would have been. When all cells ar
 import numpy as np
 from numba import prange
 
-from cnnsim.backends.cpu.euler.boundary import is_periodic
-from cnnsim.backends.cpu.euler.grid import Feedback, Schedule, Tiling, steps_of_pass, tile_area
-from cnnsim.backends.cpu.euler.position import BEGIN, END, MEASURE, STEP, Fields, Position
-from cnnsim.backends.cpu.euler.scratch import move
-from cnnsim.backends.cpu.euler.settled import C0, C1, MOVING, R0, R1, UNSATURATED, largest_rate, start_check, total
-from cnnsim.backends.cpu.euler.window import CATCH_UP, CHECK, window_cells, window_layout
 from cnnsim.backends.cpu.jit.address import call
 from cnnsim.backends.cpu.jit.compile import helper, twins
+from cnnsim.backends.cpu.tiles.boundary import is_periodic
+from cnnsim.backends.cpu.tiles.grid import Feedback, Schedule, Tiling, steps_of_pass, tile_area
+from cnnsim.backends.cpu.tiles.position import BEGIN, END, MEASURE, STEP, Fields, Position
+from cnnsim.backends.cpu.tiles.scratch import move
+from cnnsim.backends.cpu.tiles.settled import C0, C1, MOVING, R0, R1, UNSATURATED, largest_rate, start_check, total
+from cnnsim.backends.cpu.tiles.window import CATCH_UP, CHECK, window_cells, window_layout
 from cnnsim.support import Array
 
 HEIGHT, WIDTH = 32, 64

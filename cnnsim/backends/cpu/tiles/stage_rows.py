@@ -1,6 +1,6 @@
 """One stage of a Runge-Kutta step, row by row, its data in the first-level cache: the innermost loops of the stages.
 
-Everything lies in one flat array, laid out as in `cnnsim.backends.cpu.euler.rows`, and is handed over once for each of
+Everything lies in one flat array, laid out as in `cnnsim.backends.cpu.tiles.rows`, and is handed over once for each of
 its uses, as there. Sums are rounded like the reference's, in float32 too:
 
     k_i = w + sum of the taps of y_i in their order - x_i
@@ -16,7 +16,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import carray, types
 
-from cnnsim.backends.cpu.euler.row_sums import (
+from cnnsim.backends.cpu.jit.address import call, compiled_at, pointer, pointer_type
+from cnnsim.backends.cpu.jit.columns import tap_type
+from cnnsim.backends.cpu.jit.compile import helper
+from cnnsim.backends.cpu.tiles.row_sums import (
     add_weighted,
     copy_cells,
     drives,
@@ -30,10 +33,7 @@ from cnnsim.backends.cpu.euler.row_sums import (
     weighted_onto,
     weighted_sum,
 )
-from cnnsim.backends.cpu.euler.rows import PAD, STRIDE
-from cnnsim.backends.cpu.jit.address import call, compiled_at, pointer, pointer_type
-from cnnsim.backends.cpu.jit.columns import tap_type
-from cnnsim.backends.cpu.jit.compile import helper
+from cnnsim.backends.cpu.tiles.rows import PAD, STRIDE
 from cnnsim.support import Array
 
 NOWHERE = -1

@@ -7,8 +7,8 @@ others. Steps follow one another, so the few pairs of a vector cost what one cel
 
 import numpy as np
 
-from cnnsim.backends.cpu.euler.rows import BLOCK, PAD, STRIDE
 from cnnsim.backends.cpu.jit.compile import fused, helper
+from cnnsim.backends.cpu.tiles.rows import BLOCK, PAD, STRIDE
 from cnnsim.support import Array
 
 PAIRS = PAD

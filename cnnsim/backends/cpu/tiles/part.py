@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from cnnsim.backends.cpu.euler.grid import Area, Feedback
-from cnnsim.backends.cpu.euler.settled import C0, C1, FIGURES, R0, R1, RATE, UNSATURATED, start_check
-from cnnsim.backends.cpu.euler.sleep import HEIGHT
-from cnnsim.backends.cpu.euler.window import window_cells, window_layout
 from cnnsim.backends.cpu.jit.address import call
 from cnnsim.backends.cpu.jit.compile import twins
+from cnnsim.backends.cpu.tiles.grid import Area, Feedback
+from cnnsim.backends.cpu.tiles.settled import C0, C1, FIGURES, R0, R1, RATE, UNSATURATED, start_check
+from cnnsim.backends.cpu.tiles.sleep import HEIGHT
+from cnnsim.backends.cpu.tiles.window import window_cells, window_layout
 from cnnsim.support import Array
 
 WIDTH = 256

@@ -1,4 +1,4 @@
-"""The innermost loops of `cnnsim.backends.cpu.euler.rows` as functions to call by address: the one a template needs."""
+"""The innermost loops of `cnnsim.backends.cpu.tiles.rows` as functions to call by address: the one a template needs."""
 
 from functools import cache
 from typing import Any
@@ -7,10 +7,10 @@ import numba
 import numpy as np
 from numba import carray, types
 
-from cnnsim.backends.cpu.euler.rows import any_taps, cross, isotropic, nine_taps
 from cnnsim.backends.cpu.jit.address import call, compiled_at, pointer, pointer_type
 from cnnsim.backends.cpu.jit.columns import tap_type
 from cnnsim.backends.cpu.jit.compile import helper
+from cnnsim.backends.cpu.tiles.rows import any_taps, cross, isotropic, nine_taps
 from cnnsim.support import Array
 
 

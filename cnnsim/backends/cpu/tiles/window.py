@@ -1,7 +1,7 @@
 """Several Euler steps of one small window of the grid, all of its rows in the cache, and a check after them.
 
-The same arithmetic as `cnnsim.backends.cpu.euler.tile`, without the streaming: for the small tiles of
-`cnnsim.backends.cpu.euler.sleep` its bookkeeping would cost more than the cells.
+The same arithmetic as `cnnsim.backends.cpu.tiles.tile`, without the streaming: for the small tiles of
+`cnnsim.backends.cpu.tiles.sleep` its bookkeeping would cost more than the cells.
 """
 
 from functools import cache
@@ -10,15 +10,15 @@ from typing import Any, NamedTuple
 import numba
 from numba import types
 
-from cnnsim.backends.cpu.euler.boundary import is_periodic, set_edges
-from cnnsim.backends.cpu.euler.catch_up import catch_up_block
-from cnnsim.backends.cpu.euler.grid import Area, Feedback
-from cnnsim.backends.cpu.euler.loops import step_block
-from cnnsim.backends.cpu.euler.rows import BLOCK, PAD, STRIDE
-from cnnsim.backends.cpu.euler.scratch import clip_rows, fill, load_row, move
-from cnnsim.backends.cpu.euler.settled import check_block
 from cnnsim.backends.cpu.jit.address import compiled_at
 from cnnsim.backends.cpu.jit.compile import helper
+from cnnsim.backends.cpu.tiles.boundary import is_periodic, set_edges
+from cnnsim.backends.cpu.tiles.catch_up import catch_up_block
+from cnnsim.backends.cpu.tiles.grid import Area, Feedback
+from cnnsim.backends.cpu.tiles.loops import step_block
+from cnnsim.backends.cpu.tiles.rows import BLOCK, PAD, STRIDE
+from cnnsim.backends.cpu.tiles.scratch import clip_rows, fill, load_row, move
+from cnnsim.backends.cpu.tiles.settled import check_block
 from cnnsim.support import Array
 
 CHECK, CATCH_UP = 0, 1

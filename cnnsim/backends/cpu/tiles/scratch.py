@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cnnsim.backends.cpu.euler.rows import BLOCK, PAD, STRIDE
 from cnnsim.backends.cpu.jit.compile import helper
+from cnnsim.backends.cpu.tiles.rows import BLOCK, PAD, STRIDE
 from cnnsim.support import Array
 
 GROUP = 4 * BLOCK

@@ -2,8 +2,8 @@
 
 from typing import NamedTuple
 
-from cnnsim.backends.cpu.euler.grid import Schedule
 from cnnsim.backends.cpu.jit.compile import helper
+from cnnsim.backends.cpu.tiles.grid import Schedule
 
 BEGIN, CHECK, MEASURE, STEP, END = range(5)
 """Phases: nothing is done; a check; a check of all tiles that also measures the rate; a pass of steps; all is done."""

@@ -14,14 +14,14 @@ from typing import Any
 import numba
 from numba import types
 
-from cnnsim.backends.cpu.euler.boundary import is_periodic, set_virtual
-from cnnsim.backends.cpu.euler.grid import Area, Feedback, levels_of
-from cnnsim.backends.cpu.euler.loops import step_block
-from cnnsim.backends.cpu.euler.rows import BLOCK, PAD, STRIDE
-from cnnsim.backends.cpu.euler.scratch import GROUP, SLACK, TileLayout, clip_rows, fill, load_bits, load_row, move
-from cnnsim.backends.cpu.euler.settled import check_block
-from cnnsim.backends.cpu.euler.stage_rows import CHECK, NOWHERE, StageOf, stage_rows
 from cnnsim.backends.cpu.jit.address import compiled_at
+from cnnsim.backends.cpu.tiles.boundary import is_periodic, set_virtual
+from cnnsim.backends.cpu.tiles.grid import Area, Feedback, levels_of
+from cnnsim.backends.cpu.tiles.loops import step_block
+from cnnsim.backends.cpu.tiles.rows import BLOCK, PAD, STRIDE
+from cnnsim.backends.cpu.tiles.scratch import GROUP, SLACK, TileLayout, clip_rows, fill, load_bits, load_row, move
+from cnnsim.backends.cpu.tiles.settled import check_block
+from cnnsim.backends.cpu.tiles.stage_rows import CHECK, NOWHERE, StageOf, stage_rows
 from cnnsim.support import Array
 
 

@@ -7,9 +7,9 @@ lies between x and d, and rounding keeps the order of numbers and 1 is one of th
 
 import numpy as np
 
-from cnnsim.backends.cpu.euler.grid import Area
-from cnnsim.backends.cpu.euler.rows import BLOCK, STRIDE
 from cnnsim.backends.cpu.jit.compile import helper
+from cnnsim.backends.cpu.tiles.grid import Area
+from cnnsim.backends.cpu.tiles.rows import BLOCK, STRIDE
 from cnnsim.support import Array
 
 RATE, MOVING, UNSATURATED, R0, R1, C0, C1 = range(7)

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from cnnsim.backends.cpu.euler.grid import Area, Feedback
-from cnnsim.backends.cpu.euler.scratch import tile_cells, tile_layout
-from cnnsim.backends.cpu.euler.settled import FIGURES
 from cnnsim.backends.cpu.jit.address import call
 from cnnsim.backends.cpu.jit.compile import kernel
+from cnnsim.backends.cpu.tiles.grid import Area, Feedback
+from cnnsim.backends.cpu.tiles.scratch import tile_cells, tile_layout
+from cnnsim.backends.cpu.tiles.settled import FIGURES
 from cnnsim.support import Array
 
 
