@@ -185,7 +185,8 @@ def section(side: int) -> Section:
     rows = [*workers(side), *sizes([1024, *([side] if side > 1024 else [])]), *sleep(side), *kills(2)]
     answer = (
         f"Grids: at {side} x {side} two workers reach {rows[0]['ratio']:.2f} of the rate of one process with both "
-        f"cores, from and to the disk; blocks that sleep make hole filling {_of(rows, 'hole')['ratio']:.2g} x as fast."
+        f"cores, from and to the disk; hole filling is {_of(rows, 'hole')['ratio']:.2g} x as fast with "
+        "blocks that sleep (they pay on grids of some 10^8 cells: `grids sleep --side 16384`)."
     )
     return Section("grids", "3. Grids on the disk", answer, _text(rows), rows, lambda f: _draw(f, rows), (7, 3.6))
 
