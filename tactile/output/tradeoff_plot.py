@@ -22,6 +22,8 @@ class Point(Protocol):
 
 def draw_trades(rows: Sequence[Point], axes: "Axes", title: str) -> None:
     """Draw the error found, its bound and the tolerance against the time of a frame; all effects are a line."""
+    from matplotlib.ticker import LogLocator  # slow to import, and only needed for plots
+
     time = [row.seconds * 1e6 for row in rows[1:]]
     least = 1e-6
     axes.axvline(rows[0].seconds * 1e6, color="black", linewidth=1, linestyle=":", label="all effects on")
@@ -30,6 +32,8 @@ def draw_trades(rows: Sequence[Point], axes: "Axes", title: str) -> None:
     axes.plot(time, [max(row.error, least) for row in rows[1:]], "o", color="C0", label="error found")
     axes.set(xscale="log", yscale="log", title=title)
     axes.set(xlabel="processor time of a frame of one finger [us]", ylabel="largest error over the peak")
-    axes.xaxis.set_minor_formatter("")  # few decades: their labels would run into each other
+    axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))  # less than a decade, often: powers of ten would be none
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter("")
     axes.legend(fontsize=8)
     axes.grid(alpha=0.3, which="both")
