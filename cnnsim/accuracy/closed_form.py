@@ -8,7 +8,6 @@ import numpy as np
 from cnnsim.accuracy.repeatable import Reached, Repeatable, largest
 from cnnsim.backends.base import Backend
 from cnnsim.backends.reference.drive import control
-from cnnsim.planning.plan import Plan
 from cnnsim.support import Array, Floats
 
 
@@ -23,13 +22,13 @@ def by_closed_form(transient: Repeatable, where: Backend, jumps: Floats | None) 
     a, eps = plan.template.self_feedback, float(np.finfo(where.dtype).eps)
     size = max(1.0, largest(found.x))
     y: Array = plan.output(found.x)
-    if plan.duration == "settled":
-        push = found.x - a * y if plan.cell == "chua-yang" else control(plan, state, u, bias)
+    start: Array = np.ones(state.shape)  # where a <= 1 a run of a given time forgets its start
+    if a > 1 or plan.duration == "settled":
+        at_rest = plan.duration == "settled" and plan.cell == "chua-yang"
+        start = found.x - a * y if at_rest else control(plan, state, u, bias)
         if a > 1:
-            push += (a - 1) * np.clip(state, -1, 1)
-        start: Array = np.abs(push, out=push)
-    else:
-        start = _start(plan, transient)
+            start += (a - 1) * np.clip(state, -1, 1)
+        np.abs(start, out=start)
     unsure = start <= 4 * eps * size
     if a <= 1:
         unsure &= start > 0  # what adds up to 0 without rounding is 0
@@ -44,13 +43,3 @@ def by_closed_form(transient: Repeatable, where: Backend, jumps: Floats | None) 
     if plan.duration != "settled" and a > 1 and float(np.abs(y).min()) < 1:
         error *= math.exp((a - 1) * min(found.t, 40.0))
     return replace(found, error=error, undecided=unsure)
-
-
-def _start(plan: Plan, transient: Repeatable) -> Array:
-    """Return how fast each cell begins to move, where a > 1; else ones, as it forgets its start."""
-    state, u, bias, _ = transient.planes
-    a = plan.template.self_feedback
-    if a <= 1:
-        return np.ones(state.shape)
-    found: Array = np.abs(control(plan, state, u, bias) + (a - 1) * np.clip(state, -1, 1))
-    return found

@@ -36,9 +36,8 @@ def to_rest(transient: Repeatable, where: Backend, wanted: Wanted) -> Reached:
         step, why = once
         again = by_steps(plan, EULER, step) if step else plan
         reached = _ended(transient, where, wanted, again)
-        if (
-            wanted.signs and (np.abs(reached.x) <= reached.error).any()
-        ):  # a grey rest: seen again, so near that few signs are open
+        # a grey rest is seen again, so near that few signs are open
+        if wanted.signs and (np.abs(reached.x) <= reached.error).any():
             reached = _ended(transient, where, replace(wanted, error=_NEAR), again, state=reached.x)
             near = (np.abs(reached.x) <= reached.error) & (reached.x != 0)  # 0 in all digits has no sign
             reached = replace(reached, undecided=reached.undecided | near)

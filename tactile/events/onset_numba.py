@@ -1,4 +1,4 @@
-"""Where a change of shear set in, compiled: the bend of the last half second, found when a tangential load is told."""
+"""Where a change of shear set in, compiled: the bend of the last 0.3 s, found when a tangential load is told."""
 
 import math
 

@@ -16,16 +16,6 @@ def grids(plane: Array) -> Array:
 
 
 @helper
-def largest_of(values: Array) -> float:
-    """Return the largest value; NaN if there is one."""
-    largest = values[0]
-    for value in values:
-        if not value <= largest:
-            largest = value
-    return largest
-
-
-@helper
 def all_true(values: Array) -> bool:
     """Return whether all are true."""
     count = 0
