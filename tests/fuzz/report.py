@@ -118,7 +118,7 @@ def random_bytes(count: int) -> list[str]:
 def files(count: int) -> list[str]:
     """Return the table of broken files, their parts on all processors."""
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        ran = list(pool.map(lambda part: run("tests.fuzz.readers", str(count), part), PARTS))
+        ran = list(pool.map(lambda part: run("tests.fuzz.taken", str(count), part), PARTS))
     failed = [f"failed: {part}: {last_line(said)}" for part, (good, said) in zip(PARTS, ran, strict=True) if not good]
     return files_told([json.loads(said) for good, said in ran if good]) + failed
 

@@ -32,7 +32,7 @@ RECORDINGS = (".csv", ".npz", ".npy", ".parquet", ".mcap")
 @pytest.mark.parametrize("parts", [("bags",), tuple(part for part in PARTS if part != "bags")], ids=["bags", "others"])
 def test_all_readers_take_all_broken_files(parts: tuple[str, ...]) -> None:
     """Bags in a process of their own: the gigabyte that is theirs has no place for the other readers' libraries."""
-    done = subprocess.run([sys.executable, "-m", "tests.fuzz.readers", "3", *parts], cwd=ROOT, capture_output=True,
+    done = subprocess.run([sys.executable, "-m", "tests.fuzz.taken", "3", *parts], cwd=ROOT, capture_output=True,
                           text=True, check=False)  # fmt: skip
     assert done.returncode == 0, done.stderr[-2000:]
     found = json.loads(done.stdout)

@@ -1,6 +1,5 @@
-import errno
-import json
-from pathlib import Path
+"""One grid in supersteps: to the bit that of the whole grid, blocks that sleep left out."""
+
 from typing import Any
 
 import numpy as np
@@ -12,18 +11,8 @@ from cnnsim.supersteps import block_task, run
 from cnnsim.supersteps.blocks import Blocks, runs
 from cnnsim.supersteps.engine import Engine
 from cnnsim.supersteps.store import GridStore
-from cnnsim.support import Array, InputError
-
-RANDOM = np.random.default_rng(5)
-SHAPE = (37, 45)
-MIXED = Template(
-    [[0.1, 0.3, 0.1], [0.2, 1.5, 0.2], [0.1, 0.3, 0.1]], [[0, 0.2, 0], [0.1, 1, 0.1], [0, 0.2, 0]], -0.05, "mixed"
-)
-X, U, BIAS, MASK = (RANDOM.uniform(-1, 1, SHAPE) for _ in range(4))
-
-
-def one(**choices: Any) -> Engine:
-    return Engine(workers=1, **choices)
+from cnnsim.support import Array
+from tests.kits.supersteps import BIAS, MASK, MIXED, RANDOM, SHAPE, U, X, one
 
 
 def assert_same(template: Any, engine: Engine, **task: Any) -> Any:
@@ -144,87 +133,6 @@ def test_what_sleeps_wakes_up_when_a_wave_comes(monkeypatch: pytest.MonkeyPatch)
     assert_same(entry.template, one(side=8, depth=10), **entry.task(holes()[28:68, 36:68]) | {"duration": 12.0})
     assert len(woken) > 2
     assert max(woken) > 20
-
-
-def test_a_run_that_was_stopped_goes_on_from_its_last_superstep(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    task: dict[str, Any] = {"state": X, "input": U, "duration": 3.0}
-    whole = cnnsim.run_transient(MIXED, **task)
-    written, write = [0], GridStore.write
-
-    def full_disk(store: GridStore, name: str, area: Any, values: Array) -> None:
-        written[0] += 1
-        if written[0] > 30:
-            raise OSError(errno.ENOSPC, "No space left on device")
-        write(store, name, area, values)
-
-    monkeypatch.setattr(GridStore, "write", full_disk)
-    engine = one(side=20, depth=5, store=tmp_path / "store")
-    with pytest.raises(InputError, match=r"No space left on device; .*store keeps superstep 3, t = 1.5: run again"):
-        cnnsim.run_transient(MIXED, engine=engine, **task)
-    monkeypatch.setattr(GridStore, "write", write)
-    written[0] = -(10**6)
-    again = cnnsim.run_transient(MIXED, engine=engine, **task)
-    assert again.x.tobytes() == whole.x.tobytes()
-    assert cnnsim.run_transient(MIXED, engine=engine, **task).x.tobytes() == whole.x.tobytes()  # of a run that ended
-
-
-def test_a_store_is_gone_on_with_in_its_own_blocks_whatever_the_workers_are(tmp_path: Path) -> None:
-    store = tmp_path / "store"
-    task: dict[str, Any] = {"state": X, "input": U, "store": store}
-    whole = cnnsim.run_transient(MIXED, engine=one(side=24), **task)
-    for engine in (one(), Engine(workers=3), one(side=24)):
-        again = cnnsim.run_transient(MIXED, engine=engine, **task)
-        assert again.x.tobytes() == whole.x.tobytes()
-        assert "blocks of 24 x 24" in again.plan.explain()
-    with pytest.raises(InputError, match="store has blocks of 24 cells, not of 20; 24, or none said, wanted"):
-        cnnsim.run_transient(MIXED, engine=one(side=20), **task)
-
-
-def test_a_store_of_something_else_is_refused(tmp_path: Path) -> None:
-    store = tmp_path / "store"
-    task: dict[str, Any] = {"state": X, "input": U, "duration": 0.2, "engine": one(side=20, store=store)}
-    cnnsim.run_transient(MIXED, **task)
-    for change in ({"duration": 0.3}, {"state": U}, {"boundary": "periodic"}):
-        with pytest.raises(InputError, match="has the store of another run"):
-            cnnsim.run_transient(MIXED, **{**task, **change})
-    mark = json.loads((store / "zarr.json").read_text())
-    mark["attributes"]["version"] = 7
-    (store / "zarr.json").write_text(json.dumps(mark))
-    with pytest.raises(InputError, match="store of version 7; version 4 wanted"):
-        cnnsim.run_transient(MIXED, **task)
-    mark["attributes"] = {}
-    (store / "zarr.json").write_text(json.dumps(mark))
-    with pytest.raises(InputError, match="another Zarr store"):
-        cnnsim.run_transient(MIXED, **task)
-    (tmp_path / "other").mkdir()
-    (tmp_path / "other" / "mine.txt").write_text("mine")
-    with pytest.raises(InputError, match="is not empty, and has no store"):
-        cnnsim.run_transient(MIXED, **{**task, "engine": one(store=tmp_path / "other")})
-
-
-def test_what_cannot_be_cut_is_refused() -> None:
-    delayed = Template(1.0, terms=[Term([[0.1]], "y_kl", delay=0.5)])
-    with pytest.raises(InputError, match="has delays, which reach into the past; no engine wanted"):
-        cnnsim.run_transient(delayed, state=X, duration=1.0, engine=one())
-    with pytest.raises(InputError, match="an accuracy on an engine"):
-        cnnsim.run_transient(MIXED, state=X, input=U, accuracy=1e-3, engine=one())
-    with pytest.raises(InputError, match="engine 'spark'; processes, dask or dask=ADDRESS wanted"):
-        cnnsim.run_transient(MIXED, state=X, input=U, engine="spark")
-
-
-def test_planes_may_be_zarr_arrays_and_so_is_the_result_then(tmp_path: Path) -> None:
-    zarr = pytest.importorskip("zarr")
-    state = zarr.create_array(tmp_path / "x.zarr", shape=SHAPE, chunks=(16, 16), dtype="f4")
-    state[...] = X
-    whole = cnnsim.run_transient(MIXED, state=X.astype(np.float32), input=U, duration=1.0)
-    found = cnnsim.run_transient(
-        MIXED, state=state, input=U, duration=1.0, engine=one(side=20), store=tmp_path / "store"
-    )
-    assert type(found.x).__module__.startswith("zarr")
-    assert found.x[...].tobytes() == whole.x.tobytes()
-    assert found.y.tobytes() == whole.y.tobytes()
 
 
 def test_what_lies_around_a_block_is_every_cell_that_can_reach_it() -> None:

@@ -1,6 +1,5 @@
-"""Scenes: what a file names is computed, what it does not name is not even imported, what is wrong is refused."""
+"""Scenes: what a file names is computed, what it does not name is not even imported."""
 
-import copy
 import subprocess
 import sys
 import tomllib
@@ -10,38 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cnnsim.support import InputError
 from tactile.elastic.halfspace import point_load_strain
 from tactile.simulator.effects import ORDER
-from tactile.simulator.scene.file import read_scene, scene_from
+from tactile.simulator.scene.file import read_scene
 from tactile.sources import open_source
 from tests.kits.paths import ROOT
+from tests.kits.touch.small_scene import LOAD, SCENE, SPHERE, TEXTURE, made, values
 
 SCENES = sorted((ROOT / "examples" / "scenes").glob("*.toml"))
-SCENE = """
-title = "t"
-rate_hz = 100
-duration_s = 0.3
-[cover]
-youngs_modulus_mpa = 2.4
-[[finger]]
-name = "left"
-rows = 2
-cols = 3
-pitch_mm = 1.5
-depth_mm = 1.5
-"""
-LOAD = {"finger": "left", "path": [[0.0, 0.0, 0.0, 0.1, 0.0, 1.0], [0.3, 0.4, -0.8, 0.2, 0.0, 2.0]]}
-SPHERE = {"finger": "left", "shape": "sphere", "radius_mm": 3, "path": [[0.0, 0, 0, 0, 0, 0.5]]}
-TEXTURE = {"finger": "left", "material": "rasp", "stop_s": 0.3, "speed_mm_s": 5, "force_N": 0.3}
-
-
-def made(folder: Path = Path(), **changes: Any) -> Any:
-    return scene_from({**copy.deepcopy(tomllib.loads(SCENE)), **changes}, "here", folder)
-
-
-def values(scene: Any, finger: int = 0) -> Any:
-    return np.concatenate([batch.values for batch in scene.batches(finger)])
 
 
 @pytest.mark.parametrize("path", SCENES, ids=[path.stem for path in SCENES])
@@ -139,50 +114,6 @@ def test_very_many_loads_come_in_small_pieces(tmp_path: Path) -> None:
     assert got[0] == pytest.approx(got[29], rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"effects": "all"}, "effects = 'all', 'auto' wanted"),
-        ({"tolerance": 0.1}, "a tolerance without effects"),
-        ({"seed": -1}, "seed = -1"),
-        ({"effect": {"read_nois": {}}}, r"\[effect\]: unknown key 'read_nois'; did you mean 'read_noise'"),
-        ({"effect": {"read_noise": {"rma": 1}}}, r"\[effect.read_noise\]: unknown key 'rma'; did you mean 'rms'"),
-        ({"effect": {"read_noise": 3}}, r"read_noise\]: 3, a table wanted"),
-        ({"contacts": []}, "unknown key 'contacts'; did you mean 'contact'"),
-        ({"contact": [{**SPHERE, "shape": "spere"}]}, "contact 1: shape 'spere', one of point"),
-        ({"contact": [{**SPHERE, "radius": 1}]}, "contact 1: unknown key 'radius'; did you mean 'radius_mm'"),
-        ({"contact": [{**SPHERE, "radius_mm": 0}]}, "contact 1: a sphere of radius 0.0"),
-        ({"contact": [{**SPHERE, "given": "depth"}]}, "given = 'depth', 'force' or 'indentation'"),
-        ({"contact": [{**SPHERE, "twist": 1}]}, "twist = 1, true or false"),
-        ({"contact": [{**SPHERE, "twist": True}]}, "M_Nmm.*a list of 7"),
-        ({"contact": [{**SPHERE, "shape": "point", "twist": True}]}, "a twisted point"),
-        ({"contact": [{**SPHERE, "shape": "disc", "given": "indentation"}]}, "indentation given for a disc"),
-        ({"contact": [{**SPHERE, "friction": -1}]}, "friction = -1.0"),
-        ({"contact": [{**SPHERE, "finger": "right"}]}, "finger = 'right', one of left"),
-        ({"texture": [{**TEXTURE, "material": "resp"}]}, "material: unknown key 'resp'; did you mean 'rasp'"),
-        ({"texture": [{**TEXTURE, "stop_s": 0.0}]}, "texture 1: object drawn from 0.0 to 0.0 s"),
-        ({"texture": [{**TEXTURE, "speed_mms": 1}]}, "did you mean 'speed_mm_s'"),
-        ({"map": [{"finger": "left", "file": "no.npy", "pitch_mm": 1, "path": [[0, 1]]}]}, r"map 1: .*no\.npy"),
-        ({"cover": {"youngs_modulus_mpa": 1, "full_scale": 0}}, "full_scale = 0.0, a positive"),
-        ({"load": []}, "without loads"),
-    ],
-)
-def test_wrong_scenes_are_refused(change: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError, match=message) as caught:
-        made(**{"load": [LOAD], **change})
-    assert str(caught.value).startswith("here")
-
-
-def test_wrong_maps_and_too_wide_contacts_are_refused(tmp_path: Path) -> None:
-    table = {"finger": "left", "file": "map.npy", "pitch_mm": 0.2, "path": [[0.0, 1.0]]}
-    for wrong in (np.zeros(3), np.full((2, 2), np.nan), np.zeros((2, 2, 4)), np.zeros((0, 2))):
-        np.save(tmp_path / "map.npy", wrong)
-        with pytest.raises(InputError, match=r"map 1: .*wanted"):
-            made(tmp_path, map=[table])
-    with pytest.raises(InputError, match="at most 100 wanted"):
-        values(made(contact=[{**SPHERE, "shape": "disc", "radius_mm": 1e4}]))
-
-
 def test_methods_are_chosen_and_changed_freely() -> None:
     still = [{"finger": "left", "path": [[0.0, x, 0.1, 0.0, 0.1, 1.0]]} for x in (-1.0, 0.0, 0.5, 1.0, 1.5)]
     scene = made(load=still, duration_s=3.0)
@@ -212,49 +143,3 @@ def test_reading_again_gives_the_same_scene() -> None:
             other.arrays,
             other.modulus,
         )
-
-
-def test_wrong_values_are_told_at_once_and_with_missing_keys() -> None:
-    text = """
-title = "wrong"
-rate_hz = -5
-duraton_s = 2.0
-dtype = "float16"
-[cover]
-youngs_modulus_mpa = -2
-quantity = "force"
-[[finger]]
-name = "a"
-rows = 0
-cols = 2
-pitch_mm = 1
-depth_mm = 1
-[[load]]
-finger = "nobody"
-path = [[0, 0, 0]]
-[[contact]]
-finger = "a"
-shape = "sphere"
-radius_mm = -1
-path = [[1, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0]]
-[effect.read_noise]
-rms = -1
-"""
-    with pytest.raises(InputError) as raised:
-        scene_from(tomllib.loads(text), "wrong.toml")
-    told = str(raised.value).split("; ")
-    for what in (
-        "unknown key 'duraton_s'",
-        "no 'duration_s'",
-        "rate_hz = -5.0",
-        "cpu in float16",
-        "youngs_modulus_mpa = -2.0",
-        "quantity = 'force'",
-        "0 x 2 taxels",
-        "finger = 'nobody'",
-        "load 1: keyframe",
-        "contact 1: keyframe 2",
-        "[effect.read_noise]",
-    ):
-        assert sum(what in one for one in told) == 1, what
-    assert str(raised.value).count("wrong.toml") == 1

@@ -1,0 +1,97 @@
+"""Stores of runs in supersteps: gone on with after a stop, refused where another run's; planes that are Zarr arrays."""
+
+import errno
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import cnnsim
+from cnnsim.network import Template, Term
+from cnnsim.supersteps.engine import Engine
+from cnnsim.supersteps.store import GridStore
+from cnnsim.support import Array, InputError
+from tests.kits.supersteps import MIXED, SHAPE, U, X, one
+
+
+def test_a_run_that_was_stopped_goes_on_from_its_last_superstep(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    task: dict[str, Any] = {"state": X, "input": U, "duration": 3.0}
+    whole = cnnsim.run_transient(MIXED, **task)
+    written, write = [0], GridStore.write
+
+    def full_disk(store: GridStore, name: str, area: Any, values: Array) -> None:
+        written[0] += 1
+        if written[0] > 30:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        write(store, name, area, values)
+
+    monkeypatch.setattr(GridStore, "write", full_disk)
+    engine = one(side=20, depth=5, store=tmp_path / "store")
+    with pytest.raises(InputError, match=r"No space left on device; .*store keeps superstep 3, t = 1.5: run again"):
+        cnnsim.run_transient(MIXED, engine=engine, **task)
+    monkeypatch.setattr(GridStore, "write", write)
+    written[0] = -(10**6)
+    again = cnnsim.run_transient(MIXED, engine=engine, **task)
+    assert again.x.tobytes() == whole.x.tobytes()
+    assert cnnsim.run_transient(MIXED, engine=engine, **task).x.tobytes() == whole.x.tobytes()  # of a run that ended
+
+
+def test_a_store_is_gone_on_with_in_its_own_blocks_whatever_the_workers_are(tmp_path: Path) -> None:
+    store = tmp_path / "store"
+    task: dict[str, Any] = {"state": X, "input": U, "store": store}
+    whole = cnnsim.run_transient(MIXED, engine=one(side=24), **task)
+    for engine in (one(), Engine(workers=3), one(side=24)):
+        again = cnnsim.run_transient(MIXED, engine=engine, **task)
+        assert again.x.tobytes() == whole.x.tobytes()
+        assert "blocks of 24 x 24" in again.plan.explain()
+    with pytest.raises(InputError, match="store has blocks of 24 cells, not of 20; 24, or none said, wanted"):
+        cnnsim.run_transient(MIXED, engine=one(side=20), **task)
+
+
+def test_a_store_of_something_else_is_refused(tmp_path: Path) -> None:
+    store = tmp_path / "store"
+    task: dict[str, Any] = {"state": X, "input": U, "duration": 0.2, "engine": one(side=20, store=store)}
+    cnnsim.run_transient(MIXED, **task)
+    for change in ({"duration": 0.3}, {"state": U}, {"boundary": "periodic"}):
+        with pytest.raises(InputError, match="has the store of another run"):
+            cnnsim.run_transient(MIXED, **{**task, **change})
+    mark = json.loads((store / "zarr.json").read_text())
+    mark["attributes"]["version"] = 7
+    (store / "zarr.json").write_text(json.dumps(mark))
+    with pytest.raises(InputError, match="store of version 7; version 4 wanted"):
+        cnnsim.run_transient(MIXED, **task)
+    mark["attributes"] = {}
+    (store / "zarr.json").write_text(json.dumps(mark))
+    with pytest.raises(InputError, match="another Zarr store"):
+        cnnsim.run_transient(MIXED, **task)
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "mine.txt").write_text("mine")
+    with pytest.raises(InputError, match="is not empty, and has no store"):
+        cnnsim.run_transient(MIXED, **{**task, "engine": one(store=tmp_path / "other")})
+
+
+def test_what_cannot_be_cut_is_refused() -> None:
+    delayed = Template(1.0, terms=[Term([[0.1]], "y_kl", delay=0.5)])
+    with pytest.raises(InputError, match="has delays, which reach into the past; no engine wanted"):
+        cnnsim.run_transient(delayed, state=X, duration=1.0, engine=one())
+    with pytest.raises(InputError, match="an accuracy on an engine"):
+        cnnsim.run_transient(MIXED, state=X, input=U, accuracy=1e-3, engine=one())
+    with pytest.raises(InputError, match="engine 'spark'; processes, dask or dask=ADDRESS wanted"):
+        cnnsim.run_transient(MIXED, state=X, input=U, engine="spark")
+
+
+def test_planes_may_be_zarr_arrays_and_so_is_the_result_then(tmp_path: Path) -> None:
+    zarr = pytest.importorskip("zarr")
+    state = zarr.create_array(tmp_path / "x.zarr", shape=SHAPE, chunks=(16, 16), dtype="f4")
+    state[...] = X
+    whole = cnnsim.run_transient(MIXED, state=X.astype(np.float32), input=U, duration=1.0)
+    found = cnnsim.run_transient(
+        MIXED, state=state, input=U, duration=1.0, engine=one(side=20), store=tmp_path / "store"
+    )
+    assert type(found.x).__module__.startswith("zarr")
+    assert found.x[...].tobytes() == whole.x.tobytes()
+    assert found.y.tobytes() == whole.y.tobytes()
