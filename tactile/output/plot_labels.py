@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from tactile.core.frame import HAND
 from tactile.events.event import Event
 
 COLOURS = {
@@ -53,7 +54,8 @@ def label(axis: Any, events: Iterable[Event]) -> int:
     rows = [Row((number + 0.5) * height / box.height, []) for number in range(max(1, int(box.height / height)))]
     told = 0
     for event in sorted(events, key=lambda event: event.kind in MINOR):
-        text, colour = event.words, COLOURS.get(event.kind, OWN)
+        text = f"{HAND}: {event.words}" if event.finger == HAND else event.words  # a finger has a pull of its own
+        colour = COLOURS.get(event.kind, OWN)
         place = axis.transData.transform((event.t, 0.0))[0]
         written = axis.text(
             event.t, 0, text, transform=axis.get_xaxis_transform(), fontsize=SIZE, color=colour, va="center",
