@@ -41,7 +41,7 @@ def to_rest(transient: Repeatable, where: Backend, wanted: Wanted) -> Reached:
             reached = _ended(transient, where, replace(wanted, error=_NEAR), again, state=reached.x)
             near = (np.abs(reached.x) <= reached.error) & (reached.x != 0)  # 0 in all digits has no sign
             reached = replace(reached, undecided=reached.undecided | near)
-        return _said(reached, f"{why}; {reached.how}") if reached.settled else reached
+        return replace(reached, how=f"{why}; {reached.how}") if reached.settled else reached
     scheme = plan.scheme or EULER
     parts = [part for part in _PARTS if part <= 1 or plan.step * part <= _NEAR_THE_LIMIT * longest_step(plan, scheme)]
     ends: list[Reached] = []
@@ -64,9 +64,7 @@ def to_rest(transient: Repeatable, where: Backend, wanted: Wanted) -> Reached:
     how = f"steps of {last.plan.step:g} and {before.plan.step:g} lead to one end; {last.how}"
     if unsure.any():
         how = f"{int(unsure.sum())} cells end elsewhere with another step or push, or on a ridge; {last.how}"
-    return Reached(
-        last.x, last.t, True, last.rate, max(last.error, same / 2), unsure, last.plan, how
-    )  # fmt: skip
+    return replace(last, error=max(last.error, same / 2), undecided=unsure, how=how)
 
 
 def _tied(transient: Repeatable, where: Backend, wanted: Wanted, time: float) -> Reached:
@@ -126,10 +124,6 @@ def _alike(before: Reached, last: Reached, wanted: Wanted) -> bool:
     if wanted.signs:
         return bool(np.array_equal(y > 0, other > 0))
     return bool(np.abs(y - other).max() <= wanted.error)
-
-
-def _said(found: Reached, how: str) -> Reached:
-    return Reached(found.x, found.t, found.settled, found.rate, found.error, found.undecided, found.plan, how)
 
 
 def _loaded(where: Backend, u: Array | None, bias: Array | None, mask: Any) -> tuple[Any, Any, Any]:
