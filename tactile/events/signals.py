@@ -35,8 +35,10 @@ LEVELS = (
     "dropping",
     "yielding",
     "sticking",
+    "turning",
+    "turning_back",
 )
-RISING, DROPPING = LEVELS.index("rising"), LEVELS.index("dropping")
+RISING, DROPPING, TURNING = LEVELS.index("rising"), LEVELS.index("dropping"), LEVELS.index("turning")
 
 ALWAYS = np.ones((1, 1), bool)
 ONE = Levels(np.full((1, 1, 3), 0.01), np.full((1, 1, 3), 0.015))
@@ -44,7 +46,7 @@ ONE = Levels(np.full((1, 1, 3), 0.01), np.full((1, 1, 3), 0.015))
 
 
 class Signals:
-    """Seven planes and eleven numbers of one finger, renewed with every frame.
+    """Seven planes and thirteen numbers of one finger, renewed with every frame.
 
     Planes (rows, cols), binary scale (1/6 where a comparator goes off, 1/4 where it goes on):
     ``shear_x``, ``shear_y``, ``pressing``: the reading over the taxel's own levels; of shear, levels of at least 2 %
@@ -66,7 +68,8 @@ class Signals:
     ms less that of 200 ms) against 6 sigma and 0.4 % of F; ``dropping`` a fall of 4 %, as of a finger that opens;
     ``yielding`` the growth of Q/F against its fastest of the last 0.5 s (on below 0.25, off above 0.4): a contact that
     slides as a whole follows no further; ``sticking`` the part of F that taxels bear which stick (on above 0.15, off
-    below 0.1).
+    below 0.1); ``turning``, ``turning_back`` the torque of the change of shear about the middle of the pressing,
+    clockwise and anticlockwise in the picture (0.6 of what it could be, 7 % of what F would make).
 
     In strain the pressing of a point load sums to 0 over the plane, so F is the sum of the pressed taxels alone.
     """
@@ -76,8 +79,9 @@ class Signals:
         from tactile.events.onset_numba import bend, remember  # numba is slow to import
         from tactile.events.signals_numba import step
         from tactile.events.sliding_numba import slide  # the same
+        from tactile.events.turn_numba import turn  # the same
 
-        self._step, self._slide, self._remember, self._bend = step, slide, remember, bend
+        self._step, self._slide, self._turn, self._remember, self._bend = step, slide, turn, remember, bend
         self.planes = np.zeros((len(PLANES), *shape))
         self.levels = np.zeros(len(LEVELS))
         self.force = 0.0
@@ -125,6 +129,8 @@ class Signals:
                 values, self._fast, use, self._quiet[2], self._quiet[0], self._quiet[1], dt, self._interval,
                 self._taus, self._growth, self.levels[RISING] > 0.25, self.planes, self.levels,
             )  # fmt: skip
+            turn = self._turn(self._fast, self._slow, use, self._quiet[0])
+            self.levels[TURNING : TURNING + 2] = turn, -turn
         if self.levels[RISING] > 0.25 or self.levels[DROPPING] > 0.25:
             self._next[:] = 0  # how shear changes while a grip closes or opens is no beginning of a pull
         else:

@@ -48,8 +48,8 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     values, use, counts, inward, rectify, dt, off, on, drawn_on, noise_q, noise_n, fast, slow, scalars, taps, planes,
     levels,
 ):  # fmt: skip
-    """Take one frame (rows, cols, 3); write ``planes`` (7, rows, cols) and ``levels`` (11,), all in CNN values, but for
-    the share and what `slide` says.
+    """Take one frame (rows, cols, 3); write ``planes`` (7, rows, cols) and ``levels`` (13,), all in CNN values, but for
+    the share and what `slide` and `turn` say.
 
     ``use`` (rows, cols) which read, ``counts`` which are not left out; ``off``, ``on`` (rows, cols, 3) thresholds;
     ``drawn_on`` (rows, cols) of an unexplained change of shear; ``noise_q``, ``noise_n`` of shear and normal after
