@@ -40,6 +40,7 @@ WHOLE = {
     "sticking": "taxels that stick bear more than 15 % of the load",
     "turning": "the whole shear turns clockwise: its change makes a torque about the middle of the pressing",
     "turning_back": "the same anticlockwise",
+    "outweighs": "as `sheared`, and shear changes by more than noise does",
     "driven": "the whole shear changes (0.4 % of the load, or 6 sigma, within about 0.2 s)",
     "travelling": "the located load travels over the skin: 50 um, or 6 sigma, within 0.25 s",
 }  # fmt: skip

@@ -37,6 +37,7 @@ LEVELS = (
     "sticking",
     "turning",
     "turning_back",
+    "outweighs",
 )
 RISING, DROPPING, TURNING = LEVELS.index("rising"), LEVELS.index("dropping"), LEVELS.index("turning")
 
@@ -46,7 +47,7 @@ ONE = Levels(np.full((1, 1, 3), 0.01), np.full((1, 1, 3), 0.015))
 
 
 class Signals:
-    """Seven planes and thirteen numbers of one finger, renewed with every frame.
+    """Seven planes and fourteen numbers of one finger, renewed with every frame.
 
     Planes (rows, cols), binary scale (1/6 where a comparator goes off, 1/4 where it goes on):
     ``shear_x``, ``shear_y``, ``pressing``: the reading over the taxel's own levels; of shear, levels of at least 2 %
@@ -64,12 +65,13 @@ class Signals:
     F against its mean of 100 ms (25 %); ``falling`` the fall from the mean of 15 ms to that of 4 ms (1.5 % of the held
     load); ``steep`` this fall over the steepest of late (off below 0.4); ``large`` F over the held load (off below
     0.2); ``unsteady`` F away from its mean of 100 ms (3 %); ``sheared`` whether shear changes by more than about half
-    of what the pressing does (sums of squares over the taxels, 0.3); ``driven`` change of the whole shear (mean of 10
-    ms less that of 200 ms) against 6 sigma and 0.4 % of F; ``dropping`` a fall of 4 %, as of a finger that opens;
-    ``yielding`` the growth of Q/F against its fastest of the last 0.5 s (on below 0.25, off above 0.4): a contact that
-    slides as a whole follows no further; ``sticking`` the part of F that taxels bear which stick (on above 0.15, off
-    below 0.1); ``turning``, ``turning_back`` the torque of the change of shear about the middle of the pressing,
-    clockwise and anticlockwise in the picture (0.6 of what it could be, 7 % of what F would make).
+    of what the pressing does (sums of squares over the taxels, 0.3), ``outweighs`` and than noise does (6 variances);
+    ``driven`` change of the whole shear (mean of 10 ms less that of 200 ms) against 6 sigma and 0.4 % of F;
+    ``dropping`` a fall of 4 %, as of a finger that opens; ``yielding`` the growth of Q/F against its fastest of the
+    last 0.5 s (on below 0.25, off above 0.4): a contact that slides as a whole follows no further; ``sticking`` the
+    part of F that taxels bear which stick (on above 0.15, off below 0.1); ``turning``, ``turning_back`` the torque of
+    the change of shear about the middle of the pressing, clockwise and anticlockwise in the picture (0.6 of what it
+    could be, 7 % of what F would make).
 
     In strain the pressing of a point load sums to 0 over the plane, so F is the sum of the pressed taxels alone.
     """
@@ -129,7 +131,7 @@ class Signals:
                 values, self._fast, use, self._quiet[2], self._quiet[0], self._quiet[1], dt, self._interval,
                 self._taus, self._growth, self.levels[RISING] > 0.25, self.planes, self.levels,
             )  # fmt: skip
-            turn = self._turn(self._fast, self._slow, use, self._quiet[0])
+            turn = self._turn(self._fast, self._slow, use, self._quiet[0], self._quiet[1])
             self.levels[TURNING : TURNING + 2] = turn, -turn
         if self.levels[RISING] > 0.25 or self.levels[DROPPING] > 0.25:
             self._next[:] = 0  # how shear changes while a grip closes or opens is no beginning of a pull

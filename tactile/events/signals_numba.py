@@ -14,6 +14,8 @@ CREEP, CREEP_TIME = 0.3, 0.4
 """... and so much of the largest change of late, which silicone goes on with for so long [s] ..."""
 HELD = 0.24
 """... and otherwise lasts: between where a comparator goes off and on."""
+MOVED = 6.0
+"""Squares of the shear's changes, over the variances of their noise, that are more than noise (about 1)."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -48,7 +50,7 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     values, use, counts, inward, rectify, dt, off, on, drawn_on, noise_q, noise_n, fast, slow, scalars, taps, planes,
     levels,
 ):  # fmt: skip
-    """Take one frame (rows, cols, 3); write ``planes`` (7, rows, cols) and ``levels`` (13,), all in CNN values, but for
+    """Take one frame (rows, cols, 3); write ``planes`` (7, rows, cols) and ``levels`` (14,), all in CNN values, but for
     the share and what `slide` and `turn` say.
 
     ``use`` (rows, cols) which read, ``counts`` which are not left out; ``off``, ``on`` (rows, cols, 3) thresholds;
@@ -164,3 +166,5 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     scalars[8] += calm * (moved - scalars[8])
     scalars[9] += calm * (pressed - scalars[9])
     levels[6] = binary(scalars[8], 0.2 * scalars[9], 0.3 * scalars[9]) if scalars[8] > 0 else 0.0
+    still = MOVED * shear_noise  # in a still hold both are noise, and their proportion says nothing
+    levels[13] = binary(scalars[8], 0.2 * scalars[9] + still / 1.5, 0.3 * scalars[9] + still) if scalars[8] > 0 else 0.0

@@ -5,10 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cnnsim.program.machine import UniversalMachine
 from tactile.core.frame import Frame, TaxelArray
+from tactile.core.noise import measured
 from tactile.core.source import FrameStream, Provenance
+from tactile.events.detector_file import shipped_detectors
 from tactile.events.event import Event, EventLog
 from tactile.events.onset_numba import KEPT, bend, remember
+from tactile.events.registry import SHIPPED
+from tactile.events.signals import LEVELS, Signals
+from tactile.events.thresholds import SIGMAS, levels
 from tactile.pipeline import run
 from tactile.settings import Settings
 from tactile.sources import open_source
@@ -62,6 +68,51 @@ def test_a_tangential_load_is_told_at_any_tempo(name: str, tempo: float) -> None
     """Played twice as fast to half as fast; the relaxing grip before is none."""
     source = open_source(REAL / f"{name}.npz")
     frames = [replace(frame, t=tempo * frame.t) for frame in source if frame.finger == 0 and frame.t < 1.5]
-    first = [event.t for event in told(source.arrays[0], frames) if event.kind == "tangential_load"]
+    found = told(source.arrays[0], frames)
+    first = [event.t for event in found if event.kind == "tangential_load"]
     assert first
     assert first[0] == pytest.approx(tempo * ONSETS[name], abs=0.06)
+    turns = [event.data["sense"] for event in found if event.kind == "twist"]
+    assert turns[:1] == (["clockwise"] if "moment" in name else [])
+
+
+def test_the_noise_of_a_still_hold_is_no_change_of_shear_and_a_slow_pull_is_one() -> None:
+    rng, shape = np.random.default_rng(4), (3, 3)
+    sigma, every = np.array([0.015, 0.015, 0.003]), np.ones(shape, bool)  # shear reads noisier than pressing
+    noise = measured(sigma * rng.standard_normal((50, *shape, 3)))
+    limits = levels(shape, "force", SIGMAS, None, None, noise)
+    signals, outweighs = Signals(shape, "force"), []
+    signals.set_noise(noise, limits)
+    for n in range(1000):
+        pull = 0.3 * max(n * 0.002 - 1.5, 0.0)  # [N] a taxel
+        values = np.array([pull, 0.0, 0.5]) + sigma * rng.standard_normal((*shape, 3))
+        signals.update(Frame(0, n * 0.002, n, values, every), every, limits)
+        outweighs.append(signals.levels[LEVELS.index("outweighs")] > 0.25)
+    assert not any(outweighs[100:750])
+    assert all(outweighs[900:])
+
+
+def test_while_the_load_falls_only_shear_that_outweighs_the_fall_begins_a_tangential_load() -> None:
+    (file,) = (one for one in shipped_detectors(SHIPPED) if one.name == "tangential")
+    machine = UniversalMachine("cpu", "float64")
+    black, white, drawn = np.ones((3, 3)), -np.ones((3, 3)), np.where(np.eye(3) > 0, 1.0, -1.0)
+
+    def moving(**planes: np.ndarray) -> bool:
+        given = dict.fromkeys(file.program.inputs, white) | {"contact": black} | planes
+        return bool(machine.run(file.program, **given)["moving"])
+
+    assert not moving()  # a steady grip
+    assert moving(drawn_left=drawn)
+    assert not moving(drawn_left=drawn, falling=black)
+    assert not moving(drawn_left=drawn, falling=black, sheared=black)  # both may be noise
+    assert moving(drawn_left=drawn, falling=black, outweighs=black)
+    assert moving(drawn_left=drawn, falling=black, turning_back=black)
+
+
+@pytest.mark.skipif(not REAL.exists(), reason="the recordings lie beside the project, and are not here")
+def test_a_hold_that_ends_slowly_has_no_tangential_load() -> None:
+    source = open_source(REAL / "grasp_release_30degree_0offset_23-15-57.npz")
+    log = EventLog()
+    run(source, Settings(tare="auto"), [lambda report: log.add(report.events, report.ended)])
+    onsets = [event.t for event in log.events if event.finger == "sensor-1" and event.kind == "tangential_load"]
+    assert not [t for t in onsets if 0.95 < t < 4.479]  # half a second after the peak; opens
