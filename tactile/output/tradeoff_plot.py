@@ -25,11 +25,10 @@ def draw_trades(rows: Sequence[Point], axes: "Axes", title: str) -> None:
     from matplotlib.ticker import LogLocator  # slow to import, and only needed for plots
 
     time = [row.seconds * 1e6 for row in rows[1:]]
-    least = 1e-6
     axes.axvline(rows[0].seconds * 1e6, color="black", linewidth=1, linestyle=":", label="all effects on")
     axes.plot(time, [row.tolerance for row in rows[1:]], "_", color="black", markersize=14, label="asked for")
-    axes.plot(time, [max(row.bound, least) for row in rows[1:]], "^", fillstyle="none", color="C1", label="bound")
-    axes.plot(time, [max(row.error, least) for row in rows[1:]], "o", color="C0", label="error found")
+    axes.plot(time, [row.bound for row in rows[1:]], "^", fillstyle="none", color="C1", label="bound")
+    axes.plot(time, [row.error for row in rows[1:]], "o", color="C0", label="error found, where not 0")
     axes.set(xscale="log", yscale="log", title=title)
     axes.set(xlabel="processor time of a frame of one finger [us]", ylabel="largest error over the peak")
     axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))  # less than a decade, often: powers of ten would be none
