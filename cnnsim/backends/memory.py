@@ -45,7 +45,7 @@ def device_planes(plan: Plan) -> float:
         steps = 4 if plan.cell == "discrete-time" else 2 + stages + (stages > 1)
         return 1 + _delay(plan) + steps + _of_terms(plan, least=1)
     if plan.method == "closed form":
-        return 2 + _control(plan)
+        return 1 + _control(plan)
     kept = stages - 1 if plan.scheme is not None and plan.scheme.keeps_rates else 0
     return 3 + _control(plan) + min(stages - 1, 2) + kept  # w, the steps by turns, a stage and the next one
 

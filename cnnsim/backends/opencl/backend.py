@@ -102,17 +102,20 @@ class OpenCLBackend(BlockBackend):
             if plan.method == "general":
                 steps = term_steps(context, plan, grid, x.buffer, u, bias, black)
                 outcome = driver.run(plan, steps, steps.spans())
+            elif plan.method == "closed form":
+                outcome, fine = closed_form(context, plan, grid, x.buffer, u, bias, black)
             else:
                 w = control(context, plan, grid, u, bias)
-                given = LinearPlanes(x.buffer, w, black)
-                if plan.method == "closed form":
-                    outcome = closed_form(context, plan, grid, given)
-                else:
-                    outcome = driver.run(plan, linear_steps(context, plan, grid, given))
+                outcome = driver.run(plan, linear_steps(context, plan, grid, LinearPlanes(x.buffer, w, black)))
                 context.recycle(w)
-            state = DevicePlane(outcome.x, x.shape, "lam")
-            parts = launch(context, "finite", grid.cells, state.buffer, context.partial, np.int64(grid.cells))
-            if context.parts(parts, context.dtype).any():
+            state = x
+            if outcome.x is not x.buffer:  # else no step was taken
+                state = DevicePlane(outcome.x, x.shape, "lam")
+                context.lend(state, outcome.x)
+            if plan.method != "closed form":
+                parts = launch(context, "finite", grid.cells, state.buffer, context.partial, np.int64(grid.cells))
+                fine = not context.parts(parts, context.dtype).any()
+            if not fine:
                 check_finite(self.read(state), outcome.t)
             return outcome._replace(x=state)
 

@@ -2,18 +2,20 @@
 
 import ctypes
 import os
+from collections import deque
 from collections.abc import Iterator
 from functools import cache
 from threading import RLock
 from time import sleep
 from typing import Any
+from weakref import finalize
 
 import numpy as np
 import pyopencl as cl
 
 from cnnsim.backends.opencl.build import Defines, build, code_defines, define_lines, source
 from cnnsim.backends.opencl.devices import Family, check_not_forked
-from cnnsim.backends.opencl.pages import ask_for_large_pages
+from cnnsim.backends.opencl.pages import LEAST, ask_for_large_pages
 from cnnsim.backends.opencl.pocl import has_wide_vectors
 from cnnsim.backends.slices import pieces
 
@@ -31,8 +33,8 @@ WIDE_LANES = 16
 POLL = 1e-4
 """Seconds between two looks whether a kernel's first launch is over."""
 
-POOLED = 2
-"""Buffers kept for the next transient: its drive, and one of the two states between which steps go."""
+POOLED = 3
+"""Buffers kept for the next transient: its drive, and the two states between which steps go."""
 
 
 _CONTEXTS: list["DeviceContext"] = []
@@ -57,7 +59,7 @@ class DeviceContext:
         self._basics = define_lines({**kind, **here, "V": self.lanes, **code_defines()})
         self._most_parts = 4 * (self.cores if family == "cpu" else GROUP)  # of a sum over a plane
         self.partial = self.new(2 * 8 * self._most_parts)
-        self._pool: list[Buffer] = []
+        self._pool: deque[Buffer] = deque(maxlen=POOLED)
         self._tables: dict[bytes, Buffer] = {}
         self._programs: dict[tuple[str, ...], cl.Program] = {}
         self._kernels: dict[tuple[str, ...], cl.Kernel] = {}
@@ -77,16 +79,23 @@ class DeviceContext:
 
     def buffer(self, size: int) -> Buffer:
         """Return a new buffer of ``size`` bytes, or one that was given back."""
-        for pooled in self._pool:
-            if pooled.size == size:
-                self._pool.remove(pooled)
-                return pooled
-        self._pool.clear()
-        return self.new(size)
+        kept = [self._pool.popleft() for _ in range(len(self._pool))]  # lent ones may come back meanwhile
+        fits = next((pooled for pooled in kept if pooled.size == size), None)
+        if fits is not None or size < LEAST:  # what a large grid has left goes before another one has its memory
+            self._pool.extend(pooled for pooled in kept if pooled is not fits)
+        return self.new(size) if fits is None else fits
 
     def recycle(self, *buffers: Buffer) -> None:
         """Take back buffers that nothing else refers to: new memory costs more than a few steps of the time loop."""
-        self._pool = [*self._pool, *buffers][-POOLED:]
+        self._pool.extend(buffers)
+
+    def lend(self, plane: object, buffer: Buffer) -> None:
+        """Take the large buffer of a plane back as soon as nobody has the plane any more, the only one that lies in it.
+
+        The system empties new memory page by page: for 2048 x 2048 cells that takes longer than a closed form.
+        """
+        if buffer.size >= LEAST:
+            finalize(plane, self._pool.append, buffer).atexit = False
 
     def table(self, numbers: np.ndarray[Any, Any]) -> Buffer:
         """Return a few numbers on the device, to be read only; the same numbers are brought there once."""

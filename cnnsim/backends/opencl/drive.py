@@ -15,23 +15,28 @@ from cnnsim.planning.plan import Plan
 
 def control(context: DeviceContext, plan: Plan, grid: DeviceGrid, u: Buffer | None, bias: Buffer | None) -> Buffer:
     """Return w = z + bias + terms of the input + B*u."""
-    template, boundary = plan.template, plan.boundary
-    if u is not None and template.control_terms:
-        bias = _control_terms(context, plan, grid, u, bias)
+    bias, given = with_control_terms(context, plan, grid, u, bias), control_taps(context, plan, u)
     w = context.buffer(grid.cells * context.dtype.itemsize)
-    kernel = context.kernel("control", "boundary stencil", {**boundary_defines(boundary), "CONTROL": ""})
-    taps = template.control_taps if u is not None else ()
-    given = tap_arguments(context, taps, boundary.u)
-    for first, lines in context.pieces(grid.lines, grid.cols * max(1, len(taps))):
+    kernel = context.kernel("control", "boundary stencil", {**boundary_defines(plan.boundary), "CONTROL": ""})
+    for first, lines in context.pieces(grid.lines, grid.cols * max(1, len(plan.template.control_taps))):
         context.launch(
-            kernel, lines * grid.cols, u, bias, w, context.dtype.type(template.z), np.int32(bias is not None),
+            kernel, lines * grid.cols, u, bias, w, context.dtype.type(plan.template.z), np.int32(bias is not None),
             np.int64(first), *given, np.int64(lines), *grid.arguments[1:],
         )  # fmt: skip
     return w
 
 
-def _control_terms(context: DeviceContext, plan: Plan, grid: DeviceGrid, u: Buffer, bias: Buffer | None) -> Buffer:
-    """Return the bias map plus all terms of the input alone."""
+def control_taps(context: DeviceContext, plan: Plan, u: Buffer | None) -> tuple[Any, ...]:
+    """Return what a kernel of stencil.cl is told of B; without an input there is nothing that it weighs."""
+    return tap_arguments(context, plan.template.control_taps if u is not None else (), plan.boundary.u)
+
+
+def with_control_terms(
+    context: DeviceContext, plan: Plan, grid: DeviceGrid, u: Buffer | None, bias: Buffer | None
+) -> Buffer | None:
+    """Return the bias map plus all terms of the input alone, if there are any."""
+    if u is None or not plan.template.control_terms:
+        return bias
     table = tabulate(plan, [(0, term) for term in plan.template.control_terms], context.dtype)
     channels = ChannelPlanes(context, plan, grid, [table], 0)
     channels.fill(0, u)

@@ -1,5 +1,5 @@
 // The closed form of uncoupled cells: `cnnsim.network.cell.uncoupled_state`, one cell at a time. LIMITED is 1 for the
-// full-range cell.
+// full-range cell. The kernel is `closed_form` in stencil.cl.
 
 // Go from |x| <= 1 for the time t, into the saturation ahead (or up to the limit) if it is reached.
 static inline real through_linear(real x, real s, real a, real t)
@@ -50,31 +50,17 @@ AT_REST(real)
 AT_REST(vec)
 #endif
 
-KERNEL void closed_form(__global const real *restrict x, __global const real *restrict w,
-                          __global const ulong *restrict mask, __global real *restrict out, real a, real t, int rest,
-                          int has_mask, long first, long lines, int cols)
+// What a cell, or a vector of cells, ends as; an infinite state or NaN makes NaN, which no comparison above may hide.
+static inline real real_end(real x, real s, real a, real t, int rest)
 {
-    x += first * cols;
-    w += first * cols;
-    out += first * cols;
-#if V > 1
-    if (rest && !has_mask) {
-        const long count = lines * cols, stop = SHARE(count, get_global_id(0) + 1, get_global_size(0));
-        long cell = SHARE(count, get_global_id(0), get_global_size(0));
-        for (; cell + V <= stop; cell += V) {
-            const vec from = *(__global const vec *)(x + cell), drive = *(__global const vec *)(w + cell);
-            *(__global vec *)(out + cell) = vec_at_rest(from, drive, a) + (from - from); // NaN for NaN, as below
-        }
-        for (; cell < stop; cell++) out[cell] = real_at_rest(x[cell], w[cell], a) + (x[cell] - x[cell]);
-        return;
-    }
-#endif
-    EACH(cell, lines * cols) {
-        const real from = x[cell];
-        const real flaw = from - from; // NaN if x is NaN or infinite: no comparison below may hide that
-        if (has_mask && black(mask, first + cell / cols, (int)(cell % cols), cols))
-            out[cell] = from;
-        else
-            out[cell] = flaw + (rest ? real_at_rest(from, w[cell], a) : state_at(from, w[cell], a, t));
-    }
+    return (rest ? real_at_rest(x, s, a) : state_at(x, s, a, t)) + (x - x);
 }
+#if V > 1
+static inline vec vec_end(vec x, vec s, real a, real t, int rest)
+{
+    if (rest) return vec_at_rest(x, s, a) + (x - x);
+    vec end;
+    for (int v = 0; v < V; v++) end[v] = real_end(x[v], s[v], a, t, rest);
+    return end;
+}
+#endif

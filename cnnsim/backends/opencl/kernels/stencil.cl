@@ -1,10 +1,11 @@
-// Single sums over a template's taps: B*u + z (CONTROL), a stage of a Runge-Kutta step (STAGE), and whether the network has
-// settled (SETTLED). They run once, or once in many steps, so the taps are arguments: a build for each template would
-// cost more than it saves. One of the three is built at a time. Comes after boundary.cl.
+// Single sums over a template's taps: B*u + z (CONTROL), with the end of uncoupled cells (CLOSED, after closed.cl), a
+// stage of a Runge-Kutta step (STAGE), and whether the network has settled (SETTLED). They run once, or once in many
+// steps, so the taps are arguments: a build for each template would cost more than it saves. One of the four is built
+// at a time. Comes after boundary.cl.
 //
 // B's taps weigh the input as it is, A's the clipped state. `outside` is what a fixed virtual cell holds.
 
-#ifdef CONTROL
+#if defined(CONTROL) || defined(CLOSED)
 #define VALUE(type, v) (v)
 #else
 #define VALUE(type, v) CLIP(type, v)
@@ -65,6 +66,10 @@ static inline real neighbour_at(__global const real *grid, int i, int j, int row
     }
 #endif
 
+// Masked cells of a line, from column j on, keep what they were.
+#define KEEP_real(v, old) if (black(mask, line, j, cols)) v = old;
+#define KEEP_vec(v, old) for (int q = 0; q < V; q++) if (black(mask, line, j + q, cols)) v[q] = old[q];
+
 #if defined(CONTROL)
 // w = z + bias + B*u, of which the bias may be missing.
 KERNEL void control(__global const real *u, __global const real *bias, __global real *w, real z,
@@ -76,6 +81,33 @@ KERNEL void control(__global const real *u, __global const real *bias, __global 
     ADD_##type(u, total)                              \
     STORE(type, w) = total;
     EACH_CELL(DO_CONTROL)
+}
+
+#elif defined(CLOSED)
+// The end of uncoupled cells at time t or at rest, driven by z + bias + B*u; as a plane of its own the drive would go
+// through memory twice. A part of `partial` is 0 if all these ends are finite numbers, else NaN.
+KERNEL void closed_form(__global const real *x, __global const real *u, __global const real *bias,
+                        __global const ulong *mask, __global real *out, __global real *partial, real z, int has_bias,
+                        int has_mask, real a, real t, int rest, ARGUMENTS)
+{
+    real flaw_real = 0;
+#if V > 1
+    vec flaw_vec = (vec)0;
+#endif
+#define DO_CLOSED(type)                                \
+    type drive = (type)z;                              \
+    if (has_bias) drive += LOAD(type, bias);           \
+    ADD_##type(u, drive)                               \
+    const type from = LOAD(type, x);                   \
+    type to = type##_end(from, drive, a, t, rest);     \
+    if (has_mask) { KEEP_##type(to, from) }            \
+    flaw_##type += to * (type)0;                       \
+    STORE(type, out) = to;
+    EACH_CELL(DO_CLOSED)
+#if V > 1
+    for (int v = 0; v < V; v++) flaw_real += flaw_vec[v];
+#endif
+    HAND_IN(real, partial, flaw_real)
 }
 
 #elif defined(STAGE)
@@ -91,8 +123,6 @@ KERNEL void stage(__global const real *x, __global const real *y, __global const
                   real weight, int stage, int last, int keeps, __global const ulong *mask, int has_mask, int limited,
                   long plane, ARGUMENTS)
 {
-#define KEEP_real(v, old) if (black(mask, line, j, cols)) v = old;
-#define KEEP_vec(v, old) for (int q = 0; q < V; q++) if (black(mask, line, j + q, cols)) v[q] = old[q];
 #define FINISH(type, v, may_end)                                                                        \
     if (limited && may_end) v = CLIP(type, v);                                                          \
     if (has_mask) { KEEP_##type(v, start) }
