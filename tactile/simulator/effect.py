@@ -48,6 +48,8 @@ def effect(
                     within(one.name, value, *one.metadata["range"])
             if own_check is not None:
                 own_check(self)
+            off = all(getattr(self, name) == value for name, value in kind.NONE.items())
+            object.__setattr__(self, "off", off)
 
         def call(self: Any, stream: Iterable[Any], random: np.random.Generator) -> Iterator[Any]:
             return iter(stream) if is_off(self) else act(self, stream, random)
@@ -64,7 +66,7 @@ def effect(
 
 def is_off(effect: Any) -> bool:
     """Whether all strengths of an effect are zero."""
-    return all(getattr(effect, name) == value for name, value in effect.NONE.items())
+    return bool(effect.off)
 
 
 def within(name: str, value: Any, low: float = 0.0, high: float = math.inf) -> None:

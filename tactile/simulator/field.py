@@ -1,7 +1,7 @@
 """The strain or stress field at the taxels of one finger over some frames, before any electronics."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
@@ -86,6 +86,13 @@ class Field:
             self.accuracy,
             at_once=method.name != "fft",
         )
+
+
+    def again(self) -> "Field":
+        """The same, with what was computed of it; its values may be written into."""
+        made = replace(self)
+        made.__dict__.update(loads=self.loads, values=self.values.copy())
+        return made
 
 
 def field_at(

@@ -77,7 +77,7 @@ class Taxels:
             weight = np.ones(self.thicker.shape)
             for other in np.delete(nodes, n).tolist():
                 weight *= (self.thicker - other) / (node - other)
-            level = replace(self, depth=self.depth + node, thicker=None, turn=0.0)
+            level = replace(self, depth=self.depth + node, thicker=None)  # its axes are turned at the end
             values = values + weight[..., None] * level._mean(
                 reading, replace(medium, thickness=medium.thickness + node), accuracy, at_once
             )

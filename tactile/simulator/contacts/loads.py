@@ -55,10 +55,13 @@ def point_loads(rows: Floats) -> Loads:
 
 def together(parts: Iterable[Loads], frames: int) -> Loads:
     """Several contacts on one finger."""
+    given = list(parts)
+    if len(given) == 1:
+        return given[0]
     none = np.empty((frames, 0, COLUMNS))
     totals, points, owner, discs, twists = [none], [none], [], [], []
     count = 0
-    for part in parts:
+    for part in given:
         totals.append(part.totals)
         points.append(part.points)
         owner.append(part.owner + count)

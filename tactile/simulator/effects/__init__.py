@@ -15,9 +15,9 @@ nothing. Its class says
 and, so that ``effects = "auto"`` may leave it out,
 
     reach(seen) -> float             an effect on frames: bound of what it changes, given bounds of the readings
-    strays(field, frames) -> float   a random one on fields: the same, for frames of a field
-    most(field) -> float             a fixed one on fields, a bound that needs no trial, whatever the others are: over
-                                     the largest reading of the skin without effects
+    strays(field, slopes, frames) -> float   a random one on fields: the same, for frames of a field
+    most(slopes) -> float            a fixed one on fields, a bound that needs no trial, whatever the others are, from
+                                     how fast readings of the skin without effects change from place to place
     saves(field) -> float            what leaving it out saves of a frame's time, where that is much or nothing
     passes(seen) -> float            where it lets a change before it grow: by how much at most
     behind(seen) -> Seen             where the bounds do not grow by all that it changes: those behind it

@@ -32,7 +32,7 @@ class DeadTaxels:
     def behind(self, seen: Seen) -> Seen:
         """The bounds behind it: a silent taxel does not change, and a stuck one reads no more than full scale."""
         most = max(seen.largest, seen.full_scale * (self.stuck > 0))
-        return replace(seen, largest=most, normal=(-most, most) if self.stuck > 0 else seen.normal)
+        return seen._replace(largest=most, normal=(-most, most) if self.stuck > 0 else seen.normal)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames with silent taxels."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
+from tactile.simulator.slopes import Slopes
 
 
 @effect("field")
@@ -24,15 +25,12 @@ class FiniteThickness:
 
     thickness: float | None = parameter(None, 1e-12, key="thickness_mm", unit=1e-3, none=np.inf)
 
-    def most(self, field: Field) -> float:
-        """Bound of the change over the largest reading: what the base adds falls off faster than (z / h)^2.
+    def most(self, slopes: Slopes) -> float:
+        """Bound of the change, of points alone: what a body presses with depends on the layer as well."""
+        return slopes.over_base(self._of(slopes)) if slopes.at_points else np.inf
 
-        Of points alone: what a body presses with depends on the layer as well.
-        """
-        return np.inf if not field.at_points else 2.0 * (field.array.depth / self._of(field)) ** 2
-
-    def _of(self, field: Field) -> float:
-        return 2 * field.array.depth if self.thickness is None else self.thickness
+    def _of(self, given: Field | Slopes) -> float:
+        return 2 * given.array.depth if self.thickness is None else self.thickness
 
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields in the layer."""

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from tactile.core.loads import F
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
+from tactile.simulator.slopes import Slopes
 
 
 @effect("field")
@@ -22,14 +22,10 @@ class FiniteTip:
 
     radius: float = parameter(50e-6, key="radius_um", unit=1e-6, none=0.0)
 
-    def most(self, field: Field) -> float:
-        """Bound of the change over the largest reading: of the square of the contact's radius, Hertz' at most.
-
-        Half as much again as any of some thousand draws of forces and places over four taxels.
-        """
-        forces = field.loads.totals[..., F].max(initial=0)
-        widest = min(self.radius, float(np.cbrt(0.75 * forces * self.radius / field.medium.modulus)))
-        return 9.0 * (widest / field.array.depth) ** 2
+    def most(self, slopes: Slopes) -> float:
+        """Bound of the change under the widest contact: Hertz' at most, whatever nu, and no wider than the tip."""
+        widest = (0.75 * slopes.hardest * self.radius / slopes.medium.modulus) ** (1 / 3)
+        return slopes.over_circle(min(self.radius, widest))
 
     def saves(self, field: Field) -> float:
         """Share of a frame's time: points are summed faster; where there are none, nothing."""

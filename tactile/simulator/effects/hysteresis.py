@@ -29,8 +29,8 @@ class Hysteresis:
 
     def reach(self, seen: Seen) -> float:
         """Bound of the change: no play is off by more than its half-width, nor by more than the signal."""
-        radii = np.arange(1, PLAYS + 1) / PLAYS * self.width * seen.full_scale
-        return self.weight * float(np.minimum(radii, seen.largest).mean())
+        widest = self.width * seen.full_scale
+        return self.weight * sum(min(k / PLAYS * widest, seen.largest) for k in range(1, PLAYS + 1)) / PLAYS
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames that lag."""

@@ -1,5 +1,6 @@
 """Needle vibration: the needle's place and its height over the cover tremble."""
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import partial
@@ -10,11 +11,8 @@ from cnnsim.support import Floats
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
 from tactile.simulator.held_needle import raised
-from tactile.simulator.seen import sigmas
-
-STEEPEST = 2.0
-"""No reading changes faster across the surface than by so many times the largest one a depth: point loads 1 to 1.5."""
-
+from tactile.simulator.seen import longest
+from tactile.simulator.slopes import Slopes
 
 @effect("field", normal=True)
 class NeedleVibration:
@@ -38,11 +36,14 @@ class NeedleVibration:
             moves = random.standard_normal((len(field.times), 3)) * (self.lateral, self.lateral, self.vertical)
             yield replace(field, rig=field.rig.with_move(partial(_moved, moves), self.tip_radius))
 
-    def strays(self, field: Field, frames: int) -> float:
-        """Bound of the change in so many frames, for the frames of a field."""
-        most = sigmas(frames)
-        aside = STEEPEST * most * self.lateral / field.array.depth * float(np.abs(field.values).max(initial=0))
-        return float(np.hypot(aside, raised(field, most * self.vertical, self.tip_radius)))
+    def strays(self, field: Field, slopes: Slopes, frames: int) -> float:
+        """Bound of the change in so many frames, for the frames of a field.
+
+        A displacement is R deviations long at most, R of a normal vector in space. Of that a share c goes across and s
+        upwards, c^2 + s^2 = 1, and as both changes A and B are convex the two together do at most c A(R) + s B(R).
+        """
+        most = longest(frames)
+        return math.hypot(slopes.across(most * self.lateral), raised(field, most * self.vertical, self.tip_radius))
 
 
 def _moved(moves: Floats, _places: Floats) -> tuple[Floats, Floats]:

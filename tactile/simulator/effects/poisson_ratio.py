@@ -7,6 +7,7 @@ import numpy as np
 
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
+from tactile.simulator.slopes import Slopes
 
 
 @effect("field")
@@ -21,9 +22,9 @@ class PoissonRatio:
 
     nu: float = parameter(0.49, 0.0, 0.5, none=0.5)
 
-    def most(self, field: Field) -> float:
-        """Bound of the change over the largest reading, on the half-space and in layers; of points alone."""
-        return np.inf if not field.at_points else 3.0 * (1 - 2 * self.nu)
+    def most(self, slopes: Slopes) -> float:
+        """Bound of the change, of points alone; measured for the half-space and layers, not derived."""
+        return np.inf if not slopes.at_points else 3.0 * (1 - 2 * self.nu) * slopes.largest
 
     def saves(self, field: Field) -> float:
         """Nothing: another constant in the same formulae."""

@@ -1,5 +1,6 @@
 """Strain nonlinearity: rubber stiffens when pressed and softens when pulled."""
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
@@ -27,13 +28,12 @@ class StrainNonlinearity:
 
     def reach(self, seen: Seen) -> float:
         """Bound of the change: it grows to both sides of zero."""
-        ends = np.array(seen.normal) / seen.unit
-        return self.strength * seen.unit * float(np.abs(stretch(ends) - 1 - ends).max())
+        return self.strength * seen.unit * max(abs(_stretch_at(end / seen.unit) - 1 - end / seen.unit) for end in seen.normal)
 
     def passes(self, seen: Seen) -> float:
         """By what a change before it may grow: by the slope of the stretch, steepest where most is pulled."""
-        steepest = 3 / (1 + 2 * stretch(np.array(seen.normal[1] / seen.unit)) ** -3)
-        return 1 + self.strength * max(float(steepest) - 1, 0.0)
+        steepest = 3 / (1 + 2 * _stretch_at(seen.normal[1] / seen.unit) ** -3)
+        return 1 + self.strength * max(steepest - 1, 0.0)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames of rubber."""
@@ -51,5 +51,16 @@ def stretch(linear: Floats) -> Floats:
         step = (3 * linear - stretched + stretched**-2) / (1 + 2 * stretched**-3)
         stretched += step
         if (np.abs(step) <= 1e-15 * stretched).all():
+            break
+    return stretched
+
+
+def _stretch_at(linear: float) -> float:
+    """``stretch`` of one number, for which arrays are slow."""
+    stretched = 1 / math.sqrt(1 - 3 * linear) if linear < 0 else 1.0
+    for _ in range(40):
+        step = (3 * linear - stretched + stretched**-2) / (1 + 2 * stretched**-3)
+        stretched += step
+        if abs(step) <= 1e-15 * stretched:
             break
     return stretched

@@ -11,6 +11,7 @@ from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
 from tactile.simulator.held_needle import raised
 from tactile.simulator.seen import sigmas
+from tactile.simulator.slopes import Slopes
 
 WAVES = 32
 
@@ -45,6 +46,6 @@ class SurfaceWaviness:
         for field in stream:
             yield replace(field, rig=field.rig.with_move(move, self.tip_radius))
 
-    def strays(self, field: Field, frames: int) -> float:
+    def strays(self, field: Field, slopes: Slopes, frames: int) -> float:
         """Bound of the change on hills as high as there are under so many frames, for the frames of a field."""
         return raised(field, self.rms * min(sigmas(frames), math.sqrt(2 * WAVES)), self.tip_radius)

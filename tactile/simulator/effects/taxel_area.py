@@ -7,6 +7,7 @@ import numpy as np
 
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
+from tactile.simulator.slopes import Slopes
 
 
 @effect("field")
@@ -21,12 +22,9 @@ class TaxelArea:
 
     width: float = parameter(300e-6, key="width_um", unit=1e-6, none=0.0)
 
-    def most(self, field: Field) -> float:
-        """Bound of the change over the largest reading: w^2 / 24 of the field's curvature.
-
-        Half as much again as any of some thousand draws of forces and places over four taxels.
-        """
-        return 2.0 * (self.width / field.array.depth) ** 2
+    def most(self, slopes: Slopes) -> float:
+        """Bound of the change."""
+        return slopes.over_square(self.width)
 
     def saves(self, field: Field) -> float:
         """Share of a frame's time: all is summed at several points of a taxel."""

@@ -7,7 +7,6 @@ from functools import cache, cached_property
 import numpy as np
 
 from cnnsim.support import InputError
-from tactile.simulator.effect import is_off
 from tactile.simulator.effects import ORDER, Effect, effect_class
 from tactile.simulator.scene.effect_bounds import EffectBounds, Named
 from tactile.simulator.scene.finger_bounds import LeftOut
@@ -103,7 +102,7 @@ def choose(scene: Scene, tolerance: float) -> Choice:
         raise InputError(f"tolerance {tolerance}, a positive number wanted")
     effects = all_effects(scene)
     bounds = EffectBounds(scene, effects, tolerance=tolerance)
-    off, joint = {name for name, effect in effects if is_off(effect)}, 0.0
+    off, joint = set(bounds.zero), 0.0
     if not bounds.coarse:
         off, joint = _negligible(bounds, tolerance)
     chosen = scene.with_effects((name, effect) for name, effect in effects if name not in off)
@@ -114,7 +113,7 @@ def _negligible(bounds: EffectBounds, tolerance: float) -> tuple[set[str], float
     """What can be left out, and the bound of the error."""
     sizes = bounds.sizes()
     fields = {name for name, effect in bounds.effects if effect.STAGE == "field"}
-    order = sorted(sizes, key=lambda name: (name not in fields, sizes[name]))
+    order = sorted(sizes.keys() - bounds.zero, key=lambda name: (name not in fields, sizes[name], name))
     off, joint = _left_out(bounds, order, fields, sizes, tolerance)
     while bounds.bends(off):
         joint = bounds.without(off).change(off)
@@ -130,17 +129,24 @@ def _left_out(
     bounds: EffectBounds, order: list[str], fields: set[str], sizes: dict[str, float], tolerance: float
 ) -> tuple[set[str], float]:
     """What can be left out of the effects in an order, and the bound of the error."""
+    off, joint = _greedy(bounds, order, fields, sizes, tolerance)
     # where a converter's steps are coarse nothing before it may be left out, or the converter itself
     grains = {name for one in bounds.fingers for name in one.grains}
-    found: list[tuple[set[str], float]] = []
-    for ranked in [order, sorted(order, key=lambda name: name not in grains)][: 1 + bool(grains)]:
-        left, joint = [LeftOut() for _ in bounds.fingers], 0.0
-        for name in ranked:
-            if sizes[name] > tolerance and name not in fields:
-                continue  # alone too large already; what is fixed may cancel
-            more = bounds.leave(left, name)
-            change = bounds.largest(more)
-            if change <= tolerance:
-                left, joint = more, change
-        found.append((set(left[0].names), joint))
-    return max(found, key=lambda one: (len(one[0] & fields), len(one[0])))
+    if grains <= off or len(off) == len(sizes):
+        return off, joint
+    other = _greedy(bounds, sorted(order, key=lambda name: name not in grains), fields, sizes, tolerance)
+    return max((off, joint), other, key=lambda one: (len(one[0] & fields), len(one[0])))
+
+
+def _greedy(
+    bounds: EffectBounds, order: list[str], fields: set[str], sizes: dict[str, float], tolerance: float
+) -> tuple[set[str], float]:
+    left, joint = [LeftOut() for _ in bounds.fingers], 0.0
+    for name in order:
+        if sizes[name] > tolerance and name not in fields:
+            continue  # alone too large already; what is fixed may cancel
+        more = bounds.leave(left, name)
+        change = bounds.largest(more)
+        if change <= tolerance:
+            left, joint = more, change
+    return bounds.zero | left[0].names, joint

@@ -1,5 +1,6 @@
 """Bounds of what effects change in a scene, each with the others on: by arithmetic, and by a trial on a few frames."""
 
+import math
 from collections.abc import Container, Iterable
 from copy import copy
 from dataclasses import replace
@@ -43,7 +44,8 @@ class EffectBounds:
         self, scene: Scene, effects: Iterable[Named], on: Container[str] | None = None, tolerance: float = 0.0
     ) -> None:
         self.effects, self._tolerance = list(effects), tolerance
-        self._on = {name for name, effect in self.effects if (on is None or name in on) and not is_off(effect)}
+        self.zero = {name for name, effect in self.effects if is_off(effect)}
+        self._on = {name for name, _ in self.effects if (on is None or name in on) and name not in self.zero}
         self._scene = scene
         self._ideal = [extremes(scene, finger) for finger in range(len(scene.arrays))]
         highest = max(one.seen.largest for one in self._ideal)
@@ -52,13 +54,14 @@ class EffectBounds:
     @cached_property
     def fingers(self) -> list[FingerBounds]:
         """Those of every finger, found when they are asked for."""
-        return [self._bound(*both) for both in zip(self._every, self._ideal, strict=True)]
+        return [self._bound(*both) for both in zip(self._trials, self._ideal, strict=True)]
 
     @cached_property
-    def _every(self) -> list[Field]:
-        return [self._trial(finger, one.times) for finger, one in enumerate(self._ideal)]
+    def _trials(self) -> list["_Trial"]:
+        return [_Trial(self, finger, ideal) for finger, ideal in enumerate(self._ideal)]
 
-    def _trial(self, finger: int, times: Floats) -> Field:
+    def field(self, finger: int, times: Floats) -> Field:
+        """The ideal field of a finger for a trial."""
         rough = max(self._scene.accuracy, min(self._tolerance / 30, COARSEST))
         return replace(self._scene.field(finger, times), trial=True, accuracy=rough)
 
@@ -71,6 +74,9 @@ class EffectBounds:
 
     def sizes(self) -> dict[str, float]:
         """The bound of every effect relative to the peak."""
+        if len(self.fingers) == 1:
+            (only,) = self.fingers
+            return {name: only.size(name) / self.peak for name, _ in self.effects}
         return {name: max(one.size(name) for one in self.fingers) / self.peak for name, _ in self.effects}
 
     def change(self, off: Iterable[str]) -> float:
@@ -84,16 +90,16 @@ class EffectBounds:
 
     def largest(self, left: list[LeftOut]) -> float:
         """What leaving these out on every finger changes at most, relative to the peak."""
-        return max(one.change(gone) for one, gone in zip(self.fingers, left, strict=True)) / self.peak
+        return max([one.change(gone) for one, gone in zip(self.fingers, left, strict=True)]) / self.peak
 
     def without(self, off: Container[str]) -> "EffectBounds":
         """The same bounds, where what fixed effects on fields change is what those left out do together."""
         made = copy(self)
         made.fingers = []
-        for given, old in zip(self._every, self.fingers, strict=True):
+        for trial, old in zip(self._trials, self.fingers, strict=True):
             gone = [name for name in old.terms if name in off]
             if len(gone) > 1:  # the first of them stands for all
-                terms = dict.fromkeys(gone[1:], np.zeros(1)) | {gone[0]: old.whole - self._acted(given, off).values}
+                terms = dict.fromkeys(gone[1:], np.zeros(1)) | {gone[0]: old.whole - self.acted(trial.every[0], off).values}
                 old = replace(old, terms=old.terms | terms)
             made.fingers.append(old)
         return made
@@ -102,53 +108,57 @@ class EffectBounds:
         """Whether several of these change loads or body, so that they may do more together than each alone."""
         return any(sum(name in off for name in one.terms) > 1 for one in self.fingers)
 
-    def _acted(self, given: Field, off: Container[str]) -> Field:
+    def acted(self, given: Field, off: Container[str]) -> Field:
+        """A field behind the fixed effects that act on it, but for those left out."""
         now = given
         for name, effect in self.effects:
             if effect.STAGE == "field" and not effect.RANDOM and name in self._on and name not in off:
                 now = _after(effect, now)
         return now
 
-    def _bound(self, given: Field, ideal: Extremes) -> FingerBounds:
+    def _bound(self, trial: "_Trial", ideal: Extremes) -> FingerBounds:
         found, shaken, most = FingerBounds(), 0.0, 0.0
-        trial = _Trial(self, given, ideal)
         for name, effect in self.effects:
             if effect.STAGE != "field":
                 continue
-            if is_off(effect):
+            if name in self.zero:
                 found.reach[name] = 0.0
             elif effect.RANDOM:
-                found.reach[name] = _asked(effect, "strays", np.inf, given, ideal.seen.frames)
-                shaken = float(np.hypot(shaken, found.reach[name] if name in self._on else 0.0))
+                reach = _asked(effect, "strays", np.inf, trial.shaken, ideal.slopes, ideal.seen.frames)
+                found.reach[name] = reach
+                shaken = math.hypot(shaken, reach if name in self._on else 0.0)
             else:
-                bound = _asked(effect, "most", np.inf, given) if self._tolerance else np.inf
+                bound = _asked(effect, "most", np.inf, ideal.slopes) if self._tolerance else np.inf
                 most += bound if name in self._on else 0.0
-                found.reach[name] = bound * ideal.seen.largest
-                if SMALL < bound / (self._tolerance or 1.0) < LARGE or not np.isfinite(bound):
+                found.reach[name] = bound
+                if SMALL < bound / (self._tolerance * self.peak or 1.0) < LARGE or not np.isfinite(bound):
                     self._try(name, effect, found, trial)
         if found.terms:
             found.whole = trial.every[1].values
-        if found.terms or most > FAR:
+        if found.terms or most > FAR * ideal.seen.largest:
             seen = _behind(ideal.seen, (trial.every if found.terms else trial.few)[1])
         else:
-            seen = ideal.seen.after(most * ideal.seen.largest, False)
+            seen = ideal.seen.after(most, False)
         seen = seen.after(shaken, True)
-        grows: dict[str, float] = {}
+        growth: list[tuple[str, float]] = []
         for name, effect in self.effects:
             if effect.STAGE == "field":
                 continue
-            found.reach[name] = 0.0 if is_off(effect) else _asked(effect, "reach", np.inf, seen)
-            if name in self._on and not is_off(effect):
-                grows[name] = _asked(effect, "passes", 1.0, seen)
+            if name in self.zero:
+                found.reach[name] = 0.0
+                continue
+            found.reach[name] = reach = _asked(effect, "reach", np.inf, seen)
+            if name in self._on:
+                growth.append((name, _asked(effect, "passes", 1.0, seen)))
                 grain = _asked(effect, "grain", 0.0, seen)
                 if grain > 0:
                     found.grains[name] = grain, 3 * seen.taxels * seen.frames / grain
                 behind = getattr(effect, "behind", None)
-                seen = behind(seen) if behind else seen.after(min(found.reach[name], seen.largest), effect.RANDOM)
-        growth = 1.0
+                seen = behind(seen) if behind else seen.after(min(reach, seen.largest), effect.RANDOM)
+        grown, passes = 1.0, dict(growth)
         for name, effect in reversed(self.effects):
-            found.growth[name] = growth
-            growth *= grows.get(name, 1.0)
+            found.growth[name] = grown
+            grown *= passes.get(name, 1.0)
             if effect.NORMAL:
                 found.normal.add(name)
         return found
@@ -158,9 +168,8 @@ class EffectBounds:
 
         Much on the first of them settles that it stays.
         """
-        given = trial.given
         if self._tolerance:
-            if not pays(effect, given, self._scene.samples, len(given.times)):
+            if not pays(effect, trial.shaken, self._scene.samples, trial.count):
                 return
             change = largest(self._change(name, effect, *trial.few))
             if change > SURE * self._tolerance * self.peak:
@@ -171,27 +180,36 @@ class EffectBounds:
 
     def _change(self, name: str, effect: Any, given: Field, full: Field) -> Floats:
         if name in self._on:
-            return full.values - self._acted(given, {name}).values
+            return full.values - self.acted(given, {name}).values
         return _after(effect, full).values - full.values
 
 
 class _Trial:
     """The fields of a finger without effects and with all that are fixed, computed when they are asked for.
 
-    ``every``: on the frames that tell most; ``few``: on the first of those.
+    ``every``: on the ``count`` frames that tell most; ``few``: on the first of those; ``shaken``: without effects, on
+    all frames of a short scene, else on those that tell most.
     """
 
-    def __init__(self, bounds: EffectBounds, given: Field, ideal: Extremes) -> None:
-        self.given, self._bounds, self._ideal = given, bounds, ideal
+    def __init__(self, bounds: EffectBounds, finger: int, ideal: Extremes) -> None:
+        self._bounds, self._finger, self._ideal, self.count = bounds, finger, ideal, len(ideal.times)
+
+    @cached_property
+    def shaken(self) -> Field:
+        return self._ideal.whole or self._given
+
+    @cached_property
+    def _given(self) -> Field:
+        return self._bounds.field(self._finger, self._ideal.times)
 
     @cached_property
     def every(self) -> tuple[Field, Field]:
-        return self.given, self._bounds._acted(self.given, ())
+        return self._given, self._bounds.acted(self._given, ())
 
     @cached_property
     def few(self) -> tuple[Field, Field]:
-        first = replace(self.given, times=self._ideal.foremost)
-        return first, self._bounds._acted(first, ())
+        first = replace(self._given, times=self._ideal.foremost)
+        return first, self._bounds.acted(first, ())
 
 
 def _asked(effect: Any, what: str, else_: float, *given: Any) -> float:
@@ -208,4 +226,4 @@ def _behind(seen: Seen, now: Field) -> Seen:
     """The bounds of the ideal field, behind effects on it, from the frames that tell most."""
     scale = SAFE * largest(now.values) / seen.largest if seen.largest > 0 else 1.0
     low, high = seen.normal
-    return replace(seen, largest=seen.largest * scale, normal=(low * scale, high * scale), change=seen.change * scale)
+    return seen._replace(largest=seen.largest * scale, normal=(low * scale, high * scale), change=seen.change * scale)

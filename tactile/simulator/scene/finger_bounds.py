@@ -1,5 +1,6 @@
 """Bounds of what effects change in the readings of one finger, one by one and left out together."""
 
+import math
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -48,10 +49,11 @@ class FingerBounds:
     def change(self, left: "LeftOut") -> float:
         """What leaving these out changes: the sum of what each does."""
         fixed = SAFE * largest(left.terms) * left.growth if left.growth else 0.0
-        total = fixed + left.plain + left.squares**0.5
-        return total + sum(
-            g for name, (g, chance) in self.grains.items() if name not in left.names and total * chance > RARE
-        )
+        total = fixed + left.plain + math.sqrt(left.squares)
+        for name, (grain, chance) in self.grains.items() if self.grains else ():
+            if name not in left.names and total * chance > RARE:
+                return total + sum(g for n, (g, c) in self.grains.items() if n not in left.names and total * c > RARE)
+        return total
 
 
 class LeftOut(NamedTuple):

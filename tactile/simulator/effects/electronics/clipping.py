@@ -27,7 +27,7 @@ class Clipping:
         """The bounds behind it."""
         most = self.limit * seen.full_scale
         low, high = (min(max(end, -most), most) for end in seen.normal)
-        return replace(seen, largest=min(seen.largest, most), normal=(low, high))
+        return seen._replace(largest=min(seen.largest, most), normal=(low, high))
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames between the rails."""

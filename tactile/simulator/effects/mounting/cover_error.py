@@ -7,6 +7,7 @@ import numpy as np
 
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
+from tactile.simulator.slopes import Slopes
 
 
 @effect("field", assumed=False)
@@ -22,11 +23,10 @@ class CoverError:
     gradient_x: float = parameter(5e-3, -1.0, 1.0, key="gradient_x_um_per_mm", unit=1e-3, none=0.0)
     gradient_y: float = parameter(0.0, -1.0, 1.0, key="gradient_y_um_per_mm", unit=1e-3, none=0.0)
 
-    def most(self, field: Field) -> float:
-        """Bound of the change over the largest reading: it falls off like 1 / z^3 at most."""
-        x, y = np.moveaxis(np.abs(field.taxels.places - field.array.origin), -1, 0)
-        thicker = abs(self.error) + abs(self.gradient_x) * x + abs(self.gradient_y) * y
-        return 4.5 * float(thicker.max()) / field.array.depth
+    def most(self, slopes: Slopes) -> float:
+        """Bound of the change: by the fall with depth."""
+        x, y = slopes.reach
+        return slopes.deeper(abs(self.error) + abs(self.gradient_x) * x + abs(self.gradient_y) * y)
 
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields under the cover as it is."""

@@ -1,5 +1,6 @@
 """Curved fingertip: a dome over a flat chip, to first order in its curvature."""
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
+from tactile.simulator.slopes import Slopes
 
 
 @effect("field", assumed=False)
@@ -22,12 +24,12 @@ class CurvedFingertip:
 
     radius: float = parameter(0.05, 1e-9, key="radius_mm", unit=1e-3, none=np.inf)
 
-    def most(self, field: Field) -> float:
-        """Bound of the change over the largest reading: of thinner covers under points, which have no shape."""
-        if not field.at_points:
-            return np.inf
-        apart = float(((field.taxels.places - field.array.origin) ** 2).sum(axis=-1).max())
-        return 4.5 * (apart / (2 * self.radius) / field.array.depth)
+    def most(self, slopes: Slopes) -> float:
+        """Bound of the change: of thinner covers under points, which have no shape; of shapes none."""
+        if not slopes.at_points:
+            return math.inf
+        x, y = slopes.reach
+        return slopes.deeper((x * x + y * y) / (2 * self.radius))
 
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields under the dome."""

@@ -1,5 +1,6 @@
 """Misplacement: the array lies a little aside, turned or tilted in its cover."""
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
+from tactile.simulator.slopes import Slopes
 
 
 @effect("field", assumed=False)
@@ -25,15 +27,16 @@ class Misplacement:
     tilt_x: float = parameter(5e-3, -1.0, 1.0, none=0.0)
     tilt_y: float = parameter(0.0, -1.0, 1.0, none=0.0)
 
-    def most(self, field: Field) -> float:
-        """Bound of the change over the largest reading: by the field's slope, its fall with depth and the axes.
+    def most(self, slopes: Slopes) -> float:
+        """Bound of the change: by the slope across the surface, then the fall with depth, then the turn of the axes.
 
-        A third as much again as any of some thousand draws of forces and places over four taxels.
+        A shear of two components is at most sqrt(2) times the larger one.
         """
-        x, y = np.abs(field.taxels.places - field.array.origin).reshape(-1, 2).max(axis=0).tolist()
-        aside = float(np.hypot(self.shift_x, self.shift_y)) + abs(self.turn) * float(np.hypot(x, y))
-        deeper = abs(self.tilt_x) * x + abs(self.tilt_y) * y
-        return 4.0 * (aside + deeper) / field.array.depth + 4.0 * abs(self.turn)
+        x, y = slopes.reach
+        aside = math.hypot(self.shift_x, self.shift_y) + abs(self.turn) * math.hypot(x, y)
+        deeper = abs(self.tilt_x) * (x + aside) + abs(self.tilt_y) * (y + aside)
+        moved = slopes.across(aside) + slopes.deeper(deeper) * slopes.nearer(aside) ** 3
+        return moved + math.sqrt(2) * abs(self.turn) * (slopes.largest + moved)
 
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields at the taxels' true places."""
