@@ -87,7 +87,6 @@ class Field:
             at_once=method.name != "fft",
         )
 
-
     def again(self) -> "Field":
         """The same, with what was computed of it; its values may be written into."""
         made = replace(self)

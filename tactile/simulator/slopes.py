@@ -18,6 +18,8 @@ ACROSS, DEEPER, BENT, LAPLACE = range(4)
 STEEPEST = {"stress": (4.927, 6.0, 15.0, 30.0), "strain": (3.664, 4.0, 12.0, 24.0)}
 """Largest derivatives of a reading under a unit force at unit distance, whatever the directions of both: the first
 across the surface and in depth, the second along one line and the Laplacian, both across the surface."""
+VALUE = {"stress": 3.0, "strain": 2.0}
+"""The largest reading itself, under the same force."""
 BASE = 2.0
 """What a rigid base at the depth h adds is at most so many K |P| / h^2, for taxels at any depth above it and any
 Poisson's ratio: the largest is the normal strain on the base itself of an incompressible cover (1.93 for stress)."""
@@ -33,8 +35,8 @@ class Slopes:
     Fields add, and are smoother under loads that are spread, of which the nearest part counts.
 
     ``sums`` (4,): the largest over the frames of the sum over the loads of K |P| / d^n, n = 0, 2, 3, 4, with d to the
-    nearest taxel and K = (c of the reading) / 2 pi; ``hardest`` [N]: the largest normal force; ``largest`` |reading|; ``at_points``:
-    every contact is one point load.
+    nearest taxel and K = (c of the reading) / 2 pi; ``hardest`` [N]: the largest normal force; ``largest`` |reading|;
+    ``at_points``: every contact is one point load.
 
     Source: ``elastic.halfspace``, Boussinesq and Cerruti; the largest values by a search over all directions.
     """
@@ -53,7 +55,7 @@ class Slopes:
         return (array.cols - 1) / 2 * array.pitch, (array.rows - 1) / 2 * array.pitch
 
     def across(self, by: float) -> float:
-        """Bound of the change when taxels or loads move by so much [m] across the surface, by the mean value theorem."""
+        """Bound of the change when taxels or loads move by so much [m] across the surface: the mean value theorem."""
         return by * self._most(ACROSS, FIRST) * self.nearer(by) ** 3
 
     def deeper(self, by: float) -> float:

@@ -14,6 +14,7 @@ from tactile.simulator.held_needle import raised
 from tactile.simulator.seen import longest
 from tactile.simulator.slopes import Slopes
 
+
 @effect("field", normal=True)
 class NeedleVibration:
     """Every frame all contacts of a finger are displaced together, x and y by ``lateral`` and z by ``vertical`` [m].

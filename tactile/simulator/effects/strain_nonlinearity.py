@@ -28,7 +28,11 @@ class StrainNonlinearity:
 
     def reach(self, seen: Seen) -> float:
         """Bound of the change: it grows to both sides of zero."""
-        return self.strength * seen.unit * max(abs(_stretch_at(end / seen.unit) - 1 - end / seen.unit) for end in seen.normal)
+        return (
+            self.strength
+            * seen.unit
+            * max(abs(_stretch_at(end / seen.unit) - 1 - end / seen.unit) for end in seen.normal)
+        )
 
     def passes(self, seen: Seen) -> float:
         """By what a change before it may grow: by the slope of the stretch, steepest where most is pulled."""

@@ -112,7 +112,7 @@ def choose(scene: Scene, tolerance: float) -> Choice:
 def _negligible(bounds: EffectBounds, tolerance: float) -> tuple[set[str], float]:
     """What can be left out, and the bound of the error."""
     sizes = bounds.sizes()
-    fields = {name for name, effect in bounds.effects if effect.STAGE == "field"}
+    fields = {name for name, _ in bounds.on_fields}
     order = sorted(sizes.keys() - bounds.zero, key=lambda name: (name not in fields, sizes[name], name))
     off, joint = _left_out(bounds, order, fields, sizes, tolerance)
     while bounds.bends(off):

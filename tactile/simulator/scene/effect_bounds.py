@@ -12,10 +12,11 @@ import numpy as np
 from cnnsim.support import Floats
 from tactile.simulator.effect import is_off
 from tactile.simulator.field import Field
-from tactile.simulator.scene.extremes import Extremes, extremes
+from tactile.simulator.scene.extremes import PEAKS, SPREAD, Extremes, extremes
 from tactile.simulator.scene.finger_bounds import SAFE, FingerBounds, LeftOut, largest
+from tactile.simulator.scene.forces import highest_reading, unseen
 from tactile.simulator.scene.scene import Scene
-from tactile.simulator.scene.trials import pays
+from tactile.simulator.scene.trials import pays, pays_behind
 from tactile.simulator.seen import Seen
 
 Named = tuple[str, Any]
@@ -25,6 +26,8 @@ SURE = 2.0
 """What changes so many tolerances on the first frames tried stays: others could hardly make up for it."""
 FAR = 2.0
 """Share of the peak from which bounds of all effects on fields together are too loose for what acts behind them."""
+BEYOND = 1e6
+"""Share of the peak at which a bound ends: it tells as little as one without an end, and is a number."""
 COARSEST = 1e-3
 """Accuracy of trials at most: what effects change is a difference of two fields."""
 _NOTHING = np.random.default_rng(0)
@@ -34,10 +37,9 @@ _NOTHING = np.random.default_rng(0)
 class EffectBounds:
     """Bounds for the effects of a chain, in the order in which they act, on every finger of a scene.
 
-    ``on``: which of them act, all unless given; the others' bounds are those of adding one of them. ``peak``: the
-    largest reading of the ideal skin; a share of the full scale where nothing presses. An effect that gives no bound of
-    its own may change everything. With a ``tolerance`` fixed effects on fields are tried only where their own bound
-    leaves open whether they matter, and no finer than it needs.
+    ``on``: which of them act, all unless given; the others' bounds are those of adding one of them. An effect that
+    gives no bound of its own may change everything. With a ``tolerance`` fixed effects on fields are tried only where
+    their own bound leaves open whether they matter, and no finer than it needs.
     """
 
     def __init__(
@@ -45,11 +47,21 @@ class EffectBounds:
     ) -> None:
         self.effects, self._tolerance = list(effects), tolerance
         self.zero = {name for name, effect in self.effects if is_off(effect)}
-        self._on = {name for name, _ in self.effects if (on is None or name in on) and name not in self.zero}
+        acting = [one for one in self.effects if one[0] not in self.zero]
+        self.on_fields = [one for one in acting if one[1].STAGE == "field"]
+        self._on_frames = [one for one in acting if one[1].STAGE != "field"]
+        self._on = {name for name, _ in acting if on is None or name in on}
         self._scene = scene
-        self._ideal = [extremes(scene, finger) for finger in range(len(scene.arrays))]
+
+    @cached_property
+    def _ideal(self) -> list[Extremes]:
+        return [extremes(self._scene, finger) for finger in range(len(self._scene.arrays))]
+
+    @cached_property
+    def peak(self) -> float:
+        """The largest reading of the ideal skin; a share of the full scale where nothing presses."""
         highest = max(one.seen.largest for one in self._ideal)
-        self.peak = highest or max(scene.full_scale * scene.unit(0), float(np.finfo(float).tiny))
+        return highest or max(self._scene.full_scale * self._scene.unit(0), float(np.finfo(float).tiny))
 
     @cached_property
     def fingers(self) -> list[FingerBounds]:
@@ -67,17 +79,24 @@ class EffectBounds:
 
     @property
     def coarse(self) -> bool:
-        """Whether a converter's steps are so coarse that it is on, and nothing before it may be left out."""
-        most = 2 * self._tolerance * self.peak
-        converters = [effect for name, effect in self.effects if name in self._on and hasattr(effect, "grain")]
-        return any(effect.grain(one.seen) > most for effect in converters for one in self._ideal)
+        """Whether a converter's steps are so coarse that it is on, and nothing before it may be left out.
+
+        Often the forces say so before the field is computed.
+        """
+        converters = [effect for name, effect in self._on_frames if name in self._on and hasattr(effect, "grain")]
+        if not converters:
+            return False
+        highest = highest_reading(self._scene)
+        seen = [unseen(self._scene, finger, highest) for finger in range(len(self._scene.arrays))]
+        step = max(effect.grain(one) for effect in converters for one in seen)
+        return step > 2 * self._tolerance * highest > 0 or step > 2 * self._tolerance * self.peak
 
     def sizes(self) -> dict[str, float]:
         """The bound of every effect relative to the peak."""
-        if len(self.fingers) == 1:
-            (only,) = self.fingers
-            return {name: only.size(name) / self.peak for name, _ in self.effects}
-        return {name: max(one.size(name) for one in self.fingers) / self.peak for name, _ in self.effects}
+        return {
+            name: 0.0 if name in self.zero else max([one.size(name) for one in self.fingers]) / self.peak
+            for name, _ in self.effects
+        }
 
     def change(self, off: Iterable[str]) -> float:
         """What leaving these out changes at most, relative to the peak."""
@@ -99,7 +118,9 @@ class EffectBounds:
         for trial, old in zip(self._trials, self.fingers, strict=True):
             gone = [name for name in old.terms if name in off]
             if len(gone) > 1:  # the first of them stands for all
-                terms = dict.fromkeys(gone[1:], np.zeros(1)) | {gone[0]: old.whole - self.acted(trial.every[0], off).values}
+                terms = dict.fromkeys(gone[1:], np.zeros(1)) | {
+                    gone[0]: old.whole - self.acted(trial.every[0], off).values
+                }
                 old = replace(old, terms=old.terms | terms)
             made.fingers.append(old)
         return made
@@ -111,57 +132,55 @@ class EffectBounds:
     def acted(self, given: Field, off: Container[str]) -> Field:
         """A field behind the fixed effects that act on it, but for those left out."""
         now = given
-        for name, effect in self.effects:
-            if effect.STAGE == "field" and not effect.RANDOM and name in self._on and name not in off:
+        for name, effect in self.on_fields:
+            if not effect.RANDOM and name in self._on and name not in off:
                 now = _after(effect, now)
         return now
 
     def _bound(self, trial: "_Trial", ideal: Extremes) -> FingerBounds:
         found, shaken, most = FingerBounds(), 0.0, 0.0
-        for name, effect in self.effects:
-            if effect.STAGE != "field":
-                continue
-            if name in self.zero:
-                found.reach[name] = 0.0
-            elif effect.RANDOM:
+        for name, effect in self.on_fields:
+            if effect.RANDOM:
                 reach = _asked(effect, "strays", np.inf, trial.shaken, ideal.slopes, ideal.seen.frames)
                 found.reach[name] = reach
                 shaken = math.hypot(shaken, reach if name in self._on else 0.0)
-            else:
-                bound = _asked(effect, "most", np.inf, ideal.slopes) if self._tolerance else np.inf
-                most += bound if name in self._on else 0.0
-                found.reach[name] = bound
-                if SMALL < bound / (self._tolerance * self.peak or 1.0) < LARGE or not np.isfinite(bound):
-                    self._try(name, effect, found, trial)
+                continue
+            found.reach[name] = bound = _asked(effect, "most", np.inf, ideal.slopes) if self._tolerance else np.inf
+            most += bound if name in self._on else 0.0
+            if SMALL < bound / (self._tolerance * self.peak or 1.0) < LARGE or not math.isfinite(bound):
+                self._try(name, effect, found, trial)
         if found.terms:
             found.whole = trial.every[1].values
-        if found.terms or most > FAR * ideal.seen.largest:
-            seen = _behind(ideal.seen, (trial.every if found.terms else trial.few)[1])
+        seen = ideal.seen
+        if found.terms or (most > FAR * seen.largest and pays_behind(len(self._on_frames), seen)):
+            seen = _behind(seen, (trial.every if found.terms else trial.few)[1])
         else:
-            seen = ideal.seen.after(most, False)
-        seen = seen.after(shaken, True)
-        growth: list[tuple[str, float]] = []
-        for name, effect in self.effects:
-            if effect.STAGE == "field":
-                continue
-            if name in self.zero:
-                found.reach[name] = 0.0
-                continue
+            seen = seen.after(min(most, BEYOND * seen.largest), False)
+        self._bound_frames(found, seen.after(shaken, True))
+        return found
+
+    def _bound_frames(self, found: FingerBounds, seen: Seen) -> None:
+        """Bound effects on frames, given bounds of the readings before the first of them."""
+        passes: dict[str, float] = {}
+        for name, effect in self._on_frames:
             found.reach[name] = reach = _asked(effect, "reach", np.inf, seen)
             if name in self._on:
-                growth.append((name, _asked(effect, "passes", 1.0, seen)))
+                passes[name] = _asked(effect, "passes", 1.0, seen)
                 grain = _asked(effect, "grain", 0.0, seen)
                 if grain > 0:
                     found.grains[name] = grain, 3 * seen.taxels * seen.frames / grain
                 behind = getattr(effect, "behind", None)
                 seen = behind(seen) if behind else seen.after(min(reach, seen.largest), effect.RANDOM)
-        grown, passes = 1.0, dict(growth)
-        for name, effect in reversed(self.effects):
-            found.growth[name] = grown
-            grown *= passes.get(name, 1.0)
+        growth = 1.0
+        for name, effect in reversed(self._on_frames):
+            found.growth[name] = growth
+            growth *= passes.get(name, 1.0)
             if effect.NORMAL:
                 found.normal.add(name)
-        return found
+        for name, effect in self.on_fields:
+            found.growth[name] = growth
+            if effect.NORMAL:
+                found.normal.add(name)
 
     def _try(self, name: str, effect: Any, found: FingerBounds, trial: "_Trial") -> None:
         """Find what a fixed effect on fields changes on the frames that tell most, where that may pay.
@@ -169,7 +188,7 @@ class EffectBounds:
         Much on the first of them settles that it stays.
         """
         if self._tolerance:
-            if not pays(effect, trial.shaken, self._scene.samples, trial.count):
+            if not pays(effect, trial.shaken, self._scene.samples, PEAKS + SPREAD):
                 return
             change = largest(self._change(name, effect, *trial.few))
             if change > SURE * self._tolerance * self.peak:
@@ -187,12 +206,12 @@ class EffectBounds:
 class _Trial:
     """The fields of a finger without effects and with all that are fixed, computed when they are asked for.
 
-    ``every``: on the ``count`` frames that tell most; ``few``: on the first of those; ``shaken``: without effects, on
-    all frames of a short scene, else on those that tell most.
+    ``every``: on the frames that tell most, PEAKS + SPREAD at most; ``few``: on the first of those; ``shaken``: without
+    effects, on all frames of a short scene, else on those that tell most.
     """
 
     def __init__(self, bounds: EffectBounds, finger: int, ideal: Extremes) -> None:
-        self._bounds, self._finger, self._ideal, self.count = bounds, finger, ideal, len(ideal.times)
+        self._bounds, self._finger, self._ideal = bounds, finger, ideal
 
     @cached_property
     def shaken(self) -> Field:

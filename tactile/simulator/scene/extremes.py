@@ -80,4 +80,3 @@ def _scan(values, first, last, peaks, where, ends):  # type: ignore[no-untyped-d
                 peaks[c], where[c] = abs(value), n + first
             if c % 3 == NORMAL:
                 ends[0], ends[1] = min(ends[0], value), max(ends[1], value)
-

@@ -50,10 +50,11 @@ class FingerBounds:
         """What leaving these out changes: the sum of what each does."""
         fixed = SAFE * largest(left.terms) * left.growth if left.growth else 0.0
         total = fixed + left.plain + math.sqrt(left.squares)
-        for name, (grain, chance) in self.grains.items() if self.grains else ():
-            if name not in left.names and total * chance > RARE:
-                return total + sum(g for n, (g, c) in self.grains.items() if n not in left.names and total * c > RARE)
-        return total
+        if not self.grains:
+            return total
+        return total + sum(
+            grain for name, (grain, chance) in self.grains.items() if name not in left.names and total * chance > RARE
+        )
 
 
 class LeftOut(NamedTuple):

@@ -3,6 +3,7 @@
 from typing import Any
 
 from tactile.simulator.field import Field
+from tactile.simulator.seen import Seen
 
 CHANCE = 0.5
 """Of effects that are tried, about so many can be left out."""
@@ -12,6 +13,8 @@ FRAME, PAIR = 5e-6, 0.1e-6
 """Time of a frame with all effects on [s], and for every load on every taxel."""
 SAVED = 0.2
 """Share of a frame's time that leaving out an effect on fields saves which does not say what."""
+EFFECT, READING = 40e-6, 6e-9
+"""Time of an effect on frames [s], in a run of however few frames, and for every reading."""
 
 
 def pays(effect: Any, field: Field, samples: int, tried: int) -> bool:
@@ -25,3 +28,9 @@ def pays(effect: Any, field: Field, samples: int, tried: int) -> bool:
     saves = getattr(effect, "saves", None)
     share = SAVED if saves is None else float(saves(field))
     return CHANCE * share * samples > tried + BEGIN / frame
+
+
+def pays_behind(effects: int, seen: Seen) -> bool:
+    """Whether a trial of all effects on fields pays, without which so many effects behind them cannot be left out."""
+    readings = 3 * seen.taxels * seen.frames
+    return CHANCE * effects * (EFFECT + READING * readings) > 2 * BEGIN

@@ -35,6 +35,14 @@ def under(*effects: Any, contact: Any = None) -> Field:
     return field
 
 
+def test_wide_taxels_turn_with_their_array_under_a_cover_that_is_uneven() -> None:
+    # a cover that is thicker by as much over each is one more depth, for which nothing is interpolated
+    wide, turned = TaxelArea(8e-4), Misplacement(0.0, 0.0, 0.4, 0.0, 0.0)
+    uneven = under(CoverError(1e-4, 0.0, 0.0), turned, wide)
+    deeper = replace(uneven, taxels=replace(uneven.taxels, depth=1.1e-3, thicker=None))
+    assert uneven.values == pytest.approx(deeper.values, rel=1e-9, abs=1e-12)
+
+
 def test_a_shifted_array_feels_what_is_where_it_lies() -> None:
     felt = under(Misplacement(1e-4, -2e-4, 0.0, 0.0, 0.0)).values[0]
     wanted = point_load(np.add(ARRAY.positions(), (1e-4, -2e-4)), 1e-3, LOAD[None], RUBBER)

@@ -1,0 +1,42 @@
+"""What the forces on a scene's fingers alone say of the readings, before any field is computed."""
+
+import math
+
+import numpy as np
+
+from tactile.elastic.halfspace import point_scale
+from tactile.simulator.contacts.moving_load import MovingLoad
+from tactile.simulator.scene.scene import Scene
+from tactile.simulator.seen import Seen
+from tactile.simulator.slopes import VALUE
+
+
+def highest_reading(scene: Scene) -> float:
+    """Bound of the readings of the ideal skin: of every load at its hardest, right over a taxel at once.
+
+    Infinite where other things than loads press, or the cover has bumps. Along a path forces change linearly, so that
+    they are hardest at a keyframe.
+    """
+    if scene.bumps is not None or scene.contacts:
+        return math.inf
+    forces = [0.0] * len(scene.arrays)
+    for load in scene.loads:
+        forces[load.finger] += _hardest(load)
+    return max(
+        VALUE[array.quantity] * point_scale(array.depth, scene.medium(finger))[0] * force
+        for finger, (array, force) in enumerate(zip(scene.arrays, forces, strict=True))
+    )
+
+
+def _hardest(load: MovingLoad) -> float:
+    forces = load.path[:, 3:]
+    return math.sqrt(float(np.einsum("nc,nc->n", forces, forces).max()))
+
+
+def unseen(scene: Scene, finger: int, highest: float) -> Seen:
+    """The bounds of a finger's readings of which no more is known than how large they may be."""
+    unit = scene.unit(finger)
+    return Seen(
+        scene.arrays[finger], unit, scene.full_scale * unit, scene.rate, scene.samples, highest, (-highest, highest),
+        2 * highest,
+    )  # fmt: skip
