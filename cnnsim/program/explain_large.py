@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from math import prod
 
 from cnnsim.program.last_use import names_of, used_last
-from cnnsim.program.on_engine import large_plans, sleeps
+from cnnsim.program.on_engine import large_plans, sleeps, small_in
 from cnnsim.program.program import Program, Step, UntilUnchangedStep
 from cnnsim.program.template_steps import TemplateSteps
 from cnnsim.program.words import numbered
-from cnnsim.supersteps.block_plan import halo_of, may_sleep, reach_of
+from cnnsim.supersteps.block_plan import halo_of, reach_of
 from cnnsim.supersteps.depth import first_depth
 from cnnsim.supersteps.engine import Engine, side_of_blocks, worker_bytes
 from cnnsim.support.memory import in_words
@@ -57,7 +57,9 @@ def explain_large(program: Program, shape: tuple[int, int], engine: Engine, item
     side = side_of_blocks(engine, shape, workers, sleeps=sleeps(plans))
     needed = 0.0
     for step, plan in plans.items():
-        halo = halo_of(plan, engine.depth or first_depth(side, reach_of(plan), sleeps=may_sleep(plan)), checked=True)
+        halo = halo_of(
+            plan, engine.depth or first_depth(side, reach_of(plan), sleeps=small_in(step, plan)), checked=True
+        )
         given = sum(isinstance(getattr(step, name), str) for name in ("input", "bias"))
         has_mask = getattr(step, "mask", None) is not None
         needed = max(needed, worker_bytes(plan, side, halo, 1, itemsize, given, has_mask=has_mask))

@@ -11,7 +11,7 @@ from cnnsim.program.last_use import used_last
 from cnnsim.program.program import Program, Step, TemplateStep
 from cnnsim.program.template_steps import TemplateSteps
 from cnnsim.program.words import numbered
-from cnnsim.supersteps.block_plan import check_plan, may_sleep
+from cnnsim.supersteps.block_plan import check_plan, wants_small_blocks
 from cnnsim.supersteps.engine import Engine, parse_engine
 from cnnsim.supersteps.given import signature
 from cnnsim.supersteps.stored.backend import StoredBackend
@@ -38,8 +38,13 @@ def large_plans(program: Program, ways: TemplateSteps, shape: tuple[int, ...]) -
 
 
 def sleeps(plans: Mapping[Step, Plan]) -> bool:
-    """Return whether blocks may sleep in one of the steps."""
-    return any(may_sleep(plan) for plan in plans.values())
+    """Return whether blocks are to be small, so that they sleep in one of the steps."""
+    return any(small_in(step, plan) for step, plan in plans.items())
+
+
+def small_in(step: Step, plan: Plan) -> bool:
+    """Return whether a step wants small blocks, on the backend that most use."""
+    return wants_small_blocks(plan, "cpu", has_mask=getattr(step, "mask", None) is not None)
 
 
 class OnEngine:

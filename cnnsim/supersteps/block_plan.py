@@ -11,6 +11,9 @@ from cnnsim.support import InputError, Integers
 CUT = "sign", "clip"
 """Characteristics of discrete time that may be applied twice: a run is cut in two after each superstep."""
 
+LONG = 1024
+"""Steps of a known time from which blocks that sleep save more than small blocks cost."""
+
 
 def check_plan(plan: Plan) -> None:
     """Refuse what cannot be cut into supersteps.
@@ -29,6 +32,21 @@ def check_plan(plan: Plan) -> None:
 def may_sleep(plan: Plan) -> bool:
     """Return whether blocks whose cells are saturated for good may be left out."""
     return plan.method == "stepped" and plan.saturation_ends
+
+
+def wants_small_blocks(plan: Plan, backend: str, *, has_mask: bool) -> bool:
+    """Return whether blocks are to be small, so that some of them sleep as a whole.
+
+    Over a known time tiles sleep in a block of any size where the cpu backend takes Euler steps; elsewhere a block
+    steps all that it slept through in the end, until no bit changes any more.
+    """
+    tiles_sleep = backend == "cpu" and not has_mask and plan.scheme is not None and len(plan.scheme.b) == 1
+    return may_sleep(plan) and (plan.duration == "settled" or (not tiles_sleep and plan.steps >= LONG))
+
+
+def with_sleep(plan: Plan, *, sleeps: bool) -> Plan:
+    """Return the plan with tiles that may sleep in a block, whether its time is known or not; or without."""
+    return replace(plan, savings=plan.savings | {"sleep"} if sleeps else plan.savings - {"sleep"})
 
 
 def reach_of(plan: Plan) -> int:

@@ -23,6 +23,8 @@ from cnnsim.workers.base import one_thread
 
 EVERY, FEW = 16, 0.02
 """One row of so many is looked at, and up to this share of its cells may move, before a block is checked in full."""
+STRIP = 64
+"""Rows that are looked at for what is not finite at a time: they stay in the cache."""
 
 
 class Place(NamedTuple):
@@ -111,8 +113,9 @@ def run_block(task: BlockTask) -> BlockReport:
 
 def _check_finite(planes: dict[str, Array]) -> None:
     for name, plane in planes.items():
-        if plane.dtype != bool and not np.isfinite(plane).all():
-            raise InputError(f"{name} holds what is not finite")
+        for row in range(0, plane.shape[-2], STRIP) if plane.dtype != bool else ():
+            if not np.isfinite(plane[..., row : row + STRIP, :]).all():
+                raise InputError(f"{name} holds what is not finite")
 
 
 class _BlockSteps:

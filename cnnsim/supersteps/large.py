@@ -13,14 +13,14 @@ import numpy as np
 from cnnsim.backends.base import Backend
 from cnnsim.network import Frames
 from cnnsim.planning.plan import Plan
-from cnnsim.supersteps.block_plan import check_plan, halo_of, may_sleep, reach_of
+from cnnsim.supersteps.block_plan import check_plan, halo_of, may_sleep, reach_of, wants_small_blocks
 from cnnsim.supersteps.block_task import Place
 from cnnsim.supersteps.blocks import Blocks
 from cnnsim.supersteps.depth import first_depth
 from cnnsim.supersteps.engine import Engine, check_workers_memory, side_of_blocks, worker_bytes
 from cnnsim.supersteps.given import Planes, first_record, run_digest, write_planes
 from cnnsim.supersteps.run import Supersteps
-from cnnsim.supersteps.store import STATE, STATES, GridStore, Record, open_store, record_of, zarr_library
+from cnnsim.supersteps.store import MASK, STATE, STATES, GridStore, Record, open_store, record_of, zarr_library
 from cnnsim.support import InputError
 from cnnsim.support.memory import check_memory
 from cnnsim.support.values import is_stored
@@ -60,7 +60,8 @@ def run_large(plan: Plan, planes: Planes, where: Backend, engine: Engine, withou
         workers = stack.enter_context(open_workers(engine.name, engine.workers))
         folder = engine.store or Path(stack.enter_context(TemporaryDirectory(prefix="cnnsim-store-")))
         folder = folder.absolute()  # workers may have begun in another one
-        store, record, run = _opened(plan, planes, place, engine, folder, workers, sleeps=sleeps)
+        small = sleeps and wants_small_blocks(plan, place.backend, has_mask=MASK in planes)
+        store, record, run = _opened(plan, planes, place, engine, folder, workers, small=small)
         steps = Supersteps(
             plan, store, record, place, workers, tuple(name for name in planes if name != "state"), engine.depth,
             sleeps, run,
@@ -77,19 +78,17 @@ def run_large(plan: Plan, planes: Planes, where: Backend, engine: Engine, withou
 
 
 def _opened(
-    plan: Plan, planes: Planes, place: Place, engine: Engine, folder: Path, workers: Workers, *, sleeps: bool
+    plan: Plan, planes: Planes, place: Place, engine: Engine, folder: Path, workers: Workers, *, small: bool
 ) -> tuple[GridStore, Record, str]:
     run = run_digest(plan, planes, place)
     kept = open_store(folder, run)
     record = None if kept is None else record_of(folder, Record, kept)
     if record is None:
-        side = side_of_blocks(engine, plan.shape, workers.count, sleeps=sleeps)
+        side = side_of_blocks(engine, plan.shape, workers.count, sleeps=small)
     else:
         side = engine.side_of_store(folder, record.side)
     dtype = np.dtype(place.dtype)
-    _check_memory(
-        plan, side, math.prod(planes["state"].shape[:-2]), list(planes), engine, workers, dtype, sleeps=sleeps
-    )
+    _check_memory(plan, side, math.prod(planes["state"].shape[:-2]), list(planes), engine, workers, dtype, small=small)
     blocks = Blocks(plan.shape, side, plan.boundary)
     store = GridStore(folder, blocks)
     if record is None:
@@ -103,9 +102,9 @@ def _opened(
 
 def _check_memory(
     plan: Plan, side: int, lead: int, names: list[str], engine: Engine, workers: Workers, dtype: np.dtype[Any],
-    *, sleeps: bool,
+    *, small: bool,
 ) -> None:  # fmt: skip
-    halo = halo_of(plan, engine.depth or first_depth(side, reach_of(plan), sleeps=sleeps), checked=True)
+    halo = halo_of(plan, engine.depth or first_depth(side, reach_of(plan), sleeps=small), checked=True)
     needed = worker_bytes(plan, side, halo, lead, dtype.itemsize, len(names) - 1, has_mask="mask" in names)
     if engine.name in ("processes", "dask"):
         check_workers_memory(needed, workers.count, side)
@@ -125,7 +124,8 @@ def run_linked(
     """
     check_plan(plan)
     dtype, blocks = np.dtype(place.dtype), Blocks(plan.shape, side, plan.boundary)
-    _check_memory(plan, side, math.prod(shape[:-2]), list(linked), engine, workers, dtype, sleeps=may_sleep(plan))
+    small = wants_small_blocks(plan, place.backend, has_mask=MASK in linked)
+    _check_memory(plan, side, math.prod(shape[:-2]), list(linked), engine, workers, dtype, small=small)
     kept = open_store(folder, run)
     store = GridStore(folder, blocks)
     if kept is None:

@@ -11,13 +11,16 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from cnnsim.planning.plan import SETTLED_RATE, Plan
-from cnnsim.supersteps.block_plan import block_plan, halo_of, reach_of
+from cnnsim.supersteps.block_plan import block_plan, halo_of, reach_of, wants_small_blocks, with_sleep
 from cnnsim.supersteps.block_task import BlockReport, BlockTask, Place, run_block
 from cnnsim.supersteps.depth import Depth
 from cnnsim.supersteps.progress import tell
-from cnnsim.supersteps.store import STATES, GridStore, Record
+from cnnsim.supersteps.store import MASK, STATES, GridStore, Record
 from cnnsim.supersteps.tasks import all_done
 from cnnsim.workers import Workers
+
+FEW = 8
+"""Blocks up to which none is looked at before the first superstep, whether it may sleep: some cell moves in most."""
 
 
 @dataclass
@@ -40,6 +43,9 @@ class Supersteps:
     devices: set[str] = field(default_factory=set, init=False)
     _forced: bool = field(default=False, init=False)
 
+    def __post_init__(self) -> None:
+        self.plan = with_sleep(self.plan, sleeps=self.sleeps)
+
     def to_the_end(self) -> None:
         """Run superstep after superstep until the network has settled, or the time is over."""
         plan, record, settles = self.plan, self.record, self.plan.duration == "settled"
@@ -47,8 +53,9 @@ class Supersteps:
             self._closed_form()
             return
         every = plan.check_every if settles else None
-        depth = Depth(self.store.blocks.side, reach_of(plan), every, self.depth, sleeps=self.sleeps)
-        if (settles or self.sleeps) and not record.checked:
+        small = self.sleeps and wants_small_blocks(plan, self.place.backend, has_mask=MASK in self.given)
+        depth = Depth(self.store.blocks.side, reach_of(plan), every, self.depth, sleeps=small)
+        if (settles or (self.sleeps and len(self._all) > FEW)) and not record.checked:
             reports = self._tasks(self._all, 0, (0,), written=False)
             self._note(reports)
             if settles and self._settled_at(reports, (0,)) == 0:
@@ -86,7 +93,7 @@ class Supersteps:
         """Return the steps up to the end of a superstep after which blocks are checked."""
         first = self.record.step + 1
         found = {s for s in range(first, after + 1) if s % every == 0 or s == self.plan.steps} if every else set()
-        return tuple(sorted(found | ({after} if self.sleeps else set())))
+        return tuple(sorted(found | ({after} if self.sleeps and after < self.plan.steps else set())))
 
     def _awake(self, steps: int) -> list[int]:
         """Return the blocks in reach of a cell that is not saturated for good."""

@@ -8,6 +8,7 @@ Black and white takes a bit a cell: a shard has eight cells of a row in a byte, 
 
 import math
 import struct
+from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from typing import Any
 
@@ -96,7 +97,7 @@ class Shards:
                 q0, q1 = max(cols[0], j * width), min(cols[1], (j + 1) * width)
                 part = out[..., p0 - rows[0] : p1 - rows[0], q0 - cols[0] : q1 - cols[0]]
                 try:
-                    shard = np.memmap(self._file(i, j), self.dtype, "r", 0, self._of)
+                    shard = self._mapped(self._file(i, j))
                 except FileNotFoundError:
                     part[...] = _levels(np.bool_(self._fill), out.dtype) if self.bits else self._fill
                     continue
@@ -105,6 +106,12 @@ class Shards:
                 there = shard[..., p0 - i * side : p1 - i * side, :]
                 first, after = q0 - j * width, q1 - j * width
                 part[...] = _levels(_unpacked(there, first, after), out.dtype) if self.bits else there[..., first:after]
+
+    def _mapped(self, file: Path) -> Array:
+        """Return a shard as it lies in its file; `numpy.memmap` asks for the file's real path, which takes as long."""
+        with file.open("rb") as stream:
+            held = mmap(stream.fileno(), 0, access=ACCESS_READ)
+        return np.frombuffer(held, self.dtype, math.prod(self._of)).reshape(self._of)
 
     def write(self, area: Area, values: Array) -> None:
         """Write one shard; beyond the end of the grid it has whatever it had."""

@@ -24,7 +24,7 @@ from cnnsim.backends.base import (
 from cnnsim.backends.cpu import bits as packed
 from cnnsim.backends.cpu import closed, planes
 from cnnsim.backends.cpu.bits import Bits
-from cnnsim.backends.cpu.block import narrowed
+from cnnsim.backends.cpu.block import advanced
 from cnnsim.backends.cpu.boundary import virtual_cells
 from cnnsim.backends.cpu.drive import control, controlling
 from cnnsim.backends.cpu.jit.compile import Kernel, cache_folder
@@ -195,7 +195,7 @@ class CpuBackend(BlockBackend):
         if plan.method == "general" or mask is not None or not (ready := self._ready(plan)).is_euler or not steps:
             return None
         w = self._drive(ready, x, *self._given(plan, ready, x, u, bias))
-        end = narrowed(plan, ready, x, w, area, steps, self._pool)
+        end = advanced(plan, ready, x, w, area, steps, self._pool)
         self._pool.keep(w)
         return end
 

@@ -186,7 +186,7 @@ def section(side: int) -> Section:
     answer = (
         f"Grids: at {side} x {side} two workers reach {rows[0]['ratio']:.2f} of the rate of one process with both "
         f"cores, from and to the disk; hole filling is {_of(rows, 'hole')['ratio']:.2g} x as fast with "
-        "blocks that sleep (they pay on grids of some 10^8 cells: `grids sleep --side 16384`)."
+        "cells that sleep."
     )
     return Section("grids", "3. Grids on the disk", answer, _text(rows), rows, lambda f: _draw(f, rows), (7, 3.6))
 

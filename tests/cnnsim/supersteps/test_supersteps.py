@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 
 import cnnsim
+from cnnsim.backends.cpu import block
 from cnnsim.network import LayeredTemplate, Table, Template, Term
+from cnnsim.planning.duration import Duration
+from cnnsim.planning.plan import make_plan
 from cnnsim.supersteps import block_task, run
+from cnnsim.supersteps.block_plan import wants_small_blocks
 from cnnsim.supersteps.blocks import Blocks, runs
 from cnnsim.supersteps.engine import Engine
 from cnnsim.supersteps.store import GridStore
@@ -113,11 +117,45 @@ def test_blocks_that_sleep_are_left_out_and_catch_up_to_the_bit(monkeypatch: pyt
     assert len(tasks) == 64 * supersteps
 
 
-def test_blocks_that_may_sleep_are_small_ones_over_a_fixed_time_too() -> None:
+def test_blocks_are_small_only_where_tiles_in_them_do_not_sleep() -> None:
     entry, picture = cnnsim.library.load("hole-filler"), np.where(RANDOM.random((256, 256)) < 0.3, 1.0, -1.0)
-    for without, blocks in ([], "64 x 64 cells, 16 of them"), (["sleep"], "256 x 256 cells, 1 of them"):
-        task = entry.task(picture) | {"duration": 0.4, "without": without}
-        assert blocks in cnnsim.run_transient(entry.template, **task, engine=one()).plan.explain()
+    found = cnnsim.run_transient(entry.template, **entry.task(picture) | {"duration": 0.4}, engine=one())
+    assert "256 x 256 cells, 1 of them" in found.plan.explain()
+    cases: list[tuple[Duration, str, bool, bool]] = [
+        (1000.0, "cpu", False, False), (1000.0, "cpu", True, True), (10.0, "cpu", True, False),
+        (1000.0, "opencl", False, True), ("settled", "cpu", False, True),
+    ]  # fmt: skip
+    for duration, backend, has_mask, small in cases:
+        plan = make_plan(entry.template, (64, 64), entry.boundary, duration=duration)
+        assert wants_small_blocks(plan, backend, has_mask=has_mask) == small
+
+
+LINES = Template([[0, 1, 0], [1, 3, 1], [0, 1, 0]], 4.0, -1.0)
+SLOW = Template(
+    [[0.0, 0.2, 0.0], [0.6, 2.2, 0.0], [0.0, 0.3, 0.1]], [[0.0, 0.0, 0.1], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]], 0.6
+)
+
+
+@pytest.mark.parametrize("boundary", ["zero-flux", "periodic", "fixed:-1", "fixed:0.3,-0.2"])
+@pytest.mark.parametrize(("template", "step", "dtype"), [(LINES, 0.1, "float32"), (SLOW, 0.7, "float64")])
+def test_tiles_sleep_in_a_block_to_the_bit(
+    template: Template, step: float, dtype: str, boundary: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    slept, inner = list[bool](), block.slept
+
+    def watched(*given: Any) -> Any:
+        slept.append((end := inner(*given)) is not None)
+        return end
+
+    monkeypatch.setattr(block, "slept", watched)
+    picture = np.full((210, 170), 1.0)
+    picture[40:43, 20:150] = picture[120:190, 60:62] = -1.0
+    task = {"input": picture, "boundary": boundary, "scheme": "euler", "step": step, "dtype": dtype}
+    assert_same(template, one(side=100, depth=36), state=np.full(picture.shape, 1.0), duration=70 * step, **task)
+    assert any(slept)
+    monkeypatch.setattr(block, "FEW", 1.0)  # also where all are awake
+    start = np.where(RANDOM.random(picture.shape) < 0.5, 1.0, -1.0)
+    assert_same(template, one(side=130, depth=20), state=start, duration=40 * step, **task)
 
 
 def test_what_sleeps_wakes_up_when_a_wave_comes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -139,10 +177,10 @@ def test_what_lies_around_a_block_is_every_cell_that_can_reach_it() -> None:
     for kind in ("periodic", "zero-flux"):
         blocks = Blocks((13, 7), 5, cnnsim.Boundary(kind))
         plane = np.arange(13 * 7).reshape(13, 7)
-        for block in range(len(blocks)):
+        for number in range(len(blocks)):
             for halo in (0, 2, 9):
-                rows, cols, ((p0, p1), (q0, q1)) = blocks.around(block, halo)
-                (r0, r1), (c0, c1) = blocks.area(block)
+                rows, cols, ((p0, p1), (q0, q1)) = blocks.around(number, halo)
+                (r0, r1), (c0, c1) = blocks.area(number)
                 assert np.array_equal(plane[rows[:, None], cols][p0:p1, q0:q1], plane[r0:r1, c0:c1])
                 if kind == "periodic":
                     around = np.pad(plane, halo, mode="wrap")[r0 : r1 + 2 * halo, c0 : c1 + 2 * halo]
@@ -160,5 +198,5 @@ def test_a_picture_that_is_state_and_input_is_read_once(monkeypatch: pytest.Monk
 
     monkeypatch.setattr(GridStore, "read", counted)
     assert_same(MIXED, one(side=40, depth=4), state=X, input=X, duration=0.8)
-    assert read[:4] == ["input"] * 4  # two blocks, whether they may sleep and their first superstep
-    assert read[4:8] == ["input", {0: "x0", 1: "x0"}] * 2  # by then the states have gone on
+    assert read[:2] == ["input"] * 2  # two blocks, their first superstep
+    assert read[2:6] == ["input", {0: "x0", 1: "x0"}] * 2  # by then the states have gone on
