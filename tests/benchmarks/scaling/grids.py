@@ -133,17 +133,21 @@ def sleep(side: int, time_constants: float = 25.6) -> list[dict[str, Any]]:
     entry = cnnsim.library.load("hole-filler")
     warm(2)
     with folder() as store:
-        picture, _ = made(TiledPicture(Rings(side), binary=False), store.with_name("picture"))
-        state, _ = made(np.broadcast_to(np.float32(1.0), (side, side)), store.with_name("state"))
 
-        def run(name: str, *without: str) -> float:
-            begun = time.perf_counter()
-            engine = Engine(workers=2, store=store.with_name(name))
+        def run(cells: int, *without: str, **more: Any) -> float:
+            picture, _ = made(TiledPicture(Rings(cells), binary=False), store.with_name("picture"))
+            state, _ = made(np.broadcast_to(np.float32(1.0), (cells, cells)), store.with_name("state"))
+            begun, place = time.perf_counter(), store.with_name("store")
             cnnsim.run_transient(entry.template, state=state, input=picture, duration=time_constants,
-                                 boundary=entry.boundary, dtype="float32", without=without, engine=engine)  # fmt: skip
-            return time.perf_counter() - begun
+                                 boundary=entry.boundary, dtype="float32", without=without,
+                                 engine=Engine(workers=2, store=place, **more))  # fmt: skip
+            took = time.perf_counter() - begun
+            for one in (place, store.with_name("picture"), store.with_name("state")):
+                shutil.rmtree(one)
+            return took
 
-        asleep, awake = run("asleep"), run("awake", "sleep")
+        run(512, side=256), run(512, "sleep", side=256)  # these loops too
+        asleep, awake = run(side), run(side, "sleep")
     steps = round(time_constants / STEP)
     return [_row("hole filling, without sleep against with it", side, steps, asleep, awake / asleep)]
 
