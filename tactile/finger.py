@@ -47,7 +47,7 @@ class Finger:
     def __init__(self, array: TaxelArray, modulus: float | None, settings: Settings, number: int = 0) -> None:
         contact = settings.contact or CONTACT[array.quantity]
         machine = UniversalMachine(settings.backend, "float64")
-        self.array = array = array if settings.depth is None else replace(array, depth=settings.depth)
+        self.array = array = array if settings.depth is None else replace(array, depth=settings.depth, thickness=None)
         self._settings, self._gains, self._radial = settings, settings.gains, settings.radial
         self.tare = LiveTare(number, array, settings.tare, settings.gains)
         self._signs = settings.shear == SIGN
@@ -121,7 +121,9 @@ class Finger:
         if self._radial is not None:
             planes = self._radial.of_signs(planes)
         pressing, pulling = planes[:4], planes[4:] or None
-        return localise(self._positions, pressing, pulling, self.array.depth, self._weights, self._saturated)
+        array = self.array
+        known = self._weights, self._saturated, array.thickness
+        return localise(self._positions, pressing, pulling, array.depth, *known)
 
     def notice(self, frame: Frame, load: Load) -> list[Happening]:
         """Run the comparators and the detectors on the frame and return what begins and what ends."""

@@ -72,6 +72,7 @@ rows     = 2
 cols     = 2
 pitch_mm = 1.5              # distance of neighbouring taxels
 depth_mm = 1.5              # how deep they lie under the cover; 0 for force sensors
+# thickness_mm = 2.0        # of the cover over its rigid base; unless given loads are located as if it had no end
 quantity = "strain"         # strain, stress or force: what the readings are after the gains
 # origin_mm = [0.0, 0.0]    # centre of the array: x to the right, y down
 # axes  = ["x", "y", "-z"]  # which of the device's axes are shear_x, shear_y and normal

@@ -18,10 +18,11 @@ def take_array(table: Mapping[str, Any], unit: str, where: str, quantity: str | 
     """
     metres = {"m": 1.0, "mm": 1e-3}[unit]
     pitch, depth = (take(table, f"{key}_{unit}", float, where) * metres for key in ("pitch", "depth"))
+    thick = take(table, f"thickness_{unit}", float, where) * metres if f"thickness_{unit}" in table else None
     x, y = (at * metres for at in take_numbers(table, f"origin_{unit}", 2, where, [0.0, 0.0]))
     kind = cast(Quantity, take(table, "quantity", str, where) if quantity is None else quantity)
     name, rows, cols = (take(table, "name", str, where), *(take(table, key, int, where) for key in ("rows", "cols")))
     try:
-        return TaxelArray(name, rows, cols, pitch, depth, (x, y), kind)
+        return TaxelArray(name, rows, cols, pitch, depth, (x, y), kind, thick)
     except InputError as error:
         raise InputError(f"{where}: {error}") from error

@@ -34,11 +34,13 @@ class TaxelArray:
     """A rectangular array of three-axial taxels under the cover of one finger.
 
     Arguments: ``rows``, ``cols``; ``pitch`` [m] between neighbours; ``depth`` [m] of the taxels under the cover's
-    surface (unused for force sensors); ``origin`` [m], the (x, y) of the array's centre.
+    surface (unused for force sensors); ``origin`` [m], the (x, y) of the array's centre; ``thickness`` [m] of the cover
+    over its rigid base, at least the depth: loads are then located as on a layer so thick, None where it is not known:
+    as on a half-space.
 
     Raises:
         InputError: a name of other characters than letters, digits, - and _, an empty array or too large a one, a
-            pitch that is not positive, a negative depth, an unknown quantity.
+            pitch that is not positive, a negative depth, a thickness below the depth, an unknown quantity.
     """
 
     name: str
@@ -48,6 +50,7 @@ class TaxelArray:
     depth: float
     origin: tuple[float, float] = (0.0, 0.0)
     quantity: Quantity = "strain"
+    thickness: float | None = None
 
     def __post_init__(self) -> None:
         lengths = all(isinstance(one, Real) for one in (self.pitch, self.depth))
@@ -66,6 +69,11 @@ class TaxelArray:
             raise InputError(f"taxel array {self.name!r}: pitch {self.pitch} m, a positive length wanted")
         if not (np.isfinite(self.depth) and self.depth >= 0) or (self.depth == 0 and self.quantity != "force"):
             raise InputError(f"taxel array {self.name!r}: depth {self.depth} m, a positive length wanted")
+        if self.thickness is not None and not (isinstance(self.thickness, Real) and self.thickness >= self.depth):
+            raise InputError(
+                f"taxel array {self.name!r}: a cover {self.thickness!r} m thick over taxels {self.depth} m deep; a"
+                " thickness [m] of at least the depth wanted"
+            )
         if self.quantity not in get_args(Quantity):
             wanted = ", ".join(get_args(Quantity))
             raise InputError(f"taxel array {self.name!r}: quantity {self.quantity!r}, one of {wanted} wanted")

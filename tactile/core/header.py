@@ -15,6 +15,7 @@ CSV has it as comment lines, NPZ as the array ``tactile``, Parquet as metadata, 
     cols = 2
     pitch_m = 0.0015
     depth_m = 0.0015
+    thickness_m = 0.002                    (of the cover; left out where it is not known)
     origin_m = [0.0, 0.0]
     quantity = "strain"                    (strain, stress or force)
     calibrated = false                     (readings are in the wire's unit; left out where in the quantity's)
@@ -34,7 +35,7 @@ TOP_KEYS = (
     "tactile_recording", "title", "youngs_modulus_pa", "start_ns", "untared", "array_description", "live_choices",
     "finger",
 )  # fmt: skip
-FINGER_KEYS = ("name", "rows", "cols", "pitch_m", "depth_m", "origin_m", "quantity", "calibrated")
+FINGER_KEYS = ("name", "rows", "cols", "pitch_m", "depth_m", "thickness_m", "origin_m", "quantity", "calibrated")
 NEEDED = ("name", "rows", "cols", "pitch_m", "depth_m", "quantity")
 
 
@@ -80,6 +81,8 @@ def _lines(source: Source) -> Iterator[str]:
         yield f"cols = {array.cols}"
         yield f"pitch_m = {float(array.pitch)!r}"
         yield f"depth_m = {float(array.depth)!r}"
+        if array.thickness is not None:
+            yield f"thickness_m = {float(array.thickness)!r}"
         yield f"origin_m = [{float(array.origin[0])!r}, {float(array.origin[1])!r}]"
         yield f'quantity = "{array.quantity}"'
         if array.name in known.uncalibrated:

@@ -78,10 +78,11 @@ def layered_load(positions: ArrayLike, depth: float, loads: ArrayLike, medium: M
     return values
 
 
-@lru_cache(maxsize=64)
-def _table(depth: float, nu: float, quantity: Felt) -> CubicSpline:
-    """The five integrals over sqrt(rho / REACH), for thickness 1 and modulus 1."""
-    medium = Medium(1.0, nu, quantity)
+def waves_of(depth: float, medium: Medium) -> tuple[Floats, ...]:
+    """Return wavenumbers k and, there, k times layer minus half-space over 2 pi, times their quadrature's weights.
+
+    normal, normal_shear, shear_normal, shear and across of `Transfer`, for thickness 1; ``depth`` over the thickness.
+    """
     top = 46 / (2 - depth)  # exp(-46) is 1e-20
     edges = np.linspace(0, top, int(np.ceil(top * REACH / PANEL)) + 1)
     nodes, weights = gauss(16)
@@ -89,21 +90,18 @@ def _table(depth: float, nu: float, quantity: Felt) -> CubicSpline:
     k, weight = k.ravel(), np.tile(weights * edges[1] / 2, len(edges) - 1)
     layer, half = transfer(k, depth, 1.0, medium), transfer(k, depth, np.inf, medium)
     step = k * weight / (2 * np.pi)
+    names = ("normal", "normal_shear", "shear_normal", "shear", "across")
+    return k, *((getattr(layer, name) - getattr(half, name)) * step for name in names)
+
+
+@lru_cache(maxsize=64)
+def _table(depth: float, nu: float, quantity: Felt) -> CubicSpline:
+    """The five integrals over sqrt(rho / REACH), for thickness 1 and modulus 1."""
+    k, normal, normal_shear, shear_normal, shear, across = waves_of(depth, Medium(1.0, nu, quantity))
     root = np.linspace(0, 1, POINTS)
     phase = k * (REACH * root**2)[:, None]
     zeroth, first = j0(phase), j1(phase)
     second = np.where(phase > 1e-3, 2 * first / np.maximum(phase, 1e-3) - zeroth, phase**2 / 8)
-
-    def gap(name: str) -> Floats:
-        difference: Floats = getattr(layer, name) - getattr(half, name)
-        return difference * step
-
-    even, odd = (gap("shear") + gap("across")) / 2, (gap("shear") - gap("across")) / 2
-    columns = (
-        zeroth @ gap("normal"),
-        first @ gap("normal_shear"),
-        first @ gap("shear_normal"),
-        zeroth @ even,
-        second @ odd,
-    )
+    even, odd = (shear + across) / 2, (shear - across) / 2
+    columns = zeroth @ normal, first @ normal_shear, first @ shear_normal, zeroth @ even, second @ odd
     return CubicSpline(root, np.stack(columns, axis=-1))

@@ -6,7 +6,7 @@ import numpy as np
 
 from cnnsim.support import Floats
 from tactile.inverse.attempt import DOUBT, Attempt, Taxels
-from tactile.inverse.fit import SURELY, Fit, fitted
+from tactile.inverse.least_squares.fit import SURELY, Fit, fitted
 from tactile.inverse.several import APART, EXPLAINED, several, simplest
 
 POINT = 0.25
@@ -69,13 +69,13 @@ def _alone(one: Attempt) -> bool:
 
 def _clipped(one: Attempt) -> Attempt | None:
     """Return the attempt without the largest readings, if they are cut off: larger ones explain all the others."""
-    from tactile.inverse.doubt_numba import without_largest  # numba is slow to import
+    from tactile.inverse.least_squares.doubt_numba import without_largest  # numba is slow to import
 
     signals, loads = one.fit.signals, one.fit.loads
     if one.clipped or one.fit.free <= LEAST_FREE:
         return None
     if len(loads) == 1:
-        parts = signals.seen, signals.felt, signals.scale, loads[0], signals.strain, signals.tie
+        parts = signals.seen, signals.felt, signals.scale, loads[0], signals.strain, signals.layer, signals.tie
         chi, beyond, count = without_largest(*parts, NEAR_END)
         if count == 1 and (chi * HINT > one.fit.chi or beyond < 1):
             return None

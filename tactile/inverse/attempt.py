@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.support import Floats
-from tactile.inverse.fit import ALL, FOREIGN, REACH, STEPS, TIED, Fit, Signals, fitted, least_foreign
+from tactile.inverse.least_squares.fit import ALL, FOREIGN, REACH, STEPS, TIED, Fit, Signals, fitted, least_foreign
 from tactile.inverse.validity import Validity
 from tactile.inverse.weights import Weights
 
@@ -23,6 +23,8 @@ UNSURE = 0.5
 """A place that is not known to so many depths is none."""
 DOUBT = 0.05
 """From this share on loads do not explain the signals well."""
+UNTOLD = 0.2
+"""Shear that is not known to that part of the normal force is not told."""
 SAME = 0.1
 """Places nearer than so many depths are one place."""
 
@@ -53,11 +55,11 @@ class Taxels:
     ``order``: the taxels that have one, first the strongest, in order; ``weights`` of their signals.
     """
 
-    def __init__(self, at: Floats, planes: Floats, depth: float, strain: bool, weights: Weights) -> None:
+    def __init__(self, at: Floats, planes: Floats, depth: float, strain: bool, weights: Weights, layer: Floats) -> None:
         from tactile.inverse import consensus_numba  # numba is slow to import
 
         self.shape: tuple[int, int] = at.shape[0], at.shape[1]
-        self.at, self.planes, self.depth, self.strain = at.reshape(-1, 2), planes, depth, strain
+        self.at, self.planes, self.depth, self.strain, self.layer = at.reshape(-1, 2), planes, depth, strain, layer
         self.noise, self.scale, self.trust = weights
         self.signal, self.peak, self.order = consensus_numba.strongest(planes, self.trust, depth, strain, VOTERS)
 
@@ -75,7 +77,14 @@ class Taxels:
             tried, first, second = loops.consensus(
                 self.at, self.planes, self.signal, self.trust, voters, self.depth, SEEDS
             )
-            fit = fitted(self.felt(order, tried[first]), tried[None, first, :2])
+            signals = self.felt(order, tried[first])
+            if len(self.layer):
+                from tactile.inverse.least_squares.start_numba import layer_place  # as above
+
+                parts = signals.seen[:VOTERS], signals.felt[:VOTERS], signals.scale[:VOTERS]
+                noise = signals.noise or 0.0
+                tried, first, second = layer_place(*parts, tried, self.strain, self.layer, signals.tie, noise, STEPS)
+            fit = fitted(signals, tried[None, first, :2])
         rival = tried[second]
         if thorough:
             places = [place for place in tried if np.isfinite(place[2])]
@@ -89,6 +98,8 @@ class Taxels:
                 ambiguous = other.chi < max(RIVAL * fit.chi, ROUNDING * fit.whole)
         if len(order) == 1 or fit.unsure > UNSURE:
             fit = self._pressing(fit, int(order[0]))
+        elif len(self.layer) and fit.signals.tie.any():
+            fit = self._untied(fit)
         if len(order) == 1:
             ambiguous = self._silent_nearer(fit, int(order[0]))
         return Attempt(order, fit, float(self.peak[order[0]]), ambiguous or fit.unsure > UNSURE)
@@ -111,16 +122,25 @@ class Taxels:
         held = fitted(fit.signals._replace(tie=np.array([TIED, 0.0, TIED])), start)
         return held if held.misfit < DOUBT else fit
 
+    def _untied(self, fit: Fit) -> Fit:
+        """Return the fit with the shear across a line of taxels, which they tell on a thin layer, if it is told."""
+        free = fitted(fit.signals._replace(tie=np.zeros(3)), fit.loads)
+        if not np.isfinite(free.spread).all():
+            return fit
+        told = free.unsure * math.sqrt(free.spread[0, 2:].max() / free.spread[0, :2].max())
+        return free if told < UNTOLD * abs(free.loads[0, 4]) and free.unsure < UNSURE else fit
+
     def _at_one_go(self, order: NDArray[np.intp]) -> tuple[Floats, int, int, Fit]:
         """Return the places that were tried, the best, the next best, and the fit from the best on."""
         from tactile.inverse.attempt_numba import one_load  # as above
 
         noise, top = self._noise(order)
         tried, first, second, seen, felt, scale, tie, *rest = one_load(
-            self.at, self.planes, self.signal, self.trust, self.scale, order, self.depth, self.strain, top,
-            VOTERS, SEEDS, STEPS, REACH, least_foreign(noise), FOREIGN[1],
+            self.at, self.planes, self.signal, self.trust, self.scale, order, self.depth, self.strain, self.layer,
+            top, noise or 0.0, VOTERS, SEEDS, STEPS, REACH, least_foreign(noise), FOREIGN[1],
         )  # fmt: skip
-        return tried, first, second, Fit(Signals(seen, felt, scale, self.strain, tie, order, self.shape, noise), *rest)
+        signals = Signals(seen, felt, scale, self.strain, self.layer, tie, order, self.shape, noise)
+        return tried, first, second, Fit(signals, *rest)
 
     def felt(self, order: NDArray[np.intp], place: Floats) -> Signals:
         """Return the signals of these taxels, by the answers nearest to a place."""
@@ -130,7 +150,7 @@ class Taxels:
         seen, felt, scale, tie = loops.signals(
             self.at, self.planes, self.scale, order, place, self.depth, self.strain, top
         )
-        return Signals(seen, felt, scale, self.strain, tie, order, self.shape, noise)
+        return Signals(seen, felt, scale, self.strain, self.layer, tie, order, self.shape, noise)
 
     def _noise(self, order: NDArray[np.intp]) -> tuple[float | None, float]:
         """Return the noise over the largest signal, and that [N]."""

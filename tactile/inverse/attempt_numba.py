@@ -6,15 +6,16 @@ What `tactile.inverse.attempt` does of it in steps for large pads: each call fro
 import numpy as np
 
 from cnnsim.support.compiling.kept_loops import kept_njit
-from tactile.inverse.components_numba import components
 from tactile.inverse.consensus_numba import consensus, signals
-from tactile.inverse.doubt_numba import foreign
-from tactile.inverse.fit_numba import fit, rest
+from tactile.inverse.least_squares.components_numba import components
+from tactile.inverse.least_squares.doubt_numba import foreign
+from tactile.inverse.least_squares.fit_numba import fit, rest
+from tactile.inverse.least_squares.start_numba import layer_place
 
 
 @kept_njit(error_model="numpy")
 def one_load(  # type: ignore[no-untyped-def]  # numba types it at the call
-    at, planes, signal, trust, scale, order, depth, strain, top, voters, seeds, steps, reach, least, times
+    at, planes, signal, trust, scale, order, depth, strain, layer, top, noise, voters, seeds, steps, reach, least, times
 ):
     """Return the places tried, best and next best, the signals as `signals` has them, and the fit from the best on.
 
@@ -24,13 +25,17 @@ def one_load(  # type: ignore[no-untyped-def]  # numba types it at the call
     tried, first, second = consensus(at, planes, signal, trust, order[:voters], depth, seeds)
     seen, felt, scaled, tie = signals(at, planes, scale, order, tried[first], depth, strain, top)
     loads = np.zeros((1, 5))
+    if len(layer) > 0:
+        tried, first, second = layer_place(
+            seen[:voters], felt[:voters], scaled[:voters], tried, strain, layer, tie, noise, steps
+        )
     loads[0, 0], loads[0, 1] = tried[first, 0], tried[first, 1]
-    components(seen, felt, scaled, loads[0], strain, tie)
-    chi, whole, spread = fit(seen, felt, scaled, loads, strain, tie, steps)
+    components(seen, felt, scaled, loads[0], strain, layer, tie)
+    chi, whole, spread = fit(seen, felt, scaled, loads, strain, layer, tie, steps)
     stranger = -1
     for i in range(len(seen)):
         if (seen[i, 0] - loads[0, 0]) ** 2 + (seen[i, 1] - loads[0, 1]) ** 2 > reach * reach:
-            left = rest(seen, felt, scaled, loads, strain)
+            left = rest(seen, felt, scaled, loads, strain, layer)
             stranger = foreign(seen, left, felt, loads, reach, least, times)
             break
     return tried, first, second, seen, felt, scaled, tie, loads, chi, whole, spread, stranger

@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from cnnsim.support.compiling.kept_loops import kept_njit
-from tactile.inverse.fit import TIED
+from tactile.inverse.least_squares.fit import TIED
 from tactile.inverse.validity import Validity
 
 INSIDE, OUTSIDE = float(Validity.INSIDE), float(Validity.OUTSIDE)

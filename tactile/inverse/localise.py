@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from cnnsim.operations.cellwise import Planes
 from cnnsim.support import Flags, Floats, InputError
+from tactile.elastic.layer_field import layer_field
 from tactile.inverse.alternatives import POINT, explained
 from tactile.inverse.attempt import DOUBT, Attempt, Taxels
 from tactile.inverse.load import INF, NAN, Load
@@ -24,7 +25,7 @@ from tactile.inverse.windows import Window, false_taxels, may_be_many, windows_o
 def localise(
     positions: Floats, pressing: Planes, pulling: Planes | None, depth: float,
     noise: Weights | Floats | float | None = None,
-    saturated: Flags | None = None,
+    saturated: Flags | None = None, thickness: float | None = None,
 ) -> Load:  # fmt: skip
     """Find the point load, or the few, that all taxels of an array feel.
 
@@ -40,11 +41,14 @@ def localise(
     for stress; ``depth`` z [m]; ``noise``: standard deviation of the signals, one number or (rows, cols, 3), times
     4 pi E z^2 / 3 for strain and 2 pi z^2 / 3 for stress [N], or what `weigh` makes of it once for many frames; None:
     alike everywhere, judged by what is left;
-    ``saturated`` (rows, cols): taxels of which a reading is at the end of its range, marked and left out. Taxels that
-    are not INSIDE or OUTSIDE are not used.
+    ``saturated`` (rows, cols): taxels of which a reading is at the end of its range, marked and left out;
+    ``thickness`` [m] of the cover, an elastic layer bonded to a rigid base: then the loads fitted are those on it, None
+    where it is not known: on the half-space, and the misfit says that they are not. Taxels that are not INSIDE or
+    OUTSIDE are not used.
 
     Raises:
-        InputError: planes or noise that do not have the array's shape, noise that is not positive.
+        InputError: planes or noise that do not have the array's shape, noise that is not positive, a cover
+            thinner than the taxels lie deep.
 
     Source: Vasarhelyi, Fodor, Roska, eqs (1), (10), (12) to (14).
     """
@@ -58,7 +62,8 @@ def localise(
     railed = None if saturated is None or not saturated.any() else saturated.ravel()
     if railed is not None:
         planes[:, 3, railed] = Validity.INVALID
-    taxels = Taxels(at, planes, depth, strain, weights)
+    layer = layer_field(thickness, depth, strain)
+    taxels = Taxels(at, planes, depth, strain, weights, layer)
     if not taxels.order.size:
         marked = (planes[:, 3] == Validity.INVALID).any()
         named = () if saturated is None else _named(saturated)

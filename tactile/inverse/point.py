@@ -4,9 +4,10 @@ import numpy as np
 
 from cnnsim.support import Floats
 from tactile.core.frame import TaxelArray
+from tactile.elastic.layer_field import layer_field
 from tactile.inverse.alternatives import HINT, LEAST_FREE, NEAR_END, SLIGHT
 from tactile.inverse.attempt import DOUBT, RIVAL, SEEDS, UNSURE, VOTERS
-from tactile.inverse.fit import ALL, CHANCE, FOREIGN, MANY, REACH, SMALL, STEPS, SURELY, USUAL
+from tactile.inverse.least_squares.fit import ALL, CHANCE, FOREIGN, MANY, REACH, SMALL, STEPS, SURELY, USUAL
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 from tactile.inverse.weights import Weights
@@ -33,13 +34,14 @@ class OnePoint:
         self._loop, self._not_simple, self._found = one_point, NOT_SIMPLE, FOUND
         self._at = np.ascontiguousarray(array.positions().reshape(-1, 2), np.float64)
         self._strain, depth = array.quantity == "strain", array.depth
+        self._layer = layer_field(array.thickness, depth, self._strain)
         size = 4 * np.pi / 3 * (modulus or 1.0) * depth * depth if self._strain else 2 * np.pi / 3 * depth * depth
         self._numbers = size, depth, float(floor)
         self._answer = np.empty(13)
 
     def __call__(self, values: Floats, weights: Weights) -> Load | None:
         """Return the load that the readings (rows, cols, 3) say without doubt."""
-        known = weights.scale, weights.trust, self._strain, self._numbers, weights.noise or 0.0
+        known = weights.scale, weights.trust, self._strain, self._layer, self._numbers, weights.noise or 0.0
         read = np.ascontiguousarray(values, np.float64)
         said = self._loop(read, self._at, *known, OF_ATTEMPT, OF_FIT, LIMITS, OF_CLIPPED, self._answer)
         if said == self._not_simple:

@@ -11,7 +11,7 @@ import numpy as np
 from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.inverse.attempt_numba import one_load
 from tactile.inverse.consensus_numba import strongest
-from tactile.inverse.doubt_numba import without_largest
+from tactile.inverse.least_squares.doubt_numba import without_largest
 from tactile.inverse.taxel_numba import strain_blocks, stress_blocks
 
 NOT_SIMPLE, NOTHING, FOUND = 0, 1, 2
@@ -19,18 +19,18 @@ NOT_SIMPLE, NOTHING, FOUND = 0, 1, 2
 
 
 @kept_njit(error_model="numpy")
-def one_point(values, at, scale, trust, strain, numbers, noise, of_attempt, of_fit, limits, of_clipped, answer):  # type: ignore[no-untyped-def]  # numba types it
+def one_point(values, at, scale, trust, strain, layer, numbers, noise, of_attempt, of_fit, limits, of_clipped, answer):  # type: ignore[no-untyped-def]  # numba types it
     """Fill ``answer`` (13,) with a load and return `FOUND`: x, y [m], Q, R, F [N], their standard deviations, misfit,
     taxels, whether it is inside.
 
-    ``values`` (rows, cols, 3); ``at`` (n, 2) [m]; ``scale``, ``trust`` and ``noise`` [N] (0 where none is known) as
-    `Weights`; ``numbers``: the inverse's scale [N], depth [m] and floor; ``of_attempt``: voters, seeds, steps, reach;
-    ``of_fit``: the least a stranger feels, in parts and in standard deviations, how many times what the loads make
-    there, standard deviations that are chance, share of the energy below which nobody asks for noise, noise where
-    none is known, from how many taxels on it is asked for; ``limits``: taxels at least and at most, how much worse a
-    rival fits, how unsure a place may be, the misfit from which on a clipped reading may be to blame, and anything;
-    ``of_clipped``: degrees of freedom that tell nothing of it, how near to the largest reading others are clipped too,
-    how many times less has to be left without it.
+    ``values`` (rows, cols, 3); ``at`` (n, 2) [m]; ``layer``: table of `layer_field`; ``scale``, ``trust`` and ``noise``
+    [N] (0 where none is known) as `Weights`; ``numbers``: the inverse's scale [N], depth [m] and floor; ``of_attempt``:
+    voters, seeds, steps, reach; ``of_fit``: the least a stranger feels, in parts and in standard deviations, how many
+    times what the loads make there, standard deviations that are chance, share of the energy below which nobody asks
+    for noise, noise where none is known, from how many taxels on it is asked for; ``limits``: taxels at least and at
+    most, how much worse a rival fits, how unsure a place may be, the misfit from which on a clipped reading may be to
+    blame, and anything; ``of_clipped``: degrees of freedom that tell nothing of it, how near to the largest reading
+    others are clipped too, how many times less has to be left without it.
     """
     rows, cols, _ = values.shape
     n = rows * cols
@@ -63,7 +63,7 @@ def one_point(values, at, scale, trust, strain, numbers, noise, of_attempt, of_f
     top = peak[order[0]]
     one = noise / top
     tried, first, second, seen, felt, scaled, tie, loads, chi, whole, spread, stranger = one_load(
-        at, planes, signal, trust, scale, order, depth, strain, top, voters, seeds, steps, reach,
+        at, planes, signal, trust, scale, order, depth, strain, layer, top, one, voters, seeds, steps, reach,
         max(foreign_part, foreign_sigmas * one), foreign_times,
     )  # fmt: skip
     rivals = second != first and tried[second, 2] < rival_times * tried[first, 2]
@@ -83,7 +83,7 @@ def one_point(values, at, scale, trust, strain, numbers, noise, of_attempt, of_f
     deviation = math.sqrt(variance)
     doubt = max(deviation, usual) if noise == 0 else deviation
     if misfit > slight and free > least_free:
-        without, beyond, cut = without_largest(seen, felt, scaled, loads[0], strain, tie, near_end)
+        without, beyond, cut = without_largest(seen, felt, scaled, loads[0], strain, layer, tie, near_end)
         if cut != 1 or not (without * hint > chi or beyond < 1):
             return NOT_SIMPLE
     if not (misfit <= doubtful and doubt * math.sqrt(max(spread[0, 0], spread[0, 1])) <= unsure):

@@ -7,7 +7,7 @@ import numpy as np
 
 from cnnsim.support import Floats
 from tactile.inverse.attempt import Attempt, Taxels
-from tactile.inverse.fit import Fit, fitted
+from tactile.inverse.least_squares.fit import Fit, fitted
 
 MOST, PEAKS, TRIES = 4, 6, 8
 """So many loads are looked for, from so many of the highest peaks, in so many ways for each number of them."""

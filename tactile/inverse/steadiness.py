@@ -9,11 +9,14 @@ import math
 
 import numpy as np
 
+from tactile.elastic.layer_field import HALF_SPACE
 from tactile.inverse.attempt import DOUBT, Attempt
-from tactile.inverse.fit import Fit, Signals, fitted
+from tactile.inverse.least_squares.fit import TIED, Fit, Signals, fitted, made
 
 DIFFERS, MOVES = 0.2, 0.6
 """A place that lies so many depths from that by shear alone, or moves so far without a taxel, is in doubt."""
+NOTICED = 0.05
+"""A layer that moves the place so many depths matters: one taxel's place then hangs on shear that it cannot tell."""
 LEANT_ON = 4
 """The strongest taxels, of which one may hold the place alone."""
 FEW = 16
@@ -29,11 +32,28 @@ def unsteady(found: Attempt, *, left_out: bool) -> bool:
     """
     fit = found.fit
     count = len(fit.signals.seen)
+    if len(fit.signals.layer) and fit.signals.tie.any() and len(fit.loads) == 1 and _hangs_on_shear(fit):
+        return True
     if len(fit.loads) > 1 or count == 1 or fit.misfit <= (BENT if left_out or count < 4 else DOUBT):
         return False
     if _moved(fit, _shear_alone(fit.signals)) > DIFFERS:
         return True
     return count <= FEW and any(_moved(fit, fit.signals.without(k)) > MOVES for k in range(min(count, LEANT_ON)))
+
+
+def _hangs_on_shear(fit: Fit) -> bool:
+    """Whether shear that the taxels cannot tell, and is taken to be none, may move the place: on a layer it does."""
+    signals, (x, y, _, _, f) = fit.signals, fit.loads[0]
+    xx, xy, yy = (signals.tie / TIED).tolist()
+    if len(signals.seen) == 1 and _moved(fit, signals._replace(layer=HALF_SPACE)) > NOTICED:
+        return True  # three numbers fit several places, and the half-space's is the one that no shear moves
+    ways = [(xx, xy), (xy, yy)] if xx + yy > 1.5 else [(math.sqrt(xx), math.copysign(math.sqrt(yy), xy))]
+    for q, r in ways:
+        for half in (-f / 2, f / 2):
+            sheared = made(signals, np.array([[x, y, q * half, r * half, 0.0]]))
+            if _moved(fit, signals._replace(felt=signals.felt - sheared)) > DIFFERS:
+                return True
+    return False
 
 
 def _shear_alone(signals: Signals) -> Signals:

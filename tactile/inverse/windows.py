@@ -13,7 +13,7 @@ import numpy as np
 from cnnsim.support import Flags, Floats, Integers
 from tactile.inverse.alternatives import explained
 from tactile.inverse.attempt import DOUBT, UNSURE, Attempt, Taxels
-from tactile.inverse.fit import fitted
+from tactile.inverse.least_squares.fit import fitted, made
 from tactile.inverse.several import MOST
 from tactile.inverse.validity import Validity
 from tactile.inverse.weights import Weights
@@ -155,7 +155,9 @@ def _window(group: Integers, own: Flags | None, at: Floats, planes: Floats, taxe
         taxels.trust.reshape(rows, cols)[part].ravel(),
     )  # fmt: skip
     places = np.ascontiguousarray(at[part])
-    cells = Taxels(places, np.ascontiguousarray(cut.reshape(*planes.shape[:2], -1)), depth, taxels.strain, weights)
+    cells = Taxels(
+        places, np.ascontiguousarray(cut.reshape(*planes.shape[:2], -1)), depth, taxels.strain, weights, taxels.layer
+    )
     if not cells.order.size:
         return None
     found = cells.attempt(cells.order)
@@ -166,16 +168,13 @@ def _window(group: Integers, own: Flags | None, at: Floats, planes: Floats, taxe
 
 def _without(window: Window, windows: list[Window]) -> Attempt:
     """Return the fit to a window's signals less what the loads of the other windows make there."""
-    from tactile.inverse import fit_numba  # numba is slow to import
-
     found, signals = window.found, window.found.fit.signals
     others = np.array(
         [load for other in windows if other.taxels is not window.taxels for load in _seen_from(window, other)]
     )
     if not len(others):
         return found
-    made = -fit_numba.rest(signals.seen, np.zeros_like(signals.felt), signals.scale, others, signals.strain)
-    less = signals._replace(felt=signals.felt - made)
+    less = signals._replace(felt=signals.felt - made(signals, others))
     fit = fitted(less, found.fit.loads)
     if len(fit.loads) == 1 and fit.misfit > DOUBT:  # others may have drawn the first place away
         fit = min(fit, fitted(less, less.seen[:1]), key=lambda one: one.chi)

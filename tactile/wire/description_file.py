@@ -43,7 +43,9 @@ from tactile.wire.description import Board, Description
 from tactile.wire.registry import Format, find_format
 
 TOP_KEYS = ("title", "protocol", "baudrate", "youngs_modulus_mpa", "options", "thresholds", "finger")
-FINGER_KEYS = ("name", "rows", "cols", "pitch_mm", "depth_mm", "origin_mm", "quantity", "axes", "gains", "cells")
+FINGER_KEYS = (
+    "name", "rows", "cols", "pitch_mm", "depth_mm", "thickness_mm", "origin_mm", "quantity", "axes", "gains", "cells",
+)  # fmt: skip
 
 NEEDED = ("name", "rows", "cols", "pitch_mm", "depth_mm", "quantity")
 """Keys that every [[finger]] has to have."""

@@ -38,6 +38,8 @@ def emulated_description(protocol: str, source: Source) -> Description:
             "name": array.name, "rows": array.rows, "cols": array.cols, "pitch_mm": array.pitch * 1e3,
             "depth_mm": array.depth * 1e3, "origin_mm": [x * 1e3 for x in array.origin], "quantity": array.quantity,
         }  # fmt: skip
+        if array.thickness is not None:
+            finger["thickness_mm"] = array.thickness * 1e3
         if wire.pushes and array.quantity != "force":
             finger["axes"] = ["x", "y", "-z"]
         if wire.strong is not None:

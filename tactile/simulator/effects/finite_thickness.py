@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from tactile.core.frame import TaxelArray
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
 from tactile.simulator.slopes import Slopes
@@ -24,6 +25,11 @@ class FiniteThickness:
     """
 
     thickness: float | None = parameter(None, 1e-12, key="thickness_mm", unit=1e-3, none=np.inf)
+
+    def over(self, array: TaxelArray) -> float | None:
+        """Return the thickness [m] of the cover over an array, None where it has no end, or cannot be."""
+        thickness = 2 * array.depth if self.thickness is None else self.thickness
+        return thickness if array.depth <= thickness < np.inf else None
 
     def most(self, slopes: Slopes) -> float:
         """Bound of the change, of points alone: what a body presses with depends on the layer as well."""

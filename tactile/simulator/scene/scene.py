@@ -52,6 +52,13 @@ def named_effects(effects: Iterable[Any]) -> tuple[tuple[str, Any], ...]:
     return tuple(sorted(named, key=lambda one: ORDER.index(one[0])))
 
 
+def under_covers(arrays: Iterable[TaxelArray], effects: Iterable[tuple[str, Any]]) -> tuple[TaxelArray, ...]:
+    """Return the arrays with the thickness that the effects give their covers, None without one: they have no end."""
+    cover = dict(effects).get("finite_thickness")
+    given = [(array, None if cover is None else cover.over(array)) for array in arrays]
+    return tuple(array if array.thickness == thick else replace(array, thickness=thick) for array, thick in given)
+
+
 @dataclass(frozen=True)
 class Scene:
     """A simulated recording, as a ``Source``: every finger is sampled at the times k / rate, k = 0, 1, ...
@@ -93,8 +100,9 @@ class Scene:
         dtype: Literal["float32", "float64"] = "float64",
     ) -> None:  # fmt: skip
         given = {
-            "title": title, "rate": rate, "duration": duration, "modulus": modulus, "arrays": tuple(arrays),
-            "loads": tuple(loads), "contacts": tuple(contacts), "effects": named_effects(effects),
+            "title": title, "rate": rate, "duration": duration, "modulus": modulus,
+            "arrays": under_covers(arrays, acting := named_effects(effects)),
+            "loads": tuple(loads), "contacts": tuple(contacts), "effects": acting,
             "full_scale": full_scale, "seed": seed, "bumps": bumps,
             "accuracy": accuracy, "backend": backend, "dtype": dtype,
         }  # fmt: skip

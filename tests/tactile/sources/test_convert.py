@@ -66,6 +66,7 @@ def streams(draw: st.DrawFn) -> FrameStream:
         TaxelArray(
             name, draw(st.integers(1, 2)), draw(st.integers(1, 3)), draw(LENGTHS), draw(LENGTHS),
             (draw(st.floats(-1, 1)), draw(st.floats(-1, 1))), draw(st.sampled_from(("strain", "stress", "force"))),
+            draw(st.one_of(st.none(), st.floats(1e3, 1e6))),
         )
         for name in draw(NAMES)
     )  # fmt: skip
@@ -126,6 +127,7 @@ rows = 3
 cols = 3
 pitch_mm = 5.0
 depth_mm = 2.0
+thickness_mm = 2.3
 quantity = "force"
 cells = [[-1, 1, -1], [4, 0, 2], [-1, 3, -1]]
 """

@@ -34,7 +34,7 @@ def mixed() -> FrameStream:
     """Fingers of different sizes and quantities, a device clock, hard numbers and an invalid taxel."""
     random = np.random.default_rng(0)
     arrays = (
-        TaxelArray("left-_1", 1, 2, 1.5e-3, 0.1 + 0.2, (1 / 3, -2e-3)),
+        TaxelArray("left-_1", 1, 2, 1.5e-3, 0.1 + 0.2, (1 / 3, -2e-3), thickness=1 / 3),
         TaxelArray("right", 2, 2, 7e-3, 0.0, quantity="force"),
     )
     frames = []

@@ -42,15 +42,16 @@ class Signals(NamedTuple):
     """What the taxels of one frame feel: places (n, 2) in depths, signals (n, 3) over the largest of them.
 
     The signals come times ``scale`` (n, 3), which makes their noise equal; ``noise``: its standard deviation, None
-    where it is not known. ``tie`` (3,) holds shear at zero in the directions that these taxels cannot tell; they are
-    the taxels ``cells`` (n,) of an array of ``shape``. ``lost``: how many signals are left out; they and their scale
-    are 0.
+    where it is not known. ``layer``: table of `layer_field`, empty for the half-space. ``tie`` (3,) holds shear at zero
+    in the directions that these taxels cannot tell; they are the taxels ``cells`` (n,) of an array of ``shape``.
+    ``lost``: how many signals are left out; they and their scale are 0.
     """
 
     seen: Floats
     felt: Floats
     scale: Floats
     strain: bool
+    layer: Floats
     tie: Floats
     cells: NDArray[np.intp]
     shape: tuple[int, int]
@@ -87,21 +88,19 @@ class Fit:
     @cached_property
     def rest(self) -> Floats:
         """The signals (n, 3) that the loads leave unexplained."""
-        from tactile.inverse import fit_numba  # numba is slow to import
+        from tactile.inverse.least_squares import fit_numba  # numba is slow to import
 
         signals = self.signals
-        return fit_numba.rest(signals.seen, signals.felt, signals.scale, self.loads, signals.strain)
+        return fit_numba.rest(signals.seen, signals.felt, signals.scale, self.loads, signals.strain, signals.layer)
 
     def made(self, signals: Signals) -> Floats:
         """The signals (n, 3) of the loads, to taxels at the same places."""
-        from tactile.inverse import fit_numba  # as above
-
-        return -fit_numba.rest(signals.seen, np.zeros_like(signals.felt), signals.scale, self.loads, signals.strain)
+        return made(signals, self.loads)
 
     @cached_property
     def foreign(self) -> int | None:
         """The taxel out of reach that feels most of what none of the loads makes, None where none does."""
-        from tactile.inverse import doubt_numba  # as above
+        from tactile.inverse.least_squares import doubt_numba  # as above
 
         signals, worst, (_, times, median) = self.signals, self._stranger, FOREIGN
         if worst is None:
@@ -156,7 +155,7 @@ class Fit:
 
 def fitted(signals: Signals, start: Floats) -> Fit:
     """Return the fit from a start on: loads (k, 5), or the place (1, 2) of one, whose forces the signals tell there."""
-    from tactile.inverse import components_numba, doubt_numba, fit_numba  # numba is slow to import
+    from tactile.inverse.least_squares import components_numba, doubt_numba, fit_numba  # numba is slow to import
 
     parts = signals.seen, signals.felt, signals.scale
     use = fit_numba.within(signals.seen, start, REACH) if len(signals.seen) > ALL else None
@@ -165,16 +164,24 @@ def fitted(signals: Signals, start: Floats) -> Fit:
     loads = np.zeros((len(start), 5))
     loads[:, : start.shape[1]] = start
     if start.shape[1] == 2:
-        components_numba.components(*parts, loads[0], signals.strain, signals.tie)
-    chi, whole, spread = fit_numba.fit(*parts, loads, signals.strain, signals.tie, STEPS)
+        components_numba.components(*parts, loads[0], signals.strain, signals.layer, signals.tie)
+    chi, whole, spread = fit_numba.fit(*parts, loads, signals.strain, signals.layer, signals.tie, STEPS)
     if not many:
         return Fit(signals, loads, chi, whole, spread)
     seen, felt, least = signals.seen, signals.felt, least_foreign(signals.noise)
-    rest = fit_numba.rest(seen, felt, signals.scale, loads, signals.strain)
+    rest = fit_numba.rest(seen, felt, signals.scale, loads, signals.strain, signals.layer)
     stranger = doubt_numba.foreign(seen, rest, felt, loads, REACH, least, FOREIGN[1])
     found = Fit(signals, loads, fit_numba.energy(rest), fit_numba.energy(felt), spread, stranger)
     found.__dict__["rest"] = rest  # as `cached_property` keeps it
     return found
+
+
+def made(signals: Signals, loads: Floats) -> Floats:
+    """Return the signals (n, 3) of loads (k, 5), to taxels at the places of these signals."""
+    from tactile.inverse.least_squares import fit_numba  # as above
+
+    nothing = np.zeros_like(signals.felt)
+    return -fit_numba.rest(signals.seen, nothing, signals.scale, loads, signals.strain, signals.layer)
 
 
 def least_foreign(noise: float | None) -> float:

@@ -5,14 +5,19 @@ import math
 import numpy as np
 
 from cnnsim.support.compiling.kept_loops import kept_njit
+from tactile.inverse.least_squares.fit_numba import solve
+from tactile.inverse.least_squares.layer_numba import layer_forces
 
 
 @kept_njit(error_model="numpy")
-def components(seen, felt, scale, load, strain, tie):  # type: ignore[no-untyped-def]
+def components(seen, felt, scale, load, strain, layer, tie):  # type: ignore[no-untyped-def]
     """Fill in (Q, R, F) of a load by least squares from the part of each signal that a load at its place explains.
 
     For three taxels that is eq. (14); by Householder's reflections, shear held at zero where ``tie`` says so.
     """
+    if len(layer) > 0:
+        layer_components(seen, felt, scale, load, layer, tie)
+        return
     taxels = len(seen)
     table = np.zeros((taxels + 2, 4))
     for i in range(taxels):
@@ -51,3 +56,19 @@ def components(seen, felt, scale, load, strain, tie):  # type: ignore[no-untyped
     load[4] = table[2, 3] / table[2, 2]
     load[3] = (table[1, 3] - table[1, 2] * load[4]) / table[1, 1]
     load[2] = (table[0, 3] - table[0, 2] * load[4] - table[0, 1] * load[3]) / table[0, 0]
+
+
+@kept_njit(error_model="numpy")
+def layer_components(seen, felt, scale, load, layer, tie):  # type: ignore[no-untyped-def]
+    """Fill in (Q, R, F) of a load on a layer by least squares and return the chi^2 that is left."""
+    matrix, vector, factor, answer = np.empty((3, 3)), np.empty(3), np.empty((3, 3)), np.empty(3)
+    whole = layer_forces(seen, felt, scale, load, layer, matrix, vector)
+    matrix[0, 0] += tie[0]
+    matrix[1, 0] += tie[1]
+    matrix[1, 1] += tie[2]
+    if not solve(matrix, vector, 0.0, factor, answer):
+        return np.inf
+    for m in range(3):
+        load[2 + m] = answer[m]
+        whole -= answer[m] * vector[m]
+    return max(whole, 0.0)

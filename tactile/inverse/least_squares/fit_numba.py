@@ -2,7 +2,8 @@
 
 Lengths are in depths, signals in newtons: u = (-3 x, -3 y, t - 2) g s of a strain taxel at (x, y) from the load,
 (-x, -y, -1) g s of a stress taxel, with g = (1 + t)^(-5/2), t = x^2 + y^2 and s = Q x + R y + F: eqs (1) and (10).
-Signals come over their standard deviations, and ``scale`` (n, 3) is what they were multiplied by.
+Signals come over their standard deviations, and ``scale`` (n, 3) is what they were multiplied by. On a layer of known
+thickness, whose table of `layer_field` is not empty, they are those of `layer_numba`.
 """
 
 import math
@@ -10,6 +11,7 @@ import math
 import numpy as np
 
 from cnnsim.support.compiling.kept_loops import kept_njit
+from tactile.inverse.least_squares.layer_numba import layer_equations, layer_rest
 
 ENOUGH = 0.01
 """A step that lessens chi^2 by so many variances of one signal is the last."""
@@ -75,9 +77,11 @@ def equations_of_one(at, felt, scale, load, strain, matrix, vector):  # type: ig
 
 
 @kept_njit(error_model="numpy")
-def equations(at, felt, scale, loads, strain, matrix, vector):  # type: ignore[no-untyped-def]
+def equations(at, felt, scale, loads, strain, layer, matrix, vector):  # type: ignore[no-untyped-def]
     """Fill the normal equations at these loads and return chi^2."""
     count = len(loads)
+    if len(layer) > 0:
+        return layer_equations(at, felt, scale, loads, layer, matrix, vector)
     if count == 1:
         return equations_of_one(at, felt, scale, loads[0], strain, matrix, vector)
     slope = np.empty((5 * count, 3))
@@ -121,7 +125,7 @@ def equations(at, felt, scale, loads, strain, matrix, vector):  # type: ignore[n
 
 
 @kept_njit(error_model="numpy")
-def fit(at, felt, scale, loads, strain, tie, steps):  # type: ignore[no-untyped-def]
+def fit(at, felt, scale, loads, strain, layer, tie, steps):  # type: ignore[no-untyped-def]
     """Improve the loads (k, 5) in place and return chi^2, that of no load, and the diagonal (k, 5) of the covariance.
 
     The covariance is that for signals of variance 1. ``tie`` (3,): the part of the matrix for (Q Q, Q R, R R) that
@@ -131,7 +135,7 @@ def fit(at, felt, scale, loads, strain, tie, steps):  # type: ignore[no-untyped-
     matrix, vector, step = np.empty((size, size)), np.empty(size), np.empty(size)
     tried_matrix, tried_vector, tried = np.empty((size, size)), np.empty(size), loads.copy()
     factor = np.empty((size, size))
-    chi = equations(at, felt, scale, loads, strain, matrix, vector)
+    chi = equations(at, felt, scale, loads, strain, layer, matrix, vector)
     hold(matrix, vector, loads, tie)
     whole = 0.0
     for i in range(len(at)):
@@ -146,7 +150,7 @@ def fit(at, felt, scale, loads, strain, tie, steps):  # type: ignore[no-untyped-
         for k in range(len(loads)):
             for j in range(5):
                 tried[k, j] = loads[k, j] + step[5 * k + j]
-        then = equations(at, felt, scale, tried, strain, tried_matrix, tried_vector)
+        then = equations(at, felt, scale, tried, strain, layer, tried_matrix, tried_vector)
         hold(tried_matrix, tried_vector, tried, tie)
         if not then < chi:
             damping = max(10 * damping, DAMPING)
@@ -207,8 +211,10 @@ def solve(matrix, vector, damping, factor, answer):  # type: ignore[no-untyped-d
 
 
 @kept_njit(error_model="numpy")
-def rest(at, felt, scale, loads, strain):  # type: ignore[no-untyped-def]
+def rest(at, felt, scale, loads, strain, layer):  # type: ignore[no-untyped-def]
     """Return the signals (n, 3) that the loads do not explain."""
+    if len(layer) > 0:
+        return layer_rest(at, felt, scale, loads, layer)
     left = felt.copy()
     lean = 3.0 if strain else 1.0
     for i in range(len(at)):

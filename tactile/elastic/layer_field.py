@@ -1,0 +1,93 @@
+"""Field of a point load on a bonded layer as polynomials of nearness, for what asks for it taxel by taxel.
+
+With lengths in depths and the taxel at (x, y) from the load, s = Q x + R y,
+
+    zz = F N - s M,   xz = -x (F S + s O) + Q E,   yz = -y (F S + s O) + R E
+
+where N, M, S, O and E are functions of the distance alone. On the half-space E = 0, and with g = (1 + t)^(-5/2),
+t = x^2 + y^2, strain has N = -M = (t - 2) g, S = O = 3 g, stress N = -M = -g, S = O = g: eqs (1) and (10).
+"""
+
+from functools import lru_cache
+
+import numpy as np
+
+from cnnsim.support import Floats, InputError
+from tactile.elastic.medium import Felt, Medium
+
+PARTS = 256
+"""Stretches of 1 / sqrt(1 + t) from 0, endlessly far, to 1, right above; the spline is good to 1e-7 of the peak."""
+THICK = 1e3
+"""Depths from which on a layer differs by less than 1e-6 from the half-space."""
+HALF_SPACE: Floats = np.empty((0, 5, 4))
+"""What stands for the half-space: no table."""
+FARTHEST = 30.0
+"""Thicknesses from a load beyond which a bonded layer feels nothing."""
+
+
+def layer_field(thickness: float | None, depth: float, strain: bool) -> Floats:
+    """Return the polynomials (stretches, 5, 4) of N, M, S, O and E over 1 / sqrt(1 + t), Poisson's ratio 1/2.
+
+    Entry (i, f, p) weighs the p-th power of the part of stretch i that is passed. Signals are strains times
+    4 pi E z^2 / 3 or stresses times 2 pi z^2 / 3.
+
+    Arguments: ``thickness`` of the layer and ``depth`` z of the taxels [m]; None where the thickness is not known: the
+    table is empty then, as it is of a layer so thick that it is a half-space. ``strain``: what is felt, else stress.
+
+    Raises:
+        InputError: taxels that lie deeper than the layer is thick.
+    """
+    if thickness is None or thickness > THICK * depth:
+        return HALF_SPACE
+    if not thickness >= depth:
+        raise InputError(f"taxels {depth} m deep under a cover of {thickness} m; a cover at least as thick wanted")
+    return _table(thickness / depth, "strain" if strain else "stress")
+
+
+@lru_cache(maxsize=16)
+def _table(thickness: float, quantity: Felt) -> Floats:
+    from scipy.interpolate import CubicSpline  # slow to import, and only for layers of a known thickness
+
+    near = np.linspace(0, 1, PARTS + 1)
+    t = 1 / near[1:] ** 2 - 1
+    g = (1 + t) ** -2.5
+    normal, lean = (t - 2, 3.0) if quantity == "strain" else (-np.ones_like(t), 1.0)
+    values = np.stack([normal * g, -normal * g, lean * g, lean * g, 0 * g], axis=-1)
+    far = np.sqrt(t) >= FARTHEST * thickness
+    values[~far] += _added(np.sqrt(t[~far]), thickness, quantity)
+    values[far] = 0.0
+    spline = CubicSpline(near, np.concatenate([np.zeros((1, 5)), values]))
+    powers = spline.c[::-1] / PARTS ** np.arange(4)[:, None, None]
+    return np.ascontiguousarray(np.moveaxis(powers, 0, -1))
+
+
+def _added(rho: Floats, thickness: float, quantity: Felt) -> Floats:
+    """Return what the layer adds to the functions (n, 5) of the half-space, at these distances in depths."""
+    from tactile.elastic.layer_loads import waves_of  # brings scipy's special functions
+
+    k, normal, normal_shear, shear_normal, shear, across = waves_of(1 / thickness, Medium(1.0, quantity=quantity))
+    from scipy.special import j0, j1  # as above
+
+    phase = k * (rho / thickness)[:, None]
+    some = np.maximum(phase, 1e-2)
+    zeroth = j0(phase)
+    first = np.where(phase > 1e-2, j1(phase) / some, 0.5 - phase**2 / 16)
+    # J2(p) / p^2, by its series where the difference would lose its digits
+    second = np.where(phase > 1e-1, (2 * first - zeroth) / np.maximum(phase, 1e-1) ** 2, _second(np.minimum(phase, 1)))
+    even, odd = (shear + across) / 2, (shear - across) / 2
+    turned = second @ (odd * k**2)
+    columns = (
+        zeroth @ normal,
+        first @ (normal_shear * k) / thickness,
+        first @ (shear_normal * k) / thickness,
+        2 * turned / thickness**2,
+        zeroth @ even + turned * (rho / thickness) ** 2,
+    )
+    size = 4 * np.pi / 3 if quantity == "strain" else 2 * np.pi / 3
+    return np.stack(columns, axis=-1) * (size / thickness**2)
+
+
+def _second(phase: Floats) -> Floats:
+    square = phase**2 / 4
+    out: Floats = (1 - square / 3 * (1 - square / 8 * (1 - square / 15))) / 8
+    return out

@@ -1,0 +1,134 @@
+"""Loads on a cover whose thickness is known: places, forces and what they are worth, against the layer's integrals."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cnnsim.support import Floats
+from tactile.core.frame import Frame, Quantity, TaxelArray
+from tactile.elastic.medium import Medium
+from tactile.finger import Finger
+from tactile.inverse.least_squares import fit_numba
+from tactile.inverse.load import Load
+from tactile.inverse.validity import Validity
+from tactile.settings import Settings
+from tests.kits.touch.pads import SCALE, as_row
+from tests.oracles.elastic.layer import layer_load
+from tests.oracles.elastic.localise import bound
+from tests.tactile.inverse.test_thin_cover import DEPTH
+
+MODULUS = 2.4e6
+
+
+class Cover:
+    """A pad under a cover so many depths thick, what it feels of loads, and what is located from that."""
+
+    def __init__(self, shape: tuple[int, int], quantity: Quantity, pitch: float, thickness: float) -> None:
+        self.medium = Medium(MODULUS, quantity="stress" if quantity == "stress" else "strain")
+        self.thickness = thickness * DEPTH
+        self.array = TaxelArray("pad", *shape, pitch * DEPTH, DEPTH, quantity=quantity, thickness=self.thickness)
+        self._finger = Finger(self.array, MODULUS, Settings(tare="off"))
+
+    def felt(self, loads: Floats) -> Floats:
+        return layer_load(self.array.positions(), DEPTH, loads, self.thickness, self.medium)
+
+    def found(self, values: Floats) -> Load:
+        return self._finger.locate(Frame(0, 0.0, 0, values, np.ones(self.array.shape, bool)))
+
+
+def draw(random: np.random.Generator, shape: tuple[int, int], pitch: float) -> Floats:
+    x, y = random.uniform(-1, 1, 2) * [shape[1] * pitch * DEPTH / 2, shape[0] * pitch * DEPTH / 2]
+    force, part, turn = random.uniform(0.1, 0.5), random.uniform(0, 0.6), random.uniform(0, 2 * np.pi)
+    return np.array([x, y, part * force * np.cos(turn), part * force * np.sin(turn), force])
+
+
+@pytest.mark.parametrize("quantity", ["strain", "stress"])
+@pytest.mark.parametrize("thickness", [1.0, 1.1, 1.5, 4.0])
+def test_place_and_forces_are_those_on_the_layer(quantity: Quantity, thickness: float) -> None:
+    random, off, force = np.random.default_rng(4), [], []
+    for shape, pitch in (((2, 2), 0.75), ((4, 4), 1.5), ((8, 8), 1.0), ((3, 5), 1.0)):
+        cover = Cover(shape, quantity, pitch, thickness)
+        for _ in range(6):
+            wanted = draw(random, shape, pitch)
+            clean = cover.felt(wanted[None])
+            exact = cover.found(clean)
+            assert as_row(exact) == pytest.approx(wanted, abs=2e-5 * max(DEPTH, abs(wanted[4])))
+            assert (exact.validity, exact.others, exact.misfit < 1e-4) == (Validity.INSIDE, (), True)
+            load = cover.found(clean + random.normal(size=clean.shape) * 1e-3 * np.abs(clean).max())
+            assert load.validity is Validity.INSIDE
+            off.append(np.hypot(load.x - wanted[0], load.y - wanted[1]) / DEPTH)
+            force.append(abs(load.F / wanted[4] - 1))
+    assert np.median(force) < 0.01
+    assert max(off) < 0.1
+
+
+def test_where_the_thickness_is_not_known_the_misfit_says_so() -> None:
+    cover = Cover((4, 4), "stress", 1.0, 1.02)
+    wanted = np.array([0.3 * DEPTH, -0.2 * DEPTH, 0.05, 0.02, 0.3])
+    values = cover.felt(wanted[None])
+    known = cover.found(values)
+    unknown = Finger(replace(cover.array, thickness=None), MODULUS, Settings(tare="off"))
+    guessed = unknown.locate(Frame(0, 0.0, 0, values, np.ones((4, 4), bool)))
+    assert as_row(known) == pytest.approx(wanted, abs=1e-5)
+    assert guessed.F > 1.25 * 0.3
+    assert guessed.misfit > 0.05 > 1e3 * known.misfit
+
+
+@pytest.mark.parametrize("quantity", ["strain", "stress"])
+def test_errors_are_those_that_the_uncertainty_tells(quantity: Quantity) -> None:
+    random, cover = np.random.default_rng(8), Cover((4, 4), quantity, 1.0, 1.25)
+    wanted = np.array([0.4 * DEPTH, -0.7 * DEPTH, 0.04, -0.06, 0.3])
+    clean = cover.felt(wanted[None])
+    noise = 3e-3 * float(np.abs(clean).max())
+    least = bound(lambda loads: cover.felt(np.atleast_2d(loads)), wanted, noise, SCALE)
+    loads = [cover.found(clean + random.normal(size=clean.shape) * noise) for _ in range(100)]
+    errors = np.array([as_row(load) for load in loads]) - wanted
+    assert (np.sqrt((errors**2).mean(axis=0)) < 1.3 * least).all()
+    assert np.array([load.sigma for load in loads]).mean(axis=0) == pytest.approx(least, rel=0.1)
+
+
+def test_two_loads_and_a_stuck_taxel_are_found_on_a_thin_cover() -> None:
+    cover = Cover((8, 8), "stress", 1.0, 1.1)
+    loads = np.array([[-2e-3, -1e-3, 0.02, 0.0, 0.3], [2e-3, 1.5e-3, 0.0, -0.03, 0.2]])
+    found = cover.found(cover.felt(loads))
+    assert len(found.others) == 1
+    for load, wanted in zip((found, *found.others), loads, strict=True):
+        assert as_row(load) == pytest.approx(wanted, abs=1e-5)
+    values = cover.felt(loads[:1])
+    values[2, 4] = np.abs(values).max()
+    found = cover.found(values)
+    assert (found.left_out, found.others) == (((2, 4),), ())
+    assert as_row(found) == pytest.approx(loads[0], abs=1e-5)
+
+
+def test_shear_across_a_line_is_told_on_a_thin_cover_alone() -> None:
+    wanted = np.array([0.3e-3, 0.4e-3, 0.05, -0.08, 0.3])
+    thin, thick = (Cover((1, 6), "strain", 1.0, h) for h in (1.3, 50.0))
+    assert as_row(thin.found(thin.felt(wanted[None]))) == pytest.approx(wanted, abs=1e-4)
+    assert np.isnan(thick.found(thick.felt(wanted[None])).R)
+
+
+def test_one_taxel_on_a_thin_cover_is_in_doubt() -> None:
+    """Its three numbers fit several loads that shear differently, at different places."""
+    for thickness, wanted in ((1.2, Validity.AMBIGUOUS), (30.0, Validity.INSIDE)):
+        cover = Cover((1, 1), "stress", 1.0, thickness)
+        assert cover.found(cover.felt(np.array([[0.6e-3, 0.3e-3, 0.0, 0.0, 0.3]]))).validity is wanted
+
+
+def test_slopes_are_those_of_the_signals() -> None:
+    from tactile.elastic.layer_field import layer_field
+
+    layer = layer_field(1.2, 1.0, True)
+    at, scale = np.array([[0.3, -0.2], [1.4, 0.7], [0.0, 0.0]]), np.ones((3, 3))
+    load, felt = np.array([[0.1, 0.2, 0.3, -0.4, 1.0]]), np.zeros((3, 3))
+    matrix, vector = np.empty((5, 5)), np.empty(5)
+    fit_numba.equations(at, felt, scale, load, True, layer, matrix, vector)
+
+    def made(one: Floats) -> Floats:
+        return np.asarray(-fit_numba.rest(at, felt, scale, one[None], True, layer)).ravel()
+
+    step = 1e-5 * np.eye(5)
+    slopes = np.array([(made(load[0] + one) - made(load[0] - one)) / 2e-5 for one in step])
+    assert np.tril(matrix) == pytest.approx(np.tril(slopes @ slopes.T), abs=1e-6)
+    assert vector == pytest.approx(slopes @ -made(load[0]), abs=1e-6)
