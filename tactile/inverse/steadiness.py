@@ -16,7 +16,7 @@ from tactile.inverse.least_squares.fit import TIED, Fit, Signals, fitted, made
 DIFFERS, MOVES = 0.2, 0.6
 """A place that lies so many depths from that by shear alone, or moves so far without a taxel, is in doubt."""
 NOTICED = 0.2
-"""A layer that moves the place by so large a part of its distance matters: one taxel then cannot tell what shear does."""
+"""From a layer that moves the place by so large a part of its distance one taxel cannot tell what shear does."""
 LEANT_ON = 4
 """The strongest taxels, of which one may hold the place alone."""
 FEW = 16
@@ -45,9 +45,10 @@ def _hangs_on_shear(fit: Fit) -> bool:
     """Whether shear that the taxels cannot tell, and is taken to be none, may move the place: on a layer it does."""
     signals, (x, y, _, _, f) = fit.signals, fit.loads[0]
     xx, xy, yy = (signals.tie / TIED).tolist()
-    if len(signals.seen) == 1:  # its three numbers fit several places; the half-space's is the one that no shear moves
-        if _moved(fit, signals._replace(layer=HALF_SPACE)) > NOTICED * math.dist((x, y), signals.seen[0]):
-            return True
+    # one taxel's three numbers fit several places; the half-space's is the one that no shear moves
+    alone, far = len(signals.seen) == 1, NOTICED * math.dist((x, y), signals.seen[0])
+    if alone and _moved(fit, signals._replace(layer=HALF_SPACE)) > far:
+        return True
     ways = [(xx, xy), (xy, yy)] if xx + yy > 1.5 else [(math.sqrt(xx), math.copysign(math.sqrt(yy), xy))]
     for q, r in ways:
         for half in (-f / 2, f / 2):
