@@ -85,6 +85,8 @@ class Finger:
         frame = self.tare(raw)
         if self.tare.noise is not self._noise:
             self._set_noise()
+        if self.tare.notes and any(note.offset is not None for note in self.tare.notes):
+            self._signals.forget_drift()
         if self._noise is not None and self._inverse is not None:
             self._saturated = self._rails(raw.values, self._noise.jitter)
         return frame if self._gains is None else replace(frame, values=self._gains(frame.values))
@@ -133,7 +135,7 @@ class Finger:
         if not self._none_left_out:
             use = use & ~self._left_out
         before = self._signals.planes.copy() if self._own else self._signals.planes
-        self._signals.update(frame, use, self.levels)
+        self._signals.update(frame, use, self.levels, self._pool.black("in_contact"))
         if self._inverse is not None:
             self._whole.take_load(frame.t, load)
             self._signals.put_load(self._whole)

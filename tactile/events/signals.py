@@ -7,6 +7,7 @@ import numpy as np
 from cnnsim.support import Flags, Floats
 from tactile.core.frame import Frame, Quantity
 from tactile.core.noise import Noise
+from tactile.events.code import CONTACT, SHEAR
 from tactile.events.thresholds import Levels
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
@@ -39,6 +40,8 @@ LEVELS = (
     "turning_back",
     "outweighs",
 )
+DRIFT = 2.0
+"""Dead bands that drift of an unpressed taxel may reach: 0.2 N of shear, 0.1 N of pressing."""
 RISING, DROPPING, TURNING = LEVELS.index("rising"), LEVELS.index("dropping"), LEVELS.index("turning")
 
 ALWAYS = np.ones((1, 1), bool)
@@ -77,13 +80,18 @@ class Signals:
     """
 
     def __init__(self, shape: tuple[int, int], quantity: Quantity) -> None:
+        from tactile.events.drift_numba import follow  # numba is slow to import
         from tactile.events.onset_numba import KEPT as FRAMES
-        from tactile.events.onset_numba import bend, remember  # numba is slow to import
-        from tactile.events.signals_numba import step
+        from tactile.events.onset_numba import bend, remember  # the same
+        from tactile.events.signals_numba import step  # the same
         from tactile.events.sliding_numba import slide  # the same
         from tactile.events.turn_numba import turn  # the same
 
         self._step, self._slide, self._turn, self._remember, self._bend = step, slide, turn, remember, bend
+        self._follow, self._base = follow, np.zeros((*shape, 3))
+        self._less = np.zeros((*shape, 3))
+        self._most = DRIFT * np.array([SHEAR[quantity].dead_band] * 2 + [CONTACT[quantity].dead_band])
+        self._drifts = False
         self.planes = np.zeros((len(PLANES), *shape))
         self.levels = np.zeros(len(LEVELS))
         self.force = 0.0
@@ -114,9 +122,21 @@ class Signals:
         self._quiet = np.stack([left[..., :2].max(axis=-1), left[..., 2], noise.jitter[..., :2].max(axis=-1)])
         self._drawn = DRAWN * self._quiet[0]
 
-    def update(self, frame: Frame, use: Flags, levels: Levels) -> None:
-        """Take a frame; ``use`` (rows, cols) which taxels count, ``levels`` of their comparators."""
-        self._update(frame.t, frame.values, use, levels)
+    def update(self, frame: Frame, use: Flags, levels: Levels, contact: bool = False) -> None:
+        """Take a frame; ``use`` (rows, cols) which taxels count, ``levels`` of their comparators.
+
+        In a ``contact`` the drift of force taxels that nothing presses is taken off.
+        """
+        values = frame.values
+        if self._shares and (contact or self._drifts):
+            dt = max(frame.t - self._t, 0.0) if contact and self._t is not None else 0.0
+            self._follow(values, self._fast, use, levels.on, self._most, dt, self._base, self._less)
+            values, self._drifts = self._less, True
+        self._update(frame.t, values, use, levels)
+
+    def forget_drift(self) -> None:
+        """Take note that a new offset has the drift in it."""
+        self._base[:], self._drifts = 0.0, False
 
     def _update(self, t: float, values: Floats, use: Flags, levels: Levels) -> None:
         dt = 0.0 if self._t is None else max(t - self._t, 0.0)

@@ -1,0 +1,89 @@
+"""Drift in a contact: taken off where nothing presses, up to a limit; skin that creeps after one begins no other."""
+
+import numpy as np
+import pytest
+
+from cnnsim.program.machine import UniversalMachine
+from tactile.core.frame import Frame, TaxelArray
+from tactile.core.source import FrameStream, Provenance
+from tactile.events.detector_file import shipped_detectors
+from tactile.events.drift_numba import FOLLOWS, follow
+from tactile.events.event import EventLog
+from tactile.events.registry import SHIPPED
+from tactile.pipeline import FrameReport, run
+from tactile.settings import Settings
+
+LEVEL, MOST, DT = 0.02, 0.1, 0.005
+
+
+def followed(course: np.ndarray, pressing: float = 0.0, beside: float = 2.0) -> np.ndarray:
+    """Shear along x of one taxel as it is left, its mean taken for what it is; what another one bears beside it."""
+    fast, base, out = np.zeros((1, 2, 3)), np.zeros((1, 2, 3)), np.zeros((1, 2, 3))
+    on, most, use = np.full((1, 2, 3), LEVEL), np.full(3, MOST), np.ones((1, 2), bool)
+    left = []
+    for value in course:
+        values = np.array([[[value, 0.0, pressing], [0.0, 0.0, beside]]])
+        follow(values, fast, use, on, most, DT, base, out)
+        fast[:] = out
+        left.append(out[0, 0, 0])
+    return np.array(left)
+
+
+def test_what_grows_slowly_is_followed_up_to_a_limit_and_what_comes_at_once_stays() -> None:
+    t = np.arange(0.0, 8.0, DT)
+    slow = followed(0.02 * t)  # lags by the rate times the time constant, until the limit
+    assert slow[t < 4].max() == pytest.approx(0.02 * FOLLOWS, abs=5e-4)
+    assert slow[-1] == pytest.approx(0.02 * t[-1] - MOST, abs=1e-3)
+    assert followed(2 * LEVEL / FOLLOWS * t)[t > 1].min() > LEVEL  # faster than a level in the time constant
+    assert followed(np.where(t > 1, 1.5 * LEVEL, 0.0))[-1] == 1.5 * LEVEL
+    assert np.array_equal(followed(0.02 * t, pressing=1.0), 0.02 * t)
+    assert np.array_equal(followed(0.02 * t, beside=10 * LEVEL), 0.02 * t)  # light: some of it may be below the level
+
+
+def test_a_held_grip_of_a_pad_that_drifts_has_one_code_a_release_and_sudden_shear_in_the_skin() -> None:
+    rng, array = np.random.default_rng(8), TaxelArray("pad", 3, 3, 4e-3, 0.0, quantity="force")
+    t = np.arange(0.0, 5.5, 0.004)
+    values = (1.1e-3, 1.1e-3, 3.6e-3) * rng.standard_normal((len(t), 3, 3, 3))
+    values += 0.02 * t[:, None, None, None] * np.array([1.0, -0.7, 1.0])
+    values[:, 1, 1] += np.interp(t, [0.5, 0.6, 4.9, 5.0], [0, 1, 1, 0])[:, None] * np.array([0.3, 0.3, 3.0])
+    values[:, 0, 2, 0] -= np.where((t > 3.5) & (t < 4.9), 0.06, 0.0)
+    frames = [
+        Frame(0, time, n, one, np.ones((3, 3), bool))
+        for n, (time, one) in enumerate(zip(t.tolist(), values, strict=True))
+    ]
+    log, codes = EventLog(), list[str]()
+
+    def sink(report: FrameReport) -> None:
+        log.add(report.events, report.ended)
+        codes.append(report.code.ternary())
+
+    run(FrameStream("", (array,), None, len(t), frames, Provenance(untared=True)), Settings(tare="auto"), [sink])
+    before, after = (set(np.array(codes)[(t > lo) & (t < hi)].tolist()) for lo, hi in ((0.8, 3.5), (3.6, 4.9)))
+    assert len(before) == len(after) == 1
+    assert (before.pop()[4:6], after.pop()[4:6]) == ("00", "-0")
+    assert [event.t for event in log.events if event.kind == "release"] == [pytest.approx(5.0, abs=0.05)]
+
+
+def test_while_silicone_creeps_two_light_taxels_begin_no_contact_but_by_a_load_that_rises() -> None:
+    (file,) = (one for one in shipped_detectors(SHIPPED) if one.name == "contact")
+    machine = UniversalMachine("cpu", "float64")
+    black, white = np.ones((3, 3)), -np.ones((3, 3))
+
+    def taxels(*cells: tuple[int, int]) -> np.ndarray:
+        plane = white.copy()
+        for cell in cells:
+            plane[cell] = 1.0
+        return plane
+
+    def step(touch: np.ndarray, **planes: np.ndarray) -> tuple[bool, bool]:
+        given = dict.fromkeys(file.program.inputs, white) | {"touch": touch, "loaded": black} | planes
+        out = machine.run(file.program, **given)
+        return bool(out["in_contact"]), bool(out["released"])
+
+    held = taxels((1, 1), (2, 1))
+    assert step(held, large=black, rising=black) == (True, False)
+    assert step(held, large=black, falling=black, steep=black, unsteady=black) == (True, False)
+    assert step(held, unsteady=black) == (False, True)  # the knee, above a tail
+    light = taxels((1, 1), (2, 1), (0, 0), (1, 0))
+    assert step(light, unsteady=black) == (False, True)
+    assert step(light, rising=black) == (True, False)
