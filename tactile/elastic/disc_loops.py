@@ -12,8 +12,8 @@ from tactile.elastic.disc_table import DiscTable
 from tactile.elastic.medium import Medium
 
 TORQUE = COLUMNS
-SERIAL_BELOW = 20_000
-"""Fewer pairs than this are done before the threads have woken up, or soon after."""
+SERIAL_BELOW = 40_000
+"""Fewer pairs than this are done before the threads have woken up, or soon after; on a busy machine they wait long."""
 
 
 def add_discs(out: Floats, positions: Floats, depth: float, loads: Floats, radii: Floats, table: DiscTable,

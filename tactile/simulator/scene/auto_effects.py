@@ -11,6 +11,7 @@ from tactile.simulator.effects import ORDER, Effect, effect_class
 from tactile.simulator.scene.effect_bounds import EffectBounds, Named
 from tactile.simulator.scene.finger_bounds import LeftOut
 from tactile.simulator.scene.scene import Scene
+from tactile.simulator.scene.trials import may_pay
 
 MOMENTS = 64
 """Frames on which a typical effect is tried."""
@@ -20,7 +21,8 @@ MOMENTS = 64
 class Choice:
     """What the automatic choice decided.
 
-    ``scene`` with the chosen effects; ``off``: those that it leaves out; ``bound``: of the error against everything on.
+    ``scene`` with the chosen effects; ``off``: those that it leaves out; ``bound``: of the error against everything on;
+    ``tried``: False where choosing would have cost more than it may save, and all is on.
     """
 
     scene: Scene
@@ -28,6 +30,7 @@ class Choice:
     off: frozenset[str]
     bound: float
     bounds: EffectBounds
+    tried: bool
 
     @cached_property
     def sizes(self) -> dict[str, float]:
@@ -87,13 +90,14 @@ def _has_meaning(scene: Scene, more: list[Named]) -> bool:
     return True
 
 
-def choose(scene: Scene, tolerance: float) -> Choice:
+def choose(scene: Scene, tolerance: float, reused: bool = False) -> Choice:
     """Leave out the effects that together change no reading by more than the tolerance times the peak.
 
     Candidates are the effects that the scene describes, and at typical strength those that every skin has. Bounds
     hold over the whole recording, and what is random for all seeds but one in a thousand. Effects on fields, which
     cost most, are left out first, each time the smallest; what those left out do together is then tried on the frames
-    with the largest readings.
+    with the largest readings. Where choosing would cost more than it may save in one run all stays on, unless the
+    choice is ``reused``.
 
     Raises:
         InputError: a tolerance that is not positive.
@@ -103,10 +107,11 @@ def choose(scene: Scene, tolerance: float) -> Choice:
     effects = all_effects(scene)
     bounds = EffectBounds(scene, effects, tolerance=tolerance)
     off, joint = set(bounds.zero), 0.0
-    if not bounds.coarse:
+    tried = reused or may_pay(scene)
+    if tried and not bounds.coarse:
         off, joint = _negligible(bounds, tolerance)
     chosen = scene.with_effects((name, effect) for name, effect in effects if name not in off)
-    return Choice(chosen, tolerance, frozenset(off), joint, bounds)
+    return Choice(chosen, tolerance, frozenset(off), joint, bounds, tried)
 
 
 def _negligible(bounds: EffectBounds, tolerance: float) -> tuple[set[str], float]:
@@ -129,22 +134,23 @@ def _left_out(
     bounds: EffectBounds, order: list[str], fields: set[str], sizes: dict[str, float], tolerance: float
 ) -> tuple[set[str], float]:
     """What can be left out of the effects in an order, and the bound of the error."""
-    off, joint = _greedy(bounds, order, fields, sizes, tolerance)
+    off, joint = _greedy(bounds, order, sizes, tolerance)
     # where a converter's steps are coarse nothing before it may be left out, or the converter itself
     grains = {name for one in bounds.fingers for name in one.grains}
     if grains <= off or len(off) == len(sizes):
         return off, joint
-    other = _greedy(bounds, sorted(order, key=lambda name: name not in grains), fields, sizes, tolerance)
+    other = _greedy(bounds, sorted(order, key=lambda name: name not in grains), sizes, tolerance)
     return max((off, joint), other, key=lambda one: (len(one[0] & fields), len(one[0])))
 
 
 def _greedy(
-    bounds: EffectBounds, order: list[str], fields: set[str], sizes: dict[str, float], tolerance: float
+    bounds: EffectBounds, order: list[str], sizes: dict[str, float], tolerance: float
 ) -> tuple[set[str], float]:
     left, joint = [LeftOut() for _ in bounds.fingers], 0.0
+    tried = {name for one in bounds.fingers for name in one.terms}
     for name in order:
-        if sizes[name] > tolerance and name not in fields:
-            continue  # alone too large already; what is fixed may cancel
+        if sizes[name] > tolerance and name not in tried:
+            continue  # alone too large already; what was tried may cancel
         more = bounds.leave(left, name)
         change = bounds.largest(more)
         if change <= tolerance:

@@ -98,6 +98,13 @@ class EffectBounds:
             for name, _ in self.effects
         }
 
+    def steps_behind(self, name: str) -> float:
+        """By how much more a change may grow in the steps of the converters behind an effect, relative to the peak."""
+        order = [one for one, _ in self.effects]
+        after = set(order[order.index(name) + 1 :])
+        steps = [sum(grain for one, (grain, _) in finger.grains.items() if one in after) for finger in self.fingers]
+        return max(steps) / self.peak
+
     def change(self, off: Iterable[str]) -> float:
         """What leaving these out changes at most, relative to the peak."""
         nothing = [LeftOut() for _ in self.fingers]
@@ -207,7 +214,7 @@ class _Trial:
     """The fields of a finger without effects and with all that are fixed, computed when they are asked for.
 
     ``every``: on the frames that tell most, PEAKS + SPREAD at most; ``few``: on the first of those; ``shaken``: without
-    effects, on all frames of a short scene, else on those that tell most.
+    effects, on all frames of a short scene of points, else on those that tell most.
     """
 
     def __init__(self, bounds: EffectBounds, finger: int, ideal: Extremes) -> None:
@@ -215,7 +222,8 @@ class _Trial:
 
     @cached_property
     def shaken(self) -> Field:
-        return self._ideal.whole or self._given
+        whole = self._ideal.whole  # bodies' laws are dear
+        return whole if whole is not None and self._ideal.slopes.at_points else self._given
 
     @cached_property
     def _given(self) -> Field:

@@ -61,7 +61,7 @@ def explain_file(path: Path, write: Path | None = None) -> SceneExplanation:
     """
     table = scene_table(path)
     scene, tolerance = bare_scene(table, str(path), path.parent)
-    choice = choose(scene, tolerance) if tolerance is not None else None
+    choice = choose(scene, tolerance, reused=write is not None) if tolerance is not None else None
     if write is not None:
         from tactile.simulator.scene.kept_choice import write_choice  # only where called for
 
@@ -78,9 +78,14 @@ def explain(scene: Scene, choice: Choice | None = None) -> SceneExplanation:
         notes.append(
             f"effects chosen for a tolerance of {choice.tolerance:g} of the peak; error at most {choice.bound:.2g}"
         )
-        if choice.together:
+        if not choice.tried:
+            notes.append(
+                f"all on: in {scene.samples} frames choosing would cost more than it may save; a choice to be kept "
+                "(--write) is made all the same"
+            )
+        if choice.tried and choice.together:
             notes.append(f"on although small, for what is left out adds up: {', '.join(choice.together)}")
-        if choice.left_out:
+        if choice.tried and choice.left_out:
             bounds = ", ".join(f"{name} {size:.2g}" for name, size in choice.left_out.items())
             notes.append(f"left out, with the bound of their size: {bounds}")
     notes += out_of_range(scene)

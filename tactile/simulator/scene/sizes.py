@@ -18,7 +18,8 @@ def sizes_in(scene: Scene, effects: Iterable[Named]) -> dict[str, float]:
     keep.
     """
     every, on = list(effects), dict(scene.effects)
-    bounds = EffectBounds(scene, every, on).sizes()
+    found = EffectBounds(scene, every, on)
+    bounds = {name: size + found.steps_behind(name) * (size > 0) for name, size in found.sizes().items()}
     whole, few = Sample(scene), Sample(scene, TRIED)
     with_all, with_few = whole.run(scene.effects), few.run(scene.effects)
     sizes: dict[str, float] = {}

@@ -56,7 +56,7 @@ def trades(scene: Scene, tolerances: Sequence[float] = TOLERANCES, seeds: int = 
     yield Trade(0.0, 0.0, 0.0, (), 0.0, base)
     for tolerance in tolerances:
         start = perf_counter()
-        choice = choose(scene, tolerance)
+        choice = choose(scene, tolerance, reused=True)
         choosing = perf_counter() - start
         runs = zip(samples, truth, strict=True)
         error = max(sample.gap(sample.run(choice.scene.effects), true) for sample, true in runs)

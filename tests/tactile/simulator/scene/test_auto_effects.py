@@ -16,6 +16,8 @@ from tactile.elastic.halfspace import point_load
 from tactile.elastic.medium import Felt, Medium
 from tactile.elastic.profiles import HERTZ
 from tactile.elastic.unit_disc import EVEN, ODD, RZ, ZR, ZZ, layer
+from tactile.simulator.contacts.indenter import Indenter
+from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effects import ORDER, effect_class
 from tactile.simulator.effects.dead_taxels import DeadTaxels
@@ -31,6 +33,7 @@ from tactile.simulator.effects.viscoelastic import Viscoelastic
 from tactile.simulator.field import Field
 from tactile.simulator.scene.auto_effects import candidates, choose
 from tactile.simulator.scene.effect_bounds import EffectBounds
+from tactile.simulator.scene.explain import explain
 from tactile.simulator.scene.extremes import extremes
 from tactile.simulator.scene.file import read_scene
 from tactile.simulator.scene.forces import highest_reading
@@ -259,3 +262,16 @@ def test_a_short_scene_is_chosen_by_bounds_and_a_long_one_by_trials(monkeypatch:
     computed[0] = 0
     choose(coarse, 0.02)
     assert computed[0] == 0  # forces alone tell that all stays
+
+
+def test_where_bodies_press_for_few_frames_all_stays_on_unless_the_choice_is_kept() -> None:
+    path = [(0.0, 0.0, 0.0, 0.0, 0.0, 0.02), (1.0, 1e-4, 0.0, 0.0, 0.0, 0.02)]
+    ball = MovingContact(0, Indenter("sphere", 5e-4), path)
+    scene = replace(needle(("read_noise", ReadNoise(1e-5))), loads=(), contacts=(ball,))
+    once, kept = choose(scene, 0.02), choose(scene, 0.02, reused=True)
+    assert not once.tried
+    assert "read_noise" in dict(once.scene.effects)
+    assert once.bound == 0
+    assert kept.tried
+    assert "read_noise" not in dict(kept.scene.effects)
+    assert any("choosing would cost more" in note for note in explain(scene, once).notes)

@@ -12,7 +12,9 @@ from tactile.core.frame import TaxelArray
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effects import ORDER
 from tactile.simulator.effects.dead_taxels import DeadTaxels
+from tactile.simulator.effects.motor_noise import MotorNoise
 from tactile.simulator.effects.poisson_ratio import PoissonRatio
+from tactile.simulator.effects.quantisation import Quantisation
 from tactile.simulator.effects.read_noise import ReadNoise
 from tactile.simulator.scene.estimate import Sample
 from tactile.simulator.scene.explain import explain, explain_file
@@ -49,6 +51,13 @@ def test_the_size_of_what_is_random_is_a_bound_over_seeds() -> None:
         plain, needle(("read_noise", ReadNoise(0.01)), ("poisson_ratio", PoissonRatio(0.4))), range(20)
     )
     assert most <= sizes["read_noise"] <= 1.6 * most
+
+
+def test_a_bound_of_what_is_random_counts_the_steps_of_the_converter_behind_it() -> None:
+    # 8 bits: a change below a step may become one
+    coarse = ("quantisation", Quantisation(8, 1.5)), ("motor_noise", MotorNoise(1e-3))
+    told = {part.name: part.size for part in explain(needle(*coarse)).parts}
+    assert error_of_seeds(needle(coarse[0]), needle(*coarse), range(8)) <= told["motor_noise"]
 
 
 def test_an_explanation_names_every_part() -> None:
