@@ -18,7 +18,7 @@ TILED_BOUNDARIES = BoundaryCode.FIXED, BoundaryCode.ZERO_FLUX, BoundaryCode.PERI
 """Boundaries that the kernels of tiles (cpu.cl, gpu.cl, sleep.cl) know; with any other, steps go by stages."""
 TILE_BYTES = 2048
 """Length of a tile's row on a CPU. Measured: with 1 KiB and with 4 KiB the transient is some per cent slower."""
-SLEEPER = 64, 512
+SLEEPER = 32, 512
 """Rows, and bytes of a row, of a tile that may sleep on a CPU: small, so that many can."""
 LOCAL_BYTES = 48 * 1024
 """Local memory of a work-group on a GPU: what every one has without asking for more."""
@@ -41,7 +41,7 @@ class Tiles(NamedTuple):
 def cut(context: DeviceContext, grid: DeviceGrid, plan: Plan) -> Tiles:
     """Cut grids into tiles; steps that come at a stretch go in launches of about equal length.
 
-    With the saving "sleep", tiles in which nothing moves are to be left out, so they should be small.
+    With the saving "sleep", tiles in which no output can change are to be left out, so they should be small.
     """
     radius, steps = reach((tap.k, tap.l) for tap in plan.feedback_taps), 1
     if "blocking" in plan.savings:

@@ -14,6 +14,8 @@ from cnnsim.backends.opencl.settled import CheckedSteps
 from cnnsim.backends.opencl.tiles import TILED_BOUNDARIES, cut
 from cnnsim.planning.plan import Plan
 
+ASLEEP, COASTING, AWAKE = range(3)
+"""What a tile does in a launch: as in sleep.cl."""
 QUICK = 4
 """Sums that the steps of tiles do in the time of one elsewhere: what they read is in the cache."""
 
@@ -28,8 +30,9 @@ def linear_steps(context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: L
 class _TileSteps(CheckedSteps):
     """Steps of a one-stage scheme from a state, which is left as it is: several steps a launch, ping and pong.
 
-    With the saving "sleep", tiles are left out in which the launch before, of as many steps, changed no bit (see
-    sleep.cl); the first two launches step all of them, since each plane has to be filled once.
+    With the saving "sleep", tiles in which no output can change do not look at their neighbours more than once a
+    launch, and are left out when their states have come to rest (see sleep.cl). The first two launches step all of
+    them, since each plane has to be filled once.
     """
 
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:
@@ -49,7 +52,7 @@ class _TileSteps(CheckedSteps):
         self._kernels = [context.kernel("steps", stems, defines, twin=twin) for twin in (0, 1)]
         self._planes: list[Buffer] = []
         self._moved = [context.buffer(self._tiles.groups) for _ in (0, 1)] if "sleep" in plan.savings else []
-        self._bound: list[tuple[Buffer, int, int, bool] | None] = [None, None]
+        self._bound: list[tuple[Buffer, int, int, int] | None] = [None, None]
         self._turn, self._launches, self._last = 0, 0, 0
 
     def advance(self, step: int, count: int) -> None:
@@ -58,17 +61,17 @@ class _TileSteps(CheckedSteps):
             turn = self._turn
             if len(self._planes) == turn:
                 self._planes.append(self._context.buffer(self._x.size))
-            fresh = self._launches < 2 or now != self._last
-            sleep: tuple[Any, ...] = (*self._moved[:: 2 * turn - 1], np.int32(fresh)) if self._moved else ()
+            least = AWAKE if self._launches < 2 else COASTING if now != self._last else ASLEEP
+            sleep: tuple[Any, ...] = (*self._moved[:: 2 * turn - 1], np.int32(least)) if self._moved else ()
             (wide, high), local = self._tiles.global_size, self._tiles.local_size
             each, work = wide // self._tiles.groups, now * self.work / self._tiles.groups / QUICK
             for first, groups in self._context.pieces(self._tiles.groups, work):
-                if self._bound[turn] != (self._x, now, first, fresh):
+                if self._bound[turn] != (self._x, now, first, least):
                     self._kernels[turn].set_args(
                         self._x, self._w, self._mask, self._planes[turn], *self._tiles.arguments, np.int32(now),
                         np.int32(first), *sleep,
                     )  # fmt: skip
-                    self._bound[turn] = self._x, now, first, fresh
+                    self._bound[turn] = self._x, now, first, least
                 self._context.enqueue(self._kernels[turn], (groups * each, high), local)
             self._x, self._turn = self._planes[turn], 1 - turn
             self._launches, self._last = self._launches + 1, now

@@ -33,12 +33,17 @@
 #define ROW(q) ((q) < 0 ? above + ((q) + R) * STRIDE : (q) < R ? here + (q) * STRIDE : below + ((q) - R) * STRIDE)
 #define NEIGHBOUR(q, l) VEC(const __local, ROW(q) + j + (l))
 
-// One step of a block's columns V .. end - 1: states in place, outputs to `fresh`. All rows are read before any is
-// written, so that the compiler may keep in registers what two of them read.
-static void step_block(const __local real *above, const __local real *here, const __local real *below,
-                       __local real *x, const __local real *w, const __local real *gain, __local real *fresh, int end)
+// One step of a block's columns start .. end - 1 (or so many, with the drive of the first): states in place, outputs to
+// `fresh`. All rows are read before any is written, so that the compiler may keep in registers what two of them read.
+// With `mark` it returns in bit q whether a cell of row q before column `stop` was not saturated for good.
+static inline __attribute__((always_inline)) int
+step_block(const __local real *above, const __local real *here, const __local real *below, __local real *x,
+           const __local real *w, const __local real *gain, __local real *fresh, int start, int end, int times,
+           int mark, int stop)
 {
-    for (int j = V; j < end; j += V) {
+#define NONE(q) sure_vec loose##q = (sure_vec)0;
+    EACH_ROW(NONE)
+    for (int j = start; j < end; j += V) {
 #define START(q) vec s##q = VEC(const __local, x + (q) * STRIDE + j), d##q = VEC(const __local, w + (q) * STRIDE + j);
         EACH_ROW(START)
 #ifdef SHARED_SUMS
@@ -52,12 +57,27 @@ static void step_block(const __local real *above, const __local real *here, cons
 #define DRIVE(q) TAPS(TAP, q)
 #endif
         EACH_ROW(DRIVE)
+#ifdef SLEEP
+        if (mark) {
+            sure_vec own = (sure_vec)-1;
+            for (int v = 0; j + V > stop && v < V; v++) own[v] = j + v < stop ? -1 : 0;
+#ifdef MASK
+#define STAYS(q) (SATURATED(vec, s##q, d##q) | HELD(vec, s##q, d##q, VEC(const __local, gain + (q) * STRIDE + j)))
+#else
+#define STAYS(q) SATURATED(vec, s##q, d##q)
+#endif
+#define MARK(q) loose##q |= own & ~STAYS(q);
+            EACH_ROW(MARK)
+        }
+#endif
 #ifdef MASK
 #define UPDATE(q) s##q += VEC(const __local, gain + (q) * STRIDE + j) * (d##q - s##q);
 #else
 #define UPDATE(q) s##q += (real)(GAIN) * (d##q - s##q);
 #endif
-        EACH_ROW(UPDATE)
+        for (int t = 0; t < times; t++) {
+            EACH_ROW(UPDATE)
+        }
 #if LIMITED
 #define KEEP(q) s##q = CLIP(vec, s##q); VEC(__local, x + (q) * STRIDE + j) = s##q;
 #else
@@ -67,6 +87,17 @@ static void step_block(const __local real *above, const __local real *here, cons
 #define SHOW(q) VEC(__local, fresh + (q) * STRIDE + j) = CLIP(vec, s##q);
         EACH_ROW(SHOW)
     }
+    int found = 0;
+#define FOUND(q)                                                  \
+    {                                                             \
+        sure any = 0;                                             \
+        for (int v = 0; v < V; v++) any |= loose##q[v];           \
+        found |= any ? 1 << (q) : 0;                              \
+    }
+    if (mark) {
+        EACH_ROW(FOUND)
+    }
+    return found;
 }
 
 // Impose the virtual cells beside one row of outputs; the grid's columns are left .. right - 1 of the buffer.
@@ -140,14 +171,14 @@ static void bring(__global const real *x, __global const real *w, __global const
 #endif
 }
 
-// Whether any bit differs in columns start .. stop - 1 of two rows.
-static int differ(const __local real *a, __global const real *b, int start, int stop)
+// Whether any bit differs in two rows.
+static int differ(const __local real *a, __global const real *b, int cols)
 {
     sure_vec some = (sure_vec)0;
     long other = 0;
-    int j = start;
-    for (; j + V <= stop; j += V) some |= BITS_vec(VEC(const __local, a + j)) ^ BITS_vec(VEC(const __global, b + j));
-    for (; j < stop; j++) other |= BITS_real(a[j]) ^ BITS_real(b[j]);
+    int j = 0;
+    for (; j + V <= cols; j += V) some |= BITS_vec(VEC(const __local, a + j)) ^ BITS_vec(VEC(const __global, b + j));
+    for (; j < cols; j++) other |= BITS_real(a[j]) ^ BITS_real(b[j]);
     for (int v = 0; v < V; v++) other |= some[v];
     return other != 0;
 }
@@ -166,16 +197,22 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
     __local real *const gains = drives + (T + 1) * BLOCK;
 
 #ifdef SLEEP
+    const int reach = T * RADIUS, west = min(own_cols, (reach + V - 1) / V * V);
+    const int zones[] = {0, west, max(west, (own_cols - reach) / V * V), own_cols};
+    const int places[] = {west > own_cols - reach ? WEST | EAST : WEST, 0, EAST};
+    const int turn = turn_of(moved, tile, across, down, counted(rows, down, band, reach),
+                             counted(cols, across, width, reach), least);
+    const int levels = turn == AWAKE ? steps : 1, times = turn == AWAKE ? 1 : steps;
+    int found = turn == AWAKE ? MOVED : 0;
     moves[tile] = 0;
-    if (!fresh && asleep(moved, tile, across, down)) return;
-    int changed = 0;
-    const int reach = steps * RADIUS, west = min(own_cols, (reach + V - 1) / V * V);
-    const int east = max(west, (own_cols - reach) / V * V);
+    if (turn == ASLEEP) return;
+#else
+    const int levels = steps;
 #endif
-    const int b_last = (stop_row + R - 1) / R - 1 + steps;
+    const int b_last = (stop_row + R - 1) / R - 1 + levels;
     int slot = 0; // of block b in the rings of T + 1 blocks
-    for (int b = floor_div(first_row - steps * RADIUS, R); b <= b_last; b++) {
-        if (b * R < stop_row + steps * RADIUS) {
+    for (int b = floor_div(first_row - levels * RADIUS, R); b <= b_last; b++) {
+        if (b * R < stop_row + levels * RADIUS) {
             if (BOUNDARY == BOUNDARY_PERIODIC || (b >= 0 && b * R < rows))
                 for (int q = 0; q < R; q++) {
                     const int i = BOUNDARY == BOUNDARY_PERIODIC ? wrap(b * R + q, rows) : min(b * R + q, rows - 1);
@@ -187,30 +224,40 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
             fix_rows(scratch, b, rows);
         }
         int at = slot;
-        for (int t = 1; t <= steps; t++) {
-            const int c = b - t, still = (steps - t) * RADIUS; // rows beyond the band that later levels read
+        for (int t = 1; t <= levels; t++) {
+            const int c = b - t, still = (levels - t) * RADIUS; // rows beyond the band that later levels read
             at = at ? at - 1 : T;
             if (c * R + R <= first_row - still || c * R >= stop_row + still) continue;
             const __local real *old = scratch + (t - 1) * 3 * BLOCK;
-            __local real *level = scratch + t * 3 * BLOCK, *fresh = level + (t < steps ? MODULO_3(c) * BLOCK : 0);
+            __local real *level = scratch + t * 3 * BLOCK, *fresh = level + (t < levels ? MODULO_3(c) * BLOCK : 0);
             if (BOUNDARY == BOUNDARY_PERIODIC || (c >= 0 && c * R < rows)) {
-                step_block(old + MODULO_3(c - 1) * BLOCK, old + MODULO_3(c) * BLOCK, old + MODULO_3(c + 1) * BLOCK,
-                           states + at * BLOCK, drives + at * BLOCK, gains + at * BLOCK, fresh, end);
-                for (int q = 0; t < steps && q < R; q++) fix_columns(fresh + q * STRIDE, left, right);
+#define STEP(start, end, times, mark)                                                                                   \
+    step_block(old + MODULO_3(c - 1) * BLOCK, old + MODULO_3(c) * BLOCK, old + MODULO_3(c + 1) * BLOCK,                  \
+               states + at * BLOCK, drives + at * BLOCK, gains + at * BLOCK, fresh, start, end, times, mark,            \
+               SHIFT + own_cols)
+#ifdef SLEEP
+                for (int zone = 0; t == levels && zone < 3; zone++) {
+                    const int loose = STEP(SHIFT + zones[zone], SHIFT + zones[zone + 1], times, 1);
+                    for (int q = 0; q < R; q++) {
+                        const int i = c * R + q - first_row;
+                        if ((loose >> q & 1) && i >= 0 && i < stop_row - first_row)
+                            found |= places[zone] | place_of(i, stop_row - first_row, reach, NORTH, SOUTH);
+                    }
+                }
+                if (t < levels)
+#endif
+                    STEP(V, end, 1, 0);
+                for (int q = 0; t < levels && q < R; q++) fix_columns(fresh + q * STRIDE, left, right);
             }
-            if (t < steps) fix_rows(level, c, rows);
+            if (t < levels) fix_rows(level, c, rows);
         }
-        const int c = b - steps; // the block that comes out; `at` is its place in the rings
+        const int c = b - levels; // the block that comes out; `at` is its place in the rings
         for (int q = 0; q < R && c * R >= first_row && c * R + q < stop_row; q++) {
             __global real *to = out + (top + c * R + q) * cols + first_col;
             const __local real *from = states + at * BLOCK + q * STRIDE + SHIFT;
             int j = 0;
 #ifdef SLEEP
-            __global const real *was = x + (to - out);
-            const int row = place_of(c * R + q - first_row, west, stop_row - first_row, own_cols, reach) & ~(WEST | EAST);
-            changed |= differ(from, was, 0, west) ? row | WEST : 0;
-            changed |= differ(from, was, west, east) ? row : 0;
-            changed |= differ(from, was, east, own_cols) ? row | EAST : 0;
+            if (turn == COASTING) found |= differ(from, x + (to - out), own_cols) ? MOVED : 0;
 #endif
             for (; j + V <= own_cols; j += V) VEC(__global, to + j) = VEC(const __local, from + j);
             for (; j < own_cols; j++) to[j] = from[j];
@@ -218,6 +265,6 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
         slot = slot == T ? 0 : slot + 1;
     }
 #ifdef SLEEP
-    moves[tile] = changed;
+    moves[tile] = found;
 #endif
 }

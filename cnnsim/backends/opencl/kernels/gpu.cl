@@ -35,9 +35,15 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
     const int col = BOUNDARY == BOUNDARY_PERIODIC ? wrap(gj, cols) : clamp_to(gj, cols);
     real s[R], drive[R], gain[R];
 #ifdef SLEEP
-    __local int changed;
-    changed = 0; // seen by all after the barriers below
-    if (!fresh && asleep(moved, tile, across, down)) steps = -1; // no early return: some compilers lose barriers by it
+    __local int found;
+    const int reach = T * RADIUS;
+    const int turn = turn_of(moved, tile, across, down, counted(rows, down, HIGH - 2 * HALO, reach),
+                             counted(cols, across, WIDE - 2 * HALO, reach), least);
+    found = turn == AWAKE ? MOVED : 0; // seen by all after the barriers below
+    const int times = turn == COASTING ? steps : 1;
+    steps = turn == AWAKE ? steps : turn == COASTING ? 1 : -1; // no early return: some compilers lose barriers by it
+#else
+    const int times = 1;
 #endif
 
     if (steps >= 0) {
@@ -84,12 +90,28 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
 #define TAP(q, k, l, weight) d[q] += (real)(weight) * now[PLACE(i0 + q + (k), j + (l))];
             TAPS(TAP, q)
         }
+#ifdef SLEEP
+        if (t == steps - 1) {
+            int loose = 0;
 #pragma unroll
-        for (int q = 0; q < R; q++) {
-            s[q] += gain[q] * (d[q] - s[q]);
-#if LIMITED
-            s[q] = CLIP(real, s[q]);
+            for (int q = 0; q < R; q++) {
+                const int i = i0 + q, gi = gi0 + q;
+                const int own = i >= HALO && i < HIGH - HALO && gi < rows && j >= HALO && j < WIDE - HALO && gj < cols;
+                if (own && !SATURATED(real, s[q], d[q]) && !HELD(real, s[q], d[q], gain[q]))
+                    loose |= place_of(i - HALO, min(HIGH - 2 * HALO, rows - gi + i - HALO), reach, NORTH, SOUTH)
+                             | place_of(j - HALO, min(WIDE - 2 * HALO, cols - gj + j - HALO), reach, WEST, EAST);
+            }
+            if (loose) atomic_or(&found, loose);
+        }
 #endif
+        for (int again = 0; again < times; again++) {
+#pragma unroll
+            for (int q = 0; q < R; q++) {
+                s[q] += gain[q] * (d[q] - s[q]);
+#if LIMITED
+                s[q] = CLIP(real, s[q]);
+#endif
+            }
         }
     }
     const int mine = steps >= 0 && j >= HALO && j < WIDE - HALO && gj < cols;
@@ -99,14 +121,12 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
         if (!mine || i < HALO || i >= HIGH - HALO || gi >= rows) continue;
         const long cell = (top + gi) * cols + gj;
 #ifdef SLEEP
-        if (BITS_real(s[q]) != BITS_real(x[cell]))
-            atomic_or(&changed, place_of(i - HALO, j - HALO, min(HIGH - 2 * HALO, rows - gi + i - HALO),
-                                         min(WIDE - 2 * HALO, cols - gj + j - HALO), HALO));
+        if (turn == COASTING && BITS_real(s[q]) != BITS_real(x[cell])) atomic_or(&found, MOVED);
 #endif
         out[cell] = s[q];
     }
 #ifdef SLEEP
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (get_local_id(0) == 0 && get_local_id(1) == 0) moves[tile] = changed;
+    if (get_local_id(0) == 0 && get_local_id(1) == 0) moves[tile] = found;
 #endif
 }

@@ -1,43 +1,66 @@
-// Which tiles may be left out of a launch of steps.
+// Which tiles may be left out of a launch of steps, and which need not look at their neighbours more than once.
 //
-// A tile is asleep if in the last launch, of as many steps, no bit changed in it nor in those cells around it that a
-// launch reads. Then none changes now either; and since launches write to two planes by turns, the plane that this one
-// writes to has these very states already. Of each tile is kept where it changed: anywhere, and near each of its sides.
+// A cell is saturated for good if |x| >= 1 and its drive d = A*y + w pulls it outwards: while its neighbours' outputs
+// stay, so does its own, to the bit (see cnnsim/backends/cpu/tiles/settled.py). A launch notes where cells were not,
+// before its last step. What these change travels RADIUS cells a step, so a tile that has none within as many cells as the
+// longest launch reads keeps all its drives: it coasts, each cell towards its own drive. If a launch in which it
+// coasted changed no bit in it, the next one does not either, and it is asleep: since launches write to two planes by
+// turns, the plane that this one writes to has these very states already.
+
+// `least`: what a tile does at least in a launch; none is asleep in one of another length than the launch before.
+enum { ASLEEP, COASTING, AWAKE };
 
 #ifdef SLEEP
-#define SLEEP_ARGUMENTS , __global const uchar *moved, __global uchar *moves, int fresh // fresh: step all tiles
+#define SLEEP_ARGUMENTS , __global const uchar *moved, __global uchar *moves, int least // AWAKE: step all tiles
 #else
 #define SLEEP_ARGUMENTS
 #endif
 
-enum { ANYWHERE = 1, NORTH = 2, SOUTH = 4, WEST = 8, EAST = 16 };
+enum { MOVED = 1, ANYWHERE = 2, NORTH = 4, SOUTH = 8, WEST = 16, EAST = 32 };
 
-// Where cell (i, j) of a tile of rows x cols lies, if it has changed; `reach` cells beyond its sides read it.
-static inline int place_of(int i, int j, int rows, int cols, int reach)
+// Numbers up to which 1 - x is exact: with the drive beyond 1 no rounding brings the state back inside.
+#define FAR 16777216
+#define SATURATED(type, s, d)                                                                          \
+    (((s >= (type)1) & (s <= (type)FAR) & (d >= (type)1) & (d <= (type)FAR))                           \
+     | ((s <= (type)-1) & (s >= (type)-FAR) & (d <= (type)-1) & (d >= (type)-FAR)))
+
+// A masked cell stays too.
+#define HELD(type, s, d, gain) \
+    ((gain == (type)0) & (s <= (type)FAR) & (s >= (type)-FAR) & (d <= (type)FAR) & (d >= (type)-FAR))
+
+// Where row or column i of n lies, if a cell in it is not saturated: `reach` cells beyond the sides read it.
+static inline int place_of(int i, int n, int reach, int before, int after)
 {
-    return ANYWHERE | (i < reach ? NORTH : 0) | (i >= rows - reach ? SOUTH : 0) | (j < reach ? WEST : 0)
-           | (j >= cols - reach ? EAST : 0);
+    return ANYWHERE | (i < reach ? before : 0) | (i >= n - reach ? after : 0);
 }
 
-static inline int asleep(__global const uchar *moved, int tile, int across, int down)
+// What a tile does in this launch, with the tiles that are at most so many beyond or beside it; if these are more than
+// its neighbours, because tiles are narrower than what a launch reads, all their cells count.
+static inline int turn_of(__global const uchar *moved, int tile, int across, int down, int beyond, int beside,
+                          int least)
 {
+    if (least == AWAKE) return AWAKE;
     const int p = tile % across, q = tile / across % down;
     __global const uchar *grid = moved + (tile - q * across - p);
+    for (int k = -beyond; k <= beyond; k++)
+        for (int l = -beside; l <= beside; l++) {
+            int i = q + k, j = p + l;
 #if BOUNDARY == BOUNDARY_PERIODIC
-    // the last tile of a row or column may be narrower than what a launch reads: two tiles count on each side
-    for (int k = -2; k <= 2; k++)
-        for (int l = -2; l <= 2; l++)
-            if (grid[wrap(q + k, down) * across + wrap(p + l, across)]) return 0;
+            i = wrap(i, down), j = wrap(j, across);
 #else
-    for (int k = -1; k <= 1; k++)
-        for (int l = -1; l <= 1; l++) {
-            const int i = q + k, j = p + l;
             if (i < 0 || i >= down || j < 0 || j >= across) continue;
-            const int there = grid[i * across + j];
-            if (k == 0 && l == 0 ? there : (k >= 0 || (there & SOUTH)) && (k <= 0 || (there & NORTH))
-                                          && (l >= 0 || (there & EAST)) && (l <= 0 || (there & WEST)))
-                return 0;
-        }
 #endif
-    return 1;
+            const int there = grid[i * across + j] & ~MOVED;
+            const int rows = k == 0 || beyond > 1 ? ANYWHERE : k < 0 ? SOUTH : NORTH;
+            const int cols = l == 0 || beside > 1 ? ANYWHERE : l < 0 ? EAST : WEST;
+            if ((there & rows) && (there & cols)) return AWAKE;
+        }
+    return moved[tile] & MOVED ? COASTING : least;
+}
+
+// How many tiles count on each side of one, where so many of this length make a line of so many cells.
+static inline int counted(int cells, int tiles, int length, int reach)
+{
+    const int last_is_narrow = BOUNDARY == BOUNDARY_PERIODIC && cells - (tiles - 1) * length < reach;
+    return (reach + length - 1) / length + last_is_narrow;
 }
