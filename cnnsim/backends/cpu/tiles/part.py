@@ -6,12 +6,11 @@ from cnnsim.backends.cpu.jit.address import call
 from cnnsim.backends.cpu.jit.compile import twins
 from cnnsim.backends.cpu.tiles.grid import Area, Feedback
 from cnnsim.backends.cpu.tiles.settled import C0, C1, FIGURES, R0, R1, RATE, UNSATURATED, start_check
-from cnnsim.backends.cpu.tiles.sleep import HEIGHT
 from cnnsim.backends.cpu.tiles.window import window_cells, window_layout
 from cnnsim.support import Array
 
-WIDTH = 256
-"""Columns of a window: its rows stay in the second cache."""
+HEIGHT, WIDTH = 32, 256
+"""Cells of a window: its rows stay in the second cache."""
 
 
 @twins
@@ -26,13 +25,15 @@ def over_part(
     x, target, w = planes
     r = feedback[4]
     scratch = np.empty(window_cells(HEIGHT, 0, r), x.dtype)
-    at, found = window_layout(scratch, HEIGHT, 0, r), np.empty(FIGURES)
+    at, all_found = window_layout(scratch, HEIGHT, 0, r), np.empty((1, FIGURES))
+    found = all_found[0]
     start_check(found)
     for g in range(x.shape[0]):
         for r0 in range(area[0], area[1], HEIGHT):
             for c0 in range(area[2], area[3], WIDTH):
                 part = Area(r0, min(r0 + HEIGHT, area[1]), c0, min(c0 + WIDTH, area[3]))
-                call(address, (x[g], w[g], target[g], feedback, 0, part, scratch, at, task, rest, True, behind, found))
+                call(address, (x[g], w[g], target[g], feedback, 0, part, scratch, at, task, rest, True, behind,
+                               all_found))  # fmt: skip
     still = found[UNSATURATED] == 0
     if still:
         return found[RATE], True, (0, 0, 0, 0)

@@ -12,19 +12,23 @@ from numba import prange
 from cnnsim.backends.cpu.jit.address import call
 from cnnsim.backends.cpu.jit.compile import helper, twins
 from cnnsim.backends.cpu.tiles.boundary import is_periodic
-from cnnsim.backends.cpu.tiles.grid import Feedback, Schedule, Tiling, steps_of_pass, tile_area
+from cnnsim.backends.cpu.tiles.grid import Area, Feedback, Schedule, Tiling, steps_of_pass
 from cnnsim.backends.cpu.tiles.position import BEGIN, END, MEASURE, STEP, Fields, Position
 from cnnsim.backends.cpu.tiles.scratch import move
 from cnnsim.backends.cpu.tiles.settled import C0, C1, MOVING, R0, R1, UNSATURATED, largest_rate, start_check, total
-from cnnsim.backends.cpu.tiles.window import CATCH_UP, CHECK, window_cells, window_layout
+from cnnsim.backends.cpu.tiles.window import CATCH_UP, CHECK, HEIGHT, window_cells, window_layout
 from cnnsim.support import Array
 
-HEIGHT, WIDTH = 32, 64
-"""Cells of a tile: small enough to lie still as a whole, wide enough for the vectors."""
-UPTO, CHOSEN, DIFFERS, WORK = range(7, 11)
-COLUMNS = 11
+WIDTH = 64
+"""Columns of a tile: wide enough for the vectors, and small enough, with `HEIGHT` rows, to lie still as a whole."""
+MOST = 4
+"""Tiles below each other that are stepped as one, so that rows around them are computed again for all at once: of a
+picture of 1024 x 1024 with holes the area computed is 18 % then, 25 % one by one, and 23 % by tiles twice as high."""
+UPTO, CHOSEN, DIFFERS, WORK, COUNT = range(7, 12)
+COLUMNS = 12
 """What is known of each tile from pass to pass: after what a check finds (`settled`) the step that its states belong
-to, whether it is to be stepped, and whether it differs between the planes. Column WORK is the list of tiles to do.
+to, whether it is to be stepped, and whether it differs between the planes. Columns WORK and COUNT are the list of what
+is to be done: a tile, and how many it makes with those below it. Tiles are counted column by column.
 """
 E_FOLDS = 40
 """Time constants after which a state that goes to a constant drive changes no bit any more, not even of float64."""
@@ -48,7 +52,7 @@ def wake(found: Array, reach: int, shape: tuple[int, int, int], periodic: bool) 
             p, j = i % rows, c0
             while j < c1:
                 q = j % cols
-                found[first + p // HEIGHT * across + q // WIDTH, CHOSEN] = 1
+                found[first + q // WIDTH * down + p // HEIGHT, CHOSEN] = 1
                 j += min(cols - q, WIDTH - q % WIDTH)
             i += min(rows - p, HEIGHT - p % HEIGHT)
 
@@ -72,20 +76,38 @@ def choose(tiles: Array, value: bool) -> None:
 
 
 @helper
-def choose_work(tiles: Array, with_different: bool) -> int:
-    """List the tiles that are to be stepped, or also copied; return how many they are."""
-    count = 0
-    for tile in range(tiles.shape[0]):
+def area_of(tile: int, tiles: int, shape: tuple[int, int, int]) -> tuple[int, Area]:
+    """Return the grid and the cells of a tile with those below it, so many in all."""
+    _, rows, cols = shape
+    down, across = (rows + HEIGHT - 1) // HEIGHT, (cols + WIDTH - 1) // WIDTH
+    r0, c0 = tile % down * HEIGHT, tile // down % across * WIDTH
+    return tile // (down * across), Area(r0, min(rows, r0 + tiles * HEIGHT), c0, min(cols, c0 + WIDTH))
+
+
+@helper
+def choose_work(tiles: Array, with_different: bool, rows: int) -> int:
+    """List the tiles that are to be stepped, or also copied; return how long the list is."""
+    down, count, tile = (rows + HEIGHT - 1) // HEIGHT, 0, 0
+    while tile < tiles.shape[0]:
+        after = tile + 1
+        if tiles[tile, CHOSEN]:
+            while after % down > 0 and after < tile + MOST and tiles[after, CHOSEN]:
+                after += 1
         if tiles[tile, CHOSEN] or (with_different and tiles[tile, DIFFERS]):
-            tiles[count, WORK] = tile
+            tiles[count, WORK], tiles[count, COUNT] = tile, after - tile
             count += 1
+        tile = after
     return count
 
 
 @helper
-def work_of(tile: Array, done: int, now: int, h: float) -> int:
-    """Return how many steps of a tile its turn in a pass takes at most, with its check."""
-    return now + 2 + min(done - int(tile[UPTO]), int(E_FOLDS / h)) if tile[CHOSEN] else 1
+def work_of(tiles: Array, place: int, done: int, now: int, h: float) -> int:
+    """Return how many steps of a tile an entry of the list takes at most in a pass, with its check."""
+    first, work = int(tiles[place, WORK]), 1
+    if tiles[first, CHOSEN]:
+        for tile in range(first, first + int(tiles[place, COUNT])):
+            work += now + 2 + min(done - int(tiles[tile, UPTO]), int(E_FOLDS / h))
+    return work
 
 
 @helper
@@ -98,7 +120,7 @@ def last_of_slice(
     """
     k, (done, now, h) = first, pass_of
     while k < to_do and (left > 0 or k < first + threads):
-        left -= work_of(tiles[int(tiles[k, WORK])], done, now, h)
+        left -= work_of(tiles, k, done, now, h)
         k += 1
     return k, left
 
@@ -129,7 +151,7 @@ def sleeping(
     steps, check_every, rest, _ = schedule
     done, where, phase, k, now, to_do = position
     r, h, periodic = feedback[4], feedback[3], is_periodic(feedback[4:7])
-    scratches = np.empty((threads, window_cells(HEIGHT, depth, r)), x.dtype)
+    scratches = np.empty((threads, window_cells(MOST * HEIGHT, depth, r)), x.dtype)
     looking, largest, settled, left = phase != BEGIN, np.nan, False, most
     if phase == BEGIN:
         begin_tiles(tiles)
@@ -138,29 +160,33 @@ def sleeping(
     while phase != END and left > 0:
         source, target = (first, second) if where == 1 else (second, first)
         if k == 0:
-            to_do = choose_work(tiles, now > 0)
+            to_do = choose_work(tiles, now > 0, x.shape[1])
         measure = phase == MEASURE or (looking and k == 0)
         begin = k
         k, left = last_of_slice(tiles, begin, to_do, threads, (done, now, h), left)
         for thread in prange(threads):
-            scratch, at = scratches[thread], window_layout(scratches[thread], HEIGHT, depth, r)
+            scratch, at = scratches[thread], window_layout(scratches[thread], MOST * HEIGHT, depth, r)
             for place in range(begin + thread, k, threads):
-                tile = int(tiles[place, WORK])
-                g, area = tile_area(tile, x.shape, HEIGHT, WIDTH)
-                if tiles[tile, CHOSEN]:
-                    # Neighbours may read this tile while it catches up: a benign data race, its outputs are frozen.
-                    missed = done - int(tiles[tile, UPTO])
-                    start_check(tiles[tile])
-                    for task in range(CATCH_UP if missed > 0 else CHECK, CHECK - 1, -1):
-                        to, ahead = (source[g], 0) if task == CATCH_UP else (target[g], now)
-                        call(address, (source[g], w[g], to, feedback, ahead, area, scratch, at, task, rest, measure,
-                                       missed, tiles[tile]))  # fmt: skip
-                    if now > 0 or missed > 0:
-                        tiles[tile, DIFFERS] = 1
+                first_tile, count = int(tiles[place, WORK]), int(tiles[place, COUNT])
+                after = first_tile + count
+                g, area = area_of(first_tile, count, x.shape)
+                if tiles[first_tile, CHOSEN]:
+                    for tile in range(first_tile, after):
+                        # Neighbours may read a tile while it catches up: a benign data race, its outputs are frozen.
+                        missed = done - int(tiles[tile, UPTO])
+                        start_check(tiles[tile])
+                        if now > 0 or missed > 0:
+                            tiles[tile, DIFFERS] = 1
+                        if missed > 0:
+                            _, own = area_of(tile, 1, x.shape)
+                            call(address, (source[g], w[g], source[g], feedback, 0, own, scratch, at, CATCH_UP, rest,
+                                           measure, missed, tiles[tile : tile + 1]))  # fmt: skip
+                    call(address, (source[g], w[g], target[g], feedback, now, area, scratch, at, CHECK, rest, measure,
+                                   0, tiles[first_tile:after]))  # fmt: skip
                 else:  # fell asleep: from here on it is the same in both planes
                     for i in range(area.r0, area.r1):
                         move(source[g, i], area.c0, target[g, i], area.c0, area.c1 - area.c0)
-                    tiles[tile, DIFFERS] = 0
+                    tiles[first_tile, DIFFERS] = 0
         if k < to_do:
             continue
         k = 0

@@ -13,10 +13,10 @@ from cnnsim.backends.cpu.tiles.grid import Edge, Feedback
 from cnnsim.backends.cpu.tiles.loops import ANY, CROSS, ISOTROPIC, NINE, loop
 from cnnsim.backends.cpu.tiles.rows import PAD, STRIDE
 from cnnsim.backends.cpu.tiles.scratch import GROUP
-from cnnsim.backends.cpu.tiles.sleep import HEIGHT, WIDTH
+from cnnsim.backends.cpu.tiles.sleep import WIDTH
 from cnnsim.backends.cpu.tiles.stage_rows import stage_loop
 from cnnsim.backends.cpu.tiles.tile import streaming
-from cnnsim.backends.cpu.tiles.window import window
+from cnnsim.backends.cpu.tiles.window import HEIGHT, window
 from cnnsim.backends.slices import Pace
 from cnnsim.network import reach
 from cnnsim.planning.plan import Plan

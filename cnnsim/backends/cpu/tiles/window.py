@@ -22,6 +22,8 @@ from cnnsim.backends.cpu.tiles.settled import check_block
 from cnnsim.support import Array
 
 CHECK, CATCH_UP = 0, 1
+HEIGHT = 16
+"""Rows of a tile that is checked by itself: a multiple of `BLOCK`."""
 
 
 class WindowLayout(NamedTuple):
@@ -64,7 +66,8 @@ def step_window(
 ) -> None:  # fmt: skip
     """Take ``depth`` steps of the cells of ``area``, then do the task, and write the states to ``target``.
 
-    CHECK: check the step that would come (`check_block`). CATCH_UP: take the ``behind`` steps of cells whose drive
+    CHECK: check the step that would come (`check_block`); ``found`` has a row for each tile of `HEIGHT` rows, the last
+    one for all that are left. CATCH_UP: take the ``behind`` steps of cells whose drive
     has stayed the same (`catch_up_block`).
     """
     rows, cols = source.shape
@@ -103,7 +106,8 @@ def step_window(
         step_block(loop, taps, r, scratch, at.row, at.square, at.drive, at.w + o, y + o, new, whole,
                    source.dtype.type(1), 1)  # fmt: skip
         if task == CHECK:
-            check_block(scratch, at.x + o + inner, at.drive + inner, area, i, rest, measure, found)
+            tile = min((i - area.r0) // HEIGHT, found.shape[0] - 1)
+            check_block(scratch, at.x + o + inner, at.drive + inner, area, i, rest, measure, found[tile])
         else:
             pairs = catch_up_block(scratch, at.x + o + inner, at.drive + inner, at.pairs, at.row, area.c1 - area.c0, h,
                                    behind, pairs)  # fmt: skip
@@ -122,6 +126,6 @@ def window(feedback: Any) -> Any:
         step_window,
         types.void(
             plane, plane, plane, feedback, types.int64, area, row, layout, types.int64, types.float64, types.boolean,
-            types.int64, types.float64[::1],
+            types.int64, types.float64[:, ::1],
         ),
     )  # fmt: skip
