@@ -18,7 +18,7 @@ TILED_BOUNDARIES = BoundaryCode.FIXED, BoundaryCode.ZERO_FLUX, BoundaryCode.PERI
 """Boundaries that the kernels of tiles (cpu.cl, gpu.cl, sleep.cl) know; with any other, steps go by stages."""
 TILE_BYTES = 2048
 """Length of a tile's row on a CPU. Measured: with 1 KiB and with 4 KiB the transient is some per cent slower."""
-SLEEPER = 32, 512
+SLEEPER = 64, 512
 """Rows, and bytes of a row, of a tile that may sleep on a CPU: small, so that many can."""
 LOCAL_BYTES = 48 * 1024
 """Local memory of a work-group on a GPU: what every one has without asking for more."""
