@@ -35,12 +35,12 @@ class FunctionCode(IntEnum):
 class TaskCode(IntEnum):
     """What a loop over the cells does with their drives.
 
-    DRIVE: write them; RATE: write the drives less the state; DISCRETE: write the outputs that they make; EULER: take
-    a step of a one-stage scheme; CHECK: write the largest rate of each row (the cpu backend's alone).
+    DRIVE: write them; RATE: write the drives less the state (OpenCL's alone); DISCRETE: write the outputs that they
+    make; STEP: take a step, on OpenCL of a one-stage scheme; CHECK: write the largest rate (the cpu backend's alone).
     """
 
     DRIVE = 0
     RATE = 1
     DISCRETE = 2
-    EULER = 3
+    STEP = 3
     CHECK = 4

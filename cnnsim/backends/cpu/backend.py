@@ -33,8 +33,8 @@ from cnnsim.backends.cpu.planes import grids
 from cnnsim.backends.cpu.pool import Pool
 from cnnsim.backends.cpu.prepared import Prepared
 from cnnsim.backends.cpu.routine import MOST_CELLS, CompiledRoutine
-from cnnsim.backends.cpu.term_steps import CompiledDiscreteSteps, CompiledTermSteps
-from cnnsim.backends.cpu.terms import CompiledNetwork, with_control_terms
+from cnnsim.backends.cpu.terms.network import CompiledNetwork, with_control_terms
+from cnnsim.backends.cpu.terms.steps import CompiledDiscreteSteps, CompiledTermSteps
 from cnnsim.backends.cpu.threads import checked_threads, on_threads
 from cnnsim.backends.cpu.tiles.sleep import E_FOLDS
 from cnnsim.backends.cpu.tiles.window import CATCH_UP, CHECK
@@ -122,25 +122,26 @@ class CpuBackend(BlockBackend):
     ) -> Outcome:
         check_fixed_step(plan)
         if plan.method == "general":
-            cells = self._held(mask)
-            network = CompiledNetwork(plan, x, u, bias, cells)
+            network = CompiledNetwork(plan, x, u, bias, None if mask is None else mask.words)
             with np.errstate(over="ignore", invalid="ignore"):  # what overflows is found and reported below
-                steps = CompiledDiscreteSteps(network) if plan.cell == "discrete-time" else CompiledTermSteps(network)
+                steps = (
+                    CompiledDiscreteSteps(network, None if mask is None else self._held(mask))
+                    if plan.cell == "discrete-time"
+                    else CompiledTermSteps(network)
+                )
                 outcome = driver.run(plan, steps, network.spans())
         else:
             ready = self._ready(plan)
-            given, work, lines = self._given(plan, ready, x, u, bias)
             if plan.method == "closed form":
-                end, parts = (
-                    np.empty_like(x),
-                    pieces(lines, (work + (0 if ready.settles else EXPONENTIALS * x.size)) / lines),
-                )
+                end = np.empty_like(x)
+                given, work, lines = self._given(plan, ready, x, u, bias, end)
+                parts = pieces(lines, (work + (0 if ready.settles else EXPONENTIALS * x.size)) / lines)
                 loop, cells = closed.closed_form.for_work(work), self._held(mask)
                 fine = [loop(grids(x), grids(end), cells, ready.cell, given, ready.around_u, *part) for part in parts]
                 if not all(fine):
                     check_finite(end, ready.t)
                 return Outcome(end, ready.t, ready.settles, 0.0 if ready.settles else math.nan)
-            w = self._drive(ready, x, given, work, lines)
+            w = self._drive(plan, ready, x, u, bias)
             outcome = by_tiles(plan, ready, x, w, None if mask is None else mask.words, self._pool)
             self._pool.keep(w)
         if not planes.all_finite.for_work(x.size)(grids(outcome.x)):
@@ -151,14 +152,19 @@ class CpuBackend(BlockBackend):
         """Return a mask as truth values; without cells it holds none."""
         return _NO_MASK if mask is None else grids(self._unpack(mask, np.dtype(bool)))
 
-    def _given(self, plan: Plan, ready: Prepared, x: Array, u: Any, bias: Any) -> tuple[Any, int, int]:
-        """Return what w = B*u + z + bias is made of, the sums it takes, and the rows there are."""
-        bias = with_control_terms(plan, u, bias)
+    def _given(self, plan: Plan, ready: Prepared, x: Array, u: Any, bias: Any, out: Array) -> tuple[Any, int, int]:
+        """Return what w = B*u + z + bias is made of, the sums it takes, and the rows there are.
+
+        Terms of the input alone lie in ``out``, where w, or what is made of it row by row, may replace them.
+        """
+        bias = with_control_terms(plan, u, bias, out)
         given = ready.z, self._nothing if bias is None else grids(bias), grids(x if u is None else u), ready.control
         return given, x.size * max(1, ready.control.size), x.size // x.shape[-1]
 
-    def _drive(self, ready: Prepared, x: Array, given: Any, work: int, lines: int) -> Array:
-        w, loop = self._pool.plane(x), control.for_work(work)
+    def _drive(self, plan: Plan, ready: Prepared, x: Array, u: Any, bias: Any) -> Array:
+        w = self._pool.plane(x)
+        given, work, lines = self._given(plan, ready, x, u, bias, w)
+        loop = control.for_work(work)
         for part in pieces(lines, work / lines):
             loop(controlling(self.dtype).address, grids(w), given, ready.around_u, *part)
         return w
@@ -168,17 +174,17 @@ class CpuBackend(BlockBackend):
         if plan.method != "general" and mask is None:
             ready = self._ready(plan)
             if ready.is_euler:
-                w = self._drive(ready, x, *self._given(plan, ready, x, u, bias))
+                w = self._drive(plan, ready, x, u, bias)
                 found = over_area(plan, ready, x, x, w, area, CHECK, 0)
                 self._pool.keep(w)
                 return found
         held = outside(x.shape, area, None if mask is None else self._unpack(mask, np.dtype(bool)))
         if plan.method == "general":
-            steps = CompiledTermSteps(CompiledNetwork(plan, x, u, bias, grids(held)))
+            steps = CompiledTermSteps(CompiledNetwork(plan, x, u, bias, self._pack(held).words))
             steps.start_span(0)
             return steps.check_settled(0, last=True)
         ready = self._ready(plan)
-        w = self._drive(ready, x, *self._given(plan, ready, x, u, bias))
+        w = self._drive(plan, ready, x, u, bias)
         found = check_free(plan, ready, x, w, self._pack(held).words)
         self._pool.keep(w)
         return found
@@ -186,7 +192,7 @@ class CpuBackend(BlockBackend):
     def catch_up(self, plan: Plan, x: Array, u: Any, bias: Any, mask: Any, area: Area, steps: int) -> Array | None:
         if plan.method == "general" or mask is not None or not (ready := self._ready(plan)).is_euler:
             return None
-        w, end = self._drive(ready, x, *self._given(plan, ready, x, u, bias)), x.copy()
+        w, end = self._drive(plan, ready, x, u, bias), x.copy()
         over_area(plan, ready, x, end, w, area, CATCH_UP, min(steps, math.ceil(E_FOLDS / plan.step)))
         self._pool.keep(w)
         return end
@@ -194,7 +200,7 @@ class CpuBackend(BlockBackend):
     def advance(self, plan: Plan, x: Array, u: Any, bias: Any, mask: Any, area: Area, steps: int) -> Array | None:
         if plan.method == "general" or mask is not None or not (ready := self._ready(plan)).is_euler or not steps:
             return None
-        w = self._drive(ready, x, *self._given(plan, ready, x, u, bias))
+        w = self._drive(plan, ready, x, u, bias)
         end = advanced(plan, ready, x, w, area, steps, self._pool)
         self._pool.keep(w)
         return end

@@ -79,11 +79,12 @@ def closed_form(
     for line in prange(first, after):
         g, p = line // height, line % height
         row, drive = x[g, p], end[g, p]
-        for j in range(width):
-            drive[j] = z
-        if bias.size:
+        if bias.size:  # which may lie where the states go
             for j in range(width):
-                drive[j] += bias[g, p, j]
+                drive[j] = z + bias[g, p, j]
+        else:
+            for j in range(width):
+                drive[j] = z
         control_row(drive, u[g], p, taps, virtual)
         if t == math.inf:
             for j in range(width):

@@ -81,11 +81,12 @@ def control_rows(w: Array, control: Control, virtual: VirtualCells, first: int, 
     for line in range(first, after):
         g, i = line // height, line % height
         total = w[g, i]
-        for j in range(width):
-            total[j] = z
-        if bias.size:
+        if bias.size:  # which may lie where w goes
             for j in range(width):
-                total[j] += bias[g, i, j]
+                total[j] = z + bias[g, i, j]
+        else:
+            for j in range(width):
+                total[j] = z
         control_row(total, u[g], i, taps, virtual)
 
 

@@ -125,7 +125,7 @@ class _LayerSteps(_NetworkSteps):
             self._past[number % len(self._past)] = self._x
             after = self._planes[number % len(self._planes)]  # the one that fell out of the past
             if self._stage is None:
-                self._add_terms(TaskCode.EULER, self._x, number, after)
+                self._add_terms(TaskCode.STEP, self._x, number, after)
             else:
                 for index, ahead in enumerate(self._ahead):
                     self._sums.write(index, self._x, self._stage, self._mask)

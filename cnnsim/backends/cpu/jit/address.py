@@ -60,3 +60,9 @@ def bare(array: NDArray[Any]) -> NDArray[Any]:
     Each slice of one that counts costs two atomic instructions, and threads that share it wait for one another there.
     """
     return carray(pointer(array), (array.size,))
+
+
+@helper
+def uncounted(array: NDArray[Any]) -> NDArray[Any]:
+    """Return an array of the same shape that counts no references: see `bare`."""
+    return carray(pointer(array), array.shape)

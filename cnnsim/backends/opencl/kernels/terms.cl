@@ -164,7 +164,7 @@ KERNEL void add_terms(__global const real *x, __global const real *w, __global c
             if (task != TASK_DRIVE) {
                 const vec s = load_part(x + line * cols + j, cols - j);
                 if (task == TASK_RATE) total -= s;
-                if (task == TASK_EULER) {
+                if (task == TASK_STEP) {
                     total = s + gain * (total - s);
                     if (limited) total = CLIP(vec, total);
                 }

@@ -4,8 +4,8 @@ Each value would else be written and read again three times, as a difference, as
 product. What is rounded stays the same: ``total + weight * f(v - less)``, or with ``v - less`` as a further factor.
 """
 
-from cnnsim.backends.cpu.function_rows import line_from, step_beyond
 from cnnsim.backends.cpu.jit.compile import helper
+from cnnsim.backends.cpu.terms.function_rows import line_from, step_beyond
 from cnnsim.support import Array
 
 MOST_PLACES = 5
