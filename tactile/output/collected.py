@@ -61,6 +61,7 @@ class Collected:
         self.notes: list[TareNote] = []
         self.said: list[tuple[float, str, str, dict[str, Any]]] = []
         self.strongest: dict[str, Floats] = {}
+        self.dead_bands: dict[str, float] = {}
         self._tares: dict[str, TareCheck] = {}
         self.frames = 0
         self._rows: dict[str, list[tuple[float, ...]]] = {}
@@ -73,6 +74,8 @@ class Collected:
         best = self.strongest.setdefault(report.array.name, values)
         if abs(values[..., NORMAL].sum()) > abs(best[..., NORMAL].sum()):
             self.strongest[report.array.name] = values
+        if report.levels is not None and self.strongest[report.array.name] is values:
+            self.dead_bands[report.array.name] = float(np.median(report.levels.off[..., :NORMAL]))
         self.take(report.events, report.ended)
         self.notes += report.tares
         self.said += [(report.frame.t, report.array.name, name, dict(out)) for name, out in report.said.items()]

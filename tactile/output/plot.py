@@ -54,7 +54,8 @@ def picture(collected: Collected, arrays: tuple[TaxelArray, ...], title: str) ->
         mark((normal, shear), events)
         labels.set_title(f"{array.name}: {len(events)} events", loc="left")
         others = collected.others(array.name)
-        draw_plane(part.add_subplot(grid[:, 1]), columns, array, collected.strongest.get(array.name), others)
+        firmest, dead_band = collected.strongest.get(array.name), collected.dead_bands.get(array.name)
+        draw_plane(part.add_subplot(grid[:, 1]), columns, array, firmest, others, dead_band)
         labelled.append((labels, events, array.name))
     figure.draw_without_rendering()  # lays it out: where labels fit is known from here on
     figure.set_layout_engine("none")

@@ -20,16 +20,18 @@ REACH = 0.85
 """Length of the longest arrow over the distance of neighbouring ones."""
 
 
-def draw_plane(axis: Any, columns: Columns, array: TaxelArray, strongest: Floats | None, others: Floats) -> None:
+def draw_plane(
+    axis: Any, columns: Columns, array: TaxelArray, strongest: Floats | None, others: Floats, dead_band: float | None
+) -> None:
     """Draw the taxels, and over them the tracks of the located loads, or the forces of the firmest moment.
 
-    ``others`` (n, 4): t, x, y, F of loads beside the strongest.
+    ``others`` (n, 4): t, x, y, F of loads beside the strongest; ``dead_band`` [N] of the median taxel's shear then.
     """
     places = array.positions() * 1e3
     _frame(axis, places, array)
     _taxels(axis, array)
     if array.quantity == "force":
-        words = "nothing pressed" if strongest is None else _forces(axis, array, places, strongest)
+        words = "nothing pressed" if strongest is None else _forces(axis, array, places, strongest, dead_band)
     else:
         words = _track(axis, columns, others)
     axis.set_title(f"{array.rows} x {array.cols} taxels seen from outside\n{words}", loc="left", fontsize=9)
@@ -91,9 +93,9 @@ def _track(axis: Any, columns: Columns, others: Floats) -> str:
     return "\n".join(words) or "no load located"
 
 
-def _forces(axis: Any, array: TaxelArray, places: Floats, values: Floats) -> str:
+def _forces(axis: Any, array: TaxelArray, places: Floats, values: Floats, dead_band: float | None) -> str:
     """Draw the normal forces as grey levels and the shear forces as arrows, each with its scale."""
-    pitch, dead_band = array.pitch * 1e3, SHEAR["force"].dead_band
+    pitch, dead_band = array.pitch * 1e3, dead_band or SHEAR["force"].dead_band
     press = values[..., NORMAL]
     most = max(float(np.abs(press).max()), dead_band)
     corner = places[0, 0] - pitch / 2

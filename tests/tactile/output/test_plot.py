@@ -73,6 +73,17 @@ def test_arrows_have_a_stated_scale(shear: float, key: float) -> None:
     assert ("below the dead band" in plane.get_title(loc="left")) == (shear < 0.1)
 
 
+@pytest.mark.parametrize(("shear", "small"), [(0.03, False), (1e-3, True)])
+def test_the_dead_band_is_that_of_the_noise_where_it_was_measured(shear: float, small: bool) -> None:
+    rng, source = np.random.default_rng(3), pressed(3, 1.0, shear, 120)
+    frames = [
+        Frame(0, one.t, one.sequence, one.values * (n >= 60) + 5e-4 * rng.standard_normal((3, 3, 3)), one.valid)
+        for n, one in enumerate(source)
+    ]
+    figure, _ = drawn(FrameStream("pad", source.arrays, None, len(frames), frames), Settings(tare="auto"))
+    assert ("below the dead band" in axis(figure, "y [mm]").get_title(loc="left")) == small
+
+
 @pytest.mark.parametrize(("side", "squares"), [(8, 1), (32, 0), (64, 0)])
 def test_many_taxels_are_no_net(side: int, squares: int) -> None:
     plane = axis(drawn(pressed(side))[0], "y [mm]")
