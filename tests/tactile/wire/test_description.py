@@ -1,9 +1,12 @@
 """Array descriptions: chips arranged to frames and back, and what is wrong in a file."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from cnnsim.support import InputError
+from tactile import make_effect
 from tactile.events.code import SIGN, Threshold
 from tactile.events.thresholds import SIGMAS, Sigmas
 from tactile.settings import PipelineOptions
@@ -43,6 +46,17 @@ def test_a_description_turns_chips_into_frames_and_back() -> None:
     assert (description.modulus, description.baudrate) == (400000.0, 115200)
     again = parse_description(description.text, "again")
     assert again.arrays == description.arrays
+
+
+def test_the_thickness_of_the_cover_is_kept() -> None:
+    assert parse_description(TEXT, "here").arrays[0].thickness is None
+    text = TEXT.replace("depth_mm = 2.0", "depth_mm = 2.0\nthickness_mm = 2.5")
+    description = parse_description(text, "here")
+    assert description.arrays[0].thickness == pytest.approx(2.5e-3, rel=1e-15)
+    source = replace(grip(0.05, 1), effects=[make_effect("finite_thickness", thickness=7e-3)])
+    assert emulated_description("native", source).arrays[0].thickness == pytest.approx(7e-3, rel=1e-15)
+    with pytest.raises(InputError, match=r"a cover 0.0015 m thick over taxels 0.002 m deep; a thickness"):
+        parse_description(text.replace("2.5", "1.5"), "here")
 
 
 @pytest.mark.parametrize(("change", "message"), [

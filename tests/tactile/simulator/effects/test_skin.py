@@ -1,6 +1,7 @@
 """Effects of the body and what touches it, against closed forms."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -53,6 +54,16 @@ def test_finite_tip_is_the_round_tip() -> None:
     radii = round_tip_radius(loads[..., 4], 30e-6, Medium(2.4e6).contact_modulus)
     wanted = disc_load(ARRAY.positions(), ARRAY.depth, loads, radii, ROUND_TIP, Medium(2.4e6), radii / 30e-6)
     assert np.abs(before.values + added - wanted).max() < 1e-12 * np.abs(wanted).max()
+
+
+def test_arrays_of_a_scene_know_their_covers_thickness() -> None:
+    """So that loads are located as on the layer; without the effect nothing is known of one."""
+    for effect, thickness in (
+        (FiniteThickness(5e-4), 5e-4), (FiniteThickness(), 2 * ARRAY.depth), (FiniteThickness(np.inf), None),
+    ):  # fmt: skip
+        of = scene(effects=[effect])
+        assert of.arrays[0].thickness == thickness
+        assert replace(of, effects=()).arrays[0].thickness is None
 
 
 @pytest.mark.parametrize("thickness", (2e-4, 3e-4, 4e-3))
