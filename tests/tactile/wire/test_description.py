@@ -53,7 +53,7 @@ def test_the_thickness_of_the_cover_is_kept() -> None:
     text = TEXT.replace("depth_mm = 2.0", "depth_mm = 2.0\nthickness_mm = 2.5")
     description = parse_description(text, "here")
     assert description.arrays[0].thickness == pytest.approx(2.5e-3, rel=1e-15)
-    source = replace(grip(0.05, 1), effects=[make_effect("finite_thickness", thickness=7e-3)])
+    source = replace(grip(0.05, 1), effects=(("finite_thickness", make_effect("finite_thickness", thickness=7e-3)),))
     assert emulated_description("native", source).arrays[0].thickness == pytest.approx(7e-3, rel=1e-15)
     with pytest.raises(InputError, match=r"a cover 0.0015 m thick over taxels 0.002 m deep; a thickness"):
         parse_description(text.replace("2.5", "1.5"), "here")
