@@ -62,7 +62,7 @@ def explain_large(program: Program, shape: tuple[int, int], engine: Engine, item
         )
         given = sum(isinstance(getattr(step, name), str) for name in ("input", "bias"))
         has_mask = getattr(step, "mask", None) is not None
-        needed = max(needed, worker_bytes(plan, side, halo, 1, itemsize, given, has_mask=has_mask))
+        needed = max(needed, worker_bytes(plan, side, halo, 1, itemsize, given, has_mask=has_mask, backend="cpu"))
     planes, size = _most(program, set(plans), itemsize)
     down, across = (-(-cells // side) for cells in shape)
     return LargeProgram((down, across), side, workers, needed, planes, size * prod(shape))

@@ -12,8 +12,9 @@ from cnnsim.support.memory import check_memory, free_memory
 from cnnsim.support.values import is_whole
 from cnnsim.workers.engine import check_engine_name
 
-LARGEST, SMALLEST = 8192, 64
-"""Sides of blocks: the most, and the least."""
+LARGEST, SMALLEST = 4096, 64
+"""Sides of blocks: the most, and the least. Planes of larger ones cost more when the system hands them out than their
+halo saves."""
 SLEEPING, ACROSS, FEWEST = 512, 32, 8
 """Sides where blocks may sleep: a front keeps those awake that it crosses, of ``ACROSS`` each way a few. Below
 ``SLEEPING`` cells a task costs more than its block sleeps, but with fewer than ``FEWEST`` each way hardly one does."""
@@ -100,10 +101,13 @@ def _whole(side: int) -> int:
     return max(SMALLEST, side if side < WHOLE else -(-side // WHOLE) * WHOLE)
 
 
-def worker_bytes(plan: Plan, side: int, halo: int, lead: int, itemsize: int, given: int, *, has_mask: bool) -> float:
-    """Return the memory of a worker [bytes]: itself, a block with its halo read, and what the transient makes of it."""
+def worker_bytes(
+    plan: Plan, side: int, halo: int, lead: int, itemsize: int, given: int, *, has_mask: bool, backend: str
+) -> float:
+    """Return the memory of a worker [bytes]: itself, a block with its halo read, and what the backend makes of it."""
     cells = lead * (min(side, plan.shape[0]) + 2 * halo) * (min(side, plan.shape[1]) + 2 * halo)
-    each = cell_bytes(plan, 1 + given, itemsize, has_mask=has_mask) + (2 + given) * itemsize  # as read, and as given
+    each = cell_bytes(plan, 1 + given, itemsize, has_mask=has_mask, backend=backend)
+    each += (1 + given + (backend != "opencl")) * itemsize  # as read, and as given
     return WORKER_BYTES + cells * each
 
 

@@ -88,7 +88,7 @@ def _opened(
     else:
         side = engine.side_of_store(folder, record.side)
     dtype = np.dtype(place.dtype)
-    _check_memory(plan, side, math.prod(planes["state"].shape[:-2]), list(planes), engine, workers, dtype, small=small)
+    _check_memory(plan, side, math.prod(planes["state"].shape[:-2]), list(planes), engine, workers, place, small=small)
     blocks = Blocks(plan.shape, side, plan.boundary)
     store = GridStore(folder, blocks)
     if record is None:
@@ -101,11 +101,13 @@ def _opened(
 
 
 def _check_memory(
-    plan: Plan, side: int, lead: int, names: list[str], engine: Engine, workers: Workers, dtype: np.dtype[Any],
-    *, small: bool,
+    plan: Plan, side: int, lead: int, names: list[str], engine: Engine, workers: Workers, place: Place, *, small: bool
 ) -> None:  # fmt: skip
     halo = halo_of(plan, engine.depth or first_depth(side, reach_of(plan), sleeps=small), checked=True)
-    needed = worker_bytes(plan, side, halo, lead, dtype.itemsize, len(names) - 1, has_mask="mask" in names)
+    needed = worker_bytes(
+        plan, side, halo, lead, np.dtype(place.dtype).itemsize, len(names) - 1, has_mask=MASK in names,
+        backend=place.backend,
+    )  # fmt: skip
     if engine.name in ("processes", "dask"):
         check_workers_memory(needed, workers.count, side)
 
@@ -125,7 +127,7 @@ def run_linked(
     check_plan(plan)
     dtype, blocks = np.dtype(place.dtype), Blocks(plan.shape, side, plan.boundary)
     small = wants_small_blocks(plan, place.backend, has_mask=MASK in linked)
-    _check_memory(plan, side, math.prod(shape[:-2]), list(linked), engine, workers, dtype, small=small)
+    _check_memory(plan, side, math.prod(shape[:-2]), list(linked), engine, workers, place, small=small)
     kept = open_store(folder, run)
     store = GridStore(folder, blocks)
     if kept is None:

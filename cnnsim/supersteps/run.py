@@ -20,7 +20,7 @@ from cnnsim.supersteps.tasks import all_done
 from cnnsim.workers import Workers
 
 FEW = 8
-"""Blocks up to which none is looked at before the first superstep, whether it may sleep: some cell moves in most."""
+"""Blocks up to which none is looked at, whether it may sleep, before the first superstep: some cell moves in most."""
 
 
 @dataclass
@@ -55,7 +55,8 @@ class Supersteps:
         every = plan.check_every if settles else None
         small = self.sleeps and wants_small_blocks(plan, self.place.backend, has_mask=MASK in self.given)
         depth = Depth(self.store.blocks.side, reach_of(plan), every, self.depth, sleeps=small)
-        if (settles or (self.sleeps and len(self._all) > FEW)) and not record.checked:
+        several = record.step + depth.steps(plan.steps - record.step) < plan.steps and len(self._all) > FEW
+        if (settles or (self.sleeps and several)) and not record.checked:
             reports = self._tasks(self._all, 0, (0,), written=False)
             self._note(reports)
             if settles and self._settled_at(reports, (0,)) == 0:

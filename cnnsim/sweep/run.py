@@ -4,6 +4,7 @@ from collections import defaultdict, deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import median
 from threading import Thread
 from time import perf_counter
 from typing import Any
@@ -56,14 +57,15 @@ class _Pace:
     def jobs(self) -> Iterator[Job]:
         """Yield jobs until no case is left; each is as long as what has been learnt by then says.
 
-        A group that nobody knows yet is taken for as slow as the slowest known one.
+        A group that nobody knows yet is taken for as slow as half of the known ones: the first of them were slow, as
+        their workers loaded what is compiled.
         """
         while self._waiting:
             launches, left = list[Launch](), self._seconds()
             while self._waiting and left > 0:
                 group = next(iter(self._waiting))
                 numbers = self._waiting.pop(group)
-                each = self._each.get(group, max(self._each.values(), default=JOB_SECONDS / FIRST))
+                each = self._each.get(group, median(self._each.values() or [JOB_SECONDS / FIRST]))
                 most = max(1, min(MOST, int(left / max(each, 1e-6))))
                 now = [numbers.popleft() for _ in range(min(most, len(numbers)))]
                 self._left -= len(now)

@@ -2,9 +2,11 @@ import math
 
 import pytest
 
+from cnnsim.network import ZERO_FLUX, Template
+from cnnsim.planning.plan import make_plan
 from cnnsim.supersteps.block_task import BlockReport
 from cnnsim.supersteps.depth import Depth
-from cnnsim.supersteps.engine import Engine, side_of_blocks
+from cnnsim.supersteps.engine import WORKER_BYTES, Engine, side_of_blocks, worker_bytes
 
 
 @pytest.mark.parametrize("workers", [1, 2, 3, 7])
@@ -16,7 +18,7 @@ def test_blocks_fit_leave_no_slivers_and_keep_all_workers_busy(
     for sleeps in (False, True):
         side = side_of_blocks(Engine(), (rows, rows), workers, sleeps=sleeps)
         down = math.ceil(rows / side)
-        assert side <= 8192
+        assert side <= 4096
         assert 64 * workers * side**2 <= 8e9
         assert sleeps or (down * side - rows) / side < 0.5  # the last ones are blocks, too
         if rows > 1000:
@@ -40,3 +42,14 @@ def test_the_depth_is_what_costs_least_by_the_measured_rates() -> None:
 
     assert abs(learnt(0.1, 1.0) - min((int(2 ** (p / 2)) for p in range(17)), key=cost)) <= 1
     assert math.isclose(cost(16), 1.0 / 16 + 0.1 / 16)
+
+
+def test_a_worker_takes_what_its_backend_makes_of_a_block() -> None:
+    def planes(backend: str, scheme: str) -> float:
+        plan = make_plan(Template(2.0), (512, 512), ZERO_FLUX, duration=1.0, scheme=scheme)
+        needed = worker_bytes(plan, 100, 0, 1, 4, 1, has_mask=False, backend=backend)
+        return (needed - WORKER_BYTES) / (4 * 100**2)
+
+    assert planes("opencl", "euler") == 10  # two given and the end, each here and there; w, steps by turns; as read
+    assert planes("opencl", "rk4") > planes("opencl", "euler")
+    assert planes("cpu", "rk4") == planes("cpu", "euler") == 8

@@ -132,3 +132,16 @@ def test_a_job_has_launches_of_several_groups_until_it_lasts_its_time(tmp_path: 
     rest = list(jobs)
     assert sum(job.size for job in [first, second, *rest]) == 2000
     assert 0.005 * rest[-1].size <= SHORTEST  # nobody is waited for long
+
+
+def test_a_slow_first_job_does_not_cut_all_other_groups_small(tmp_path: Path) -> None:
+    (tmp_path / "spec.toml").write_text(
+        'kind = "made-up"\n[grid]\nm = { from = 0, count = 40 }\nn = { from = 0, count = 100 }\n'
+    )
+    sweep = read_sweep(tmp_path / "spec.toml", KINDS)
+    pace = _Pace(sweep, range(len(sweep)), workers=2)
+    jobs = pace.jobs()
+    for seconds in 2.0, 0.01, 0.01:  # a worker that loads what is compiled, then what cases take
+        job = next(jobs)
+        pace.learn(Done(job, [], [seconds] * len(job.launches), seconds))
+    assert next(jobs).size > 20
