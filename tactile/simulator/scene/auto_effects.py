@@ -105,7 +105,7 @@ def choose(scene: Scene, tolerance: float, reused: bool = False) -> Choice:
     if not tolerance > 0:
         raise InputError(f"tolerance {tolerance}, a positive number wanted")
     effects = all_effects(scene)
-    bounds = EffectBounds(scene, effects, tolerance=tolerance)
+    bounds = EffectBounds(scene, effects, tolerance=tolerance, reused=reused)
     off, joint = set(bounds.zero), 0.0
     tried = reused or may_pay(scene)
     if tried and not bounds.coarse:

@@ -39,13 +39,15 @@ class EffectBounds:
 
     ``on``: which of them act, all unless given; the others' bounds are those of adding one of them. An effect that
     gives no bound of its own may change everything. With a ``tolerance`` fixed effects on fields are tried only where
-    their own bound leaves open whether they matter, and no finer than it needs.
+    their own bound leaves open whether they matter, and no finer than it needs; where ``reused`` all of these, else
+    those for which it may pay in one run.
     """
 
     def __init__(
-        self, scene: Scene, effects: Iterable[Named], on: Container[str] | None = None, tolerance: float = 0.0
-    ) -> None:
-        self.effects, self._tolerance = list(effects), tolerance
+        self, scene: Scene, effects: Iterable[Named], on: Container[str] | None = None, tolerance: float = 0.0,
+        reused: bool = False,
+    ) -> None:  # fmt: skip
+        self.effects, self._tolerance, self._reused = list(effects), tolerance, reused
         self.zero = {name for name, effect in self.effects if is_off(effect)}
         acting = [one for one in self.effects if one[0] not in self.zero]
         self.on_fields = [one for one in acting if one[1].STAGE == "field"]
@@ -159,7 +161,8 @@ class EffectBounds:
         if found.terms:
             found.whole = trial.every[1].values
         seen = ideal.seen
-        if found.terms or (most > FAR * seen.largest and pays_behind(len(self._on_frames), seen)):
+        too_loose = most > FAR * seen.largest and (self._reused or pays_behind(len(self._on_frames), seen))
+        if found.terms or too_loose:
             seen = _behind(seen, (trial.every if found.terms else trial.few)[1])
         else:
             seen = seen.after(min(most, BEYOND * seen.largest), False)
@@ -195,7 +198,7 @@ class EffectBounds:
         Much on the first of them settles that it stays.
         """
         if self._tolerance:
-            if not pays(effect, trial.shaken, self._scene.samples, PEAKS + SPREAD):
+            if not self._reused and not pays(effect, trial.shaken, self._scene.samples, PEAKS + SPREAD):
                 return
             change = largest(self._change(name, effect, *trial.few))
             if change > SURE * self._tolerance * self.peak:

@@ -35,7 +35,7 @@ from tactile.simulator.scene.auto_effects import candidates, choose
 from tactile.simulator.scene.effect_bounds import EffectBounds
 from tactile.simulator.scene.explain import explain
 from tactile.simulator.scene.extremes import extremes
-from tactile.simulator.scene.file import read_scene
+from tactile.simulator.scene.file import bare_scene, read_scene, scene_table
 from tactile.simulator.scene.forces import highest_reading
 from tactile.simulator.scene.kept_choice import write_choice
 from tactile.simulator.slopes import BASE, STEEPEST, VALUE
@@ -275,3 +275,10 @@ def test_where_bodies_press_for_few_frames_all_stays_on_unless_the_choice_is_kep
     assert kept.tried
     assert "read_noise" not in dict(kept.scene.effects)
     assert any("choosing would cost more" in note for note in explain(scene, once).notes)
+
+
+def test_a_choice_that_is_kept_tries_what_does_not_pay_in_one_run() -> None:
+    scene = bare_scene(scene_table(SCENES / "needle.toml"), "needle", SCENES)[0]
+    once, kept = (choose(scene, 0.1, reused=reused) for reused in (False, True))
+    assert len(once.off) < len(kept.off)
+    assert error(kept.scene, everything(scene)) <= 0.1
