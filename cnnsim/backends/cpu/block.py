@@ -9,10 +9,10 @@ from cnnsim.backends.cpu.pool import Pool
 from cnnsim.backends.cpu.prepared import Prepared
 from cnnsim.backends.cpu.tiles.narrowing import pass_over
 from cnnsim.backends.cpu.tiles.part_sleep import all_caught_up, look, step_awake
-from cnnsim.backends.cpu.tiles.sleep import COLUMNS, HEIGHT, WIDTH
+from cnnsim.backends.cpu.tiles.sleep import COLUMNS, WIDTH
 from cnnsim.backends.cpu.tiles.tile import streaming
 from cnnsim.backends.cpu.tiles.tiled import TILE_COLS, TILE_ROWS
-from cnnsim.backends.cpu.tiles.window import window
+from cnnsim.backends.cpu.tiles.window import HEIGHT, window
 from cnnsim.planning.plan import Plan
 from cnnsim.planning.savings import steps_a_pass
 from cnnsim.support import Array

@@ -80,6 +80,19 @@ def test_blocked_float64_is_the_reference_bit_for_bit(template: Template, bounda
 
 
 @pytest.mark.parametrize("boundary", BOUNDARIES, ids=str)
+@pytest.mark.parametrize("dtype", BACKENDS)
+def test_the_drive_of_nine_taps_is_added_up_on_the_way_to_rest(boundary: Boundary, dtype: str) -> None:
+    """A bias of 0 or a mask without cells leaves all rows to the loops for any taps."""
+    for a in (0.5, 1.0, 2.0):
+        template = Template(a, np.arange(-4.0, 5.0).reshape(3, 3) + 0.1, 0.3)
+        for shape in ((1, 7), (3, 2), (4, 3), (2, 37, 66)):
+            x = states(shape)
+            quick = run(template, x, boundary, dtype)
+            same(quick, run(template, x, boundary, dtype, bias=np.zeros(shape)))
+            same(quick, run(template, x, boundary, dtype, mask=np.full(shape, -1.0)))
+
+
+@pytest.mark.parametrize("boundary", BOUNDARIES, ids=str)
 @pytest.mark.parametrize("template", [CROSS, NINE, ISOTROPIC, HOLES, WIDE], ids=lambda t: t.name)
 @pytest.mark.parametrize("dtype", BACKENDS)
 def test_sleeping_tiles_change_no_bit(template: Template, boundary: Boundary, dtype: str) -> None:

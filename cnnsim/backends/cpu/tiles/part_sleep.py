@@ -13,9 +13,9 @@ from cnnsim.backends.cpu.tiles.boundary import is_periodic
 from cnnsim.backends.cpu.tiles.grid import Area, Feedback, tile_area
 from cnnsim.backends.cpu.tiles.scratch import move, tile_cells, tile_layout
 from cnnsim.backends.cpu.tiles.settled import C0, C1, FIGURES, R0, R1, UNSATURATED, start_check
-from cnnsim.backends.cpu.tiles.sleep import CHOSEN, HEIGHT, UPTO, WIDTH, choose, wake
+from cnnsim.backends.cpu.tiles.sleep import CHOSEN, UPTO, WIDTH, choose, wake
 from cnnsim.backends.cpu.tiles.tiled import TILE_COLS, TILE_ROWS
-from cnnsim.backends.cpu.tiles.window import CATCH_UP, CHECK, window_cells, window_layout
+from cnnsim.backends.cpu.tiles.window import CATCH_UP, CHECK, HEIGHT, window_cells, window_layout
 from cnnsim.support import Array
 
 Planes = tuple[Array, Array, Array]
@@ -35,7 +35,8 @@ def look(planes: Planes, feedback: Feedback, address: int, tiles: Array, first: 
     for tile in range(first, tiles.shape[0], every):
         g, area = tile_area(tile, x.shape, HEIGHT, WIDTH)
         start_check(tiles[tile])
-        call(address, (x[g], w[g], spare[g], feedback, 0, area, scratch, at, CHECK, 0.0, False, 0, tiles[tile]))
+        found = tiles[tile : tile + 1]
+        call(address, (x[g], w[g], spare[g], feedback, 0, area, scratch, at, CHECK, 0.0, False, 0, found))
         looked += 1
         restless += tiles[tile, UNSATURATED] > 0
     return restless / max(looked, 1)
@@ -55,7 +56,7 @@ def step_awake(
     at, at_rows = window_layout(scratch, HEIGHT, 0, r), tile_layout(rows, steps, r, lives)
     _forget(tiles, counts)
     choose(tiles, False)
-    wake(tiles, steps * r, x.shape, is_periodic(feedback[4:7]))
+    wake(tiles, steps * r, x.shape, is_periodic(feedback[4:7]), False)
     for tile in range(tiles.shape[0]):  # before any is stepped: neighbours take their states on
         if tiles[tile, CHOSEN]:
             _catch_up(planes, feedback, address, tiles, tile, done, scratch, at)
@@ -74,7 +75,8 @@ def step_awake(
         if tiles[tile, CHOSEN]:
             g, area = tile_area(tile, x.shape, HEIGHT, WIDTH)
             start_check(tiles[tile])
-            call(address, (x[g], w[g], x[g], feedback, 0, area, scratch, at, CHECK, 0.0, False, 0, tiles[tile]))
+            found = tiles[tile : tile + 1]
+            call(address, (x[g], w[g], x[g], feedback, 0, area, scratch, at, CHECK, 0.0, False, 0, found))
 
 
 @helper
@@ -116,7 +118,8 @@ def _catch_up(
     (x, _, w), missed = planes, done - int(tiles[tile, UPTO])
     if missed > 0:
         g, area = tile_area(tile, x.shape, HEIGHT, WIDTH)
-        call(address, (x[g], w[g], x[g], feedback, 0, area, scratch, at, CATCH_UP, 0.0, False, missed, tiles[tile]))
+        found = tiles[tile : tile + 1]
+        call(address, (x[g], w[g], x[g], feedback, 0, area, scratch, at, CATCH_UP, 0.0, False, missed, found))
         tiles[tile, UPTO] = done
 
 

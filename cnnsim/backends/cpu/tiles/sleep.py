@@ -35,10 +35,14 @@ E_FOLDS = 40
 
 
 @helper
-def wake(found: Array, reach: int, shape: tuple[int, int, int], periodic: bool) -> None:
-    """Choose the tiles that an unsaturated cell's change can come to when it travels ``reach`` cells."""
+def wake(found: Array, reach: int, shape: tuple[int, int, int], periodic: bool, by_columns: bool) -> None:
+    """Choose the tiles that an unsaturated cell's change can come to when it travels ``reach`` cells.
+
+    They are counted column by column, or row by row.
+    """
     n, rows, cols = shape
     down, across = (rows + HEIGHT - 1) // HEIGHT, (cols + WIDTH - 1) // WIDTH
+    below, beside = (1, down) if by_columns else (across, 1)
     for tile in range(n * down * across):
         if found[tile, UNSATURATED] == 0:
             continue
@@ -52,7 +56,7 @@ def wake(found: Array, reach: int, shape: tuple[int, int, int], periodic: bool) 
             p, j = i % rows, c0
             while j < c1:
                 q = j % cols
-                found[first + q // WIDTH * down + p // HEIGHT, CHOSEN] = 1
+                found[first + q // WIDTH * beside + p // HEIGHT * below, CHOSEN] = 1
                 j += min(cols - q, WIDTH - q % WIDTH)
             i += min(rows - p, HEIGHT - p % HEIGHT)
 
@@ -208,5 +212,5 @@ def sleeping(
         else:
             phase, now = STEP, steps_of_pass(done, depth, schedule)
             choose(tiles, False)
-            wake(tiles, now * r, x.shape, periodic)
+            wake(tiles, now * r, x.shape, periodic, True)
     return (done, where, phase, k, now, to_do), settled, largest
