@@ -4,7 +4,7 @@ import math
 from collections.abc import Container, Iterable
 from copy import copy
 from dataclasses import replace
-from functools import cached_property, reduce
+from functools import cached_property, partial, reduce
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from tactile.simulator.scene.extremes import PEAKS, SPREAD, Extremes, extremes
 from tactile.simulator.scene.finger_bounds import SAFE, FingerBounds, LeftOut, largest
 from tactile.simulator.scene.forces import highest_reading, unseen
 from tactile.simulator.scene.scene import Scene
-from tactile.simulator.scene.trials import pays, pays_behind
+from tactile.simulator.scene.trials import Trial, pays, pays_behind
 from tactile.simulator.seen import Seen
 
 Named = tuple[str, Any]
@@ -71,13 +71,13 @@ class EffectBounds:
         return [self._bound(*both) for both in zip(self._trials, self._ideal, strict=True)]
 
     @cached_property
-    def _trials(self) -> list["_Trial"]:
-        return [_Trial(self, finger, ideal) for finger, ideal in enumerate(self._ideal)]
+    def _trials(self) -> list[Trial]:
+        return [Trial(ideal, partial(self.field, finger), self.acted) for finger, ideal in enumerate(self._ideal)]
 
     def field(self, finger: int, times: Floats) -> Field:
         """The ideal field of a finger for a trial."""
         rough = max(self._scene.accuracy, min(self._tolerance / 30, COARSEST))
-        return replace(self._scene.field(finger, times), trial=True, accuracy=rough)
+        return replace(self._scene.skin.field(finger, times), trial=True, accuracy=rough)
 
     @property
     def coarse(self) -> bool:
@@ -138,7 +138,7 @@ class EffectBounds:
         """Whether several of these change loads or body, so that they may do more together than each alone."""
         return any(sum(name in off for name in one.terms) > 1 for one in self.fingers)
 
-    def acted(self, given: Field, off: Container[str]) -> Field:
+    def acted(self, given: Field, off: Container[str] = ()) -> Field:
         """A field behind the fixed effects that act on it, but for those left out."""
         now = given
         for name, effect in self.on_fields:
@@ -146,7 +146,7 @@ class EffectBounds:
                 now = _after(effect, now)
         return now
 
-    def _bound(self, trial: "_Trial", ideal: Extremes) -> FingerBounds:
+    def _bound(self, trial: Trial, ideal: Extremes) -> FingerBounds:
         found, shaken, most = FingerBounds(), 0.0, 0.0
         for name, effect in self.on_fields:
             if effect.RANDOM:
@@ -192,7 +192,7 @@ class EffectBounds:
             if effect.NORMAL:
                 found.normal.add(name)
 
-    def _try(self, name: str, effect: Any, found: FingerBounds, trial: "_Trial") -> None:
+    def _try(self, name: str, effect: Any, found: FingerBounds, trial: Trial) -> None:
         """Find what a fixed effect on fields changes on the frames that tell most, where that may pay.
 
         Much on the first of them settles that it stays.
@@ -211,35 +211,6 @@ class EffectBounds:
         if name in self._on:
             return full.values - self.acted(given, {name}).values
         return _after(effect, full).values - full.values
-
-
-class _Trial:
-    """The fields of a finger without effects and with all that are fixed, computed when they are asked for.
-
-    ``every``: on the frames that tell most, PEAKS + SPREAD at most; ``few``: on the first of those; ``shaken``: without
-    effects, on all frames of a short scene of points, else on those that tell most.
-    """
-
-    def __init__(self, bounds: EffectBounds, finger: int, ideal: Extremes) -> None:
-        self._bounds, self._finger, self._ideal = bounds, finger, ideal
-
-    @cached_property
-    def shaken(self) -> Field:
-        whole = self._ideal.whole  # bodies' laws are dear
-        return whole if whole is not None and self._ideal.slopes.at_points else self._given
-
-    @cached_property
-    def _given(self) -> Field:
-        return self._bounds.field(self._finger, self._ideal.times)
-
-    @cached_property
-    def every(self) -> tuple[Field, Field]:
-        return self._given, self._bounds.acted(self._given, ())
-
-    @cached_property
-    def few(self) -> tuple[Field, Field]:
-        first = replace(self._given, times=self._ideal.foremost)
-        return first, self._bounds.acted(first, ())
 
 
 def _asked(effect: Any, what: str, else_: float, *given: Any) -> float:

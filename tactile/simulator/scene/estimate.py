@@ -38,10 +38,11 @@ class Sample:
     @cached_property
     def fields(self) -> tuple[list[Field], ...]:
         """Every finger's fields, in the scene's own pieces, without effects."""
-        return tuple(list(self.scene.fields(finger, self._pieces(finger))) for finger in range(len(self.scene.arrays)))
+        skin = self.scene.skin
+        return tuple(list(skin.fields(finger, self._pieces(finger))) for finger in range(len(skin.arrays)))
 
     def _pieces(self, finger: int) -> Iterator[tuple[int, Floats]]:
-        longest = max(len(times) for _, times in self.scene.pieces(finger))
+        longest = max(len(times) for _, times in self.scene.skin.pieces(finger))
         for start in range(0, len(self.numbers), longest):
             yield start, self.numbers[start : start + longest] / self.scene.rate
 
@@ -98,10 +99,10 @@ class Sample:
                 pieces = list(self._pieces(finger))
                 begin = perf_counter()
                 for _, times in pieces:
-                    self.scene.finger_loads(finger, times)
+                    self.scene.skin.loads(finger, times)
                 spent["contacts"] += perf_counter() - begin
                 begin = perf_counter()
-                stream: Any = list(self.scene.fields(finger, pieces))
+                stream: Any = list(self.scene.skin.fields(finger, pieces))
                 before = _computed(stream)
                 spent["field"] += perf_counter() - begin
                 stage = "field"

@@ -151,7 +151,7 @@ def _describe(effect: Any) -> str:
 def _lines(scene: Scene) -> list[str]:
     lines = []
     for finger, array in enumerate(scene.arrays):
-        method = scene.method(finger)
+        method = scene.skin.method(finger)
         mine = [contact for contact in (*scene.loads, *scene.contacts) if contact.finger == finger]
         kinds = Counter(WORDS.get(type(contact).__name__, type(contact).__name__) for contact in mine)
         presses = ", ".join(f"{count} {kind}{'s' * (count > 1)}" for kind, count in kinds.items()) or "nothing presses"

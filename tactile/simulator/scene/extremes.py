@@ -52,8 +52,8 @@ def extremes(scene: Scene, finger: int) -> Extremes:
     array = scene.arrays[finger]
     channels = array.rows * array.cols * 3
     peaks, where, ends, last = np.zeros(channels), np.zeros(channels, np.int64), np.zeros(3), np.empty(0)
-    near, fields = NearLoads(scene.taxels(finger)), 0
-    for field in scene.fields(finger, scene.pieces(finger)):
+    near, fields = NearLoads(scene.skin.taxels(finger)), 0
+    for field in scene.skin.fields(finger, scene.skin.pieces(finger)):
         values = np.ascontiguousarray(field.values).reshape(-1, channels)
         _scan(values, field.first, last if fields else values[0], peaks, where, ends)
         near.add(field)
@@ -63,8 +63,8 @@ def extremes(scene: Scene, finger: int) -> Extremes:
     seen = Seen(array, unit, scene.full_scale * unit, scene.rate, scene.samples, largest, (low, high), change)
     whole = field if fields == 1 else None
     if whole is not None:
-        scene.keep(finger, whole)
-    slopes = near.slopes(array, scene.medium(finger), largest)
+        scene.skin.keep(finger, whole)
+    slopes = near.slopes(array, scene.skin.medium(finger), largest)
     return Extremes(seen, slopes, peaks, where, whole)
 
 

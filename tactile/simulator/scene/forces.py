@@ -23,7 +23,7 @@ def highest_reading(scene: Scene) -> float:
     for load in scene.loads:
         forces[load.finger] += _hardest(load)
     return max(
-        VALUE[array.quantity] * point_scale(array.depth, scene.medium(finger))[0] * force
+        VALUE[array.quantity] * point_scale(array.depth, scene.skin.medium(finger))[0] * force
         for finger, (array, force) in enumerate(zip(scene.arrays, forces, strict=True))
     )
 

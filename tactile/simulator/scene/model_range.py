@@ -34,7 +34,7 @@ def out_of_range(scene: Scene) -> Iterator[str]:
     for finger, array in enumerate(scene.arrays):
         mine = {n: one for n, one in numbered.items() if one.finger == finger}
         times = _moments(scene, list(mine.values()))
-        fields = scene.affected(scene.fields(finger, [(0, times)]), "field", sure, finger)
+        fields = scene.affected(scene.skin.fields(finger, [(0, times)]), "field", sure, finger)
         field = next(fields)
         if scene.bumps is None:
             for number, contact in mine.items():

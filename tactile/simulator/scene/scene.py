@@ -6,37 +6,23 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
-from typing import TYPE_CHECKING, Any, Literal, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
 
 from cnnsim.support import Floats
 from tactile.core.frame import Frame, TaxelArray
-from tactile.core.loads import COLUMNS
-from tactile.elastic.medium import Felt, Medium
 from tactile.simulator.batch import Batch
-from tactile.simulator.contacts.loads import Loads
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.field import ACCURACY, Contact, Field
+from tactile.simulator.ideal_skin import IdealSkin
 from tactile.simulator.scene.checks import check
-from tactile.simulator.summation import DIRECT, Summation, choose_method
-from tactile.simulator.taxels import Taxels
+from tactile.simulator.summation import DIRECT
 
 if TYPE_CHECKING:
-    from tactile.elastic.sums.device_sum import DeviceSum
     from tactile.simulator.bump_cover import Bumps
 
 Item = TypeVar("Item")
-CHUNK = 512
-"""Frames computed at once: those of 8 x 8 taxels stay in the second-level cache from effect to effect."""
-LOADS_AT_ONCE = 1 << 22
-"""Load components held at once: scenes with very many loads are computed in smaller pieces."""
-CHUNK_ON_DEVICE = 16_384
-"""Frames sent to an OpenCL device at once."""
-KEPT = 1 << 18
-"""Most readings of the ideal field that a scene keeps for its next run: 2 MiB."""
-WITHOUT_EFFECTS = ("_fingers", "_load_counts", "_methods", "_device", "_kept")
-"""What a scene keeps of itself that no effect changes."""
 FULL_SCALE = 0.1
 """Largest strain the electronics are made for, unless a scene says otherwise: the paper's needle just reaches it."""
 
@@ -140,45 +126,17 @@ class Scene:
         """Number of frames of each finger."""
         return max(1, round(self.rate * self.duration))
 
-    def medium(self, finger: int) -> Medium:
-        """The cover of a finger as the paper has it: incompressible, endless."""
-        return Medium(self.modulus, quantity=cast(Felt, self.arrays[finger].quantity))
-
     def unit(self, finger: int) -> float:
         """The reading of strain 1: 1, or E [Pa] where stress is read."""
         return self.modulus if self.arrays[finger].quantity == "stress" else 1.0
 
     @cached_property
-    def _device(self) -> "DeviceSum | None":
-        if self.backend == "cpu":
-            return None
-        from tactile.elastic.sums.device_sum import device_sum  # only where called for
-
-        return device_sum(self.dtype)
-
-    def finger_loads(self, finger: int, times: Floats) -> Loads:
-        """All loads on a finger at the times [s]."""
-        return self._field(finger, 0, times, DIRECT).loads
-
-    def _field(self, finger: int, first: int, times: Floats, method: Summation) -> Field:
-        mine, taxels, medium = self._fingers[finger]
-        return Field(
-            self.arrays[finger], medium, times, first, mine, taxels,
-            method=method, accuracy=self.accuracy, bumps=self.bumps, device=self._device,
+    def skin(self) -> IdealSkin:
+        """The skin without effects."""
+        return IdealSkin(
+            self.arrays, self.modulus, (*self.loads, *self.contacts), self.rate, self.samples, self.accuracy,
+            self.backend, self.dtype, self.bumps,
         )  # fmt: skip
-
-    @cached_property
-    def _fingers(self) -> list[tuple[tuple[Contact, ...], Taxels, Medium]]:
-        """What presses on every finger, its taxels and its cover, which are the same in all pieces."""
-        pressing = (*self.loads, *self.contacts)
-        return [
-            (tuple(one for one in pressing if one.finger == finger), Taxels.of(array), self.medium(finger))
-            for finger, array in enumerate(self.arrays)
-        ]
-
-    def taxels(self, finger: int) -> Taxels:
-        """Where the taxels of a finger lie, without effects."""
-        return self._fingers[finger][1]
 
     def loads_at(self, finger: int, times: Floats) -> Floats:
         """Return the (times, contacts, 5) rows (x, y, Q, R, F) on a finger: what a localiser should find.
@@ -186,57 +144,8 @@ class Scene:
         On the cover as the effects make it, which says how hard a contact of a given depth presses; no random effect.
         """
         sure = [(name, effect) for name, effect in self.effects if not effect.RANDOM]
-        (field,) = self.affected([self._field(finger, 0, times, DIRECT)], "field", sure, finger)
+        (field,) = self.affected([self.skin.field(finger, times, method=DIRECT)], "field", sure, finger)
         return field.loads.totals
-
-    def method(self, finger: int) -> Summation:
-        """The method of summation that was chosen for a finger."""
-        return self._methods[finger]
-
-    @cached_property
-    def _methods(self) -> tuple[Summation, ...]:
-        if self.bumps is not None:
-            return (Summation("matrix", f"{self.bumps}"),) * len(self.arrays)
-        # a few moments show whether loads move; a load that moves only between them is caught on the way
-        moments = np.linspace(0, (self.samples - 1) / self.rate, min(self.samples, 5))
-        return tuple(
-            choose_method(array, self.finger_loads(finger, moments).points, self.samples)
-            for finger, array in enumerate(self.arrays)
-        )
-
-    def fields(self, finger: int, times: Iterable[tuple[int, Floats]]) -> Iterator[Field]:
-        """The field at the taxels, without effects, for pieces (first frame, times)."""
-        kept = self._kept.get(finger)
-        for first, piece in times:
-            if kept is not None and first == 0 and np.array_equal(kept.times, piece):
-                yield kept.again()
-            else:
-                yield self._field(finger, first, piece, self.method(finger))
-
-    def keep(self, finger: int, whole: Field) -> None:
-        """Keep the computed field of all frames of a finger, without effects, for runs of the scene with any."""
-        if whole.values.size <= KEPT:
-            self._kept[finger] = whole
-
-    @cached_property
-    def _kept(self) -> dict[int, Field]:
-        return {}
-
-    def field(self, finger: int, times: Floats) -> Field:
-        """The field at the taxels, without effects, at any times [s]."""
-        return self._field(finger, 0, times, self.method(finger))
-
-    def pieces(self, finger: int) -> Iterator[tuple[int, Floats]]:
-        """(first frame, times) of the pieces in which a finger's frames are computed."""
-        most = CHUNK if self.backend == "cpu" else CHUNK_ON_DEVICE
-        count = max(1, min(most, LOADS_AT_ONCE // max(1, COLUMNS * self._load_counts[finger])))
-        for start in range(0, self.samples, count):
-            yield start, np.arange(start, min(start + count, self.samples)) / self.rate
-
-    @cached_property
-    def _load_counts(self) -> list[int]:
-        loads = [self.finger_loads(finger, np.zeros(1)) for finger in range(len(self.arrays))]
-        return [one.points.shape[1] + sum(disc.radii.shape[1] for disc in one.discs) for one in loads]
 
     def random(self, name: str, finger: int) -> np.random.Generator:
         """The generator of one effect on one finger."""
@@ -244,7 +153,7 @@ class Scene:
 
     def batches(self, finger: int) -> Iterator[Batch]:
         """The frames of one finger, many at a time: field, effects on it, effects on frames."""
-        fields = self.affected(self.fields(finger, self.pieces(finger)), "field", self.effects, finger)
+        fields = self.affected(self.skin.fields(finger, self.skin.pieces(finger)), "field", self.effects, finger)
         return self.affected((self.batch(finger, field) for field in fields), "frames", self.effects, finger)
 
     def affected(
@@ -281,5 +190,5 @@ class Scene:
     def with_effects(self, effects: Iterable[tuple[str, Any]]) -> "Scene":
         """The same scene with other effects, and with what was found out about it without any."""
         made = replace(self, effects=tuple(effects))
-        made.__dict__.update({name: self.__dict__[name] for name in WITHOUT_EFFECTS if name in self.__dict__})
+        made.__dict__["skin"] = self.skin
         return made

@@ -1,10 +1,15 @@
 """Trials of effects on a few frames of a scene: whether one pays, by what it costs and what leaving out may save."""
 
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
+from cnnsim.support import Floats
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.field import Field
+from tactile.simulator.scene.extremes import Extremes
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.seen import Seen
 
@@ -21,6 +26,37 @@ EFFECT, READING = 40e-6, 6e-9
 FRAMES = 2000
 """Frames from which choosing pays where bodies press: their laws make a trial as dear as some hundred frames, and about
 a tenth of the frames' time may be saved."""
+
+
+class Trial:
+    """The fields of a finger without effects and with all that are fixed, computed when they are asked for.
+
+    ``ideal``: which frames tell most; ``field`` (times) -> the field without effects, ``acted`` (field) -> with them.
+    """
+
+    def __init__(self, ideal: Extremes, field: Callable[[Floats], Field], acted: Callable[[Field], Field]) -> None:
+        self._ideal, self._field, self._acted = ideal, field, acted
+
+    @cached_property
+    def shaken(self) -> Field:
+        """The field without effects on all frames of a short scene of points, else on those that tell most."""
+        whole = self._ideal.whole  # bodies' laws are dear
+        return whole if whole is not None and self._ideal.slopes.at_points else self._given
+
+    @cached_property
+    def _given(self) -> Field:
+        return self._field(self._ideal.times)
+
+    @cached_property
+    def every(self) -> tuple[Field, Field]:
+        """The fields without and with all, on the frames that tell most."""
+        return self._given, self._acted(self._given)
+
+    @cached_property
+    def few(self) -> tuple[Field, Field]:
+        """The same on the first of them."""
+        first = replace(self._given, times=self._ideal.foremost)
+        return first, self._acted(first)
 
 
 def may_pay(scene: Scene) -> bool:

@@ -48,7 +48,7 @@ def test_effects_do_something_and_do_not_care_how_frames_are_cut(
         ball = MovingContact(0, Indenter("sphere", 1e-3), np.array([(0.0, 0, 0, 0, 0, 1e-3), (1.0, 0, 0, 0, 0, -1e-3)]))
         touched = replace(touched, loads=(), contacts=(ball,))
     whole = list(touched)
-    monkeypatch.setattr("tactile.simulator.scene.scene.CHUNK", 7)
+    monkeypatch.setattr("tactile.simulator.ideal_skin.CHUNK", 7)
     pieces = list(touched)
     assert [frame.t for frame in whole] == [frame.t for frame in pieces]
     assert [frame.sequence for frame in whole] == [frame.sequence for frame in pieces]

@@ -31,7 +31,7 @@ from tests.oracles.elastic.layer import layer_load
 
 def fields(of: Scene, cut: int = 10**9) -> Iterator[Field]:
     times = np.arange(of.samples) / of.rate
-    return of.fields(0, ((start, times[start : start + cut]) for start in range(0, of.samples, cut)))
+    return of.skin.fields(0, ((start, times[start : start + cut]) for start in range(0, of.samples, cut)))
 
 
 def term(effect: Any, seed: int = 1, of: Scene | None = None) -> tuple[NDArray[np.float64], Field]:

@@ -108,7 +108,7 @@ def test_very_many_loads_come_in_small_pieces(tmp_path: Path) -> None:
     np.save(tmp_path / "map.npy", np.ones((320, 320)))
     table = {"finger": "left", "file": "map.npy", "pitch_mm": 0.02, "path": [[0.0, 1.0]]}
     scene = made(tmp_path, map=[table])
-    assert max(len(times) for _, times in scene.pieces(0)) < 10
+    assert max(len(times) for _, times in scene.skin.pieces(0)) < 10
     got = values(scene)
     assert np.isfinite(got).all()
     assert got[0] == pytest.approx(got[29], rel=1e-12)
@@ -117,9 +117,9 @@ def test_very_many_loads_come_in_small_pieces(tmp_path: Path) -> None:
 def test_methods_are_chosen_and_changed_freely() -> None:
     still = [{"finger": "left", "path": [[0.0, x, 0.1, 0.0, 0.1, 1.0]]} for x in (-1.0, 0.0, 0.5, 1.0, 1.5)]
     scene = made(load=still, duration_s=3.0)
-    assert scene.method(0).name == "matrix"
+    assert scene.skin.method(0).name == "matrix"
     moving = made(load=[*still, LOAD], duration_s=3.0)
-    assert moving.method(0).name == "direct"
+    assert moving.skin.method(0).name == "direct"
     apart = values(made(load=[LOAD], duration_s=3.0)) + values(scene)
     assert np.abs(values(moving) - apart).max() < 1e-13 * np.abs(apart).max()
 

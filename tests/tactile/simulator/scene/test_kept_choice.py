@@ -1,0 +1,76 @@
+"""Choices of effects that are kept in a file, or tried because they will be."""
+
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+from cnnsim.support import InputError
+from tactile.cli.explain import explain as command
+from tactile.simulator.contacts.indenter import Indenter
+from tactile.simulator.contacts.moving_contact import MovingContact
+from tactile.simulator.effects.read_noise import ReadNoise
+from tactile.simulator.scene.auto_effects import choose
+from tactile.simulator.scene.explain import explain
+from tactile.simulator.scene.file import bare_scene, read_scene, scene_table
+from tactile.simulator.scene.kept_choice import write_choice
+from tests.kits.paths import SCENES
+from tests.kits.touch.random_scenes import error, everything, needle
+
+
+def test_a_choice_is_kept_and_reused(tmp_path: Path) -> None:
+    kept = tmp_path / "kept.toml"
+    done = CliRunner().invoke(command, [str(SCENES / "textures.toml"), "--write", str(kept)])
+    assert done.exit_code == 0, done.output
+    chosen, again = read_scene(SCENES / "textures.toml"), read_scene(kept)
+    assert again.effects == chosen.effects
+    assert again.loads == chosen.loads
+    assert len(again.contacts) == len(chosen.contacts)
+    text = kept.read_text(encoding="utf-8")
+    assert "auto" not in text.split("\n# Effects chosen")[0].split("[cover]")[0].split("\n\n", 1)[1]
+    assert "Left out" in text
+    done = CliRunner().invoke(command, [str(kept), "--write", str(tmp_path / "more.toml")])
+    assert "effects = 'auto' wanted" in str(done.exception)
+
+
+def test_a_file_whose_effects_cannot_be_taken_out_by_lines_is_refused(tmp_path: Path) -> None:
+    text = (SCENES / "needle.toml").read_text(encoding="utf-8").split("[effect.")[0]
+    path: Any = tmp_path / "inline.toml"
+    path.write_text('effects = "auto"\neffect.read_noise.rms = 0.01\n' + text, encoding="utf-8")
+    done = CliRunner().invoke(command, [str(path), "--write", str(tmp_path / "kept.toml")])
+    assert "[effect.NAME] wanted" in str(done.exception)
+
+
+def test_a_choice_is_kept_beside_its_scene_and_the_files_it_reads(tmp_path: Path) -> None:
+    text = (SCENES / "textures.toml").read_text(encoding="utf-8")
+    path = tmp_path / "scene.toml"
+    path.write_text(text, encoding="utf-8")
+    done = CliRunner().invoke(command, [str(path), "--write", str(path)], standalone_mode=False)
+    assert "is the scene itself; another name wanted" in str(done.exception)
+    assert path.read_text(encoding="utf-8") == text
+    table = tomllib.loads(text) | {"contact": [{"shape": "height_map", "file": "key.npy"}]}
+    with pytest.raises(InputError, match="reads files beside it"):
+        write_choice(path, table, choose(read_scene(SCENES / "needle.toml"), 0.1), tmp_path / "other" / "kept.toml")
+
+
+def test_where_bodies_press_for_few_frames_all_stays_on_unless_the_choice_is_kept() -> None:
+    path = [(0.0, 0.0, 0.0, 0.0, 0.0, 0.02), (1.0, 1e-4, 0.0, 0.0, 0.0, 0.02)]
+    ball = MovingContact(0, Indenter("sphere", 5e-4), path)
+    scene = replace(needle(("read_noise", ReadNoise(1e-5))), loads=(), contacts=(ball,))
+    once, kept = choose(scene, 0.02), choose(scene, 0.02, reused=True)
+    assert not once.tried
+    assert "read_noise" in dict(once.scene.effects)
+    assert once.bound == 0
+    assert kept.tried
+    assert "read_noise" not in dict(kept.scene.effects)
+    assert any("choosing would cost more" in note for note in explain(scene, once).notes)
+
+
+def test_a_choice_that_is_kept_tries_what_does_not_pay_in_one_run() -> None:
+    scene = bare_scene(scene_table(SCENES / "needle.toml"), "needle", SCENES)[0]
+    once, kept = (choose(scene, 0.1, reused=reused) for reused in (False, True))
+    assert len(once.off) < len(kept.off)
+    assert error(kept.scene, everything(scene)) <= 0.1
