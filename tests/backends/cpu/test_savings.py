@@ -102,6 +102,23 @@ def test_sleeping_tiles_change_no_bit(template: Template, boundary: Boundary, dt
              run(template, x, boundary, dtype, limit=40.0, without=["sleep"]))  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    ("weight", "step", "boundary", "dtype"),
+    [(3.7, 0.09, ZERO_FLUX, "float64"), (3.8, 0.074, PERIODIC, "float32"), (2.5, 0.08, fixed(-1), "float64")],
+)
+def test_what_a_fast_front_runs_into_has_taken_all_its_steps(
+    weight: float, step: float, boundary: Boundary, dtype: Any
+) -> None:
+    # a cell a step, and what it comes to was on its way to -1.01 when it fell asleep: how far that is decides its bits
+    around = np.array([[0, weight, 0], [weight, 1.2, weight], [0, weight, 0]])
+    template = Template(around, z=around.sum() - 1.01)
+    state = np.full((96, 480), -2.0)
+    state[20:23, 30:33] = 3.0
+    task: dict[str, Any] = {"state": state, "boundary": boundary, "step": step, "scheme": "euler", "dtype": dtype}
+    asleep, awake = (run_transient(template, **task, without=without) for without in ((), ("sleep",)))
+    assert asleep.x.tobytes() == awake.x.tobytes()
+
+
 @pytest.mark.parametrize("boundary", [fixed(-1), ZERO_FLUX, PERIODIC], ids=str)
 def test_sleeping_tiles_wake_up_where_a_wave_comes(boundary: Boundary) -> None:
     rng = np.random.default_rng(8)

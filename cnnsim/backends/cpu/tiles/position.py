@@ -14,7 +14,8 @@ class Position(NamedTuple):
     """The steps ``done``; ``where`` the state is (0: in x itself, 1 or 2: in the planes between which steps go);
     the ``phase``, and which tile, or place in the list of tiles, is next in it (0: the phase is to begin).
 
-    Where tiles sleep, ``now`` are the steps of this pass and ``to_do`` the tiles in the list.
+    Where tiles sleep, ``now`` are the steps of this pass and ``to_do`` the tiles in the list, which is gone through
+    twice.
     """
 
     done: int

@@ -89,19 +89,24 @@ def area_of(tile: int, tiles: int, shape: tuple[int, int, int]) -> tuple[int, Ar
 
 
 @helper
-def choose_work(tiles: Array, with_different: bool, rows: int) -> int:
-    """List the tiles that are to be stepped, or also copied; return how long the list is."""
-    down, count, tile = (rows + HEIGHT - 1) // HEIGHT, 0, 0
+def choose_work(tiles: Array, with_different: bool, rows: int, done: int) -> tuple[int, int]:
+    """List the tiles that are to be stepped, or also copied; return where to begin, and how long the list is.
+
+    The list is gone through twice: first all that is chosen is taken to the step ``done``, where any is behind.
+    """
+    down, count, tile, behind = (rows + HEIGHT - 1) // HEIGHT, 0, 0, False
     while tile < tiles.shape[0]:
         after = tile + 1
         if tiles[tile, CHOSEN]:
             while after % down > 0 and after < tile + MOST and tiles[after, CHOSEN]:
                 after += 1
+            for one in range(tile, after):
+                behind = behind or tiles[one, UPTO] < done
         if tiles[tile, CHOSEN] or (with_different and tiles[tile, DIFFERS]):
             tiles[count, WORK], tiles[count, COUNT] = tile, after - tile
             count += 1
         tile = after
-    return count
+    return 0 if behind else count, count
 
 
 @helper
@@ -120,11 +125,12 @@ def last_of_slice(
 ) -> tuple[int, int]:
     """Return which place in the list of tiles to do a slice goes up to, and how many steps of a tile are left then.
 
-    ``pass_of``: the steps done and to do now, and their length.
+    ``first`` place of the slice, from ``to_do`` on of the second time through the list; ``pass_of``: the steps done and
+    to do now, and their length.
     """
-    k, (done, now, h) = first, pass_of
-    while k < to_do and (left > 0 or k < first + threads):
-        left -= work_of(tiles, k, done, now, h)
+    k, end, (done, now, h) = first, to_do if first < to_do else 2 * to_do, pass_of
+    while k < end and (left > 0 or k < first + threads):
+        left -= work_of(tiles, k % to_do, done, now, h)
         k += 1
     return k, left
 
@@ -156,7 +162,7 @@ def sleeping(
     done, where, phase, k, now, to_do = position
     r, h, periodic = feedback[4], feedback[3], is_periodic(feedback[4:7])
     scratches = np.empty((threads, window_cells(MOST * HEIGHT, depth, r)), x.dtype)
-    looking, largest, settled, left = phase != BEGIN, np.nan, False, most
+    looking, whole, largest, settled, left = phase != BEGIN, False, np.nan, False, most
     if phase == BEGIN:
         begin_tiles(tiles)
         phase, where = STEP, 1
@@ -164,34 +170,35 @@ def sleeping(
     while phase != END and left > 0:
         source, target = (first, second) if where == 1 else (second, first)
         if k == 0:
-            to_do = choose_work(tiles, now > 0, x.shape[1])
-        measure = phase == MEASURE or (looking and k == 0)
-        begin = k
+            (k, to_do), whole = choose_work(tiles, now > 0, x.shape[1], done), looking
+        measure, begin = phase == MEASURE or whole, k
         k, left = last_of_slice(tiles, begin, to_do, threads, (done, now, h), left)
         for thread in prange(threads):
             scratch, at = scratches[thread], window_layout(scratches[thread], MOST * HEIGHT, depth, r)
             for place in range(begin + thread, k, threads):
-                first_tile, count = int(tiles[place, WORK]), int(tiles[place, COUNT])
+                first_tile, count = int(tiles[place % to_do, WORK]), int(tiles[place % to_do, COUNT])
                 after = first_tile + count
                 g, area = area_of(first_tile, count, x.shape)
-                if tiles[first_tile, CHOSEN]:
-                    for tile in range(first_tile, after):
-                        # Neighbours may read a tile while it catches up: a benign data race, its outputs are frozen.
+                if place < to_do:  # before any is stepped, as its neighbours read states that they take on, too
+                    for tile in range(first_tile, after if tiles[first_tile, CHOSEN] else first_tile):
                         missed = done - int(tiles[tile, UPTO])
-                        start_check(tiles[tile])
-                        if now > 0 or missed > 0:
-                            tiles[tile, DIFFERS] = 1
                         if missed > 0:
                             _, own = area_of(tile, 1, x.shape)
                             call(address, (source[g], w[g], source[g], feedback, 0, own, scratch, at, CATCH_UP, rest,
-                                           measure, missed, tiles[tile : tile + 1]))  # fmt: skip
+                                           False, missed, tiles[tile : tile + 1]))  # fmt: skip
+                            tiles[tile, UPTO], tiles[tile, DIFFERS] = done, 1
+                elif tiles[first_tile, CHOSEN]:
+                    for tile in range(first_tile, after):
+                        start_check(tiles[tile])
+                        if now > 0:
+                            tiles[tile, DIFFERS] = 1
                     call(address, (source[g], w[g], target[g], feedback, now, area, scratch, at, CHECK, rest, measure,
                                    0, tiles[first_tile:after]))  # fmt: skip
                 else:  # fell asleep: from here on it is the same in both planes
                     for i in range(area.r0, area.r1):
                         move(source[g, i], area.c0, target[g, i], area.c0, area.c1 - area.c0)
                     tiles[first_tile, DIFFERS] = 0
-        if k < to_do:
+        if k < 2 * to_do:
             continue
         k = 0
         done += now
