@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from cnnsim.supersteps.engine import LARGEST
 from tests.benchmarks.accuracy.section import Section
 from tests.benchmarks.scaling.rates import wire_bytes
 
@@ -46,7 +47,7 @@ def grid(cell_step: float) -> list[dict[str, Any]]:
     return [
         _row("core hours", work / 3600, computed),
         _row("store, TB", cells * PLANE * PLANES / 1e12, f"{PLANES} planes of {PLANE} bytes"),
-        _row("blocks", blocks, f"of {BLOCK} x {BLOCK}"),
+        _row("blocks", blocks, f"of {BLOCK} x {BLOCK} (`--block`): fewer tasks than of those chosen, {LARGEST}"),
         _row("scheduler, s a superstep", blocks * TASK, f"{TASK * 1e3:g} ms a task, in one thread"),
         _row("hours of 100 nodes computing", work / 3600 / CORES / nodes, f"{CORES} cores each"),
         _row("hours of 100 nodes' disks", traffic / 3600 / DISK / nodes, carried),
