@@ -22,7 +22,7 @@ from tactile.events.detector import Detector, Happening
 from tactile.events.detector_file import shipped_detectors, users_detectors
 from tactile.events.planes import CODE, Moment, PlanePool
 from tactile.events.registry import SHIPPED
-from tactile.events.signals import Signals
+from tactile.events.signals.signals import Signals
 from tactile.events.thresholds import levels
 from tactile.events.travel import Travel
 from tactile.inverse.load import Load

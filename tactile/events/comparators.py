@@ -27,7 +27,7 @@ class Comparators:
     """
 
     def __init__(self, machine: UniversalMachine, shape: tuple[int, int], shear: Threshold, contact: Threshold) -> None:
-        from tactile.events.signals_numba import quiet  # numba is slow to import
+        from tactile.events.signals.step_numba import quiet  # numba is slow to import
 
         self._quiet = quiet
         cells = {"plus": shear.comparator(1), "minus": shear.comparator(-1), "press": contact.comparator(1)}
@@ -73,7 +73,7 @@ class Switches:
     def __init__(
         self, machine: UniversalMachine, shape: tuple[int, int], sources: Sequence[int], factors: Sequence[float]
     ) -> None:
-        from tactile.events.signals_numba import quiet  # numba is slow to import
+        from tactile.events.signals.step_numba import quiet  # numba is slow to import
 
         self._quiet = quiet
         self._machine, self._program = machine, load_program(shipped("comparators"))

@@ -5,7 +5,7 @@ import pytest
 
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream, Provenance
-from tactile.events.turn_numba import turn
+from tactile.events.signals.turn_numba import turn
 from tests.kits.touch.made import events
 
 SHAPE = (4, 6)

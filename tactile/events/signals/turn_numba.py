@@ -4,7 +4,7 @@ import math
 
 from numba import njit
 
-from tactile.events.signals_numba import binary
+from tactile.events.signals.step_numba import binary
 
 ALIKE = (0.4, 0.6)
 """Part of the torque that the same changes would make if all pointed one way round: off, on."""

@@ -80,12 +80,12 @@ class Signals:
     """
 
     def __init__(self, shape: tuple[int, int], quantity: Quantity) -> None:
-        from tactile.events.drift_numba import follow  # numba is slow to import
-        from tactile.events.onset_numba import KEPT as FRAMES
-        from tactile.events.onset_numba import bend, remember  # the same
-        from tactile.events.signals_numba import step  # the same
-        from tactile.events.sliding_numba import slide  # the same
-        from tactile.events.turn_numba import turn  # the same
+        from tactile.events.signals.drift_numba import follow  # numba is slow to import
+        from tactile.events.signals.onset_numba import KEPT as FRAMES
+        from tactile.events.signals.onset_numba import bend, remember  # the same
+        from tactile.events.signals.sliding_numba import slide  # the same
+        from tactile.events.signals.step_numba import step  # the same
+        from tactile.events.signals.turn_numba import turn  # the same
 
         self._step, self._slide, self._turn, self._remember, self._bend = step, slide, turn, remember, bend
         self._follow, self._base = follow, np.zeros((*shape, 3))

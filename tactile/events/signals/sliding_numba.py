@@ -4,7 +4,7 @@ import math
 
 from numba import njit
 
-from tactile.events.signals_numba import binary
+from tactile.events.signals.step_numba import binary
 
 BORNE = 0.2
 """Taxels that bear less than this part of what the most pressed one does count by how much of it they bear."""

@@ -1,4 +1,4 @@
-"""One frame of a finger's signals, compiled: the loops of `tactile.events.signals.Signals`, which has the formulas."""
+"""One frame of the signals of a finger, compiled: the loops of `Signals`, which has the formulas."""
 
 import math
 
