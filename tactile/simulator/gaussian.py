@@ -91,8 +91,12 @@ class GaussianNoise:
         """Add the next ``values.size`` numbers times ``sigma`` to ``values`` (contiguous), in place."""
         flat = values.reshape(-1)
         assert np.shares_memory(flat, values) or not values.size  # a copy would be thrown away
-        if self._count + flat.size > LONGEST:
+        left = LONGEST - self._count
+        if flat.size > left:  # at the same number however the stream is cut
+            self.add(flat[:left], sigma)
             self._count, self._key = 0, self._draw()
+            self.add(flat[left:], sigma)
+            return
         start = 0
         if self._count % 2 and flat.size:  # the second of a pair whose first was the last number of the piece before
             flat[0] += self._pair(sigma)[1]
