@@ -9,7 +9,8 @@ from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.inverse.consensus_numba import consensus, signals
 from tactile.inverse.least_squares.components_numba import components
 from tactile.inverse.least_squares.doubt_numba import foreign
-from tactile.inverse.least_squares.fit_numba import fit, rest
+from tactile.inverse.least_squares.equations_numba import rest
+from tactile.inverse.least_squares.fit_numba import fit
 from tactile.inverse.least_squares.start_numba import layer_place
 
 

@@ -1,15 +1,13 @@
 """What speaks against a fit of one point load, compiled: signals far from it, and a reading that is cut off.
 
-Lengths and signals as in `fit_numba`.
+Lengths and signals as in `half_space_numba`.
 """
-
-import math
 
 import numpy as np
 
 from cnnsim.support.compiling.kept_loops import kept_njit
-from tactile.inverse.least_squares.fit_numba import equations, solve
-from tactile.inverse.least_squares.layer_numba import layer_slopes
+from tactile.inverse.least_squares.equations_numba import equations, slopes
+from tactile.inverse.least_squares.fit_numba import solve
 
 
 @kept_njit(error_model="numpy")
@@ -33,27 +31,6 @@ def foreign(at, left, felt, loads, reach, least, times):  # type: ignore[no-unty
 
 
 @kept_njit(error_model="numpy")
-def _slopes_of_one(x, y, load, scale, k, strain, vector):  # type: ignore[no-untyped-def]
-    """Return what a load makes at a taxel (x, y) from it, its component k, and fill in the five slopes."""
-    near_one = 1 / (1 + x * x + y * y)
-    g, s = near_one * near_one * math.sqrt(near_one), load[2] * x + load[3] * y + load[4]
-    if k == 0:
-        form, along, across = (-3.0 * x if strain else -x), (3.0 if strain else 1.0), 0.0
-    elif k == 1:
-        form, along, across = (-3.0 * y if strain else -y), 0.0, (3.0 if strain else 1.0)
-    elif strain:
-        form, along, across = 1 / near_one - 3, -2 * x, -2 * y
-    else:
-        form, along, across = -1.0, 0.0, 0.0
-    of = scale * g
-    made = form * of * s
-    vector[0] = of * (form * (5 * x * near_one * s - load[2]) + along * s)
-    vector[1] = of * (form * (5 * y * near_one * s - load[3]) + across * s)
-    vector[2], vector[3], vector[4] = form * of * x, form * of * y, form * of
-    return made
-
-
-@kept_njit(error_model="numpy")
 def without_largest(at, felt, scale, load, strain, layer, tie, near):  # type: ignore[no-untyped-def]
     """Return chi^2 without the largest reading and by how many times it would then be larger, and how many are so near.
 
@@ -74,19 +51,14 @@ def without_largest(at, felt, scale, load, strain, layer, tie, near):  # type: i
     matrix[2, 2] += tie[0]
     matrix[3, 2] += tie[1]
     matrix[3, 3] += tie[2]
-    x, y = at[worst, 0] - load[0], at[worst, 1] - load[1]
-    if len(layer) > 0:
-        slopes = np.empty((6, 3))
-        layer_slopes(layer, x, y, load, scale[worst], slopes)
-        made = slopes[0, k]
-        vector[:] = slopes[1:, k]
-    else:
-        made = _slopes_of_one(x, y, load, scale[worst, k], k, strain, vector)
+    left, along, one = np.zeros((3, 1)), np.empty((5, 3, 1)), slice(worst, worst + 1)
+    slopes(at[one], scale[one], load, strain, layer, left, along)
+    vector[:] = along[:, k, 0]
     if not solve(matrix, vector, 0.0, factor, step):
         return chi, 1.0, count
     share = 0.0
     for m in range(5):
         share += vector[m] * step[m]
-    off = felt[worst, k] - made
-    left = max(1 - share, 1e-9)
-    return max(chi - off * off / left, 0.0), 1 - off / left / felt[worst, k], count
+    off = felt[worst, k] + left[k, 0]
+    free = max(1 - share, 1e-9)
+    return max(chi - off * off / free, 0.0), 1 - off / free / felt[worst, k], count

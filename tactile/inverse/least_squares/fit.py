@@ -88,10 +88,12 @@ class Fit:
     @cached_property
     def rest(self) -> Floats:
         """The signals (n, 3) that the loads leave unexplained."""
-        from tactile.inverse.least_squares import fit_numba  # numba is slow to import
+        from tactile.inverse.least_squares import equations_numba  # numba is slow to import
 
         signals = self.signals
-        return fit_numba.rest(signals.seen, signals.felt, signals.scale, self.loads, signals.strain, signals.layer)
+        return equations_numba.rest(
+            signals.seen, signals.felt, signals.scale, self.loads, signals.strain, signals.layer
+        )
 
     def made(self, signals: Signals) -> Floats:
         """The signals (n, 3) of the loads, to taxels at the same places."""
@@ -155,7 +157,7 @@ class Fit:
 
 def fitted(signals: Signals, start: Floats) -> Fit:
     """Return the fit from a start on: loads (k, 5), or the place (1, 2) of one, whose forces the signals tell there."""
-    from tactile.inverse.least_squares import components_numba, doubt_numba, fit_numba  # numba is slow to import
+    from tactile.inverse.least_squares import components_numba, doubt_numba, equations_numba, fit_numba  # as above
 
     parts = signals.seen, signals.felt, signals.scale
     use = fit_numba.within(signals.seen, start, REACH) if len(signals.seen) > ALL else None
@@ -169,19 +171,19 @@ def fitted(signals: Signals, start: Floats) -> Fit:
     if not many:
         return Fit(signals, loads, chi, whole, spread)
     seen, felt, least = signals.seen, signals.felt, least_foreign(signals.noise)
-    rest = fit_numba.rest(seen, felt, signals.scale, loads, signals.strain, signals.layer)
+    rest = equations_numba.rest(seen, felt, signals.scale, loads, signals.strain, signals.layer)
     stranger = doubt_numba.foreign(seen, rest, felt, loads, REACH, least, FOREIGN[1])
-    found = Fit(signals, loads, fit_numba.energy(rest), fit_numba.energy(felt), spread, stranger)
+    found = Fit(signals, loads, equations_numba.energy(rest), equations_numba.energy(felt), spread, stranger)
     found.__dict__["rest"] = rest  # as `cached_property` keeps it
     return found
 
 
 def made(signals: Signals, loads: Floats) -> Floats:
     """Return the signals (n, 3) of loads (k, 5), to taxels at the places of these signals."""
-    from tactile.inverse.least_squares import fit_numba  # as above
+    from tactile.inverse.least_squares import equations_numba  # as above
 
     nothing = np.zeros_like(signals.felt)
-    return -fit_numba.rest(signals.seen, nothing, signals.scale, loads, signals.strain, signals.layer)
+    return -equations_numba.rest(signals.seen, nothing, signals.scale, loads, signals.strain, signals.layer)
 
 
 def least_foreign(noise: float | None) -> float:

@@ -1,16 +1,14 @@
 """Signals of point loads on a bonded layer with their slopes, compiled: from the polynomials of `layer_field`.
 
-Lengths are in depths, signals in newtons, as in `fit_numba`; the field's formula stands in `tactile.elastic`.
+Lengths are in depths, signals in newtons, as in `half_space_numba`; the field's formula stands in `tactile.elastic`.
 """
 
 import math
 
-import numpy as np
 from numba import njit
 
 from cnnsim.support.compiling.kept_loops import kept_njit
-
-LOOSELY = {"reassoc", "contract", "nsz", "arcp"}
+from tactile.inverse.least_squares.half_space_numba import LOOSELY
 
 
 @njit(inline="always")
@@ -36,7 +34,7 @@ def _field(layer, x, y):  # type: ignore[no-untyped-def]
 
 @njit(inline="always")
 def _slopes(layer, x, y, q, r, f, a, b, c):  # type: ignore[no-untyped-def]
-    """Return six times three numbers: the signals of a load, scaled by (a, b, c), and slopes along its five numbers."""
+    """Return six times three numbers: the signals of a load at a taxel (x, y) from it, and slopes along its numbers."""
     (n, m, s, o, e), cubic, u, near = _field(layer, x, y)
     of = -near * near * near * len(layer)  # d near / d x is that times x
     n_x, m_x, s_x = of * _slope(cubic, 0, u), of * _slope(cubic, 1, u), of * _slope(cubic, 2, u)
@@ -60,18 +58,23 @@ def _dot(one, other):  # type: ignore[no-untyped-def]
 
 
 @kept_njit(error_model="numpy", fastmath=LOOSELY)
-def layer_slopes(layer, x, y, load, scale, out):  # type: ignore[no-untyped-def]
-    """Fill ``out`` (6, 3): the signals of a load at a taxel (x, y) from it, and their slopes along its five numbers."""
-    made, by_x, by_y, by_q, by_r, by_f = _slopes(layer, x, y, load[2], load[3], load[4], scale[0], scale[1], scale[2])
-    for j in range(3):
-        out[0, j], out[1, j], out[2, j], out[3, j], out[4, j], out[5, j] = (
-            made[j], by_x[j], by_y[j], by_q[j], by_r[j], by_f[j],
-        )  # fmt: skip
+def layer_slopes(at, scale, load, layer, rest, out):  # type: ignore[no-untyped-def]
+    """Take a load's signals from ``rest`` (3, n) and fill ``out`` (5, 3, n): their slopes along its five numbers."""
+    x0, y0, q, r, f = load[0], load[1], load[2], load[3], load[4]
+    for i in range(len(at)):
+        made, x, y, by_q, by_r, by_f = _slopes(
+            layer, at[i, 0] - x0, at[i, 1] - y0, q, r, f, scale[i, 0], scale[i, 1], scale[i, 2]
+        )
+        for j in range(3):
+            rest[j, i] -= made[j]
+            out[0, j, i], out[1, j, i], out[2, j, i], out[3, j, i], out[4, j, i] = (
+                x[j], y[j], by_q[j], by_r[j], by_f[j],
+            )  # fmt: skip
 
 
 @kept_njit(error_model="numpy", fastmath=LOOSELY)
-def layer_equations_of_one(at, felt, scale, load, layer, matrix, vector):  # type: ignore[no-untyped-def]
-    """Fill the normal equations of one load and return chi^2: sums in numbers of their own, which stay in registers."""
+def layer_sums(at, felt, scale, load, layer):  # type: ignore[no-untyped-def]
+    """Return chi^2 of one load and the sums of its normal equations: numbers of their own, which stay in registers."""
     x0, y0, q, r, f = load[0], load[1], load[2], load[3], load[4]
     chi = xx = xy = yy = xq = xr = xf = yq = yr = yf = qq = qr = rr = qf = rf = ff = 0.0
     vx = vy = vq = vr = vf = 0.0
@@ -101,39 +104,7 @@ def layer_equations_of_one(at, felt, scale, load, layer, matrix, vector):  # typ
         vq += _dot(left, by_q)
         vr += _dot(left, by_r)
         vf += _dot(left, by_f)
-    matrix[0, 0], matrix[1, 0], matrix[1, 1] = xx, xy, yy
-    matrix[2, 0], matrix[2, 1], matrix[2, 2] = xq, yq, qq
-    matrix[3, 0], matrix[3, 1], matrix[3, 2], matrix[3, 3] = xr, yr, qr, rr
-    matrix[4, 0], matrix[4, 1], matrix[4, 2], matrix[4, 3], matrix[4, 4] = xf, yf, qf, rf, ff
-    vector[0], vector[1], vector[2], vector[3], vector[4] = vx, vy, vq, vr, vf
-    return chi
-
-
-@kept_njit(error_model="numpy")
-def layer_equations(at, felt, scale, loads, layer, matrix, vector):  # type: ignore[no-untyped-def]
-    """Fill the normal equations at these loads and return chi^2."""
-    count = len(loads)
-    if count == 1:
-        return layer_equations_of_one(at, felt, scale, loads[0], layer, matrix, vector)
-    slopes = np.empty((count, 6, 3))
-    matrix[:], vector[:] = 0.0, 0.0
-    chi = 0.0
-    for i in range(len(at)):
-        rest0, rest1, rest2 = felt[i, 0], felt[i, 1], felt[i, 2]
-        for k in range(count):
-            layer_slopes(layer, at[i, 0] - loads[k, 0], at[i, 1] - loads[k, 1], loads[k], scale[i], slopes[k])
-            rest0 -= slopes[k, 0, 0]
-            rest1 -= slopes[k, 0, 1]
-            rest2 -= slopes[k, 0, 2]
-        chi += rest0 * rest0 + rest1 * rest1 + rest2 * rest2
-        for m in range(5 * count):
-            one = slopes[m // 5, m % 5 + 1]
-            s0, s1, s2 = one[0], one[1], one[2]
-            vector[m] += s0 * rest0 + s1 * rest1 + s2 * rest2
-            for n in range(m + 1):
-                other = slopes[n // 5, n % 5 + 1]
-                matrix[m, n] += s0 * other[0] + s1 * other[1] + s2 * other[2]
-    return chi
+    return chi, (xx, xy, yy, xq, yq, qq, xr, yr, qr, rr, xf, yf, qf, rf, ff), (vx, vy, vq, vr, vf)
 
 
 @kept_njit(error_model="numpy", fastmath=LOOSELY)

@@ -9,7 +9,7 @@ from cnnsim.support import Floats
 from tactile.core.frame import Frame, Quantity, TaxelArray
 from tactile.elastic.medium import Medium
 from tactile.finger import Finger
-from tactile.inverse.least_squares import fit_numba
+from tactile.inverse.least_squares import equations_numba
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 from tactile.settings import Settings
@@ -116,19 +116,23 @@ def test_one_taxel_on_a_thin_cover_is_in_doubt() -> None:
         assert cover.found(cover.felt(np.array([[0.6e-3, 0.3e-3, 0.0, 0.0, 0.3]]))).validity is wanted
 
 
-def test_slopes_are_those_of_the_signals() -> None:
+@pytest.mark.parametrize("several", [False, True])
+@pytest.mark.parametrize("body", ["layer", "strain", "stress"])
+def test_slopes_are_those_of_the_signals(body: str, several: bool) -> None:
     from tactile.elastic.layer_field import layer_field
 
-    layer = layer_field(1.2, 1.0, True)
+    strain = body != "stress"
+    layer = layer_field(1.2, 1.0, True) if body == "layer" else np.empty((0, 5, 4))
     at, scale = np.array([[0.3, -0.2], [1.4, 0.7], [0.0, 0.0]]), np.ones((3, 3))
-    load, felt = np.array([[0.1, 0.2, 0.3, -0.4, 1.0]]), np.zeros((3, 3))
-    matrix, vector = np.empty((5, 5)), np.empty(5)
-    fit_numba.equations(at, felt, scale, load, True, layer, matrix, vector)
+    load, felt = np.array([[0.1, 0.2, 0.3, -0.4, 1.0], [-0.6, 0.5, 0.2, 0.1, 0.7]])[: 1 + several], np.zeros((3, 3))
+    matrix, vector = np.empty((load.size, load.size)), np.empty(load.size)
+    equations_numba.equations(at, felt, scale, load, strain, layer, matrix, vector)
 
-    def made(one: Floats) -> Floats:
-        return np.asarray(-fit_numba.rest(at, felt, scale, one[None], True, layer)).ravel()
+    def made(step: Floats) -> Floats:
+        loads = load + step.reshape(load.shape)
+        return np.asarray(-equations_numba.rest(at, felt, scale, loads, strain, layer)).ravel()
 
-    step = 1e-5 * np.eye(5)
-    slopes = np.array([(made(load[0] + one) - made(load[0] - one)) / 2e-5 for one in step])
+    nothing = np.zeros(load.size)
+    slopes = np.array([(made(one) - made(-one)) / 2e-5 for one in 1e-5 * np.eye(load.size)])
     assert np.tril(matrix) == pytest.approx(np.tril(slopes @ slopes.T), abs=1e-6)
-    assert vector == pytest.approx(slopes @ -made(load[0]), abs=1e-6)
+    assert vector == pytest.approx(slopes @ -made(nothing), abs=1e-6)
