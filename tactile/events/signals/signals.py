@@ -39,10 +39,12 @@ LEVELS = (
     "turning",
     "turning_back",
     "outweighs",
+    "balanced",
 )
 DRIFT = 2.0
 """Dead bands that drift of an unpressed taxel may reach: 0.2 N of shear, 0.1 N of pressing."""
-RISING, DROPPING, TURNING = LEVELS.index("rising"), LEVELS.index("dropping"), LEVELS.index("turning")
+RISING, DROPPING = LEVELS.index("rising"), LEVELS.index("dropping")
+TURNING, BALANCED = LEVELS.index("turning"), LEVELS.index("balanced")
 
 ALWAYS = np.ones((1, 1), bool)
 ONE = Levels(np.full((1, 1, 3), 0.01), np.full((1, 1, 3), 0.015))
@@ -50,7 +52,7 @@ ONE = Levels(np.full((1, 1, 3), 0.01), np.full((1, 1, 3), 0.015))
 
 
 class Signals:
-    """Seven planes and fourteen numbers of one finger, renewed with every frame.
+    """Seven planes and fifteen numbers of one finger, renewed with every frame.
 
     Planes (rows, cols), binary scale (1/6 where a comparator goes off, 1/4 where it goes on):
     ``shear_x``, ``shear_y``, ``pressing``: the reading over the taxel's own levels; of shear, levels of at least 2 %
@@ -72,9 +74,9 @@ class Signals:
     ``driven`` change of the whole shear (mean of 10 ms less that of 200 ms) against 6 sigma and 0.4 % of F;
     ``dropping`` a fall of 4 %, as of a finger that opens; ``yielding`` the growth of Q/F against its fastest of the
     last 0.5 s (on below 0.25, off above 0.4): a contact that slides as a whole follows no further; ``sticking`` the
-    part of F that taxels bear which stick (on above 0.15, off below 0.1); ``turning``, ``turning_back`` the torque of
-    the change of shear about the middle of the pressing, clockwise and anticlockwise in the picture (0.6 of what it
-    could be, 7 % of what F would make).
+    part of F that taxels bear which stick (on above 0.15, off below 0.1); ``turning``, ``turning_back`` the torque,
+    about the middle of the pressing, of shear that the pressing does not explain, clockwise and anticlockwise in the
+    picture (0.7 of what it could be, 6 % of what F would make); ``balanced`` whether both are off, in force alone.
 
     In strain the pressing of a point load sums to 0 over the plane, so F is the sum of the pressed taxels alone.
     """
@@ -152,7 +154,7 @@ class Signals:
                 self._taus, self._growth, self.levels[RISING] > 0.25, self.planes, self.levels,
             )  # fmt: skip
             turn = self._turn(self._fast, self._slow, use, self._quiet[0], self._quiet[1])
-            self.levels[TURNING : TURNING + 2] = turn, -turn
+            self.levels[TURNING], self.levels[TURNING + 1], self.levels[BALANCED] = turn, -turn, 5 / 12 - abs(turn)
         if self.levels[RISING] > 0.25 or self.levels[DROPPING] > 0.25:
             self._next[:] = 0  # how shear changes while a grip closes or opens is no beginning of a pull
         else:

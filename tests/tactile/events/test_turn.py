@@ -1,4 +1,4 @@
-"""Torque of the change of shear about the middle of the pressing: rigid turns, pulls, noise; twists."""
+"""Torque of shear that the pressing does not explain: rigid turns, pulls, uneven unloading, noise; twists."""
 
 import numpy as np
 import pytest
@@ -33,6 +33,20 @@ def test_a_rigid_turn_about_the_middle_of_the_pressing_turns_and_a_pull_or_a_spr
     aside = press[..., None] * [0.0, 0.5] + around
     assert turned(press, aside) > 0.25 > 1 / 6 > turned(press, aside, noise=(0.0, 1.0))  # the middle is not known
     assert turned(press, 0 * around) == turned(0 * press, around) == 0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_contact_that_is_shifted_and_unloaded_unevenly_does_not_turn(seed: int) -> None:
+    """Each taxel keeps its shear for a pressing; where nothing pressed before it is that of all of them."""
+    rng, use, quiet = np.random.default_rng(seed), np.ones(SHAPE, bool), np.zeros(SHAPE)
+    friction = np.array([0.4, -0.2]) + 0.1 * rng.standard_normal((*SHAPE, 2))
+    before, after = (np.where(rng.random(SHAPE) < 0.3, 0.0, rng.uniform(0.2, 1.0, SHAPE)) for _ in range(2))
+    friction[before == 0] = (friction * before[..., None]).sum((0, 1)) / before.sum()
+    slow, fast = (np.concatenate([friction * n[..., None], n[..., None]], axis=-1) for n in (before, after))
+    assert abs(turn(fast, slow, use, quiet, quiet)) < 1 / 6
+    y, x = np.mgrid[: SHAPE[0], : SHAPE[1]] - np.array(SHAPE)[:, None, None] / 2
+    fast[..., :2] += 0.2 * after[..., None] * np.stack([-y, x], axis=-1)
+    assert turn(fast, slow, use, quiet, quiet) > 0.25
 
 
 @pytest.mark.parametrize(("way", "sense"), [(1, "clockwise"), (-1, "anticlockwise")])
