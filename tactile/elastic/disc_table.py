@@ -6,13 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.support import Floats, InputError
+from cnnsim.support import Floats, InputError, Integers
 from tactile.elastic.medium import Felt, Medium
 from tactile.elastic.profiles import Profile
 from tactile.elastic.unit_disc import EVEN, ODD, RZ, TWIST, ZR, ZZ, half_space, layer
 
-FINEST = 1e-9
-"""Tables are made for no finer accuracy."""
 FAR = 400.0
 """Depths from a load beyond which a circle on the half-space is a point."""
 REACH = 30.0
@@ -21,6 +19,13 @@ DEEPEST = 1e8
 """A layer of more depths than this is the half-space to rounding."""
 KINDS = ([ZZ, RZ], [ZR, EVEN, ODD], [TWIST])
 """Functions of a normal force, of a tangential one, of a twist."""
+TAIL = 16.0
+"""By so much more than the accuracy the layer's waves have fallen off where they are cut: what is left grows like the
+third power of the wavenumber."""
+FAINT = 0.01
+"""Where a field has fallen to this share of its peak, it still is as accurate: taxels may lie beside what presses."""
+SHORTEST = 0.002
+"""A step so short has never been needed: what is left is no more the spline's."""
 PAD, FALL = 3, 0.27
 """Knots beyond both ends at least, for the spline's own end conditions fall off by so much a knot. At the largest
 radius the functions still change: as many as the accuracy asks for."""
@@ -57,50 +62,58 @@ def _radius(along: Any, limit: float) -> Any:
     return np.sinh(along) if np.isinf(limit) else limit * np.tanh(along)
 
 
-def table_size(radii: Floats, depth: float, profile: Profile, unit: float) -> Floats:
+def table_size(radii: Floats, depth: float, profile: Profile, unit: float, lone: bool = False) -> Floats:
     """The largest coordinate of the table for circles of these radii [m], of a few sizes only so that they share them.
 
-    It depends on a circle's radius alone, so that readings do not depend on what else presses.
+    It depends on a circle's radius alone, so that readings do not depend on what else presses. ``lone``: the coordinate
+    itself, for a body whose radius never changes and needs a table of that radius alone.
     """
-    at = coordinate(radii / depth, unit / depth * profile.limit)
-    return np.where(radii > 0, 2.0 ** np.ceil(np.log2(np.maximum(at, 1.0)) - 1e-9), 0.0)
+    limit = unit / depth * profile.limit
+    at = coordinate(radii / depth, limit)
+    if lone:
+        return at
+    # a table ten times as wide as its circles costs a hundred times as much; near a profile's largest radius little
+    # changes any more, and circles go through many sizes
+    sizes = np.ceil(2 * at - 1e-9) / 2 if np.isinf(limit) else 2.0 ** np.ceil(np.log2(np.maximum(at, 1.0)) - 1e-9)
+    return np.where(radii > 0, np.maximum(sizes, 1.0), 0.0)
 
 
 def disc_table(
-    depth: float, top: float, profile: Profile, unit: float, medium: Medium, accuracy: float, whole: bool = True
-) -> DiscTable:
+    depth: float, top: float, profile: Profile, unit: float, medium: Medium, accuracy: float, whole: bool = True,
+    lone: bool = False,
+) -> DiscTable:  # fmt: skip
     """The table for circles of one size, see ``table_size``, over taxels at ``depth`` [m], made once.
 
     Arguments: ``unit`` [m]: the profile's lam is the radius over it; ``accuracy`` of the peak; ``whole``: with the
-    half-space, else only what the layer adds.
+    half-space, else only what the layer adds; ``lone``: of the circle ``top`` alone, none smaller.
 
     Raises:
-        InputError: taxels below the layer.
+        InputError: taxels below the layer; an accuracy that the table does not reach.
     """
     if depth > medium.thickness:
         raise InputError(
             f"taxels {depth} m deep in a layer of {medium.thickness} m, a thickness of at least the depth wanted"
         )
     ratio = depth / medium.thickness if medium.thickness < DEEPEST * depth else 0.0
-    fine = max(accuracy, FINEST)
-    return _table(round(ratio, 12), top, profile, unit / depth, medium.nu, medium.quantity, fine, whole)
+    return _table(round(ratio, 12), top, profile, unit / depth, medium.nu, medium.quantity, accuracy, whole, lone)
 
 
 @lru_cache(maxsize=64)
 def _table(
-    ratio: float, top: float, profile: Profile, unit: float, nu: float, quantity: Felt, accuracy: float, whole: bool
-) -> DiscTable:
+    ratio: float, top: float, profile: Profile, unit: float, nu: float, quantity: Felt, accuracy: float, whole: bool,
+    lone: bool,
+) -> DiscTable:  # fmt: skip
     medium, limit = Medium(1.0, nu, quantity), unit * profile.limit
     ends = REACH / ratio if ratio else FAR
-    fall, beyond = 10 - np.log(accuracy), max(PAD, int(np.ceil(np.log(accuracy) / np.log(FALL))))
+    fall, beyond = TAIL - np.log(accuracy), max(PAD, int(np.ceil(np.log(accuracy) / np.log(FALL))))
     random = np.random.default_rng(0)
     # a cubic spline is off by about (step / 3)^4 of a function that turns once in a unit
     # and at the rim of a circle of many depths in a depth
     step = min(0.3, 2 * accuracy**0.25) / max(1.0, _radius(top, limit) / 1.5)
     while True:
         distances = int(np.ceil(np.arcsinh(ends) / step)) + 1 + PAD
-        radii = int(np.ceil(top / step)) + 1 + beyond if top else 1
-        across, along = np.arange(distances) * step, np.arange(radii) * step
+        across = np.arange(distances) * step
+        along = np.array([top]) if lone or not top else np.arange(int(np.ceil(top / step)) + 1 + beyond) * step
         exact = _weighted(across, along, ratio, profile, unit, limit, medium, whole, fall)
         made = DiscTable(_spline(exact), 1 / step, 1 / step, limit, ends, not ratio)
         # most points where the functions turn, about the rim
@@ -108,14 +121,27 @@ def _table(
         rims = np.minimum(np.arcsinh(widest * random.uniform(0.5, 1.5, 16 if top else 0)), np.arcsinh(ends))
         near = random.uniform(0, 2 * step, 4)
         at = np.concatenate([[0.0], near, rims, random.uniform(0, turning, 32), random.uniform(0, np.arcsinh(ends), 8)])
-        of = np.concatenate([[top], random.uniform(0, top, 9)]) if top else np.zeros(1)
+        of = along if len(along) == 1 else np.concatenate([[top], random.uniform(0, top, 9)])
         wanted = _weighted(at, of, ratio, profile, unit, limit, medium, whole, fall)
-        gap = np.abs(_read(made, at, of) - wanted)
-        # of each circle's own peak under one kind of load, which on a thin layer falls off otherwise than the weights
-        off = max(float((gap[..., kind].max((1, 2)) / np.abs(wanted[..., kind]).max((1, 2))).max()) for kind in KINDS)
-        if off < accuracy / 8 or step < 0.005:
+        off = max(_off(_read(made, at, of)[..., kind], wanted[..., kind], np.argsort(at)) for kind in KINDS)
+        if off < accuracy / 8:
             return made
+        if step < SHORTEST:
+            raise InputError(
+                f"circles {widest:.3g} depths wide to {accuracy:.2g} of the peak; {8 * off:.2g} or more wanted"
+            )
         step *= min(0.8, max(0.4, 0.8 * (accuracy / 8 / off) ** 0.25))
+
+
+def _off(got: Floats, wanted: Floats, order: Integers) -> float:
+    """Error of each circle's peak under one kind of load, which on a thin layer falls off otherwise than the weights.
+
+    And a quarter of that of the peak among the distances beyond.
+    """
+    gap, size = np.abs(got - wanted).max(-1)[:, order], np.abs(wanted).max(-1)[:, order]
+    beyond = np.maximum.accumulate(size[:, ::-1], axis=1)[:, ::-1]
+    peak = beyond[:, :1]
+    return float(np.maximum(gap / peak, gap / np.maximum(beyond, FAINT * peak) / 4).max())
 
 
 def _weighted(

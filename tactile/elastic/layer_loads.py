@@ -16,8 +16,8 @@ from tactile.elastic.medium import Felt, Medium
 
 REACH = 30.0
 """Thicknesses from a load beyond which a bonded layer feels nothing: its field dies out exponentially."""
-POINTS = 320
-"""Radii in a table, denser near the load; the spline between them is good to 1e-7 of the peak."""
+POINTS = 640
+"""Radii in a table, denser near the load; the spline between them is good to 1e-8 of the peak."""
 PANEL = 14.0
 """Phase of the fastest Bessel function over one panel of 16 Gauss nodes: good to 1e-10."""
 

@@ -11,11 +11,11 @@ from cnnsim.support import Floats, InputError
 from tactile.core.frame import TaxelArray
 from tactile.core.loads import COLUMNS, PLACE
 from tactile.elastic.medium import Medium
-from tactile.elastic.profiles import HERTZ, Profile
-from tactile.simulator.contacts.loads import Loads, together
+from tactile.elastic.profiles import HERTZ
+from tactile.simulator.contacts.loads import Disc, Loads, together
 from tactile.simulator.contacts.rig import STILL, Rig
 from tactile.simulator.summation import DIRECT, Summation, moving, sum_loads
-from tactile.simulator.taxels import Taxels
+from tactile.simulator.taxels import FINEST, Taxels
 
 if TYPE_CHECKING:
     from tactile.elastic.sums.device_sum import DeviceSum
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 
 ACCURACY = 1e-4
 """How far a field may be off, of its peak, unless a scene says."""
-TABLES = 1e-7
-"""To finer accuracies circles are integrated one by one."""
-FINEST = 1e-7
-"""Accuracy of what a layer adds to them."""
-WIDEST = 6.0
-"""Radius in depths up to which tables are made of circles on the half-space; wider ones are integrated one by one."""
+TABLES = 1e-6
+"""To finer accuracies circles are integrated one by one: their tables would take longer than most scenes."""
+WIDEST, WIDEST_FINE = 6.0, 2.1
+"""Radius in depths up to which tables are made of circles on the half-space, and that for accuracies finer than
+`FINE`, where those of wider ones would take as long as ten thousand circles that are integrated one by one."""
+FINE = 1e-5
 
 
 class Contact(Protocol):
@@ -135,10 +135,10 @@ def field_at(
 
             rows = loads.points.reshape(len(values), *(1,) * (positions.ndim - 1), *loads.points.shape[1:])
             values += layer_term(positions, depth, rows, medium.thickness, medium)
-    spread = [(disc.loads, disc.radii, disc.profile, disc.unit) for disc in loads.discs]
-    spread += [(_as_sixth(twist.twists), twist.radii, HERTZ, np.inf) for twist in loads.twists]
+    spread = [*loads.discs]
+    spread += [Disc(_as_sixth(twist.twists), twist.radii, HERTZ, np.inf, twist.owner) for twist in loads.twists]
     if by_table and loads.points.shape[1]:
-        spread.append((loads.points, np.zeros(loads.points.shape[:2]), HERTZ, np.inf))
+        spread.append(Disc(loads.points, np.zeros(loads.points.shape[:2]), HERTZ, np.inf, loads.owner))
     if spread:
         _add_spread(
             values.reshape(len(values), -1, 3), positions.reshape(-1, 2), depth, spread, medium, accuracy, device, trial
@@ -153,13 +153,13 @@ def _as_sixth(twists: Floats) -> Floats:
 
 
 def _add_spread(
-    values: Floats, at: Floats, depth: float, spread: Iterable[tuple[Floats, Floats, Profile, float]], medium: Medium,
-    accuracy: float, device: "DeviceSum | None", trial: bool,
+    values: Floats, at: Floats, depth: float, spread: Iterable[Disc], medium: Medium, accuracy: float,
+    device: "DeviceSum | None", trial: bool,
 ) -> None:  # fmt: skip
     layered = bool(np.isfinite(medium.thickness))
     if trial and not layered:
-        for rows, radii, profile, unit in spread:
-            _add_exact(values, at, depth, rows, radii, profile, unit, medium, rough=True)
+        for disc in spread:
+            _add_exact(values, at, depth, disc, disc.loads, medium, rough=True)
         return
     if device is None:
         from tactile.elastic.disc_loops import add_discs  # only where called for
@@ -167,29 +167,31 @@ def _add_spread(
         add_discs = device.add_discs
     from tactile.elastic.disc_table import disc_table, table_size  # the same
 
-    for rows, radii, profile, unit in spread:
+    widest = (WIDEST_FINE if accuracy < FINE else WIDEST) * depth
+    for disc in spread:
+        rows, radii, profile, unit, lone = disc.loads, disc.radii, disc.profile, disc.unit, disc.flat
         pressing = (rows[..., PLACE.stop :] != 0).any(axis=-1)
-        alone = pressing & ((radii > WIDEST * depth) | (accuracy < TABLES))
+        alone = pressing & ((radii > widest) | (accuracy < TABLES))
         if alone.any():
-            _add_exact(values, at, depth, np.where(alone[..., None], rows, 0), radii, profile, unit, medium)
-        size = table_size(radii, depth, profile, unit)
+            _add_exact(values, at, depth, disc, np.where(alone[..., None], rows, 0), medium)
+        size = table_size(radii, depth, profile, unit, lone)
         for whole, these in ((True, pressing & ~alone), (False, alone & layered)):
             for top in np.unique(size[these]).tolist():
                 here = these & (size == top)
-                table = disc_table(depth, top, profile, unit, medium, max(accuracy, FINEST), whole)
+                table = disc_table(depth, top, profile, unit, medium, max(accuracy, FINEST), whole, lone)
                 kept = here.any(axis=0)  # most are of one size from the first frame to the last
                 part = np.where(here[:, kept, None], rows[:, kept], 0)
                 add_discs(values, at, depth, part, np.where(here, radii, 0)[:, kept], table, medium)
 
 
 def _add_exact(
-    values: Floats, at: Floats, depth: float, rows: Floats, radii: Floats, profile: Profile, unit: float,
-    medium: Medium, rough: bool = False,
-) -> None:  # fmt: skip
-    """The half-space's share by quadrature."""
+    values: Floats, at: Floats, depth: float, disc: Disc, rows: Floats, medium: Medium, rough: bool = False
+) -> None:
+    """The half-space's share of these of its loads by quadrature."""
     from tactile.elastic.discs import disc_load, twist_load  # only where called for
 
+    radii = disc.radii[:, None]
     if rows.shape[-1] == COLUMNS:
-        values += disc_load(at, depth, rows[:, None], radii[:, None], profile, medium, radii[:, None] / unit, rough)
+        values += disc_load(at, depth, rows[:, None], radii, disc.profile, medium, radii / disc.unit, rough)
     else:
-        values += twist_load(at, depth, rows[:, None][..., [0, 1, COLUMNS]], radii[:, None], medium)
+        values += twist_load(at, depth, rows[:, None][..., [0, 1, COLUMNS]], radii, medium)

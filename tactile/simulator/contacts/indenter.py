@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 ShapeName = Literal["point", "disc", "flat_punch", "sphere", "needle", "edge", "cylinder"]
 ROUND: dict[str, Profile] = {"disc": UNIFORM, "flat_punch": FLAT_PUNCH, "sphere": HERTZ, "needle": ROUND_TIP}
 """Shapes whose contact is a circle, and the pressure on it."""
+FLAT = ("disc", "flat_punch")
+"""Those whose circle is as wide under any force."""
 LAWS = ("sphere", "needle", "flat_punch")
 """Shapes with a law of force and indentation."""
 
@@ -149,7 +151,7 @@ class Indenter:
             return layer.indentation(pressing)
         if self.shape == "sphere":
             return hertz_indentation(pressing, self.radius, stiff)
-        if self.shape in ("flat_punch", "disc"):
+        if self.shape in FLAT:
             return pressing / (2 * self.radius * stiff)
         if self.shape == "needle":
             return round_tip_indentation(pressing, self.radius, stiff)

@@ -14,7 +14,8 @@ from tactile.elastic.profiles import Profile
 class Disc:
     """Loads over circles: ``loads`` (frames, k, 5), ``radii`` (frames, k) [m]; ``owner`` (k,) contacts.
 
-    ``unit`` [m]: the profile's lam is the radius over it, infinite where it has none.
+    ``unit`` [m]: the profile's lam is the radius over it, infinite where it has none; ``flat``: a flat end, whose
+    radius no force changes.
     """
 
     loads: Floats
@@ -22,6 +23,7 @@ class Disc:
     profile: Profile
     unit: float
     owner: Integers
+    flat: bool = False
 
 
 @dataclass(frozen=True)

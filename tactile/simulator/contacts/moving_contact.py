@@ -10,7 +10,7 @@ from cnnsim.support import Floats, InputError
 from tactile.core.loads import COLUMNS, FORCE, PLACE, SHEAR, F, Q, R, X, Y
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.friction import FrictionState, follow, load_to, untouched
-from tactile.simulator.contacts.indenter import LAWS, ROUND, Indenter
+from tactile.simulator.contacts.indenter import FLAT, LAWS, ROUND, Indenter
 from tactile.simulator.contacts.loads import Disc, Loads, Twist
 from tactile.simulator.contacts.moving_load import along_path, checked_path, span
 from tactile.simulator.contacts.rig import STILL, Rig, at_a_point
@@ -191,5 +191,9 @@ class MovingContact:
             twists = (Twist(turned[:, None], radii[:, :1], np.zeros(1, np.int64)),)
         totals = rows[:, None, :COLUMNS]
         return Loads(
-            totals, np.empty((len(rows), 0, COLUMNS)), owner[:0], (Disc(discs, radii, profile, unit, owner),), twists
+            totals,
+            np.empty((len(rows), 0, COLUMNS)),
+            owner[:0],
+            (Disc(discs, radii, profile, unit, owner, self.indenter.shape in FLAT),),
+            twists,
         )

@@ -3,9 +3,12 @@
 from typing import Any
 
 from cnnsim.support import InputError
+from tactile.simulator.taxels import FINEST
 
 WHERE = (("cpu", "float64"), ("opencl", "float64"), ("opencl", "float32"))
 """Backends and numbers in which loads are summed."""
+SINGLE = 1e-5
+"""The finest accuracy that sums in float32 keep."""
 
 
 def check(scene: Any) -> None:  # a `Scene`, which is made by its help
@@ -13,8 +16,12 @@ def check(scene: Any) -> None:  # a `Scene`, which is made by its help
     for name in ("rate", "duration", "modulus", "full_scale"):
         if not 0 < getattr(scene, name) < float("inf"):
             raise InputError(f"scene {scene.title!r}: {name} {getattr(scene, name)}, a positive number wanted")
-    if not 0 <= scene.accuracy <= 0.1:
-        raise InputError(f"scene {scene.title!r}: accuracy {scene.accuracy}, from 0 to 0.1 of the peak wanted")
+    finest = FINEST if scene.dtype == "float64" else SINGLE
+    if scene.accuracy != 0 and not finest <= scene.accuracy <= 0.1:
+        raise InputError(
+            f"scene {scene.title!r}: accuracy {scene.accuracy:g} in {scene.dtype}; from {finest:g} to 0.1 of the peak "
+            "wanted, or 0 for the finest there is"
+        )
     if (scene.backend, scene.dtype) not in WHERE:
         wanted = ", ".join(f"{backend} in {dtype}" for backend, dtype in WHERE)
         raise InputError(f"scene {scene.title!r}: {scene.backend} in {scene.dtype}; one of {wanted} wanted")

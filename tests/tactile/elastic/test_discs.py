@@ -24,6 +24,8 @@ from tactile.elastic.profiles import (
     hertz_radius,
     round_tip_radius,
 )
+from tactile.elastic.unit_disc import layer
+from tests.oracles.elastic.layer import layer_load
 
 random = np.random.default_rng(3)
 LAM = 0.9
@@ -198,7 +200,7 @@ def test_wrong_circles_are_refused() -> None:
 
 @pytest.mark.parametrize("accuracy", [1e-4, 1e-5, 1e-6])
 def test_tables_keep_their_accuracy_under_the_load_at_the_rim_and_at_the_largest_radius(accuracy: float) -> None:
-    medium, widest = Medium(1.0), 3.6  # the largest of the table of size 2
+    medium, widest = Medium(1.0), 3.6  # the largest of the table of size 2, nearly
     table = disc_table(1.0, float(table_size(np.array([widest]), 1.0, HERTZ, np.inf).max()), HERTZ, np.inf, medium,
                        accuracy)  # fmt: skip
     rng = np.random.default_rng(2)
@@ -218,3 +220,37 @@ def test_tables_are_no_finer_than_their_accuracy_takes(top: float) -> None:
     """A look at a taxel costs the more, the larger the table: of points in a layer as well as of circles."""
     table = disc_table(1.0, top, HERTZ, np.inf, Medium(1.0, thickness=2.0), 1e-4, whole=False)
     assert table.numbers.shape[1] < 200
+
+
+def test_a_table_is_about_as_wide_as_its_circles_and_of_one_radius_for_a_flat_end() -> None:
+    radii = np.array([0.0, 1.0, 3.8, 6.0])
+    size = table_size(radii, 1.0, HERTZ, np.inf)
+    assert size[0] == 0
+    assert (np.arcsinh(radii) <= size).all()
+    assert (size[2:] <= np.arcsinh(radii[2:]) + 0.5).all()
+    top = float(table_size(np.array([1.3]), 1.0, UNIFORM, np.inf, lone=True)[0])
+    medium = Medium(1.0, thickness=np.inf)
+    table = disc_table(1.0, top, UNIFORM, np.inf, medium, 1e-6, lone=True)
+    assert len(table.numbers) == 1
+    at = random.uniform(-3, 3, (40, 2))
+    load, found = np.array([[[0.0, 0.0, 0.3, 0.1, 1.0]]]), np.zeros((1, 40, 3))
+    add_discs(found, at, 1.0, load, np.full((1, 1), 1.3), table, medium)
+    known = disc_load(at, 1.0, load[:, None], np.full((1, 1, 1), 1.3), UNIFORM, medium)
+    assert np.abs(found - known).max() < 1e-6 * np.abs(known).max()
+
+
+def test_waves_right_under_a_circle_are_as_good_as_far_from_it() -> None:
+    near, far = np.array([3e-3]), np.array([3e-3, 60.0])  # distances far off ask for many more waves
+    medium, radius = Medium(1.0, 0.5, "stress", 1.0), np.array([0.1])
+    one, other = (layer(rho, radius, HERTZ, radius, medium, 0.95)[:, 0] for rho in (near, far))
+    assert np.abs(one - other).max() < 1e-9 * np.abs(other).max()
+
+
+def test_beside_the_load_a_table_is_as_accurate_as_what_is_felt_there() -> None:
+    medium = Medium(1.0, 0.3, "stress", 1.05)
+    table = disc_table(1.0, 0.0, HERTZ, np.inf, medium, 1e-6)
+    at = np.array([[2.2, 0.3], [0.4, -2.5], [2.0, 2.0]])
+    load, found = np.array([[[0.0, 0.0, 0.3, -0.2, 1.0]]]), np.zeros((1, 3, 3))
+    add_discs(found, at, 1.0, load, np.zeros((1, 1)), table, medium)
+    known = layer_load(at, 1.0, load[0], 1.05, medium)
+    assert np.abs(found[0] - known).max() < 1e-6 * np.abs(known).max()

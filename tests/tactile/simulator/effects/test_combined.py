@@ -8,6 +8,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.special import j0
 
+from cnnsim.support import InputError
 from tactile.core.frame import TaxelArray
 from tactile.elastic.discs import disc_load
 from tactile.elastic.layer import transfer
@@ -153,6 +154,26 @@ def test_accuracy_is_a_choice() -> None:
     assert np.abs(fine.values - quick.values).max() < 1e-4 * np.abs(fine.values).max()
     medium = Medium(2.4e6, thickness=1.5 * Z)
     assert fine.medium == medium
+
+
+def test_a_wide_taxel_alone_keeps_the_accuracy_where_little_is_felt() -> None:
+    chip = TaxelArray("chip", 1, 1, Z, Z)
+    beside = MovingContact(0, Indenter(), np.array([(0.0, 0.0, 1e-4, 0.05, 0.0, 0.15)]))
+    exact = superposed(affected(beside, FiniteThickness(Z), TaxelArea(Z), array=chip))
+    for accuracy in (1e-4, 1e-6):
+        got = affected(beside, FiniteThickness(Z), TaxelArea(Z), array=chip, accuracy=accuracy).values[0]
+        assert np.abs(got - exact).max() < accuracy * np.abs(exact).max()
+    with pytest.raises(InputError, match=r"30 mm wide and 1 mm deep to 0.0001 of the peak; \d.* or more"):
+        affected(beside, TaxelArea(30e-3), array=replace(chip, pitch=0.03)).values  # noqa: B018 - computed when asked for
+
+
+def test_accuracies_that_cannot_be_kept_are_refused_with_both_numbers() -> None:
+    for accuracy in (1e-8, 1e-9, -1e-4, float("nan"), 0.5):
+        with pytest.raises(InputError, match=f"accuracy {accuracy:g} in float64; from 1e-07 to 0.1 of the peak wanted"):
+            affected(sphere(0.5), accuracy=accuracy)
+    with pytest.raises(InputError, match="accuracy 1e-06 in float32; from 1e-05"):
+        Scene("s", 10.0, 0.1, 2.4e6, (PAD,), (), (sphere(0.5),), (), accuracy=1e-6, backend="opencl", dtype="float32")
+    assert affected(sphere(0.5), accuracy=1e-7).accuracy == 1e-7
 
 
 def test_a_tip_over_a_wide_taxel_is_the_mean_of_what_the_tip_does() -> None:
