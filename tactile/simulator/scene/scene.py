@@ -53,10 +53,10 @@ class Scene:
     ``contacts``: all else that presses; what acts on one finger adds. ``effects``: (name, effect) in the order in
     which they act, none for the paper's ideal skin; effects alone, as ``make_effect`` gives them, are put in order.
     ``full_scale``: the largest strain the electronics are made for. ``accuracy``: how far the field may be off, of its
-    peak, from 1e-7; 0 for the finest there is: rounding on a half-space. ``backend`` and ``dtype``: where and in which numbers loads are summed, float32 on
-    OpenCL alone. ``seed``: every effect of every finger draws from
-    a generator of its own, so that none changes with the others. ``bumps``: the cover has one over every taxel, None
-    for a flat one.
+    peak, from 1e-7; 0 for the finest there is: rounding on a half-space. ``backend`` and ``dtype``: where and in which
+    numbers loads are summed, float32 on OpenCL alone and to 1e-5 at best. ``seed``: every effect of every finger draws
+    from a generator of its own, so that none changes with the others. ``bumps``: the cover has one over every taxel,
+    None for a flat one.
 
     Raises:
         InputError: a rate, duration or modulus that is not positive, no array or two of one name, an array of force,
