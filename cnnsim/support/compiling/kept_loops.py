@@ -9,18 +9,20 @@ import pickle
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress
-from functools import cache
+from functools import cache, cached_property
 from hashlib import sha256
 from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
 import numba
+import numpy as np
 from numba.core import config, sigutils
 from numba.core.caching import FunctionCache
 from numba.core.ccallback import CFunc
 from numba.core.serialize import dumps
 
+from cnnsim.support.compiling.fingerprint import fingerprint, stable
 from cnnsim.support.compiling.private_folder import first_usable, is_private, user_cache
 from cnnsim.support.compiling.stopping import listen_to_numba
 
@@ -54,12 +56,16 @@ def _read_from() -> tuple[Path, ...]:
 class LoopFiles:
     """The files of one function, one for each signature and processor: all that numba asks of them."""
 
-    def __init__(self, function: Any, options: dict[str, Any], stamp: Any) -> None:
+    def __init__(self, function: Any, options: dict[str, Any]) -> None:
         code = function.__code__
         name = f"{function.__module__}.{function.__qualname__}.{code.co_firstlineno}".replace("<locals>.", "")
         how = f"{code.co_filename} {sorted(options.items(), key=str)}"  # numba's keys say nothing of either
         self._stem = f"{name}.{sha256(how.encode()).hexdigest()[:8]}"
-        self._known = numba.__version__, stamp
+        self._function = function
+
+    @cached_property
+    def _known(self) -> tuple[str, ...]:
+        return numba.__version__, np.__version__, fingerprint(self._function)
 
     def load(self, key: Any) -> Any:
         """Return what is kept under a key, None where there is nothing that can be trusted."""
@@ -109,7 +115,7 @@ def _keep(compiler: Any, function: Any, options: dict[str, Any]) -> None:
     finally:
         config.CACHE_DIR = before
     kept: FunctionCache = compiler._cache
-    kept._cache_file = LoopFiles(function, options, kept._impl.locator.get_source_stamp())
+    kept._cache_file = LoopFiles(function, options)
     kept._cache_path = str(folder())
 
 
@@ -149,7 +155,7 @@ def kept_njit(**options: Any) -> Callable[[Any], Any]:
 
     def wrapped(function: Any) -> Any:
         jitted = numba.njit(**options)(function)
-        _keep(jitted, function, {key: str(value) for key, value in options.items()})
+        _keep(jitted, function, {key: stable(value) for key, value in options.items()})
         return Threaded(jitted, function, options) if options.get("parallel") else jitted
 
     return wrapped

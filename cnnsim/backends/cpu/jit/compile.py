@@ -1,13 +1,9 @@
 """How loops of the CPU backend are compiled: once, to disk, in a serial and a threaded version of one text.
 
-Numba's disk cache takes a function for unchanged while its own file is, though the functions it calls have changed, and
-does not look at compile options. So every function is compiled under a name that says both: its options, and a digest
-of all the backend's files.
+Every version is compiled under a name of its own: their symbols meet in the loops that call them.
 """
 
 from collections.abc import Callable
-from hashlib import sha256
-from pathlib import Path
 from types import FunctionType
 from typing import Any, NamedTuple
 
@@ -35,10 +31,6 @@ class Twins(NamedTuple):
 def threads_for(cells: int) -> int:
     """Return how many threads share this much work, in the version that `Twins.for_work` gives for it."""
     return numba.get_num_threads() if cells >= THREADS_PAY_FROM else 1
-
-
-_FILES = sorted(Path(__file__).parents[1].rglob("*.py"))
-_DIGEST = sha256(b"".join(path.read_bytes() for path in _FILES)).hexdigest()[:8]
 
 
 _INNER = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
@@ -79,10 +71,9 @@ def cache_folder(jitted: Any) -> str:
 
 
 def named(function: Kernel, kind: str) -> FunctionType:
-    """Return a copy under a name that says how it is compiled, and from which files."""
+    """Return a copy under a name that says how it is compiled."""
     assert isinstance(function, FunctionType)
-    suffix = f"{kind}_{_DIGEST}"
-    copy = FunctionType(function.__code__, function.__globals__, function.__name__ + suffix)
-    copy.__qualname__ = function.__qualname__ + suffix
+    copy = FunctionType(function.__code__, function.__globals__, function.__name__ + kind)
+    copy.__qualname__ = function.__qualname__ + kind
     copy.__module__ = function.__module__
     return copy
