@@ -24,6 +24,10 @@ class NotSettledError(InputError):
         super().__init__(message)
         self.result = result
 
+    def __reduce__(self) -> Any:
+        """Both arguments: a pool of processes that could not read an error of its worker would wait for ever."""
+        return type(self), (str(self), self.result)
+
 
 def reached(transient: Repeatable, where: Backend, wanted: Wanted) -> Result:
     """Return the result of a run to an accuracy.

@@ -15,7 +15,8 @@ from cnnsim.planning.duration import Duration
 from cnnsim.planning.plan import usual_limit
 from cnnsim.planning.step import DEFAULT_STEP
 from cnnsim.support import Array, Floats, InputError
-from cnnsim.support.values import as_numbers, as_picture
+from cnnsim.support.notices import Notices
+from cnnsim.support.values import as_numbers, as_picture, has_zeros_for_white
 from cnnsim.theory.running_time import RunningTime, guaranteed_time
 
 Role = Literal["picture", "given", "none", "any"] | float
@@ -151,6 +152,11 @@ class LibraryEntry:
         dropped |= {"accuracy"} if changes.get("scheme") is not None or changes.get("step") is not None else set()
         return {**{key: value for key, value in task.items() if key not in dropped}, **changes}
 
+    def _black_and_white(self) -> bool:
+        """Whether it takes pictures in black and white alone: so tagged, and so in all its worked examples."""
+        pictures = [plane for one in self.examples for plane in (one.input, one.state) if plane is not None]
+        return "binary" in self.tags and all((np.abs(plane) == 1).all() for plane in pictures)
+
     def planes(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, Any]:
         """Return the planes ``input`` and ``state`` that the picture (and the second one) stand for.
 
@@ -160,6 +166,9 @@ class LibraryEntry:
             InputError: a second picture is missing, or there is no use for it; whole numbers as of grey levels.
         """
         picture, state = as_picture("picture", picture), None if state is None else as_picture("state", state)
+        if has_zeros_for_white(picture) and self._black_and_white():
+            said = f"picture holds 0 and 1 alone; template {self.name!r} takes -1 as white, 0 as mid-grey"
+            Notices.say(f"{said}: values > 0 is black and white", 6)  # the caller of `cnnsim.run`
         if picture.ndim < 2:
             raise InputError(f"picture has shape {picture.shape}; (rows, cols) with at least one cell wanted")
         roles = self.initial_state if isinstance(self.initial_state, tuple) else (self.initial_state,)

@@ -13,7 +13,7 @@ from cnnsim.support.values import is_number
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Frames(Generic[T]):
     """Planes that follow one another: number k holds for k period <= t < (k + 1) period, the last one for ever.
 

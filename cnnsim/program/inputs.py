@@ -1,7 +1,7 @@
 """Inputs of a program checked: their names, that they are planes of one shape, and that there is memory for them."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from typing import Any
 
@@ -21,8 +21,11 @@ def check_inputs(program: Program, inputs: dict[str, ArrayLike], *, stored: bool
         InputError: one is missing or unknown, is no array of numbers, or has another shape.
     """
     if inputs.keys() != set(program.inputs):
-        near = [get_close_matches(name, program.inputs, 1) for name in inputs if name not in program.inputs]
+        unknown = [name for name in inputs if name not in program.inputs]
+        near = [get_close_matches(name, program.inputs, 1) for name in unknown]
         hint = f"; did you mean {' and '.join(repr(match[0]) for match in near if match)}?" if any(near) else ""
+        for name in parameters_meant(program, unknown):
+            hint = f"; {name} is a parameter: load_program({program.name!r}, parameters={{{name!r}: ...}}) sets it"
         raise InputError(
             f"program {program.name!r} got {', '.join(inputs) or 'nothing'}; {', '.join(program.inputs)} wanted{hint}"
         )
@@ -37,6 +40,11 @@ def check_inputs(program: Program, inputs: dict[str, ArrayLike], *, stored: bool
         shapes = {name: array.shape for name, array in arrays.items()}
         raise InputError(f"program {program.name!r} got planes of shapes {shapes}; one shape (rows, cols) wanted")
     return arrays
+
+
+def parameters_meant(program: Program, names: Iterable[str]) -> list[str]:
+    """Return the parameters of a program that some names, which are no inputs, come near to."""
+    return [match for name in names for match in get_close_matches(name, list(program.parameters), 1)]
 
 
 def _stored(name: str, plane: Any) -> Any:

@@ -52,6 +52,11 @@ class UniversalMachine:
             self.backend = self._on_engine.backend
         self._parts = Parts(self.backend, ways)
 
+    def __repr__(self) -> str:
+        """The backend, and the names of the programs that keep planes."""
+        kept = ", ".join(program.name for program in self._kept)
+        return f"UniversalMachine({self.backend.name}, {self.backend.dtype}{f', planes of {kept}' if kept else ''})"
+
     def reset(self) -> None:
         """Forget all kept planes."""
         self._kept.clear()

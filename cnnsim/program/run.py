@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from cnnsim.backends.base import Backend
 from cnnsim.keywords import unknown_keyword
 from cnnsim.program.file import load_program
-from cnnsim.program.inputs import check_values
+from cnnsim.program.inputs import check_values, parameters_meant
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import Program
 from cnnsim.support import InputError
@@ -41,7 +41,8 @@ def run_program(
     loaded = program if isinstance(program, Program) else load_program(program)
     unknown = set(planes) - set(loaded.inputs)
     known = ["backend", "dtype", "threads", "engine", "store"]
-    if any(get_close_matches(name, known) for name in unknown):  # an input has a name of its own, or one of the file
+    near = any(get_close_matches(name, known) for name in unknown)
+    if near and not parameters_meant(loaded, unknown):  # an input has a name of its own, or one of the file
         raise unknown_keyword("run_program", unknown, [*known, *loaded.inputs])
     check_values(loaded, planes, stored=engine is not None or store is not None)
     machine = UniversalMachine(backend, dtype, threads=threads, engine=engine, store=store)

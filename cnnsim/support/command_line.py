@@ -4,7 +4,7 @@ import json
 import os
 import sys
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from errno import EPIPE
 from pathlib import Path
 from typing import Any, TypeVar
@@ -12,11 +12,11 @@ from typing import Any, TypeVar
 import click
 
 from cnnsim.support.compile_notice import Terminal
-from cnnsim.support.compiling.private_folder import Notices
 from cnnsim.support.compiling.stopping import STOPPED, Stopping, leave
-from cnnsim.support.echo import as_markup, console, echo, json_line, printable
+from cnnsim.support.echo import as_markup, console, echo, json_line, printable, take_any_text
 from cnnsim.support.errors import InputError
 from cnnsim.support.files import Replaced
+from cnnsim.support.notices import Notices
 from cnnsim.support.progress import terminal_bar, watched_by
 
 Item = TypeVar("Item")
@@ -50,6 +50,11 @@ def _printable_mistakes() -> Iterator[None]:
 class CommandGroup(click.Group):
     """A click group that turns wrong input, and what the system refuses, into one line instead of a traceback."""
 
+    def main(self, *args: Any, **options: Any) -> Any:
+        """Run a command line, whatever its streams can write."""
+        take_any_text()
+        return super().main(*args, **options)
+
     def make_context(self, *args: Any, **options: Any) -> click.Context:
         """Read the group's own options."""
         with _printable_mistakes():
@@ -77,14 +82,15 @@ class CommandGroup(click.Group):
             return self._invoked(ctx)
         except click.ClickException as error:
             if ctx.meta.pop(_JSON, False):  # once, of groups in a group
-                echo(json_line({"error": " ".join(error.format_message().split())}))
+                with suppress(OSError):  # stdout may be what failed
+                    echo(json_line({"error": " ".join(error.format_message().split())}))
             raise
 
     def _invoked(self, ctx: click.Context) -> Any:
         os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # threads that spin while they wait starve one another
         Terminal.wanted = sys.stderr.isatty()
         Replaced.tell = _tell_replaced
-        Notices.tell = _tell
+        told_before, Notices.tell = Notices.tell, _tell
         Stopping.command_line = True
         try:
             with _printable_mistakes(), watched_by(terminal_bar()):
@@ -103,6 +109,8 @@ class CommandGroup(click.Group):
             raise _Mistake(f"{error.filename or 'the system'}: {error.strerror or error}") from error
         except (MemoryError, OverflowError, RecursionError) as error:
             raise _Mistake(f"too large: {str(error) or type(error).__name__}") from error
+        finally:
+            Notices.tell = told_before
 
 
 def _tell(notice: str) -> None:

@@ -1,8 +1,12 @@
 """Texts of files and command lines printed on a terminal: nothing in them moves its cursor, colours it or is markup."""
 
 import json
+import os
 import re
+import sys
 from collections.abc import Iterable
+from io import TextIOWrapper
+from pathlib import Path
 from shutil import get_terminal_size
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
@@ -35,6 +39,16 @@ def as_markup(text: object) -> str:
     from rich.markup import escape  # slow to import, and only needed on a terminal
 
     return escape(printable(text))
+
+
+def take_any_text() -> None:
+    """Let stdout and stderr take any text: one that is closed leads nowhere, letters it cannot write become ?."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115 - open to the end
+        elif isinstance(stream, TextIOWrapper) and not stream.encoding.lower().startswith("utf"):
+            stream.reconfigure(errors="replace")
 
 
 def echo(text: object = "", *, err: bool = False, over: bool = False) -> None:

@@ -107,6 +107,7 @@ def as_numbers(name: str, values: ArrayLike, *, levels: bool = False, logic: boo
     if array.dtype.kind == "u" or max(most, -least) > 1:
         colours = array.ndim == 3 and array.shape[-1] in (3, 4)
         cure = "to_planes(values), a plane a colour" if colours else "from_gray(values)"
+        cure += "; values > 0 where they are truth values" if logic and not colours else ""
         raise InputError(
             f"{name} holds whole numbers from {least} to {most}, shape {array.shape}; CNN values from -1 "
             f"(white) to 1 (black) wanted: cnnsim.{cure}"
@@ -125,6 +126,14 @@ def largest(array: Array) -> float:
     return max(float(values.max()), -float(values.min())) if values.size else 0.0
 
 
+def has_zeros_for_white(array: Array) -> bool:
+    """Return whether an array holds 0 and 1 alone, and both: truth values as floats, most likely."""
+    values = distinct(array)
+    if not values.size or (values.min(), values.max()) != (0, 1):
+        return False
+    return bool(((values == 0) | (values == 1)).all())
+
+
 def as_picture(name: str, values: ArrayLike, *, logic: bool = False) -> Array:
     """Return a picture as `as_numbers`; one that leaves [-1, 1] is warned of.
 
@@ -139,6 +148,6 @@ def as_picture(name: str, values: ArrayLike, *, logic: bool = False) -> Array:
         )
     most = largest(array)
     if 1 < most < np.inf:
-        said = f"{name} reaches {most:g}; CNN values lie from -1 (white) to 1 (black)"
+        said = f"{name} reaches {most:.9g}; CNN values lie from -1 (white) to 1 (black)"
         warnings.warn(said, stacklevel=6)  # the caller of `cnnsim.run`
     return array

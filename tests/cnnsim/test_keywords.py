@@ -37,3 +37,9 @@ def test_an_input_of_a_program() -> None:
     machine = cnnsim.UniversalMachine()
     with pytest.raises(InputError, match="picture wanted; did you mean 'picture'"):
         machine.run(cnnsim.load_program("opening"), pictur=PICTURE)
+
+
+@pytest.mark.parametrize("keyword", ["radius", "raduis"])
+def test_a_parameter_is_no_input(keyword: str) -> None:
+    with pytest.raises(InputError, match=r"radius is a parameter: load_program\('gray-opening', parameters="):
+        cnnsim.run_program("gray-opening", **{"picture": PICTURE, keyword: np.ones(1)})  # type: ignore[arg-type]  # no keyword of it

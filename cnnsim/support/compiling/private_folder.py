@@ -5,32 +5,15 @@ import os
 import shutil
 import sys
 import tempfile
-import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
+
+from cnnsim.support.notices import Notices
 
 _GROUP_WRITES, _OTHERS_WRITE = 0o020, 0o002
 _PROBE = b"\0" * 8192
 """Written to see whether a folder can be used: on a full disk a file can be made, but not filled."""
-
-
-class Notices:
-    """Who is told what the machine lacks: a Python warning, or one line on stderr where a command sets ``tell``."""
-
-    tell: Callable[[str], None] | None = None
-    _told: set[str] = set()  # noqa: RUF012 - of the process, as all of this
-
-    @classmethod
-    def once(cls, text: str) -> None:
-        """Tell something, once a process."""
-        if text in cls._told:
-            return
-        cls._told.add(text)
-        if cls.tell is None:
-            warnings.warn(text, RuntimeWarning, stacklevel=3)
-        else:
-            cls.tell(text)
 
 
 def is_private(path: Path) -> bool:

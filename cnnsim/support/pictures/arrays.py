@@ -10,7 +10,7 @@ from PIL import Image
 from cnnsim.support.bounds import check_unpacked, one_line
 from cnnsim.support.errors import InputError
 from cnnsim.support.memory import check_memory
-from cnnsim.support.pictures.pixels import from_levels, labels_error, range_of
+from cnnsim.support.pictures.pixels import from_levels, labels_error, range_of, tell_if_dark
 from cnnsim.support.pictures.sequence import PictureSequence, Reading
 from cnnsim.support.types import Array
 
@@ -40,6 +40,7 @@ def of_array(path: Path, reading: Reading, key: str) -> PictureSequence:
     levels = reading.levels
     if levels is None and values.dtype == np.uint16:
         levels = 0.0, 65535.0
+        tell_if_dark(name, most, levels)
     elif levels is None:
         levels = (1.0, -1.0) if -1 <= least <= most <= 1 else range_of(values, name)
 

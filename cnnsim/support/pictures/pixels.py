@@ -13,6 +13,7 @@ import numpy as np
 from PIL import Image
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.notices import Notices
 from cnnsim.support.pictures.upright import upright
 from cnnsim.support.types import Array
 from cnnsim.support.values import from_gray
@@ -21,6 +22,7 @@ Levels = tuple[float, float]
 """The numbers that stand for black and for white."""
 
 _BITS_PER_SAMPLE, _PHOTOMETRIC, _WHITE_IS_ZERO = 258, 262, 0  # tags of TIFF
+_SIXTEEN_BITS = 65535.0
 _DEFLATE = 1032
 """Bytes that a byte of a PNG can unpack to: 258 for two bits."""
 _STRIP = 1 << 20
@@ -60,6 +62,18 @@ def labels_error(name: str) -> InputError:
         f"{name} holds the numbers 0 and 1 alone, as grey levels of 0 to 255 both black; their meaning wanted: "
         "--range 1,0 (1 is black), 0,1 (1 is white), 0,255 (levels); in Python levels=(1, 0)"
     )
+
+
+def tell_if_dark(name: str, most: float, levels: Levels | None) -> None:
+    """Tell on a command line of numbers of 16 bits that use less than a sixteenth of them, as 12 bits do.
+
+    ``most``: the largest of them; ``levels``: what the file says they are meant in.
+    """
+    dark = levels is not None and max(levels) == _SIXTEEN_BITS and 0 < most <= _SIXTEEN_BITS / 16
+    if dark and Notices.tell is not None:
+        top = 2 ** max(8, int(most).bit_length()) - 1
+        said = f"{name}: its numbers reach {most:g} of {_SIXTEEN_BITS:.0f}, so all of it is nearly black"
+        Notices.once(f"{said}; where they mean more, --range tells (0,{top} perhaps)")
 
 
 def values_of(
@@ -181,7 +195,10 @@ def check_whole(image: Image.Image, name: str, least: float, most: float) -> Non
 
 
 def _numbers(image: Image.Image, name: str, levels: Levels | None, dtype: Any) -> Array:
-    numbers, levels = np.asarray(image), levels or own_levels(image)
+    numbers = np.asarray(image)
+    if levels is None:
+        levels = own_levels(image)
+        tell_if_dark(name, float(numbers.max()), levels)
     if levels is None:
         check_whole(image, name, float(numbers.min()), float(numbers.max()))
     return from_levels(numbers, name, range_of(numbers, name) if levels is None else levels, dtype)

@@ -42,6 +42,34 @@ def test_masks_and_bias_maps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
         assert f"{option} has shape (4, 4), the picture (20, 24); one shape wanted" in done.stderr
 
 
+def test_an_array_of_truth_values_as_floats_is_told_of(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a line: 0 is mid-grey, where nearly always white is meant."""
+    monkeypatch.chdir(tmp_path)
+    np.save("x.npy", np.pad(np.ones((3, 3)), 2))
+    done = call("run", "edge", "x.npy", "-o", "edge.png")
+    assert done.exit_code == 0
+    assert done.stderr.startswith("picture holds 0 and 1 alone; template 'edge' takes -1 as white")
+    assert done.stderr.count("\n") == 1
+    assert call("run", "edge", "x.npy", "-o", "right.png", "--range", "1,0").exit_code == 0
+    assert (read_picture("right.png") > 0).sum() == 8
+
+
+@pytest.mark.parametrize("ending", ["png", "tif", "npy"])
+def test_sixteen_bits_of_which_few_are_used(ending: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """12 bits in a file of 16 are nearly black: read so, but not without a word."""
+    monkeypatch.chdir(tmp_path)
+    file, depth = f"depth-{ending}.{ending}", np.array([[0, 1000, 4095]], np.uint16)
+    if ending == "npy":
+        np.save(file, depth)
+    else:
+        Image.fromarray(depth).save(file)
+    done = call("run", "threshold-zero", file)
+    assert done.exit_code == 0
+    assert "reach 4095 of 65535, so all of it is nearly black" in done.stderr
+    assert "--range tells (0,4095 perhaps)" in done.stderr
+    assert "nearly black" not in call("run", "threshold-zero", file, "--range", "0,4095").stderr
+
+
 def test_levels_are_told_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Image.fromarray(np.array([[0, 4095], [1000, 3000]], np.uint16)).save("camera.png")

@@ -11,7 +11,8 @@ import pytest
 
 from cnnsim.support.compiling import kept_loops
 from cnnsim.support.compiling.kept_loops import kept_njit
-from cnnsim.support.compiling.private_folder import Notices, first_usable, is_private
+from cnnsim.support.compiling.private_folder import first_usable, is_private
+from cnnsim.support.notices import Notices
 from tests.kits.paths import ROOT
 
 TEMPLATE = """

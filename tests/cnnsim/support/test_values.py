@@ -122,6 +122,21 @@ def test_zeros_and_ones_are_logic_values_alone(dtype: Any) -> None:
     assert np.array_equal(run("edge", SQUARE, mask=ones).y, run("edge", SQUARE, mask=SQUARE).y)
 
 
+def test_truth_values_as_floats_are_told_where_white_is_wanted() -> None:
+    """A spot on mid-grey is a picture for grey templates; a black-and-white one answers it with more than its rim."""
+    with pytest.warns(UserWarning, match="'edge' takes -1 as white, 0 as mid-grey: values > 0") as told:
+        wrong = run("edge", SQUARE.astype(float))
+    assert told[0].filename == __file__
+    assert (wrong.y > 0).sum() != (run("edge", SQUARE).y > 0).sum()
+    run("average", SQUARE.astype(float))
+
+
+def test_a_mask_of_bytes() -> None:
+    """Black is held in a picture, 255 in an array of truth values: both cures are named."""
+    with pytest.raises(InputError, match=r"mask holds .* from 0 to 255.*from_gray\(values\); values > 0 where"):
+        run("edge", SQUARE, mask=SQUARE.astype(np.uint8) * 255)
+
+
 def test_a_single_run_of_a_program_checks_its_values() -> None:
     picture = np.where(SQUARE, 1.0, -1.0)
     with pytest.raises(InputError, match="picture holds nan; finite numbers wanted"):
