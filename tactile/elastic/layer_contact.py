@@ -32,6 +32,14 @@ RIM = 0.98
 """Where the weight over the half-space's is still a quotient; at the rim, where both vanish, it is extrapolated."""
 
 
+NARROWEST = 1e-9
+"""Of the widest radius, below which contacts are no narrower."""
+NEWTON, STEP = 4, 1e-3
+"""Steps to a radius, and the share of it over which a law's slope is taken: each step leaves so much of the error."""
+SMALL = 0.03
+"""Contact over sphere radius below which the force is a series, for there are only differences left of its formula."""
+
+
 def excess(turn: Floats, nu: float) -> Floats:
     """1 - T(k h): by what a wave on the layer sinks in less than on the half-space."""
     kappa = 3 - 4 * nu
@@ -132,7 +140,8 @@ class LayerContact:
         if self.body == "paraboloid":
             return 4 / 3 * a**3, a**2
         lam = a / self.size
-        return self.size**2 * ((lam**2 + 1) * np.arctanh(lam) - lam), a * np.arctanh(lam)
+        few = lam**3 * (4 / 3 + lam**2 * (8 / 15 + lam**2 * (12 / 35 + 16 / 63 * lam**2)))
+        return self.size**2 * np.where(lam < SMALL, few, (lam**2 + 1) * np.arctanh(lam) - lam), a * np.arctanh(lam)
 
     @property
     def widest(self) -> float:
@@ -150,21 +159,41 @@ class LayerContact:
         return out
 
     def radius_of(self, wanted: Floats, by: Literal["force", "indentation"]) -> Floats:
-        """The contact radius at a force or an indentation, by bisection: both grow with it.
+        """The contact radius at a force or an indentation, which both grow with it: Newton, in logarithms.
 
         Raises:
             InputError: beyond the tables.
         """
         law = self.force if by == "force" else self.indentation
-        most = float(law(np.array(self.widest)))
-        if (wanted > most).any():
+        radii, values = self._begin(by)
+        if (wanted > values[-1]).any():
             raise InputError(f"a contact wider than {self.widest:.4g} thicknesses of the cover; a narrower one wanted")
-        low, high = np.zeros_like(wanted), np.full_like(wanted, self.widest)
-        for _ in range(54):
-            middle = (low + high) / 2
-            less = law(middle) < wanted
-            low, high = np.where(less, middle, low), np.where(less, high, middle)
-        return np.where(wanted > 0, (low + high) / 2, 0.0)
+        aim = np.where(wanted > 0, np.maximum(wanted, values[0]), values[-1])
+        out = np.exp(np.interp(np.log(aim), np.log(values), np.log(radii)))
+        for _ in range(NEWTON):
+            near, aside = law(out), law(out * (1 - STEP))
+            # both laws are nearly powers of the radius, so that few steps do
+            power = np.log(near / aside) / -np.log1p(-STEP)
+            out = np.minimum(out * (aim / near) ** (1 / power), self.widest)
+        if not (np.abs(law(out) - aim) <= 1e-11 * aim).all():  # where a body's side is steep
+            low, high = np.zeros_like(aim), np.full_like(aim, self.widest)
+            for _ in range(54):
+                middle = (low + high) / 2
+                less = law(middle) < aim
+                low, high = np.where(less, middle, low), np.where(less, high, middle)
+            out = (low + high) / 2
+        return np.where(wanted > 0, out, 0.0)
+
+    def _begin(self, by: Literal["force", "indentation"]) -> tuple[Floats, Floats]:
+        """Radii, and a law at them, between which it is begun."""
+        if by not in self._begun:
+            radii = self.widest * np.geomspace(NARROWEST, 1, 256)
+            self._begun[by] = radii, self.force(radii) if by == "force" else self.indentation(radii)
+        return self._begun[by]
+
+    @cached_property
+    def _begun(self) -> dict[str, tuple[Floats, Floats]]:
+        return {}
 
     @cached_property
     def profile(self) -> Profile:

@@ -33,7 +33,8 @@ def effect(
 ) -> Callable[[type[Kind]], type[Kind]]:
     """Make a class an effect: a frozen dataclass of parameters with what ``effects.Effect`` says of them.
 
-    Its parameters are refused outside their ranges, before its own ``__post_init__``. Where all strengths are zero its
+    Its parameters are refused outside their ranges, and infinite where that is not strength zero, before its own
+    ``__post_init__``. Where all strengths are zero its
     call is left out: the stream goes on as it comes.
     """
 
@@ -46,6 +47,8 @@ def effect(
                 value = getattr(self, one.name)
                 if isinstance(value, Real):
                     within(one.name, value, *one.metadata["range"])
+                    if math.isinf(value) and value != one.metadata["none"]:
+                        raise InputError(f"{one.name} = {value!r}, a finite number wanted")
             if own_check is not None:
                 own_check(self)
             off = all(getattr(self, name) == value for name, value in kind.NONE.items())

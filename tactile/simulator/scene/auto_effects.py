@@ -1,20 +1,24 @@
 """Automatic choice of effects by size: ``effects = "auto"`` keeps what matters in a scene and says what it left out."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError
+from tactile.core.loads import F
+from tactile.simulator.effect import is_off
 from tactile.simulator.effects import ORDER, Effect, effect_class
 from tactile.simulator.scene.effect_bounds import EffectBounds, Named
 from tactile.simulator.scene.finger_bounds import LeftOut
+from tactile.simulator.scene.forces import sinks_in
+from tactile.simulator.scene.prospects import may_pay
 from tactile.simulator.scene.scene import Scene
-from tactile.simulator.scene.trials import may_pay
 
 MOMENTS = 64
-"""Frames on which a typical effect is tried."""
+"""Frames on which it is tried whether typical effects have a meaning where no keyframes tell the hardest one."""
 
 
 @dataclass(frozen=True)
@@ -79,15 +83,42 @@ def _meaningful(scene: Scene, names: Iterable[str]) -> list[Named]:
 
 
 def _has_meaning(scene: Scene, more: list[Named]) -> bool:
-    times = np.linspace(0, (scene.samples - 1) / scene.rate, min(scene.samples, MOMENTS))
     order = {name: n for n, name in enumerate(ORDER)}
+    if _sink_little(scene, dict([*scene.effects, *more])):
+        return True
     whole = scene.with_effects(sorted([*scene.effects, *more], key=lambda one: order[one[0]]))
     try:
         for finger in range(len(scene.arrays)):
-            whole.loads_at(finger, times)
+            whole.loads_at(finger, _hardest_moments(scene, finger))
     except InputError:
         return False
     return True
+
+
+def _sink_little(scene: Scene, effects: dict[str, Effect]) -> bool:
+    """Whether no contact may go through the cover, as its push and the half-space say."""
+    acting = {name: effect for name, effect in effects.items() if not is_off(effect)}
+    if {"adhesion", "curved_fingertip", "cover_error"} & acting.keys():
+        return False
+    cover: Any = acting.get("finite_thickness")
+    thickness = [cover.thickness or 2 * array.depth if cover else np.inf for array in scene.arrays]
+    media = [replace(scene.skin.medium(finger), thickness=deep) for finger, deep in enumerate(thickness)]
+    return all(sinks_in(one, media[one.finger]) < 0.9 * media[one.finger].thickness for one in scene.contacts)
+
+
+def _hardest_moments(scene: Scene, finger: int) -> Floats:
+    """Times [s] at which what presses does so hardest: of each body one, and some where there are no keyframes."""
+    last, times = (scene.samples - 1) / scene.rate, [np.zeros(1)]
+    for contact in scene.contacts:
+        if contact.finger != finger:
+            continue
+        path = getattr(contact, "path", None)
+        if path is None:
+            times.append(np.linspace(0, last, min(scene.samples, MOMENTS)))
+        else:  # pushes change linearly between keyframes and the end
+            keys = np.clip(path[:, 0], 0, last)
+            times.append(keys[np.interp(keys, path[:, 0], path[:, 1 + F]).argmax()][None])
+    return np.unique(np.concatenate(times))
 
 
 def choose(scene: Scene, tolerance: float, reused: bool = False) -> Choice:
@@ -107,7 +138,7 @@ def choose(scene: Scene, tolerance: float, reused: bool = False) -> Choice:
     effects = all_effects(scene)
     bounds = EffectBounds(scene, effects, tolerance=tolerance, reused=reused)
     off, joint = set(bounds.zero), 0.0
-    tried = reused or may_pay(scene)
+    tried = reused or may_pay(scene, effects, tolerance)
     if tried and not bounds.coarse:
         off, joint = _negligible(bounds, tolerance)
     chosen = scene.with_effects((name, effect) for name, effect in effects if name not in off)

@@ -12,10 +12,10 @@ import numpy as np
 from cnnsim.support import Floats
 from tactile.simulator.effect import is_off
 from tactile.simulator.field import Field
-from tactile.simulator.scene.extremes import PEAKS, SPREAD, Extremes, extremes
+from tactile.simulator.scene.extremes import FOREMOST, PEAKS, SPREAD, Extremes, extremes
 from tactile.simulator.scene.finger_bounds import SAFE, FingerBounds, LeftOut, largest
 from tactile.simulator.scene.forces import highest_reading, unseen
-from tactile.simulator.scene.scene import Scene
+from tactile.simulator.scene.scene import NOTHING, Scene
 from tactile.simulator.scene.trials import Trial, pays, pays_behind
 from tactile.simulator.seen import Seen
 
@@ -30,8 +30,6 @@ BEYOND = 1e6
 """Share of the peak at which a bound ends: it tells as little as one without an end, and is a number."""
 COARSEST = 1e-3
 """Accuracy of trials at most: what effects change is a difference of two fields."""
-_NOTHING = np.random.default_rng(0)
-"""What is drawn by effects that draw nothing."""
 
 
 class EffectBounds:
@@ -110,7 +108,7 @@ class EffectBounds:
     def change(self, off: Iterable[str]) -> float:
         """What leaving these out changes at most, relative to the peak."""
         nothing = [LeftOut() for _ in self.fingers]
-        return self.largest(reduce(self.leave, off, nothing))
+        return self.largest(reduce(self.leave, [name for name in off if name not in self.zero], nothing))
 
     def leave(self, left: list[LeftOut], name: str) -> list[LeftOut]:
         """What is left out on every finger, with one effect more."""
@@ -148,26 +146,42 @@ class EffectBounds:
 
     def _bound(self, trial: Trial, ideal: Extremes) -> FingerBounds:
         found, shaken, most = FingerBounds(), 0.0, 0.0
+        unsure = not self._tolerance or self._forces_change(ideal)
         for name, effect in self.on_fields:
             if effect.RANDOM:
                 reach = _asked(effect, "strays", np.inf, trial.shaken, ideal.slopes, ideal.seen.frames)
                 found.reach[name] = reach
                 shaken = math.hypot(shaken, reach if name in self._on else 0.0)
                 continue
-            found.reach[name] = bound = _asked(effect, "most", np.inf, ideal.slopes) if self._tolerance else np.inf
+            found.reach[name] = bound = np.inf if unsure else _asked(effect, "most", np.inf, ideal.slopes)
             most += bound if name in self._on else 0.0
             if SMALL < bound / (self._tolerance * self.peak or 1.0) < LARGE or not math.isfinite(bound):
                 self._try(name, effect, found, trial)
         if found.terms:
             found.whole = trial.every[1].values
         seen = ideal.seen
-        too_loose = most > FAR * seen.largest and (self._reused or pays_behind(len(self._on_frames), seen))
+        too_loose = most > FAR * seen.largest and (
+            self._reused or pays_behind(len(self._on_frames), seen, trial.shaken, FOREMOST)
+        )
         if found.terms or too_loose:
             seen = _behind(seen, (trial.every if found.terms else trial.few)[1])
         else:
             seen = seen.after(min(most, BEYOND * seen.largest), False)
         self._bound_frames(found, seen.after(shaken, True))
         return found
+
+    def _forces_change(self, ideal: Extremes) -> bool:
+        """Whether bodies press otherwise with the effects on than on the ideal skin, from whose slopes bounds follow.
+
+        A body that is pressed by depth does where another effect changes its law, one that sticks always.
+        """
+        if ideal.slopes.at_points:
+            return False
+        laws = [effect for name, effect in self.on_fields if name in self._on and not effect.RANDOM]
+        if any(not hasattr(effect, "most") for effect in laws):
+            return True
+        deep = any(getattr(contact, "given_depth", False) for contact in self._scene.contacts)
+        return deep and any(not math.isfinite(_asked(effect, "most", np.inf, ideal.slopes)) for effect in laws)
 
     def _bound_frames(self, found: FingerBounds, seen: Seen) -> None:
         """Bound effects on frames, given bounds of the readings before the first of them."""
@@ -198,7 +212,9 @@ class EffectBounds:
         Much on the first of them settles that it stays.
         """
         if self._tolerance:
-            if not self._reused and not pays(effect, trial.shaken, self._scene.samples, PEAKS + SPREAD):
+            if not self._reused and not pays(
+                effect, trial.shaken, self._scene.samples, PEAKS + SPREAD, len(found.terms) + 1
+            ):
                 return
             change = largest(self._change(name, effect, *trial.few))
             if change > SURE * self._tolerance * self.peak:
@@ -219,7 +235,7 @@ def _asked(effect: Any, what: str, else_: float, *given: Any) -> float:
 
 
 def _after(effect: Any, now: Field) -> Field:
-    end: Field = next(effect(iter([now]), _NOTHING))
+    end: Field = next(effect(iter([now]), NOTHING))
     return end
 
 

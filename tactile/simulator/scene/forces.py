@@ -1,14 +1,24 @@
 """What the forces on a scene's fingers alone say of the readings, before any field is computed."""
 
 import math
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
+from tactile.core.loads import F
 from tactile.elastic.halfspace import point_scale
+from tactile.elastic.medium import Medium
+from tactile.simulator.contacts.height_map import HeightMap
+from tactile.simulator.contacts.indenter import LAWS
+from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.seen import Seen
 from tactile.simulator.slopes import VALUE
+
+WIDEST = 10.0
+"""Thicknesses up to which the radius of a body that does not go through a layer keeps its contact within the tables."""
 
 
 def highest_reading(scene: Scene) -> float:
@@ -40,3 +50,20 @@ def unseen(scene: Scene, finger: int, highest: float) -> Seen:
         scene.arrays[finger], unit, scene.full_scale * unit, scene.rate, scene.samples, highest, (-highest, highest),
         2 * highest,
     )  # fmt: skip
+
+
+def sinks_in(contact: Any, medium: Medium) -> float:
+    """Bound of how deep [m] what presses goes into a layer: as deep as into the half-space; infinite where unknown.
+
+    0 of what has no law of its own, which cannot go through.
+    """
+    if isinstance(contact, HeightMap):
+        return math.inf
+    if not isinstance(contact, MovingContact) or contact.indenter.shape in ("point", "edge", "disc"):
+        return 0.0
+    body, push = contact.indenter, max(float(contact.path[:, 1 + F].max()), 0.0)
+    if body.shape not in LAWS or body.radius > WIDEST * medium.thickness:
+        return math.inf
+    return (
+        push if contact.given_depth else float(body.indentation(np.array([push]), replace(medium, thickness=np.inf))[0])
+    )

@@ -14,6 +14,7 @@ from cnnsim.support import Floats
 from tactile.core.frame import Frame, TaxelArray
 from tactile.simulator.batch import Batch
 from tactile.simulator.contacts.moving_load import MovingLoad
+from tactile.simulator.effect import is_off
 from tactile.simulator.field import ACCURACY, Contact, Field
 from tactile.simulator.ideal_skin import IdealSkin
 from tactile.simulator.scene.checks import check
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from tactile.simulator.bump_cover import Bumps
 
 Item = TypeVar("Item")
+NOTHING = np.random.default_rng(0)
+"""What is drawn by effects that draw nothing: a generator of one's own takes longer than some of them."""
 FULL_SCALE = 0.1
 """Largest strain the electronics are made for, unless a scene says otherwise: the paper's needle just reaches it."""
 
@@ -161,8 +164,8 @@ class Scene:
     ) -> Iterator[Item]:
         """The fields or batches of one finger after those of the effects that act at this stage."""
         for name, effect in effects:
-            if stage == effect.STAGE:
-                stream = effect(stream, self.random(name, finger))
+            if stage == effect.STAGE and not is_off(effect):
+                stream = effect(stream, self.random(name, finger) if effect.RANDOM else NOTHING)
         return iter(stream)
 
     def batch(self, finger: int, field: Field) -> Batch:

@@ -5,27 +5,32 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from cnnsim.support import Floats
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.field import Field
 from tactile.simulator.scene.extremes import Extremes
-from tactile.simulator.scene.scene import Scene
 from tactile.simulator.seen import Seen
 
 CHANCE = 0.5
 """Of effects that are tried, about so many can be left out."""
 BEGIN = 300e-6
 """Time of a trial [s] however few frames it has: two fields are set up."""
-FRAME, PAIR = 5e-6, 0.1e-6
+FRAME, PAIR = 8e-6, 1e-6
 """Time of a frame with all effects on [s], and for every load on every taxel."""
+BODY = 25e-6
+"""The same of a frame where bodies press: their laws of contact on a layer."""
+RISK = 0.05
+"""Share of a run's time that trials may take: so much is lost where nothing can be left out after them."""
 SAVED = 0.2
 """Share of a frame's time that leaving out an effect on fields saves which does not say what."""
 EFFECT, READING = 40e-6, 6e-9
 """Time of an effect on frames [s], in a run of however few frames, and for every reading."""
 FRAMES = 2000
-"""Frames from which choosing pays where bodies press: their laws make a trial as dear as some hundred frames, and about
-a tenth of the frames' time may be saved."""
+"""Frames from which trials pay where bodies press: their laws make one as dear as some hundred frames, and about a
+tenth of the frames' time may be saved."""
 
 
 class Trial:
@@ -45,7 +50,11 @@ class Trial:
 
     @cached_property
     def _given(self) -> Field:
-        return self._field(self._ideal.times)
+        times, whole = self._ideal.times, self._ideal.whole
+        given = self._field(times)
+        if whole is not None:  # nothing is computed twice
+            given.__dict__["values"] = whole.values[np.rint(times * self._ideal.seen.rate).astype(np.int64)]
+        return given
 
     @cached_property
     def every(self) -> tuple[Field, Field]:
@@ -59,31 +68,46 @@ class Trial:
         return first, self._acted(first)
 
 
-def may_pay(scene: Scene) -> bool:
-    """Whether choosing effects costs less than leaving some out may save in one run."""
-    return scene.samples >= FRAMES or not any(_is_body(contact) for contact in scene.contacts)
-
-
-def _is_body(contact: Any) -> bool:
+def is_body(contact: Any) -> bool:
+    """Whether what presses has a shape, and a law of its own."""
     if isinstance(contact, MovingContact):
         return contact.indenter.shape != "point"
     return isinstance(contact, HeightMap)
 
 
-def pays(effect: Any, field: Field, samples: int, tried: int) -> bool:
-    """Whether a trial of so many frames costs less than leaving out the effect may save over all frames.
+def frame_time(loads: int, taxels: int, bodies: bool) -> float:
+    """Time [s] of a frame of so many loads on so many taxels, with all effects on."""
+    return (BODY if bodies else FRAME) + PAIR * loads * taxels
 
-    By counts and times that hold roughly anywhere: measured ones would choose otherwise each time.
+
+def trial_pays(share: float, frame: float, samples: int, tried: int, trials: int = 1) -> bool:
+    """Whether the last of some trials, each of so many frames with and without, may save more than it takes.
+
+    Arguments: ``share`` of a frame's time, ``frame`` [s], that is saved over ``samples`` frames. By counts and times
+    that hold roughly anywhere: measured ones would choose otherwise each time.
     """
+    cost = 2 * tried + BEGIN / frame
+    return CHANCE * share * samples > cost and trials * cost <= RISK * samples
+
+
+def pays(effect: Any, field: Field, samples: int, tried: int, trials: int) -> bool:
+    """Whether a trial of an effect on fields pays, as ``trial_pays`` has it; of bodies only over many frames."""
+    bodies = any(map(is_body, field.contacts))
+    if samples < FRAMES and bodies:
+        return False
     loads = field.loads
     count = loads.points.shape[1] + sum(disc.radii.shape[1] for disc in loads.discs)
-    frame = FRAME + PAIR * count * field.taxels.places[..., 0].size
+    frame = frame_time(count, field.taxels.places[..., 0].size, bodies)
     saves = getattr(effect, "saves", None)
-    share = SAVED if saves is None else float(saves(field))
-    return CHANCE * share * samples > tried + BEGIN / frame
+    share = SAVED if saves is None else float(saves(bool(loads.points.shape[1])))
+    return trial_pays(share, frame, samples, tried, trials)
 
 
-def pays_behind(effects: int, seen: Seen) -> bool:
+def pays_behind(effects: int, seen: Seen, field: Field, tried: int) -> bool:
     """Whether a trial of all effects on fields pays, without which so many effects behind them cannot be left out."""
-    readings = 3 * seen.taxels * seen.frames
-    return CHANCE * effects * (EFFECT + READING * readings) > 2 * BEGIN
+    bodies = any(map(is_body, field.contacts))
+    if seen.frames < FRAMES and bodies:
+        return False
+    readings, frame = 3 * seen.taxels * seen.frames, frame_time(len(field.contacts), seen.taxels, bodies)
+    cost = BEGIN + 2 * tried * frame
+    return CHANCE * effects * (EFFECT + READING * readings) > cost and cost <= RISK * seen.frames * frame

@@ -116,3 +116,14 @@ def test_a_line_sinks_into_a_layer_by_what_the_waves_of_its_pressure_do(length: 
         assert taken > 0.1 * plain
         deep = Medium(1.0, nu, thickness=1e4)
         assert float(line_indentation(force, length, np.array(width), deep)) == pytest.approx(plain, rel=1e-3)
+
+
+@pytest.mark.parametrize(("body", "size"), [("paraboloid", 1.0), ("sphere", 0.3), ("sphere", 12.0)])
+def test_a_radius_is_found_from_force_and_indentation(body: Body, size: float) -> None:
+    law = layer_contact(body, 0.49, size)
+    radii = law.widest * np.geomspace(1e-6, 0.9, 60)
+    assert law.radius_of(law.force(radii), "force") == pytest.approx(radii, rel=1e-10)
+    assert law.radius_of(law.indentation(radii), "indentation") == pytest.approx(radii, rel=1e-10)
+    assert law.radius_of(np.array([0.0, -1.0]), "force").tolist() == [0, 0]
+    with pytest.raises(InputError, match="a narrower one wanted"):
+        law.radius_of(1.01 * law.force(np.array([law.widest])), "force")

@@ -38,5 +38,5 @@ class MultiplexSkew:
             steps = np.maximum(np.diff(batch.t, prepend=last), 1e-300)[:, None, None, None]
             previous = np.concatenate([before[None], batch.values[:-1]])
             before, last = batch.values[-1], float(batch.t[-1])
-            share = np.minimum(early / steps, 1.0)
+            share = np.minimum(early, steps) / steps
             yield replace(batch, values=batch.values + share * (previous - batch.values))

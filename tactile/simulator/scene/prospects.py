@@ -1,0 +1,112 @@
+"""Prospects of choosing effects: what leaving some out may save in one run, from the sizes of a scene alone."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from tactile.core.loads import FORCE, F
+from tactile.elastic.halfspace import point_scale
+from tactile.simulator.contacts.height_map import HeightMap
+from tactile.simulator.contacts.indenter import LAWS
+from tactile.simulator.contacts.moving_contact import MovingContact
+from tactile.simulator.contacts.sliding_texture import SlidingTexture
+from tactile.simulator.effect import is_off
+from tactile.simulator.scene.effect_bounds import LARGE, Named
+from tactile.simulator.scene.extremes import PEAKS, SPREAD
+from tactile.simulator.scene.forces import unseen
+from tactile.simulator.scene.scene import Scene
+from tactile.simulator.scene.trials import (
+    CHANCE,
+    EFFECT,
+    FRAMES,
+    READING,
+    SAVED,
+    frame_time,
+    is_body,
+    trial_pays,
+)
+from tactile.simulator.slopes import VALUE, Slopes
+
+CHOICE = 500e-6
+"""Time of a choice [s] by bounds, however few frames there are."""
+IDEAL, IDEAL_BODY, IDEAL_LINE = 0.5e-6, 4e-6, 25e-6
+"""Time of a frame of the skin without effects [s], for every load, body, and line or map."""
+FEW = 0.25
+"""Of what may be saved where bodies press for few frames, about so much is: bounds alone decide, and they are loose."""
+JUMPS = 10.0
+"""A reading is taken to go so many times from zero to its peak in a recording."""
+
+
+def may_pay(scene: Scene, effects: list[Named], tolerance: float) -> bool:
+    """Whether choosing effects costs less than leaving some out may save in one run: a guess, made in no time.
+
+    Every load is taken to press its hardest right over a taxel at once, for which bounds need no field.
+    """
+    saved = sum(_saved(scene, finger, effects, tolerance) for finger in range(len(scene.arrays)))
+    few = scene.samples < FRAMES and any(is_body(one) for one in scene.contacts)
+    return (FEW if few else CHANCE) * saved > _cost(scene) + CHOICE
+
+
+def _cost(scene: Scene) -> float:
+    """Time [s] of the skin without effects, from which bounds follow."""
+    each = IDEAL * len(scene.loads)
+    for contact in scene.contacts:
+        lines = isinstance(contact, MovingContact) and contact.indenter.shape in ("edge", "cylinder")
+        if lines or not isinstance(contact, MovingContact | SlidingTexture):
+            each += IDEAL_LINE
+        else:
+            each += IDEAL_BODY if is_body(contact) else IDEAL
+    return scene.samples * each
+
+
+def _saved(scene: Scene, finger: int, effects: list[Named], tolerance: float) -> float:
+    """Time [s] of the effects on one finger that may be small enough."""
+    array, medium = scene.arrays[finger], scene.skin.medium(finger)
+    mine = [one for one in (*scene.loads, *scene.contacts) if one.finger == finger]
+    force = sum(_hardest(one, medium) for one in mine)
+    bodies = any(is_body(one) for one in mine)
+    if not math.isfinite(force):
+        return math.inf if scene.samples >= FRAMES else 0.0
+    scale = point_scale(array.depth, medium)[0]
+    highest = VALUE[array.quantity] * scale * force or scene.full_scale * scene.unit(finger)
+    fall = array.depth ** -np.array([0.0, 2, 3, 4])
+    slopes = Slopes(array, medium, scale * array.depth**2 * force * fall, force, highest, not bodies)
+    change = highest * min(1.0, JUMPS / scene.samples)
+    seen = unseen(scene, finger, highest)._replace(change=change)
+    points = bool(scene.loads)
+    acting = [effect for _, effect in effects if not is_off(effect)]
+    fixed = [effect for effect in acting if effect.STAGE == "field" and not effect.RANDOM]
+    shares = [effect.saves(points) if hasattr(effect, "saves") else SAVED for effect in fixed]
+    sizes = [effect.most(slopes) / highest if hasattr(effect, "most") else math.inf for effect in fixed]
+    frame = frame_time(len(mine), seen.taxels, bodies) * min(1.0, sum(shares))
+    saved, open_end = 0.0, bodies and math.inf in sizes
+    few = bodies and scene.samples < FRAMES  # no trials, and bounds only where bodies press as on the ideal skin
+    if not (few and open_end and (any(getattr(one, "given_depth", False) for one in mine) or _sticks(fixed))):
+        for size, share in zip(sizes, shares, strict=True):
+            tried = not few and trial_pays(share, frame, scene.samples, PEAKS + SPREAD)
+            saved += (size <= (LARGE if tried else 1.0) * tolerance) * share * frame * scene.samples
+    if not (few and open_end):
+        each = EFFECT + READING * 3 * seen.taxels * scene.samples
+        behind = [effect for effect in acting if effect.STAGE != "field"]
+        saved += each * sum(effect.reach(seen) <= tolerance * highest for effect in behind)
+    return saved
+
+
+def _sticks(fixed: list[Any]) -> bool:
+    return any(not hasattr(effect, "most") for effect in fixed)
+
+
+def _hardest(contact: Any, medium: Any) -> float:
+    """The largest force [N] of what presses, infinite where nothing tells it but a computation."""
+    if isinstance(contact, SlidingTexture):
+        return contact.force * math.hypot(1.0, contact.material.static)
+    if isinstance(contact, HeightMap | MovingContact) and contact.given_depth:
+        if isinstance(contact, HeightMap) or contact.indenter.shape not in LAWS:
+            return math.inf
+        return float(contact.indenter.force_at(np.array([contact.path[:, 1 + F].max()]), medium)[0])
+    path = getattr(contact, "path", None)
+    if path is None:
+        return math.inf
+    forces = path[:, 1:][:, FORCE]
+    return math.sqrt(float(np.einsum("nc,nc->n", forces, forces).max()))

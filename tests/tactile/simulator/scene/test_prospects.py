@@ -1,0 +1,78 @@
+"""Whether choosing effects pays in one run: told by sizes alone, before anything is computed."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tactile.core.frame import TaxelArray
+from tactile.simulator.contacts.indenter import Indenter
+from tactile.simulator.contacts.moving_contact import MovingContact
+from tactile.simulator.effects.adhesion import Adhesion
+from tactile.simulator.effects.finite_thickness import FiniteThickness
+from tactile.simulator.effects.finite_tip import FiniteTip
+from tactile.simulator.effects.mounting.curved_fingertip import CurvedFingertip
+from tactile.simulator.effects.poisson_ratio import PoissonRatio
+from tactile.simulator.effects.taxel_area import TaxelArea
+from tactile.simulator.field import Field
+from tactile.simulator.scene.auto_effects import all_effects, choose
+from tactile.simulator.scene.effect_bounds import EffectBounds
+from tactile.simulator.scene.prospects import may_pay
+from tactile.simulator.scene.scene import Scene
+from tests.kits.touch.random_scenes import error, everything, needle
+
+
+def under_a_ball(*effects: Any, frames: int = 200, depth: bool = False) -> Scene:
+    push = 3e-5 if depth else 0.02
+    path = [(0.0, 0, 0, 0, 0, push / 2), (1.0, 1e-4, 0, 0, 0, push)]
+    ball = MovingContact(0, Indenter("sphere", 5e-4), path, given_depth=depth)
+    return replace(needle(*effects), loads=(), contacts=(ball,), rate=float(frames))
+
+
+def test_where_little_can_be_saved_nothing_is_computed(monkeypatch: pytest.MonkeyPatch) -> None:
+    computed = [0]
+
+    def counted(_field: Field) -> Any:
+        computed[0] += 1
+        raise AssertionError
+
+    for scene in (under_a_ball().with_effects(()), needle().with_effects(())):
+        with monkeypatch.context() as patch:
+            for what in ("values", "loads"):
+                patch.setattr(vars(Field)[what], "func", counted)
+            choice = choose(scene, 0.02)
+        assert not choice.tried
+        assert choice.off == frozenset()
+        assert choice.bound == 0
+    assert computed[0] == 0
+
+
+def test_a_dear_effect_that_is_small_is_left_out_where_bodies_press_for_few_frames() -> None:
+    pad = (TaxelArray("pad", 8, 8, 4e-4, 2e-4),)
+    scene = replace(under_a_ball(), arrays=pad).with_effects((("taxel_area", TaxelArea(4e-6)),))
+    choice = choose(scene, 0.02)
+    assert choice.tried
+    assert "taxel_area" in choice.off
+    assert error(choice.scene, everything(scene)) <= 0.02
+    assert may_pay(scene, all_effects(scene), 0.02)
+    wide = scene.with_effects((("taxel_area", TaxelArea(3e-4)),))
+    assert not may_pay(wide, all_effects(wide), 0.02)
+
+
+@pytest.mark.parametrize("law", [("finite_thickness", FiniteThickness(2.2e-4)), ("adhesion", Adhesion(0.5))])
+def test_slopes_of_the_ideal_skin_bound_nothing_where_a_body_presses_otherwise(law: tuple[str, Any]) -> None:
+    # by depth a layer takes several times the force
+    scene = under_a_ball(("taxel_area", TaxelArea(4e-5)), law, depth=law[0] == "finite_thickness")
+    bounds = EffectBounds(scene, all_effects(scene), tolerance=0.02)
+    assert bounds.sizes()["taxel_area"] == np.inf
+    alone = under_a_ball(("taxel_area", TaxelArea(4e-5)))
+    assert EffectBounds(alone, all_effects(alone), tolerance=0.02).sizes()["taxel_area"] < 0.2
+
+
+def test_effects_without_strength_are_no_part_of_what_is_tried_together() -> None:
+    some = ("finite_thickness", FiniteThickness(4e-3)), ("poisson_ratio", PoissonRatio(0.4999))
+    scene = under_a_ball(*some, ("finite_tip", FiniteTip(2e-6)), ("curved_fingertip", CurvedFingertip(50.0)))
+    choice = choose(scene, 0.1, reused=True)
+    assert {"finite_thickness", "poisson_ratio"} <= choice.off
+    assert error(choice.scene, everything(scene)) <= 0.1
