@@ -11,9 +11,11 @@ import numpy as np
 from cnnsim.support import Floats, Integers
 from tactile.simulator.batch import Batch
 from tactile.simulator.field import Field
+from tactile.simulator.scene.effect_bounds import EffectBounds, Named
 from tactile.simulator.scene.scene import Scene
 
-Named = tuple[str, Any]
+TRIED = 64
+"""Frames on which effects on fields are tried: each costs as much as the field, or many times that."""
 FRAMES = 4096
 """Frames of each finger in a sample: the whole recording of all but long scenes."""
 
@@ -142,3 +144,28 @@ def _read_at(batches: list[Batch], times: Floats) -> Floats:
     share = np.clip((times - t[after - 1]) / (t[after] - t[after - 1]), 0, 1)[:, None, None, None]
     read: Floats = values[after - 1] * (1 - share) + values[after] * share
     return read
+
+
+def sizes_in(scene: Scene, effects: Iterable[Named]) -> dict[str, float]:
+    """Return the size of every effect in a scene, relative to the peak: the largest change of a reading.
+
+    Of an effect of the scene: when it alone is taken away; of another: when it alone is added. What is fixed is
+    measured, effects on fields on up to TRIED frames; what is random is a bound that all seeds but one in a thousand
+    keep.
+    """
+    every, on = list(effects), dict(scene.effects)
+    found = EffectBounds(scene, every, on)
+    bounds = {name: size + found.steps_behind(name) * (size > 0) for name, size in found.sizes().items()}
+    whole, few = Sample(scene), Sample(scene, TRIED)
+    with_all, with_few = whole.run(scene.effects), few.run(scene.effects)
+    sizes: dict[str, float] = {}
+    for name, effect in every:
+        if effect.RANDOM:
+            sizes[name] = bounds[name]
+            continue
+        other = [(n, e) for n, e in every if (n in on) != (n == name)]
+        if effect.STAGE == "field":
+            sizes[name] = few.gap(few.run(other), with_few)
+        else:
+            sizes[name] = whole.gap(whole.run(other), with_all)
+    return sizes

@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 
 from tactile.simulator.scene.auto_effects import Choice, candidates, choose
-from tactile.simulator.scene.estimate import Sample
+from tactile.simulator.scene.estimate import Sample, sizes_in
 from tactile.simulator.scene.file import bare_scene, scene_table
 from tactile.simulator.scene.model_range import out_of_range
 from tactile.simulator.scene.scene import Scene
-from tactile.simulator.scene.sizes import sizes_in
 
 WORDS = {
     "MovingLoad": "load",

@@ -11,10 +11,9 @@ from cnnsim.support.command_line import watched
 from cnnsim.support.toml_file import read_toml
 from tactile.output.tradeoff_plot import draw_trades
 from tactile.simulator.scene.auto_effects import all_effects, choose
-from tactile.simulator.scene.estimate import Sample
+from tactile.simulator.scene.estimate import Sample, sizes_in
 from tactile.simulator.scene.file import bare_scene
 from tactile.simulator.scene.scene import Scene
-from tactile.simulator.scene.sizes import sizes_in
 from tactile.simulator.scene.tradeoff import Trade, trades
 from tests.benchmarks.accuracy.labels import label_points
 from tests.benchmarks.accuracy.section import Section
