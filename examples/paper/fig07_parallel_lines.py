@@ -92,7 +92,7 @@ def draw(trials: tuple[Trial, ...], path: Path) -> None:
     for axes, trial, title in zip(panels, trials, titles, strict=True):
         for line, found in zip(trial.made.places, trial.located.places, strict=True):
             true, located = axes.plot(*(line.T * 1e6), *(found.T * 1e6))
-            true.set(color="0.8", linewidth=2.4)
+            true.set(color="#f0c040", linewidth=2.4)
             located.set(color="0.2", linewidth=0.6)
         x, y = trial.located.places.reshape(-1, 2).T * 1e6
         force = trial.located.force.ravel() * 1e3

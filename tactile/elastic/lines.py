@@ -17,12 +17,6 @@ if TYPE_CHECKING:
 MOST_NODES = 2000
 """Nodes along one direction; a longer contact, or a shallower taxel, is refused."""
 
-WIDE = 1.0
-"""Half widths over the thickness to which the base's share of an indentation is known."""
-LINE = 0.6
-"""Half of a cylinder's contact over the thickness of a layer, up to which it is as wide as on the half-space: within
-6 %, by height maps on bonded incompressible layers; it is 14 % narrower where both are equal."""
-
 
 def edge_loads(load: ArrayLike, length: float, angle: float, depth: float) -> Floats:
     """A straight edge that presses with the same force everywhere, as Gauss points along it.
@@ -39,11 +33,14 @@ def edge_loads(load: ArrayLike, length: float, angle: float, depth: float) -> Fl
     return _spread(load, nodes * length / 2, np.zeros(1), weights / 2, np.ones(1), angle)
 
 
-def cylinder_loads(load: ArrayLike, length: float, half_width: ArrayLike, angle: float, depth: float) -> Floats:
+def cylinder_loads(
+    load: ArrayLike, length: float, half_width: ArrayLike, angle: float, depth: float, medium: Medium | None = None
+) -> Floats:
     """A lying cylinder: uniform along its axis, p ~ sqrt(1 - s^2 / b^2) across, as products of Gauss points.
 
-    Arguments: ``half_width`` b (...) [m] from ``cylinder_half_width``; the others as ``edge_loads``. The ends carry
-    no stress concentration: the cylinder is taken to be a little rounded there.
+    Arguments: ``half_width`` b (...) [m] from ``cylinder_half_width``; ``medium``: a layer, on which the pressure
+    across is that of ``strip_contact``; the others as ``edge_loads``. The ends carry no stress concentration: the
+    cylinder is taken to be a little rounded there.
 
     Raises:
         InputError: as ``edge_loads``.
@@ -55,13 +52,30 @@ def cylinder_loads(load: ArrayLike, length: float, half_width: ArrayLike, angle:
     count = _count(max(float(width.max(initial=0)), 1e-12), depth)
     turn = np.arange(1, count + 1) * np.pi / (count + 1)
     across_weights = 2 / (count + 1) * np.sin(turn) ** 2  # Gauss-Chebyshev of the second kind, sum 1
+    if medium is not None and np.isfinite(medium.thickness):
+        from tactile.elastic.strip_contact import strip_contact  # only where a layer asks for it
+
+        wide = (width / medium.thickness)[..., None]
+        across_weights = across_weights * strip_contact(medium.nu).shape(*np.broadcast_arrays(wide, np.cos(turn)))
+        across_weights /= across_weights.sum(axis=-1, keepdims=True)
     return _spread(load, along * length / 2, width[..., None] * np.cos(turn), along_weights / 2, across_weights, angle)
 
 
-def cylinder_half_width(force: ArrayLike, length: float, radius: float, contact_modulus: float) -> Floats:
-    """b = sqrt(4 P R / (pi E* L)) [m]. Source: Johnson, Contact Mechanics, eq. (4.43)."""
+def cylinder_half_width(force: ArrayLike, length: float, radius: float, medium: Medium) -> Floats:
+    """b = sqrt(4 P R / (pi E* L)) [m] on the half-space, that of ``strip_contact`` on a layer.
+
+    Raises:
+        InputError: on a layer, a contact beyond the tables.
+
+    Source: Johnson, Contact Mechanics, eq. (4.43).
+    """
     pressing = np.maximum(np.asarray(force, dtype=np.float64), 0)
-    width: Floats = np.sqrt(pressing) * np.sqrt(4 * radius / (np.pi * contact_modulus * length))
+    if np.isfinite(medium.thickness):
+        from tactile.elastic.strip_contact import strip_contact  # only where a layer asks for it
+
+        h = medium.thickness
+        return strip_contact(medium.nu).width(pressing * radius / (medium.contact_modulus * length * h**2)) * h
+    width: Floats = np.sqrt(pressing) * np.sqrt(4 * radius / (np.pi * medium.contact_modulus * length))
     return width
 
 
@@ -69,41 +83,49 @@ def line_indentation(force: ArrayLike, length: float, half_width: Floats, medium
     """Indentation [m] of a body that presses along a line: what its middle sinks in, 0 where nothing presses.
 
     P / (pi E* L) (2 ln(2 L / b) + 1) under a pressure uniform along a length L and elliptic across 2 b; the base of a
-    layer h thick takes away 2 / h times the integral from 0 to L / 2 of d(r / h) dx, averaged over the width, d being
-    the layer's own surface displacement under a point, see ``rough_contact``.
+    layer h thick takes away 2 / h times the integral from 0 to L / 2 of d(r / h) dx, averaged over the pressure across,
+    d being the layer's own surface displacement under a point, see ``rough_contact``.
 
-    Arguments: ``force`` P [N] and ``half_width`` b [m], of one shape; in a layer wider contacts than `WIDE` thicknesses
-    lose no more than those.
+    Arguments: ``force`` P [N] and ``half_width`` b [m], of one shape.
     """
     pressing = np.maximum(np.asarray(force, dtype=np.float64), 0)
     narrow = np.maximum(half_width, 1e-12 * length)
     sunk = 2 * np.log(2 * length / narrow) + 1
     if np.isfinite(medium.thickness):
-        sunk = sunk - _base(round(length / medium.thickness, 12), medium.nu)(
-            np.minimum(half_width / medium.thickness, WIDE)
-        )
+        sunk = sunk - _base(round(length / medium.thickness, 12), medium.nu)(half_width / medium.thickness)
     out: Floats = pressing * sunk / (np.pi * medium.contact_modulus * length)
     return out
 
 
 @lru_cache(maxsize=64)
 def _base(length: float, nu: float) -> "CubicSpline":
-    """What the base takes away of the bracket, by the half width; lengths in thicknesses."""
+    """What the base and the pressure's shape take away of the bracket, by the half width; lengths in thicknesses."""
     from scipy.interpolate import CubicSpline  # SciPy only where a layer asks for it
 
     from tactile.elastic.rough_contact import REACH, taken_away  # the same
+    from tactile.elastic.strip_contact import WIDEST, strip_contact  # the same
 
     end = min(length / 2, REACH)
     nodes, weights = gauss(16)
     edges = np.linspace(0, end, int(np.ceil(end / 2)) + 1)
     x = (((edges[:-1] + edges[1:]) / 2)[:, None] + (edges[1] / 2) * nodes).ravel()
-    turn = np.arange(1, 9) * np.pi / 9
-    widths = np.linspace(0, WIDE, 9)
-    apart = np.hypot(x, (widths[:, None] * np.cos(turn))[..., None])
-    felt = taken_away(nu)(np.minimum(apart, REACH)) @ np.tile(weights * edges[1] / 2, len(edges) - 1)
-    # far away nothing moves: all that the half-space would, 1 / r
-    total = 2 * (felt @ (2 / 9 * np.sin(turn) ** 2) + np.log(max(length / 2, end) / end))
-    return CubicSpline(widths, total)
+    step = np.tile(weights * edges[1] / 2, len(edges) - 1)
+    # across by the angle, its cube drawing the nodes to the middle, where the line's own field has a logarithm
+    root, share = gauss(64)
+    angle = np.pi / 2 * ((root + 1) / 2) ** 3
+    share = share * np.cos(angle) ** 2 * (root + 1) ** 2  # an ellipse, to be of sum 1
+    widths = np.concatenate([[0.0], np.geomspace(0.02, WIDEST, 40)])
+    taken = np.empty(len(widths))
+    for n, b in enumerate(widths.tolist()):
+        across = share * strip_contact(nu).shape(np.full(64, b), np.sin(angle))
+        across /= across.sum()
+        s = b * np.sin(angle)
+        felt = taken_away(nu)(np.minimum(np.hypot(x, s[:, None]), REACH)) @ step
+        # far away nothing moves: all that the half-space would, 1 / r
+        beyond = np.arcsinh(length / 2 / np.maximum(s, 1e-9)) - np.arcsinh(end / np.maximum(s, 1e-9))
+        blunt = 2 * across @ np.log(2 * np.sin(angle)) + 1  # 0 under an ellipse
+        taken[n] = 2 * across @ (felt + beyond) + blunt
+    return CubicSpline(widths, taken)
 
 
 def _count(half: float, depth: float) -> int:

@@ -136,8 +136,7 @@ class Indenter:
     def indentation(self, force: Floats, medium: Medium) -> Floats:
         """Indentation [m] of a body under normal forces [N], 0 where nothing presses.
 
-        An edge is a cylinder of its ``radius``; a uniform disc sinks in like a flat punch on the half-space. Into a
-        layer lines sink less, with the half-space's width.
+        An edge is a cylinder of its ``radius``; a uniform disc sinks in like a flat punch on the half-space.
 
         Raises:
             InputError: as ``contact_radius``; a point, which has no size.
@@ -158,8 +157,15 @@ class Indenter:
         if self.shape in ("edge", "cylinder"):
             from tactile.elastic.lines import cylinder_half_width, line_indentation  # only where called for
 
-            width = cylinder_half_width(pressing, self.length, self.radius, stiff)
-            return line_indentation(pressing, self.length, width, medium)
+            width = cylinder_half_width(pressing, self.length, self.radius, medium)
+            deep = line_indentation(pressing, self.length, width, medium)
+            if (deep >= medium.thickness).any():
+                raise InputError(
+                    f"a {self.shape} {self.length * 1e3:g} mm long sinks {deep.max() * 1e3:.4g} mm under "
+                    f"{pressing.max():.4g} N into a cover of {medium.thickness * 1e3:g} mm; less than its "
+                    "thickness wanted"
+                )
+            return deep
         raise InputError(f"the indentation of a {self.shape}, which has no size; another shape wanted")
 
     def held_factor(self, force: Floats, rise: Floats, medium: Medium, needle: float) -> Floats:

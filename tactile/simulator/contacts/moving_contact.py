@@ -151,20 +151,15 @@ class MovingContact:
             most = self.friction * np.maximum(rows[:, F], 0)
             rows[:, SHEAR] *= np.where(tangential > most, most / np.where(tangential > 0, tangential, 1), 1)[:, None]
         total, shape = rows[:, :COLUMNS], self.indenter
-        from tactile.elastic.lines import LINE, cylinder_half_width, cylinder_loads, edge_loads  # only where called for
+        from tactile.elastic.lines import cylinder_half_width, cylinder_loads, edge_loads  # only where called for
 
         if shape.shape == "edge":
             points = edge_loads(total, shape.length, shape.angle, depth)
         else:
-            width = cylinder_half_width(total[:, F], shape.length, shape.radius, medium.contact_modulus)
-            widest = float(width.max(initial=0))
-            if widest > LINE * medium.thickness:
-                raise InputError(
-                    f"a cylinder's contact {2e3 * widest:.3g} mm wide on a cover of {medium.thickness * 1e3:.3g} mm; "
-                    f"at most {2e3 * LINE * medium.thickness:.3g} mm wanted, to which its width is the half-space's "
-                    "(a height map may be wider)"
-                )
-            points = cylinder_loads(total, shape.length, width, shape.angle, depth)
+            width = cylinder_half_width(total[:, F], shape.length, shape.radius, medium)
+            if np.isfinite(medium.thickness):  # refused where it goes through
+                shape.indentation(total[:, F].max(initial=0, keepdims=True), medium)
+            points = cylinder_loads(total, shape.length, width, shape.angle, depth, medium)
         return Loads(total[:, None], points, np.zeros(points.shape[1], np.int64))
 
     def _round(self, rows: Floats, slipped: tuple[Floats, Floats] | None, medium: Medium) -> Loads:

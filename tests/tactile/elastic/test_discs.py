@@ -173,7 +173,7 @@ def test_an_edge_and_a_cylinder_are_as_they_should() -> None:
         fine = np.stack([load[0] + s * np.cos(0.4), load[1] + s * np.sin(0.4), *(f * share for f in load[2:])], axis=-1)
         wanted = point_load(at, depth, fine, medium)
         assert np.abs(point_load(at, depth, loads, medium) - wanted).max() < 1e-8 * np.abs(wanted).max()
-    width = cylinder_half_width(0.05, 2e-3, 1e-3, medium.contact_modulus)
+    width = cylinder_half_width(0.05, 2e-3, 1e-3, medium)
     assert width == pytest.approx(np.sqrt(4 * 0.05 * 1e-3 / (np.pi * medium.contact_modulus * 2e-3)))
     # Johnson's eq. (4.45): on the axis of a long cylinder sigma_zz = -p0 / sqrt(1 + (z / b)^2)
     loads = cylinder_loads((0, 0, 0, 0, 0.4), 0.4, np.array(1e-3), 0.3, 2e-3)

@@ -98,15 +98,19 @@ def test_a_scene_says_where_its_models_end() -> None:
     assert "0.5 mm deep in a cover of 1.2 mm; at most 0.3 of it wanted" in layered
 
 
-def test_a_cylinder_is_no_wider_on_a_layer_than_its_law_knows() -> None:
-    """b = sqrt(4 P R / (pi E* L)); the small solver on the layer has it within 6 % up to b = 0.6 h."""
-    lying, layer = Indenter("cylinder", 4e-3, 8e-3), replace(RUBBER, thickness=1e-3)
-    force = np.pi * RUBBER.contact_modulus * 8e-3 / (4 * 4e-3) * np.array([0.59e-3, 0.61e-3]) ** 2
-    narrow, wide = (MovingContact(0, lying, np.array([(0.0, 0, 0, 0, 0, one)])) for one in force)
-    assert narrow.loads(np.zeros(1), 1e-3, layer).totals[0, 0, 4] == pytest.approx(force[0])
-    with pytest.raises(InputError, match=r"1\.22 mm wide on a cover of 1 mm; at most 1\.2 mm wanted"):
-        wide.loads(np.zeros(1), 1e-3, layer)
-    assert wide.loads(np.zeros(1), 1e-3, RUBBER).points.shape[1] > 1
+def test_a_cylinder_wider_than_its_cover_is_thick_presses_by_the_layers_law() -> None:
+    lying, layer = Indenter("cylinder", 4e-2, 8e-2), replace(RUBBER, thickness=1e-3)
+    wide = MovingContact(0, lying, np.array([(0.0, 0, 0, 0, 0, 2000.0)])).loads(np.zeros(1), 1e-3, layer)
+    across = np.abs(wide.points[0, :, 1]).max()
+    # rubber much thinner than the contact is wide: P / L = 2 E b^5 / (45 R h^3), b less 1.45 h at both rims
+    thin = (2000.0 / 8e-2 * 45 * 4e-2 * 1e-9 / (2 * RUBBER.modulus)) ** 0.2
+    assert across == pytest.approx(thin - 1.45e-3, rel=0.03)
+    assert wide.points[0, :, 4].sum() == pytest.approx(2000.0)
+    narrow = replace(lying, radius=4e-3)
+    with pytest.raises(InputError, match=r"a cylinder 80 mm long sinks 2\.\d+ mm under 5e\+04 N into a cover of 1 mm"):
+        MovingContact(0, narrow, np.array([(0.0, 0, 0, 0, 0, 5e4)])).loads(np.zeros(1), 1e-3, layer)
+    with pytest.raises(InputError, match="over 40 thicknesses of the cover wide"):
+        MovingContact(0, lying, np.array([(0.0, 0, 0, 0, 0, 1e7)])).loads(np.zeros(1), 1e-3, layer)
 
 
 def test_a_rig_presses_by_each_contacts_own_law() -> None:
