@@ -30,6 +30,9 @@ LANES = 8
 WIDE_LANES = 16
 """float32 in a vector where registers are that wide: half as fast again. Where they are not, it is 5 % slower."""
 
+LEAST_CELLS = 4096
+"""Cells of a work-item at least, on a CPU: waking a thread takes longer than fewer."""
+
 POLL = 1e-4
 """Seconds between two looks whether a kernel's first launch is over."""
 
@@ -59,6 +62,7 @@ class DeviceContext:
         self._basics = define_lines({**kind, **here, "V": self.lanes, **code_defines()})
         self._most_parts = 4 * (self.cores if family == "cpu" else GROUP)  # of a sum over a plane
         self.partial = self.new(2 * 8 * self._most_parts)
+        self._scratch: Buffer | None = None
         self._pool: deque[Buffer] = deque(maxlen=POOLED)
         self._tables: dict[bytes, Buffer] = {}
         self._programs: dict[tuple[str, ...], cl.Program] = {}
@@ -121,15 +125,24 @@ class DeviceContext:
 
     def launch(self, kernel: cl.Kernel, work: int, *arguments: Any) -> int:
         """Launch a kernel that deals out ``work`` cells or words itself; return how many parts its sums have."""
-        if self.family == "cpu":
-            parts = max(1, min(self._most_parts, work // 4096))
-            shape: tuple[tuple[int], tuple[int]] = (parts,), (1,)
-        else:
-            parts = max(1, min(self._most_parts, -(-work // GROUP)))
-            shape = (parts * GROUP,), (GROUP,)
-        kernel.set_args(*arguments)
-        self.enqueue(kernel, *shape)
+        parts = self.workers(self._most_parts if self.family == "cpu" else -(-work // GROUP), work)
+        self.launch_workers(kernel, parts, *arguments)
         return parts
+
+    def workers(self, most: int, cells: int) -> int:
+        """Return how many work-items, on a GPU work-groups, at the most share the work on so many cells."""
+        return max(1, min(self._most_parts, most, cells // LEAST_CELLS if self.family == "cpu" else most))
+
+    def launch_workers(self, kernel: cl.Kernel, workers: int, *arguments: Any) -> None:
+        """Launch a kernel for so many work-items on a CPU, for as many work-groups on a GPU."""
+        kernel.set_args(*arguments)
+        self.enqueue(kernel, *(((workers,), (1,)) if self.family == "cpu" else ((workers * GROUP,), (GROUP,))))
+
+    def scratch(self, size: int) -> Buffer:
+        """Return a buffer of ``size`` bytes or more in which kernels work: one for all, which nobody keeps."""
+        if self._scratch is None or self._scratch.size < size:
+            self._scratch = self.new(size)
+        return self._scratch
 
     def enqueue(self, kernel: cl.Kernel, *shape: Any) -> None:
         """Launch a kernel whose arguments are set; ``shape``: global and local sizes.

@@ -5,12 +5,13 @@ from typing import Any
 import numpy as np
 
 from cnnsim.backends.base import Stepper
-from cnnsim.backends.codes import boundary_code
-from cnnsim.backends.opencl.build import Defines, boundary_defines, cell_defines, literal, tap_defines
+from cnnsim.backends.codes import TaskCode, boundary_code
+from cnnsim.backends.opencl.build import Defines, cell_defines, literal, tap_defines
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.drive import tap_arguments
 from cnnsim.backends.opencl.planes import DeviceGrid, LinearPlanes
 from cnnsim.backends.opencl.settled import CheckedSteps
+from cnnsim.backends.opencl.stage_tiles import StageTiles, TileShape
 from cnnsim.backends.opencl.tiles import TILED_BOUNDARIES, cut
 from cnnsim.planning.plan import Plan
 
@@ -83,52 +84,31 @@ class _TileSteps(CheckedSteps):
 
 
 class _StageSteps(CheckedSteps):
-    """Steps of any scheme with any boundary: a launch a stage.
-
-    What the step ends with is added up stage by stage, so that beside it there are the state, a stage and the next one;
-    and the rates of all stages but the last, where a later stage but one asks for them.
-    """
+    """Steps of any scheme with any boundary: a launch a step, in which a tile takes all stages (see stages.cl)."""
 
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:
         super().__init__(context, plan, grid, planes)
         scheme = plan.scheme
         assert scheme is not None
-        gain, number, count = scheme.gain(plan.step), context.dtype.type, len(scheme.b)
-        self._weights = [number(gain * weight) for weight in scheme.b]
-        ahead = [[gain * weight for weight in row] for row in (*scheme.a[1:], (0.0,))]
-        self._ahead = [context.table(np.array(row, context.dtype)) for row in ahead]
-        self._taps = tap_arguments(context, plan.feedback_taps, plan.boundary.y)
-        self.work *= count
-        self._kernel = context.kernel("stage", "boundary stencil", {**boundary_defines(plan.boundary), "STAGE": ""})
-        self._stages = [context.buffer(self._x.size) for _ in range(min(count - 1, 2))]
-        self._rates = context.new((count - 1) * self._x.size) if scheme.keeps_rates else None
-        self._mask_and_limit = self._mask, np.int32(self._mask is not None), np.int32(plan.cell == "full-range")
+        places, weights, taps, radius, _ = tap_arguments(context, plan.feedback_taps, plan.boundary.y)
+        self._taps = places, weights, taps
+        shape = TileShape(int(radius), scheme=scheme)
+        self._tiles = StageTiles(context, plan, grid, shape, scheme.gain(plan.step), planes.mask)
+        self._kernel = self._tiles.kernel(plan, "taps", {})
+        self._ones = context.table(np.ones(1, context.dtype))
+        self.work *= len(scheme.b)
         self._own: Buffer | None = None  # the state, once it is not the one that was given
         self._spare: Buffer | None = None
 
     def advance(self, step: int, count: int) -> None:
         for _ in range(count):
             to = self._spare or self._context.buffer(self._x.size)
-            self._step(to)
+            planes, of_layers = (self._x, self._w, to), (self._ones, self._ones)
+            self._tiles.do(self._kernel, TaskCode.STEP, 0, planes, of_layers, self._taps, self.work)
             self._x, self._own, self._spare = to, to, self._own
 
-    def _step(self, to: Buffer) -> None:
-        """Take a step from the state into another plane."""
-        context, grid, y, count = self._context, self._grid, self._x, len(self._weights)
-        for stage, (weight, ahead) in enumerate(zip(self._weights, self._ahead, strict=True)):
-            last = stage + 1 == count
-            following = None if last else self._stages[stage % 2]
-            for first, lines in context.pieces(grid.lines, self.work / count / grid.lines):
-                context.launch(
-                    self._kernel, lines * grid.cols, self._x, y, self._w, to if stage else self._x, to, following,
-                    self._rates, ahead, weight, np.int32(stage), np.int32(last), np.int32(self._rates is not None),
-                    *self._mask_and_limit, np.int64(grid.cells), np.int64(first), *self._taps, np.int64(lines),
-                    *grid.arguments[1:],
-                )  # fmt: skip
-            y = following or y
-
     def finish(self) -> Buffer:
-        self._context.recycle(*self._stages, *([self._spare] if self._spare else []))
+        self._context.recycle(*([self._spare] if self._spare else []))
         return self._x
 
 

@@ -56,10 +56,55 @@ typedef int sure_real;
     if (get_local_id(0) == 0) partial[get_group_id(0)] = parts[0];
 #endif
 
+// The same for the largest of some numbers, and whether one of some flags is set: two numbers a part.
+#ifdef CPU
+#define HAND_IN_PAIR(partial, largest, flag)                                                    \
+    partial[2 * get_global_id(0)] = largest;                                                    \
+    partial[2 * get_global_id(0) + 1] = flag;
+#else
+#define HAND_IN_PAIR(partial, largest, flag)                                                    \
+    __local real most[GROUP], flags[GROUP];                                                     \
+    const int me = get_local_id(0);                                                             \
+    most[me] = largest;                                                                         \
+    flags[me] = flag;                                                                           \
+    for (int half_way = GROUP / 2; half_way; half_way /= 2) {                                   \
+        barrier(CLK_LOCAL_MEM_FENCE);                                                           \
+        if (me < half_way) {                                                                    \
+            const real other = most[me + half_way];                                             \
+            most[me] = (other > most[me]) | (other != other) ? other : most[me]; /* NaN stays */ \
+            flags[me] = flags[me] + flags[me + half_way] > 0;                                   \
+        }                                                                                       \
+    }                                                                                           \
+    if (me == 0) {                                                                              \
+        partial[2 * get_group_id(0)] = most[0];                                                 \
+        partial[2 * get_group_id(0) + 1] = flags[0];                                            \
+    }
+#endif
+
 static inline int floor_div(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
 // Whether a cell of an LLM plane is black; a row of `cols` cells begins a new 64-bit word.
 static inline int black(__global const ulong *plane, long line, int j, int cols)
 {
     return plane[line * ((cols + 63) / 64) + j / 64] >> (j % 64) & 1;
+}
+
+// The first m numbers of a vector; beyond them nothing is read or written.
+static inline vec load_part(__global const real *from, int m)
+{
+    if (m >= V) return *(__global const vec *)from;
+    real lanes[V];
+    for (int q = 0; q < V; q++) lanes[q] = q < m ? from[q] : 0;
+    return *(const vec *)lanes;
+}
+
+static inline void store_part(__global real *to, vec v, int m)
+{
+    if (m >= V) {
+        *(__global vec *)to = v;
+        return;
+    }
+    real lanes[V];
+    *(vec *)lanes = v;
+    for (int q = 0; q < m; q++) to[q] = lanes[q];
 }

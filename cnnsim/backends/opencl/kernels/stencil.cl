@@ -1,7 +1,6 @@
-// Single sums over a template's taps: B*u + z (CONTROL), with the end of uncoupled cells (CLOSED, after closed.cl), a
-// stage of a Runge-Kutta step (STAGE), and whether the network has settled (SETTLED). They run once, or once in many
-// steps, so the taps are arguments: a build for each template would cost more than it saves. One of the four is built
-// at a time. Comes after boundary.cl.
+// Single sums over a template's taps: B*u + z (CONTROL), with the end of uncoupled cells (CLOSED, after closed.cl),
+// and whether the network has settled (SETTLED). They run once, or once in many steps, so the taps are arguments: a build
+// for each template would cost more than it saves. One of the three is built at a time. Comes after boundary.cl.
 //
 // B's taps weigh the input as it is, A's the clipped state. `outside` is what a fixed virtual cell holds.
 
@@ -110,43 +109,6 @@ KERNEL void closed_form(__global const real *x, __global const real *u, __global
     HAND_IN(real, partial, flaw_real)
 }
 
-#elif defined(STAGE)
-// Stage number `stage` of a Runge-Kutta step from x, whose state is `y`, with its rate k = A*y + w - y:
-//
-//     out = sum + weight * k,    next = x + ahead[0] k_0 + ... + ahead[stage] k,
-//
-// where `sum` is what the stages before have added up to (x itself in the first), and may be `out`. Of the rates before,
-// `rates` has a plane of so many cells each, if they are asked for. The last of the stages ends the step and writes no
-// next one. What a step and a stage lead to is limited in the full-range cell; a masked cell keeps x.
-KERNEL void stage(__global const real *x, __global const real *y, __global const real *w, __global const real *sum,
-                  __global real *out, __global real *next, __global real *rates, __global const real *ahead,
-                  real weight, int stage, int last, int keeps, __global const ulong *mask, int has_mask, int limited,
-                  long plane, ARGUMENTS)
-{
-#define FINISH(type, v, may_end)                                                                        \
-    if (limited && may_end) v = CLIP(type, v);                                                          \
-    if (has_mask) { KEEP_##type(v, start) }
-#define DO_STAGE(type)                                                                                  \
-    type k = LOAD(type, w);                                                                             \
-    ADD_##type(y, k)                                                                                    \
-    k -= LOAD(type, y);                                                                                 \
-    const type start = LOAD(type, x);                                                                   \
-    type total = LOAD(type, sum) + weight * k;                                                          \
-    FINISH(type, total, last)                                                                           \
-    STORE(type, out) = total;                                                                           \
-    if (!last) {                                                                                        \
-        type to = start;                                                                                \
-        if (keeps) {                                                                                    \
-            for (int i = 0; i < stage; i++) to += ahead[i] * LOAD(type, rates + i * plane);             \
-            STORE(type, rates + stage * plane) = k;                                                     \
-        }                                                                                               \
-        to += ahead[stage] * k;                                                                         \
-        FINISH(type, to, 1)                                                                             \
-        STORE(type, next) = to;                                                                         \
-    }
-    EACH_CELL(DO_STAGE)
-}
-
 #else // SETTLED
 // Two numbers a work-item (or, on a GPU, a work-group) for so many lines from line `first` on: the largest |dx/dt| of
 // its free cells, and 1 if one of them is not saturated for good.
@@ -187,26 +149,6 @@ KERNEL void check_settled(__global const real *x, __global const real *w, __glob
         unsaturated_real |= unsaturated_vec[v] != 0;
     }
 #endif
-#ifdef CPU
-    partial[2 * get_global_id(0)] = most_real;
-    partial[2 * get_global_id(0) + 1] = unsaturated_real;
-#else
-    __local real most[GROUP], unsaturated[GROUP];
-    const int me = get_local_id(0);
-    most[me] = most_real;
-    unsaturated[me] = unsaturated_real;
-    for (int half_way = GROUP / 2; half_way; half_way /= 2) {
-        barrier(CLK_LOCAL_MEM_FENCE);
-        if (me < half_way) {
-            const real other = most[me + half_way];
-            most[me] = (other > most[me]) | (other != other) ? other : most[me];
-            unsaturated[me] = unsaturated[me] + unsaturated[me + half_way] > 0;
-        }
-    }
-    if (me == 0) {
-        partial[2 * get_group_id(0)] = most[0];
-        partial[2 * get_group_id(0) + 1] = unsaturated[0];
-    }
-#endif
+    HAND_IN_PAIR(partial, most_real, unsaturated_real)
 }
 #endif
