@@ -35,12 +35,11 @@ class FunctionCode(IntEnum):
 class TaskCode(IntEnum):
     """What a loop over the cells does with their drives.
 
-    DRIVE: write them; RATE: write the drives less the state (OpenCL's alone); DISCRETE: write the outputs that they
-    make; STEP: take a step, on OpenCL of a one-stage scheme; CHECK: write the largest rate (the cpu backend's alone).
+    DRIVE: write them; DISCRETE: write the outputs that they make; STEP: take a step of all stages; CHECK: hand in the
+    largest rate.
     """
 
     DRIVE = 0
-    RATE = 1
-    DISCRETE = 2
-    STEP = 3
-    CHECK = 4
+    DISCRETE = 1
+    STEP = 2
+    CHECK = 3

@@ -11,12 +11,12 @@ discrete time take it as truth values once more."""
 def cell_bytes(plan: Plan, given: int, itemsize: int, *, has_mask: bool = False, backend: str = "cpu") -> float:
     """Return the bytes a cell of a transient in numbers of ``itemsize`` bytes, with so many planes ``given``.
 
-    The opencl backend has what is given, and the result, on the device and outside of it: where the device is the
-    processor, both are the same memory.
+    The opencl backend works in what is given, and hands out its result, where the device is the processor: both are the
+    same memory. On another device as much lies there, and less in this machine's memory.
     """
     mask = MASK_BYTES if has_mask else 0.0
     if backend == "opencl":
-        return (2 * given + device_planes(plan) + 1) * itemsize + mask
+        return (given + device_planes(plan)) * itemsize + mask
     values = has_mask and (plan.method == "closed form" or plan.cell == "discrete-time")
     return (given + working_planes(plan)) * itemsize + mask + (MASK_BYTES_AS_VALUES if values else 0.0)
 
@@ -36,25 +36,15 @@ def working_planes(plan: Plan) -> float:
 
 
 def device_planes(plan: Plan) -> float:
-    """Return the planes that a transient on the opencl backend makes on the device besides those it is given."""
-    stages = _stages(plan)
-    if plan.method == "general":
-        # the first outputs, and three by turns; or the state and the next one by turns, all rates, a stage
-        steps = 4 if plan.cell == "discrete-time" else 2 + stages + (stages > 1)
-        return 1 + _delay(plan) + steps + _on_device(plan)
+    """Return the planes that a transient on the opencl backend makes on the device besides those it is given: those of
+    `working_planes`, but inputs of several times lie there as they are given; and what terms of the input add to the
+    bias has a plane where there is no time loop.
+    """
     if plan.method == "closed form":
-        return 1 + _control(plan)
-    kept = stages - 1 if plan.scheme is not None and plan.scheme.keeps_rates else 0
-    return 3 + _control(plan) + min(stages - 1, 2) + kept  # w, the steps by turns, a stage and the next one
-
-
-def _stages(plan: Plan) -> int:
-    return 1 if plan.scheme is None else len(plan.scheme.b)
-
-
-def _control(plan: Plan) -> int:
-    """Return the planes of terms of the input: their sum; what it is made from has gone when steps begin."""
-    return 1 if plan.template.control_terms else 0
+        return 2 if plan.template.control_terms else 1
+    if plan.method != "general":
+        return 3
+    return 3 + _delay(plan) + _local_weights(plan)
 
 
 def _delay(plan: Plan) -> int:
@@ -63,19 +53,17 @@ def _delay(plan: Plan) -> int:
 
 
 def _of_terms(plan: Plan) -> float:
-    """Return the planes, a layer, of weights that differ from cell to cell; and of inputs, where terms look at those of
-    several times at once.
-    """
-    planes = 0.0
+    """Return the planes, a layer, of local weights; and of inputs, where terms look at those of several times."""
+    planes = _local_weights(plan)
     for table in _tables(plan):
         times = {channel.ago for channel in table.channels if channel.quantity == "u"}
-        planes += len(table.planes) / _layers(plan) + (len(times) if len(times) > 1 else 0)
+        planes += len(times) if len(times) > 1 else 0
     return planes
 
 
-def _on_device(plan: Plan) -> float:
-    """Return the planes, a layer, of channels, one at least of the input and of the state, and of weights."""
-    return sum(max(1, len(table.channels)) + len(table.planes) for table in _tables(plan)) / _layers(plan)
+def _local_weights(plan: Plan) -> float:
+    """Return the planes, a layer, of weights that differ from cell to cell."""
+    return sum(len(table.planes) for table in _tables(plan)) / _layers(plan)
 
 
 def _tables(plan: Plan) -> list[TermTable]:

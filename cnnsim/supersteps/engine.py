@@ -107,7 +107,7 @@ def worker_bytes(
     """Return the memory of a worker [bytes]: itself, a block with its halo read, and what the backend makes of it."""
     cells = lead * (min(side, plan.shape[0]) + 2 * halo) * (min(side, plan.shape[1]) + 2 * halo)
     each = cell_bytes(plan, 1 + given, itemsize, has_mask=has_mask, backend=backend)
-    each += (1 + given + (backend != "opencl")) * itemsize  # as read, and as given
+    each += (2 + given) * itemsize  # as read, and as given
     return WORKER_BYTES + cells * each
 
 

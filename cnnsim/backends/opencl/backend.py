@@ -68,11 +68,16 @@ class OpenCLBackend(BlockBackend):
             host = np.zeros((*values.shape[:-1], words_of(values.shape[-1]) * 8), np.uint8)
             packed = np.packbits(values > 0, axis=-1, bitorder="little")
             host[..., : packed.shape[-1]] = packed
-        flags = cl.mem_flags.READ_WRITE | cl.mem_flags.COPY_HOST_PTR
+        in_place = not copy and memory == "lam" and self._context.works_in(host.nbytes)
+        kept, copied = cl.mem_flags.READ_ONLY | cl.mem_flags.USE_HOST_PTR, cl.mem_flags.READ_WRITE
+        flags = kept if in_place else copied | cl.mem_flags.COPY_HOST_PTR
         return DevicePlane(cl.Buffer(self._context.context, flags, hostbuf=host), values.shape, memory)
 
     def read(self, plane: DevicePlane, *, copy: bool = True) -> Array:
         words = plane.memory == "llm"
+        callers = plane.buffer.flags & cl.mem_flags.USE_HOST_PTR
+        if not (copy or words or callers) and self._context.works_in(plane.buffer.size):
+            return self._context.hand_out(plane.buffer, plane.shape)
         row = words_of(plane.shape[-1]) * 8 if words else plane.shape[-1]
         host = np.empty((*plane.shape[:-1], row), np.uint8 if words else self.dtype)
         cl.enqueue_copy(self._context.queue, host, plane.buffer)

@@ -15,7 +15,7 @@ import pyopencl as cl
 
 from cnnsim.backends.opencl.build import Defines, build, code_defines, define_lines, source
 from cnnsim.backends.opencl.devices import Family, check_not_forked
-from cnnsim.backends.opencl.pages import LEAST, ask_for_large_pages
+from cnnsim.backends.opencl.pages import LEAST, ask_for_large_pages, works_in_memory
 from cnnsim.backends.opencl.pocl import has_wide_vectors
 from cnnsim.backends.slices import pieces
 
@@ -43,6 +43,23 @@ POOLED = 3
 _CONTEXTS: list["DeviceContext"] = []
 
 
+class _Lock:
+    """A lock for one thread at a time; whoever leaves it by an error waits until nothing runs in what is then freed."""
+
+    def __init__(self, queue: cl.CommandQueue) -> None:
+        self._lock, self._queue = RLock(), queue
+
+    def __enter__(self) -> None:
+        self._lock.acquire()
+
+    def __exit__(self, error: object, *_: object) -> None:
+        try:
+            if error is not None:
+                self._queue.finish()
+        finally:
+            self._lock.release()
+
+
 class DeviceContext:
     """One device with its context, its queue and its built programs, for one dtype and one family of kernels.
 
@@ -52,8 +69,8 @@ class DeviceContext:
 
     def __init__(self, device: cl.Device, family: Family, dtype: np.dtype[Any]) -> None:
         self.device, self.family, self.dtype = device, family, dtype
-        self.lock = RLock()
         self.context, self.queue, self._side_queue = _context_and_queues(device)
+        self.lock = _Lock(self.queue)
         wide = dtype == np.float32 and has_wide_vectors(device)
         self.lanes = (WIDE_LANES if wide else LANES) if family == "cpu" else 1
         self.cores = device.max_compute_units
@@ -63,6 +80,7 @@ class DeviceContext:
         self._most_parts = 4 * (self.cores if family == "cpu" else GROUP)  # of a sum over a plane
         self.partial = self.new(2 * 8 * self._most_parts)
         self._scratch: Buffer | None = None
+        self._lent: dict[int, finalize[Any, Any]] = {}
         self._pool: deque[Buffer] = deque(maxlen=POOLED)
         self._tables: dict[bytes, Buffer] = {}
         self._programs: dict[tuple[str, ...], cl.Program] = {}
@@ -99,7 +117,23 @@ class DeviceContext:
         The system empties new memory page by page: for 2048 x 2048 cells that takes longer than a closed form.
         """
         if buffer.size >= LEAST:
-            finalize(plane, self._pool.append, buffer).atexit = False
+            self._lent[buffer.int_ptr] = taken = finalize(plane, self._take_back, buffer)
+            taken.atexit = False
+
+    def _take_back(self, buffer: Buffer) -> None:
+        del self._lent[buffer.int_ptr]
+        self._pool.append(buffer)
+
+    def works_in(self, size: int) -> bool:
+        """Return whether the device may work in this machine's own memory, where ``size`` bytes are worth it."""
+        return size >= LEAST and works_in_memory(self.device)
+
+    def hand_out(self, buffer: Buffer, shape: tuple[int, ...]) -> np.ndarray[Any, Any]:
+        """Return a buffer as an array that lies in it: it is never taken back, and is there as long as the array."""
+        if (lent := self._lent.pop(buffer.int_ptr, None)) is not None:
+            lent.detach()
+        flags = cl.map_flags(cl.map_flags.READ | cl.map_flags.WRITE)
+        return cl.enqueue_map_buffer(self.queue, buffer, flags, 0, shape, self.dtype)[0]
 
     def table(self, numbers: np.ndarray[Any, Any]) -> Buffer:
         """Return a few numbers on the device, to be read only; the same numbers are brought there once."""

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from cnnsim.backends.opencl.build import boundary_defines
-from cnnsim.backends.opencl.channels import ChannelPlanes
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.planes import DeviceGrid
+from cnnsim.backends.opencl.term_tiles import TermTiles
 from cnnsim.backends.term_table import tabulate
 from cnnsim.network import Tap, reach
 from cnnsim.planning.plan import Plan
@@ -15,7 +15,8 @@ from cnnsim.planning.plan import Plan
 
 def control(context: DeviceContext, plan: Plan, grid: DeviceGrid, u: Buffer | None, bias: Buffer | None) -> Buffer:
     """Return w = z + bias + terms of the input + B*u."""
-    bias, given = with_control_terms(context, plan, grid, u, bias), control_taps(context, plan, u)
+    given, mapped = control_taps(context, plan, u), bias
+    bias = with_control_terms(context, plan, grid, u, mapped)
     w = context.buffer(grid.cells * context.dtype.itemsize)
     kernel = context.kernel("control", "boundary stencil", {**boundary_defines(plan.boundary), "CONTROL": ""})
     for first, lines in context.pieces(grid.lines, grid.cols * max(1, len(plan.template.control_taps))):
@@ -23,6 +24,8 @@ def control(context: DeviceContext, plan: Plan, grid: DeviceGrid, u: Buffer | No
             kernel, lines * grid.cols, u, bias, w, context.dtype.type(plan.template.z), np.int32(bias is not None),
             np.int64(first), *given, np.int64(lines), *grid.arguments[1:],
         )  # fmt: skip
+    if bias is not None and bias is not mapped:
+        context.recycle(bias)
     return w
 
 
@@ -38,10 +41,8 @@ def with_control_terms(
     if u is None or not plan.template.control_terms:
         return bias
     table = tabulate(plan, [(0, term) for term in plan.template.control_terms], context.dtype)
-    channels = ChannelPlanes(context, plan, grid, [table], 0)
-    channels.fill(0, u)
     out = context.buffer(grid.cells * context.dtype.itemsize)
-    channels.drive([0.0], bias, out)
+    TermTiles(context, plan, grid, [table]).drive([0.0], bias, out, lambda _: u)
     return out
 
 

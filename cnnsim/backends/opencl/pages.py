@@ -12,6 +12,11 @@ LEAST = 1 << 22
 """Bytes from which on NumPy asks for them."""
 
 
+def works_in_memory(device: cl.Device) -> bool:
+    """Return whether a device is the processor, whose buffers lie in this machine's own memory."""
+    return bool(device.type & cl.device_type.CPU and device.host_unified_memory)
+
+
 def ask_for_large_pages(queue: cl.CommandQueue, buffer: cl.Buffer) -> None:
     """Tell Linux that a new buffer of a processor's device may lie in pages of 2 MiB.
 
@@ -19,7 +24,7 @@ def ask_for_large_pages(queue: cl.CommandQueue, buffer: cl.Buffer) -> None:
     ``queue`` should be one that no kernel waits in. Nothing is done for GPUs, small buffers or on other systems.
     """
     device, advise = queue.device, _advise()
-    if buffer.size < LEAST or advise is None or not (device.type & cl.device_type.CPU and device.host_unified_memory):
+    if buffer.size < LEAST or advise is None or not works_in_memory(device):
         return
     flags = cl.map_flags.WRITE_INVALIDATE_REGION  # nothing is copied
     memory, _ = cl.enqueue_map_buffer(queue, buffer, flags, 0, (buffer.size,), np.dtype(np.uint8))

@@ -1,4 +1,4 @@
-"""Tiles in which all stages of a step are taken, cut and launched: what a stage is made of stays in a thread's cache."""
+"""Tiles in which all stages of a step are taken, cut and launched: a stage stays in a thread's cache."""
 
 from typing import Any, NamedTuple
 
@@ -48,7 +48,7 @@ class TileShape(NamedTuple):
     @property
     def areas(self) -> int:
         """Arrays of a tile's cells: its channels; states, sums and rates of each layer."""
-        return self.channels + self.layers * (2 * (self.stages > 1) + self.keeps * self.stages)
+        return max(1, self.channels) + self.layers * (2 * (self.stages > 1) + self.keeps * self.stages)
 
 
 class StageTiles:
@@ -70,7 +70,7 @@ class StageTiles:
             length + 2 * shape.reach if torus and parts > 1 else min(length + 2 * shape.reach, all_)
             for length, parts, all_ in ((high, down, grid.rows), (wide, across, grid.cols))
         )
-        stride = _stride(context, width, radius)
+        self.stride = stride = _stride(context, width, radius)
         share = PAD + shape.areas * (tall + 2 * radius) * stride + context.lanes
         bytes_ = share * context.dtype.itemsize
         most = max(1, GPU_BYTES // bytes_) if context.family == "gpu" else self.count
@@ -79,7 +79,7 @@ class StageTiles:
         numbers = [0.0] if scheme is None else [*scheme.matrix[1:].ravel(), *np.zeros(shape.stages), *scheme.b]
         self._table = context.table((gain * np.array(numbers)).astype(context.dtype))
         ahead = sum(round(sum(row)) << stage for stage, row in enumerate(scheme.a)) if scheme else 0
-        self._how = *map(np.int32, (shape.stages, shape.keeps, ahead, mask is not None, plan.cell == "full-range")),
+        self._how = (*map(np.int32, (shape.stages, shape.keeps, ahead, mask is not None, plan.cell == "full-range")),)
         self._outside = context.dtype.type(plan.boundary.u), context.dtype.type(plan.boundary.y)
         sizes = layers, grid.rows, grid.cols, radius, stride, high, wide, down, across, tall, channels
         self._sizes = *map(np.int32, sizes), np.int64(share)
@@ -92,14 +92,18 @@ class StageTiles:
 
     def do(
         self, kernel: Any, task: TaskCode, part: int, planes: tuple[Buffer, Buffer | None, Buffer],
-        of_layers: tuple[Buffer, Buffer], rest: tuple[Any, ...], work: float, *, measured: bool = False,
+        before: Buffer | None, of_layers: tuple[Buffer, Buffer], rest: tuple[Any, ...], work: float, *,
+        measured: bool = False,
     ) -> tuple[float, bool]:  # fmt: skip
-        """Do a task of stages.cl with (x, w, out); return the largest rate or change, and whether out differs."""
+        """Do a task of stages.cl with (x, w, out); return the largest rate or change, and whether out differs.
+
+        The change is that from x; what ``out`` differs from are the outputs ``before``.
+        """
         context, (x, w, out), largest, differs = self._context, planes, 0.0, False
         for first, count in context.pieces(self.count, work / self.count):
             context.launch_workers(
-                kernel, min(self._workers, count), x, w, self._mask, out, self._scratch, context.partial, self._table,
-                *of_layers, np.int32(task), np.int32(part), *self._how, *self._outside, *self._sizes,
+                kernel, min(self._workers, count), x, w, self._mask, out, before, self._scratch, context.partial,
+                self._table, *of_layers, np.int32(task), np.int32(part), *self._how, *self._outside, *self._sizes,
                 np.int64(first), np.int64(count), *rest,
             )  # fmt: skip
             if measured:

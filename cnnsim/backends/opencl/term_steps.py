@@ -7,9 +7,10 @@ import numpy as np
 
 from cnnsim.backends.base import Check, Stepper
 from cnnsim.backends.codes import TaskCode
-from cnnsim.backends.opencl.channels import ChannelPlanes
+from cnnsim.backends.opencl.channel_text import ChannelSource
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.planes import DeviceGrid
+from cnnsim.backends.opencl.term_tiles import TermTiles
 from cnnsim.backends.term_table import longest_delay, table_of
 from cnnsim.network.frames import at_step, spans
 from cnnsim.planning.general import delays_of
@@ -24,114 +25,74 @@ def term_steps(
 
 
 class _NetworkSteps(Stepper):
-    """The channels of a network of terms, its drive of the input, its state and past states."""
+    """The tiles of a network of terms, its drive of the input, its state and past states.
+
+    States lie in one plane more than are looked at, by turns; a plane is made when its turn comes first.
+    """
 
     def __init__(
         self, context: DeviceContext, plan: Plan, grid: DeviceGrid, x: Buffer, u: Any, bias: Any, mask: Buffer | None
     ) -> None:
         network, scheme = plan.network, plan.scheme
         assert network is not None
-        self._context, self._plan, self._network, self._grid = context, plan, network, grid
-        self._x, self._u, self._bias, self._mask = x, u, bias, mask
+        self._context, self._plan, self._network = context, plan, network
+        self._x, self._u, self._bias = x, u, bias
         tables = [table_of(plan, context.dtype, static=static) for static in (True, False)]
-        self._over = 1 / np.array(network.time_constants)
+        self._over = [float(rate) for rate in 1 / np.array(network.time_constants)]
         gains = [scheme.gain(plan.step * rate) if scheme else 1.0 for rate in self._over]
-        self._inputs, self._states = (ChannelPlanes(context, plan, grid, tables, part, gains, mask) for part in (0, 1))
+        self._tiles = TermTiles(context, plan, grid, tables, gains, mask)
         self._past = [x] * (longest_delay(plan, network) + 1)  # before t = 0 the state was x(0)
-        self._w = context.new(x.size)
-        self.work = self._states.work * (len(scheme.a) if scheme else 1)
-        self._z = [layer.z for layer in network.layers]
+        self._planes: list[Buffer] = []
+        self._w = context.buffer(x.size)
+        self.work = self._tiles.work[1] * (len(scheme.a) if scheme else 1)
+        self._z, self._span = [layer.z for layer in network.layers], 0
 
     def spans(self) -> Iterable[tuple[int, int]]:
         """Return (first step, steps) of the spans in which input and bias stand still."""
         return spans(self._plan.steps, self._plan.step, delays_of(self._network), self._u, self._bias)
 
     def start_span(self, step: int) -> None:
-        for channels in (self._inputs, self._states):
-            for number, channel in enumerate(channels.table.channels):
-                if channel.quantity == "u":
-                    channels.fill(number, at_step(self._u, step - channel.ago, self._plan.step))
-        self._inputs.drive(self._z, at_step(self._bias, step, self._plan.step), self._w)
+        self._span = step
+        self._tiles.drive(self._z, at_step(self._bias, step, self._plan.step), self._w, self._input)
 
-    def _add_terms(self, task: TaskCode, x: Buffer, step: int, out: Buffer, *, at: int = 0) -> None:
-        """Do a task with the drives of a state at the start of a step, and of those before it that terms look at."""
-        discrete = self._plan.cell == "discrete-time"
-        for number, channel in enumerate(self._states.table.channels):
-            if channel.quantity != "u":
-                seen = self._past[(step - channel.ago) % len(self._past)] if channel.ago else x
-                self._states.fill(number, seen, output=channel.quantity == "y" and not discrete)
-        self._states.add_terms(task, self._w, x, out, at=at)
+    def _input(self, source: ChannelSource) -> Any:
+        return at_step(self._u, self._span - source.ago, self._plan.step) if source.input else None
 
-    def _largest(self, name: str, *arguments: Any) -> float:
-        """Return the largest number that a kernel of layers.cl hands in."""
-        parts = self._context.launch(self._context.kernel(name, "stages layers", {}), self._grid.cells, *arguments)
-        return float(self._context.parts(parts, self._context.dtype).max())
+    def _do(self, task: TaskCode, step: int, out: Buffer, **more: Any) -> tuple[float, bool]:
+        """Do a task with the state at the start of a step."""
+
+        def plane(source: ChannelSource) -> Buffer:
+            past = self._past[(step + source.late - source.ago) % len(self._past)]
+            return self._input(source) if source.input else past
+
+        return self._tiles.do(task, (self._x, self._w, out), plane, **more)
+
+    def _plane(self, number: int) -> Buffer:
+        """Return the plane of the state after so many steps: of those that were, the one that fell out of the past."""
+        turn = number % (len(self._past) + 1)
+        while len(self._planes) <= turn:
+            self._planes.append(self._context.buffer(self._x.size))
+        return self._planes[turn]
 
     def wait(self) -> None:
         self._context.queue.finish()
 
     def finish(self) -> Buffer:
+        self._context.recycle(self._w, *(plane for plane in self._planes if plane is not self._x))
         return self._x
-
-
-class _StageSums:
-    """Where a stage, or a step, leads: x + the layer's gain * sum of weight * rate; see stages.cl.
-
-    ``rates`` has a plane for each stage; ``sizes`` are what the kernel is told last.
-    """
-
-    def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, sizes: tuple[Any, ...]) -> None:
-        assert plan.scheme is not None
-        self._context, self._grid, self._kernel = context, grid, context.kernel("layers_stage", "stages", {})
-        self._rows = [
-            (context.table(np.array(row or (0.0,), context.dtype)), np.int32(len(row)))
-            for row in (*plan.scheme.a, plan.scheme.b)
-        ]
-        self._last = np.int32(plan.cell == "full-range"), np.int32(grid.cols), *sizes
-        self.rates = context.new(len(plan.scheme.b) * grid.cells * context.dtype.itemsize)
-
-    def write(self, row: int, x: Buffer, to: Buffer, mask: Buffer | None) -> None:
-        """Write the state that begins stage ``row``, or with -1 that after the step."""
-        self._context.launch(
-            self._kernel, self._grid.cells, x, self.rates, *self._rows[row], mask, to, np.int32(mask is not None),
-            *self._last,
-        )  # fmt: skip
 
 
 class _LayerSteps(_NetworkSteps):
     """Steps of dx/dt = (drive - x) / T; in the full-range model every stage ends within +-1."""
 
-    def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, *planes: Any) -> None:
-        super().__init__(context, plan, grid, *planes)
-        assert plan.scheme is not None
-        self._ahead = [round(sum(row)) for row in plan.scheme.a]
-        layers = self._states.gains, *self._states.layer_arguments
-        self._sums = _StageSums(context, plan, grid, layers)
-        self._stage = context.new(self._x.size) if len(self._ahead) > 1 else None
-        self._planes = [context.new(self._x.size) for _ in range(len(self._past) + 1)]
-
     def check_settled(self, step: int, *, last: bool) -> Check:
-        context, rates, mask = self._context, self._sums.rates, self._mask
-        self._add_terms(TaskCode.RATE, self._x, step, rates)
-        rate = self._largest(
-            "largest_rate", rates, self._x, context.table(self._over.astype(context.dtype)), mask, context.partial,
-            np.int32(mask is not None), np.int32(self._plan.cell == "full-range"), np.int32(self._grid.cols),
-            *self._states.layer_arguments,
-        )  # fmt: skip
-        return Check(rate)
+        return Check(self._do(TaskCode.CHECK, step, self._x, over=self._over, measured=True)[0])
 
     def advance(self, step: int, count: int) -> None:
         for number in range(step, step + count):
             self._past[number % len(self._past)] = self._x
-            after = self._planes[number % len(self._planes)]  # the one that fell out of the past
-            if self._stage is None:
-                self._add_terms(TaskCode.STEP, self._x, number, after)
-            else:
-                for index, ahead in enumerate(self._ahead):
-                    self._sums.write(index, self._x, self._stage, self._mask)
-                    at = index * self._grid.cells
-                    self._add_terms(TaskCode.RATE, self._stage, number + ahead, self._sums.rates, at=at)
-                self._sums.write(-1, self._x, after, self._mask)
+            after = self._plane(number)
+            self._do(TaskCode.STEP, number, after)
             self._x = after
 
 
@@ -140,28 +101,26 @@ class _DiscreteLayerSteps(_NetworkSteps):
 
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, x: Buffer, *planes: Any) -> None:
         super().__init__(context, plan, grid, x, *planes)
-        self._planes = [context.new(x.size) for _ in range(len(self._past) + 2)]
-        self._x = self._before = context.new(x.size)  # outputs
-        self._states.add_terms(TaskCode.DISCRETE, x, x, self._x, terms=False)
-        self._past = [self._x] * len(self._past)
+        outputs = self._plane(0)
+        self._tiles.do(TaskCode.DISCRETE, (x, x, outputs), lambda _: x, terms=False)
+        self._x = self._before = outputs
+        self._past = [outputs] * len(self._past)
         self._known = -1  # the step whose outputs are in its plane already
 
     def check_settled(self, step: int, *, last: bool) -> Check:
-        after = self._after(step)
-        return Check(self._change(after, self._x), repeats=step > 0 and self._change(after, self._before) == 0)
-
-    def _change(self, a: Buffer, b: Buffer) -> float:
-        return self._largest("largest_change", a, b, self._context.partial, np.int64(self._grid.cells))
+        change, differs = self._step(step, measured=True)
+        return Check(change, repeats=step > 0 and not differs)
 
     def advance(self, step: int, count: int) -> None:
         for number in range(step, step + count):
-            self._before, self._x = self._x, self._after(number)
+            if self._known != number:
+                self._step(number, measured=False)
+            self._before, self._x = self._x, self._plane(number + 1)
 
-    def _after(self, number: int) -> Buffer:
-        """Return the outputs after a step."""
-        after = self._planes[number % len(self._planes)]  # the one that fell out of the past
-        if self._known != number:
-            self._past[number % len(self._past)] = self._x
-            self._add_terms(TaskCode.DISCRETE, self._x, number, after)
-            self._known = number
-        return after
+    def _step(self, number: int, *, measured: bool) -> tuple[float, bool]:
+        """Write the outputs after a step, perhaps over those before it; return how they differ, if it is measured."""
+        self._past[number % len(self._past)] = self._x
+        self._known = number
+        after = self._plane(number + 1)
+        before = self._before if measured else None
+        return self._do(TaskCode.DISCRETE, number, after, before=before, measured=measured)

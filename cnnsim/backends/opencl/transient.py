@@ -8,11 +8,11 @@ from cnnsim.backends.base import Stepper
 from cnnsim.backends.codes import TaskCode, boundary_code
 from cnnsim.backends.opencl.build import Defines, cell_defines, literal, tap_defines
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
-from cnnsim.backends.opencl.drive import tap_arguments
 from cnnsim.backends.opencl.planes import DeviceGrid, LinearPlanes
 from cnnsim.backends.opencl.settled import CheckedSteps
 from cnnsim.backends.opencl.stage_tiles import StageTiles, TileShape
 from cnnsim.backends.opencl.tiles import TILED_BOUNDARIES, cut
+from cnnsim.network import reach
 from cnnsim.planning.plan import Plan
 
 ASLEEP, COASTING, AWAKE = range(3)
@@ -90,10 +90,13 @@ class _StageSteps(CheckedSteps):
         super().__init__(context, plan, grid, planes)
         scheme = plan.scheme
         assert scheme is not None
-        places, weights, taps, radius, _ = tap_arguments(context, plan.feedback_taps, plan.boundary.y)
-        self._taps = places, weights, taps
-        shape = TileShape(int(radius), scheme=scheme)
-        self._tiles = StageTiles(context, plan, grid, shape, scheme.gain(plan.step), planes.mask)
+        taps = plan.feedback_taps
+        shape = TileShape(reach((tap.k, tap.l) for tap in taps), scheme=scheme)
+        self._tiles = tiles = StageTiles(context, plan, grid, shape, scheme.gain(plan.step), planes.mask)
+        offsets = [tap.k * tiles.stride + tap.l for tap in taps] or [0]
+        weights = [tap.weight for tap in taps] or [0.0]
+        tables = np.array(offsets, np.int32), np.array(weights, context.dtype)
+        self._taps = *map(context.table, tables), np.int32(len(taps))
         self._kernel = self._tiles.kernel(plan, "taps", {})
         self._ones = context.table(np.ones(1, context.dtype))
         self.work *= len(scheme.b)
@@ -104,7 +107,7 @@ class _StageSteps(CheckedSteps):
         for _ in range(count):
             to = self._spare or self._context.buffer(self._x.size)
             planes, of_layers = (self._x, self._w, to), (self._ones, self._ones)
-            self._tiles.do(self._kernel, TaskCode.STEP, 0, planes, of_layers, self._taps, self.work)
+            self._tiles.do(self._kernel, TaskCode.STEP, 0, planes, None, of_layers, self._taps, self.work)
             self._x, self._own, self._spare = to, to, self._own
 
     def finish(self) -> Buffer:

@@ -25,7 +25,7 @@ from cnnsim.backends.cpu.tiles.scratch import fill, load_bits
 from cnnsim.support import Array
 
 SIGN = int(FunctionCode.SIGN)
-DRIVE, _, DISCRETE, STEP, CHECK = map(int, TaskCode)
+DRIVE, DISCRETE, STEP, CHECK = map(int, TaskCode)
 
 
 def step_tile(

@@ -137,9 +137,10 @@ static inline vec keep(vec v, vec old, __global const ulong *mask, long line, in
 // masked cell keeps x. `table` has a_1, a_2, ..., nothing and
 // b, each with `stages` numbers; with `keeps` stages ask for other rates than the last one. Bit s of `ahead`: stage s
 // looks at what is at the end of the step. `partial` gets two numbers of each worker: the largest rate, or change, and 1
-// if what DISCRETE writes differs from what was in `out`.
+// if what DISCRETE writes differs from `before`, which may be `out`; without that
+// nobody asks.
 KERNEL void stages(__global const real *x, __global const real *w, __global const ulong *mask, __global real *out,
-                   __global real *scratch, __global real *partial, __global const real *table,
+                   __global const real *before, __global real *scratch, __global real *partial, __global const real *table,
                    __global const real *gains, __global const real *of_layer, int task, int part, int count_of_stages,
                    int keeps, int ahead, int has_mask, int limited, real outside_u, real outside_y, int layers,
                    int rows, int cols, int radius, int stride, int high, int wide, int down, int across, int tall,
@@ -179,14 +180,14 @@ KERNEL void stages(__global const real *x, __global const real *w, __global cons
                     const long here = (layer * tall + i - at.top) * stride + t;
                     __global const real *own = channels + (i - at.top + radius) * stride;
                     vec total = w ? load_part(w + cell, LEFT_OVER) : (vec)0;
-                    if (task == TASK_DRIVE) total += (vec)of_layer[layer];
+                    if (TASK == TASK_DRIVE) total += (vec)of_layer[layer];
                     ADD_NEIGHBOURS
-                    if (task == TASK_DRIVE) {
+                    if (TASK == TASK_DRIVE) {
                         store_part(out + cell, total, LEFT_OVER);
                         continue;
                     }
                     const vec start = load_part(x + cell, LEFT_OVER);
-                    if (task == TASK_STEP) {
+                    if (TASK == TASK_STEP) {
                         const vec k = total - (stage ? *(__global const vec *)(states + here) : start);
                         vec sum = stage ? *(__global const vec *)(sums + here) : SUM_BEGINS;
                         sum += weight * k;
@@ -207,7 +208,7 @@ KERNEL void stages(__global const real *x, __global const real *w, __global cons
                         store_part(states + here, v, LEFT_OVER);
                     }
 #ifdef CHARACTERISTIC
-                    if (task == TASK_CHECK) {
+                    if (TASK == TASK_CHECK) {
                         real lanes[V], old[V];
                         *(vec *)lanes = total - start;
                         *(vec *)old = start;
@@ -218,16 +219,16 @@ KERNEL void stages(__global const real *x, __global const real *w, __global cons
                             if (!against && !held) largest = max(largest, fabs(v));
                         }
                     }
-                    if (task == TASK_DISCRETE) {
+                    if (TASK == TASK_DISCRETE) {
                         const int sign = CHARACTERISTIC == FUNCTION_SIGN;
                         vec v = sign ? (total == (vec)0 ? start : output_of_vec(total)) : output_of_vec(total);
                         if (has_mask) v = keep(v, start, mask, line, g, LEFT_OVER, cols);
                         real lanes[V], old[V];
                         *(vec *)lanes = v;
                         *(vec *)old = start;
-                        for (int q = 0; q < min(V, LEFT_OVER); q++) {
+                        for (int q = 0; before && q < min(V, LEFT_OVER); q++) {
                             largest = max(largest, fabs(lanes[q] - old[q]));
-                            differs = lanes[q] == out[cell + q] ? differs : 1;
+                            differs = lanes[q] == before[cell + q] ? differs : 1;
                         }
                         store_part(out + cell, v, LEFT_OVER);
                     }

@@ -2,13 +2,14 @@
 // arguments: a build for each template would cost more than it saves. Comes before stages.cl.
 
 #define SOURCES
-#define DRIVE_ARGUMENTS , __global const int2 *places, __global const real *weights, int taps
+#define DRIVE_ARGUMENTS , __global const int *offsets, __global const real *weights, int taps
 #define ADD_NEIGHBOURS                                                                                   \
     for (int tap = 0; tap < taps; tap++)                                                                 \
-        total += weights[tap] * *(__global const vec *)(own + t + places[tap].x * stride + places[tap].y);
+        total += weights[tap] * *(__global const vec *)(own + t + offsets[tap]);
 #define FILLS FILL_STATE(0, 0, 1)
 
 // Weights of rates have the gain in them, and states that lead on are added up from x.
+#define TASK TASK_STEP // alone
 #define SUM_BEGINS start
 #define SUM_ENDS(sum) sum
 

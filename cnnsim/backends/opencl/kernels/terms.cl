@@ -63,5 +63,6 @@ static inline vec output_of_vec(vec v)
 
 #define DRIVE_ARGUMENTS , __global const real *weights
 #define ADD_NEIGHBOURS switch (part * layers + layer) { CASES(CASE) }
+#define TASK task
 #define SUM_BEGINS (vec)0
 #define SUM_ENDS(sum) start + gain * sum
