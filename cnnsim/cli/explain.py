@@ -7,7 +7,7 @@ import click
 
 from cnnsim.cli.large import block_option, check_engine_options, engine_option, workers_option
 from cnnsim.cli.run import json_option, without_option
-from cnnsim.library.explain import explain_template
+from cnnsim.library.explain import COUNTED, explain_template
 from cnnsim.program.explain import explain_program
 from cnnsim.program.file import find_program
 from cnnsim.program.program import Program
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         "cnnsim explain edge",
         "cnnsim explain hole-filler --size 512x512 --without sleep",
         "cnnsim explain diffusion --accuracy 1e-6",
+        "cnnsim explain median --size 4096x4096 --backend opencl",
         "cnnsim explain slip-front --size 16x16",
         "cnnsim explain skeleton --size 32768x32768 --engine processes",
     )
@@ -31,14 +32,17 @@ if TYPE_CHECKING:
 @click.argument("name")
 @click.option("--size", default="64x64", show_default=True, help="Grid as ROWSxCOLS.")
 @click.option("--accuracy", help="As in `cnnsim run`: what it would decide.")
+@click.option(
+    "--backend", type=click.Choice(COUNTED), default="cpu", show_default=True, help="Whose memory is counted."
+)
 @without_option
 @engine_option
 @workers_option
 @block_option
 @json_option
 def explain(
-    name: str, size: str, accuracy: str | None, without: tuple[str, ...], engine: str | None, workers: int | None,
-    block: int | None, as_json: bool,
+    name: str, size: str, accuracy: str | None, backend: str, without: tuple[str, ...], engine: str | None,
+    workers: int | None, block: int | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Print what the plan decides for a template, or for each template step of a program, and why.
 
@@ -57,16 +61,17 @@ def explain(
             from cnnsim.program.explain_large import explain_large  # it and the next bring Zarr
             from cnnsim.supersteps.engine import Engine
 
-            large = explain_large(program, shape, Engine(engine, workers=workers, side=block))
+            at = Engine(engine, workers=workers, side=block)
+            large = explain_large(program, shape, at, backend=backend)
         _explain_steps(program, shape, large, as_json)
         return
     if engine is not None:
         raise InputError(f"--engine {engine}: {name} is a template; a program wanted")
-    found = explain_template(name, shape, without=without, accuracy=accuracy)
+    found = explain_template(name, shape, backend, without=without, accuracy=accuracy)
     if as_json:
         plan, known = found.plan, found.guaranteed
         facts = {"template": name, "method": plan.method, "step": plan.step, "decisions": plan.decisions}
-        facts |= {"bytes_a_cell": found.cell_bytes, "cells": found.cells}
+        facts |= {"bytes_a_cell": found.cell_bytes, "backend": found.backend, "cells": found.cells}
         print_json(facts | {"guaranteed_time": known.time, "why": known.why, "assuming": known.assuming})
     else:
         say_table(found.lines)

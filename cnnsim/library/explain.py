@@ -16,12 +16,15 @@ from cnnsim.support.memory import free_memory, in_words
 from cnnsim.task import Task, TaskOptions, make_task
 from cnnsim.theory.running_time import RunningTime
 
+COUNTED = ("cpu", "opencl")
+"""The backends whose memory is counted; the reference backend is for small grids."""
+
 
 @dataclass(frozen=True)
 class Explanation:
     """A ``plan`` with its decisions, and the ``guaranteed`` running time; ``str`` has a line for each.
 
-    ``cell_bytes`` of memory a cell are for float32 on the cpu backend, what is given and the result included, for so
+    ``cell_bytes`` of memory a cell are for float32 on the ``backend``, what is given and the result included, for so
     many ``cells``, of all layers.
     """
 
@@ -29,12 +32,14 @@ class Explanation:
     guaranteed: RunningTime
     cell_bytes: float
     cells: int
+    backend: str = "cpu"
 
     @property
     def memory(self) -> str:
         """What a run takes, in words; where it is more than is free, that as well."""
         size, free = self.cell_bytes * self.cells, free_memory()
-        words = f"{self.cell_bytes:.3g} bytes a cell in float32, pictures and result included: {in_words(size)}"
+        words = f"{self.cell_bytes:.3g} bytes a cell in float32 on {self.backend}, "
+        words += f"pictures and result included: {in_words(size)}"
         if self.plan.duration == "settled" and self.plan.method == "stepped" and self.plan.cell != "discrete-time":
             words += (
                 f"; where outputs stay grey up to {solving_bytes(self.plan)} bytes a cell more, to solve for the rest"
@@ -51,8 +56,9 @@ class Explanation:
 
 
 def explain_template(
-    template: str | LibraryEntry | AnyTemplate, picture: ArrayLike = (64, 64), **changes: Unpack[TaskOptions]
-) -> Explanation:
+    template: str | LibraryEntry | AnyTemplate, picture: ArrayLike = (64, 64), backend: str = "cpu",
+    **changes: Unpack[TaskOptions],
+) -> Explanation:  # fmt: skip
     """Return what the plan decides for a template; arguments and errors as `cnnsim.program.explain.explain`."""
     values = np.asarray(picture)
     values = blank(values) if values.ndim == 1 else values
@@ -61,18 +67,21 @@ def explain_template(
         state = np.broadcast_to(values, (layers, *values.shape[-2:])) if layers > 1 else values
         choices: TaskOptions = {"input": state, **changes}
         why = "a file says what u and x(0) are; this template has none"
-        return _explained(make_task(template, state=state, **choices), RunningTime(None, why))
+        return _explained(make_task(template, state=state, **choices), RunningTime(None, why), backend)
     entry = load(template) if isinstance(template, str) else template
     if entry.frame_time and values.ndim == 2:
         values = np.broadcast_to(values, (2, *values.shape))
     roles = entry.initial_state if isinstance(entry.initial_state, tuple) else (entry.initial_state,)
     planes = entry.task(values, np.broadcast_to(-1.0, values.shape[-2:]) if "given" in roles else None)
     task = make_task(entry.network, **entry.changed(planes, changes))
-    return _explained(task, entry.running_time(task.plan.shape))
+    return _explained(task, entry.running_time(task.plan.shape), backend)
 
 
-def _explained(task: Task, guaranteed: RunningTime) -> Explanation:
-    return Explanation(task.plan, guaranteed, task.cell_bytes(np.dtype(np.float32).itemsize), task.state.size)
+def _explained(task: Task, guaranteed: RunningTime, backend: str) -> Explanation:
+    if backend not in COUNTED:
+        raise InputError(f"backend {backend!r}: its memory is not counted; one of {', '.join(COUNTED)} wanted")
+    size = task.cell_bytes(np.dtype(np.float32).itemsize, backend)
+    return Explanation(task.plan, guaranteed, size, task.state.size, backend)
 
 
 def blank(shape: Array) -> Array:

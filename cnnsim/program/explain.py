@@ -76,24 +76,25 @@ def explain_program(program: Program, shape: tuple[int, int] = (64, 64)) -> list
 
 @overload
 def explain(
-    template: LibraryEntry | AnyTemplate, picture: ArrayLike = ..., **changes: Unpack[TaskOptions]
+    template: LibraryEntry | AnyTemplate, picture: ArrayLike = ..., backend: str = ..., **changes: Unpack[TaskOptions]
 ) -> Explanation: ...
 @overload
 def explain(template: Program, picture: ArrayLike = ...) -> ProgramExplanation: ...
 @overload
 def explain(
-    template: str, picture: ArrayLike = ..., **changes: Unpack[TaskOptions]
+    template: str, picture: ArrayLike = ..., backend: str = ..., **changes: Unpack[TaskOptions]
 ) -> Explanation | ProgramExplanation: ...
 @spelled(TaskOptions)
 def explain(
-    template: str | LibraryEntry | AnyTemplate | Program, picture: ArrayLike = (64, 64),
+    template: str | LibraryEntry | AnyTemplate | Program, picture: ArrayLike = (64, 64), backend: str = "cpu",
     **changes: Unpack[TaskOptions],
 ) -> Explanation | ProgramExplanation:  # fmt: skip
     """Return what the plan decides for a template, or for each template step of a program, on a grid, and why.
 
     Arguments: ``template`` a name or an entry of the library, a program or its name ("programs/NAME" where a template
     has it too), a file, or a template of your own, whose time no theory tells here; ``picture`` CNN values (rows,
-    cols), or only the shape (rows, cols), of which no plane is made; ``changes`` as in `run_transient`, for templates.
+    cols), or only the shape (rows, cols), of which no plane is made; ``backend``, "cpu" or "opencl", whose memory is
+    counted for a template; ``changes`` as in `run_transient`, for templates.
 
     Raises:
         InputError: no such template or program, no shape of a grid, changes of a program, or as `run_transient`.
@@ -101,7 +102,7 @@ def explain(
     program = find_program(template) if isinstance(template, str) else template
     if not isinstance(program, Program):
         assert not isinstance(template, Program)
-        return explain_template(template, picture, **changes)
+        return explain_template(template, picture, backend, **changes)
     if changes:
         raise InputError(f"{', '.join(changes)}: {program.name!r} is a program; they go with templates")
     shape = np.asarray(picture)

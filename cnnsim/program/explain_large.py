@@ -46,8 +46,12 @@ class LargeProgram:
         )
 
 
-def explain_large(program: Program, shape: tuple[int, int], engine: Engine, itemsize: int = 4) -> LargeProgram:
+def explain_large(
+    program: Program, shape: tuple[int, int], engine: Engine, itemsize: int = 4, backend: str = "cpu"
+) -> LargeProgram:
     """Return what a program takes on a grid of ``shape`` (rows, cols) on an engine, in numbers of ``itemsize`` bytes.
+
+    Arguments: ``backend``, "cpu" or "opencl", on which its workers compute.
 
     Raises:
         InputError: a step that cannot be cut into blocks.
@@ -62,7 +66,7 @@ def explain_large(program: Program, shape: tuple[int, int], engine: Engine, item
         )
         given = sum(isinstance(getattr(step, name), str) for name in ("input", "bias"))
         has_mask = getattr(step, "mask", None) is not None
-        needed = max(needed, worker_bytes(plan, side, halo, 1, itemsize, given, has_mask=has_mask, backend="cpu"))
+        needed = max(needed, worker_bytes(plan, side, halo, 1, itemsize, given, has_mask=has_mask, backend=backend))
     planes, size = _most(program, set(plans), itemsize)
     down, across = (-(-cells // side) for cells in shape)
     return LargeProgram((down, across), side, workers, needed, planes, size * prod(shape))

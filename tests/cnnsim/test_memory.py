@@ -13,8 +13,10 @@ from PIL import Image
 
 from cnnsim import (
     Frames,
+    InputError,
     Template,
     Term,
+    explain,
     library,
     run,
     run_transient,
@@ -195,6 +197,16 @@ def test_the_command_line(choices: tuple[str, ...], tmp_path: Path) -> None:
         )
         peaks.append(1024 * int(done.stderr.splitlines()[-1]))
     assert (peaks[2] - peaks[1]) / (1800**2 - 600**2) <= 20.5
+
+
+def test_explain_counts_the_memory_of_the_backend_that_is_asked_for() -> None:
+    """Terms that look at the input of two times at once: cpu has them as copies, a device as they are given."""
+    delayed = Template(0.5, terms=[Term(0.1, "u_kl"), Term(0.2, "u_kl", delay=0.2)])
+    found = {name: explain(delayed, (90, 90), name, duration=1.0, step=0.1) for name in ("cpu", "opencl")}
+    assert {name: facts.cell_bytes for name, facts in found.items()} == {"cpu": 4 * 8, "opencl": 4 * 6}
+    assert all(f"on {name}," in str(facts) for name, facts in found.items())
+    with pytest.raises(InputError, match="'reference': its memory is not counted; one of cpu, opencl wanted"):
+        explain("edge", backend="reference")
 
 
 def test_planes_that_are_given_are_never_changed() -> None:

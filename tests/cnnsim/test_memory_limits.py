@@ -36,7 +36,7 @@ def test_explain_on_the_command_line(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(memory.VARIABLE, "8G")
     done = CliRunner().invoke(main, ["explain", "edge", "--size", "100000x100000"])
     assert done.exit_code == 0, done.output
-    assert "12 bytes a cell in float32, pictures and result included: 120 GB, more than the 8 GB" in " ".join(
+    assert "12 bytes a cell in float32 on cpu, pictures and result included: 120 GB, more than the 8 GB" in " ".join(
         done.output.split()
     )
     facts = json.loads(CliRunner().invoke(main, ["explain", "hole-filler", "--size", "9x9", "--json"]).output)

@@ -132,8 +132,7 @@ class DeviceContext:
         """Return a buffer as an array that lies in it: it is never taken back, and is there as long as the array."""
         if (lent := self._lent.pop(buffer.int_ptr, None)) is not None:
             lent.detach()
-        flags = cl.map_flags(cl.map_flags.READ | cl.map_flags.WRITE)
-        return cl.enqueue_map_buffer(self.queue, buffer, flags, 0, shape, self.dtype)[0]
+        return cl.enqueue_map_buffer(self.queue, buffer, cl.map_flags.WRITE, 0, shape, self.dtype)[0]
 
     def table(self, numbers: np.ndarray[Any, Any]) -> Buffer:
         """Return a few numbers on the device, to be read only; the same numbers are brought there once."""
