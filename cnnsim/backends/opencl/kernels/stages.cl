@@ -223,12 +223,14 @@ KERNEL void stages(__global const real *x, __global const real *w, __global cons
                         const int sign = CHARACTERISTIC == FUNCTION_SIGN;
                         vec v = sign ? (total == (vec)0 ? start : output_of_vec(total)) : output_of_vec(total);
                         if (has_mask) v = keep(v, start, mask, line, g, LEFT_OVER, cols);
-                        real lanes[V], old[V];
-                        *(vec *)lanes = v;
-                        *(vec *)old = start;
-                        for (int q = 0; before && q < min(V, LEFT_OVER); q++) {
-                            largest = max(largest, fabs(lanes[q] - old[q]));
-                            differs = lanes[q] == before[cell + q] ? differs : 1;
+                        if (before) {
+                            real lanes[V], old[V];
+                            *(vec *)lanes = v;
+                            *(vec *)old = start;
+                            for (int q = 0; q < min(V, LEFT_OVER); q++) {
+                                largest = max(largest, fabs(lanes[q] - old[q]));
+                                differs = lanes[q] == before[cell + q] ? differs : 1;
+                            }
                         }
                         store_part(out + cell, v, LEFT_OVER);
                     }
