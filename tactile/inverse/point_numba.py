@@ -12,7 +12,7 @@ from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.inverse.attempt_numba import one_load
 from tactile.inverse.consensus_numba import strongest
 from tactile.inverse.least_squares.doubt_numba import without_largest
-from tactile.inverse.taxel_numba import strain_blocks, stress_blocks
+from tactile.inverse.taxel_numba import BLOCK, strain_blocks, stress_blocks
 
 NOT_SIMPLE, NOTHING, FOUND = 0, 1, 2
 """What `one_point` says: go the long way; no taxel feels anything; the answer is filled in."""
@@ -48,7 +48,7 @@ def one_point(values, at, scale, trust, strain, layer, numbers, noise, of_attemp
                 quiet = quiet and abs(value) <= floor  # not so where it is NaN
     if quiet:
         return NOTHING
-    planes, blocks, tiny = np.empty((2 if strain else 1, 4, n)), (n + 1023) // 1024, np.finfo(np.float64).tiny
+    planes, blocks, tiny = np.empty((2 if strain else 1, 4, n)), -(-n // BLOCK), np.finfo(np.float64).tiny
     for f in range(len(planes)):
         out = planes[f]
         if strain:

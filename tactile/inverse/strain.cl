@@ -1,15 +1,15 @@
 // Taxel inverse for strain, `tactile.inverse.taxel.invert_strain` for one cell: u_xz, u_yz, u_zz; depth, modulus, floor,
 // pressing in; dx, dy, force, validity out. Without branches, so that a compiler makes vectors of it.
 
-const real a2 = x * x + y * y, b = fabs(z);
-const real d = 4 * a2 + 9 * b * b + 3 * b * sqrt(9 * b * b + 8 * a2);
+const real a2 = x * x + y * y, b = fabs(z), m = 3 * b + sqrt(9 * b * b + 8 * a2);
 const int straight = a2 <= far * far * b * b;
 const real sign = (pressing == 0) & straight & (z > 0) ? -1 : pressing < 0 ? -1 : 1;
 const int inside = sign * z < 0;
-const real a2_safe = straight ? 1 : a2;
-const real quotient = (inside ? 8 : d) / (inside ? d : 2 * a2_safe * a2_safe);
-const real reach = sqrt(quotient), t = a2 * quotient;
-real load = (t + 1) * sqrt(t + 1) * (3 * reach * a2 + fabs(t - 2) * b) / (t + 4);
+const real n = inside ? 4 : m, d = inside ? m : 2 * (straight ? 1 : a2);
+const real n2 = a2 * n * n, d2 = d * d, p = n2 + d2, q = n2 + 4 * d2;
+const real over_dq = 1 / (d * q), over_d = q * over_dq; // one division for both
+const real reach = n * over_d, t = a2 * reach * reach;
+real load = (3 * a2 * reach + fabs(t - 2) * b) * (p * sqrt(p) * over_dq);
 load = sign * load * ((real)4.18879020478639098 * modulus * depth * depth * largest); // 4 pi / 3
 const real length = sign * depth * reach;
 

@@ -4,10 +4,13 @@ Source: Vasarhelyi, Fodor, Roska, eqs (2) to (11), in forms that hold everywhere
 above the taxel and (8) is 0/0 on the ring rho = sqrt(2) z. Here every sum has terms of one sign.
 
 With s = Q x + R y + F z, t = rho^2 / z^2, the signals scaled by the largest of them, a = |(u_xz, u_yz)|,
-b = |u_zz| and D = 4 a^2 + 9 b^2 + 3 b sqrt(9 b^2 + 8 a^2):
+b = |u_zz| and m = 3 b + sqrt(9 b^2 + 8 a^2):
 
-    t_in = 8 a^2 / D,   t_out = 4 / t_in               the roots of (4), inside and outside the ring
+    sqrt(t_in) = 4 a / m,   sqrt(t_out) = m / (2 a)    the roots of (4), inside and outside the ring
     |s| / z = (4 pi E z^2 / 3) (t + 1)^(3/2) (3 sqrt(t) a + |t - 2| b) / (t + 4)
+
+Divisions and square roots are what takes time here: with sqrt(t) = a n / d and p = a^2 n^2 + d^2 (t + 1 = p / d^2),
+q = a^2 n^2 + 4 d^2, the one reciprocal 1 / (d q) gives 1 / d and (t + 1)^(3/2) / (t + 4) = p^(3/2) / (d q).
 
 One strain taxel cannot tell the sign of s. For s > 0 it lies on the side that (u_xz, u_yz) points to, and
 u_zz < 0 means inside; for s < 0 (a pull, or strong shear) azimuth and region swap. A stress taxel can: the
@@ -46,16 +49,20 @@ def invert_strain(
     with np.errstate(all="ignore"):
         a2 = x * x + y * y
         b = np.abs(z)
-        d = 4 * a2 + 9 * b * b + 3 * b * np.sqrt(9 * b * b + 8 * a2)
+        m = 3 * b + np.sqrt(9 * b * b + 8 * a2)
         straight = a2 <= number(FAR * FAR) * b * b
         # the sign of s: as given, save that a load straight above must be inside
         sign = np.where((pressing == 0) & straight & (z > 0), number(-1), number(-1 if pressing < 0 else 1))
         inside = sign * z < 0
-        a2_safe = np.where(straight, number(1), a2)
-        quotient = np.where(inside, number(8), d) / np.where(inside, d, 2 * a2_safe * a2_safe)
-        reach = np.sqrt(quotient)  # sqrt(t) / a
-        t = a2 * quotient
-        force = (t + 1) * np.sqrt(t + 1) * (3 * reach * a2 + np.abs(t - 2) * b) / (t + 4)
+        n = np.where(inside, number(4), m)
+        d = np.where(inside, m, 2 * np.where(straight, number(1), a2))
+        n2, d2 = a2 * n * n, d * d
+        p, q = n2 + d2, n2 + 4 * d2
+        over = 1 / (d * q)
+        over_d = q * over
+        reach = n * over_d  # sqrt(t) / a
+        t = a2 * reach * reach
+        force = (3 * a2 * reach + np.abs(t - 2) * b) * (p * np.sqrt(p) * over)
         force = sign * force * (number(4 * np.pi / 3 * modulus * depth * depth) * largest)
         length = sign * number(depth) * reach
         possible = finite & (inside | ~straight) & np.isfinite(force)
