@@ -14,8 +14,8 @@ VECTORS = """#ifdef CPU
 #pragma clang loop vectorize(assume_safety)
 #endif
 """
-"""What compilers need to make vectors of the cells on a CPU: PoCL calls functions for its own roots and sizes, and forgets
-`restrict` (no plane lies in another). One cell at a time takes ten times as long."""
+"""What compilers need to make vectors of the cells on a CPU: PoCL calls functions for its own roots and sizes, and
+forgets `restrict` (no plane lies in another). One cell at a time takes ten times as long."""
 
 
 def text(operation: Cellwise) -> str:

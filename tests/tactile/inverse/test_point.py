@@ -75,3 +75,17 @@ def test_nothing_is_told_from_unknown() -> None:
     values[1, 1, 2] = np.nan
     assert one._point(values, one._weights) is None
     assert one.locate(Frame(0, 0.0, 0, values, np.ones((3, 3), bool))).validity is Validity.INVALID
+
+
+@pytest.mark.parametrize("quantity", ["strain", "stress"])
+def test_more_taxels_than_a_block(quantity: Quantity) -> None:
+    """The compiled inverse goes by blocks of 256 taxels: a load beside the last taxels of an array is told as well."""
+    array = TaxelArray("pad", 20, 20, 1e-3, 1e-3, quantity=quantity)
+    at, loads = array.positions(), [[*array.positions()[18, 17], 0.0, 0.0, 0.5]]
+    strain = quantity == "strain"
+    values = point_load_strain(at, array.depth, loads, MODULUS) if strain else point_load_stress(at, array.depth, loads)
+    one = finger(array, at_one_go=True)
+    assert one._point is not None
+    found = one._point(values, one._weights)
+    assert found is not None
+    assert found.validity is Validity.INSIDE
