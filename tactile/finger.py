@@ -11,7 +11,7 @@ from cnnsim.library.folders import folder
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import Program
-from cnnsim.support import Flags
+from cnnsim.support import Flags, Floats
 from tactile.calibration.live_tare import LiveTare, TareNote
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.noise import Noise
@@ -76,6 +76,7 @@ class Finger:
         self._saturated: Flags | None = None
         self._nothing = np.full((1, 1, 3) if self._inverse is not None else (*array.shape, 3), np.nan)
         self._noise: Noise | None = None
+        self._offset: Floats | None = None
         self._slid = self._pressed = -np.inf
         self._travels, self._all_used = False, True
         self._set_noise()
@@ -85,8 +86,11 @@ class Finger:
         frame = self.tare(raw)
         if self.tare.noise is not self._noise:
             self._set_noise()
-        if self.tare.notes and any(note.offset is not None for note in self.tare.notes):
-            self._signals.forget_drift()
+        for note in self.tare.notes:
+            if note.offset is not None:
+                taken = note.offset - (note.offset if self._offset is None else self._offset)
+                self._offset = note.offset
+                self._signals.forget_drift(taken if self._gains is None else self._gains(taken))
         if self._noise is not None and self._inverse is not None:
             self._saturated = self._rails(raw.values, self._noise.jitter)
         return frame if self._gains is None else replace(frame, values=self._gains(frame.values))

@@ -41,8 +41,10 @@ LEVELS = (
     "outweighs",
     "balanced",
 )
-DRIFT = 2.0
-"""Dead bands that drift of an unpressed taxel may reach: 0.2 N of shear, 0.1 N of pressing."""
+DRIFT = 10.0
+"""Dead bands that drift of an unpressed taxel may reach: 1 N of shear, 0.5 N of pressing."""
+FASTEST = 1.5
+"""Dead bands of pressing a second that drift of all taxels is fast at most: 75 mN/s."""
 RISING, DROPPING = LEVELS.index("rising"), LEVELS.index("dropping")
 TURNING, BALANCED = LEVELS.index("turning"), LEVELS.index("balanced")
 
@@ -90,10 +92,10 @@ class Signals:
         from tactile.events.signals.turn_numba import turn  # the same
 
         self._step, self._slide, self._turn, self._remember, self._bend = step, slide, turn, remember, bend
-        self._follow, self._base = follow, np.zeros((*shape, 3))
+        self._follow, self._base, self._common = follow, np.zeros((*shape, 3)), np.zeros(3)
         self._less = np.zeros((*shape, 3))
         self._most = DRIFT * np.array([SHEAR[quantity].dead_band] * 2 + [CONTACT[quantity].dead_band])
-        self._drifts = False
+        self._fastest = np.full(3, FASTEST * CONTACT[quantity].dead_band)
         self.planes = np.zeros((len(PLANES), *shape))
         self.levels = np.zeros(len(LEVELS))
         self.force = 0.0
@@ -130,15 +132,19 @@ class Signals:
         In a ``contact`` the drift of force taxels that nothing presses is taken off.
         """
         values = frame.values
-        if self._shares and (contact or self._drifts):
-            dt = max(frame.t - self._t, 0.0) if contact and self._t is not None else 0.0
-            self._follow(values, self._fast, use, levels.on, self._most, dt, self._base, self._less)
-            values, self._drifts = self._less, True
+        if self._shares:
+            dt = max(frame.t - self._t, 0.0) if self._t is not None else 0.0
+            self._follow(
+                values, self._fast, use, levels.on, self._most, self._fastest, dt, contact, self._common, self._base,
+                self._less,
+            )  # fmt: skip
+            values = self._less
         self._update(frame.t, values, use, levels)
 
-    def forget_drift(self) -> None:
-        """Take note that a new offset has the drift in it."""
-        self._base[:], self._drifts = 0.0, False
+    def forget_drift(self, taken: Floats) -> None:
+        """Take note that a new offset has the drift in it, which has moved by ``taken`` (rows, cols, 3)."""
+        self._base[:] = 0.0
+        self._common -= np.nan_to_num(np.nanmedian(taken.reshape(-1, 3), axis=0))
 
     def _update(self, t: float, values: Floats, use: Flags, levels: Levels) -> None:
         dt = 0.0 if self._t is None else max(t - self._t, 0.0)
