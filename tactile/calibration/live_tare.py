@@ -28,6 +28,8 @@ MUCH = 4.0
 """Half of the taxels may wander on their own; one that is pressed meanwhile by up to so many times as much."""
 AFTER = 0.1
 """[s] after a contact from which no frame is used: silicone creeps back."""
+FASTEST, FARTHEST = 1.5, 10.0
+"""Dead bands of pressing a second that drift goes at most, and dead bands in all."""
 WANDER = 7.0
 """Times the jitter of a taxel that its mean may wander in a block and still be called still."""
 
@@ -90,7 +92,7 @@ class LiveTare:
         self._start: Floats | None = None
         self._block: list[Floats] = []
         self._since = 0.0
-        self._touched = -np.inf
+        self._touched = self._renewed = -np.inf
 
     def touched(self, t: float) -> None:
         """Take note that something is in contact at ``t`` [s]."""
@@ -150,7 +152,8 @@ class LiveTare:
             loaded = bool((more > MUCH * bound[..., NORMAL]).any())
         else:
             known = np.ones(mean.shape[:2], bool) if self.noise is None else ~self.noise.left_out
-            loaded = bool((np.abs(away) > bound)[known].any()) or self._since - self._touched < AFTER
+            most = np.maximum(bound, self._drifted())
+            loaded = bool((np.abs(away) > most)[known].any()) or self._since - self._touched < AFTER
         if self._mode == "off":
             if still and not loaded:
                 self._learn(noise)
@@ -163,6 +166,7 @@ class LiveTare:
         elif first or asked or self._mode == "auto":
             # a taxel that was silent during this block keeps what it had
             self._offset = mean if self._offset is None else np.where(np.isfinite(mean), mean, self._offset)
+            self._renewed = t
             self._said_negative = False
             why = "at the start" if first else "by force" if forced else "on request" if asked else IDLE
             if still:
@@ -170,6 +174,11 @@ class LiveTare:
             check = self._check(block, t) if first or asked else None
             detail = "" if check is None else "; ".join([_taken(check), *(noise.words() if still else [])])
             self.notes.append(TareNote(self._finger, t, why, self._offset, detail, check if first else None))
+
+    def _drifted(self) -> Floats:
+        """Return how far (3,) drift may have gone since the last offset: where a contact was meanwhile, and is over."""
+        seconds = max(self._touched - self._renewed, 0.0)
+        return self._limit[NORMAL] * min(FASTEST * seconds, FARTHEST) * np.ones(3)
 
     def _refuse(self, t: float, away: Floats, still: bool, wanted: bool, far: float) -> None:
         """Say why no offset is taken; a pad that reads a pull all over was pressed when it was tared."""

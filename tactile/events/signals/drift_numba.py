@@ -10,7 +10,7 @@ LITTLE = 0.05
 """A level above this part of what a pressed taxel bears may have a part of the contact below it."""
 TOGETHER = 0.05
 """[s] Time constant of what taxels that nothing presses read together, ..."""
-MOST_OF = 0.5
+MOST_OF = 0.25
 """... where these are more than this part of all."""
 
 
@@ -21,9 +21,9 @@ def follow(values, fast, use, on, most, fastest, dt, contact, common, base, out)
 
     A taxel is unpressed while its mean ``fast``, which is less both already, is below its level ``on`` of pressing.
     ``common`` goes towards where most of them are (a mean in which none counts for more than ``fastest`` (3,) [1/s]
-    times `TOGETHER`), so no faster than ``fastest``. In a ``contact`` a component of the base is followed
-    while it is below its level, too, and the level of pressing is little beside what a pressed taxel bears: in a light
-    contact nothing is. What comes faster than a level in `FOLLOWS` stays, and so does what is more than ``most`` (3,)
+    times `TOGETHER`), so no faster than ``fastest``. A component of the base is followed while it is below its level,
+    too, and, in a ``contact``, the level of pressing is little beside what a pressed taxel bears: in a light one
+    nothing is. What comes faster than a level in `FOLLOWS` stays, and so does what is more than ``most`` (3,)
     in all. With ``dt`` 0 [s] nothing moves.
     """
     rows, cols = use.shape
@@ -44,12 +44,12 @@ def follow(values, fast, use, on, most, fastest, dt, contact, common, base, out)
             for i in range(rows):
                 for j in range(cols):
                     if use[i, j] and fast[i, j, 2] < on[i, j, 2]:
-                        away += min(max(fast[i, j, k], -far), far)
+                        away += min(max(fast[i, j, k] + base[i, j, k], -far), far)
             common[k] = min(max(common[k] + together * away / free, -most[k]), most[k])
     least = LITTLE * squares / force if force > 0 else 0.0
     for i in range(rows):
         for j in range(cols):
-            moves = contact and part > 0 and use[i, j] and fast[i, j, 2] < on[i, j, 2] < least
+            moves = part > 0 and use[i, j] and fast[i, j, 2] < on[i, j, 2] and (on[i, j, 2] < least or not contact)
             for k in range(3):
                 if moves and abs(fast[i, j, k]) < on[i, j, k]:
                     base[i, j, k] = min(max(base[i, j, k] + part * fast[i, j, k], -most[k]), most[k])

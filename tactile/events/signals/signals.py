@@ -1,6 +1,6 @@
 """Signals of a finger: what a frame and those before it say of every taxel and of the whole load, as CNN values."""
 
-from math import isfinite
+from math import exp, isfinite
 
 import numpy as np
 
@@ -47,6 +47,11 @@ FASTEST = 1.5
 """Dead bands of pressing a second that drift of all taxels is fast at most: 75 mN/s."""
 RISING, DROPPING = LEVELS.index("rising"), LEVELS.index("dropping")
 TURNING, BALANCED = LEVELS.index("turning"), LEVELS.index("balanced")
+HELD_LOAD = 3
+"""Where the held load's time constant is in `LOAD`, and the held load in what is kept."""
+LARGE_PARTS = (0.2, 0.3)
+"""Parts of the held load: a load is large above the one, until it is below the other."""
+LARGE = LEVELS.index("large")
 
 ALWAYS = np.ones((1, 1), bool)
 ONE = Levels(np.full((1, 1, 3), 0.01), np.full((1, 1, 3), 0.015))
@@ -85,13 +90,16 @@ class Signals:
 
     def __init__(self, shape: tuple[int, int], quantity: Quantity) -> None:
         from tactile.events.signals.drift_numba import follow  # numba is slow to import
+        from tactile.events.signals.flat_numba import flat  # the same
         from tactile.events.signals.onset_numba import KEPT as FRAMES
         from tactile.events.signals.onset_numba import bend, remember  # the same
         from tactile.events.signals.sliding_numba import slide  # the same
-        from tactile.events.signals.step_numba import step  # the same
+        from tactile.events.signals.step_numba import binary, step  # the same
         from tactile.events.signals.turn_numba import turn  # the same
 
+        self._binary = binary
         self._step, self._slide, self._turn, self._remember, self._bend = step, slide, turn, remember, bend
+        self._flat, self._held, self._begun = flat, np.zeros(shape), 0.0
         self._follow, self._base, self._common = follow, np.zeros((*shape, 3)), np.zeros(3)
         self._less = np.zeros((*shape, 3))
         self._most = DRIFT * np.array([SHEAR[quantity].dead_band] * 2 + [CONTACT[quantity].dead_band])
@@ -139,12 +147,15 @@ class Signals:
                 self._less,
             )  # fmt: skip
             values = self._less
+            if not contact:
+                self._begun = frame.t
         self._update(frame.t, values, use, levels)
 
     def forget_drift(self, taken: Floats) -> None:
         """Take note that a new offset has the drift in it, which has moved by ``taken`` (rows, cols, 3)."""
         self._base[:] = 0.0
-        self._common -= np.nan_to_num(np.nanmedian(taken.reshape(-1, 3), axis=0))
+        common, part = self._common, np.nan_to_num(np.nanmedian(taken.reshape(-1, 3), axis=0))
+        common -= np.clip(part, np.minimum(common, 0.0), np.maximum(common, 0.0))  # what was followed, and no more
 
     def _update(self, t: float, values: Floats, use: Flags, levels: Levels) -> None:
         dt = 0.0 if self._t is None else max(t - self._t, 0.0)
@@ -159,6 +170,12 @@ class Signals:
                 values, self._fast, use, self._quiet[2], self._quiet[0], self._quiet[1], dt, self._interval,
                 self._taus, self._growth, self.levels[RISING] > 0.25, self.planes, self.levels,
             )  # fmt: skip
+            most = min(self._fastest[0] * (t - self._begun), self._most[2])
+            alike = self._flat(self._fast, self._held, use, 1 - exp(-dt / LOAD[HELD_LOAD]), most)
+            if alike > 0:
+                self.levels[LARGE] = self._binary(
+                    (self._scalars[0] - alike) / max(self._scalars[HELD_LOAD], alike), *LARGE_PARTS
+                )
             turn = self._turn(self._fast, self._slow, use, self._quiet[0], self._quiet[1])
             self.levels[TURNING], self.levels[TURNING + 1], self.levels[BALANCED] = turn, -turn, 5 / 12 - abs(turn)
         if self.levels[RISING] > 0.25 or self.levels[DROPPING] > 0.25:
