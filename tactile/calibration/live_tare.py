@@ -176,9 +176,9 @@ class LiveTare:
             self.notes.append(TareNote(self._finger, t, why, self._offset, detail, check if first else None))
 
     def _drifted(self) -> Floats:
-        """Return how far (3,) drift may have gone since the last offset: where a contact was meanwhile, and is over."""
+        """Return how far drift may have gone since the last offset: where a contact was meanwhile, and is over."""
         seconds = max(self._touched - self._renewed, 0.0)
-        return self._limit[NORMAL] * min(FASTEST * seconds, FARTHEST) * np.ones(3)
+        return np.abs(self._limit)[..., NORMAL:] * min(FASTEST * seconds, FARTHEST)
 
     def _refuse(self, t: float, away: Floats, still: bool, wanted: bool, far: float) -> None:
         """Say why no offset is taken; a pad that reads a pull all over was pressed when it was tared."""

@@ -10,16 +10,17 @@ LITTLE = 0.05
 """A level above this part of what a pressed taxel bears may have a part of the contact below it."""
 TOGETHER = 0.05
 """[s] Time constant of what taxels that nothing presses read together, ..."""
-MOST_OF = 0.25
-"""... where these are more than this part of all."""
+MOST_OF, WEAK = 0.25, 2.0
+"""... where these are more than this part of all, and a contact bears more than so many levels on a pressed taxel."""
 
 
 @njit(cache=True, error_model="numpy")
-def follow(values, fast, use, on, most, fastest, dt, contact, common, base, out):  # type: ignore[no-untyped-def]  # typed at the call
+def follow(values, fast, use, off, on, most, fastest, dt, contact, common, base, out):  # type: ignore[no-untyped-def]  # typed at the call
     """Move ``common`` (3,) and ``base`` (rows, cols, 3) towards what unpressed taxels read; write ``values`` less both
     to ``out``.
 
-    A taxel is unpressed while its mean ``fast``, which is less both already, is below its level ``on`` of pressing.
+    A taxel is unpressed while its mean ``fast``, which is less both already, is below its level ``on`` of pressing; for
+    ``common`` in a ``contact`` below ``off``, above which one that was pressed still is.
     ``common`` goes towards where most of them are (a mean in which none counts for more than ``fastest`` (3,) [1/s]
     times `TOGETHER`), so no faster than ``fastest``. A component of the base is followed while it is below its level,
     too, and, in a ``contact``, the level of pressing is little beside what a pressed taxel bears: in a light one
@@ -28,22 +29,24 @@ def follow(values, fast, use, on, most, fastest, dt, contact, common, base, out)
     """
     rows, cols = use.shape
     part, together = 1 - math.exp(-dt / FOLLOWS), 1 - math.exp(-dt / TOGETHER)
-    force = squares = 0.0
+    force = squares = level = 0.0
     count = free = 0
     for i in range(rows):
         for j in range(cols):
             if use[i, j]:
                 count += 1
-                free += fast[i, j, 2] < on[i, j, 2]
+                level += on[i, j, 2]
+                free += fast[i, j, 2] < (off[i, j, 2] if contact else on[i, j, 2])
                 if fast[i, j, 2] > 0:
                     force += fast[i, j, 2]
                     squares += fast[i, j, 2] ** 2
-    if free > MOST_OF * count and dt > 0:
+    weak = contact and squares * count < WEAK * level * force
+    if free > MOST_OF * count and dt > 0 and not weak:
         for k in range(3):
             far, away = fastest[k] * TOGETHER, 0.0
             for i in range(rows):
                 for j in range(cols):
-                    if use[i, j] and fast[i, j, 2] < on[i, j, 2]:
+                    if use[i, j] and fast[i, j, 2] < (off[i, j, 2] if contact else on[i, j, 2]):
                         away += min(max(fast[i, j, k] + base[i, j, k], -far), far)
             common[k] = min(max(common[k] + together * away / free, -most[k]), most[k])
     least = LITTLE * squares / force if force > 0 else 0.0

@@ -3,7 +3,7 @@
 from numba import njit
 
 UNLIKE = 0.15
-"""Part of the mean pressing by which taxels differ in a pattern that is known; in a flatter one nothing is told apart."""
+"""Part of the mean pressing by which taxels differ in a pattern that is known; a flatter one tells nothing apart."""
 
 
 @njit(cache=True, error_model="numpy")

@@ -143,8 +143,8 @@ class Signals:
         if self._shares:
             dt = max(frame.t - self._t, 0.0) if self._t is not None else 0.0
             self._follow(
-                values, self._fast, use, levels.on, self._most, self._fastest, dt, contact, self._common, self._base,
-                self._less,
+                values, self._fast, use, levels.off, levels.on, self._most, self._fastest, dt, contact, self._common,
+                self._base, self._less,
             )  # fmt: skip
             values = self._less
             if not contact:

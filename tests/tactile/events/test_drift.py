@@ -20,10 +20,11 @@ def followed(course: np.ndarray, pressing: float = 0.0, beside: float = 2.0) -> 
     """Shear along x of one taxel as it is left, its mean taken for what it is; what another one bears beside it."""
     fast, base, out = np.zeros((1, 2, 3)), np.zeros((1, 2, 3)), np.zeros((1, 2, 3))
     on, most, use = np.full((1, 2, 3), LEVEL), np.full(3, MOST), np.ones((1, 2), bool)
+    common, fastest = np.zeros(3), np.zeros(3)  # of two taxels, one that is pressed
     left = []
     for value in course:
         values = np.array([[[value, 0.0, pressing], [0.0, 0.0, beside]]])
-        follow(values, fast, use, on, most, DT, base, out)
+        follow(values, fast, use, on / 2, on, most, fastest, DT, True, common, base, out)
         fast[:] = out
         left.append(out[0, 0, 0])
     return np.array(left)
@@ -87,3 +88,19 @@ def test_while_silicone_creeps_two_light_taxels_begin_no_contact_but_by_a_load_t
     light = taxels((1, 1), (2, 1), (0, 0), (1, 0))
     assert step(light, unsteady=black) == (False, True)
     assert step(light, rising=black) == (True, False)
+
+
+def test_a_grip_on_all_taxels_that_all_drift_upwards_has_one_contact_and_a_release() -> None:
+    rng, array = np.random.default_rng(9), TaxelArray("pad", 3, 3, 4e-3, 0.0, quantity="force")
+    t = np.arange(0.0, 6.0, 0.004)
+    values = (1.1e-3, 1.1e-3, 3.6e-3) * rng.standard_normal((len(t), 3, 3, 3))
+    values[..., 2] += 0.05 * t[:, None, None]
+    held = np.array([[0.1, 0.3, 0.1], [0.3, 0.9, 0.3], [0.1, 0.3, 0.1]])
+    values[..., 2] += np.interp(t, [0.5, 0.6, 4.9, 5.0], [0, 1, 1, 0])[:, None, None] * held
+    every = np.ones((3, 3), bool)
+    frames = [Frame(0, time, n, one, every) for n, (time, one) in enumerate(zip(t.tolist(), values, strict=True))]
+    log = EventLog()
+    stream = FrameStream("", (array,), None, len(t), frames, Provenance(untared=True))
+    run(stream, Settings(tare="auto"), [lambda report: log.add(report.events, report.ended)])
+    told = [(event.kind, event.t) for event in log.events if event.kind in ("contact", "release")]
+    assert told == [("contact", pytest.approx(0.5, abs=0.03)), ("release", pytest.approx(5.0, abs=0.05))]
