@@ -2,22 +2,22 @@
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from cnnsim.support import Floats
 from tactile.elastic.lines import cylinder_half_width, line_indentation
 from tactile.elastic.medium import Medium
 from tactile.elastic.strip_contact import strip_contact
 
 
-def compliance(k: NDArray[np.float64], nu: float) -> NDArray[np.float64]:
+def compliance(k: Floats, nu: float) -> Floats:
     """T(k): the bonded layer's surface over the half-space's, as Johnson's eq. (5.65)."""
     kappa = 3 - 4 * nu
     return (2 * kappa * np.sinh(2 * k) - 4 * k) / (2 * kappa * np.cosh(2 * k) + 4 * k**2 + 1 + kappa**2)
 
 
-def by_strips(b: float, nu: float, count: int = 300) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
+def by_strips(b: float, nu: float, count: int = 300) -> tuple[float, Floats, Floats]:
     """Force, places over b and pressures under a cylinder of E* = R = h = 1 that touches from -b to b."""
-    k = (np.arange(6000) + 0.5) * 5e-3
+    k: Floats = (np.arange(6000) + 0.5) * 5e-3
     edges = np.linspace(-b, b, count + 1)
     x, pitch = (edges[1:] + edges[:-1]) / 2, 2 * b / count
     apart = np.arange(count) * pitch
@@ -65,7 +65,7 @@ def test_how_far_a_long_cylinder_sinks_in(nu: float, b: float) -> None:
     assert cylinder_half_width(force, length, 1.0, medium) == pytest.approx(b, rel=1e-9)
     t = np.cos((np.arange(400) + 0.5) * np.pi / 400)
     share = (1 - t**2) * strip_contact(nu).shape(np.full(400, b), t)
-    k = (np.arange(20_000) + 0.5) * 2e-3
+    k: Floats = (np.arange(20_000) + 0.5) * 2e-3
     waves = np.cos(np.outer(k, b * t)) @ (share / share.sum())
     deep = 2 / (np.pi * star) * force / length * (np.sum(compliance(k, nu) / k * waves) * 2e-3)
     found = float(line_indentation(np.array(force), length, np.array(b), medium))
