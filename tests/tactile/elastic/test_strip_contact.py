@@ -17,7 +17,7 @@ def compliance(k: Floats, nu: float) -> Floats:
 
 def by_strips(b: float, nu: float, count: int = 300) -> tuple[float, Floats, Floats]:
     """Force, places over b and pressures under a cylinder of E* = R = h = 1 that touches from -b to b."""
-    k: Floats = (np.arange(6000) + 0.5) * 5e-3
+    k = np.arange(0.5, 6000) * 5e-3
     edges = np.linspace(-b, b, count + 1)
     x, pitch = (edges[1:] + edges[:-1]) / 2, 2 * b / count
     apart = np.arange(count) * pitch
@@ -65,7 +65,7 @@ def test_how_far_a_long_cylinder_sinks_in(nu: float, b: float) -> None:
     assert cylinder_half_width(force, length, 1.0, medium) == pytest.approx(b, rel=1e-9)
     t = np.cos((np.arange(400) + 0.5) * np.pi / 400)
     share = (1 - t**2) * strip_contact(nu).shape(np.full(400, b), t)
-    k: Floats = (np.arange(20_000) + 0.5) * 2e-3
+    k = np.arange(0.5, 20_000) * 2e-3
     waves = np.cos(np.outer(k, b * t)) @ (share / share.sum())
     deep = 2 / (np.pi * star) * force / length * (np.sum(compliance(k, nu) / k * waves) * 2e-3)
     found = float(line_indentation(np.array(force), length, np.array(b), medium))
