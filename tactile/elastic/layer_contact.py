@@ -74,7 +74,7 @@ class LayerContact:
     @cached_property
     def _solved(self) -> tuple[Floats, Floats, Floats, Floats, Floats]:
         """Radii, and there: force, indentation, and the weight over the half-space's (radii, places)."""
-        if self._nears_its_own:
+        if self.nears_its_own:
             radii = self.size * np.tanh(np.linspace(0, DEEPEST, 100))[1:]
         else:
             radii = np.sinh(np.linspace(0, np.arcsinh(4 * WIDEST), 120))[1:] / 4
@@ -107,12 +107,13 @@ class LayerContact:
         return force, depth, (found * a / force) / (plain / inside)
 
     @property
-    def _nears_its_own(self) -> bool:
+    def nears_its_own(self) -> bool:
+        """Whether the body's own radius ends the tables, not the layer."""
         return self.body == "sphere" and self.size < WIDEST
 
     def _at(self, radius: Floats) -> Floats:
         """The tables' coordinate of a radius."""
-        if self._nears_its_own:
+        if self.nears_its_own:
             return np.arctanh(np.minimum(radius / self.size, 1 - 1e-15))
         return np.arcsinh(4 * radius)
 
@@ -158,6 +159,10 @@ class LayerContact:
         out: Floats = self._depth(self._at(radius)) * self._plain(radius)[1]
         return out
 
+    def most(self, by: Literal["force", "indentation"]) -> float:
+        """The largest force or indentation in the tables."""
+        return float(self._begin(by)[1][-1])
+
     def radius_of(self, wanted: Floats, by: Literal["force", "indentation"]) -> Floats:
         """The contact radius at a force or an indentation, which both grow with it: Newton, in logarithms.
 
@@ -167,7 +172,7 @@ class LayerContact:
         law = self.force if by == "force" else self.indentation
         radii, values = self._begin(by)
         if (wanted > values[-1]).any():
-            raise InputError(f"a contact wider than {self.widest:.4g} thicknesses of the cover; a narrower one wanted")
+            raise InputError(f"{by} {np.max(wanted):.4g} of the layer's units; at most {values[-1]:.4g} wanted")
         aim = np.where(wanted > 0, np.maximum(wanted, values[0]), values[-1])
         out = np.exp(np.interp(np.log(aim), np.log(values), np.log(radii)))
         for _ in range(NEWTON):

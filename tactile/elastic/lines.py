@@ -150,9 +150,9 @@ def _spread(
     if rows.ndim < 1 or rows.shape[-1] != COLUMNS:
         raise InputError(f"load of shape {rows.shape}, (..., 5) rows (x, y, Q, R, F) wanted")
     s, t = along[:, None], across[..., None, :]
-    weight = along_weights[:, None] * across_weights
+    weight = along_weights[:, None] * across_weights[..., None, :]  # across by each contact's own width, on a layer
     shape = np.broadcast_shapes(rows.shape[:-1], across.shape[:-1])
-    out = np.empty((*shape, *weight.shape, COLUMNS))
+    out = np.empty((*shape, *weight.shape[-2:], COLUMNS))
     out[..., X] = rows[..., X, None, None] + s * np.cos(angle) - t * np.sin(angle)
     out[..., Y] = rows[..., Y, None, None] + s * np.sin(angle) + t * np.cos(angle)
     out[..., FORCE] = rows[..., None, None, FORCE] * weight[..., None]

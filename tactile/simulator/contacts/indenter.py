@@ -136,7 +136,7 @@ class Indenter:
     def indentation(self, force: Floats, medium: Medium) -> Floats:
         """Indentation [m] of a body under normal forces [N], 0 where nothing presses.
 
-        An edge is a cylinder of its ``radius``; a uniform disc sinks in like a flat punch on the half-space.
+        An edge is a cylinder of its ``radius``; a uniform disc sinks in like a flat punch.
 
         Raises:
             InputError: as ``contact_radius``; a point, which has no size.
@@ -144,13 +144,15 @@ class Indenter:
         Source: Johnson, Contact Mechanics, eqs (4.23), (3.36); Sneddon (1965); ``lines`` for the
         cylinder.
         """
+        if self.shape == "disc":
+            return replace(self, shape="flat_punch").indentation(force, medium)
         pressing, stiff = np.maximum(force, 0), medium.contact_modulus
         layer = self._on_layer(medium)
         if layer is not None:
             return layer.indentation(pressing)
         if self.shape == "sphere":
             return hertz_indentation(pressing, self.radius, stiff)
-        if self.shape in FLAT:
+        if self.shape == "flat_punch":
             return pressing / (2 * self.radius * stiff)
         if self.shape == "needle":
             return round_tip_indentation(pressing, self.radius, stiff)

@@ -1,7 +1,7 @@
 """Indenters that move over a finger, pressed by force or by depth, with friction or without."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -74,7 +74,7 @@ class MovingContact:
         return self._slipping(times, rows, medium, self._histories(medium))
 
     def _sticking(self, times: Floats, medium: Medium, rig: Rig) -> Loads:
-        from tactile.simulator.contacts.sticking import attached, table, with_pull  # only where called for
+        from tactile.simulator.contacts.sticking import attached, moved, table, with_pull  # only where called for
 
         pushes = self.path[:, [0, 1 + F]]
         law = table(self.indenter, medium, rig.work, pushes, self.given_depth)
@@ -90,7 +90,9 @@ class MovingContact:
         rows, gone = along_path(self.path, times)
         rows[gone, PLACE.stop :] = 0
         pull, rows = held(times, rows)
-        rows = rig.moved(rows, self.indenter, medium)
+        if rig.moves:
+            reaching = partial(table, self.indenter, medium, rig.work, pushes, self.given_depth)
+            pull = moved(rows, pull, reaching, rig)
         keys = held(self.path[:, 0], self.path[:, 1:].copy())[1]
         loads = self._slipping(times, rows, medium, self._walked(keys))
         return with_pull(loads, rows, rows[:, F] + pull, self.indenter, medium)

@@ -65,7 +65,10 @@ class PressedLayer:
         """
         wide, (force_unit, depth_unit) = radius / self.medium.thickness, self._units
         if (wide > self.law.widest).any():
-            raise InputError(f"a contact {wide.max():.4g} thicknesses wide, at most {self.law.widest:.4g} wanted")
+            raise InputError(
+                f"{self._named}: a contact {np.max(radius) * 1e3:.4g} mm in radius; at most "
+                f"{self.law.widest * self.medium.thickness * 1e3:.4g} mm wanted, {self._end}"
+            )
         return self.law.force(wide) * force_unit / (depth_unit if self.shape == "flat_punch" else 1.0)
 
     def force(self, indentation: Floats) -> Floats:
@@ -98,7 +101,25 @@ class PressedLayer:
 
     def _turned(self, wanted: Floats, by: Literal["force", "indentation"]) -> Floats:
         unit = self._units[0 if by == "force" else 1]
-        return self.law.radius_of(np.maximum(np.asarray(wanted, dtype=np.float64), 0) / unit, by)
+        aim = np.maximum(np.asarray(wanted, dtype=np.float64), 0) / unit
+        most, limit = float(aim.max(initial=0)), self.law.most(by)
+        if most > limit:
+            size, of = (unit, "N") if by == "force" else (unit * 1e3, "mm deep")
+            raise InputError(
+                f"{self._named}: {most * size:.4g} {of}; at most {limit * size:.4g} {of} wanted, {self._end}"
+            )
+        return self.law.radius_of(aim, by)
+
+    @property
+    def _named(self) -> str:
+        return f"a {self.shape} of radius {self.radius_ * 1e3:g} mm on a cover of {self.medium.thickness * 1e3:g} mm"
+
+    @property
+    def _end(self) -> str:
+        """What ends the tables."""
+        if self.shape == "needle" and self.law.nears_its_own:
+            return "where its contact is as wide as the needle itself"
+        return f"where its contact is {self.law.widest:.4g} thicknesses in radius"
 
     def _punch(self) -> float:
         wide = self.radius_ / self.medium.thickness

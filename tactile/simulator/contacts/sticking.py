@@ -1,15 +1,20 @@
 """Contacts that stick: when one is made and when it snaps off along a path, and what it carries in between."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from cnnsim.support import Flags, Floats
-from tactile.core.loads import COLUMNS, PLACE, F
+from tactile.core.loads import COLUMNS, PLACE, SHEAR, F
 from tactile.elastic.adhesion import Adhesion, adhesion, flat_adhesion
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.loads import Disc, Loads
+from tactile.simulator.contacts.rig import Rig
+
+REACH = 1.5
+"""Times the largest dry force that a law reaches."""
 
 
 def attached(path: Floats, snap: float, times: Floats) -> Flags:
@@ -29,14 +34,42 @@ def attached(path: Floats, snap: float, times: Floats) -> Flags:
     return np.asarray(held & (times <= last))
 
 
-def table(indenter: Indenter, medium: Medium, work: float, path: Floats, by_depth: bool) -> Adhesion:
-    """How an indenter sticks along a path of pushes."""
+def table(
+    indenter: Indenter, medium: Medium, work: float, path: Floats, by_depth: bool, reach: float = REACH
+) -> Adhesion:
+    """How an indenter sticks along a path of pushes, up to ``reach`` times the largest dry force."""
     most = float(path[:, 1].max())
     dry = indenter.force_at(np.array([max(most, 0.0)]), medium)[0] if by_depth else max(most, 0.0)
+    dry = max(float(dry), work * indenter.radius)  # of the size of the pull where nothing else presses
     punch = replace(indenter, shape="flat_punch")
     if indenter.shape == "flat_punch":
-        return flat_adhesion(indenter.radius, punch, medium, work, 1.5 * float(dry))
-    return adhesion(indenter, punch, medium, work, 1.5 * float(dry), by_depth)
+        return flat_adhesion(indenter.radius, punch, medium, work, reach * dry)
+    return adhesion(indenter, punch, medium, work, reach * dry, by_depth)
+
+
+def moved(rows: Floats, pull: Floats, reaching: Callable[[float], Adhesion], rig: Rig) -> Floats:
+    """Displace and raise contacts as the rig has them, along the law by which they stick; return their pulls [N].
+
+    What does not touch stays so. A contact raised beyond the point where it snaps off is kept there: the rig has it
+    back before long.
+
+    Arguments: ``rows`` (frames, 5 or more), written to; ``reaching``: the law up to so many times the dry force.
+    """
+    law, reach = reaching(REACH), REACH
+    for move, _ in rig.moves:
+        shift, rise = move(rows[:, PLACE])
+        rows[:, PLACE] += shift
+        pressed = rows[:, F].copy()
+        touching, pressing = pressed != 0, pressed > 0
+        deep = np.interp(pressed, law.pressed, law.indentation) + rise
+        while deep.max(initial=0, where=touching) > law.indentation[-1]:
+            reach *= 2
+            law = reaching(reach)
+        force, after = law.at(deep, True)
+        pull = np.where(touching, force - after, pull)
+        rows[:, F] = np.where(touching, after, pressed)
+        rows[:, SHEAR] *= np.where(pressing, rows[:, F] / np.where(pressing, pressed, 1), 1)[:, None]
+    return pull
 
 
 def with_pull(loads: Loads, rows: Floats, force: Floats, indenter: Indenter, medium: Medium) -> Loads:

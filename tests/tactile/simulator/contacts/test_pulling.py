@@ -76,19 +76,22 @@ def test_a_flat_end_is_held_by_its_rim_and_no_work_is_no_adhesion() -> None:
     assert weak.totals == pytest.approx(dry.totals, abs=1e-8)
 
 
-def test_a_scene_says_where_its_models_end() -> None:
-    def said(contact: MovingContact, *effects: object, depth: float = 1e-3) -> str:
-        array = TaxelArray("pad", 2, 2, 1e-3, depth)
-        return "\n".join(out_of_range(Scene("s", 100.0, 2.0, 2.4e6, (array,), (), (contact,), effects)))
+def said(contact: MovingContact, *effects: object, depth: float = 1e-3) -> str:
+    array = TaxelArray("pad", 2, 2, 1e-3, depth)
+    return "\n".join(out_of_range(Scene("s", 100.0, 2.0, 2.4e6, (array,), (), (contact,), effects)))
 
+
+def test_a_scene_says_where_its_models_end() -> None:
     assert said(pressed(0.0, 0.05, 0.0)) == ""
     pulled = said(pressed(0.5, -0.5))
     assert "contact 1, a sphere: pulled with 0.5 N; a dry contact cannot pull: it lifts off" in pulled
     assert "pulled" not in said(pressed(0.05, -0.5), Adhesion())
-    assert "of a sphere of 5 mm; at most 0.5 of it wanted" in said(pressed(0.0, 50.0), depth=5e-3)
+    assert "of a sphere of radius 5 mm; at most 0.5 of it wanted" in said(pressed(0.0, 50.0), depth=5e-3)
     needle = MovingContact(0, Indenter("needle", 5e-5), np.array([(0.0, 0, 0, 0, 0, 1.5e-3)]), None, True)
     assert "30 times its radius" in said(needle)
-    with pytest.raises(InputError, match=r"6\.\d+ mm in radius of a sphere of 5 mm; at most the sphere's own wanted"):
+    with pytest.raises(
+        InputError, match=r"6\.\d+ mm in radius of a sphere of radius 5 mm; at most the sphere's own wanted"
+    ):
         said(pressed(0.0, 200.0), depth=5e-3)
     point = np.array([(0.0, 5e-4, 5e-4, 0, 0, 1.0)])
     assert "strains to 0." in said(MovingContact(0, Indenter(), point * [1, 1, 1, 0, 0, 4.0]))
@@ -96,6 +99,23 @@ def test_a_scene_says_where_its_models_end() -> None:
         said(MovingContact(0, Indenter(), point * [1, 1, 1, 0, 0, 20.0]))
     layered = said(pressed(0.0, 5e-4, by_depth=True), FiniteThickness(1.2e-3))
     assert "0.5 mm deep in a cover of 1.2 mm; at most 0.3 of it wanted" in layered
+
+
+def test_a_scene_says_where_a_cylinder_ends() -> None:
+    def lying(force: float, radius: float, length: float) -> MovingContact:
+        return MovingContact(0, Indenter("cylinder", radius, length), np.array([(0.0, 0, 0, 0, 0, force)]))
+
+    # b = sqrt(4 P R / (pi E* L)): 0.69 mm
+    assert said(lying(0.6, 1e-2, 5e-3), depth=2e-3) == ""
+    assert "0.688 mm to either side of a cylinder of radius 1 mm; at most 0.5" in said(lying(5.95, 1e-3, 5e-3))
+    for layer in ((), (FiniteThickness(2e-3),)):
+        with pytest.raises(InputError, match=r"0\.\d+ mm to either side of a cylinder of radius 0\.3 mm; at most the"):
+            said(lying(20.0, 3e-4, 5e-3), *layer)
+    assert "1.38 mm wide and 1 mm long" in said(lying(1.19, 1e-3, 1e-3))
+    assert "times its radius; at most the radius wanted" in said(lying(200.0, 5e-3, 2e-2), depth=5e-3)
+    assert "mm deep in a cover of 2 mm; at most 0.3 of it wanted" in said(
+        lying(400.0, 5e-3, 2e-2), FiniteThickness(2e-3)
+    )
 
 
 def test_a_cylinder_wider_than_its_cover_is_thick_presses_by_the_layers_law() -> None:
@@ -111,6 +131,28 @@ def test_a_cylinder_wider_than_its_cover_is_thick_presses_by_the_layers_law() ->
         MovingContact(0, narrow, np.array([(0.0, 0, 0, 0, 0, 5e4)])).loads(np.zeros(1), 1e-3, layer)
     with pytest.raises(InputError, match="over 40 thicknesses of the cover wide"):
         MovingContact(0, lying, np.array([(0.0, 0, 0, 0, 0, 1e7)])).loads(np.zeros(1), 1e-3, layer)
+
+
+def test_a_cylinder_on_a_layer_is_the_same_in_many_frames_as_in_each() -> None:
+    layer, times = replace(RUBBER, thickness=2e-3), np.linspace(0, 1, 5)
+    lying = MovingContact(0, Indenter("cylinder", 4e-3, 1e-2), np.array([(0.0, 0, 0, 0, 0, 0), (1, 0, 0, 0, 0, 9.0)]))
+    together = lying.loads(times, 1e-3, layer).points
+    for n, t in enumerate(times):
+        alone = lying.loads(np.array([t]), 1e-3, layer).points[0]
+        assert together[n, :, 4].sum() == pytest.approx(alone[:, 4].sum()) == pytest.approx(9 * t)
+        for power in (2, 4):  # they may be cut into more points than one alone
+            spread = [(points[:, 1] ** power * points[:, 4]).sum() for points in (together[n], alone)]
+            assert spread[0] == pytest.approx(spread[1], rel=1e-6, abs=1e-20)
+
+
+@pytest.mark.parametrize("by_depth", (True, False))
+def test_a_needle_as_wide_as_itself_on_a_layer_is_refused_by_its_own_numbers(by_depth: bool) -> None:
+    layer, needle = replace(RUBBER, thickness=2e-3), Indenter("needle", 5e-5)
+    push = "1.5 mm deep; at most 0.34" if by_depth else "3 N; at most 0.1"
+    with pytest.raises(InputError, match=f"a needle of radius 0.05 mm on a cover of 2 mm: {push}.*wide as the needle"):
+        needle.force_at(np.array([1.5e-3]), layer) if by_depth else needle.contact_radius(np.array([3.0]), layer)
+    with pytest.raises(InputError, match=r"mm deep; at most .* mm deep wanted, where its contact is 20 thicknesses"):
+        Indenter("sphere", 1.0).force_at(np.array([9e-5]), replace(RUBBER, thickness=1e-4))
 
 
 def test_a_rig_presses_by_each_contacts_own_law() -> None:
@@ -130,6 +172,37 @@ def test_a_rig_presses_by_each_contacts_own_law() -> None:
     grown = raised.totals[0, 0, 4] / still.totals[0, 0, 4]
     assert grown > 1.2
     assert raised.discs[0].radii[0, 0] / still.discs[0].radii[0, 0] == pytest.approx(np.cbrt(grown))
+
+
+@pytest.mark.parametrize("thickness", (np.inf, 2e-3))
+@pytest.mark.parametrize(
+    "body", (Indenter("disc", 7e-4), Indenter("flat_punch", 7e-4), Indenter("cylinder", 2e-3, 6e-3))
+)
+def test_a_raised_cover_presses_by_the_laws_own_slope(body: Indenter, thickness: float) -> None:
+    layer, force, rise = replace(RUBBER, thickness=thickness), np.array([0.4]), np.array([1e-8])
+    law = replace(body, shape="flat_punch") if body.shape == "disc" else body
+    less, more = (float(law.indentation(force * (1 + part), layer)[0]) for part in (-1e-4, 1e-4))
+    found = (body.held_factor(force, rise, layer, 50e-6) - 1) / rise
+    assert found == pytest.approx(2e-4 / (more - less), rel=1e-3)
+
+
+@pytest.mark.parametrize("by_depth", (False, True))
+def test_a_raised_cover_presses_what_sticks_by_the_law_of_what_sticks(by_depth: bool) -> None:
+    stiff, rise = RUBBER.contact_modulus, 1e-7
+    a = np.linspace(2e-4, 9e-4, 200001)  # F and delta of Johnson, Kendall and Roberts
+    force = 4 * stiff * a**3 / (3 * R) - np.sqrt(8 * np.pi * stiff * WORK * a**3)
+    deep = a**2 / R - np.sqrt(2 * np.pi * WORK * a / stiff)
+    rig = STICKY.with_move(lambda places: (np.zeros_like(places), np.full(len(places), rise)), 50e-6)
+    for wanted in (0.005, 0.02, 0.3):
+        at = float(np.interp(wanted, force, deep))
+        push = at if by_depth else wanted
+        contact = pressed(push, push, by_depth=by_depth)
+        still, raised = (contact.loads(TIMES[:1], 1e-3, RUBBER, one).totals[0, 0, 4] for one in (STICKY, rig))
+        grown = np.interp(at + rise, deep, force) - wanted  # the dry law's would be 29, 16 and 4 % more
+        assert raised - still == pytest.approx(grown, rel=2e-3)
+    high = STICKY.with_move(lambda places: (np.zeros_like(places), np.full(len(places), 5e-5)), 50e-6)
+    far = pressed(0.02, 0.02).loads(TIMES[:1], 1e-3, RUBBER, high).totals[0, 0, 4]
+    assert far == pytest.approx(np.interp(np.interp(0.02, force, deep) + 5e-5, deep, force), rel=1e-4)
 
 
 def test_the_range_of_two_alike_bodies_is_told_of_each() -> None:
