@@ -49,7 +49,8 @@ def explain(scene: Path, write: Path | None, as_json: bool) -> None:
     on = tree.add("on: size in the signal relative to the peak, time per frame")
     off = tree.add("off: what adding it would change, relative to the peak (at the strength given, or a typical one)")
     for part in told.parts:
-        text = f"{part.name:<20} {'' if part.name == 'contacts' else f'{part.size:.2g}':>9}"
+        size = "" if part.name == "contacts" else "<= " * part.at_most + f"{part.size:.2g}"
+        text = f"{part.name:<20} {size:>9}"
         if part.on:
             on.add(Text.assemble((text, "green"), f"  {_time(part.seconds):>9}  ", (printable(part.what), "dim")))
         else:

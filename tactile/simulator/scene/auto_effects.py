@@ -125,9 +125,9 @@ def choose(scene: Scene, tolerance: float, reused: bool = False) -> Choice:
     """Leave out the effects that together change no reading by more than the tolerance times the peak.
 
     Candidates are the effects that the scene describes, and at typical strength those that every skin has. Bounds
-    hold over the whole recording, and what is random for all seeds but one in a thousand. Effects on fields, which
-    cost most, are left out first, each time the smallest; what those left out do together is then tried on the frames
-    with the largest readings. Where choosing would cost more than it may save in one run all stays on, unless the
+    hold over the whole recording, and what is random for all seeds but one in a hundred thousand. Effects on fields,
+    which cost most, are left out first, each time the smallest; what those left out do together is then tried on the
+    frames with the largest readings. Where choosing would cost more than it may save in one run all stays on, unless the
     choice is ``reused``.
 
     Raises:

@@ -17,7 +17,7 @@ from tactile.simulator.scene.finger_bounds import SAFE, FingerBounds, LeftOut, l
 from tactile.simulator.scene.forces import highest_reading, unseen
 from tactile.simulator.scene.scene import NOTHING, Scene
 from tactile.simulator.scene.trials import Trial, pays, pays_behind
-from tactile.simulator.seen import Seen
+from tactile.simulator.seen import RARE, Seen
 
 Named = tuple[str, Any]
 SMALL, LARGE = 0.25, 5.0
@@ -98,12 +98,30 @@ class EffectBounds:
             for name, _ in self.effects
         }
 
-    def steps_behind(self, name: str) -> float:
-        """By how much more a change may grow in the steps of the converters behind an effect, relative to the peak."""
+    @property
+    def telling(self) -> tuple[int, ...]:
+        """Numbers of the frames that tell most, on any finger."""
+        times = np.concatenate([one.times for one in self._ideal])
+        return tuple(np.unique(np.rint(times * self._scene.rate).astype(np.int64)).tolist())
+
+    @property
+    def converters(self) -> set[str]:
+        """Effects that are on which make steps."""
+        return {name for one in self.fingers for name in one.grains}
+
+    def stepped(self, name: str, change: float) -> float:
+        """What a change that an effect makes becomes behind the converters after it, relative to the peak."""
         order = [one for one, _ in self.effects]
         after = set(order[order.index(name) + 1 :])
-        steps = [sum(grain for one, (grain, _) in finger.grains.items() if one in after) for finger in self.fingers]
-        return max(steps) / self.peak
+        steps = [
+            sum(
+                grain
+                for one, (grain, chance) in finger.grains.items()
+                if one in after and change * self.peak * chance > RARE
+            )
+            for finger in self.fingers
+        ]
+        return change + max(steps) / self.peak
 
     def change(self, off: Iterable[str]) -> float:
         """What leaving these out changes at most, relative to the peak."""

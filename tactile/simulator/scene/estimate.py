@@ -1,10 +1,10 @@
 """Size and cost of effects, measured on a sample of a scene's frames."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,28 +14,43 @@ from tactile.simulator.field import Field
 from tactile.simulator.scene.effect_bounds import EffectBounds, Named
 from tactile.simulator.scene.scene import Scene
 
-TRIED = 64
-"""Frames on which effects on fields are tried: each costs as much as the field, or many times that."""
 FRAMES = 4096
 """Frames of each finger in a sample: the whole recording of all but long scenes."""
+WIDTH = 8
+"""Frames on each side of one that tells much, which a sample of a long scene has too."""
+DOUBT = 1.1
+"""Where the steps of a converter may make a size so many times larger it is told as a bound."""
+
+
+class Size(NamedTuple):
+    """Size of an effect relative to the peak, as measured, or where it is ``at_most`` so large a bound."""
+
+    change: float
+    at_most: bool
 
 
 @dataclass(frozen=True)
 class Sample:
     """Frames spread evenly over a scene, with what presses and what the ideal taxels feel: the base of estimates.
 
-    ``most``: how many frames.
+    ``most``: how many frames; ``telling``: numbers of some that are in it with those around them.
     """
 
     scene: Scene
     most: int = FRAMES
+    telling: tuple[int, ...] = ()
     _memory: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @cached_property
     def numbers(self) -> Integers:
         """Which frames: all of a short scene, else evenly spread ones, the first and the last among them."""
-        count = min(self.scene.samples, self.most)
-        return np.unique(np.linspace(0, self.scene.samples - 1, count).round().astype(np.int64))
+        last = self.scene.samples - 1
+        if last < self.most:
+            return np.arange(last + 1)
+        near = np.add.outer(self.telling, np.arange(-WIDTH, WIDTH + 1)).astype(np.int64)
+        near = np.unique(near.clip(0, last))[: self.most // 2]
+        spread = np.linspace(0, last, self.most - len(near)).round().astype(np.int64)
+        return np.unique(np.concatenate([near, spread]))
 
     @cached_property
     def fields(self) -> tuple[list[Field], ...]:
@@ -146,26 +161,38 @@ def _read_at(batches: list[Batch], times: Floats) -> Floats:
     return read
 
 
-def sizes_in(scene: Scene, effects: Iterable[Named]) -> dict[str, float]:
+def sizes_in(scene: Scene, effects: Iterable[Named]) -> dict[str, Size]:
     """Return the size of every effect in a scene, relative to the peak: the largest change of a reading.
 
     Of an effect of the scene: when it alone is taken away; of another: when it alone is added. What is fixed is
-    measured, effects on fields on up to TRIED frames; what is random is a bound that all seeds but one in a thousand
-    keep.
+    measured, unless a converter behind it makes steps that other noise or another frame would make larger: then, and
+    for what is random, it is a bound that all seeds but one in a hundred thousand keep.
     """
     every, on = list(effects), dict(scene.effects)
     found = EffectBounds(scene, every, on)
-    bounds = {name: size + found.steps_behind(name) * (size > 0) for name, size in found.sizes().items()}
-    whole, few = Sample(scene), Sample(scene, TRIED)
-    with_all, with_few = whole.run(scene.effects), few.run(scene.effects)
-    sizes: dict[str, float] = {}
+    bounds = {name: found.stepped(name, size) for name, size in found.sizes().items()}
+    sample = Sample(scene, telling=found.telling)
+    whole = _runs(sample, scene.effects, found.converters)
+    sizes: dict[str, Size] = {}
     for name, effect in every:
         if effect.RANDOM:
-            sizes[name] = bounds[name]
+            sizes[name] = Size(bounds[name], bounds[name] > 0)
             continue
         other = [(n, e) for n, e in every if (n in on) != (n == name)]
-        if effect.STAGE == "field":
-            sizes[name] = few.gap(few.run(other), with_few)
-        else:
-            sizes[name] = whole.gap(whole.run(other), with_all)
+        steps = found.converters if found.stepped(name, 1.0) > 1 else ()
+        change, *smooth = map(sample.gap, _runs(sample, other, steps), whole)
+        most = found.stepped(name, max(smooth, default=change))
+        sizes[name] = Size(max(most, change), True) if most > DOUBT * change else Size(change, False)
     return sizes
+
+
+def _runs(sample: Sample, effects: Iterable[Named], converters: Collection[str]) -> list[list[list[Batch]]]:
+    """A run of a chain; where it has converters also without these, and then without noise behind the field.
+
+    Steps hide what is smaller than one, and noise says which readings lie near one.
+    """
+    chains = [list(effects)]
+    if converters:
+        smooth = [one for one in chains[0] if one[0] not in converters]
+        chains += [smooth, [one for one in smooth if one[1].STAGE == "field" or not one[1].RANDOM]]
+    return [sample.run(chain) for chain in chains]

@@ -29,8 +29,8 @@ class ScenePart:
     """One part of a scene.
 
     ``size``: largest change of a reading, relative to the peak, when an effect alone is taken away or, where it is off,
-    added; of a random one a bound that all seeds but one in a thousand keep. ``seconds``: measured time per frame, None
-    for what is off.
+    added. Of a random one, and of one that the steps of a converter may make larger, it is ``at_most`` that: a bound
+    that all seeds but one in a hundred thousand keep. ``seconds``: measured time per frame, None for what is off.
     """
 
     name: str
@@ -38,6 +38,7 @@ class ScenePart:
     on: bool
     size: float
     seconds: float | None
+    at_most: bool = False
 
 
 @dataclass(frozen=True)
@@ -107,7 +108,8 @@ def explain(scene: Scene, choice: Choice | None = None) -> SceneExplanation:
         )
     sizes = sizes_in(scene, effects)
     for name, effect in effects:
-        parts.append(ScenePart(name, _describe(effect), name in on, sizes[name], seconds.get(name)))
+        size = sizes[name]
+        parts.append(ScenePart(name, _describe(effect), name in on, size.change, seconds.get(name), size.at_most))
     quantity = scene.arrays[0].quantity
     return SceneExplanation(
         scene.title,

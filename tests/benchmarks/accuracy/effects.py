@@ -64,7 +64,7 @@ def _parts(scene: Scene) -> list[tuple[str, float, float]]:
     effects = all_effects(scene)
     whole = scene.with_effects(effects)
     sizes, seconds = sizes_in(whole, effects), Sample(whole, 400).seconds(effects)
-    return [(name, sizes[name], seconds[name]) for name, _ in effects]
+    return [(name, sizes[name].change, seconds[name]) for name, _ in effects]
 
 
 def _tried(random: np.random.Generator) -> dict[str, float]:
@@ -98,8 +98,8 @@ def _time(work: Any) -> tuple[float, Any]:
 
 _TEXT = """\
 For a tolerance `effects = "auto"` leaves out effects whose bounds together stay below it: bounds over the whole
-recording, and over all seeds but one in a thousand of what is random. Effects that the scene does not name count at
-typical strength. Errors are found over the whole recording and three seeds, against all effects on, relative to the
+recording, and over all seeds but one in a hundred thousand of what is random. Effects that the scene does not name
+count at typical strength. Errors are found over the whole recording and three seeds, against all effects on, relative to the
 ideal skin's peak.
 
 | scene | tolerance | error found | its bound | time of a frame | left out |
