@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from tactile.core.frame import TaxelArray
 
-RARE = 1e-5
+RARE = 1e-6
 """A bound of something random holds for all seeds but so many."""
 
 

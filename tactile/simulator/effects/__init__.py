@@ -24,7 +24,7 @@ and, so that ``effects = "auto"`` may leave it out,
     behind(seen) -> Seen             where the bounds do not grow by all that it changes: those behind it
     grain(seen) -> float             where the smallest change before it may become a large one: that
 
-What holds of something random holds for all seeds but one in a hundred thousand.
+What holds of something random holds for all seeds but one in a million.
 
 Its attributes' defaults are typical values, which estimates use where a scene does not give any.
 """

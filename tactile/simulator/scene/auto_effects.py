@@ -1,7 +1,7 @@
 """Automatic choice of effects by size: ``effects = "auto"`` keeps what matters in a scene and says what it left out."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
 
@@ -102,8 +102,10 @@ def _sink_little(scene: Scene, effects: dict[str, Effect]) -> bool:
         return False
     cover: Any = acting.get("finite_thickness")
     thickness = [cover.thickness or 2 * array.depth if cover else np.inf for array in scene.arrays]
-    media = [replace(scene.skin.medium(finger), thickness=deep) for finger, deep in enumerate(thickness)]
-    return all(sinks_in(one, media[one.finger]) < 0.9 * media[one.finger].thickness for one in scene.contacts)
+    return all(
+        sinks_in(one, scene.skin.medium(one.finger), deep := thickness[one.finger]) < 0.9 * deep
+        for one in scene.contacts
+    )
 
 
 def _hardest_moments(scene: Scene, finger: int) -> Floats:
@@ -125,10 +127,10 @@ def choose(scene: Scene, tolerance: float, reused: bool = False) -> Choice:
     """Leave out the effects that together change no reading by more than the tolerance times the peak.
 
     Candidates are the effects that the scene describes, and at typical strength those that every skin has. Bounds
-    hold over the whole recording, and what is random for all seeds but one in a hundred thousand. Effects on fields,
+    hold over the whole recording, and what is random for all seeds but one in a million. Effects on fields,
     which cost most, are left out first, each time the smallest; what those left out do together is then tried on the
-    frames with the largest readings. Where choosing would cost more than it may save in one run all stays on, unless the
-    choice is ``reused``.
+    frames with the largest readings. Where choosing would cost more than it may save in one run all stays on, unless
+    the choice is ``reused``.
 
     Raises:
         InputError: a tolerance that is not positive.

@@ -34,6 +34,11 @@ def check(scene: Any) -> None:  # a `Scene`, which is made by its help
     for contact in (*scene.loads, *scene.contacts):
         if contact.finger not in range(len(names)):
             raise InputError(f"scene {scene.title!r}: {contact!r}; a finger from 0 to {len(names) - 1} wanted")
+    check_effects(scene)
+
+
+def check_effects(scene: Any) -> None:
+    """Raise the `InputError` that `Scene` names, if its effects do not fit the rest of it."""
     if scene.bumps is None:
         return
     flat = [name for name, effect in scene.effects if effect.STAGE == "field"]

@@ -99,12 +99,6 @@ class EffectBounds:
         }
 
     @property
-    def telling(self) -> tuple[int, ...]:
-        """Numbers of the frames that tell most, on any finger."""
-        times = np.concatenate([one.times for one in self._ideal])
-        return tuple(np.unique(np.rint(times * self._scene.rate).astype(np.int64)).tolist())
-
-    @property
     def converters(self) -> set[str]:
         """Effects that are on which make steps."""
         return {name for one in self.fingers for name in one.grains}

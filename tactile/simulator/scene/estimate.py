@@ -12,12 +12,13 @@ from cnnsim.support import Floats, Integers
 from tactile.simulator.batch import Batch
 from tactile.simulator.field import Field
 from tactile.simulator.scene.effect_bounds import EffectBounds, Named
+from tactile.simulator.scene.extremes import extremes
 from tactile.simulator.scene.scene import Scene
 
 FRAMES = 4096
 """Frames of each finger in a sample: the whole recording of all but long scenes."""
 WIDTH = 8
-"""Frames on each side of one that tells much, which a sample of a long scene has too."""
+"""Frames on each side of one that tells much, which a sample of a long scene has, too."""
 DOUBT = 1.1
 """Where the steps of a converter may make a size so many times larger it is told as a bound."""
 
@@ -33,24 +34,25 @@ class Size(NamedTuple):
 class Sample:
     """Frames spread evenly over a scene, with what presses and what the ideal taxels feel: the base of estimates.
 
-    ``most``: how many frames; ``telling``: numbers of some that are in it with those around them.
+    ``most``: how many frames; of a longer scene those around the ideal readings' peaks are among them.
     """
 
     scene: Scene
     most: int = FRAMES
-    telling: tuple[int, ...] = ()
     _memory: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @cached_property
     def numbers(self) -> Integers:
-        """Which frames: all of a short scene, else evenly spread ones, the first and the last among them."""
-        last = self.scene.samples - 1
-        if last < self.most:
-            return np.arange(last + 1)
-        near = np.add.outer(self.telling, np.arange(-WIDTH, WIDTH + 1)).astype(np.int64)
-        near = np.unique(near.clip(0, last))[: self.most // 2]
-        spread = np.linspace(0, last, self.most - len(near)).round().astype(np.int64)
-        return np.unique(np.concatenate([near, spread]))
+        """Which frames: all of a short scene, else those near peaks and evenly spread ones, the first to the last."""
+        every = np.arange(self.scene.samples)
+        if len(every) <= self.most:
+            return every
+        times = np.concatenate([extremes(self.scene, n).times for n in range(len(self.scene.arrays))])
+        near = np.add.outer(np.rint(times * self.scene.rate).astype(np.int64), np.arange(-WIDTH, WIDTH + 1))
+        near = np.unique(near.clip(0, every[-1]))[: self.most // 2]
+        others = np.setdiff1d(every, near)
+        spread = np.linspace(0, len(others) - 1, self.most - len(near)).round().astype(np.int64)
+        return np.union1d(near, others[spread])
 
     @cached_property
     def fields(self) -> tuple[list[Field], ...]:
@@ -165,13 +167,13 @@ def sizes_in(scene: Scene, effects: Iterable[Named]) -> dict[str, Size]:
     """Return the size of every effect in a scene, relative to the peak: the largest change of a reading.
 
     Of an effect of the scene: when it alone is taken away; of another: when it alone is added. What is fixed is
-    measured, unless a converter behind it makes steps that other noise or another frame would make larger: then, and
-    for what is random, it is a bound that all seeds but one in a hundred thousand keep.
+    measured with the scene's own seed, unless the steps of a converter behind it may make it larger: then it is a
+    bound wherever the steps lie. What is random is a bound that all seeds but one in a million keep.
     """
     every, on = list(effects), dict(scene.effects)
     found = EffectBounds(scene, every, on)
     bounds = {name: found.stepped(name, size) for name, size in found.sizes().items()}
-    sample = Sample(scene, telling=found.telling)
+    sample = Sample(scene)
     whole = _runs(sample, scene.effects, found.converters)
     sizes: dict[str, Size] = {}
     for name, effect in every:

@@ -30,7 +30,8 @@ class ScenePart:
 
     ``size``: largest change of a reading, relative to the peak, when an effect alone is taken away or, where it is off,
     added. Of a random one, and of one that the steps of a converter may make larger, it is ``at_most`` that: a bound
-    that all seeds but one in a hundred thousand keep. ``seconds``: measured time per frame, None for what is off.
+    that all seeds but one in a million keep, and that holds wherever the steps lie. ``seconds``: measured time
+    per frame, None for what is off.
     """
 
     name: str

@@ -1,7 +1,6 @@
 """What the forces on a scene's fingers alone say of the readings, before any field is computed."""
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -52,18 +51,25 @@ def unseen(scene: Scene, finger: int, highest: float) -> Seen:
     )  # fmt: skip
 
 
-def sinks_in(contact: Any, medium: Medium) -> float:
+def sinks_in(contact: Any, medium: Medium, thickness: float) -> float:
     """Bound of how deep [m] what presses goes into a layer: as deep as into the half-space; infinite where unknown.
 
-    0 of what has no law of its own, which cannot go through.
+    0 of what has no law of its own, which cannot go through. A round tip of radius R under s E* R^2 has a contact of
+    lam R, delta = lam (s + lam) / (1 + lam^2) R, which grows with lam; lam is at most that of Hertz, (3 s / 4)^(1/3).
+
+    Arguments: ``medium``: the half-space; ``thickness`` [m] of the layer.
     """
     if isinstance(contact, HeightMap):
         return math.inf
     if not isinstance(contact, MovingContact) or contact.indenter.shape in ("point", "edge", "disc"):
         return 0.0
     body, push = contact.indenter, max(float(contact.path[:, 1 + F].max()), 0.0)
-    if body.shape not in LAWS or body.radius > WIDEST * medium.thickness:
+    if body.shape not in LAWS or body.radius > WIDEST * thickness:
         return math.inf
-    return (
-        push if contact.given_depth else float(body.indentation(np.array([push]), replace(medium, thickness=np.inf))[0])
-    )
+    if contact.given_depth:
+        return push
+    if body.shape != "needle":
+        return float(body.indentation(np.array([push]), medium)[0])
+    s = push / (medium.contact_modulus * body.radius**2)
+    lam = min((0.75 * s) ** (1 / 3), 1.0)
+    return float(body.radius * lam * (s + lam) / (1 + lam * lam))

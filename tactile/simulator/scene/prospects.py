@@ -11,7 +11,6 @@ from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.indenter import LAWS
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.sliding_texture import SlidingTexture
-from tactile.simulator.effect import is_off
 from tactile.simulator.scene.effect_bounds import LARGE, Named
 from tactile.simulator.scene.extremes import PEAKS, SPREAD
 from tactile.simulator.scene.forces import unseen
@@ -26,6 +25,7 @@ from tactile.simulator.scene.trials import (
     is_body,
     trial_pays,
 )
+from tactile.simulator.seen import Seen
 from tactile.simulator.slopes import VALUE, Slopes
 
 CHOICE = 500e-6
@@ -43,9 +43,18 @@ def may_pay(scene: Scene, effects: list[Named], tolerance: float) -> bool:
 
     Every load is taken to press its hardest right over a taxel at once, for which bounds need no field.
     """
-    saved = sum(_saved(scene, finger, effects, tolerance) for finger in range(len(scene.arrays)))
-    few = scene.samples < FRAMES and any(is_body(one) for one in scene.contacts)
-    return (FEW if few else CHANCE) * saved > _cost(scene) + CHOICE
+    few = scene.samples < FRAMES and any(map(is_body, scene.contacts))
+    enough = (_cost(scene) + CHOICE) / (FEW if few else CHANCE)
+    acting = [effect for _, effect in effects if not effect.off]
+    fixed = [effect for effect in acting if effect.STAGE == "field" and not effect.RANDOM]
+    fingers = [_saved(scene, finger, fixed, tolerance) for finger in range(len(scene.arrays))]
+    saved = sum(one for one, _ in fingers)
+    behind = [effect for effect in acting if effect.STAGE != "field"]
+    open_ends = [(seen, EFFECT + READING * 3 * seen.taxels * scene.samples) for _, seen in fingers if seen]
+    if saved <= enough < saved + len(behind) * sum(each for _, each in open_ends):  # only then these decide
+        for seen, each in open_ends:
+            saved += each * sum(effect.reach(seen) <= tolerance * seen.largest for effect in behind)
+    return saved > enough
 
 
 def _cost(scene: Scene) -> float:
@@ -60,14 +69,17 @@ def _cost(scene: Scene) -> float:
     return scene.samples * each
 
 
-def _saved(scene: Scene, finger: int, effects: list[Named], tolerance: float) -> float:
-    """Time [s] of the effects on one finger that may be small enough."""
+def _saved(scene: Scene, finger: int, fixed: list[Any], tolerance: float) -> tuple[float, Seen | None]:
+    """Time [s] of the fixed effects on one finger's field that may be small enough, and the readings' bounds.
+
+    These only where effects behind the field may be small, too.
+    """
     array, medium = scene.arrays[finger], scene.skin.medium(finger)
     mine = [one for one in (*scene.loads, *scene.contacts) if one.finger == finger]
     force = sum(_hardest(one, medium) for one in mine)
     bodies = any(is_body(one) for one in mine)
     if not math.isfinite(force):
-        return math.inf if scene.samples >= FRAMES else 0.0
+        return math.inf if scene.samples >= FRAMES else 0.0, None
     scale = point_scale(array.depth, medium)[0]
     highest = VALUE[array.quantity] * scale * force or scene.full_scale * scene.unit(finger)
     fall = array.depth ** -np.array([0.0, 2, 3, 4])
@@ -75,8 +87,6 @@ def _saved(scene: Scene, finger: int, effects: list[Named], tolerance: float) ->
     change = highest * min(1.0, JUMPS / scene.samples)
     seen = unseen(scene, finger, highest)._replace(change=change)
     points = bool(scene.loads)
-    acting = [effect for _, effect in effects if not is_off(effect)]
-    fixed = [effect for effect in acting if effect.STAGE == "field" and not effect.RANDOM]
     shares = [effect.saves(points) if hasattr(effect, "saves") else SAVED for effect in fixed]
     sizes = [effect.most(slopes) / highest if hasattr(effect, "most") else math.inf for effect in fixed]
     frame = frame_time(len(mine), seen.taxels, bodies) * min(1.0, sum(shares))
@@ -86,11 +96,7 @@ def _saved(scene: Scene, finger: int, effects: list[Named], tolerance: float) ->
         for size, share in zip(sizes, shares, strict=True):
             tried = not few and trial_pays(share, frame, scene.samples, PEAKS + SPREAD)
             saved += (size <= (LARGE if tried else 1.0) * tolerance) * share * frame * scene.samples
-    if not (few and open_end):
-        each = EFFECT + READING * 3 * seen.taxels * scene.samples
-        behind = [effect for effect in acting if effect.STAGE != "field"]
-        saved += each * sum(effect.reach(seen) <= tolerance * highest for effect in behind)
-    return saved
+    return saved, None if few and open_end else seen
 
 
 def _sticks(fixed: list[Any]) -> bool:

@@ -3,6 +3,7 @@
 import heapq
 import zlib
 from collections.abc import Iterable, Iterator
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
@@ -17,7 +18,7 @@ from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effect import is_off
 from tactile.simulator.field import ACCURACY, Contact, Field
 from tactile.simulator.ideal_skin import IdealSkin
-from tactile.simulator.scene.checks import check
+from tactile.simulator.scene.checks import check, check_effects
 from tactile.simulator.summation import DIRECT
 
 if TYPE_CHECKING:
@@ -124,7 +125,7 @@ class Scene:
             return None
         return self.samples * len(self.arrays)
 
-    @property
+    @cached_property
     def samples(self) -> int:
         """Number of frames of each finger."""
         return max(1, round(self.rate * self.duration))
@@ -192,6 +193,9 @@ class Scene:
 
     def with_effects(self, effects: Iterable[tuple[str, Any]]) -> "Scene":
         """The same scene with other effects, and with what was found out about it without any."""
-        made = replace(self, effects=tuple(effects))
-        made.__dict__["skin"] = self.skin
+        acting = named_effects(effects)
+        skin = self.skin
+        made = copy(self)
+        made.__dict__.update(effects=acting, arrays=under_covers(self.arrays, acting), skin=skin)
+        check_effects(made)
         return made

@@ -98,8 +98,8 @@ def _time(work: Any) -> tuple[float, Any]:
 
 _TEXT = """\
 For a tolerance `effects = "auto"` leaves out effects whose bounds together stay below it: bounds over the whole
-recording, and over all seeds but one in a hundred thousand of what is random. Effects that the scene does not name
-count at typical strength. Errors are found over the whole recording and three seeds, against all effects on, relative to the
+recording, and over all seeds but one in a million of what is random. Effects that the scene does not name count at
+typical strength. Errors are found over the whole recording and three seeds, against all effects on, relative to the
 ideal skin's peak.
 
 | scene | tolerance | error found | its bound | time of a frame | left out |

@@ -1,6 +1,7 @@
 """What a scene says about itself."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,17 +10,21 @@ from click.testing import CliRunner
 from tactile.cli.explain import explain as command
 from tactile.cli.group import main
 from tactile.core.frame import TaxelArray
+from tactile.simulator.batch import Batch
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effects import ORDER
 from tactile.simulator.effects.dead_taxels import DeadTaxels
+from tactile.simulator.effects.drift import Drift
+from tactile.simulator.effects.finite_tip import FiniteTip
 from tactile.simulator.effects.motor_noise import MotorNoise
 from tactile.simulator.effects.poisson_ratio import PoissonRatio
 from tactile.simulator.effects.quantisation import Quantisation
 from tactile.simulator.effects.read_noise import ReadNoise
-from tactile.simulator.scene.estimate import Sample
+from tactile.simulator.scene.estimate import Sample, sizes_in
 from tactile.simulator.scene.explain import explain, explain_file
 from tactile.simulator.scene.file import read_scene
 from tactile.simulator.scene.scene import Scene
+from tactile.simulator.seen import Seen
 from tests.kits.paths import ROOT, SCENES
 from tests.kits.touch.random_scenes import error, error_of_seeds, needle
 
@@ -33,11 +38,14 @@ def test_a_sample_of_a_long_scene_reaches_over_all_of_it() -> None:
 def test_sizes_are_those_in_this_scene() -> None:
     # of what is fixed: what taking it away or adding it changes, the others as they are
     scene = read_scene(SCENES / "needle.toml")
-    sizes = {part.name: part.size for part in explain(scene).parts}
+    parts = {part.name: part for part in explain(scene).parts}
+    sizes = {name: part.size for name, part in parts.items()}
     for name in ("poisson_ratio", "finite_tip"):
-        without = scene.with_effects([one for one in scene.effects if one[0] != name])
-        # to a step of the converter, for vibration makes other forces of other frames
-        assert sizes[name] == pytest.approx(error(without, scene), rel=0.1, abs=1.2e-3), name
+        change = error(scene.with_effects([one for one in scene.effects if one[0] != name]), scene)
+        if parts[name].at_most:  # what it does is a few steps of the converter
+            assert change <= sizes[name] <= change + 1.5e-3, name
+        else:
+            assert sizes[name] == pytest.approx(change, rel=1e-6), name
     # 0.093 under a point load on point taxels; the area feels the tip, not the point and a correction in its middle
     assert sizes["strain_nonlinearity"] == pytest.approx(0.019, abs=0.002)
 
@@ -53,11 +61,52 @@ def test_the_size_of_what_is_random_is_a_bound_over_seeds() -> None:
     assert most <= sizes["read_noise"] <= 1.6 * most
 
 
+def test_the_bound_of_drift_holds_for_a_rare_seed_too() -> None:
+    # of two thousand seeds the one whose zero wanders farthest: 5.1 standard deviations of its end
+    effect = Drift(0.02, 0.04)
+    frames, chip = 50, TaxelArray("a", 2, 2, 1e-3, 1e-3)
+    times, still = np.arange(frames) / 10, np.zeros((frames, 2, 2, 3))
+    given = Batch(chip, 1.0, 1.0, times, np.arange(frames), still, np.ones(still.shape[:3], bool))
+    (drifted,) = effect([given], np.random.default_rng(755))
+    seen = Seen(chip, 1.0, 1.0, 10.0, frames, 1.0, (-1.0, 1.0), 0.0)
+    farthest = np.abs(drifted.values).max()
+    assert farthest > 5 * np.hypot(0.02 * 4.9, 0.04 * np.sqrt(4.9))
+    assert farthest <= effect.reach(seen) <= 1.2 * farthest
+
+
 def test_a_bound_of_what_is_random_counts_the_steps_of_the_converter_behind_it() -> None:
     # 8 bits: a change below a step may become one
     coarse = ("quantisation", Quantisation(8, 1.5)), ("motor_noise", MotorNoise(1e-3))
     told = {part.name: part.size for part in explain(needle(*coarse)).parts}
     assert error_of_seeds(needle(coarse[0]), needle(*coarse), range(8)) <= told["motor_noise"]
+
+
+def test_a_fixed_effect_before_a_coarse_converter_is_told_by_a_bound() -> None:
+    # smaller than a step of the converter, which noise lets some readings cross: none with one seed, one with another
+    coarse = ("read_noise", ReadNoise(2e-3)), ("quantisation", Quantisation(8, 1.5))
+    scene, nearly = needle(*coarse), ("poisson_ratio", PoissonRatio(0.49995))
+    (told,) = (part for part in explain(needle(nearly, *coarse)).parts if part.name == "poisson_ratio")
+    step = 1.5 * 0.15 / 128 / Sample(scene).peak
+    changes = [error_of_seeds(scene, needle(nearly, *coarse), [seed]) for seed in range(8)]
+    assert min(changes) == 0
+    assert max(changes) == pytest.approx(step)
+    assert told.at_most
+    assert step <= told.size <= 1.1 * step
+    fine = explain(needle(("poisson_ratio", PoissonRatio(0.4)), ("quantisation", Quantisation(16, 1.5)))).parts
+    assert not {part.name: part.at_most for part in fine}["poisson_ratio"]
+
+
+@pytest.mark.parametrize("frames", (100, 9000))
+def test_what_an_effect_does_for_a_moment_counts(frames: int) -> None:
+    # a tap of three frames, which are not among 64 evenly spread ones nor among 4096
+    at = (frames // 3 + 1) / 100
+    light, hard = (0, 0, 0, 0, 1e-4), (0, 0, 0, 0, 0.02)
+    path = np.array([(0.0, *light), (at - 0.01, *light), (at, *hard), (at + 0.01, *light), (frames / 100, *light)])
+    scene = replace(needle(duration=frames / 100), loads=(MovingLoad(0, path),)).with_effects(())
+    tip = ("finite_tip", FiniteTip(1e-4))
+    size = sizes_in(scene, [tip])["finite_tip"]
+    assert size.change == pytest.approx(error(scene, scene.with_effects([tip])), rel=1e-6)
+    assert not size.at_most
 
 
 def test_an_explanation_names_every_part() -> None:

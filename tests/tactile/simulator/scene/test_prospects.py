@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tactile.core.frame import TaxelArray
+from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.effects.adhesion import Adhesion
@@ -18,6 +19,7 @@ from tactile.simulator.effects.taxel_area import TaxelArea
 from tactile.simulator.field import Field
 from tactile.simulator.scene.auto_effects import all_effects, choose
 from tactile.simulator.scene.effect_bounds import EffectBounds
+from tactile.simulator.scene.forces import sinks_in
 from tactile.simulator.scene.prospects import may_pay
 from tactile.simulator.scene.scene import Scene
 from tests.kits.touch.random_scenes import error, everything, needle
@@ -46,6 +48,30 @@ def test_where_little_can_be_saved_nothing_is_computed(monkeypatch: pytest.Monke
         assert choice.off == frozenset()
         assert choice.bound == 0
     assert computed[0] == 0
+
+
+@pytest.mark.parametrize("force", np.geomspace(1e-6, 100, 5))
+@pytest.mark.parametrize("shape", ("needle", "sphere", "flat_punch"))
+def test_how_deep_a_body_sinks_in_is_bounded(shape: Any, force: float) -> None:
+    body, medium = Indenter(shape, 2e-4), Medium(2.4e6)
+    contact = MovingContact(0, body, [(0.0, 0, 0, 0, 0, force)])
+    deep = float(body.indentation(np.array([force]), medium)[0])
+    assert (1 - 1e-12) * deep <= sinks_in(contact, medium, 1e-3) <= 1.3 * deep
+
+
+def test_effects_behind_the_field_are_not_asked_where_they_cannot_decide(monkeypatch: pytest.MonkeyPatch) -> None:
+    def asked(*_given: Any) -> float:
+        raise AssertionError
+
+    scene = needle().with_effects(())
+    effects = all_effects(scene)
+    for _, effect in effects:
+        if hasattr(effect, "reach"):
+            monkeypatch.setattr(type(effect), "reach", asked)
+    assert not may_pay(scene, effects, 0.02)
+    long = replace(scene, rate=1e4, arrays=(TaxelArray("pad", 8, 8, 4e-4, 2e-4),))
+    with pytest.raises(AssertionError):
+        may_pay(long, effects, 1e-6)
 
 
 def test_a_dear_effect_that_is_small_is_left_out_where_bodies_press_for_few_frames() -> None:
