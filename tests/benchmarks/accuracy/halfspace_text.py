@@ -7,6 +7,9 @@ import numpy as np
 
 from tests.benchmarks.accuracy.rounds import first_below
 
+BY_ACCURACY = "by accuracy"
+"""The way of the rows about the accuracy of a scene."""
+
 
 def worst_sum(rows: list[dict[str, Any]]) -> float:
     """The largest error of the ways to sum in float64."""
@@ -35,11 +38,11 @@ time of float64 there (median); a scene takes float64 unless it asks for less.
 pressure has a vertical slope at the rim; squares are no better than points once cells are smaller than the depth. A
 circle in closed form is exact and costs {circle:.2g} x what {cells} cells a side cost, the fewest that reach 1e-3.
 
-**Circles by accuracy.** A sphere with shear that moves over 8 x 8 taxels: circles come from tables as fine as
-the accuracy of the scene asks for (1e-4 of the peak unless it says), and by quadrature at 0, in {slow:.3g} us a frame:
+**Circles by accuracy.** A disc and a sphere with friction 0.6 that move over 8 x 8 taxels, sheared: circles come from
+tables as fine as the accuracy of the scene asks for (1e-4 of the peak unless it says), and are the finest there are at
+0. Time of a frame, how many times faster than the finest that is, and the error found:
 
-| accuracy | error found | time of a frame |
-|---|---|---|
+| contact and cover | {accuracies} |
 {circles}
 
 **Layer.** What a bonded layer adds is an integral over waves that fall off exponentially: {waves:g} Gauss points
@@ -61,15 +64,28 @@ def text(rows: list[dict[str, Any]], sums: Sequence[int]) -> str:
     enough = costs(rows, "Hertz contact, a = z", "cells a side, as points")[1e-3]
     reached = [row["seconds"] for row in disc if row["way"].endswith("as points") and row["size"] == enough]
     layer = [row for row in rows if row["family"].startswith("layer")]
-    sphere = [row for row in rows if row["family"].startswith("sphere")]
+    circles = [row for row in rows if row["way"] == BY_ACCURACY]
+    one = len({row["size"] for row in circles})
+    starts = range(0, len(circles), one)
     time = {(row["way"], row["size"]): row["seconds"] for row in rows if row["family"] == "sums"}
     single = float(np.median([time["NumPy, float32", n] / time["NumPy, float64", n] for n in sums]))
     return _TEXT.format(
-        single=single, slow=sphere[0]["seconds"] * 1e6,
-        circles="\n".join(f"| {r['size']:g} | {r['error']:.0e} | {r['seconds'] * 1e6:.3g} us |" for r in sphere[1:]),
+        single=single,
+        accuracies=" | ".join(f"{r['size']:g}" if r["size"] else "finest" for r in circles[:one]),
+        circles="\n".join(["|---" * (one + 1) + "|", *(_by_accuracy(circles[k : k + one]) for k in starts)]),
         ways=" | ".join(ways), table="\n".join(lines), cells=f"{enough:g}", circle=disc[-1]["seconds"] / reached[0],
         waves=costs(rows, "layer of 2 z", "Gauss")[1e-6], spline=layer[-1]["error"],
     )  # fmt: skip
+
+
+def _by_accuracy(rows: list[dict[str, Any]]) -> str:
+    """A contact's line of the table, the finest first."""
+    finest, *others = rows
+    slow = finest["seconds"]
+    cells = [
+        f"{row['seconds'] * 1e6:.3g} us, {slow / row['seconds']:.3g} x faster, {row['error']:.0e}" for row in others
+    ]
+    return f"| {finest['family']} | {slow * 1e6:.3g} us | " + " | ".join(cells) + " |"
 
 
 def draw(figure: Any, rows: list[dict[str, Any]]) -> None:
