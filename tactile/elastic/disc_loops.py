@@ -13,7 +13,8 @@ from tactile.elastic.medium import Medium
 
 TORQUE = COLUMNS
 SERIAL_BELOW = 40_000
-"""Fewer pairs than this are done before the threads have woken up, or soon after; on a busy machine they wait long."""
+"""Fewer pairs than this take 1.4 ms on one thread at most and 0.75 ms on two; loading the parallel loop costs a command
+a quarter of a second, and on a busy machine the threads wait long."""
 
 
 def add_discs(out: Floats, positions: Floats, depth: float, loads: Floats, radii: Floats, table: DiscTable,
