@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from cnnsim.support import Floats, InputError
+from cnnsim.support import Flags, Floats, InputError
 from tactile.calibration.gains import Gains
 from tactile.calibration.tare_check import PARTS, TareCheck, check_tare
 from tactile.calibration.taxel_gains import TaxelGains
@@ -23,13 +23,20 @@ STRETCHES = 4
 """Still: the means of so many parts of a block agree."""
 IDLE = "idle"
 """Why an offset was renewed that nobody asked for."""
+SLOWLY = "given back to a slow touch"
+"""Why an offset is what it was some time before."""
 CURE = "let nothing touch it, then ask for a tare"
 MUCH = 4.0
 """Half of the taxels may wander on their own; one that is pressed meanwhile by up to so many times as much."""
 AFTER = 0.1
 """[s] after a contact from which no frame is used: silicone creeps back."""
+LEAST, COMMON = 0.25, 0.5
+"""What all drift by: the quantile of their pressing, at most so many dead bands of it a second; a touch presses some
+more than others."""
+ALONE, UNLIKE = 0.02, 0.5
+"""Dead bands of pressing a second that a taxel drifts alone, and part of what all drift by that is its own."""
 FASTEST, FARTHEST = 1.5, 10.0
-"""Dead bands of pressing a second that drift goes at most, and dead bands in all."""
+"""Dead bands of pressing a second that drift goes at most during a contact, and dead bands in all."""
 WANDER = 7.0
 """Times the jitter of a taxel that its mean may wander in a block and still be called still."""
 
@@ -58,9 +65,11 @@ class LiveTare:
     meanwhile by four times that. One whose silicone creeps back, or that wanders sideways, costs itself alone: it is
     too noisy to be used.
     Unloaded: the block's mean is within half a dead band (or three sigma) of the offset. The first one only has to be
-    still and press no more than the first frames did, since there is nothing yet to tell a load by. A load that grows
-    by less than half a dead band per block, the slowest of all, is taken for drift, unless a contact was told of: a
-    block with any of one in it, or that begins soon after, is neither taken nor learned from, however weak the load.
+    still and press no more than the first frames did, since there is nothing yet to tell a load by. A block with
+    any contact that was told of in it, or that begins soon after, is neither taken nor learned from, however weak.
+    Idle, the offset of pressing follows what the lower quartile of the taxels moves by, `COMMON` at most, and on each
+    `ALONE` beside that and `UNLIKE` of it: a touch that presses alike on all taxels and slower is taken for drift. Once
+    a slow touch is told of, what was followed since one taxel rose above the others is given back to it.
 
     Until there is an offset no taxel is valid, except in mode "off", where there is none and only the ``noise`` is
     measured; "manual" renews on request only; a number takes just the first so many frames, whatever is in them.
@@ -90,13 +99,18 @@ class LiveTare:
         self._offset: Floats | None = np.zeros((*array.shape, 3)) if self._mode == "off" else None
         self._asked = self._forced = self._said_negative = False
         self._start: Floats | None = None
+        self._before: Floats | None = None  # offset when a taxel began to rise faster than drift goes
         self._block: list[Floats] = []
         self._since = 0.0
         self._touched = self._renewed = -np.inf
 
     def touched(self, t: float) -> None:
-        """Take note that something is in contact at ``t`` [s]."""
-        self._touched = t
+        """Take note that something is in contact at ``t`` [s]: what was followed since one taxel rose is its load."""
+        if t - self._touched > AFTER and self._before is not None and self._offset is not None:
+            self._offset = self._offset.copy()
+            self._offset[..., NORMAL] = self._before[..., NORMAL]
+            self.notes.append(TareNote(self._finger, t, SLOWLY, self._offset))
+        self._touched, self._before = t, None
 
     def ask(self, force: bool = False) -> None:
         """Renew the offset from the next block, if that is unloaded, or by ``force`` whatever is in it."""
@@ -164,8 +178,12 @@ class LiveTare:
         if not forced and (not still or loaded):
             self._refuse(t, away if away is not None else mean - self._start, still, first or asked, float(far.max()))
         elif first or asked or self._mode == "auto":
-            # a taxel that was silent during this block keeps what it had
-            self._offset = mean if self._offset is None else np.where(np.isfinite(mean), mean, self._offset)
+            if self._offset is not None and away is not None:
+                if not (forced or asked) and self._touched <= self._renewed:
+                    mean = self._offset + self._followed(away, known, noise.sigma, t - self._renewed)
+                # a taxel that was silent during this block keeps what it had
+                mean = np.where(np.isfinite(mean), mean, self._offset)
+            self._offset = mean
             self._renewed = t
             self._said_negative = False
             why = "at the start" if first else "by force" if forced else "on request" if asked else IDLE
@@ -174,6 +192,18 @@ class LiveTare:
             check = self._check(block, t) if first or asked else None
             detail = "" if check is None else "; ".join([_taken(check), *(noise.words() if still else [])])
             self.notes.append(TareNote(self._finger, t, why, self._offset, detail, check if first else None))
+
+    def _followed(self, away: Floats, known: Flags, sigma: Floats, seconds: float) -> Floats:
+        """Return how far the offset goes: pressing as fast as drift is alike on all taxels, and on one beside them."""
+        limit, press = np.abs(self._limit)[..., NORMAL] * seconds, away[..., NORMAL]
+        common = np.clip(np.nanquantile(press[known], LEAST) if known.any() else 0.0, -COMMON * limit, COMMON * limit)
+        own, left = ALONE * limit + UNLIKE * np.abs(common), press - common
+        if not (self._inward * left > own + sigma[..., NORMAL])[known].any():
+            self._before = None
+        elif self._before is None:
+            self._before = self._offset
+        away[..., NORMAL] = common + np.clip(left, -own, own)
+        return away
 
     def _drifted(self) -> Floats:
         """Return how far drift may have gone since the last offset: where a contact was meanwhile, and is over."""

@@ -22,10 +22,10 @@ def follow(values, fast, use, off, on, most, fastest, dt, contact, common, base,
     A taxel is unpressed while its mean ``fast``, which is less both already, is below its level ``on`` of pressing; for
     ``common`` in a ``contact`` below ``off``, above which one that was pressed still is.
     ``common`` goes towards where most of them are (a mean in which none counts for more than ``fastest`` (3,) [1/s]
-    times `TOGETHER`), so no faster than ``fastest``. A component of the base is followed while it is below its level,
-    too, and, in a ``contact``, the level of pressing is little beside what a pressed taxel bears: in a light one
-    nothing is. What comes faster than a level in `FOLLOWS` stays, and so does what is more than ``most`` (3,)
-    in all. With ``dt`` 0 [s] nothing moves.
+    times `TOGETHER`), so no faster than ``fastest``. A component of the base, of pressing in a ``contact`` alone, is
+    followed while it is below its level, too, and, in a contact, the level of pressing is little beside what a pressed
+    taxel bears: in a light one nothing is. What comes faster than a level in `FOLLOWS` stays, and so does what is more
+    than ``most`` (3,) in all. With ``dt`` 0 [s] nothing moves.
     """
     rows, cols = use.shape
     part, together = 1 - math.exp(-dt / FOLLOWS), 1 - math.exp(-dt / TOGETHER)
@@ -54,6 +54,7 @@ def follow(values, fast, use, off, on, most, fastest, dt, contact, common, base,
         for j in range(cols):
             moves = part > 0 and use[i, j] and fast[i, j, 2] < on[i, j, 2] and (on[i, j, 2] < least or not contact)
             for k in range(3):
-                if moves and abs(fast[i, j, k]) < on[i, j, k]:
+                # what presses one taxel more than the others while nothing is told of may be a slow touch
+                if moves and (contact or k < 2) and abs(fast[i, j, k]) < on[i, j, k]:
                     base[i, j, k] = min(max(base[i, j, k] + part * fast[i, j, k], -most[k]), most[k])
                 out[i, j, k] = values[i, j, k] - common[k] - base[i, j, k]

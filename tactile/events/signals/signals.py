@@ -43,8 +43,9 @@ LEVELS = (
 )
 DRIFT = 10.0
 """Dead bands that drift of an unpressed taxel may reach: 1 N of shear, 0.5 N of pressing."""
-FASTEST = 1.5
-"""Dead bands of pressing a second that drift of all taxels is fast at most: 75 mN/s."""
+COMMON, FASTEST = 0.5, 1.5
+"""Dead bands of pressing a second that drift of all taxels is fast at most, 25 mN/s, and during a contact 75: one that
+comes so slowly looks the same."""
 RISING, DROPPING = LEVELS.index("rising"), LEVELS.index("dropping")
 TURNING, BALANCED = LEVELS.index("turning"), LEVELS.index("balanced")
 HELD_LOAD = 3
@@ -103,7 +104,7 @@ class Signals:
         self._follow, self._base, self._common = follow, np.zeros((*shape, 3)), np.zeros(3)
         self._less = np.zeros((*shape, 3))
         self._most = DRIFT * np.array([SHEAR[quantity].dead_band] * 2 + [CONTACT[quantity].dead_band])
-        self._fastest = np.full(3, FASTEST * CONTACT[quantity].dead_band)
+        self._fastest = np.outer((COMMON, FASTEST), np.full(3, CONTACT[quantity].dead_band))
         self.planes = np.zeros((len(PLANES), *shape))
         self.levels = np.zeros(len(LEVELS))
         self.force = 0.0
@@ -143,8 +144,8 @@ class Signals:
         if self._shares:
             dt = max(frame.t - self._t, 0.0) if self._t is not None else 0.0
             self._follow(
-                values, self._fast, use, levels.off, levels.on, self._most, self._fastest, dt, contact, self._common,
-                self._base, self._less,
+                values, self._fast, use, levels.off, levels.on, self._most, self._fastest[int(contact)], dt, contact,
+                self._common, self._base, self._less,
             )  # fmt: skip
             values = self._less
             if not contact:
@@ -170,7 +171,7 @@ class Signals:
                 values, self._fast, use, self._quiet[2], self._quiet[0], self._quiet[1], dt, self._interval,
                 self._taus, self._growth, self.levels[RISING] > 0.25, self.planes, self.levels,
             )  # fmt: skip
-            most = min(self._fastest[0] * (t - self._begun), self._most[2])
+            most = min(self._fastest[1, 0] * (t - self._begun), self._most[2])
             alike = self._flat(self._fast, self._held, use, 1 - exp(-dt / LOAD[HELD_LOAD]), most)
             if alike > 0:
                 self.levels[LARGE] = self._binary(

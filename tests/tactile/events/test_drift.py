@@ -105,3 +105,35 @@ def test_a_grip_on_all_taxels_that_all_drift_upwards_has_one_contact_and_a_relea
     told = [event for event in log.events if event.kind in ("contact", "release")]
     assert [event.kind for event in told] == ["contact", "release"]
     assert [event.t for event in told] == [pytest.approx(0.5, abs=0.03), pytest.approx(5.0, abs=0.05)]
+
+
+def slow(pattern: np.ndarray, rate: float, top: float) -> tuple[EventLog, float]:
+    """Events of a press at ``rate`` [N/s] to ``top`` [N], held for 5 s, and the load [N] in the middle of the hold."""
+    rng, array = np.random.default_rng(3), TaxelArray("pad", len(pattern), len(pattern), 4e-3, 0.0, quantity="force")
+    t = np.arange(0.0, 1.0 + top / rate + 5.0, 0.01)
+    values = np.array([1.1e-3, 1.1e-3, 3.6e-3]) * rng.standard_normal((len(t), *pattern.shape, 3))
+    values[..., 2] += np.minimum(rate * np.maximum(t - 1.0, 0.0), top)[:, None, None] * pattern / pattern.sum()
+    every = np.ones(pattern.shape, bool)
+    frames = [Frame(0, float(t[n]), n, one, every) for n, one in enumerate(values)]
+    log, loads = EventLog(), list[float]()
+    stream = FrameStream("", (array,), None, len(t), frames, Provenance(untared=True))
+    run(
+        stream,
+        Settings(tare="auto"),
+        [lambda report: log.add(report.events, report.ended), lambda report: loads.append(report.load.F)],
+    )
+    return log, float(np.median(loads[-300:]))
+
+
+@pytest.mark.parametrize("rate", [0.1, 0.3])
+def test_a_touch_that_comes_slowly_is_told_and_has_its_newtons(rate: float) -> None:
+    log, load = slow(np.array([[2.0, 7.0, 2.0], [5.0, 20.0, 5.0], [1.0, 6.0, 1.0]]), rate, 1.0)
+    (contact,) = (event for event in log.events if event.kind == "contact")
+    assert contact.end is None
+    assert load == pytest.approx(1.0, abs=0.05)
+
+
+def test_what_grows_alike_on_all_taxels_and_slowly_is_drift() -> None:
+    log, load = slow(np.array([[0.8, 1.2], [1.1, 0.9]]), 0.06, 0.6)
+    assert not log.events
+    assert load == pytest.approx(0.0, abs=0.05)
