@@ -67,9 +67,9 @@ class LiveTare:
     Unloaded: the block's mean is within half a dead band (or three sigma) of the offset. The first one only has to be
     still and press no more than the first frames did, since there is nothing yet to tell a load by. A block with
     any contact that was told of in it, or that begins soon after, is neither taken nor learned from, however weak.
-    Idle, the offset of pressing follows what the lower quartile of the taxels moves by, `COMMON` at most, and on each
-    `ALONE` beside that and `UNLIKE` of it: a touch that presses alike on all taxels and slower is taken for drift. Once
-    a slow touch is told of, what was followed since one taxel rose above the others is given back to it.
+    Idle, the offset of pressing of force taxels follows what the lower quartile of them moves by, `COMMON` at most, and
+    on each `ALONE` beside that and `UNLIKE` of it: a touch that presses alike on all and slower is taken for drift.
+    Once a slow touch is told of, what was followed since one taxel rose above the others is given back to it.
 
     Until there is an offset no taxel is valid, except in mode "off", where there is none and only the ``noise`` is
     measured; "manual" renews on request only; a number takes just the first so many frames, whatever is in them.
@@ -166,7 +166,7 @@ class LiveTare:
             loaded = bool((more > MUCH * bound[..., NORMAL]).any())
         else:
             known = np.ones(mean.shape[:2], bool) if self.noise is None else ~self.noise.left_out
-            most = np.maximum(bound, self._drifted())
+            most = np.maximum(bound, self._drifted()) if self._array.quantity == "force" else bound
             loaded = bool((np.abs(away) > most)[known].any()) or self._since - self._touched < AFTER
         if self._mode == "off":
             if still and not loaded:
@@ -179,7 +179,7 @@ class LiveTare:
             self._refuse(t, away if away is not None else mean - self._start, still, first or asked, float(far.max()))
         elif first or asked or self._mode == "auto":
             if self._offset is not None and away is not None:
-                if not (forced or asked) and self._touched <= self._renewed:
+                if self._array.quantity == "force" and not (forced or asked) and self._touched <= self._renewed:
                     mean = self._offset + self._followed(away, known, noise.sigma, t - self._renewed)
                 # a taxel that was silent during this block keeps what it had
                 mean = np.where(np.isfinite(mean), mean, self._offset)
