@@ -8,6 +8,7 @@ import numpy as np
 
 from cnnsim.support import Flags, Floats, InputError
 from tactile.calibration.gains import Gains
+from tactile.calibration.stillness import MUCH, NEWEST, begins, judge
 from tactile.calibration.tare_check import PARTS, TareCheck, check_tare
 from tactile.calibration.taxel_gains import TaxelGains
 from tactile.core.frame import NORMAL, Frame, TaxelArray
@@ -19,15 +20,13 @@ SECONDS = 0.2
 """[s] of frames that are judged together, ..."""
 FRAMES = 20
 """... and at least so many."""
-STRETCHES = 4
-"""Still: the means of so many parts of a block agree."""
+SHORT = 0.05
+"""[s] of frames that do for the first tare where a load comes sooner: less than the noise of a hand is not known by."""
 IDLE = "idle"
 """Why an offset was renewed that nobody asked for."""
 SLOWLY = "given back to a slow touch"
 """Why an offset is what it was some time before."""
 CURE = "let nothing touch it, then ask for a tare"
-MUCH = 4.0
-"""Half of the taxels may wander on their own; one that is pressed meanwhile by up to so many times as much."""
 AFTER = 0.1
 """[s] after a contact from which no frame is used: silicone creeps back."""
 LEAST, COMMON = 0.25, 0.5
@@ -37,8 +36,6 @@ ALONE, UNLIKE = 0.02, 0.5
 """Dead bands of pressing a second that a taxel drifts alone, and part of what all drift by that is its own."""
 FASTEST, FARTHEST = 1.5, 10.0
 """Dead bands of pressing a second that drift goes at most during a contact, and dead bands in all."""
-WANDER = 7.0
-"""Times the jitter of a taxel that its mean may wander in a block and still be called still."""
 
 
 @dataclass(frozen=True)
@@ -134,6 +131,8 @@ class LiveTare:
             self._block = []
             if counted:  # the frames that were averaged are not to be used
                 return replace(frame, valid=np.zeros_like(frame.valid))
+        elif self._offset is None and not counted and self._comes_early(frame.t):
+            self._end_first(frame.t)
         if self._offset is None:
             return replace(frame, valid=np.zeros_like(frame.valid))
         if self._mode == "off":
@@ -144,26 +143,39 @@ class LiveTare:
             valid = valid & finite.all(-1)
         return Frame(frame.finger, frame.t, frame.sequence, tared, valid, frame.t_device)
 
+    def _end_first(self, t: float) -> None:
+        """Take the first offset of the frames before a load that comes too soon, if they were still."""
+        block = self._block
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)
+            before = np.array(block[: -2 * NEWEST])
+            before = np.where(np.isfinite(before), before, np.nan)
+            if judge(before, measured(before), self._limit, self._inward).still:
+                self._end_block(t, before)
+                self._block = []
+
+    def _comes_early(self, t: float) -> bool:
+        many = len(self._block) - 2 * NEWEST
+        if many < FRAMES or many % NEWEST or t - self._since < SHORT:
+            return False
+        return begins(self._block, self._limit, self._inward)
+
     def _full(self, t: float) -> bool:
         return len(self._block) >= FRAMES and t - self._since >= self._seconds
 
     def _end_block(self, t: float, block: Floats) -> None:
         mean, noise = np.nanmean(block, axis=0), measured(block)
-        parts = np.array([np.nanmean(part, axis=0) for part in np.array_split(block, STRETCHES)])
-        wander = parts.max(axis=0) - parts.min(axis=0)
-        # one without readings is still; taxels with slow noise of their own are not an array that moves
-        least = np.maximum(self._limit / 2, WANDER * noise.jitter)
-        far = wander / least
-        pressed = (self._inward * (parts - parts[0])[..., NORMAL]).max(axis=0) > least[..., NORMAL]
-        touched = pressed & (far > MUCH).any(-1)
-        still = 2 * (far > 1).any(-1).sum() <= max(far.shape[0] * far.shape[1], 2) and not touched.any()
+        what = judge(block, noise, self._limit, self._inward)
+        still = what.still
         if self._start is None:
-            self._start = parts[0]
+            self._start = what.first
         away = None if self._offset is None else mean - self._offset
         bound = np.maximum(self._limit / 2, 3 * noise.sigma / np.sqrt(FRAMES / 4))
         if away is None:  # a later block is loaded where it presses more than the first frames did
             more = self._inward * (mean - self._start)[..., NORMAL]
-            loaded = bool((more > MUCH * bound[..., NORMAL]).any())
+            # what its own noise is cannot be asked of a block in which a load came to rest
+            slack = np.maximum(self._limit / 2, 3 * what.within)[..., NORMAL]
+            loaded = bool((more > MUCH * slack).any())
         else:
             known = np.ones(mean.shape[:2], bool) if self.noise is None else ~self.noise.left_out
             most = np.maximum(bound, self._drifted()) if self._array.quantity == "force" else bound
@@ -176,7 +188,7 @@ class LiveTare:
         forced = forced or bool(self._frames and first)
         self._asked = self._forced = False
         if not forced and (not still or loaded):
-            self._refuse(t, away if away is not None else mean - self._start, still, first or asked, float(far.max()))
+            self._refuse(t, away if away is not None else mean - self._start, still, first or asked, what.far)
         elif first or asked or self._mode == "auto":
             if self._offset is not None and away is not None:
                 if self._array.quantity == "force" and not (forced or asked) and self._touched <= self._renewed:

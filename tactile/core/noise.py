@@ -99,6 +99,12 @@ def measured(block: Floats) -> Noise:
     return Noise(np.maximum(sigma, typical * 2 / 3), np.maximum(jitter, calm), dead, typical)
 
 
+def spread(block: Floats) -> Floats:
+    """Return the robust standard deviation over the frames (n, ...), about their median; 0 where nothing was read."""
+    series = np.ascontiguousarray(np.moveaxis(block, 0, -1))
+    return _spread(series - _median(series)[..., None])
+
+
 def _spread(series: Floats) -> Floats:
     spread: Floats = np.nan_to_num(_median(np.abs(series, out=series))) / NORMAL_MAD
     return spread

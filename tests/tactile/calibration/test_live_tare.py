@@ -142,3 +142,54 @@ def test_readings_that_are_infinite_make_no_offset_and_no_warning() -> None:
     assert not frames[-1].valid[2, 2]
     assert tare.notes[0].offset is not None
     assert not np.isinf(tare.notes[0].offset).any()
+
+
+def slow_noise(rng: np.random.Generator, frames: int, sigma: float) -> np.ndarray:
+    """Noise that goes on for about 25 frames, with next to no jitter."""
+    white = rng.standard_normal((frames + 200, 3, 3, 3))
+    weight = np.exp(-np.arange(200) / 25)
+    smooth = np.apply_along_axis(np.convolve, 0, white, weight / np.linalg.norm(weight), "valid")[:frames]
+    return np.asarray(sigma * (smooth + 0.05 * rng.standard_normal(smooth.shape)))
+
+
+def at_500_hz(tare: LiveTare, values: np.ndarray) -> list[Frame]:
+    return [tare(Frame(0, 0.002 * n, n, v, np.ones(v.shape[:2], bool))) for n, v in enumerate(values)]
+
+
+@pytest.mark.parametrize("scale", [0.25, 1.0, 4.0, 16.0])
+def test_slow_noise_of_any_size_is_neither_motion_nor_load_and_a_load_of_that_scale_is(scale: float) -> None:
+    taken = 0
+    for seed in range(12):
+        values = slow_noise(np.random.default_rng(seed), 101, 0.01 * scale)
+        tare = LiveTare(0, PAD)
+        at_500_hz(tare, values)
+        taken += tare.notes[0].why == "at the start"
+        values[:, 1, 1:, 2] += scale * np.linspace(0, 2, 101)[:, None]  # a load that grows on two taxels of nine
+        tare = LiveTare(0, PAD)
+        at_500_hz(tare, values)
+        assert tare.notes[0].why in {"refused: moving", "at the start"}
+        if tare.notes[0].offset is not None:  # of the frames before the load could be told
+            assert np.abs(tare.notes[0].offset[1, 1:, 2]).max() < 0.6 * scale
+    assert taken >= 11
+
+
+@pytest.mark.parametrize("onset", [0.08, 0.12, 0.17])
+def test_a_load_that_comes_soon_leaves_the_frames_before_it_to_the_tare(onset: float) -> None:
+    rng = np.random.default_rng(5)
+    t = 0.002 * np.arange(300)
+    values = 0.003 * rng.standard_normal((300, 3, 3, 3)) + 0.4
+    values[..., 2] += np.clip((t - onset) / 0.05, 0, 1)[:, None, None]
+    tare = LiveTare(0, PAD)
+    frames = at_500_hz(tare, values)
+    assert tare.notes[0].why == "at the start"
+    assert tare.notes[0].t < onset + 0.025
+    assert np.abs(frames[-1].values - np.array([0, 0, 1.0])).max() < 0.02
+
+
+def test_a_load_that_comes_to_rest_in_a_block_is_not_taken_for_noise_of_it() -> None:
+    """It overshoots and sinks by half: that is noise of no array."""
+    tare = LiveTare(0, PAD)
+    values = noise(2e-3, 63)
+    values[:, :2, :2, 2] += np.interp(np.arange(63), [8, 20, 21, 41], [0, 3, 3, 1.4])[:, None, None]
+    fed(tare, values)
+    assert {note.why for note in tare.notes} <= {"refused: moving", "refused: loaded"}
