@@ -36,8 +36,8 @@ LEAST_CELLS = 4096
 POLL = 1e-4
 """Seconds between two looks whether a kernel's first launch is over."""
 
-POOLED = 3
-"""Buffers kept for the next transient: its drive, and the two states between which steps go."""
+POOLED = 4
+"""Buffers kept for the next transient (its drive, and the two states between which steps go) or the next loads."""
 
 
 _CONTEXTS: list["DeviceContext"] = []

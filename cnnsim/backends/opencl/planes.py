@@ -75,9 +75,11 @@ def words_of(cols: int) -> int:
 
 
 def new_plane(context: DeviceContext, shape: tuple[int, ...], memory: Memory) -> DevicePlane:
-    """Return a plane that holds anything."""
+    """Return a plane that holds anything, in memory that comes back when nobody has the plane any more."""
     row = shape[-1] * context.dtype.itemsize if memory == "lam" else words_of(shape[-1]) * 8
-    return DevicePlane(context.buffer(math.prod(shape[:-1]) * row), shape, memory)
+    plane = DevicePlane(context.buffer(math.prod(shape[:-1]) * row), shape, memory)
+    context.lend(plane, plane.buffer)
+    return plane
 
 
 def launch(context: DeviceContext, name: str, work: int, *arguments: Any) -> int:

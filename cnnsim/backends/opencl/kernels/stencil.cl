@@ -49,7 +49,12 @@ static inline real neighbour_at(__global const real *grid, int i, int j, int row
 #define EACH_CELL(DO)                                                                                   \
     EACH(each, lines) {                                                                                 \
         const long line = first + each;                                                                 \
-        const int i = (int)(line % rows), inner = INNER;                                                \
+        const int i = (int)(line % rows);                                                               \
+        CELLS_OF_LINE(DO)                                                                               \
+    }
+#define CELLS_OF_LINE(DO)                                                                               \
+    {                                                                                                   \
+        const int inner = INNER;                                                                        \
         int j = 0;                                                                                      \
         for (; j < (inner ? min(radius, cols) : cols); j++) { const long cell = line * cols + j; DO(real) } \
         for (; inner && j + V <= cols - radius; j += V) { const long cell = line * cols + j; DO(vec) }  \
@@ -83,6 +88,30 @@ KERNEL void control(__global const real *u, __global const real *bias, __global 
 }
 
 #elif defined(CLOSED)
+#if V > 1
+// Rows that are driven at once: each row of the input is loaded for three of them.
+#define ROWS 4
+
+// Add the taps of three rows to the drives of ROWS vectors below each other, of which the first has the input at `u`.
+typedef struct { real west, here, east; } row_taps;
+
+static inline void add_nine(__global const real *u, int cols, row_taps above, row_taps beside, row_taps below,
+                            vec *drive)
+{
+#define ADD_ROW(to, w) to += (w).west * west; to += (w).here * here; to += (w).east * east;
+    _Pragma("unroll") for (int r = -1; r <= ROWS; r++) {
+        __global const real *row = u + (long)r * cols;
+        const vec here = *(__global const vec *)row;
+        const vec west = *(__global const vec *)(row - 1), east = *(__global const vec *)(row + 1);
+        _Pragma("unroll") for (int q = 0; q < ROWS; q++) {
+            if (r == q - 1) { ADD_ROW(drive[q], above) }
+            if (r == q) { ADD_ROW(drive[q], beside) }
+            if (r == q + 1) { ADD_ROW(drive[q], below) }
+        }
+    }
+}
+#endif
+
 // The end of uncoupled cells at time t or at rest, driven by z + bias + B*u; as a plane of its own the drive would go
 // through memory twice. A part of `partial` is 0 if all these ends are finite numbers, else NaN.
 KERNEL void closed_form(__global const real *x, __global const real *u, __global const real *bias,
@@ -90,21 +119,57 @@ KERNEL void closed_form(__global const real *x, __global const real *u, __global
                         int has_mask, real a, real t, int rest, ARGUMENTS)
 {
     real flaw_real = 0;
-#if V > 1
-    vec flaw_vec = (vec)0;
-#endif
-#define DO_CLOSED(type)                                \
-    type drive = (type)z;                              \
-    if (has_bias) drive += LOAD(type, bias);           \
-    ADD_##type(u, drive)                               \
+#define DO_END(type, drive)                            \
     const type from = LOAD(type, x);                   \
     type to = type##_end(from, drive, a, t, rest);     \
     if (has_mask) { KEEP_##type(to, from) }            \
     flaw_##type += to * (type)0;                       \
     STORE(type, out) = to;
-    EACH_CELL(DO_CLOSED)
+#define DO_CLOSED(type)                                \
+    type total = (type)z;                              \
+    if (has_bias) total += LOAD(type, bias);           \
+    ADD_##type(u, total)                               \
+    DO_END(type, total)
 #if V > 1
+    vec flaw_vec = (vec)0;
+    const int nine = taps > 1 && radius == 1 && cols >= V + 2;
+    real w[9] = {0};
+    for (int tap = 0; nine && tap < taps; tap++) w[3 * places[tap].x + places[tap].y + 4] = weights[tap];
+    const row_taps above = {w[0], w[1], w[2]}, beside = {w[3], w[4], w[5]}, below = {w[6], w[7], w[8]};
+    EACH(each, lines) {
+        const long top = first + each;
+        const int from_row = (int)(top % rows);
+        if (!nine || from_row == 0 || from_row + ROWS >= rows || each + ROWS > each_stop) {
+            const long line = top;
+            const int i = from_row;
+            CELLS_OF_LINE(DO_CLOSED)
+            continue;
+        }
+        // the first and the last vector of a row lie anywhere, over cells of those beside them
+        const int last = cols - 1 - V;
+        for (int j = 1; j <= last; j = j == last ? cols : min(j + V - j % V, last)) {
+            vec drive[ROWS];
+            _Pragma("unroll") for (int q = 0; q < ROWS; q++) {
+                const long cell = (top + q) * cols + j;
+                drive[q] = (vec)z;
+                if (has_bias) drive[q] += LOAD(vec, bias);
+            }
+            add_nine(u + top * cols + j, cols, above, beside, below, drive);
+            _Pragma("unroll") for (int q = 0; q < ROWS; q++) {
+                const long line = top + q, cell = line * cols + j;
+                DO_END(vec, drive[q])
+            }
+        }
+        for (int rim = 0; rim < 2 * ROWS; rim++) {
+            const int i = from_row + rim / 2, j = rim % 2 * (cols - 1);
+            const long line = top + rim / 2, cell = line * cols + j;
+            DO_CLOSED(real)
+        }
+        each += ROWS - 1;
+    }
     for (int v = 0; v < V; v++) flaw_real += flaw_vec[v];
+#else
+    EACH_CELL(DO_CLOSED)
 #endif
     HAND_IN(real, partial, flaw_real)
 }
