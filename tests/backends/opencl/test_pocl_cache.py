@@ -15,7 +15,7 @@ from cnnsim.backends.opencl import pocl_cache  # isort: skip  # skipped where th
 CODE = """
 import numpy as np
 from cnnsim import run
-print(int((run("edge", np.eye(9), backend="opencl", duration=1.0).y > 0).sum()))
+print(int((run("edge", 2 * np.eye(9) - 1, backend="opencl", duration=1.0).y > 0).sum()))
 """
 
 
