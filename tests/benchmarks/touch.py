@@ -123,5 +123,7 @@ def inverse(triad: float, rounds: int) -> list[Row]:
         best = race({"kernel": on_device}, rounds)["kernel"]
         rate = 1e-9 * 28 * n / best
         note = f"{1e3 * best:.1f} ms"
-        rows.append(Row("load inverse, 1e7 taxels", "opencl", rate, "GB/s", ">= 0.5 of triad", {"triad": rate / triad}, note))
+        rows.append(
+            Row("load inverse, 1e7 taxels", "opencl", rate, "GB/s", ">= 0.5 of triad", {"triad": rate / triad}, note)
+        )
     return rows
