@@ -75,6 +75,21 @@ def test_the_planes_that_are_said_are_at_least_those_that_are_there(
         assert said.blocks == (3, 4)
 
 
+def test_memory_of_a_worker_is_that_of_its_backend(tmp_path: Path) -> None:
+    """What terms of the input add to the bias has a plane on OpenCL where there is no time loop, none on the CPU."""
+    text = 'name = "p"\nlam = ["a", "b"]\ninputs = ["a"]\noutputs = ["b"]\n[[step]]\n'
+    program = load(tmp_path, text + 'template = "average-gradient"\ninput = "a"\nto = "b"\n')
+    cpu, opencl = (
+        explain_large(program, (48, 64), Engine(side=16, workers=1), backend=name).worker_bytes
+        for name in ("cpu", "opencl")
+    )
+    assert opencl - cpu == (16 + 2 * 1) ** 2 * 4
+    call = ["explain", str(tmp_path / "p.toml"), "--size", "48x64", "--engine", "processes", "--workers", "1"]
+    for name, needed in (("cpu", cpu), ("opencl", opencl)):
+        told = CliRunner().invoke(main, [*call, "--block", "16", "--backend", name, "--json"])
+        assert json.loads(told.output)["engine"]["worker_bytes"] == needed
+
+
 def test_the_command_says_it() -> None:
     call = ["explain", "programs/skeleton", "--size", "32768x32768", "--engine", "processes", "--workers", "2"]
     told = CliRunner().invoke(main, call)
