@@ -7,7 +7,6 @@ import numpy as np
 from cnnsim.support import Flags, Floats
 from tactile.core.frame import Frame, Quantity
 from tactile.core.noise import Noise
-from tactile.events.code import CONTACT, SHEAR
 from tactile.events.thresholds import Levels
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
@@ -41,11 +40,14 @@ LEVELS = (
     "outweighs",
     "balanced",
 )
-DRIFT = 10.0
-"""Dead bands that drift of an unpressed taxel may reach: 1 N of shear, 0.5 N of pressing."""
-COMMON, FASTEST = 0.5, 1.5
-"""Dead bands of pressing a second that drift of all taxels is fast at most, 25 mN/s, and during a contact 75: one that
-comes so slowly looks the same."""
+DRIFT = np.array([90.0, 90.0, 23.0])
+"""Levels, where comparators go on, that drift of an unpressed taxel may reach: 1 N of shear, 0.5 N of pressing at noise
+of 1.1 and 3.6 mN."""
+COMMON, FASTEST = 1.2, 3.5
+"""Levels of pressing a second that drift of all taxels is fast at most, 25 mN/s at this noise, and during a contact 75:
+one that comes so slowly looks the same."""
+UNKNOWN = np.array([0.011, 0.011, 0.022])
+"""Those levels [N], taken while no noise is known."""
 RISING, DROPPING = LEVELS.index("rising"), LEVELS.index("dropping")
 TURNING, BALANCED = LEVELS.index("turning"), LEVELS.index("balanced")
 HELD_LOAD = 3
@@ -103,8 +105,7 @@ class Signals:
         self._flat, self._held, self._begun = flat, np.zeros(shape), 0.0
         self._follow, self._base, self._common = follow, np.zeros((*shape, 3)), np.zeros(3)
         self._less = np.zeros((*shape, 3))
-        self._most = DRIFT * np.array([SHEAR[quantity].dead_band] * 2 + [CONTACT[quantity].dead_band])
-        self._fastest = np.outer((COMMON, FASTEST), np.full(3, CONTACT[quantity].dead_band))
+        self._allow_drift(UNKNOWN)
         self.planes = np.zeros((len(PLANES), *shape))
         self.levels = np.zeros(len(LEVELS))
         self.force = 0.0
@@ -129,11 +130,17 @@ class Signals:
         if noise is None or not noise.sigma.any():
             self._quiet[:] = 0
             self._drawn = levels.on[..., :2].max(axis=-1)
+            self._allow_drift(UNKNOWN)
             return
+        if self._counts.any():
+            self._allow_drift(np.median(levels.on[self._counts], axis=0))
         keep = 1 - np.exp(-self._interval / max(FAST, 2 * self._interval))
         left = np.sqrt(noise.jitter**2 * keep / (2 - keep) + noise.slow**2)
         self._quiet = np.stack([left[..., :2].max(axis=-1), left[..., 2], noise.jitter[..., :2].max(axis=-1)])
         self._drawn = DRAWN * self._quiet[0]
+
+    def _allow_drift(self, level: Floats) -> None:
+        self._most, self._fastest = DRIFT * level, np.outer((COMMON, FASTEST), np.full(3, level[2]))
 
     def update(self, frame: Frame, use: Flags, levels: Levels, contact: bool = False) -> None:
         """Take a frame; ``use`` (rows, cols) which taxels count, ``levels`` of their comparators.
