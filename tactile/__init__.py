@@ -12,7 +12,6 @@ if TYPE_CHECKING:  # at run time a name is imported when it is first asked for: 
     from tactile.calibration.file import Calibration, load_calibration
     from tactile.core.frame import Frame, TaxelArray
     from tactile.core.source import Source
-    from tactile.events.code import Threshold
     from tactile.events.detector_file import DetectorFile, EventRule, read_detector
     from tactile.events.event import Event, EventLog
     from tactile.inverse.load import Load
@@ -26,6 +25,7 @@ if TYPE_CHECKING:  # at run time a name is imported when it is first asked for: 
     from tactile.simulator.effects import make_effect
     from tactile.simulator.scene.scene import Scene
     from tactile.sources import open_source
+    from tactile.thresholds.threshold import Threshold
 
 __all__ = [
     "Calibration", "DetectorFile", "Event", "EventLog", "EventRule", "Frame", "FrameReport", "Indenter", "InputError",

@@ -16,14 +16,13 @@ from tactile.calibration.live_tare import LiveTare, TareNote
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.noise import Noise
 from tactile.core.rails import Rails
-from tactile.events.code import CONTACT, SIGN, Code, encode
+from tactile.events.code import Code, encode
 from tactile.events.comparators import BINARY, Comparators
 from tactile.events.detector import Detector, Happening
 from tactile.events.detector_file import shipped_detectors, users_detectors
 from tactile.events.planes import CODE, Moment, PlanePool
 from tactile.events.registry import SHIPPED
 from tactile.events.signals.signals import Signals
-from tactile.events.thresholds import levels
 from tactile.events.travel import Travel
 from tactile.inverse.load import Load
 from tactile.inverse.localise import localise
@@ -32,6 +31,8 @@ from tactile.inverse.summed import summed
 from tactile.inverse.weights import weigh
 from tactile.settings import Settings
 from tactile.texture.figures import Texture, TextureFigures
+from tactile.thresholds.levels import levels
+from tactile.thresholds.threshold import CONTACT, SIGN
 
 STILL = 0.6
 """[s] without any sign of sliding after which nothing slides."""

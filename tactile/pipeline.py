@@ -15,14 +15,15 @@ from tactile.calibration.live_tare import TareMode, TareNote
 from tactile.calibration.tare_check import TareCheck
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream, Source
-from tactile.events.code import CONTACT, SHEAR, Code
+from tactile.events.code import Code
 from tactile.events.event import Event
 from tactile.events.narrator import Narrator
-from tactile.events.thresholds import Levels
 from tactile.finger import Finger
 from tactile.inverse.load import Load
 from tactile.settings import Settings
 from tactile.texture.figures import TextureFigures
+from tactile.thresholds.levels import Levels
+from tactile.thresholds.threshold import CONTACT, SHEAR
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,9 @@ from tactile.calibration.live_tare import TareMode
 from tactile.calibration.taxel_gains import TaxelGains
 from tactile.core.frame import TaxelArray
 from tactile.core.source import Source, provenance
-from tactile.events.code import Threshold
-from tactile.events.threshold_choices import ThresholdChoices
-from tactile.events.thresholds import SIGMAS, Sigmas
+from tactile.thresholds.choices import ThresholdChoices
+from tactile.thresholds.levels import SIGMAS, Sigmas
+from tactile.thresholds.threshold import Threshold
 
 if TYPE_CHECKING:  # SciPy's splines are slow to import
     from tactile.calibration.file import Calibration

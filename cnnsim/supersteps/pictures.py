@@ -8,7 +8,7 @@ import numpy as np
 from cnnsim.supersteps.store import zarr_library
 from cnnsim.supersteps.strips import FileRows
 from cnnsim.support import Array, InputError
-from cnnsim.support.array_file import mapped_array
+from cnnsim.support.arrays.array_file import mapped_array
 from cnnsim.support.bounds import one_line
 from cnnsim.support.pictures.picture import check_size, opened, pictures_in
 from cnnsim.support.pictures.pixels import (

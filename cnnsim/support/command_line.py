@@ -12,12 +12,12 @@ from typing import Any, TypeVar
 import click
 
 from cnnsim.support.compile_notice import Terminal
-from cnnsim.support.compiling.stopping import STOPPED, Stopping, leave
 from cnnsim.support.echo import as_markup, console, echo, json_line, printable, take_any_text
 from cnnsim.support.errors import InputError
 from cnnsim.support.files import Replaced
 from cnnsim.support.notices import Notices
 from cnnsim.support.progress import terminal_bar, watched_by
+from cnnsim.support.stopping import STOPPED, Stopping, leave
 
 Item = TypeVar("Item")
 LONGEST = 3000

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from cnnsim.support import Floats, InputError
+from cnnsim.support.arrays.npz_file import read_npz_arrays
 from cnnsim.support.compiling.private_folder import user_cache
-from cnnsim.support.npz_file import read_npz_arrays
 
 VERSION = 1
 """Goes up when the same bump gets other numbers: older tables are then computed anew."""

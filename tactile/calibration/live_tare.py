@@ -13,7 +13,7 @@ from tactile.calibration.tare_check import PARTS, TareCheck, check_tare
 from tactile.calibration.taxel_gains import TaxelGains
 from tactile.core.frame import NORMAL, Frame, TaxelArray
 from tactile.core.noise import Noise, measured
-from tactile.events.code import CONTACT, SHEAR
+from tactile.thresholds.threshold import CONTACT, SHEAR
 
 TareMode = Literal["auto", "manual", "off"] | int
 SECONDS = 0.2

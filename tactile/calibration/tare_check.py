@@ -7,7 +7,7 @@ import numpy as np
 
 from cnnsim.support import Floats
 from tactile.core.frame import NORMAL, Quantity, TaxelArray
-from tactile.events.code import CONTACT, SHEAR
+from tactile.thresholds.threshold import CONTACT, SHEAR
 
 PARTS = 10
 """Parts of the stretch whose means are compared: noise of single frames is no movement."""

@@ -12,11 +12,11 @@ from cnnsim.support.echo import echo, say_table
 from tactile import pipeline
 from tactile.cli.opened import Opened, RunChoices, open_for_run
 from tactile.events.event import Event, EventLog
-from tactile.events.thresholds import Levels
 from tactile.output.event_table import TOLD, UNITS, event_row, write_events
 from tactile.output.json_data import settings_data
 from tactile.pipeline import FrameReport
 from tactile.sources.folder import recordings_in
+from tactile.thresholds.levels import Levels
 from tactile.wire.extras import need
 
 

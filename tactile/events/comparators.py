@@ -9,7 +9,8 @@ from cnnsim.library.folders import folder
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.support import Flags, Floats
-from tactile.events.code import Code, Threshold, decode
+from tactile.events.code import Code, decode
+from tactile.thresholds.threshold import Threshold
 
 BINARY = Threshold(1 / 6, 1 / 12)
 """The binary scale: off below 1/6, on above 1/4."""

@@ -16,9 +16,9 @@ import numpy as np
 from cnnsim.support.files import make_folder, writing
 from tactile.core.frame import NORMAL, Quantity
 from tactile.events.event import Event
-from tactile.events.thresholds import Levels
 from tactile.output.event_data import finite
 from tactile.output.record import text_cell
+from tactile.thresholds.levels import Levels
 from tactile.wire.extras import need
 
 FORMAT = "tactile_events"

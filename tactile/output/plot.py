@@ -9,10 +9,10 @@ from cnnsim.support import Floats
 from cnnsim.support.files import writing
 from tactile.calibration.tare_check import UNITS
 from tactile.core.frame import HAND, TaxelArray
-from tactile.events.code import CONTACT
 from tactile.output.collected import Collected, Columns
 from tactile.output.plot_labels import label, mark
 from tactile.output.plot_plane import SURE, draw_plane
+from tactile.thresholds.threshold import CONTACT
 
 LEAST = 0.1
 """Least height of an axis over the largest value: a constant is drawn as one, not as its rounding."""

@@ -6,9 +6,9 @@ import numpy as np
 
 from cnnsim.support import Floats
 from tactile.core.frame import NORMAL, TaxelArray
-from tactile.events.code import SHEAR
 from tactile.inverse.validity import Validity
 from tactile.output.collected import Columns
+from tactile.thresholds.threshold import SHEAR
 
 SURE = (Validity.INSIDE, Validity.OUTSIDE)
 """Loads that are drawn as located; of others with a place it is said that they are not sure."""

@@ -8,12 +8,12 @@ from typing import Any
 from cnnsim.support import InputError
 from cnnsim.sweep.kind import Case, Kind, Row, in_kernels
 from tactile.core.source import Source, provenance
-from tactile.events.thresholds import SIGMAS
 from tactile.score.labels import read_labels
 from tactile.score.match import WINDOW
 from tactile.score.measure import MARK, score
 from tactile.settings import PipelineOptions, Settings
 from tactile.sources import open_source
+from tactile.thresholds.levels import SIGMAS
 
 SIGMA_KEYS = {"dead_band_sigmas": "dead_band", "hysteresis_sigmas": "hysteresis", "contact_sigmas": "contact"}
 KEYS = {

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from cnnsim.support import Floats, InputError, Integers
 from tactile.calibration.gains import Gains
 from tactile.core.frame import TaxelArray
-from tactile.events.threshold_choices import ThresholdChoices
+from tactile.thresholds.choices import ThresholdChoices
 from tactile.wire.base import Options
 from tactile.wire.registry import Format
 

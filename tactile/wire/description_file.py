@@ -37,7 +37,7 @@ from tactile.calibration.gains import Gains
 from tactile.core.array_table import take_array
 from tactile.core.file_kinds import refuse_other_kind
 from tactile.core.frame import TaxelArray
-from tactile.events.threshold_choices import take_choices
+from tactile.thresholds.choices import take_choices
 from tactile.wire.base import Options
 from tactile.wire.description import Board, Description
 from tactile.wire.registry import Format, find_format

@@ -15,13 +15,13 @@ from PIL import Image
 from cnnsim.support.progress import watched_by
 from tactile.calibration.gains import Gains
 from tactile.core.frame import Frame, TaxelArray
-from tactile.events.code import SIGN
 from tactile.inverse.validity import Validity
 from tactile.output.collected import Collected
 from tactile.pipeline import FrameReport, run, warm_up
 from tactile.settings import Settings
 from tactile.sources import open_source
 from tactile.sources.replay_csv import write_csv
+from tactile.thresholds.threshold import SIGN
 from tests.kits.paths import ROOT
 from tests.kits.touch.one_finger import run_command, write_scene
 

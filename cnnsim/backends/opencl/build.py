@@ -17,7 +17,7 @@ from cnnsim.backends.opencl import pocl
 from cnnsim.network import Boundary, Tap, reach
 from cnnsim.planning.plan import Plan
 from cnnsim.support import InputError
-from cnnsim.support.compiling.stopping import foreign_call
+from cnnsim.support.stopping import foreign_call
 
 Defines = Mapping[str, str | int]
 

@@ -24,7 +24,7 @@ from numba.core.serialize import dumps
 
 from cnnsim.support.compiling.fingerprint import fingerprint, stable
 from cnnsim.support.compiling.private_folder import first_usable, is_private, user_cache
-from cnnsim.support.compiling.stopping import listen_to_numba
+from cnnsim.support.stopping import listen_to_numba
 
 _BYTES = sha256().digest_size
 

@@ -11,8 +11,8 @@ from rich.text import Text
 from cnnsim.support.echo import printable
 from tactile.cli.port.live import LiveMonitor, tare_words
 from tactile.core.frame import NORMAL
-from tactile.events.code import CONTACT
 from tactile.pipeline import FrameReport
+from tactile.thresholds.threshold import CONTACT
 
 KEYS = "t and Return: tare; t! and Return: tare by force; q and Return, or Ctrl-C: end"
 SHADES = ("dim", "white", "yellow", "red")

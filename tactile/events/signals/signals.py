@@ -7,9 +7,9 @@ import numpy as np
 from cnnsim.support import Flags, Floats
 from tactile.core.frame import Frame, Quantity
 from tactile.core.noise import Noise
-from tactile.events.thresholds import Levels
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
+from tactile.thresholds.levels import Levels
 
 FAST, SLOW = 0.01, 0.2
 """[s] Time constants of the taxels' two means; the change that is looked at is the fast one less the slow one."""

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from cnnsim.support import Floats, InputError
-from cnnsim.support.array_file import read_array
+from cnnsim.support.arrays.array_file import read_array
 from cnnsim.support.bounds import check_file, one_line
 
 MOST = 1 << 18

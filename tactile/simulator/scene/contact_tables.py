@@ -7,7 +7,7 @@ from typing import Any, cast
 import numpy as np
 
 from cnnsim.support import InputError, naming
-from cnnsim.support.array_file import read_array
+from cnnsim.support.arrays.array_file import read_array
 from cnnsim.support.bounds import one_line
 from cnnsim.support.toml_file import check_keys, take, take_numbers
 from tactile.simulator.contacts.indenter import ROUND, Indenter, ShapeName

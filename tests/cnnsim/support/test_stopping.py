@@ -31,7 +31,7 @@ if kind == "callback":  # within a call from LLVM, where Python loses what is ra
 
 from numba.core import event
 from cnnsim.support.compiling.kept_loops import kept_njit
-from cnnsim.support.compiling.stopping import Stopping
+from cnnsim.support.stopping import Stopping
 
 class Pass(event.Listener):
     on_start = press
@@ -57,7 +57,7 @@ FOREIGN = """
 import atexit
 import click
 from cnnsim.support.command_line import CommandGroup
-from cnnsim.support.compiling.stopping import foreign_call
+from cnnsim.support.stopping import foreign_call
 
 @click.group(cls=CommandGroup)
 def main(): pass

@@ -11,8 +11,9 @@ from cnnsim import InputError, run_transient
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from tactile.core.frame import Frame
-from tactile.events.code import SIGN, Code, Threshold, decode, encode, hand_code
+from tactile.events.code import Code, decode, encode, hand_code
 from tactile.events.comparators import Comparators
+from tactile.thresholds.threshold import SIGN, Threshold
 from tests.kits.paths import DATA as DATA_ROOT
 
 DATA = DATA_ROOT / "papillarray"

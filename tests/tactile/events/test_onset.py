@@ -14,10 +14,10 @@ from tactile.events.event import Event, EventLog
 from tactile.events.registry import SHIPPED
 from tactile.events.signals.onset_numba import KEPT, bend, remember
 from tactile.events.signals.signals import LEVELS, Signals
-from tactile.events.thresholds import SIGMAS, levels
 from tactile.pipeline import run
 from tactile.settings import Settings
 from tactile.sources import open_source
+from tactile.thresholds.levels import SIGMAS, levels
 from tests.kits.paths import DATA
 
 REAL = DATA / "papillarray"

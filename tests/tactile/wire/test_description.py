@@ -7,9 +7,9 @@ import pytest
 
 from cnnsim.support import InputError
 from tactile import make_effect
-from tactile.events.code import SIGN, Threshold
-from tactile.events.thresholds import SIGMAS, Sigmas
 from tactile.settings import PipelineOptions
+from tactile.thresholds.levels import SIGMAS, Sigmas
+from tactile.thresholds.threshold import SIGN, Threshold
 from tactile.wire.arrange import Arrange, back
 from tactile.wire.base import Reading
 from tactile.wire.description_file import default_description, parse_description

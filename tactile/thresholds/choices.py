@@ -6,8 +6,8 @@ from typing import Any, NamedTuple, Self
 
 from cnnsim.support import InputError, naming
 from cnnsim.support.toml_file import KeyFaults, located, take, take_numbers
-from tactile.events.code import SIGN, Threshold
-from tactile.events.thresholds import SIGMAS, Sigmas
+from tactile.thresholds.levels import SIGMAS, Sigmas
+from tactile.thresholds.threshold import SIGN, Threshold
 
 
 class ChosenThresholds(NamedTuple):

@@ -8,7 +8,7 @@ from cnnsim import InputError
 from cnnsim.support import Floats
 from tactile.core.frame import NORMAL, Quantity
 from tactile.core.noise import Noise
-from tactile.events.code import CONTACT, SHEAR, Threshold
+from tactile.thresholds.threshold import CONTACT, SHEAR, Threshold
 
 CALM = 0.05
 """Part of the thresholds used without any noise that is the floor once noise is measured."""
