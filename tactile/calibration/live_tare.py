@@ -6,8 +6,9 @@ from typing import Literal
 
 import numpy as np
 
-from cnnsim.support import Flags, Floats, InputError
+from cnnsim.support import Floats, InputError
 from tactile.calibration.gains import Gains
+from tactile.calibration.idle_drift import IdleDrift
 from tactile.calibration.stillness import MUCH, NEWEST, begins, judge
 from tactile.calibration.tare_check import PARTS, TareCheck, check_tare
 from tactile.calibration.taxel_gains import TaxelGains
@@ -29,13 +30,6 @@ SLOWLY = "given back to a slow touch"
 CURE = "let nothing touch it, then ask for a tare"
 AFTER = 0.1
 """[s] after a contact from which no frame is used: silicone creeps back."""
-LEAST, COMMON = 0.25, 0.5
-"""What all drift by: the quantile of their pressing, at most so many dead bands of it a second; a touch presses some
-more than others."""
-ALONE, UNLIKE = 0.02, 0.5
-"""Dead bands of pressing a second that a taxel drifts alone, and part of what all drift by that is its own."""
-FASTEST, FARTHEST = 1.5, 10.0
-"""Dead bands of pressing a second that drift goes at most during a contact, and dead bands in all."""
 
 
 @dataclass(frozen=True)
@@ -64,9 +58,7 @@ class LiveTare:
     Unloaded: the block's mean is within half a dead band (or three sigma) of the offset. The first one only has to be
     still and press no more than the first frames did, since there is nothing yet to tell a load by. A block with
     any contact that was told of in it, or that begins soon after, is neither taken nor learned from, however weak.
-    Idle, the offset of pressing of force taxels follows what the lower quartile of them moves by, `COMMON` at most, and
-    on each `ALONE` beside that and `UNLIKE` of it: a touch that presses alike on all and slower is taken for drift.
-    Once a slow touch is told of, what was followed since one taxel rose above the others is given back to it.
+    Idle, the offset of force taxels follows their drift (see `IdleDrift`).
 
     Until there is an offset no taxel is valid, except in mode "off", where there is none and only the ``noise`` is
     measured; "manual" renews on request only; a number takes just the first so many frames, whatever is in them.
@@ -93,21 +85,23 @@ class LiveTare:
         self._inward = 1.0 if array.quantity == "force" else -1.0
         if gains is not None:
             self._inward *= np.sign(gains.normal)
+        self._drift = IdleDrift(self._limit, self._inward) if array.quantity == "force" else None
         self._offset: Floats | None = np.zeros((*array.shape, 3)) if self._mode == "off" else None
         self._asked = self._forced = self._said_negative = False
         self._start: Floats | None = None
-        self._before: Floats | None = None  # offset when a taxel began to rise faster than drift goes
         self._block: list[Floats] = []
         self._since = 0.0
         self._touched = self._renewed = -np.inf
 
     def touched(self, t: float) -> None:
         """Take note that something is in contact at ``t`` [s]: what was followed since one taxel rose is its load."""
-        if t - self._touched > AFTER and self._before is not None and self._offset is not None:
-            self._offset = self._offset.copy()
-            self._offset[..., NORMAL] = self._before[..., NORMAL]
-            self.notes.append(TareNote(self._finger, t, SLOWLY, self._offset))
-        self._touched, self._before = t, None
+        if self._drift is not None and self._offset is not None:
+            back = self._drift.give_back(self._offset) if t - self._touched > AFTER else None
+            if back is not None:
+                self._offset = back
+                self.notes.append(TareNote(self._finger, t, SLOWLY, back))
+            self._drift.forget()
+        self._touched = t
 
     def ask(self, force: bool = False) -> None:
         """Renew the offset from the next block, if that is unloaded, or by ``force`` whatever is in it."""
@@ -178,8 +172,9 @@ class LiveTare:
             loaded = bool((more > MUCH * slack).any())
         else:
             known = np.ones(mean.shape[:2], bool) if self.noise is None else ~self.noise.left_out
-            most = np.maximum(bound, self._drifted()) if self._array.quantity == "force" else bound
-            loaded = bool((np.abs(away) > most)[known].any()) or self._since - self._touched < AFTER
+            if self._drift is not None:
+                bound = np.maximum(bound, self._drift.in_contact(max(self._touched - self._renewed, 0.0)))
+            loaded = bool((np.abs(away) > bound)[known].any()) or self._since - self._touched < AFTER
         if self._mode == "off":
             if still and not loaded:
                 self._learn(noise)
@@ -191,8 +186,8 @@ class LiveTare:
             self._refuse(t, away if away is not None else mean - self._start, still, first or asked, what.far)
         elif first or asked or self._mode == "auto":
             if self._offset is not None and away is not None:
-                if self._array.quantity == "force" and not (forced or asked) and self._touched <= self._renewed:
-                    mean = self._offset + self._followed(away, known, noise.sigma, t - self._renewed)
+                if self._drift is not None and not (forced or asked) and self._touched <= self._renewed:
+                    mean = self._drift.follow(self._offset, away, known, noise.sigma, t - self._renewed)
                 # a taxel that was silent during this block keeps what it had
                 mean = np.where(np.isfinite(mean), mean, self._offset)
             self._offset = mean
@@ -204,23 +199,6 @@ class LiveTare:
             check = self._check(block, t) if first or asked else None
             detail = "" if check is None else "; ".join([_taken(check), *(noise.words() if still else [])])
             self.notes.append(TareNote(self._finger, t, why, self._offset, detail, check if first else None))
-
-    def _followed(self, away: Floats, known: Flags, sigma: Floats, seconds: float) -> Floats:
-        """Return how far the offset goes: pressing as fast as drift is alike on all taxels, and on one beside them."""
-        limit, press = np.abs(self._limit)[..., NORMAL] * seconds, away[..., NORMAL]
-        common = np.clip(np.nanquantile(press[known], LEAST) if known.any() else 0.0, -COMMON * limit, COMMON * limit)
-        own, left = ALONE * limit + UNLIKE * np.abs(common), press - common
-        if not (self._inward * left > own + sigma[..., NORMAL])[known].any():
-            self._before = None
-        elif self._before is None:
-            self._before = self._offset
-        away[..., NORMAL] = common + np.clip(left, -own, own)
-        return away
-
-    def _drifted(self) -> Floats:
-        """Return how far drift may have gone since the last offset: where a contact was meanwhile, and is over."""
-        seconds = max(self._touched - self._renewed, 0.0)
-        return np.abs(self._limit)[..., NORMAL:] * min(FASTEST * seconds, FARTHEST)
 
     def _refuse(self, t: float, away: Floats, still: bool, wanted: bool, far: float) -> None:
         """Say why no offset is taken; a pad that reads a pull all over was pressed when it was tared."""
