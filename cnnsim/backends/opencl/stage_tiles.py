@@ -14,11 +14,10 @@ from cnnsim.planning.scheme import Scheme
 
 PAD = 16
 """Numbers left of a tile's rows, at least the largest radius."""
-CACHE_BYTES, LITTLE_BYTES = 512 * 1024, 128 * 1024
-"""What a tile works in on a CPU: half of the cache that a core has for itself; for one stage, with few rows around a
-tile, less is faster by a tenth or two."""
-TILE_BYTES = 2048
-"""Length of a tile's row on a CPU."""
+CACHE_BYTES, LITTLE_BYTES = 512 * 1024, 256 * 1024
+"""What a tile works in on a CPU: half of the cache that a core has for itself; with one stage less."""
+TILE_BYTES, WIDE_BYTES = 2048, 8192
+"""Length of a tile's row on a CPU; with one stage longer, for which planes are read far ahead: a tenth faster."""
 GPU_TILE, GPU_BYTES = (32, 64), 1 << 26
 """Rows and columns of a tile on a GPU; what all work-groups may work in, which is to stay in its cache."""
 
@@ -128,9 +127,10 @@ def _cut(context: DeviceContext, grid: DeviceGrid, shape: TileShape, *, cuts: bo
         high, wide = (max(length, 4 * reach) for length in GPU_TILE)
         return min(rows, high), min(cols, wide)
     size, grids = context.dtype.itemsize, grid.grids // shape.layers
-    across = -(-cols // max(TILE_BYTES // size, 8 * reach))
+    tile_bytes, row_bytes = (LITTLE_BYTES, WIDE_BYTES) if shape.stages == 1 else (CACHE_BYTES, TILE_BYTES)
+    across = -(-cols // max(row_bytes // size, 8 * reach))
     wide = cols if across == 1 else -(-cols // (across * lanes)) * lanes
     line = shape.areas * size * _stride(context, min(cols, wide + 2 * reach), shape.radius)
-    high = max((CACHE_BYTES if shape.stages > 1 else LITTLE_BYTES) // line - 2 * reach, 4 * reach, 8)
+    high = max(tile_bytes // line - 2 * reach, 4 * reach, 8)
     down = max(-(-rows // high), min(-(-2 * context.cores // (grids * across)), rows // max(12 * reach, 16)))
     return -(-rows // max(1, down)), wide
