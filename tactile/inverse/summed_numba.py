@@ -3,10 +3,11 @@
 import math
 
 import numpy as np
-from numba import njit
+
+from cnnsim.support.compiling.kept_loops import kept_njit
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def sums(positions, values, valid, floor):  # type: ignore[no-untyped-def]  # typed at the call
     """Return (x, y, Q, R, F, M, pressed taxels, taxels that read)."""
     rows, cols = valid.shape

@@ -2,7 +2,7 @@
 
 import math
 
-from numba import njit
+from cnnsim.support.compiling.kept_loops import kept_njit
 
 FOLLOWS = 0.3
 """[s] Time constant: what grows by less than the level in that time is drift."""
@@ -14,7 +14,7 @@ MOST_OF, WEAK = 0.25, 2.0
 """... where these are more than this part of all, and a contact bears more than so many levels on a pressed taxel."""
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def follow(values, fast, use, off, on, most, fastest, dt, contact, common, base, out):  # type: ignore[no-untyped-def]  # typed at the call
     """Move ``common`` (3,) and ``base`` (rows, cols, 3) towards what unpressed taxels read; write ``values`` less both
     to ``out``.

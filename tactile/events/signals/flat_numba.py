@@ -1,12 +1,12 @@
 """What taxels bear alike beside the pattern of a grip, compiled: the part of a load that drift may have made."""
 
-from numba import njit
+from cnnsim.support.compiling.kept_loops import kept_njit
 
 UNLIKE = 0.15
 """Part of the mean pressing by which taxels differ in a pattern that is known; a flatter one tells nothing apart."""
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def flat(fast, held, use, a, most):  # type: ignore[no-untyped-def]  # typed at the call
     """Return how much of the pressing of all taxels is alike on all of them and not of the grip, at most ``most`` each.
 

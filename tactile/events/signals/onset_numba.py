@@ -2,7 +2,7 @@
 
 import math
 
-from numba import njit
+from cnnsim.support.compiling.kept_loops import kept_njit
 
 KEPT, EACH = 128, 0.004
 """Frames that are remembered, and the least time between two [s]: the last half second at 1000 Hz, more at less."""
@@ -12,7 +12,7 @@ LEAST = 8
 """Frames that a bend needs; with fewer nothing is said of it."""
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def remember(t, fast, times, past, state):  # type: ignore[no-untyped-def]  # typed at the call
     """Keep the means ``fast`` (rows, cols, 3) in ``past`` (KEPT, rows, cols, 3) at the time ``t`` [s] in ``times``.
 
@@ -29,7 +29,7 @@ def remember(t, fast, times, past, state):  # type: ignore[no-untyped-def]  # ty
     state[1] = min(state[1] + 1, KEPT)
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def bend(t, drawn, slow, explained, times, past, state, series):  # type: ignore[no-untyped-def]  # typed at the call
     """Return the time [s] at which the shear of the taxels drawn began to change, ``t`` where that cannot be said.
 
@@ -64,7 +64,7 @@ def bend(t, drawn, slow, explained, times, past, state, series):  # type: ignore
     return t + found
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def _left(series, count, start):  # type: ignore[no-untyped-def]  # typed at the call
     """Return the squares that a + b t + c max(t - start, 0) leaves, and c."""
     mt = mh = ms = 0.0

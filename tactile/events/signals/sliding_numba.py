@@ -2,8 +2,7 @@
 
 import math
 
-from numba import njit
-
+from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.events.signals.step_numba import binary
 
 BORNE = 0.2
@@ -37,7 +36,7 @@ FINE, SUDDEN = 0.05, 0.4
 """Where the growth has fallen below that part of the fastest by and by, it is asked of a longer mean, of less noise."""
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, rising, planes, levels):  # type: ignore[no-untyped-def]
     """Take one frame (rows, cols, 3) and its means ``fast``; write the share (rows, cols) into ``planes`` and whether
     the pull yields and whether the contact sticks into ``levels``, in CNN values.
@@ -114,7 +113,7 @@ def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, 
     _grow(now, math.sqrt(noise) / fw, dt, interval, taus, kept, rising, levels)
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def _grow(now, noise, dt, interval, taus, kept, rising, levels):  # type: ignore[no-untyped-def]
     """Follow the growth of the ratio ``now`` of shear to normal load, whose white noise is ``noise``."""
     count = len(taus)
@@ -147,7 +146,7 @@ def _grow(now, noise, dt, interval, taus, kept, rising, levels):  # type: ignore
             return
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def _goes_on(fastest, noise, interval, taus, kept):  # type: ignore[no-untyped-def]
     """Return whether a growth that has become slow by and by goes on: what noise hides from a short mean."""
     count = len(taus)

@@ -2,7 +2,7 @@
 
 import math
 
-from numba import njit
+from cnnsim.support.compiling.kept_loops import kept_njit
 
 CROSS = 0.02
 """Shear below this part of the normal component has no direction: axes of real taxels see each other so much."""
@@ -18,7 +18,7 @@ MOVED = 6.0
 """Squares of the shear's changes, over the variances of their noise, that are more than noise (about 1)."""
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def binary(value, off, on):  # type: ignore[no-untyped-def]  # typed at the call
     """Return a CNN value: 1/6 at ``off``, 1/4 at ``on``, straight between, then 1/4 for each ``on`` up to 1."""
     size = abs(value)
@@ -31,7 +31,7 @@ def binary(value, off, on):  # type: ignore[no-untyped-def]  # typed at the call
     return out if value >= 0 else -out
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def quiet(planes, sources, factors, low, high):  # type: ignore[no-untyped-def]
     """Return whether every signal, plane ``sources[n]`` times ``factors[n]``, lies between ``low`` and ``high``."""
     count, rows, cols = low.shape
@@ -45,7 +45,7 @@ def quiet(planes, sources, factors, low, high):  # type: ignore[no-untyped-def]
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def step(  # type: ignore[no-untyped-def]  # typed at the call
     values, use, counts, inward, rectify, dt, off, on, drawn_on, noise_q, noise_n, fast, slow, scalars, taps, planes,
     levels,

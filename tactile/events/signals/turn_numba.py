@@ -3,8 +3,7 @@ not explain."""
 
 import math
 
-from numba import njit
-
+from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.events.signals.step_numba import binary
 
 ALIKE = (0.45, 0.7)
@@ -17,7 +16,7 @@ LIGHTLY = 0.1
 """Part of what a taxel typically bears: what bears less has no say, and what bore less is taken for one of all."""
 
 
-@njit(cache=True, error_model="numpy")
+@kept_njit(error_model="numpy")
 def turn(fast, slow, use, noise_q, noise_n):  # type: ignore[no-untyped-def]  # typed at the call
     """Return a CNN value of how the shear turns, positive for clockwise as seen in the picture (y points down).
 

@@ -101,3 +101,10 @@ def test_a_kept_loop_follows_a_change_in_another_file(tmp_path: Path) -> None:
     assert answer(CALLEE, 1) == "127.0 0"
     assert answer(CALLEE, 2) == "127.0 1"
     assert answer(CALLEE.replace("5 * x", "6 * x"), 3) == "128.0 0"
+
+
+def test_no_loop_is_kept_by_numba_itself() -> None:
+    """Its own files on disk are neither checked nor follow what is compiled in."""
+    sources = [path for package in ("cnnsim", "tactile") for path in (ROOT / package).rglob("*.py")]
+    assert len(sources) > 600
+    assert not [path.name for path in sources if "cache=True" in path.read_text(encoding="utf-8")]
