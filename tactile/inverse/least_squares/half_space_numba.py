@@ -6,25 +6,33 @@ Lengths are in depths, signals in newtons: u = (-3 x, -3 y, t - 2) g s of a stra
 
 import math
 
+from numba import njit
+
 from cnnsim.support.compiling.kept_loops import kept_njit
 
 LOOSELY = {"reassoc", "contract", "nsz", "arcp"}
 
 
+@njit(inline="always")
+def _parts(x, y, q, r, f, of_a, of_b, of_c, strain):  # type: ignore[no-untyped-def]  # numba types it at the call
+    """Return 1 / (1 + t), s, g and V g, scaled: what signals and slopes of a taxel (x, y) from a load are made of."""
+    lean = 3.0 if strain else 1.0
+    t = x * x + y * y
+    near = 1 / (1 + t)
+    g = near * near * math.sqrt(near)
+    height = t - 2 if strain else -1.0
+    return near, q * x + r * y + f, g, -lean * x * g * of_a, -lean * y * g * of_b, height * g * of_c
+
+
 @kept_njit(error_model="numpy", fastmath=LOOSELY)
-def half_space_slopes(at, scale, load, strain, rest, out):  # type: ignore[no-untyped-def]  # numba types it at the call
+def half_space_slopes(at, scale, load, strain, rest, out):  # type: ignore[no-untyped-def]
     """Take a load's signals from ``rest`` (3, n) and fill ``out`` (5, 3, n): their slopes along its five numbers."""
     x0, y0, q, r, f = load[0], load[1], load[2], load[3], load[4]
     lean, bend = (3.0, 2.0) if strain else (1.0, 0.0)
     for i in range(len(at)):
         x, y = at[i, 0] - x0, at[i, 1] - y0
-        t = x * x + y * y
-        near = 1 / (1 + t)
-        g = near * near * math.sqrt(near)
-        s = q * x + r * y + f
         of_a, of_b, of_c = scale[i, 0], scale[i, 1], scale[i, 2]
-        height = t - 2 if strain else -1.0
-        a, b, c = -lean * x * g * of_a, -lean * y * g * of_b, height * g * of_c
+        near, s, g, a, b, c = _parts(x, y, q, r, f, of_a, of_b, of_c, strain)
         rest[0, i] -= a * s
         rest[1, i] -= b * s
         rest[2, i] -= c * s
@@ -51,13 +59,8 @@ def half_space_sums(at, felt, scale, load, strain):  # type: ignore[no-untyped-d
     vx = vy = vq = vr = vf = 0.0
     for i in range(len(at)):
         x, y = at[i, 0] - x0, at[i, 1] - y0
-        t = x * x + y * y
-        near = 1 / (1 + t)
-        g = near * near * math.sqrt(near)
-        s = q * x + r * y + f
-        height = t - 2 if strain else -1.0
         of_a, of_b, of_c = scale[i, 0], scale[i, 1], scale[i, 2]
-        a, b, c = -lean * x * g * of_a, -lean * y * g * of_b, height * g * of_c
+        near, s, g, a, b, c = _parts(x, y, q, r, f, of_a, of_b, of_c, strain)
         rest_a, rest_b, rest_c = felt[i, 0] - a * s, felt[i, 1] - b * s, felt[i, 2] - c * s
         chi += rest_a * rest_a + rest_b * rest_b + rest_c * rest_c
         gs = g * s
