@@ -6,24 +6,6 @@ result = run("edge", picture)
 write_picture(result.y, "edge.png")
 """
 
-from cnnsim import library, plot
-from cnnsim.backends.opencl.devices import devices
-from cnnsim.ended import NotSettledError
-from cnnsim.library.catalogue import run
-from cnnsim.network import PERIODIC, ZERO_FLUX, Boundary, Cell, Frames, LayeredTemplate, Table, Template, Term, fixed
-from cnnsim.program.explain import explain
-from cnnsim.program.file import load_program
-from cnnsim.program.machine import UniversalMachine
-from cnnsim.program.program import Program
-from cnnsim.program.run import run_program
-from cnnsim.result import Result
-from cnnsim.support import InputError
-from cnnsim.support.pictures.picture import read_picture, write_picture
-from cnnsim.support.pictures.read import read_pictures
-from cnnsim.support.values import from_gray, to_planes
-from cnnsim.trajectory import Trajectory
-from cnnsim.transient import run_transient, trajectory
-
 __version__ = "0.1.0"
 
 __all__ = [
@@ -59,3 +41,71 @@ __all__ = [
     "trajectory",
     "write_picture",
 ]
+
+TYPE_CHECKING = False  # as in typing, which takes longer to import than all that stands here
+if TYPE_CHECKING:  # at run time a name is imported when it is first asked for
+    from cnnsim import library, plot
+    from cnnsim.backends.opencl.devices import devices
+    from cnnsim.ended import NotSettledError
+    from cnnsim.library.catalogue import run
+    from cnnsim.network import (
+        PERIODIC,
+        ZERO_FLUX,
+        Boundary,
+        Cell,
+        Frames,
+        LayeredTemplate,
+        Table,
+        Template,
+        Term,
+        fixed,
+    )
+    from cnnsim.program.explain import explain
+    from cnnsim.program.file import load_program
+    from cnnsim.program.machine import UniversalMachine
+    from cnnsim.program.program import Program
+    from cnnsim.program.run import run_program
+    from cnnsim.result import Result
+    from cnnsim.support import InputError
+    from cnnsim.support.pictures.picture import read_picture, write_picture
+    from cnnsim.support.pictures.read import read_pictures
+    from cnnsim.support.values import from_gray, to_planes
+    from cnnsim.trajectories import Trajectory
+    from cnnsim.transient import run_transient, trajectory
+else:
+    from cnnsim.lazy import importer
+
+    _MODULES = {
+        "cnnsim.backends.opencl.devices": ("devices",),
+        "cnnsim.ended": ("NotSettledError",),
+        "cnnsim.library.catalogue": ("run",),
+        "cnnsim.network": (
+            "PERIODIC",
+            "ZERO_FLUX",
+            "Boundary",
+            "Cell",
+            "Frames",
+            "LayeredTemplate",
+            "Table",
+            "Template",
+            "Term",
+            "fixed",
+        ),
+        "cnnsim.program.explain": ("explain",),
+        "cnnsim.program.file": ("load_program",),
+        "cnnsim.program.machine": ("UniversalMachine",),
+        "cnnsim.program.program": ("Program",),
+        "cnnsim.program.run": ("run_program",),
+        "cnnsim.result": ("Result",),
+        "cnnsim.support": ("InputError",),
+        "cnnsim.support.pictures.picture": ("read_picture", "write_picture"),
+        "cnnsim.support.pictures.read": ("read_pictures",),
+        "cnnsim.support.values": ("from_gray", "to_planes"),
+        "cnnsim.trajectories": ("Trajectory",),
+        "cnnsim.transient": ("run_transient", "trajectory"),
+    }
+
+    __getattr__ = importer(__name__, _MODULES)
+
+    def __dir__() -> list[str]:
+        return __all__

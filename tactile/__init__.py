@@ -4,10 +4,14 @@ from tactile import Settings, open_source, run
 run(open_source("grip.toml"), Settings(), [lambda report: print(*(event.words for event in report.events))])
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+__all__ = [
+    "Calibration", "DetectorFile", "Event", "EventLog", "EventRule", "Frame", "FrameReport", "Indenter", "InputError",
+    "Load", "MovingContact", "MovingLoad", "Scene", "Settings", "Sink", "SlidingTexture", "Source", "TaxelArray",
+    "Threshold", "Validity", "load_calibration", "make_effect", "open_source", "read_detector", "run", "warm_up",
+]  # fmt: skip
 
-if TYPE_CHECKING:  # at run time a name is imported when it is first asked for: commands that need no machine start fast
+TYPE_CHECKING = False  # as in typing, which takes longer to import than all that stands here
+if TYPE_CHECKING:  # at run time a name is imported when it is first asked for
     from cnnsim.support import InputError
     from tactile.calibration.file import Calibration, load_calibration
     from tactile.core.frame import Frame, TaxelArray
@@ -26,41 +30,31 @@ if TYPE_CHECKING:  # at run time a name is imported when it is first asked for: 
     from tactile.simulator.scene.scene import Scene
     from tactile.sources import open_source
     from tactile.thresholds.threshold import Threshold
+else:
+    from cnnsim.lazy import importer
 
-__all__ = [
-    "Calibration", "DetectorFile", "Event", "EventLog", "EventRule", "Frame", "FrameReport", "Indenter", "InputError",
-    "Load", "MovingContact", "MovingLoad", "Scene", "Settings", "Sink", "SlidingTexture", "Source", "TaxelArray",
-    "Threshold", "Validity", "load_calibration", "make_effect", "open_source", "read_detector", "run", "warm_up",
-]  # fmt: skip
+    _MODULES = {
+        "cnnsim.support": ("InputError",),
+        "tactile.calibration.file": ("Calibration", "load_calibration"),
+        "tactile.core.frame": ("Frame", "TaxelArray"),
+        "tactile.core.source": ("Source",),
+        "tactile.events.detector_file": ("DetectorFile", "EventRule", "read_detector"),
+        "tactile.events.event": ("Event", "EventLog"),
+        "tactile.inverse.load": ("Load",),
+        "tactile.inverse.validity": ("Validity",),
+        "tactile.pipeline": ("FrameReport", "Sink", "run", "warm_up"),
+        "tactile.settings": ("Settings",),
+        "tactile.simulator.contacts.indenter": ("Indenter",),
+        "tactile.simulator.contacts.moving_contact": ("MovingContact",),
+        "tactile.simulator.contacts.moving_load": ("MovingLoad",),
+        "tactile.simulator.contacts.sliding_texture": ("SlidingTexture",),
+        "tactile.simulator.effects": ("make_effect",),
+        "tactile.simulator.scene.scene": ("Scene",),
+        "tactile.sources": ("open_source",),
+        "tactile.thresholds.threshold": ("Threshold",),
+    }
 
-_MODULES = {
-    "cnnsim.support.errors": ("InputError",),
-    "tactile.calibration.file": ("Calibration", "load_calibration"),
-    "tactile.core.frame": ("Frame", "TaxelArray"),
-    "tactile.core.source": ("Source",),
-    "tactile.events.code": ("Threshold",),
-    "tactile.events.detector_file": ("DetectorFile", "EventRule", "read_detector"),
-    "tactile.events.event": ("Event", "EventLog"),
-    "tactile.inverse.load": ("Load",),
-    "tactile.inverse.validity": ("Validity",),
-    "tactile.pipeline": ("FrameReport", "Sink", "run", "warm_up"),
-    "tactile.settings": ("Settings",),
-    "tactile.simulator.contacts.indenter": ("Indenter",),
-    "tactile.simulator.contacts.moving_contact": ("MovingContact",),
-    "tactile.simulator.contacts.moving_load": ("MovingLoad",),
-    "tactile.simulator.contacts.sliding_texture": ("SlidingTexture",),
-    "tactile.simulator.effects": ("make_effect",),
-    "tactile.simulator.scene.scene": ("Scene",),
-    "tactile.sources": ("open_source",),
-}
+    __getattr__ = importer(__name__, _MODULES)
 
-
-def __getattr__(name: str) -> Any:
-    for module, names in _MODULES.items():
-        if name in names:
-            return getattr(import_module(module), name)
-    raise AttributeError(f"module 'tactile' has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    return __all__
+    def __dir__() -> list[str]:
+        return __all__

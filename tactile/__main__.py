@@ -1,6 +1,5 @@
 """The command line `tactile`, as ``python -m tactile``."""
 
-from importlib import import_module
+from cnnsim.start import start
 
-# By name: the modules of this folder are floors below the command line, and nothing imports this one.
-import_module("tactile.cli.group").main(prog_name="python -m tactile")
+start("tactile.cli.group", "python -m tactile")

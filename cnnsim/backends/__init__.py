@@ -13,6 +13,7 @@ from numpy.typing import DTypeLike
 from cnnsim.backends.base import Backend, BlockBackend, parse_dtype
 from cnnsim.support import InputError
 from cnnsim.support.extras import install_line
+from cnnsim.support.nearest import not_known
 
 NAMES = ("reference", "cpu", "opencl")
 """Each is a folder of this package, whose module ``backend`` has the class as ``BACKEND``."""
@@ -30,7 +31,9 @@ def get(
         InputError: no such backend, one that is not installed, or one that cannot work in this dtype.
     """
     if name not in NAMES:
-        raise InputError(f"backend {name!r}; known are {', '.join(NAMES)}")
+        if name.lower() in ("gpu", "cuda"):  # by its letters the cpu would be the nearest
+            raise InputError(f"backend {name!r}; known are {', '.join(NAMES)}; did you mean 'opencl'?")
+        raise not_known("backend", name, NAMES)
     if device is not None and name != "opencl":
         raise InputError(f"device {device!r} for the {name} backend; only the opencl backend has a choice of devices")
     if threads is not None and name != "cpu":

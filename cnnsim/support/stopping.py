@@ -4,16 +4,13 @@ numba's compiler calls back from LLVM. A KeyboardInterrupt that Python raises in
 function behind; so while it compiles the signal is noted, and raised where the compiler is in Python's hands again.
 """
 
-import os
 import signal
-import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-STOPPED = 130
-"""The exit code after Ctrl-C: 128 and the number of SIGINT, as shells have it."""
+from cnnsim.start import leave
 
 
 class Stopping:
@@ -50,13 +47,6 @@ class Stopping:
         if cls._heard and cls.command_line:
             leave()
         cls._heard = True
-
-
-def leave() -> None:
-    """End the process as it is, with `STOPPED`; a hidden cursor is shown again."""
-    if sys.stderr.isatty():
-        os.write(sys.stderr.fileno(), b"\x1b[?25h\n")
-    os._exit(STOPPED)
 
 
 @contextmanager

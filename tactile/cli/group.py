@@ -1,30 +1,40 @@
 """The command line of the tactile layer: the group of all commands."""
 
-from tactile.cli.loading import ends_at_once
+import warnings
+from typing import Any
 
-with ends_at_once():
-    import click
+import click
 
-    from cnnsim.cli.examples import write_examples
-    from cnnsim.support.command_line import CommandGroup
-    from tactile.cli.accuracy import accuracy
-    from tactile.cli.calibrate import calibrate
-    from tactile.cli.convert import convert
-    from tactile.cli.devices import emulate, ports
-    from tactile.cli.explain import explain
-    from tactile.cli.new import new
-    from tactile.cli.planes import codes, planes
-    from tactile.cli.run import run
-    from tactile.cli.score import score
-    from tactile.cli.stream import live, record, replay
-    from tactile.cli.sweep import sweep
-    from tactile.cli.texture import texture
+from cnnsim.cli.examples import write_examples
+from cnnsim.support.command_line import CommandGroup
+from cnnsim.support.echo import echo
+from tactile.cli.accuracy import accuracy
+from tactile.cli.calibrate import calibrate
+from tactile.cli.convert import convert
+from tactile.cli.devices import emulate, ports
+from tactile.cli.explain import explain
+from tactile.cli.new import new
+from tactile.cli.planes import codes, planes
+from tactile.cli.run import run
+from tactile.cli.score import score
+from tactile.cli.stream import live, record, replay
+from tactile.cli.sweep import sweep
+from tactile.cli.texture import texture
 
 
 @click.group(cls=CommandGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="cellular-wave-touch")
 def main() -> None:
     """Turn frames of three-axial taxel arrays into events, located loads and texture figures."""
+    shown = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+        if category.__module__.startswith("tactile."):  # of a scene, not of code
+            echo(f"note: {message}", err=True)
+        else:
+            shown(message, category, *where, **more)
+
+    warnings.showwarning = show
 
 
 for command in (

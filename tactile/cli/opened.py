@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import click
 
@@ -17,7 +17,6 @@ from tactile.sources import open_source
 if TYPE_CHECKING:
     from tactile.cli.port.live import LiveOptions
     from tactile.simulator.bump_cover import Bumps
-    from tactile.simulator.scene.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -63,15 +62,11 @@ def open_for_run(path: Path, choices: RunChoices) -> Opened:
         skin = load_calibration(choices.calibration)
     options = lived.but(choices.options) if lived else choices.options
     settings = replace(options, tare=mode).settings(source, skin, choices.gains)
-    notes: list[str] = []
-    if hasattr(source, "loads_at"):  # a scene
-        from tactile.simulator.scene.model_range import out_of_range  # only where called for
-
-        notes += out_of_range(cast("Scene", source))
+    notes: tuple[str, ...] = getattr(source, "range_notes", ())  # of scenes
     bumps, forces = getattr(source, "bumps", None), ""  # scenes may have them
     if bumps is not None and choices.calibration is None:
         settings, forces = _on_bumps(settings, source.arrays, bumps)
-    return Opened(source, settings, mode, tuple(notes), forces)
+    return Opened(source, settings, mode, notes, forces)
 
 
 def _recorded(choices: str, source: Path) -> "LiveOptions | None":

@@ -1,12 +1,18 @@
 """What ``import cnnsim`` offers, that it does what it says, and that it loads nothing heavy."""
 
+import ast
+import pkgutil
 import subprocess
 import sys
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
 
 import cnnsim
+import tactile
 from cnnsim import InputError, Template, library
 from cnnsim.backends import NAMES
 from tests.kits.paths import ROOT
@@ -34,7 +40,44 @@ def test_importing_a_package_loads_nothing_heavy(package: str) -> None:
     code = f"import sys, {package}; print(*sorted({{name.split('.')[0] for name in sys.modules}}))"
     loaded = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     assert package in loaded.stdout.split()
-    assert not {"numba", "pyopencl", "matplotlib", "scipy", "click", "rich"} & set(loaded.stdout.split())
+    slow = {"numpy", "numba", "pyopencl", "matplotlib", "scipy", "click", "rich", "typing", "importlib.metadata"}
+    assert not slow & set(loaded.stdout.split())
+
+
+@pytest.mark.parametrize("package", [cnnsim, tactile])
+def test_a_name_of_a_package_is_what_type_checkers_take_it_for(package: ModuleType) -> None:
+    assert package.__file__ is not None
+    tree = ast.parse(Path(package.__file__).read_text(encoding="utf-8"))
+    imports = [one for one in ast.walk(tree) if isinstance(one, ast.ImportFrom) and one.module != "cnnsim.lazy"]
+    declared = {name.name: one.module for one in imports for name in one.names}
+    assert {*declared} == {*package.__all__} - {"__version__"}
+    for name, module in declared.items():
+        assert getattr(package, name) is getattr(import_module(str(module)), name), name
+
+
+@pytest.mark.parametrize("package", [cnnsim, tactile])
+def test_no_module_hides_a_name_of_its_package(package: ModuleType) -> None:
+    modules = {one.name: one.ispkg for one in pkgutil.iter_modules(package.__path__)}
+    hidden = [
+        name for name in package.__all__ if name in modules and not isinstance(getattr(package, name), ModuleType)
+    ]
+    assert not hidden
+
+
+@pytest.mark.parametrize("package", ["cnnsim", "tactile"])
+def test_a_fresh_package_gives_all_its_names_and_its_folders_but_no_other(package: str) -> None:
+    code = f"""
+import {package}
+from {package} import *
+assert set(dir({package})) == set({package}.__all__) <= set(globals()), dir({package})
+assert {package}.cli.__name__ == "{package}.cli"
+try:
+    {package}.ru
+except AttributeError as error:
+    print(error, error.name, error.obj is {package})
+"""
+    told = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert told.stdout == f"module {package!r} has no attribute 'ru' ru True\n"
 
 
 def test_a_program_runs_by_name_by_file_and_as_loaded() -> None:

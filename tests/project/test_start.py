@@ -1,0 +1,75 @@
+"""Ctrl-C while a command is still importing: one line and exit code 130, wherever it is hit."""
+
+import os
+import signal
+import subprocess
+import sys
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.kits.example_files import PICTURE, SCENE
+from tests.kits.paths import ROOT
+from tests.kits.processes import END_WITH_PARENT, ended
+
+HALT = """
+import os, sys, time
+
+class Halt:
+    def find_spec(self, name, path=None, target=None):
+        if name == {name!r}:
+            sys.meta_path.remove(self)
+            os.write(1, b"there")
+            time.sleep(60)
+
+sys.meta_path.insert(0, Halt())
+"""
+"""Stands still where a module is about to be imported, and says so."""
+
+SCRIPTS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["scripts"]
+COMMANDS = {"cnnsim": ["run", "edge", str(PICTURE), "-o", "edge.png"], "tactile": ["run", str(SCENE)]}
+
+
+def script(program: str) -> str:
+    """Return what an installed script does."""
+    module, function = SCRIPTS[program].split(":")
+    return f"from {module} import {function}\nsys.exit({function}())"
+
+
+def module(program: str) -> str:
+    """Return what ``python -m`` does."""
+    return f"import runpy\nrunpy.run_module({program!r}, run_name='__main__', alter_sys=True)"
+
+
+@pytest.mark.parametrize("program", COMMANDS)
+@pytest.mark.parametrize(("way", "halt"), [
+    (script, "{program}.cli.group"), (script, "click"), (script, "numpy"), (script, "numba"),
+    (module, "{program}.cli.group"), (module, "numpy"),
+])  # fmt: skip
+def test_a_stop_while_a_command_imports_is_one_line_and_130(
+    program: str, way: Callable[[str], str], halt: str, tmp_path: Path
+) -> None:
+    halting = HALT.format(name=halt.format(program=program))
+    code = END_WITH_PARENT.format(parent=os.getpid()) + halting + way(program)
+    with ended(subprocess.Popen(
+        [sys.executable, "-c", code, *COMMANDS[program]], cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )) as process:  # fmt: skip
+        assert process.stdout is not None
+        assert process.stdout.read(5) == "there"
+        process.send_signal(signal.SIGINT)
+        told, warned = process.communicate(timeout=30)
+        assert (process.returncode, told, warned) == (130, "", "stopped\n")
+
+
+def test_a_signal_that_is_ignored_stays_so() -> None:
+    """As that of a command that a shell runs in the background."""
+    code = (
+        "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)\n"
+        "from cnnsim.start import end_at_once, raise_again\n"
+        "for act in (end_at_once, raise_again): act(); print(signal.getsignal(signal.SIGINT).name)\n"
+    )
+    told = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    assert told.split() == ["SIG_IGN", "SIG_IGN"]
