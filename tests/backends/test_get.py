@@ -21,6 +21,9 @@ def test_the_reference_is_float64_only() -> None:
         run("edge", np.ones((2, 2)), backend="reference", dtype="float32")
 
 
-def test_an_unknown_backend_lists_the_known_ones() -> None:
-    with pytest.raises(InputError, match="known are reference, cpu"):
-        run("edge", np.ones((2, 2)), backend="gpu")
+@pytest.mark.parametrize(("name", "meant"), [("gpu", "opencl"), ("opencll", "opencl"), ("CPU", "cpu")])
+def test_an_unknown_backend_lists_the_known_ones_and_the_nearest(name: str, meant: str) -> None:
+    with pytest.raises(InputError, match=f"known are reference, cpu, opencl; did you mean '{meant}'"):
+        run("edge", np.ones((2, 2)), backend=name)
+    with pytest.raises(InputError, match=r"known are reference, cpu, opencl$"):
+        run("edge", np.ones((2, 2)), backend="abacus")

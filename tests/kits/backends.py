@@ -17,6 +17,9 @@ FAMILIES = {"opencl": ("cpu", "gpu")}
 SECOND = ("float32",)
 """Dtypes in which a second family is tried: its text is the same in all, and each build takes a second."""
 
+COMPILING = ("opencl",)
+"""Backends that compile every network for itself, for seconds."""
+
 TOLERANCE = {"float32": 1e-5, "float64": 1e-12}
 """How far a state may be from the reference's, as a part of the largest state that the network can reach."""
 

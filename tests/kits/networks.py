@@ -1,19 +1,22 @@
 """Random networks of all kinds, and a state compared with the reference's."""
 
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 from hypothesis import strategies as st
 
-from cnnsim import PERIODIC, ZERO_FLUX, Template, fixed
+from cnnsim import Boundary, Template, fixed
 from cnnsim.backends.base import Backend, Outcome
 from cnnsim.network import Cell, Characteristic, Frames, LayeredTemplate, Table, Term
+from cnnsim.network.boundary import BoundaryKind
 from cnnsim.network.table import lines
 from cnnsim.planning.scheme import SCHEMES
 from cnnsim.task import Task
 from tests.kits.backends import REFERENCE, TOLERANCE
 
-BOUNDARIES = [ZERO_FLUX, PERIODIC, fixed(-1.0), fixed(0.3, -0.7)]
+REPEATING = [Boundary(kind) for kind in get_args(BoundaryKind) if kind != "fixed"]
+"""All boundaries whose virtual cells repeat real ones."""
+BOUNDARIES = [*REPEATING, fixed(-1.0), fixed(0.3, -0.7)]
 ARGUMENTS = ["y_kl", "u_kl", "x_kl", "u_kl - u_ij", "y_kl - y_ij", "x_kl - x_ij", "u_kl - x_ij", "y_kl - u_ij"]
 CELLS = [
     Cell(), Cell("full-range"), Cell("chua-yang", Characteristic("tanh", 2.0)),
@@ -98,7 +101,7 @@ def settling_task(seed: int) -> dict[str, Any]:
     return {
         "template": Template(2 * a / max(np.abs(a).sum(), 1e-9), b / np.abs(b).sum(), rng.normal()),
         "state": rng.uniform(-1, 1, shape), "input": rng.uniform(-1, 1, shape), **maps,
-        "boundary": [ZERO_FLUX, PERIODIC, fixed(0.5, -0.3), fixed(-1.0)][rng.integers(4)],
+        "boundary": [*REPEATING, fixed(0.5, -0.3), fixed(-1.0)][rng.integers(2 + len(REPEATING))],
         "scheme": [None, *SCHEMES][rng.integers(1 + len(SCHEMES))], "cell": rng.choice(["chua-yang", "full-range"]),
         "duration": [1.27, "settled"][rng.integers(2)], "limit": 15.0,
         "without": ["blocking"] if rng.random() < 0.2 else [],

@@ -35,7 +35,7 @@ from cnnsim.backends.cpu.prepared import Prepared
 from cnnsim.backends.cpu.routine import MOST_CELLS, CompiledRoutine
 from cnnsim.backends.cpu.terms.network import CompiledNetwork, with_control_terms
 from cnnsim.backends.cpu.terms.steps import CompiledDiscreteSteps, CompiledTermSteps
-from cnnsim.backends.cpu.threads import checked_threads, on_threads
+from cnnsim.backends.cpu.threads import checked_threads, keep_to
 from cnnsim.backends.cpu.tiles.sleep import E_FOLDS
 from cnnsim.backends.cpu.tiles.window import CATCH_UP, CHECK
 from cnnsim.backends.cpu.transient import by_tiles, check_free, over_area
@@ -71,22 +71,13 @@ class CpuBackend(BlockBackend):
         self._pool = Pool()
         self._nothing = np.empty((1, 1, 0), self.dtype)
         self._one, self._minus_one = self.dtype.type(1), self.dtype.type(-1)
+        self._threads = threads
         if threads is not None:  # wrapped only then: without it a verb costs what it did
-            for verb in (
-                "load",
-                "read",
-                "convert",
-                "output",
-                "transient",
-                "check",
-                "catch_up",
-                "advance",
-                "cellwise",
-                "logic",
-                "neighbourhood",
-                "count",
-            ):
-                setattr(self, verb, on_threads(getattr(self, verb), checked_threads(threads)))
+            keep_to(self, checked_threads(threads))
+
+    def __reduce__(self) -> Any:
+        """Go to another process as the choices that were made."""
+        return CpuBackend, (self.dtype, self._threads)
 
     def load(self, values: Array, memory: Memory, *, copy: bool = True) -> Any:
         if memory == "llm":

@@ -1,6 +1,6 @@
-"""Virtual cells in compiled loops: no other file of this folder knows what lies around a grid.
+"""Virtual cells in compiled loops, whatever lies around a grid.
 
-The fast loops of `tiles` set the virtual cells of the boundaries that they know by themselves (`tiles.boundary`).
+The loops over tiles set those of the boundaries that they know by themselves (`tiles.boundary`, `terms.channels`).
 """
 
 from typing import Any, NamedTuple
@@ -54,34 +54,3 @@ def packed_cell(grid: Array, i: int, j: int, virtual: VirtualCells) -> Any:
     if p < 0 or q < 0:
         return np.uint64(constant)
     return (grid[p, q // 64] >> np.uint64(q % 64)) & np.uint64(1)
-
-
-@helper
-def fill_beside(cells: Array, at: int, width: int, virtual: VirtualCells) -> None:
-    """Set the virtual cells left and right of a row of a padded grid; ``at`` is the first of them in flat ``cells``."""
-    _, cols, r, constant = virtual
-    for each in range(2 * r):
-        j = each if each < r else each + width
-        q = cols[j]
-        cells[at + j] = constant if q < 0 else cells[at + r + q]
-
-
-@helper
-def fill_virtual_rows(padded: Array, virtual: VirtualCells) -> None:
-    """Set the r rows of virtual cells above and below one padded grid, whose real cells are there."""
-    rows, cols, r, _ = virtual
-    grid = padded[r : r + rows.size - 2 * r, r : r + cols.size - 2 * r]
-    for each in range(2 * r):
-        p = each if each < r else each + grid.shape[0]
-        for q in range(cols.size):
-            padded[p, q] = cell(grid, p - r, q - r, virtual)
-
-
-@helper
-def fill_virtual(padded: Array, virtual: VirtualCells) -> None:
-    """Set the r virtual cells all round one padded grid, whose real cells are there."""
-    rows, cols, r, _ = virtual
-    flat = padded.reshape(-1)
-    for p in range(r, rows.size - r):
-        fill_beside(flat, p * cols.size, cols.size - 2 * r, virtual)
-    fill_virtual_rows(padded, virtual)

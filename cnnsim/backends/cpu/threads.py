@@ -14,6 +14,9 @@ from cnnsim.support.values import is_whole
 
 _PLANE, _TRIES, _PATIENCE = (512, 512), 30, 0.02
 """The plane of the loop that is timed, its launches, and seconds for them: some milliseconds on an idle machine."""
+_VERBS = ("load", "read", "convert", "output", "transient", "check", "catch_up", "advance", "cellwise", "logic",
+          "neighbourhood", "count")  # fmt: skip
+"""What a backend does on threads."""
 
 
 def checked_threads(threads: Any) -> int:
@@ -41,6 +44,12 @@ def on_threads(function: Callable[..., Any], threads: int) -> Callable[..., Any]
             numba.set_num_threads(before)
 
     return run
+
+
+def keep_to(backend: Any, threads: int) -> None:
+    """Have a backend do all it does on so many threads."""
+    for verb in _VERBS:
+        setattr(backend, verb, on_threads(getattr(backend, verb), threads))
 
 
 def threads_that_pay() -> int:

@@ -58,7 +58,12 @@ class OpenCLBackend(BlockBackend):
         if self.dtype == np.float64 and not has_float64(self.device):
             raise InputError(f"{title(self.device)} has no float64; use float32, or another device")
         pocl.name_processor(self.device)
+        self._family = family
         self._context = device_context(self.device, family or family_of(self.device), self.dtype)
+
+    def __reduce__(self) -> Any:
+        """Go to another process as the choices that were made; the device is looked for again there."""
+        return OpenCLBackend, (self.dtype, self.chosen_device, self._family)
 
     def load(self, values: Array, memory: Memory, *, copy: bool = True) -> DevicePlane:
         values = np.asarray(values)

@@ -18,6 +18,8 @@ _HASWELL = frozenset(
 _SKYLAKE_SERVER = _HASWELL | {"avx512f", "avx512cd", "avx512bw", "avx512dq", "avx512vl", "adx", "clflushopt"}
 _NAMES = ((b"skx", _SKYLAKE_SERVER), (b"haswell", _HASWELL), (b"x86-64", frozenset[str]()))
 """Names that fit where "generic" stood, the most able first, each with what /proc/cpuinfo has to say for it."""
+_NARROW = "-znver1", "-znver2", "-znver3"
+"""Ends of the versions of PoCL devices whose names LLVM knows without AVX-512."""
 _FIELDS = 4096  # bytes of a device's record that are looked through
 
 
@@ -71,8 +73,12 @@ def _may_be_named(device: cl.Device) -> bool:
 
 
 def has_wide_vectors(device: cl.Device) -> bool:
-    """Return whether a device is this machine's processor, and that has registers of 16 float32 (AVX-512)."""
-    return device.type & cl.device_type.CPU != 0 and _processor_flags() >= _SKYLAKE_SERVER
+    """Return whether a device is this machine's processor, and that has registers of 16 float32 (AVX-512).
+
+    PoCL names a processor by the last one of its kind that its LLVM knows, whose registers are the ones in use.
+    """
+    named_without = device.version.endswith(_NARROW)
+    return device.type & cl.device_type.CPU != 0 and not named_without and _processor_flags() >= _SKYLAKE_SERVER
 
 
 def _processor_flags() -> set[str]:

@@ -20,15 +20,23 @@ TILE_BYTES, WIDE_BYTES = 2048, 8192
 """Length of a tile's row on a CPU; with one stage longer, for which planes are read far ahead: a tenth faster."""
 GPU_TILE, GPU_BYTES = (32, 64), 1 << 26
 """Rows and columns of a tile on a GPU; what all work-groups may work in, which is to stay in its cache."""
+MANY = 8
+"""Steps that most launches of many have at least: as much work as with so many more cells."""
+WHOLE_CELLS = 1 << 14
+"""Cells of a grid that is not cut where its tile may take many steps: a launch a step takes longer than they do."""
 
 
 class TileShape(NamedTuple):
-    """What a tile has to hold: the radius of the taps, channels and layers, and the stages of a step."""
+    """What a tile has to hold: the radius of the taps, channels and layers, and the stages of a step.
+
+    ``many``: a tile that is a whole grid may take many steps, for which it holds state and drive as well.
+    """
 
     radius: int
     channels: int = 1
     layers: int = 1
     scheme: Scheme | None = None
+    many: bool = False
 
     @property
     def stages(self) -> int:
@@ -47,22 +55,27 @@ class TileShape(NamedTuple):
 
     @property
     def areas(self) -> int:
-        """Arrays of a tile's cells: its channels; states, sums and rates of each layer."""
-        return max(1, self.channels) + self.layers * (2 * (self.stages > 1) + self.keeps * self.stages)
+        """Arrays of a tile's cells: its channels; states, sums and rates of each layer; its state and drive."""
+        of_stages = 2 * (self.stages > 1) + self.keeps * self.stages
+        return max(1, self.channels) + self.layers * (of_stages + 2 * self.many)
 
 
 class StageTiles:
-    """The tiles of planes (n, layers, rows, cols), and the kernel of stages.cl that does tasks in them.
+    """The tiles of planes (n, layers, rows, cols), and the kernels of stages.cl that do tasks in them.
 
-    ``grid`` counts each layer as a grid; ``gain`` is in the weights of the scheme's stages.
+    ``grid`` counts each layer as a grid; ``gain`` is in the weights of the scheme's stages. With ``many`` a launch may
+    take many steps.
     """
 
     def __init__(
         self, context: DeviceContext, plan: Plan, grid: DeviceGrid, shape: TileShape, gain: float, mask: Buffer | None
     ) -> None:
         self._context, self._grid = context, grid
-        radius, channels, layers, scheme = shape
-        high, wide = _cut(context, grid, shape, cuts=boundary_code(plan.boundary) in TILED_BOUNDARIES)
+        self.many = shape.many and _stays_whole(context, grid, shape)
+        shape = shape._replace(many=self.many)
+        radius, channels, layers, scheme, _ = shape
+        cuts = boundary_code(plan.boundary) in TILED_BOUNDARIES and not self.many
+        high, wide = _cut(context, grid, shape, cuts=cuts)
         down, across = -(-grid.rows // high), -(-grid.cols // wide)
         self.count = grid.grids // layers * down * across
         torus = plan.boundary.kind == "periodic"
@@ -71,39 +84,42 @@ class StageTiles:
             for length, parts, all_ in ((high, down, grid.rows), (wide, across, grid.cols))
         )
         self.stride = stride = _stride(context, width, radius)
-        share = PAD + shape.areas * (tall + 2 * radius) * stride + context.lanes
+        share = PAD + shape.areas * (tall + 2 * radius) * stride + 2 * context.lanes
         bytes_ = share * context.dtype.itemsize
         most = max(1, GPU_BYTES // bytes_) if context.family == "gpu" else self.count
-        self._workers = context.workers(min(self.count, most), grid.cells)
+        cells = grid.cells * (MANY if self.many else 1)
+        self._workers = context.workers(min(self.count, most), cells)
         self._scratch = context.scratch(self._workers * bytes_)
         numbers = [0.0] if scheme is None else [*scheme.matrix[1:].ravel(), *np.zeros(shape.stages), *scheme.b]
         self._table = context.table((gain * np.array(numbers)).astype(context.dtype))
         ahead = sum(round(sum(row)) << stage for stage, row in enumerate(scheme.a)) if scheme else 0
-        self._how = (*map(np.int32, (shape.stages, shape.keeps, ahead, mask is not None, plan.cell == "full-range")),)
+        self._how = (*map(np.int32, (shape.keeps, ahead, mask is not None, plan.cell == "full-range")),)
         self._outside = context.dtype.type(plan.boundary.u), context.dtype.type(plan.boundary.y)
-        sizes = layers, grid.rows, grid.cols, radius, stride, high, wide, down, across, tall, channels
+        sizes = grid.rows, grid.cols, radius, stride, high, wide, down, across, tall, channels
         self._sizes = *map(np.int32, sizes), np.int64(share)
         self._mask = mask
 
-    def kernel(self, plan: Plan, stem: str, defines: Defines) -> Any:
-        """Return the kernel with what neighbours add: kernels/<stem>.cl."""
-        defines = {**defines, **boundary_defines(plan.boundary), "PAD": PAD}
-        return self._context.kernel("stages", f"boundary {stem} stages", defines)
+    def kernel(self, task: TaskCode, plan: Plan, stem: str, defines: Defines, *, many: bool = False) -> Any:
+        """Return the kernel of a task, done once or ``many`` times, with what neighbours add: kernels/<stem>.cl."""
+        stages = len(plan.scheme.b) if plan.scheme else 1
+        defines = {**defines, **boundary_defines(plan.boundary), "PAD": PAD, "STAGES": stages}
+        return self._context.kernel(f"do_{task.name.lower()}{'s' * many}", f"boundary {stem} tile stages", defines)
 
     def do(
-        self, kernel: Any, task: TaskCode, part: int, planes: tuple[Buffer, Buffer | None, Buffer],
-        before: Buffer | None, of_layers: tuple[Buffer, Buffer], rest: tuple[Any, ...], work: float, *,
+        self, kernel: Any, planes: tuple[Buffer, Buffer | None, Buffer], before: Buffer | None,
+        of_layers: tuple[Buffer, Buffer], rest: tuple[Any, ...], work: float, *, rounds: int = 1, bare: bool = False,
         measured: bool = False,
     ) -> tuple[float, bool]:  # fmt: skip
-        """Do a task of stages.cl with (x, w, out); return the largest rate or change, and whether out differs.
+        """Do a kernel's task with (x, w, out), some ``rounds`` where tiles do ``many``; ``bare``: without neighbours.
 
-        The change is that from x; what ``out`` differs from are the outputs ``before``.
+        Return the largest rate or change, and whether out differs. The change is that from x; what ``out`` differs from
+        are the outputs ``before``.
         """
         context, (x, w, out), largest, differs = self._context, planes, 0.0, False
-        for first, count in context.pieces(self.count, work / self.count):
+        for first, count in context.pieces(self.count, rounds * work / self.count):
             context.launch_workers(
                 kernel, min(self._workers, count), x, w, self._mask, out, before, self._scratch, context.partial,
-                self._table, *of_layers, np.int32(task), np.int32(part), *self._how, *self._outside, *self._sizes,
+                self._table, *of_layers, np.int32(bare), np.int32(rounds), *self._how, *self._outside, *self._sizes,
                 np.int64(first), np.int64(count), *rest,
             )  # fmt: skip
             if measured:
@@ -116,6 +132,13 @@ def _stride(context: DeviceContext, width: int, radius: int) -> int:
     """Return how far apart rows lie: not a power of two, of which all would share cache sets."""
     lanes = context.lanes
     return -(-(width + 2 * radius) // lanes) * lanes + PAD
+
+
+def _stays_whole(context: DeviceContext, grid: DeviceGrid, shape: TileShape) -> bool:
+    """Return whether a tile is to be all of a grid: where many of them fit a cache, and no core is left without."""
+    numbers = shape.areas * (grid.rows + 2 * shape.radius) * _stride(context, grid.cols, shape.radius)
+    busy = grid.grids // shape.layers >= 2 * context.cores or shape.layers * grid.rows * grid.cols <= WHOLE_CELLS
+    return numbers * context.dtype.itemsize <= CACHE_BYTES and busy
 
 
 def _cut(context: DeviceContext, grid: DeviceGrid, shape: TileShape, *, cuts: bool) -> tuple[int, int]:

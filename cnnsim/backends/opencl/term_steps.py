@@ -1,6 +1,6 @@
 """Steps of a network of terms, with layers, delays and sequences: by a Runge-Kutta scheme, or in discrete time."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -46,6 +46,7 @@ class _NetworkSteps(Stepper):
         self._w = context.buffer(x.size)
         self.work = self._tiles.work[1] * (len(scheme.a) if scheme else 1)
         self._z, self._span = [layer.z for layer in network.layers], 0
+        self._turn = 0  # launches so far, each of which wrote a plane
 
     def spans(self) -> Iterable[tuple[int, int]]:
         """Return (first step, steps) of the spans in which input and bias stand still."""
@@ -67,11 +68,17 @@ class _NetworkSteps(Stepper):
 
         return self._tiles.do(task, (self._x, self._w, out), plane, **more)
 
-    def _plane(self, number: int) -> Buffer:
-        """Return the plane of the state after so many steps: of those that were, the one that fell out of the past."""
-        turn = number % (len(self._past) + 1)
-        while len(self._planes) <= turn:
+    def _launches(self, step: int, count: int) -> Iterator[tuple[int, int]]:
+        """Yield (first step, steps) of the launches for some steps."""
+        rounds = count if self._tiles.many else 1
+        return ((number, rounds) for number in range(step, step + count, max(1, rounds)))
+
+    def _next_plane(self) -> Buffer:
+        """Return the plane for the next state: of those that were, the one that fell out of the past."""
+        turn = self._turn % (len(self._past) + 1)
+        if len(self._planes) <= turn:
             self._planes.append(self._context.buffer(self._x.size))
+        self._turn += 1
         return self._planes[turn]
 
     def wait(self) -> None:
@@ -89,10 +96,10 @@ class _LayerSteps(_NetworkSteps):
         return Check(self._do(TaskCode.CHECK, step, self._x, over=self._over, measured=True)[0])
 
     def advance(self, step: int, count: int) -> None:
-        for number in range(step, step + count):
+        for number, rounds in self._launches(step, count):
             self._past[number % len(self._past)] = self._x
-            after = self._plane(number)
-            self._do(TaskCode.STEP, number, after)
+            after = self._next_plane()
+            self._do(TaskCode.STEP, number, after, rounds=rounds)
             self._x = after
 
 
@@ -101,26 +108,26 @@ class _DiscreteLayerSteps(_NetworkSteps):
 
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, x: Buffer, *planes: Any) -> None:
         super().__init__(context, plan, grid, x, *planes)
-        outputs = self._plane(0)
-        self._tiles.do(TaskCode.DISCRETE, (x, x, outputs), lambda _: x, terms=False)
-        self._x = self._before = outputs
+        outputs = self._next_plane()
+        self._tiles.do(TaskCode.DISCRETE, (x, x, outputs), lambda _: x, bare=True)
+        self._x = self._before = self._after = outputs
         self._past = [outputs] * len(self._past)
         self._known = -1  # the step whose outputs are in its plane already
 
     def check_settled(self, step: int, *, last: bool) -> Check:
-        change, differs = self._step(step, measured=True)
+        change, differs = self._step(step, before=self._before, measured=True)
         return Check(change, repeats=step > 0 and not differs)
 
     def advance(self, step: int, count: int) -> None:
-        for number in range(step, step + count):
-            if self._known != number:
-                self._step(number, measured=False)
-            self._before, self._x = self._x, self._plane(number + 1)
+        known = int(count > 0 and self._known == step)
+        if known:
+            self._before, self._x = self._x, self._after
+        for number, rounds in self._launches(step + known, count - known):
+            self._step(number, rounds=rounds)
+            self._before, self._x = self._x, self._after
 
-    def _step(self, number: int, *, measured: bool) -> tuple[float, bool]:
+    def _step(self, number: int, **how: Any) -> tuple[float, bool]:
         """Write the outputs after a step, perhaps over those before it; return how they differ, if it is measured."""
         self._past[number % len(self._past)] = self._x
-        self._known = number
-        after = self._plane(number + 1)
-        before = self._before if measured else None
-        return self._do(TaskCode.DISCRETE, number, after, before=before, measured=measured)
+        self._known, self._after = number, self._next_plane()
+        return self._do(TaskCode.DISCRETE, number, self._after, **how)

@@ -7,54 +7,60 @@ import numpy as np
 
 from cnnsim.backends.codes import NOTHING, FunctionCode
 from cnnsim.backends.opencl.build import Defines, literal
+from cnnsim.backends.opencl.channel_text import ChannelText
 from cnnsim.backends.term_table import Function, TermTable
 
 LONG = 20
 """Taps times places of their table from which on taps are a loop."""
 
 
-def term_defines(parts: Sequence[TermTable], layers: int, output: Function | None, dtype: np.dtype[Any]) -> Defines:
+def term_defines(
+    parts: Sequence[TermTable], channels: Sequence[ChannelText], layers: int, output: Function | None,
+    dtype: np.dtype[Any],
+) -> Defines:  # fmt: skip
     """Return the definitions of terms.cl: of each part in turn the terms of each layer, and the characteristic.
 
-    CASES(DO) names them all by number, TERMS_n adds those of number n to ``total``; of one more part there are none.
+    ``channels`` say how each part reads its own. CASES(DO) names all terms by number, TERMS_n adds those of number n to
+    ``total``.
     OUTPUT(T) is the ``output`` characteristic, CHARACTERISTIC its code; TABLES is what stands outside all functions.
     """
-    texts, tables = [""] * (layers * (len(parts) + 1)), ""
-    for part, terms in enumerate(parts):
+    texts, tables = [""] * (layers * len(parts)), ""
+    for part, (terms, seen) in enumerate(zip(parts, channels, strict=True)):
         for number, link in enumerate(np.stack(terms.terms, axis=1).tolist()):
-            text, table = _term(terms, link, f"{part}_{number}", dtype)
+            text, table = _term(terms, seen, link, f"{part}_{number}", dtype)
             texts[part * layers + link[0]] += text
             tables += table
     return {
         "CASES(DO)": " ".join(f"DO({number})" for number in range(len(texts))),
         **{f"TERMS_{number}": text for number, text in enumerate(texts)},
         "TABLES": tables,
+        "LAYERS": layers,
         "CHARACTERISTIC": NOTHING if output is None else int(output.kind),
         "OUTPUT(T)": "" if output is None else _function(output[:4], output.numbers, "T", dtype),
     }
 
 
-def _term(terms: TermTable, link: list[int], name: str, dtype: np.dtype[Any]) -> tuple[str, str]:
+def _term(terms: TermTable, seen: ChannelText, link: list[int], name: str, dtype: np.dtype[Any]) -> tuple[str, str]:
     """Return the statements that add a term to ``total``, and the tables they read.
 
     Taps of short terms are written one by one, those of long ones as a loop: a compiler needs seconds for hundreds.
     """
     _, of, centre, times, times_centre, first, after, *function = link
-    text = "" if centre == NOTHING else f"const vec here{name} = NEIGHBOUR({centre}, 0, 0); "
-    text += "" if times_centre == NOTHING else f"const vec factor{name} = NEIGHBOUR({times_centre}, 0, 0); "
+    text = "" if centre == NOTHING else f"const vec here{name} = {seen.read(centre)}; "
+    text += "" if times_centre == NOTHING else f"const vec factor{name} = {seen.read(times_centre)}; "
     applied = _function(function, terms.numbers, "vec", dtype)
 
     def tap(k: Any, l: Any, weight: str) -> str:
         less = "" if centre == NOTHING else f" - here{name}"
-        body = f"{{ const vec v = NEIGHBOUR({of}, {k}, {l}){less}; vec f = v; {applied}"
+        body = f"{{ const vec v = {seen.read(of, k, l)}{less}; vec f = v; {applied}"
         if times != NOTHING:
             less = "" if times_centre == NOTHING else f" - factor{name}"
-            body += f"f *= NEIGHBOUR({times}, {k}, {l}){less}; "
+            body += f"f *= {seen.read(times, k, l)}{less}; "
         return body + f"total += {weight} * f; }} "
 
     offsets = np.stack([terms.taps.k, terms.taps.l, terms.taps.plane], axis=1)[first:after].tolist()
     taps, weights = offsets, [literal(c, dtype) for c in terms.taps.weight[first:after]]
-    if len(taps) * (1 + function[1]) <= LONG:
+    if len(taps) == 1 or len(taps) * (1 + function[1]) <= LONG:
         for (k, l, plane), weight in zip(taps, weights, strict=True):
             text += tap(k, l, f"(vec){weight}" if plane == NOTHING else f"WEIGHT({plane})")
         return text, ""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.backends.codes import TaskCode
-from cnnsim.backends.opencl.channel_text import ChannelSource, channel_defines
+from cnnsim.backends.opencl.channel_text import ChannelSource, ChannelText, channel_defines
 from cnnsim.backends.opencl.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.planes import DeviceGrid
 from cnnsim.backends.opencl.stage_tiles import StageTiles, TileShape
@@ -15,6 +15,16 @@ from cnnsim.backends.opencl.term_text import term_defines
 from cnnsim.backends.slices import TERM
 from cnnsim.backends.term_table import TermTable, characteristic
 from cnnsim.planning.plan import Plan
+from cnnsim.planning.scheme import Scheme
+
+_KERNELS = {
+    "none": "PLAIN(do_drive, TASK_DRIVE, 0)",
+    "discrete-time": "PLAIN(do_drive, TASK_DRIVE, 0) MEASURED(do_discrete, TASK_DISCRETE) "
+    "PLAIN(do_discretes, TASK_DISCRETE, 1)",
+    "other": "PLAIN(do_drive, TASK_DRIVE, 0) PLAIN(do_step, TASK_STEP, 0) PLAIN(do_steps, TASK_STEP, 1) "
+    "MEASURED(do_check, TASK_CHECK)",
+}
+"""The tasks of a program: without a time loop, in discrete time and by a scheme."""
 
 
 class TermTiles:
@@ -33,33 +43,40 @@ class TermTiles:
         self._scheme = plan.scheme if general else None
         self._gains = context.table(np.array(gains, context.dtype))
         ahead = [round(sum(row)) for row in self._scheme.a] if self._scheme else [0]
-        fills, self._sources = channel_defines(tables, ahead, outputs=plan.cell != "discrete-time")
+        outputs = plan.cell != "discrete-time"
+        self._channels = [ChannelText(table, outputs=outputs) for table in tables]
+        fills, self._sources = channel_defines(self._channels, ahead, outputs=outputs)
         output = characteristic(plan, context.dtype) if general else None
-        self._defines = {**term_defines(tables, layers, output, context.dtype), **fills}
+        self._defines = {
+            **term_defines(tables, self._channels, layers, output, context.dtype),
+            **fills,
+            "KERNELS": _KERNELS["none" if output is None else "other" if self._scheme else "discrete-time"],
+        }
         self._layers, none = layers, np.zeros(context.lanes, context.dtype)
         self._weights = [context.table(np.append(table.planes.ravel(), none)) for table in tables]
         self.work = [TERM * grid.cells * max(1, len(table.taps.k)) for table in tables]
 
     @cached_property
     def _of_inputs(self) -> StageTiles:
-        return self._tiles(0, stages=False)
+        return self._tiles(0)
 
     @cached_property
     def _of_checks(self) -> StageTiles:
-        return self._tiles(1, stages=False)
+        return self._tiles(1)
 
     @cached_property
     def _of_steps(self) -> StageTiles:
-        return self._tiles(1, stages=True) if self._scheme else self._of_checks
+        return self._tiles(1, self._scheme, many=not any(source.ago and not source.input for source in self._sources))
 
-    def _tiles(self, part: int, *, stages: bool) -> StageTiles:
-        table = self._tables[part]
-        shape = TileShape(table.radius, len(table.channels), self._layers, self._scheme if stages else None)
+    @property
+    def many(self) -> bool:
+        """Whether many steps may be taken at once: grids are small, and no term looks back."""
+        return self._of_steps.many
+
+    def _tiles(self, part: int, scheme: Scheme | None = None, *, many: bool = False) -> StageTiles:
+        copied = len(self._channels[part].copied)
+        shape = TileShape(self._tables[part].radius, copied, self._layers, scheme, many)
         return StageTiles(self._context, self._plan, self._grid, shape, 1.0, self._mask)
-
-    @cached_property
-    def _kernel(self) -> Any:
-        return self._of_inputs.kernel(self._plan, "terms", self._defines)
 
     def drive(
         self, z: Sequence[float], bias: Buffer | None, out: Buffer, planes: Callable[[ChannelSource], Any]
@@ -70,18 +87,19 @@ class TermTiles:
         """
         rest = *(planes(source) or out for source in self._sources), self._weights[0]
         of_layers = self._gains, self._context.table(np.array(z, self._context.dtype))
-        self._of_inputs.do(self._kernel, TaskCode.DRIVE, 0, (out, bias, out), None, of_layers, rest, self.work[0])
+        kernel = self._of_inputs.kernel(TaskCode.DRIVE, self._plan, "terms", self._defines)
+        self._of_inputs.do(kernel, (out, bias, out), None, of_layers, rest, self.work[0])
 
     def do(
         self, task: TaskCode, planes: tuple[Buffer, Buffer, Buffer], sources: Callable[[ChannelSource], Buffer], *,
-        before: Buffer | None = None, over: Sequence[float] = (), terms: bool = True, measured: bool = False,
+        before: Buffer | None = None, over: Sequence[float] = (), rounds: int = 1, **how: Any,
     ) -> tuple[float, bool]:  # fmt: skip
-        """Do a task of stages.cl with (x, w, out), with all ``terms`` that are not of the input alone.
+        """Do a task of stages.cl with (x, w, out) and all terms that are not of the input alone; see `StageTiles.do`.
 
         Return the largest rate or change, and whether the outputs differ from those ``before`` the last step.
         """
-        tiles = self._of_steps if task == TaskCode.STEP else self._of_checks
+        tiles = self._of_checks if task == TaskCode.CHECK else self._of_steps
         rest = *map(sources, self._sources), self._weights[1]
-        part = 1 if terms else len(self._tables)
         of_layers = self._gains, self._context.table(np.array(over or [1.0], self._context.dtype))
-        return tiles.do(self._kernel, task, part, planes, before, of_layers, rest, self.work[1], measured=measured)
+        kernel = tiles.kernel(task, self._plan, "terms", self._defines, many=rounds > 1)
+        return tiles.do(kernel, planes, before, of_layers, rest, self.work[1], rounds=rounds, **how)

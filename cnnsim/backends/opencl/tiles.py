@@ -18,8 +18,17 @@ TILED_BOUNDARIES = BoundaryCode.FIXED, BoundaryCode.ZERO_FLUX, BoundaryCode.PERI
 """Boundaries that the kernels of tiles (cpu.cl, gpu.cl, sleep.cl) know; with any other, steps go by stages."""
 TILE_BYTES = 2048
 """Length of a tile's row on a CPU. Measured: with 1 KiB and with 4 KiB the transient is some per cent slower."""
+EVEN = 8
+"""Columns of which a tile's steps begin at a multiple, as in cpu.cl."""
 SLEEPER = 64, 512
 """Rows, and bytes of a row, of a tile that may sleep on a CPU: small, so that many can."""
+LIGHT_SLEEPER = 16, 256
+"""The same where most of them sleep: half as many cells lie around them, and with twice as many launches."""
+STACK = 4
+"""Light sleepers below each other that a work-item does: rows around those awake are computed again once for all."""
+NAP = 5
+"""Cells around a light sleeper that wake it, at most: of a picture of 1024 x 1024 with holes the area computed is half
+as large as for 10."""
 LOCAL_BYTES = 48 * 1024
 """Local memory of a work-group on a GPU: what every one has without asking for more."""
 
@@ -28,8 +37,12 @@ _STEPS = {"cpu": (24, 24, 8, 4, 2), "gpu": (4, 4, 2, 1, 1)}
 
 
 class Tiles(NamedTuple):
-    """How to launch: sizes, the steps of a launch, and what the kernels need to know, built in or as arguments."""
+    """How to launch: sizes, the steps of a launch, and what the kernels need to know, built in or as arguments.
 
+    A work-group does one tile, or a stack of some; ``number`` is that of the tiles.
+    """
+
+    number: int
     steps: int
     defines: Defines
     arguments: tuple[Any, ...]
@@ -38,29 +51,35 @@ class Tiles(NamedTuple):
     local_size: tuple[int, int]
 
 
-def cut(context: DeviceContext, grid: DeviceGrid, plan: Plan) -> Tiles:
+def cut(context: DeviceContext, grid: DeviceGrid, plan: Plan, *, light: bool = False) -> Tiles:
     """Cut grids into tiles; steps that come at a stretch go in launches of about equal length.
 
-    With the saving "sleep", tiles in which no output can change are to be left out, so they should be small.
+    With the saving "sleep", tiles in which no output can change are to be left out, so they should be small; on a CPU
+    they are smaller still, and cost more, where sleep is ``light``.
     """
-    radius, steps = reach((tap.k, tap.l) for tap in plan.feedback_taps), 1
+    radius, steps, sleep = reach((tap.k, tap.l) for tap in plan.feedback_taps), 1, "sleep" in plan.savings
     if "blocking" in plan.savings:
         steps = min(plan.steps, plan.check_every) if plan.duration == "settled" else plan.steps
     most = _STEPS[context.family][min(radius, 4)]
+    if light:
+        most = min(most, max(1, NAP // max(1, radius)))
     launches = -(-steps // most)
     if 0 < launches <= 4:  # no rows and columns that only longer launches need; later on no kernel of its own
         most = -(-steps // launches)
     if context.family == "cpu":
-        widest = (SLEEPER[1] if "sleep" in plan.savings else TILE_BYTES) // context.dtype.itemsize
-        tiles = _bands(context, grid, plan, radius, most, widest)
+        row_bytes = LIGHT_SLEEPER[1] if light else SLEEPER[1] if sleep else TILE_BYTES
+        lowest = (LIGHT_SLEEPER if light else SLEEPER)[0] if sleep else None
+        tiles = _bands(context, grid, plan, radius, most, row_bytes // context.dtype.itemsize, lowest)
     else:
         tiles = _squares(context, grid, radius, most)
     launches = -(-steps // tiles.steps)
     return tiles._replace(steps=-(-steps // launches)) if launches else tiles
 
 
-def _bands(context: DeviceContext, grid: DeviceGrid, plan: Plan, radius: int, most: int, widest: int) -> Tiles:
-    (grids, rows, cols), sleep = grid, "sleep" in plan.savings
+def _bands(
+    context: DeviceContext, grid: DeviceGrid, plan: Plan, radius: int, most: int, widest: int, lowest: int | None
+) -> Tiles:
+    grids, rows, cols = grid
     lanes, size = context.lanes, context.dtype.itemsize
     height = max(3, radius)  # rows of a block
     across = -(-cols // widest)
@@ -70,7 +89,7 @@ def _bands(context: DeviceContext, grid: DeviceGrid, plan: Plan, radius: int, mo
             length *= 2  # few sizes, so that few kernels are built
         stride = length + 2 * lanes
     else:
-        halo = shift = -(-(lanes + (most - 1) * radius) // lanes) * lanes
+        halo = shift = -(-(_whole((most - 1) * radius, 1, EVEN) + radius) // lanes) * lanes
         stride = widest + 2 * halo
     stride += 16  # rows that lie apart by a power of two would share cache sets
     width = cols if across == 1 else _whole(cols, across, lanes)
@@ -78,23 +97,23 @@ def _bands(context: DeviceContext, grid: DeviceGrid, plan: Plan, radius: int, mo
     down = -(-8 * context.cores // (grids * across))  # so many tiles that no core waits long for the last one
     down = max(down, -(-rows * width * most * len(plan.feedback_taps) // PIECE))  # soon done: a stop is heard
     down = min(down, rows // (8 * most * max(1, radius)), rows * width // 16384)
-    if sleep:  # a band has at least the rows that one launch reads of the next
-        down = max(down, rows // max(SLEEPER[0], most * radius))
+    if lowest is not None:  # a band has at least the rows that one launch reads of the next
+        down = max(down, rows // max(lowest, most * radius))
     down = max(1, down)
     band = _whole(rows, down, height)
     down = -(-rows // band)
     defines: dict[str, str | int] = {"R": height, "T": most, "HALO": halo, "SHIFT": shift, "STRIDE": stride}
+    stack = defines["STACK"] = STACK if lowest == LIGHT_SLEEPER[0] else 1
     if plan.boundary.kind == "periodic" and across > 1:
         defines["COPIES"] = ""
     scratch = ((3 * most + 1) + 3 * (most + 1)) * height * stride * size
     if scratch > context.device.local_mem_size:  # fewer steps a launch, but rather narrower tiles than fewer than four
         narrower = most <= 4 and widest > 2 * lanes
         most, widest = (most, widest // 2) if narrower else (most - 1, widest)
-        return _bands(context, grid, plan, radius, most, widest)
+        return _bands(context, grid, plan, radius, most, widest, lowest)
     numbers = np.array([rows, cols, width, band, across, down], np.int32)
-    return Tiles(
-        most, defines, (cl.LocalMemory(scratch), *numbers), grids * across * down, (grids * across * down, 1), (1, 1)
-    )
+    groups = grids * across * -(-down // stack)
+    return Tiles(grids * across * down, most, defines, (cl.LocalMemory(scratch), *numbers), groups, (groups, 1), (1, 1))
 
 
 def _whole(length: int, parts: int, unit: int) -> int:
@@ -121,4 +140,4 @@ def _squares(context: DeviceContext, grid: DeviceGrid, radius: int, most: int) -
     numbers = np.array([rows, cols, across, down], np.int32)
     local = wide, high // column
     count = grids * across * down
-    return Tiles(most, defines, tuple(numbers), count, (count * wide, local[1]), local)
+    return Tiles(count, most, defines, tuple(numbers), count, (count * wide, local[1]), local)

@@ -8,13 +8,14 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from cnnsim import PERIODIC, ZERO_FLUX, Boundary, fixed
+from cnnsim import Boundary, fixed
 from cnnsim.backends.base import Backend
 from cnnsim.operations.bitwise import BitLiteral, BitRule
 from cnnsim.operations.logic import FUNCTIONS
 from tests.kits.backends import REFERENCE
+from tests.kits.networks import REPEATING
 
-BOUNDARIES = (fixed(-1), fixed(1), ZERO_FLUX, PERIODIC)
+BOUNDARIES = (fixed(-1), fixed(1), *REPEATING)
 SHAPES = st.tuples(st.integers(1, 12), st.integers(1, 200)) | st.tuples(
     st.integers(1, 3), st.integers(1, 5), st.integers(1, 70)
 )

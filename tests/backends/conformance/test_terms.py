@@ -1,5 +1,6 @@
 """The verb for transients, on terms: random networks of all kinds, and tables at and beside their places."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -7,9 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cnnsim import Table, Template, Term, run_transient
+from cnnsim import LayeredTemplate, Table, Template, Term, run_transient
 from cnnsim.backends.base import Backend
+from cnnsim.network import AnyTemplate
 from cnnsim.task import make_task
+from tests.kits.backends import COMPILING
 from tests.kits.networks import assert_like_the_reference, general_task, number_of_examples
 
 
@@ -24,28 +27,67 @@ def test_random_networks(backend: Backend) -> None:
     two_end_as_on_the_reference()
 
 
-@pytest.mark.parametrize("kind", ["right", "left", "linear"])
-@pytest.mark.parametrize("places", [0, 1, 2, 3, 4, 5, 6, 9])
-def test_tables_at_and_beside_their_places(backend: Backend, kind: Any, places: int) -> None:
-    """Numbers are eighths at distances of a quarter, so that slopes, values and differences are exact everywhere."""
+PLACES = [0, 1, 2, 3, 4, 5, 6, 9]
+
+
+def table_of(kind: Any, places: int) -> Table:
+    """A random table; its numbers are eighths at distances of a quarter: slopes, values and differences are exact."""
     rng = np.random.default_rng(places)
-    at = (np.cumsum(rng.choice([0.25, 0.5], places)) - places / 4).tolist()
+    at: Any = (np.cumsum(rng.choice([0.25, 0.5], places)) - places / 4).tolist()
     values = (rng.integers(-8, 9, places + 1) / 8).tolist()
     if kind == "linear":
-        at = [*at, at[-1] + 0.5 if at else 0.0]
-    table = Table("linear", at, values) if kind == "linear" else Table("step", at, values, kind)
-    near = np.array([*at, -8.0, 0.0, 8.0], backend.dtype)
-    inf = backend.dtype.type(np.inf)
+        return Table("linear", (*at, at[-1] + 0.5 if at else 0.0), values)
+    return Table("step", at, values, kind)
+
+
+def at_and_beside(table: Table, dtype: np.dtype[Any]) -> np.ndarray:
+    """The places of a table, far beyond them, and the numbers next to each (2, n)."""
+    near, inf = np.array([*table.at, -8.0, 0.0, 8.0], dtype), dtype.type(np.inf)
     v = np.concatenate([near, np.nextafter(near, -inf), np.nextafter(near, inf)])
-    u = np.array([v, v[::-1]], np.float64)
-    template = Template(0, terms=[Term([[0.5]], "u_kl", table)])
-    found = run_transient(template, state=np.zeros(u.shape), input=u, backend=backend).x
-    assert np.abs(found - 0.5 * table(u)).max() <= (0 if kind != "linear" else 4 * np.finfo(backend.dtype).eps)
-    # The same in the time loop: from x = 0 a step of Euler goes an eighth of the way to the drive.
-    moving = Template(0, terms=[Term([[0.5]], "u_kl - x_ij", table)])
-    end = run_transient(moving, state=np.zeros(u.shape), input=u, duration=0.125, step=0.125, backend=backend)
-    assert np.array_equal(end.x, found / 8)
-    times = Template(0, terms=[Term([[0.5]], "u_kl - x_ij", table, times="u_kl - x_ij")])
-    end = run_transient(times, state=np.zeros(u.shape), input=u, duration=0.125, step=0.125, backend=backend)
+    return np.array([v, v[::-1]], np.float64)
+
+
+def assert_exact(backend: Backend, tables: list[Table], u: np.ndarray, template: Callable[..., AnyTemplate]) -> None:
+    """Run the ``template`` of a kind of term on inputs (tables, 2, n), or (2, n) for one table.
+
+    From x = 0 a step of Euler goes an eighth of the way to the drive.
+    """
     eps = np.finfo(backend.dtype).eps
+    step: dict[str, Any] = {"duration": 0.125, "step": 0.125, "backend": backend}
+    wanted = 0.5 * np.array([table(of) for table, of in zip(tables, u.reshape(-1, *u.shape[-2:]), strict=True)])
+    wanted, start = wanted.reshape(u.shape), np.zeros(u.shape)
+    of_input = template("u_kl")
+    alone = not isinstance(of_input, LayeredTemplate)
+    found = run_transient(of_input, state=start, input=u, **({"backend": backend} if alone else step)).x
+    found = found if alone else found * 8  # a power of two: exact
+    assert np.abs(found - wanted).max() <= (4 * eps if tables[0].kind == "linear" else 0)
+    end = run_transient(template("u_kl - x_ij"), state=start, input=u, **step)
+    assert np.array_equal(end.x, found / 8)
+    end = run_transient(template("u_kl - x_ij", "u_kl - x_ij"), state=start, input=u, **step)
     assert np.allclose(end.x, found * u / 8, rtol=4 * eps, atol=4 * eps)
+
+
+@pytest.mark.parametrize("kind", ["right", "left", "linear"])
+def test_tables_at_and_beside_their_places(backend: Backend, kind: Any) -> None:
+    """One in each layer: a backend that writes tables into its text builds all of them at once."""
+    tables = [table_of(kind, places) for places in PLACES]
+    ends = [at_and_beside(table, backend.dtype) for table in tables]
+    u = np.array([np.pad(v, ((0, 0), (0, ends[-1].shape[1] - v.shape[1]))) for v in ends])
+
+    def layers(of: str, times: str | None = None) -> LayeredTemplate:
+        return LayeredTemplate([Template(0, terms=[Term([[0.5]], of, table, times)]) for table in tables])
+
+    assert_exact(backend, tables, u, layers)
+
+
+@pytest.mark.parametrize("kind", ["right", "left", "linear"])
+@pytest.mark.parametrize("places", PLACES)
+def test_a_table_alone(backend: Backend, kind: Any, places: int) -> None:
+    if backend.name in COMPILING and places != PLACES[-1]:
+        pytest.skip("each builds a kernel of its own; the same tables are layers above")
+    table = table_of(kind, places)
+
+    def single(of: str, times: str | None = None) -> Template:
+        return Template(0, terms=[Term([[0.5]], of, table, times)])
+
+    assert_exact(backend, [table], at_and_beside(table, backend.dtype), single)

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from cnnsim import PERIODIC, ZERO_FLUX, Boundary, Template, fixed, run_transient
+from cnnsim import Boundary, Template, fixed, run_transient
 from cnnsim.backends.base import Backend
 from cnnsim.task import make_task
-from tests.kits.networks import assert_like_the_reference, linear_tasks, number_of_examples, settling_task
+from tests.kits.networks import REPEATING, assert_like_the_reference, linear_tasks, number_of_examples, settling_task
 
 NINE = np.arange(1, 10).reshape(3, 3) * 0.03 * np.array([[1, -1, 1], [-1, 1, 1], [1, 1, -1]])
-BOUNDARIES = [ZERO_FLUX, PERIODIC, fixed(0.5, -0.3), fixed(-1.0)]
+BOUNDARIES = [*REPEATING, fixed(0.5, -0.3), fixed(-1.0)]
 
 
 def test_random_transients_of_given_durations(backend: Backend) -> None:

@@ -183,7 +183,7 @@ def test_a_tile_coasts_while_no_output_in_it_can_change_and_then_sleeps(
 
     def advance(self: Any, step: int, count: int) -> None:
         steps(self, step, count)
-        found = np.empty(self._tiles.groups, np.uint8)
+        found = np.empty(self._tiles.number, np.uint8)
         cl.enqueue_copy(self._context.queue, found, self._moved[self._turn - 1])
         seen.append(found)
 
@@ -196,6 +196,43 @@ def test_a_tile_coasts_while_no_output_in_it_can_change_and_then_sleeps(
     assert (flags[:, 0] <= 1).all() and (flags[:5, 0] == 1).all(), "it coasts: its states still change"
     assert (flags[-1, 0] == 0).all(), "it sleeps"
     assert (flags[-1, 1] > 1).any(), "the other one is awake"
+
+
+@pytest.mark.parametrize("boundary", [fixed(-1.0), ZERO_FLUX, PERIODIC], ids=str)
+def test_tiles_are_cut_smaller_and_larger_again_and_launched_ahead_with_the_same_bits(
+    boundary: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At every other look, with a mask; the stacks of the smaller tiles are not all full, the last ones are narrow."""
+    from cnnsim.backends.opencl import transient
+    from cnnsim.backends.opencl.tiles import cut
+
+    changes, ahead, go_ahead = list[bool](), set[int](), transient._TileSteps.go_ahead
+
+    def noted(*given: Any, light: bool) -> Any:
+        changes.append(light)
+        return cut(*given, light=light)
+
+    def gone(self: Any) -> None:
+        go_ahead(self)
+        ahead.add(self._ahead)
+
+    monkeypatch.setattr(transient, "cut", noted)
+    monkeypatch.setattr(transient._TileSteps, "go_ahead", gone)
+    for name, value in {"LOOK": 4, "MANY": 3, "FEW_RESTLESS": 2.0, "MOST_RESTLESS": -1.0}.items():
+        monkeypatch.setattr(transient, name, value)
+    entry, backend, rng = library.load("hole-filler"), OpenCLBackend("float32", family="cpu"), np.random.default_rng(8)
+    picture = np.where(rng.random((2, 150, 265)) > 0.93, 1.0, -1.0)
+    planes: dict[str, Any] = {k: np.array(np.broadcast_to(p, picture.shape)) for k, p in entry.planes(picture).items()}
+    planes["state"][:, :6, :6] = -1  # where a wave begins, also with nothing around the grid
+    mask, ends = rng.uniform(-1, 0.01, picture.shape), []
+    for without in ([], ["sleep"]):
+        end = make_task(entry.template, **planes, mask=mask, boundary=boundary, limit=60.0, without=without)
+        x, *others = end.start(backend)
+        ends.append((backend.read(x), others))
+    np.testing.assert_array_equal(ends[0][0], ends[1][0])
+    np.testing.assert_equal(ends[0][1], ends[1][1])
+    assert changes[:4] == [False, True, False, True]
+    assert ahead == {0, 5, 10}, "it is not waited for what a check says"
 
 
 def test_by_name_and_by_way_of_run_transient() -> None:

@@ -10,7 +10,7 @@ from cnnsim.backends.cpu.terms.layout import TermLayout
 from cnnsim.backends.cpu.terms.rows import load_cells
 from cnnsim.support import Array
 
-FIXED, ZERO_FLUX, PERIODIC = map(int, BoundaryCode)
+FIXED, PERIODIC = int(BoundaryCode.FIXED), int(BoundaryCode.PERIODIC)
 
 
 @helper

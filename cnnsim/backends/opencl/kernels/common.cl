@@ -88,23 +88,3 @@ static inline int black(__global const ulong *plane, long line, int j, int cols)
 {
     return plane[line * ((cols + 63) / 64) + j / 64] >> (j % 64) & 1;
 }
-
-// The first m numbers of a vector; beyond them nothing is read or written.
-static inline vec load_part(__global const real *from, int m)
-{
-    if (m >= V) return *(__global const vec *)from;
-    real lanes[V];
-    for (int q = 0; q < V; q++) lanes[q] = q < m ? from[q] : 0;
-    return *(const vec *)lanes;
-}
-
-static inline void store_part(__global real *to, vec v, int m)
-{
-    if (m >= V) {
-        *(__global vec *)to = v;
-        return;
-    }
-    real lanes[V];
-    *(vec *)lanes = v;
-    for (int q = 0; q < m; q++) to[q] = lanes[q];
-}

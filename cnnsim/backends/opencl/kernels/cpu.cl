@@ -10,11 +10,15 @@
 // that are not read again; T + 1 blocks of states, as many of drives w and, with MASK, of gains (GAIN, or 0 in masked
 // cells).
 //
-// The host defines besides: SHIFT, the columns of a tile left of its own ones; COPIES where the halo's columns are
+// The host defines besides: STACK, how many tiles below each other are a work-item's (with SLEEP those of them that do the
+// same go as one, so that the rows around them are computed again once for all); SHIFT, the columns of a tile left of
+// its own ones; COPIES where the halo's columns are
 // cells like others (a torus of several tiles) and need no imposing.
 
 #define BLOCK (R * STRIDE)
 #define VEC(type, at) (*(type vec *)(at))
+// So many columns, in whole halves of the widest vectors, at which vectors lie well.
+#define EVEN(columns) (((columns) + 7) / 8 * 8)
 #define MODULO_3(b) (((b) + 6 * T) % 3)
 
 #if R == 1
@@ -143,28 +147,33 @@ static void fix_rows(__local real *y, int b, int rows)
 #endif
 }
 
-// Bring in one row: its states, its drives, its gains and its outputs at level 0.
+// Bring in one row's columns first .. stop - 1 of the buffer: its states, its drives, its gains and its outputs at level
+// 0; `start` is the grid's column at the buffer's column 0.
 static void bring(__global const real *x, __global const real *w, __global const ulong *mask, long line, int cols,
-                  int start, int stop, __local real *xs, __local real *ws, __local real *gains, __local real *ys)
+                  int start, int first, int stop, __local real *xs, __local real *ws, __local real *gains,
+                  __local real *ys)
 {
-    x += line * cols;
-    w += line * cols;
-    int j = 0;
-    for (; start >= 0 && j + V <= stop && start + j + V <= cols; j += V) {
-        const vec s = VEC(const __global, x + start + j);
+    x += line * cols + start;
+    w += line * cols + start;
+    int j = first;
+#if BOUNDARY != BOUNDARY_PERIODIC
+    for (; start + j < 0; j++) xs[j] = ws[j] = ys[j] = 0; // for virtual cells, which are imposed
+#endif
+    for (; start + j >= 0 && j + V <= stop && start + j + V <= cols; j += V) {
+        const vec s = VEC(const __global, x + j);
         VEC(__local, xs + j) = s;
         VEC(__local, ys + j) = CLIP(vec, s);
-        VEC(__local, ws + j) = VEC(const __global, w + start + j);
+        VEC(__local, ws + j) = VEC(const __global, w + j);
     }
     for (; j < stop; j++) {
-        const int c = BOUNDARY == BOUNDARY_PERIODIC ? wrap(start + j, cols) : clamp_to(start + j, cols);
+        const int c = (BOUNDARY == BOUNDARY_PERIODIC ? wrap(start + j, cols) : clamp_to(start + j, cols)) - start;
         const real s = x[c];
         xs[j] = s;
         ys[j] = CLIP(real, s);
         ws[j] = w[c];
     }
 #ifdef MASK
-    for (j = 0; j < stop; j++) {
+    for (j = first; j < stop; j++) {
         const int c = BOUNDARY == BOUNDARY_PERIODIC ? wrap(start + j, cols) : clamp_to(start + j, cols);
         gains[j] = black(mask, line, c, cols) ? 0 : (real)(GAIN);
     }
@@ -183,32 +192,24 @@ static int differ(const __local real *a, __global const real *b, int cols)
     return other != 0;
 }
 
-__attribute__((reqd_work_group_size(1, 1, 1)))
-__kernel void steps(__global const real *x, __global const real *w, __global const ulong *mask, __global real *out,
-                    __local real *scratch, int rows, int cols, int width, int band, int across, int down, int steps,
-                    int first SLEEP_ARGUMENTS)
+// Take steps of the rows first_row .. stop_row - 1 of a tile, or of a stack of tiles that do the same. `found` has what is
+// noted of each of them (see sleep.cl).
+static inline __attribute__((always_inline)) void
+step_rows(__global const real *x, __global const real *w, __global const ulong *mask, __global real *out,
+          __local real *scratch, int rows, int cols, long top, int first_col, int own_cols, int first_row, int stop_row,
+          int band, int steps, int turn, int *found)
 {
-    const int tile = first + get_global_id(0), first_col = tile % across * width, first_row = tile / across % down * band;
-    const int stop_row = min(first_row + band, rows), own_cols = min(width, cols - first_col);
-    const long top = (long)(tile / across / down) * rows;
-    const int end = min(STRIDE - V, (SHIFT + own_cols + HALO + V - 1) / V * V - V + (HALO ? 0 : V));
     const int left = SHIFT - first_col, right = SHIFT + cols - first_col;
     __local real *const states = scratch + (3 * T + 1) * BLOCK, *const drives = states + (T + 1) * BLOCK;
     __local real *const gains = drives + (T + 1) * BLOCK;
-
+    const int levels = turn == AWAKE ? steps : 1, times = turn == AWAKE ? 1 : steps;
 #ifdef SLEEP
     const int reach = T * RADIUS, west = min(own_cols, (reach + V - 1) / V * V);
     const int zones[] = {0, west, max(west, (own_cols - reach) / V * V), own_cols};
     const int places[] = {west > own_cols - reach ? WEST | EAST : WEST, 0, EAST};
-    const int turn = turn_of(moved, tile, across, down, counted(rows, down, band, reach),
-                             counted(cols, across, width, reach), least);
-    const int levels = turn == AWAKE ? steps : 1, times = turn == AWAKE ? 1 : steps;
-    int found = turn == AWAKE ? MOVED : 0;
-    moves[tile] = 0;
-    if (turn == ASLEEP) return;
-#else
-    const int levels = steps;
 #endif
+    const int seen = HALO ? levels * RADIUS : 0; // columns beside its own ones that a tile reads
+    const int near = max(0, SHIFT - EVEN(seen)), end = near + (SHIFT + own_cols + seen - near + V - 1) / V * V;
     const int b_last = (stop_row + R - 1) / R - 1 + levels;
     int slot = 0; // of block b in the rings of T + 1 blocks
     for (int b = floor_div(first_row - levels * RADIUS, R); b <= b_last; b++) {
@@ -218,7 +219,7 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
                     const int i = BOUNDARY == BOUNDARY_PERIODIC ? wrap(b * R + q, rows) : min(b * R + q, rows - 1);
                     const int at = slot * BLOCK + q * STRIDE;
                     __local real *ys = scratch + MODULO_3(b) * BLOCK + q * STRIDE;
-                    bring(x, w, mask, top + i, cols, first_col - SHIFT, end + V, states + at, drives + at, gains + at, ys);
+                    bring(x, w, mask, top + i, cols, first_col - SHIFT, near, end, states + at, drives + at, gains + at, ys);
                     fix_columns(ys, left, right);
                 }
             fix_rows(scratch, b, rows);
@@ -239,14 +240,15 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
                 for (int zone = 0; t == levels && zone < 3; zone++) {
                     const int loose = STEP(SHIFT + zones[zone], SHIFT + zones[zone + 1], times, 1);
                     for (int q = 0; q < R; q++) {
-                        const int i = c * R + q - first_row;
+                        const int i = c * R + q - first_row, n = i / band;
                         if ((loose >> q & 1) && i >= 0 && i < stop_row - first_row)
-                            found |= places[zone] | place_of(i, stop_row - first_row, reach, NORTH, SOUTH);
+                            found[n] |= places[zone] | place_of(i - n * band, min(band, stop_row - first_row - n * band),
+                                                                reach, NORTH, SOUTH);
                     }
                 }
                 if (t < levels)
 #endif
-                    STEP(V, end, 1, 0);
+                    STEP(SHIFT - (HALO ? EVEN(still) : 0), SHIFT + own_cols + (HALO ? still : 0), 1, 0);
                 for (int q = 0; t < levels && q < R; q++) fix_columns(fresh + q * STRIDE, left, right);
             }
             if (t < levels) fix_rows(level, c, rows);
@@ -257,14 +259,42 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
             const __local real *from = states + at * BLOCK + q * STRIDE + SHIFT;
             int j = 0;
 #ifdef SLEEP
-            if (turn == COASTING) found |= differ(from, x + (to - out), own_cols) ? MOVED : 0;
+            if (turn == COASTING && differ(from, x + (to - out), own_cols))
+                found[(c * R + q - first_row) / band] |= MOVED;
 #endif
             for (; j + V <= own_cols; j += V) VEC(__global, to + j) = VEC(const __local, from + j);
             for (; j < own_cols; j++) to[j] = from[j];
         }
         slot = slot == T ? 0 : slot + 1;
     }
+}
+
+__attribute__((reqd_work_group_size(1, 1, 1)))
+__kernel void steps(__global const real *x, __global const real *w, __global const ulong *mask, __global real *out,
+                    __local real *scratch, int rows, int cols, int width, int band, int across, int down, int steps,
+                    int first SLEEP_ARGUMENTS)
+{
+    const int group = first + get_global_id(0), col = group % across, first_col = col * width;
+    const int own_cols = min(width, cols - first_col), stacks = (down + STACK - 1) / STACK;
+    const int grid = group / across / stacks, bottom = group / across % stacks * STACK, stop = min(down, bottom + STACK);
+    const long top = (long)grid * rows;
 #ifdef SLEEP
-    moves[tile] = found;
+    const int beyond = counted(rows, down, band, T * RADIUS), beside = counted(cols, across, width, T * RADIUS);
+    int turns[STACK];
+    for (int q = bottom; q < stop; q++)
+        turns[q - bottom] = turn_of(moved, (grid * down + q) * across + col, across, down, beyond, beside, least);
+    for (int q = bottom, after; q < stop; q = after) {
+        const int turn = turns[q - bottom];
+        int found[STACK];
+        for (after = q; after < stop && turns[after - bottom] == turn; after++)
+            found[after - q] = turn == AWAKE ? MOVED : 0;
+        if (turn != ASLEEP)
+            step_rows(x, w, mask, out, scratch, rows, cols, top, first_col, own_cols, q * band, min(after * band, rows),
+                      band, steps, turn, found);
+        for (int n = q; n < after; n++) moves[(grid * down + n) * across + col] = found[n - q];
+    }
+#else
+    step_rows(x, w, mask, out, scratch, rows, cols, top, first_col, own_cols, bottom * band, min(stop * band, rows), band,
+              steps, AWAKE, 0);
 #endif
 }

@@ -1,8 +1,8 @@
 // What neighbours add to the drives of layers: terms of any kind over channels, see cnnsim/backends/term_table.py. Comes
-// before stages.cl.
+// before tile.cl.
 //
 // The host writes the terms (term_text.py): CASES(DO), TERMS_n, OUTPUT(T), TABLES, and CHARACTERISTIC, the output
-// characteristic's code; and what the channels are filled from (channel_text.py): SOURCES, FILLS.
+// characteristic's code; what the channels are filled from (channel_text.py): SOURCES, FILLS; and which KERNELS there are.
 
 TABLES
 
@@ -53,7 +53,7 @@ static inline vec output_of_vec(vec v)
 #endif
 
 #define NEIGHBOUR(channel, k, l) (*(__global const vec *)(own + (channel) * all + t + (k) * stride + (l)))
-#define WEIGHT(plane) (*(__global const vec *)(weights + ((plane) * (long)rows + grid_row(&at, i)) * cols + g))
+#define WEIGHT(plane) (*(__global const vec *)(weights + ((plane) * (long)rows + grid_row(&at, i)) * cols + t + shift))
 
 #define CASE(number)                                                                            \
     case number: {                                                                              \
@@ -62,7 +62,9 @@ static inline vec output_of_vec(vec v)
     }
 
 #define DRIVE_ARGUMENTS , __global const real *weights
-#define ADD_NEIGHBOURS switch (part * layers + layer) { CASES(CASE) }
-#define TASK task
+#define DRIVE_GIVEN , weights
+#define ADD_NEIGHBOURS switch (task == TASK_DRIVE ? layer : bare ? NOTHING : LAYERS + layer) { CASES(CASE) }
+#define OUTPUT_OF_DRIVE(total, start)                                                           \
+    CHARACTERISTIC == FUNCTION_SIGN ? (total == (vec)0 ? start : output_of_vec(total)) : output_of_vec(total)
 #define SUM_BEGINS (vec)0
 #define SUM_ENDS(sum) start + gain * sum
