@@ -1,11 +1,13 @@
 """Known loads of a calibration, a CSV table of when each was there, and what the taxels read meanwhile."""
 
 import csv
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
 
 from cnnsim.support import Floats, InputError
+from cnnsim.support.bounds import reason
 from tactile.calibration.from_weights import KnownLoads
 
 GRAVITY = 9.80665e-3
@@ -26,13 +28,11 @@ def read_weights(path: Path) -> tuple[Floats, KnownLoads]:
         InputError: no such file, an unknown or missing column, a cell that is no number, times that do not grow.
     """
     try:
-        with path.open(newline="", encoding="utf-8") as file:
-            table = csv.DictReader(line for line in file if not line.startswith("#"))
-            names, rows = [name.strip() for name in table.fieldnames or ()], list(table)
+        lines = StringIO(path.read_text(encoding="utf-8-sig"))
+        table = csv.DictReader(line for line in lines if not line.startswith("#"))
+        names, rows = [name.strip() for name in table.fieldnames or ()], list(table)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(
-            f"{path}: {getattr(error, 'strerror', None) or 'no text'}; a table of weights wanted"
-        ) from error
+        raise InputError(f"{path}: cannot be read as a table of weights: {reason(error)}") from error
     known = {*TIMES, *FORCES, *PLACE, "grams"}
     if not {*TIMES} <= {*names} or not {*names} <= known or ("grams" in names) == ("f_n" in names):
         raise InputError(

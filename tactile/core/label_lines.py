@@ -2,9 +2,11 @@
 
 import csv
 from collections.abc import Sequence
+from io import StringIO
 from pathlib import Path
 
 from cnnsim.support import InputError
+from cnnsim.support.bounds import reason
 
 
 def read_lines(path: Path) -> tuple[list[dict[str, str]], Sequence[str]]:
@@ -14,9 +16,7 @@ def read_lines(path: Path) -> tuple[list[dict[str, str]], Sequence[str]]:
         InputError: no such file, or none that is read as text.
     """
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            reader = csv.DictReader(file)
-            return list(reader), reader.fieldnames or ()
+        reader = csv.DictReader(StringIO(path.read_text(encoding="utf-8-sig")))
+        return list(reader), reader.fieldnames or ()
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        why = error.strerror if isinstance(error, OSError) else str(error)
-        raise InputError(f"{path}: cannot be read as labels: {why}") from error
+        raise InputError(f"{path}: cannot be read as a table of labels: {reason(error)}") from error

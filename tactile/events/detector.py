@@ -1,7 +1,7 @@
 """Detectors at work: the program of a detector file on a finger's planes, frame by frame, and what it says."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import is_
 from typing import Any
 
@@ -46,6 +46,7 @@ class Detector:
         self._fixed = False
         self._last: list[Floats] = []
         self._kept: dict[str, Any] = {}
+        self._unnamed = dict[str, float]()  # onsets of events that last and of which no kind was told
 
     def update(self, t: float) -> list[Happening]:
         """Take the planes of the pool at ``t`` [s] and return what begins and ends."""
@@ -54,13 +55,24 @@ class Detector:
         for tracker in self._trackers:
             if not (ran or tracker.waits):
                 continue
-            turn = tracker.update(t, _on(self.outputs[tracker.rule.when]))
+            rule, out = tracker.rule, self.outputs
+            turn = tracker.update(t, _on(out[rule.when]), rule.unless is not None and _on(out[rule.unless]))
             if turn is not None:
                 assert tracker.onset is not None
-                found.append(self._happening(tracker, turn))
+                found.append(self._named(self._happening(tracker, turn)))
                 if turn == "ends":
                     tracker.onset = tracker.end = None
         return found
+
+    def _named(self, what: Happening) -> Happening:
+        """Return the first kind that is told of an event with the onset of that: its kind shows later than itself."""
+        if what.turn == "ends":
+            self._unnamed.pop(what.rule.kind, None)
+            return what
+        if what.rule.kind_of is not None:
+            what = replace(what, onset=min(what.onset, self._unnamed.pop(what.rule.kind_of, what.onset)))
+        self._unnamed[what.rule.kind] = what.onset
+        return what
 
     def _run(self) -> bool:
         program, pool, self.changed = self.file.program, self._pool, False

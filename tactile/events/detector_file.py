@@ -1,7 +1,7 @@
 """Detector files: an analogic program, and a table of what its planes and registers mean, read and checked."""
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from string import Formatter
@@ -16,7 +16,10 @@ from cnnsim.support.toml_file import KeyFaults, check_keys, read_toml, take, tak
 from tactile.core.file_kinds import refuse_other_kind
 from tactile.events.planes import LATE, NAMES
 
-EVENT_KEYS = ("kind", "when", "words", "taxels", "direction", "sense", "confirm_ms", "release_ms", "lag_ms", "lag_of")
+EVENT_KEYS = (
+    "kind", "when", "words", "taxels", "direction", "sense", "confirm_ms", "unless", "release_ms", "lag_ms", "lag_of",
+    "kind_of",
+)  # fmt: skip
 OF_THE_DATA = ("direction", "sense", "taxels", "of_taxels", "force_n", "shear_n")
 """What the words of an event may name in braces; a slip has a length, too."""
 OF_LOAD = "load"
@@ -32,9 +35,10 @@ class EventRule:
     ``when``: the plane (any cell black) or register (not 0) that is on while it lasts; ``taxels``: the plane of the
     taxels concerned; ``direction``: four planes or registers for +x, -x, +y, -y, of which the larger ones give it, or
     ``along_load``: that of the whole tangential load; ``sense``: two, clockwise and anticlockwise as seen in the
-    picture; it begins once it was on for ``confirm`` [s] and ends once it was off for ``release`` [s]; ``lag`` [s] is
-    what its planes come late by, which is taken off the onset; where it is longer, what the plane ``lag_of`` says that
-    it came late by is.
+    picture; it begins once it was on for ``confirm`` [s] and ends once it was off for ``release`` [s]; with ``unless``
+    it need not stay on, but that must not come on meanwhile; ``lag`` [s] is what its planes come late by, which is
+    taken off the onset; where it is longer, what the plane ``lag_of`` says that it came late by is. The
+    first of those that are a ``kind_of`` another event of the file begins where that began.
     """
 
     kind: str
@@ -48,11 +52,14 @@ class EventRule:
     along_load: bool = False
     lag: float = 0.0
     lag_of: str | None = None
+    unless: str | None = None
+    kind_of: str | None = None
 
     @property
     def outputs(self) -> set[str]:
         """The program's outputs that the rule reads."""
-        return {self.when, *self.direction, *self.sense, *([self.taxels] if self.taxels else [])}
+        single = {name for name in (self.taxels, self.unless) if name is not None}
+        return {self.when, *self.direction, *self.sense, *single}
 
 
 @dataclass(frozen=True)
@@ -175,20 +182,27 @@ def _rule(table: dict[str, Any], where: str) -> EventRule:
     if min(times.values()) < 0:
         raise InputError(f"{where}: confirm_ms, release_ms, lag_ms of {times}; numbers from 0 wanted")
     taxels = take(table, "taxels", str, where) if "taxels" in table else None
+    unless = take(table, "unless", str, where) if "unless" in table else None
     lag_of = take(table, "lag_of", str, where) if "lag_of" in table else None
     if lag_of not in (None, *LATE):
         raise InputError(f"{where}: lag_of = {lag_of!r}; one of {', '.join(LATE)} wanted, which know it")
     return EventRule(
         kind, take(table, "when", str, where), words, taxels, lists["direction"], lists["sense"],
-        times["confirm_ms"], times["release_ms"], along, times["lag_ms"], lag_of,
+        times["confirm_ms"], times["release_ms"], along, times["lag_ms"], lag_of, unless,
+        take(table, "kind_of", str, where) if "kind_of" in table else None,
     )  # fmt: skip
 
 
-def _check(program: Program, rules: Collection[EventRule], known: Collection[str]) -> None:
+def _check(program: Program, rules: Sequence[EventRule], known: Collection[str]) -> None:
     wrong = [plane for plane in program.inputs if plane not in known]
     if wrong:
         raise InputError(f"inputs {', '.join(wrong)}; of {', '.join(known)} wanted")
-    for rule in rules:
+    for n, rule in enumerate(rules):
+        if rule.kind_of is not None and rule.kind_of not in (before := [one.kind for one in rules[:n]]):
+            raise InputError(
+                f"event {rule.kind!r}: kind_of = {rule.kind_of!r}; an event before it in the file wanted, of"
+                f" {', '.join(before) or 'none'}"
+            )
         missing = sorted(rule.outputs - set(program.outputs))
         if missing:
             raise InputError(
@@ -196,5 +210,6 @@ def _check(program: Program, rules: Collection[EventRule], known: Collection[str
             )
         if rule.taxels is not None and program.memory[rule.taxels] != "llm":
             raise InputError(f"event {rule.kind!r}: taxels = {rule.taxels!r} is no logic plane; one in llm wanted")
-        if program.memory[rule.when] == "lam":
-            raise InputError(f"event {rule.kind!r}: when = {rule.when!r} is analog; a logic plane or a register wanted")
+        for key, name in (("when", rule.when), ("unless", rule.unless)):
+            if name is not None and program.memory[name] == "lam":
+                raise InputError(f"event {rule.kind!r}: {key} = {name!r} is analog; a logic plane or a register wanted")

@@ -1,6 +1,7 @@
 """Dictionary of the sign codes of two 2 x 2 fingers: what each of the 65 536 says in words; larger arrays vote."""
 
 from collections.abc import Iterator
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ X = np.array([[-1, 1], [-1, 1]])
 """Where a taxel of a 2 x 2 finger lies along x; its transpose along y (down)."""
 
 
+@cache  # a finger has 256 of them, the whole dictionary asks 131 072 times
 def finger_word(code: int) -> str:
     """Return what eight bits of a finger say, by the mode of motion that most of the eight signs agree with.
 

@@ -10,7 +10,10 @@ Turn = Literal["begins", "ends"]
 
 @dataclass
 class Tracker:
-    """Follows one rule of one finger through time; ``onset`` [s] is where it was first on, ``end`` first off."""
+    """Follows one rule of one finger through time; ``onset`` [s] is where it was first on, ``end`` first off.
+
+    What waits to be told begins again where it is off; of a rule that says what takes it back, where that is on alone.
+    """
 
     rule: EventRule
     active: bool = False
@@ -22,17 +25,19 @@ class Tracker:
         """Whether time alone may bring a turn."""
         return (self.onset is not None and not self.active) or self.end is not None
 
-    def update(self, t: float, on: bool) -> Turn | None:
-        """Take whether it is on at ``t`` [s], and return whether the event begins or ends with this frame."""
+    def update(self, t: float, on: bool, back: bool = False) -> Turn | None:
+        """Take whether it is on at ``t`` [s], and whether what takes it ``back`` is; return what begins or ends."""
         if not self.active:
-            if not on:
-                self.onset = None
+            waits = self.onset is not None and self.rule.unless is not None
+            if back or not (on or waits):
+                self.onset = self.end = None
                 return None
             if self.onset is None:
                 self.onset = t
+            self.end = None if on else t if self.end is None else self.end
             if t - self.onset < self.rule.confirm:
                 return None
-            self.active, self.end = True, None
+            self.active = True
             return "begins"
         if on:
             self.end = None

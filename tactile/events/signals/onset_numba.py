@@ -10,6 +10,8 @@ LOOK = 0.3
 """[s] that is looked back over."""
 LEAST = 8
 """Frames that a bend needs; with fewer nothing is said of it."""
+BETTER = 0.5
+"""Two bends are told where they leave less than this part of the squares that one leaves: a load may come softly."""
 
 
 @kept_njit(error_model="numpy")
@@ -30,13 +32,14 @@ def remember(t, fast, times, past, state):  # type: ignore[no-untyped-def]  # ty
 
 
 @kept_njit(error_model="numpy")
-def bend(t, drawn, slow, explained, times, past, state, series):  # type: ignore[no-untyped-def]  # typed at the call
+def bend(t, drawn, slow, explained, times, past, state, series, hinges):  # type: ignore[no-untyped-def]  # typed at the call
     """Return the time [s] at which the shear of the taxels drawn began to change, ``t`` where that cannot be said.
 
     The shear s along what is ``drawn`` (2, rows, cols), less what the pressing explains, is fitted by
-    a + b t + c max(t - t0, 0) over the last `LOOK`: t0 is the time that leaves least squares.
+    a + b t + c max(t - t0, 0) over the last `LOOK`: t0 is the time that leaves least squares. Where two such bends
+    leave far less it is the one that turns upwards more: what crept a little before is not yet the load.
     ``explained``: whether the pressing explains shear; ``slow`` (rows, cols, 3) says how much for each newton;
-    ``series`` (2, KEPT) is scratch.
+    ``series`` (2, KEPT) and ``hinges`` (KEPT, KEPT) are scratch.
     """
     count = 0
     _, rows, cols = drawn.shape
@@ -56,34 +59,54 @@ def bend(t, drawn, slow, explained, times, past, state, series):  # type: ignore
         count += 1
     if count < LEAST:
         return t
-    best, found = math.inf, 0.0
-    for start in range(2, count - 2):
-        left, rise = _left(series, count, series[0, start])
-        if left < best and rise > 0:
-            best, found = left, series[0, start]
-    return t + found
+    return t + _steepest_bend(series, hinges, count)
 
 
 @kept_njit(error_model="numpy")
-def _left(series, count, start):  # type: ignore[no-untyped-def]  # typed at the call
-    """Return the squares that a + b t + c max(t - start, 0) leaves, and c."""
-    mt = mh = ms = 0.0
+def _steepest_bend(series, hinges, count):  # type: ignore[no-untyped-def]  # typed at the call
+    """Return the time of the bend of a course (count,) that turns upwards most, of one or two; 0 where none does."""
+    whole = _level(series[1], series[0], count)
+    for n in range(2, count - 2):
+        for m in range(count):
+            hinges[n, m] = max(series[0, m] - series[0, n], 0.0)
+        _level(hinges[n], series[0], count)
+    one, two, found, steeper = whole, math.inf, 0.0, 0.0
+    for n in range(2, count - 2):
+        hh, hs = _product(hinges[n], hinges[n], count), _product(hinges[n], series[1], count)
+        if hs > 0 and hh > 0 and whole - hs * hs / hh < one:
+            one, found = whole - hs * hs / hh, series[0, n]
+        for k in range(n + 2, count - 2):
+            gg, hg = _product(hinges[k], hinges[k], count), _product(hinges[n], hinges[k], count)
+            det = hh * gg - hg * hg
+            if det > 1e-9 * hh * gg:
+                gs = _product(hinges[k], series[1], count)
+                b, c = (hs * gg - gs * hg) / det, (gs * hh - hs * hg) / det
+                left = whole - b * hs - c * gs
+                if left < two and max(b, c) > 0:
+                    two, steeper = left, series[0, n] if b > c else series[0, k]
+    return steeper if two < BETTER * one else found
+
+
+@kept_njit(error_model="numpy")
+def _level(values, t, count):  # type: ignore[no-untyped-def]  # typed at the call
+    """Take a straight course over ``t`` off ``values`` (count,), least squares; return the squares that are left."""
+    mt = mv = 0.0
     for m in range(count):
-        mt += series[0, m]
-        mh += max(series[0, m] - start, 0.0)
-        ms += series[1, m]
-    mt, mh, ms = mt / count, mh / count, ms / count
-    tt = th = hh = ts = hs = ss = 0.0
+        mt += t[m] / count
+        mv += values[m] / count
+    tt = tv = 0.0
     for m in range(count):
-        x, h, s = series[0, m] - mt, max(series[0, m] - start, 0.0) - mh, series[1, m] - ms
-        tt += x * x
-        th += x * h
-        hh += h * h
-        ts += x * s
-        hs += h * s
-        ss += s * s
-    det = tt * hh - th * th
-    if not det > 1e-12 * tt * hh:
-        return math.inf, 0.0
-    b, c = (ts * hh - hs * th) / det, (hs * tt - ts * th) / det
-    return ss - b * ts - c * hs, c
+        tt += (t[m] - mt) ** 2
+        tv += (t[m] - mt) * (values[m] - mv)
+    slope = tv / tt if tt > 0 else 0.0
+    for m in range(count):
+        values[m] -= mv + slope * (t[m] - mt)
+    return _product(values, values, count)
+
+
+@kept_njit(error_model="numpy")
+def _product(one, other, count):  # type: ignore[no-untyped-def]  # typed at the call
+    total = 0.0
+    for m in range(count):
+        total += one[m] * other[m]
+    return total

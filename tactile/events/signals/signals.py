@@ -16,12 +16,13 @@ FAST, SLOW = 0.01, 0.2
 LOAD = (0.004, 0.015, 0.1, 0.3, 0.3, 0.05, 0.08)
 """[s] Time constants of the whole load: three means, the held load, the memory of the steepest fall, and of
 unrest; and the slow mean while the load is unsteady."""
-KEPT = 15
+KEPT = 16
 """Numbers that `signals_numba.step` keeps."""
 DRAWN = 9.0
 """An unexplained change of shear counts from so many sigma of it; it is tried on every taxel in every frame."""
-TAUS = (0.003, 0.005, 0.008, 0.012, 0.02, 0.035, 0.06)
-"""[s] Time constants of the growth of the pull; the shortest that noise allows is looked at."""
+TAUS = tuple(0.003 * 1.15**k for k in range(23))
+"""[s] Time constants of the growth of the pull, to 65 ms; the shortest that noise allows is looked at: in coarser steps
+a light grasp that just misses one waits for the next, which comes late by 2.7 of it."""
 PLANES = ("shear_x", "shear_y", "pressing", "drawn_x", "drawn_y", "share", "firmness")
 LEVELS = (
     "loaded",
@@ -72,7 +73,7 @@ class Signals:
     typically bears, or where the same of all taxels together is on for pressed ones: from 6 sigma, 3 % of F and 30 %
     of what the whole shear changed by of late, where it outruns its own mean.
     ``share``: a taxel's shear along the whole one over its pressing, over that of the rim (of those above the mean):
-    the same number for all where all slide. 1/4 from 0.9 on, -1/4 from 0.82 down (or 1.5 and 3 sigma), of the 3 x 3
+    the same number for all where all slide. 1/4 from 0.9 on, -1/4 from 0.82 down (or 1.5 and 4.5 sigma), of the 3 x 3
     neighbourhood where sigma is above 0.04, 0 where noise leaves that open, too. ``firmness``: the slow
     mean of pressing over three times its levels, or the fast one over five times.
 
@@ -97,7 +98,7 @@ class Signals:
         from tactile.events.signals.onset_numba import KEPT as FRAMES
         from tactile.events.signals.onset_numba import bend, remember  # the same
         from tactile.events.signals.sliding_numba import slide  # the same
-        from tactile.events.signals.step_numba import binary, step  # the same
+        from tactile.events.signals.step_numba import GROWS, binary, step  # the same
         from tactile.events.signals.turn_numba import turn  # the same
 
         self._binary = binary
@@ -120,8 +121,8 @@ class Signals:
         self._shares = quantity == "force" and self._counts.size > 1  # where loads are located, a slip is a travel
         self._one = np.zeros((1, 1, 3))
         self._times, self._past, self._next = np.zeros(FRAMES), np.zeros((FRAMES, *shape, 3)), np.zeros(2, np.int64)
-        self._series = np.zeros((2, FRAMES))
-        self._load = self
+        self._series, self._hinges = np.zeros((2, FRAMES)), np.zeros((FRAMES, FRAMES))
+        self._load, self._grows = self, GROWS
 
     def set_noise(self, noise: Noise | None, levels: Levels) -> None:
         """Take the noise: what is left of it after the means, and from where on a change is one."""
@@ -197,7 +198,7 @@ class Signals:
         """What the growth of the pull came late by when it was told [s]: 2.5 tau of the two means that it needed.
 
         After a pull that stops at once its growth, (1 + t/tau) exp(-t/tau) of what it was, is below 0.25 by 2.7 tau;
-        where it yields by and by the means are less late.
+        where it yields by and by, which a mean twice as long knows, the means are not late.
         """
         return float(2.5 * self._growth[-1])
 
@@ -206,11 +207,20 @@ class Signals:
         load = self._load
         if load._t is None:
             return t
-        explained = not load._scalars[8] > 0.25 * load._scalars[9]
+        moved, pressed, of_late = load._scalars[[8, 9, 15]]
+        explained = not (moved > 0.25 * pressed and moved > self._grows * of_late)
         late = max(FAST, 2 * load._interval)
         return (
             load._bend(
-                load._t, load.planes[3:5], load._slow, explained, load._times, load._past, load._next, load._series
+                load._t,
+                load.planes[3:5],
+                load._slow,
+                explained,
+                load._times,
+                load._past,
+                load._next,
+                load._series,
+                load._hinges,
             )
             - late
         )

@@ -15,6 +15,8 @@ ALONE = 0.04
 """A share less well known is that of the 3 x 3 taxels around."""
 FULL, STUCK, SIGMAS = 0.1, 0.18, 3.0
 """A share is full at less than so much below 1, and sticks at more, or at so many sigma; full at half as many."""
+CERTAIN = 4.5
+"""Sigmas from which on a taxel is said to stick: in a contact that vibrates for a second noise passes 3 somewhere."""
 LITTLE, MUCH = 0.1, 0.15
 """Parts of the load: a contact sticks where taxels that stick bear so much, until they bear less than so little."""
 MEMORY = 0.5
@@ -22,7 +24,7 @@ MEMORY = 0.5
 SURE = 6.0
 """Growth counts from so many sigma on."""
 CLEAR = 0.1
-"""Noise of the growth over the fastest one, at most: half of what it is compared with."""
+"""Noise of the growth over the fastest one, at most: a pull that goes on is seven times that above one that yields."""
 GROWN = 0.1
 """Part of the present ratio by which it must have grown, above its least of late ..."""
 LATE = 2.0
@@ -32,6 +34,8 @@ YIELDS, GOES_ON = 0.25, 0.4
 
 Where an object is moved evenly the growth falls as the root of the way that is left (Mindlin): less is nearer the slip.
 """
+SOFT, AT_ONCE = 0.35, 0.55
+"""Growth over the fastest one, of a mean twice as long, when the pull yields: after a sudden stop it is 0.61 of it."""
 FINE, SUDDEN = 0.05, 0.4
 """Where the growth has fallen below that part of the fastest by and by, it is asked of a longer mean, of less noise."""
 
@@ -44,7 +48,8 @@ def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, 
     ``sigma`` (rows, cols) of shear from frame to frame, ``noise_q``, ``noise_n`` of shear and normal after the mean;
     ``taus`` (n,) [s] time constants tried, at least the ``interval`` of the frames; ``rising``: the load still rises.
     ``kept`` (2 n + 3,): the ratio of the whole shear to the whole normal load after one mean and after two of each
-    time constant, its fastest growth of late [1/s], its least of late, and the time constant that was looked at.
+    time constant, its fastest growth of late [1/s], its least of late, and the time constant that was looked at, less
+    where the growth had become slow by and by: then it came less late.
     """
     rows, cols = use.shape
     most = force = q = r = q_now = r_now = whole = noise = fw = 0.0
@@ -73,7 +78,7 @@ def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, 
         return
     ratio = shear / force
     x, y = q / shear, r / shear
-    above = below = 0.0
+    above = below = of_rim = 0.0
     for i in range(rows):
         for j in range(cols):
             press = fast[i, j, 2]
@@ -84,8 +89,10 @@ def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, 
                 if along > ratio * press:
                     above += along
                     below += press
+                    of_rim += noise_q[i, j] ** 2 + (ratio * noise_n[i, j]) ** 2
     bears = 0.0
     rim = max(above / below, ratio) if below > 0 else ratio
+    of_rim = math.sqrt(of_rim) / (rim * below) if below > 0 else 0.0  # those above are so by noise, too
     for i in range(rows):
         for j in range(cols):
             if not use[i, j] or not fast[i, j, 2] > BORNE * most:
@@ -102,11 +109,13 @@ def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, 
                             along += fast[k, m, 0] * x + fast[k, m, 1] * y
                             spread += noise_q[k, m] ** 2 + (rim * noise_n[k, m]) ** 2
                 doubt = math.sqrt(spread) / (rim * press) if press > 0 else 1.0
+            doubt = math.hypot(doubt, of_rim)
             if doubt < KNOWN:  # the share is known well enough to be asked for
                 lack = 1 - along / (rim * press)
                 full, stuck = max(FULL, SIGMAS / 2 * doubt), max(STUCK, SIGMAS * doubt)
-                # stuck is -1/4 and below, full 1/4 and above
-                planes[5, i, j] = max(-1.0, min(1.0, 0.25 - 0.5 * (lack - full) / (stuck - full)))
+                # stuck is -1/4 and below, full 1/4 and above; one that has stuck is remembered, so it is to be certain
+                certain = max(STUCK, CERTAIN * doubt)
+                planes[5, i, j] = max(-1.0, min(1.0, 0.25 - 0.5 * (lack - full) / (certain - full)))
                 bears += fast[i, j, 2] * max(0.0, min(1.0, (lack - full) / (stuck - full)))
     levels[10] = binary(bears / force, LITTLE, MUCH)
     now = (q_now * x + r_now * y) / fw
@@ -139,11 +148,22 @@ def _grow(now, noise, dt, interval, taus, kept, rising, levels):  # type: ignore
             growth = (kept[k] - kept[count + k]) / tau
             least = kept[2 * count + 1] + (1 - math.exp(-dt / LATE)) * (kept[k] - kept[2 * count + 1])
             kept[2 * count + 1] = min(least, kept[k])
-            kept[2 * count + 2] = tau
+            kept[2 * count + 2] = tau * _at_once(tau, fastest, interval, taus, kept)
             if kept[k] - least < GROWN * kept[k] or _goes_on(fastest, noise, interval, taus, kept):
                 return
             levels[9] = binary(1 - growth / fastest, 1 - GOES_ON, 1 - YIELDS)
             return
+
+
+@kept_njit(error_model="numpy")
+def _at_once(tau, fastest, interval, taus, kept):  # type: ignore[no-untyped-def]
+    """Return 1 where the growth has just been as fast as ever, 0 where it has become slow by and by."""
+    count = len(taus)
+    k = 0
+    while k < count - 1 and taus[k] < 2 * tau:
+        k += 1
+    growth = (kept[k] - kept[count + k]) / max(taus[k], interval)
+    return max(0.0, min(1.0, (growth / fastest - SOFT) / (AT_ONCE - SOFT)))
 
 
 @kept_njit(error_model="numpy")

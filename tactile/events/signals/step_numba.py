@@ -12,6 +12,8 @@ OUTRUNS = 1.25
 """... where it is so many times its own mean of late ..."""
 CREEP, CREEP_TIME = 0.3, 0.4
 """... and so much of the largest change of late, which silicone goes on with for so long [s] ..."""
+GROWS = 1.25
+"""... but where shear is most of what changes, and changes by so many times its mean square of late."""
 HELD = 0.24
 """... and otherwise lasts: between where a comparator goes off and on."""
 MOVED = 6.0
@@ -59,11 +61,12 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     ``fast``, ``slow`` (rows, cols, 3) and ``scalars`` are kept from frame to frame: F after 4, 15 and 100 ms, the held
     load, the steepest fall, Q and R after 10 ms, frames seen, the changes
     of shear and of pressing, the largest unrest of late, the mean of the whole unexplained change,
-    and the largest change of the whole shear of late.
+    the largest change of the whole shear of late, and the mean of the changes of shear.
     """
     rows, cols = use.shape
     a_fast = 1 - math.exp(-dt / max(taps[0], 2 * dt)) if dt > 0 else 0.0
     sheared = scalars[8] > 0.25 * scalars[9]
+    sets_in = sheared and scalars[8] > GROWS * scalars[15]
     # while the load changes the slow mean has to keep up: what was before says nothing of what is drawn now
     a_slow = 1 - math.exp(-dt / (taps[8] if scalars[10] > 1 and not sheared else taps[1]))
     first = scalars[7] == 0
@@ -125,7 +128,7 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     levels[7] = binary(driven, least / 1.5, least)
     levels[8] = binary(fall, 0.027 * top + noise / 3, 0.04 * top + noise / 2)
     # noise falls with the root of the number of taxels: all together tell a pull that none of them could tell alone
-    explained = (n - n_slow) / n_slow if n_slow > 3 * math.sqrt(press_noise) and not sheared else 0.0
+    explained = (n - n_slow) / n_slow if n_slow > 3 * math.sqrt(press_noise) and not sets_in else 0.0
     all_q, all_r = q - q_slow * (1 + explained), r - r_slow * (1 + explained)
     scalars[14] = max(driven, scalars[14] * math.exp(-dt / CREEP_TIME))
     least_all = max(WHOLE * math.sqrt(shear_noise), WHOLE_PART * max(f100, 0.0), CREEP * scalars[14], 1e-12)
@@ -144,13 +147,13 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
         for j in range(cols):
             change_n = fast[i, j, 2] - slow[i, j, 2]
             under = max(slow[i, j, 2], 0.0)
-            creep = 0.0  # where shear is most of what changes it is no closing grip that goes on
-            if n_slow > 0 and rows * cols > 1 and not sheared:
+            creep = 0.0  # where shear is most of what changes, and more and more of it, no closing grip goes on
+            if n_slow > 0 and rows * cols > 1 and not sets_in:
                 creep = CREEP * scalars[14] * min(under / n_slow, 1.0)
             least = max(drawn_on[i, j], 0.016 * typical, creep)
             for k in range(2):
                 change = fast[i, j, k] - slow[i, j, k]
-                part = slow[i, j, k] / under if under > 3 * on[i, j, 2] and not sheared else 0.0
+                part = slow[i, j, k] / under if under > 3 * on[i, j, 2] and not sets_in else 0.0
                 change -= part * change_n
                 own = binary(change, least / 1.5, least)
                 if rows * cols > 1 and abs(own) < 0.25 and planes[2, i, j] > 0.25:
@@ -165,6 +168,7 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     calm = 1 - math.exp(-dt / taps[7])
     scalars[8] += calm * (moved - scalars[8])
     scalars[9] += calm * (pressed - scalars[9])
+    scalars[15] += (1 - math.exp(-dt / taps[1])) * (scalars[8] - scalars[15])
     levels[6] = binary(scalars[8], 0.2 * scalars[9], 0.3 * scalars[9]) if scalars[8] > 0 else 0.0
     still = MOVED * shear_noise  # in a still hold both are noise, and their proportion says nothing
     levels[13] = binary(scalars[8], 0.2 * scalars[9] + still / 1.5, 0.3 * scalars[9] + still) if scalars[8] > 0 else 0.0

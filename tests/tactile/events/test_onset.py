@@ -39,10 +39,24 @@ def test_the_bend_of_a_course_that_drifts_is_where_it_was_made(since: float) -> 
         course = 0.2 - 0.05 * t + 0.8 * max(t - (now - since), 0.0) + 1e-3 * rng.standard_normal()
         remember(t, np.array([[[-course, 0.0, 4.0], [0.0, 9.0, 4.0]]]), times, past, state)
     drawn = np.array([[[-0.3, 0.1]], [[0.0, 0.0]]])  # the second taxel is not drawn
-    found = bend(now, drawn, past[0], False, times, past, state, np.zeros((2, KEPT)))
+    scratch = np.zeros((2, KEPT)), np.zeros((KEPT, KEPT))
+    found = bend(now, drawn, past[0], False, times, past, state, *scratch)
     assert found == pytest.approx(now - since, abs=0.008)
     state[:] = 0
-    assert bend(now, drawn, past[0], False, times, past, state, np.zeros((2, KEPT))) == now
+    assert bend(now, drawn, past[0], False, times, past, state, *scratch) == now
+
+
+def test_of_two_bends_the_load_began_at_the_steeper() -> None:
+    """What creeps at a tenth of the pull's rate for 0.12 s before it is no load yet, nor is one that yields after."""
+    scratch = np.zeros((2, KEPT)), np.zeros((KEPT, KEPT))
+    drawn = np.array([[[0.3]], [[0.0]]])
+    for creeps, pulls, rates in ((0.8, 0.92, (0.2, 1.8)), (0.85, 0.93, (1.8, -1.2))):
+        times, past, state = np.zeros(KEPT), np.zeros((KEPT, 1, 1, 3)), np.zeros(2, np.int64)
+        rng, begins = np.random.default_rng(5), creeps if rates[0] > 1 else pulls
+        for t in np.arange(0.5, 1.0, 0.004):
+            course = rates[0] * max(t - creeps, 0.0) + rates[1] * max(t - pulls, 0.0) + 1e-3 * rng.standard_normal()
+            remember(t, np.array([[[course, 0.0, 4.0]]]), times, past, state)
+        assert bend(1.0, drawn, past[0], False, times, past, state, *scratch) == pytest.approx(begins, abs=0.008)
 
 
 def test_a_pull_that_no_taxel_could_tell_alone_is_told_by_all_of_them() -> None:
@@ -74,6 +88,22 @@ def test_a_tangential_load_is_told_at_any_tempo(name: str, tempo: float) -> None
     assert first[0] == pytest.approx(tempo * ONSETS[name], abs=0.06)
     turns = [event.data["sense"] for event in found if event.kind == "twist"]
     assert turns[:1] == (["clockwise"] if "moment" in name else [])
+
+
+@pytest.mark.skipif(not REAL.exists(), reason="the recordings lie beside the project, and are not here")
+@pytest.mark.parametrize(("dead", "shear"), [(0, 1.0), (4, 1.0), (None, 1.5)])
+def test_what_a_closing_grip_goes_on_with_is_no_onset_with_a_dead_taxel_or_more_shear(
+    dead: int | None, shear: float
+) -> None:
+    source, name = open_source(REAL / "rigid_obj_slide_23-08-23.npz"), "rigid_obj_slide_23-08-23"
+    frames = []
+    for frame in source:
+        values = frame.values * np.array([shear, shear, 1.0])
+        if dead is not None:
+            values[divmod(dead, 3)] = 0.0
+        frames += [replace(frame, values=values)] if frame.t < 1.5 else []
+    first, *_ = (event.t for event in told(source.arrays[0], frames) if event.kind == "tangential_load")
+    assert first == pytest.approx(ONSETS[name], abs=0.06)
 
 
 def test_the_noise_of_a_still_hold_is_no_change_of_shear_and_a_slow_pull_is_one() -> None:

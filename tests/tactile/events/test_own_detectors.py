@@ -41,6 +41,20 @@ def test_the_detector_on_the_page_runs_on_recordings(tmp_path: Path) -> None:
     assert len(event.taxels) == 8
 
 
+def test_the_first_kind_of_an_event_begins_where_that_began(tmp_path: Path) -> None:
+    one, other = (patch(100, slice(0, 2), slice(n, n + 2), (0, 0, 0.5)) for n in (0, 4))
+    path = two_blobs(tmp_path)
+    whole = '[[event]]\nkind = "touched"\nwhen = "touch"\n\n[[event]]\nkind_of = "touched"\n'
+    path.write_text(TWO_BLOBS.replace("[[event]]\n", whole), encoding="utf-8")
+    frames = np.concatenate([np.zeros_like(one), one, one + other, one, one + other, np.zeros_like(one)])
+    found = events(stream(frames), programs=(str(path),))
+    (touched,) = (event for event in found if event.kind == "touched")
+    first, second = (event for event in found if event.kind == "two_blobs")
+    assert first.t == touched.t == pytest.approx(1.0, abs=0.006)
+    assert first.told == pytest.approx(1.52, abs=0.01)
+    assert second.t == pytest.approx(2.5, abs=0.006)
+
+
 def test_the_detector_on_the_page_runs_on_a_scene(tmp_path: Path) -> None:
     loads = "".join(
         f'[[load]]\nfinger = "tip"\npath = [[0.5, {x}, 0, 0, 0, 0], [0.6, {x}, 0, 0, 0, 0.3], [1.2, {x}, 0, 0, 0, 0.3]]'
@@ -67,6 +81,7 @@ def test_the_detector_on_the_page_runs_on_a_scene(tmp_path: Path) -> None:
     (("{taxels}", "{taxel}"), "words name taxel"),
     (("{taxels}", "{length_mm}"), "words name length_mm; of direction, sense, taxels, of_taxels"),
     (("confirm_ms = 20", 'lag_of = "touch"'), "lag_of = 'touch'; one of yielding, drawn wanted"),
+    (("confirm_ms = 20", 'kind_of = "touch"'), "kind_of = 'touch'; an event before it in the file wanted, of none"),
     (("confirm_ms", "confirms_ms"), "did you mean 'confirm_ms'"),
 ])  # fmt: skip
 def test_wrong_detectors_are_refused(tmp_path: Path, change: tuple[str, str], message: str) -> None:
