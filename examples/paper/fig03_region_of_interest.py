@@ -44,8 +44,8 @@ def draw(path: Path) -> None:
     drawn, ((plane, line),) = figure(2, size=(5.4, 4.2))
     image = plane.imshow(u * 1e3, extent=(-600, 600, 600, -600), cmap="RdBu", norm="symlog", vmin=-100, vmax=100)
     plane.contour(side * 1e6, side * 1e6, u, levels=[0.0], colors="black", linewidths=1)
-    plane.set(title="u_zz [‰]; black: zero, at sqrt(2) z", xlabel="x [µm]", ylabel="y [µm]")
-    drawn.colorbar(image, ax=plane)
+    plane.set(title="u_zz; black: zero, at sqrt(2) z", xlabel="x [µm]", ylabel="y [µm]")
+    drawn.colorbar(image, ax=plane, label="u_zz [‰], in decades beyond 1", pad=0.03)
     line.plot(side * 1e6, u[120] * 1e3, color="black")
     line.axhline(0, color="0.7", linewidth=0.8)
     for sign in (-1, 1):

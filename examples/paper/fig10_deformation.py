@@ -67,7 +67,7 @@ def draw(path: Path) -> None:
             panel.set_aspect("equal")
             panel.set_xlim(-700, 700)
             panel.set_ylim(700, -260)
-            figure.colorbar(colours, ax=panel, label="[µm]")
+            figure.colorbar(colours, ax=panel, label="deformation [µm]", shrink=0.65)
     for panel in panels[-1]:
         panel.set_xlabel("x [µm]")
     for panel in panels[:, 0]:

@@ -17,6 +17,8 @@ DIFFERS, MOVES = 0.2, 0.6
 """A place that lies so many depths from that by shear alone, or moves so far without a taxel, is in doubt."""
 NOTICED = 0.2
 """From a layer that moves the place by so large a part of its distance one taxel cannot tell what shear does."""
+OUTSIDE = 2.0
+"""Square of the depths from which a place is outside."""
 LEANT_ON = 4
 """The strongest taxels, of which one may hold the place alone."""
 FEW = 16
@@ -42,8 +44,13 @@ def unsteady(found: Attempt, *, left_out: bool) -> bool:
 
 
 def _hangs_on_shear(fit: Fit) -> bool:
-    """Whether shear that the taxels cannot tell, and is taken to be none, may move the place: on a layer it does."""
+    """Whether shear that the taxels cannot tell, and is taken to be none, may move the place: on a layer it does.
+
+    A place outside may be another one altogether: two taxels on the bottom have four numbers for it, which always fit.
+    """
     signals, (x, y, _, _, f) = fit.signals, fit.loads[0]
+    if ((signals.seen - (x, y)) ** 2).sum(axis=1).min() >= OUTSIDE:
+        return True
     xx, xy, yy = (signals.tie / TIED).tolist()
     # one taxel's three numbers fit several places; the half-space's is the one that no shear moves
     alone, far = len(signals.seen) == 1, NOTICED * math.dist((x, y), signals.seen[0])

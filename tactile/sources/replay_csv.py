@@ -40,7 +40,7 @@ def read_csv(path: Path) -> FrameStream:
     """
     with one_line(path, "a CSV recording"):
         check_file(path, "recording", TABLE)
-        lines = path.read_text(encoding="utf-8").rstrip("\n").split("\n")
+        lines = path.read_text(encoding="utf-8-sig").rstrip("\n").split("\n")
         return _read(path, lines)
 
 

@@ -31,7 +31,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Floats, InputError, Integers, naming
-from cnnsim.support.bounds import TEXT, check_file
+from cnnsim.support.bounds import TEXT, check_file, reason
 from cnnsim.support.toml_file import KeyFaults, check_keys, line_of, parse_toml, take, take_numbers, take_tables
 from tactile.calibration.gains import Gains
 from tactile.core.array_table import take_array
@@ -59,11 +59,11 @@ def read_description(path: Path) -> Description:
     """
     try:
         check_file(path, "file that describes an array", TEXT)
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError as error:
         raise InputError(f"no array description {path}") from error
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read as an array description: {error}") from error
+        raise InputError(f"{path}: cannot be read as an array description: {reason(error)}") from error
     return parse_description(text, str(path))
 
 

@@ -18,7 +18,9 @@ ASKED, TAKEN, SHORT = 8, 12, 8
 """... by so many of the strongest taxels, and a short fit from so many of the best of them: none of 1500 loads on
 layers of 1 to 4 depths was missed so, of 5 on taxels of strain where the half-space's answers alone were tried."""
 FEW = 4
-"""With fewer taxels other places are always tried: some fit nearly as well."""
+"""With fewer taxels all places are always tried, with all steps: some fit nearly as well, or as well."""
+LONG = 10
+"""Times the steps of a fit that are taken with fewer taxels."""
 APART = 0.1
 """Places nearer than so many depths are one place."""
 
@@ -44,9 +46,10 @@ def layer_place(seen, felt, scale, tried, strain, layer, tie, noise, steps):  # 
         square[k, 0] = HALF * (2 * (k % SIDE) / (SIDE - 1.0) - 1)
         square[k, 1] = HALF * (2 * (k // SIDE) / (SIDE - 1.0) - 1)
     ranked(seen[:few], felt[:few], scale[:few], square, layer, tie)
-    starts = np.full((len(tried) + TAKEN, 3), np.inf)
+    taken = TAKEN if len(seen) >= FEW else len(square)
+    starts = np.full((len(tried) + taken, 3), np.inf)
     starts[: len(tried)] = tried
-    for k in range(TAKEN):
+    for k in range(taken):
         best = 0
         for j in range(1, len(square)):
             if square[j, 2] < square[best, 2]:
@@ -55,7 +58,7 @@ def layer_place(seen, felt, scale, tried, strain, layer, tie, noise, steps):  # 
         square[best, 2] = np.inf
     for k in range(len(starts)):
         if starts[k, 2] < np.inf:
-            most = SHORT if few >= FEW else steps
+            most = SHORT if few >= FEW else LONG * steps  # valleys of so few signals are long
             chi = _fitted(seen[:few], felt[:few], scale[:few], starts[k], load, strain, layer, tie, most)
             starts[k, 0], starts[k, 1], starts[k, 2] = load[0, 0], load[0, 1], chi
     if few < len(seen):

@@ -18,8 +18,8 @@ and, so that ``effects = "auto"`` may leave it out,
     strays(field, slopes, frames) -> float   a random one on fields: the same, for frames of a field
     most(slopes) -> float            a fixed one on fields, a bound that needs no trial, whatever the others are, from
                                      how fast readings of the skin without effects change from place to place
-    saves(points) -> float           what leaving it out saves of a frame's time, where that is much or nothing, and
-                                     loads press at points or not
+    saves(points, layered) -> float  what leaving it out saves of a frame's time, where that is much or nothing, and
+                                     loads press at points or not, on a layer or not
     passes(seen) -> float            where it lets a change before it grow: by how much at most
     behind(seen) -> Seen             where the bounds do not grow by all that it changes: those behind it
     grain(seen) -> float             where the smallest change before it may become a large one: that

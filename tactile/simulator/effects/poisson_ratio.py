@@ -26,7 +26,7 @@ class PoissonRatio:
         """Bound of the change, of points alone; measured for the half-space and layers, not derived."""
         return np.inf if not slopes.at_points else 3.0 * (1 - 2 * self.nu) * slopes.largest
 
-    def saves(self, points: bool) -> float:
+    def saves(self, points: bool, layered: bool) -> float:
         """Nothing: another constant in the same formulae."""
         return 0.0
 

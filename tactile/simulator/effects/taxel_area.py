@@ -26,7 +26,7 @@ class TaxelArea:
         """Bound of the change."""
         return slopes.over_square(self.width)
 
-    def saves(self, points: bool) -> float:
+    def saves(self, points: bool, layered: bool) -> float:
         """Share of a frame's time: all is summed at several points of a taxel."""
         return 0.5
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from cnnsim.support import Floats, InputError
 from tactile.core.loads import F
+from tactile.simulator.contacts.rig import Rig
 from tactile.simulator.effect import is_off
 from tactile.simulator.effects import ORDER, Effect, effect_class
 from tactile.simulator.scene.effect_bounds import EffectBounds, Named
@@ -96,16 +97,23 @@ def _has_meaning(scene: Scene, more: list[Named]) -> bool:
 
 
 def _sink_little(scene: Scene, effects: dict[str, Effect]) -> bool:
-    """Whether no contact may go through the cover, as its push and the half-space say."""
+    """Whether no contact may go through the cover or be as wide as a needle, as its push and the half-space say."""
     acting = {name: effect for name, effect in effects.items() if not is_off(effect)}
-    if {"adhesion", "curved_fingertip", "cover_error"} & acting.keys():
-        return False
+    sticks: Any = acting.get("adhesion")
+    dome: Any = acting.get("curved_fingertip")
+    rig = Rig(work=sticks.work if sticks else 0.0, curvature=1 / dome.radius if dome else 0.0)
     cover: Any = acting.get("finite_thickness")
     thickness = [cover.thickness or 2 * array.depth if cover else np.inf for array in scene.arrays]
     return all(
-        sinks_in(one, scene.skin.medium(one.finger), deep := thickness[one.finger]) < 0.9 * deep
+        sinks_in(one, scene.skin.medium(one.finger), deep := thickness[one.finger], rig) < 0.9 * min(deep, _tip(one))
         for one in scene.contacts
     )
+
+
+def _tip(contact: Any) -> float:
+    """Radius of a needle [m], infinite of what has none: its contact on a layer must stay narrower than itself."""
+    body = getattr(contact, "indenter", None)
+    return body.radius if body is not None and body.shape == "needle" else np.inf
 
 
 def _hardest_moments(scene: Scene, finger: int) -> Floats:

@@ -195,6 +195,10 @@ class EffectBounds:
         deep = any(getattr(contact, "given_depth", False) for contact in self._scene.contacts)
         return deep and any(not math.isfinite(_asked(effect, "most", np.inf, ideal.slopes)) for effect in laws)
 
+    @property
+    def _layered(self) -> bool:
+        return any(name == "finite_thickness" and name in self._on for name, _ in self.on_fields)
+
     def _bound_frames(self, found: FingerBounds, seen: Seen) -> None:
         """Bound effects on frames, given bounds of the readings before the first of them."""
         passes: dict[str, float] = {}
@@ -225,7 +229,7 @@ class EffectBounds:
         """
         if self._tolerance:
             if not self._reused and not pays(
-                effect, trial.shaken, self._scene.samples, PEAKS + SPREAD, len(found.terms) + 1
+                effect, trial.shaken, self._scene.samples, PEAKS + SPREAD, len(found.terms) + 1, self._layered
             ):
                 return
             change = largest(self._change(name, effect, *trial.few))

@@ -11,7 +11,6 @@ import numpy as np
 from tactile.simulator.scene.auto_effects import Choice, candidates, choose
 from tactile.simulator.scene.estimate import Sample, sizes_in
 from tactile.simulator.scene.file import bare_scene, scene_table
-from tactile.simulator.scene.model_range import out_of_range
 from tactile.simulator.scene.scene import Scene
 
 WORDS = {
@@ -89,7 +88,7 @@ def explain(scene: Scene, choice: Choice | None = None) -> SceneExplanation:
         if choice.tried and choice.left_out:
             bounds = ", ".join(f"{name} {size:.2g}" for name, size in choice.left_out.items())
             notes.append(f"left out, with the bound of their size: {bounds}")
-    notes += out_of_range(scene)
+    notes += scene.range_notes
     sample = Sample(scene)
     on = dict(scene.effects)
     seconds = sample.seconds(list(scene.effects))

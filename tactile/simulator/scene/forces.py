@@ -12,12 +12,17 @@ from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.indenter import LAWS
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.moving_load import MovingLoad
+from tactile.simulator.contacts.rig import STILL, Rig
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.seen import Seen
 from tactile.simulator.slopes import VALUE
 
 WIDEST = 10.0
 """Thicknesses up to which the radius of a body that does not go through a layer keeps its contact within the tables."""
+
+
+STUCK = 3.0
+"""Times the force of what sticks up to which its table may reach: half more, and radii a quarter wider."""
 
 
 def highest_reading(scene: Scene) -> float:
@@ -51,23 +56,27 @@ def unseen(scene: Scene, finger: int, highest: float) -> Seen:
     )  # fmt: skip
 
 
-def sinks_in(contact: Any, medium: Medium, thickness: float) -> float:
+def sinks_in(contact: Any, medium: Medium, thickness: float, rig: Rig = STILL) -> float:
     """Bound of how deep [m] what presses goes into a layer: as deep as into the half-space; infinite where unknown.
 
     0 of what has no law of its own, which cannot go through. A round tip of radius R under s E* R^2 has a contact of
     lam R, delta = lam (s + lam) / (1 + lam^2) R, which grows with lam; lam is at most that of Hertz, (3 s / 4)^(1/3).
+    What sticks sinks in as under the force of Johnson, Kendall and Roberts, with what its table and a layer may add.
 
-    Arguments: ``medium``: the half-space; ``thickness`` [m] of the layer.
+    Arguments: ``medium``: the half-space; ``thickness`` [m] of the layer; ``rig``: what sticks, and how curved it is.
     """
     if isinstance(contact, HeightMap):
         return math.inf
     if not isinstance(contact, MovingContact) or contact.indenter.shape in ("point", "edge", "disc"):
         return 0.0
-    body, push = contact.indenter, max(float(contact.path[:, 1 + F].max()), 0.0)
-    if body.shape not in LAWS or body.radius > WIDEST * thickness:
+    body, push = rig.touching(contact.indenter), max(float(contact.path[:, 1 + F].max()), 0.0)
+    if body.shape not in LAWS or contact.indenter.radius > WIDEST * thickness:
         return math.inf
     if contact.given_depth:
-        return push
+        return math.inf if rig.work > 0 else push
+    if rig.work > 0:
+        held = 3 * math.pi * rig.work * contact.indenter.radius
+        push = STUCK * (push + 4 * held + 2 * math.sqrt(2 * held * push + held * held))
     if body.shape != "needle":
         return float(body.indentation(np.array([push]), medium)[0])
     s = push / (medium.contact_modulus * body.radius**2)

@@ -13,7 +13,7 @@ from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.sliding_texture import SlidingTexture
 from tactile.simulator.scene.effect_bounds import LARGE, Named
 from tactile.simulator.scene.extremes import PEAKS, SPREAD
-from tactile.simulator.scene.forces import unseen
+from tactile.simulator.scene.forces import highest_reading, unseen
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.scene.trials import (
     CHANCE,
@@ -28,10 +28,14 @@ from tactile.simulator.scene.trials import (
 from tactile.simulator.seen import Seen
 from tactile.simulator.slopes import VALUE, Slopes
 
-CHOICE = 500e-6
+CHOICE = 600e-6
 """Time of a choice [s] by bounds, however few frames there are."""
 IDEAL, IDEAL_BODY, IDEAL_LINE = 0.5e-6, 4e-6, 25e-6
 """Time of a frame of the skin without effects [s], for every load, body, and line or map."""
+IDEAL_PAIR = 12e-9
+"""The same for every one of them on every taxel."""
+USUAL = 0.5
+"""The peak as a part of what it would be if every load pressed its hardest right over a taxel."""
 FEW = 0.25
 """Of what may be saved where bodies press for few frames, about so much is: bounds alone decide, and they are loose."""
 JUMPS = 10.0
@@ -47,7 +51,10 @@ def may_pay(scene: Scene, effects: list[Named], tolerance: float) -> bool:
     enough = (_cost(scene) + CHOICE) / (FEW if few else CHANCE)
     acting = [effect for _, effect in effects if not effect.off]
     fixed = [effect for effect in acting if effect.STAGE == "field" and not effect.RANDOM]
-    fingers = [_saved(scene, finger, fixed, tolerance) for finger in range(len(scene.arrays))]
+    if _likely_coarse(scene, acting, tolerance):
+        return False
+    layered = any(name == "finite_thickness" and not effect.off for name, effect in effects)
+    fingers = [_saved(scene, finger, fixed, tolerance, layered) for finger in range(len(scene.arrays))]
     saved = sum(one for one, _ in fingers)
     behind = [effect for effect in acting if effect.STAGE != "field"]
     open_ends = [(seen, EFFECT + READING * 3 * seen.taxels * scene.samples) for _, seen in fingers if seen]
@@ -57,9 +64,19 @@ def may_pay(scene: Scene, effects: list[Named], tolerance: float) -> bool:
     return saved > enough
 
 
+def _likely_coarse(scene: Scene, acting: list[Any], tolerance: float) -> bool:
+    """Whether a converter's steps are so coarse, for a usual peak, that nothing before it may be left out."""
+    converters, highest = [effect for effect in acting if hasattr(effect, "grain")], highest_reading(scene)
+    if not converters or not math.isfinite(highest):
+        return False
+    seen = [unseen(scene, finger, highest) for finger in range(len(scene.arrays))]
+    return max(effect.grain(one) for effect in converters for one in seen) > 2 * tolerance * USUAL * highest
+
+
 def _cost(scene: Scene) -> float:
     """Time [s] of the skin without effects, from which bounds follow."""
-    each = IDEAL * len(scene.loads)
+    taxels = max(array.rows * array.cols for array in scene.arrays)
+    each = IDEAL * len(scene.loads) + IDEAL_PAIR * taxels * (len(scene.loads) + len(scene.contacts))
     for contact in scene.contacts:
         lines = isinstance(contact, MovingContact) and contact.indenter.shape in ("edge", "cylinder")
         if lines or not isinstance(contact, MovingContact | SlidingTexture):
@@ -69,7 +86,7 @@ def _cost(scene: Scene) -> float:
     return scene.samples * each
 
 
-def _saved(scene: Scene, finger: int, fixed: list[Any], tolerance: float) -> tuple[float, Seen | None]:
+def _saved(scene: Scene, finger: int, fixed: list[Any], tolerance: float, layered: bool) -> tuple[float, Seen | None]:
     """Time [s] of the fixed effects on one finger's field that may be small enough, and the readings' bounds.
 
     These only where effects behind the field may be small, too.
@@ -87,14 +104,14 @@ def _saved(scene: Scene, finger: int, fixed: list[Any], tolerance: float) -> tup
     change = highest * min(1.0, JUMPS / scene.samples)
     seen = unseen(scene, finger, highest)._replace(change=change)
     points = bool(scene.loads)
-    shares = [effect.saves(points) if hasattr(effect, "saves") else SAVED for effect in fixed]
+    shares = [effect.saves(points, layered) if hasattr(effect, "saves") else SAVED for effect in fixed]
     sizes = [effect.most(slopes) / highest if hasattr(effect, "most") else math.inf for effect in fixed]
     frame = frame_time(len(mine), seen.taxels, bodies) * min(1.0, sum(shares))
     saved, open_end = 0.0, bodies and math.inf in sizes
     few = bodies and scene.samples < FRAMES  # no trials, and bounds only where bodies press as on the ideal skin
     if not (few and open_end and (any(getattr(one, "given_depth", False) for one in mine) or _sticks(fixed))):
         for size, share in zip(sizes, shares, strict=True):
-            tried = not few and trial_pays(share, frame, scene.samples, PEAKS + SPREAD)
+            tried = scene.samples >= FRAMES and trial_pays(share, frame, scene.samples, PEAKS + SPREAD)
             saved += (size <= (LARGE if tried else 1.0) * tolerance) * share * frame * scene.samples
     return saved, None if few and open_end else seen
 

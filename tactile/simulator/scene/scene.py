@@ -1,6 +1,7 @@
 """Scenes: what touches the fingers' covers, and the frames the taxels would give."""
 
 import heapq
+import warnings
 import zlib
 from collections.abc import Iterable, Iterator
 from copy import copy
@@ -29,6 +30,10 @@ NOTHING = np.random.default_rng(0)
 """What is drawn by effects that draw nothing: a generator of one's own takes longer than some of them."""
 FULL_SCALE = 0.1
 """Largest strain the electronics are made for, unless a scene says otherwise: the paper's needle just reaches it."""
+
+
+class ModelRangeWarning(UserWarning):
+    """A scene leaves the range of its models, and is computed all the same."""
 
 
 def named_effects(effects: Iterable[Any]) -> tuple[tuple[str, Any], ...]:
@@ -62,9 +67,11 @@ class Scene:
     from a generator of its own, so that none changes with the others. ``bumps``: the cover has one over every taxel,
     None for a flat one.
 
+    When its frames are first asked for it warns, by `ModelRangeWarning`, of all that ``range_notes`` says.
+
     Raises:
         InputError: a rate, duration or modulus that is not positive, no array or two of one name, an array of force,
-            a load or contact on a finger that is not there.
+            a load or contact on a finger that is not there; with the first frame, what ``range_notes`` raises.
     """
 
     title: str
@@ -182,7 +189,21 @@ class Scene:
             np.ones(field.values.shape[:3], bool),
         )
 
+    @cached_property
+    def range_notes(self) -> tuple[str, ...]:
+        """Where the scene leaves the range of its models, a line each; who asks before the frames do tells it himself.
+
+        Raises:
+            InputError: what has no meaning at all: strains above 1, a contact wider than the sphere that makes it.
+        """
+        from tactile.simulator.scene.model_range import out_of_range  # a module that knows scenes
+
+        return tuple(out_of_range(self))
+
     def __iter__(self) -> Iterator[Frame]:
+        if "range_notes" not in self.__dict__:  # else they were told
+            for line in self.range_notes:
+                warnings.warn(f"{self.title}: {line}", ModelRangeWarning, stacklevel=2)
         streams = [self._frames_of(finger) for finger in range(len(self.arrays))]
         return heapq.merge(*streams, key=lambda frame: frame.t) if len(streams) > 1 else streams[0]
 
@@ -196,6 +217,7 @@ class Scene:
         acting = named_effects(effects)
         skin = self.skin
         made = copy(self)
+        made.__dict__.pop("range_notes", None)
         made.__dict__.update(effects=acting, arrays=under_covers(self.arrays, acting), skin=skin)
         check_effects(made)
         return made

@@ -29,8 +29,8 @@ SAVED = 0.2
 EFFECT, READING = 40e-6, 6e-9
 """Time of an effect on frames [s], in a run of however few frames, and for every reading."""
 FRAMES = 2000
-"""Frames from which trials pay where bodies press: their laws make one as dear as some hundred frames, and about a
-tenth of the frames' time may be saved."""
+"""Frames from which trials pay: set up, its tables and laws made, one takes as long as some hundred frames (10 to 35 %
+of runs of 200 to 400), and about a tenth of the frames' time may be saved."""
 
 
 class Trial:
@@ -90,24 +90,24 @@ def trial_pays(share: float, frame: float, samples: int, tried: int, trials: int
     return CHANCE * share * samples > cost and trials * cost <= RISK * samples
 
 
-def pays(effect: Any, field: Field, samples: int, tried: int, trials: int) -> bool:
-    """Whether a trial of an effect on fields pays, as ``trial_pays`` has it; of bodies only over many frames."""
-    bodies = any(map(is_body, field.contacts))
-    if samples < FRAMES and bodies:
+def pays(effect: Any, field: Field, samples: int, tried: int, trials: int, layered: bool) -> bool:
+    """Whether a trial of an effect on fields pays, as ``trial_pays`` has it, and only over many frames."""
+    if samples < FRAMES:
         return False
+    bodies = any(map(is_body, field.contacts))
     loads = field.loads
     count = loads.points.shape[1] + sum(disc.radii.shape[1] for disc in loads.discs)
     frame = frame_time(count, field.taxels.places[..., 0].size, bodies)
     saves = getattr(effect, "saves", None)
-    share = SAVED if saves is None else float(saves(bool(loads.points.shape[1])))
+    share = SAVED if saves is None else float(saves(bool(loads.points.shape[1]), layered))
     return trial_pays(share, frame, samples, tried, trials)
 
 
 def pays_behind(effects: int, seen: Seen, field: Field, tried: int) -> bool:
     """Whether a trial of all effects on fields pays, without which so many effects behind them cannot be left out."""
-    bodies = any(map(is_body, field.contacts))
-    if seen.frames < FRAMES and bodies:
+    if seen.frames < FRAMES:
         return False
+    bodies = any(map(is_body, field.contacts))
     readings, frame = 3 * seen.taxels * seen.frames, frame_time(len(field.contacts), seen.taxels, bodies)
     cost = BEGIN + 2 * tried * frame
     return CHANCE * effects * (EFFECT + READING * readings) > cost and cost <= RISK * seen.frames * frame

@@ -1,4 +1,4 @@
-"""Loads over circles and along lines: against closed forms, other people's Hertz, and many point loads."""
+"""Loads over circles: against closed forms, other people's Hertz, and many point loads."""
 
 from collections.abc import Callable
 
@@ -7,11 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from cnnsim.support import InputError
-from tactile.elastic.disc_loops import add_discs
-from tactile.elastic.disc_table import disc_table, table_size
 from tactile.elastic.discs import disc_load, twist_load
 from tactile.elastic.halfspace import point_load
-from tactile.elastic.lines import cylinder_half_width, cylinder_loads, edge_loads
 from tactile.elastic.medium import Felt, Medium
 from tactile.elastic.profiles import (
     FLAT_PUNCH,
@@ -25,7 +22,6 @@ from tactile.elastic.profiles import (
     round_tip_radius,
 )
 from tactile.elastic.unit_disc import layer
-from tests.oracles.elastic.layer import layer_load
 
 random = np.random.default_rng(3)
 LAM = 0.9
@@ -162,30 +158,6 @@ def test_a_twist_is_many_turning_points() -> None:
         assert np.abs(got - wanted).max() < 1e-10 * np.abs(wanted).max()
 
 
-def test_an_edge_and_a_cylinder_are_as_they_should() -> None:
-    load, medium, at = (1e-4, 2e-4, 0.01, -0.02, 0.05), Medium(2.4e6, 0.4), random.uniform(-2e-3, 2e-3, (20, 2))
-    for depth in (1e-4, 1e-3):
-        loads = edge_loads(load, 2e-3, 0.4, depth)
-        assert loads.sum(axis=0)[2:] == pytest.approx(load[2:], rel=1e-12)
-        s = np.linspace(-1e-3, 1e-3, 200_001)
-        share = np.full(s.size, 1 / (s.size - 1))
-        share[[0, -1]] /= 2  # the trapezoidal rule
-        fine = np.stack([load[0] + s * np.cos(0.4), load[1] + s * np.sin(0.4), *(f * share for f in load[2:])], axis=-1)
-        wanted = point_load(at, depth, fine, medium)
-        assert np.abs(point_load(at, depth, loads, medium) - wanted).max() < 1e-8 * np.abs(wanted).max()
-    width = cylinder_half_width(0.05, 2e-3, 1e-3, medium)
-    assert width == pytest.approx(np.sqrt(4 * 0.05 * 1e-3 / (np.pi * medium.contact_modulus * 2e-3)))
-    # Johnson's eq. (4.45): on the axis of a long cylinder sigma_zz = -p0 / sqrt(1 + (z / b)^2)
-    loads = cylinder_loads((0, 0, 0, 0, 0.4), 0.4, np.array(1e-3), 0.3, 2e-3)
-    peak = 2 * 1.0 / (np.pi * 1e-3)
-    middle = point_load((0, 0), 2e-3, loads, Medium(1.0, quantity="stress"))[2]
-    assert middle == pytest.approx(-peak / np.sqrt(5), rel=1e-5)
-    with pytest.raises(InputError, match="depths long"):
-        edge_loads(load, 1.0, 0.0, 1e-5)
-    with pytest.raises(InputError, match="positive"):
-        edge_loads(load, 0.0, 0.0, 1e-5)
-
-
 def test_wrong_circles_are_refused() -> None:
     load = [[0, 0, 0, 0, 1]]
     with pytest.raises(InputError, match="at most 100"):
@@ -198,59 +170,8 @@ def test_wrong_circles_are_refused() -> None:
         twist_load((0, 0), 1.0, [[0, 0, 0, 1]], [1.0], Medium(1.0))
 
 
-@pytest.mark.parametrize("accuracy", [1e-4, 1e-5, 1e-6])
-def test_tables_keep_their_accuracy_under_the_load_at_the_rim_and_at_the_largest_radius(accuracy: float) -> None:
-    medium, widest = Medium(1.0), 3.6  # the largest of the table of size 2, nearly
-    table = disc_table(1.0, float(table_size(np.array([widest]), 1.0, HERTZ, np.inf).max()), HERTZ, np.inf, medium,
-                       accuracy)  # fmt: skip
-    rng = np.random.default_rng(2)
-    for radius in (0.0, 0.1, 0.9, 2.0, widest):
-        x = np.concatenate([[0.0, 1e-5, 1e-3, 0.01], radius + rng.uniform(-1, 1, 60), rng.uniform(0, 8, 20)])
-        at = np.stack([x, 0.3 * rng.uniform(-1, 1, x.size) * (np.arange(x.size) > 3)], axis=-1)
-        for force in ((0, 0, 1.0), (1.0, 0.5, 0.0)):
-            load = np.array([[[0.0, 0.0, *force]]])
-            found = np.zeros((1, x.size, 3))
-            add_discs(found, at, 1.0, load, np.full((1, 1), radius), table, medium)
-            known = disc_load(at, 1.0, load[:, None], np.full((1, 1, 1), radius), HERTZ, medium)
-            assert np.abs(found - known).max() < accuracy * np.abs(known).max()
-
-
-@pytest.mark.parametrize("top", [0.0, 1.0])
-def test_tables_are_no_finer_than_their_accuracy_takes(top: float) -> None:
-    """A look at a taxel costs the more, the larger the table: of points in a layer as well as of circles."""
-    table = disc_table(1.0, top, HERTZ, np.inf, Medium(1.0, thickness=2.0), 1e-4, whole=False)
-    assert table.numbers.shape[1] < 200
-
-
-def test_a_table_is_about_as_wide_as_its_circles_and_of_one_radius_for_a_flat_end() -> None:
-    radii = np.array([0.0, 1.0, 3.8, 6.0])
-    size = table_size(radii, 1.0, HERTZ, np.inf)
-    assert size[0] == 0
-    assert (np.arcsinh(radii) <= size).all()
-    assert (size[2:] <= np.arcsinh(radii[2:]) + 0.5).all()
-    top = float(table_size(np.array([1.3]), 1.0, UNIFORM, np.inf, lone=True)[0])
-    medium = Medium(1.0, thickness=np.inf)
-    table = disc_table(1.0, top, UNIFORM, np.inf, medium, 1e-6, lone=True)
-    assert len(table.numbers) == 1
-    at = random.uniform(-3, 3, (40, 2))
-    load, found = np.array([[[0.0, 0.0, 0.3, 0.1, 1.0]]]), np.zeros((1, 40, 3))
-    add_discs(found, at, 1.0, load, np.full((1, 1), 1.3), table, medium)
-    known = disc_load(at, 1.0, load[:, None], np.full((1, 1, 1), 1.3), UNIFORM, medium)
-    assert np.abs(found - known).max() < 1e-6 * np.abs(known).max()
-
-
 def test_waves_right_under_a_circle_are_as_good_as_far_from_it() -> None:
     near, far = np.array([3e-3]), np.array([3e-3, 60.0])  # distances far off ask for many more waves
     medium, radius = Medium(1.0, 0.5, "stress", 1.0), np.array([0.1])
     one, other = (layer(rho, radius, HERTZ, radius, medium, 0.95)[:, 0] for rho in (near, far))
     assert np.abs(one - other).max() < 1e-9 * np.abs(other).max()
-
-
-def test_beside_the_load_a_table_is_as_accurate_as_what_is_felt_there() -> None:
-    medium = Medium(1.0, 0.3, "stress", 1.05)
-    table = disc_table(1.0, 0.0, HERTZ, np.inf, medium, 1e-6)
-    at = np.array([[2.2, 0.3], [0.4, -2.5], [2.0, 2.0]])
-    load, found = np.array([[[0.0, 0.0, 0.3, -0.2, 1.0]]]), np.zeros((1, 3, 3))
-    add_discs(found, at, 1.0, load, np.zeros((1, 1)), table, medium)
-    known = layer_load(at, 1.0, load[0], 1.05, medium)
-    assert np.abs(found[0] - known).max() < 1e-6 * np.abs(known).max()

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cnnsim.support import Floats
+from cnnsim.support import Flags, Floats
 from tactile.core.frame import Frame, Quantity, TaxelArray
 from tactile.elastic.medium import Medium
 from tactile.finger import Finger
@@ -33,8 +33,9 @@ class Cover:
     def felt(self, loads: Floats) -> Floats:
         return layer_load(self.array.positions(), DEPTH, loads, self.thickness, self.medium)
 
-    def found(self, values: Floats) -> Load:
-        return self._finger.locate(Frame(0, 0.0, 0, values, np.ones(self.array.shape, bool)))
+    def found(self, values: Floats, valid: Flags | None = None) -> Load:
+        there = np.ones(self.array.shape, bool) if valid is None else valid
+        return self._finger.locate(Frame(0, 0.0, 0, values, there))
 
 
 def draw(random: np.random.Generator, shape: tuple[int, int], pitch: float) -> Floats:
@@ -136,3 +137,23 @@ def test_slopes_are_those_of_the_signals(body: str, several: bool) -> None:
     slopes = np.array([(made(one) - made(-one)) / 2e-5 for one in 1e-5 * np.eye(load.size)])
     assert np.tril(matrix) == pytest.approx(np.tril(slopes @ slopes.T), abs=1e-6)
     assert vector == pytest.approx(slopes @ -made(nothing), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("load", "gone"),
+    [
+        ((0.53563444, 0.22912112, 0.12779368, -0.02165908, 0.65726242), (0, 1)),  # far off, where a short fit ended
+        ((-0.67812402, 0.67157131, 0.16436352, 0.05940185, 0.53632986), (1, 1)),
+        ((0.60115933, 0.74412281, -0.05589415, 0.18798424, 0.43480683), (1, 0)),  # two answer: (-1.55, 0.42) fits, too
+    ],
+)
+def test_three_taxels_on_the_bottom_find_the_load_or_are_in_doubt(
+    load: tuple[float, ...], gone: tuple[int, int]
+) -> None:
+    cover = Cover((2, 2), "strain", 1.5, 1.0)
+    wanted = np.array(load) * [DEPTH, DEPTH, 1, 1, 1]
+    values, valid = cover.felt(wanted[None]).reshape(2, 2, 3).copy(), np.ones((2, 2), bool)
+    values[gone], valid[gone] = np.nan, False
+    found = cover.found(values, valid)
+    off = float(np.hypot(found.x - wanted[0], found.y - wanted[1])) / DEPTH
+    assert off < 0.01 or found.validity is Validity.AMBIGUOUS

@@ -10,11 +10,12 @@ from tactile.core.frame import TaxelArray
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
+from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.contacts.rig import Rig
 from tactile.simulator.effects.adhesion import Adhesion
 from tactile.simulator.effects.finite_thickness import FiniteThickness
 from tactile.simulator.scene.model_range import out_of_range
-from tactile.simulator.scene.scene import Scene
+from tactile.simulator.scene.scene import ModelRangeWarning, Scene
 
 RUBBER, WORK, R = Medium(2.4e6), 0.05, 5e-3
 PULL_OFF = 1.5 * np.pi * WORK * R
@@ -210,3 +211,20 @@ def test_the_range_of_two_alike_bodies_is_told_of_each() -> None:
     bodies = [pressed(0.0, 0.05, 0.0), pressed(0.05, -0.5), pressed(0.05, -0.5)]
     said = list(out_of_range(Scene("s", 100.0, 2.0, 2.4e6, (array,), (), bodies)))
     assert [line.split(",")[0] for line in said] == ["contact 2", "contact 3"]
+
+
+def test_whoever_asks_for_frames_is_warned_once() -> None:
+    array = TaxelArray("pad", 2, 2, 1e-3, 1e-3)
+    scene = Scene("pulled", 100.0, 2.0, 2.4e6, (array,), (), (pressed(0.05, -0.5),))
+    with pytest.warns(ModelRangeWarning, match="pulled: contact 1, a sphere: pulled with 0.5 N; a dry contact") as told:
+        iter(scene)
+    assert len(told) == 1
+    assert told[0].filename == __file__
+    for quiet in (scene, Scene("pressed", 100.0, 2.0, 2.4e6, (array,), (), (pressed(0.0, 0.05),))):
+        iter(quiet)  # warnings are errors here
+    fresh = replace(scene)
+    assert "pulled with 0.5 N" in fresh.range_notes[0]  # who asks tells it himself
+    iter(fresh)
+    assert fresh.with_effects([("adhesion", Adhesion())]).range_notes == ()
+    with pytest.raises(InputError, match=r"strains to .*; at most 1 wanted"):
+        iter(Scene("torn", 100.0, 1.0, 2.4e6, (array,), (MovingLoad(0, [(0.0, 5e-4, 5e-4, 0, 0, 20.0)]),)))

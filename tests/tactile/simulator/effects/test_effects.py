@@ -34,6 +34,7 @@ def test_strength_zero_is_the_identity(name: str) -> None:
 
 @pytest.mark.parametrize("name", ORDER)
 @pytest.mark.parametrize("quantity", ("strain", "stress"))
+@pytest.mark.filterwarnings("ignore::tactile.simulator.scene.scene.ModelRangeWarning")  # a ball is pulled off
 def test_effects_do_something_and_do_not_care_how_frames_are_cut(
     name: str, quantity: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -10,16 +10,20 @@ from tactile.core.frame import TaxelArray
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
+from tactile.simulator.contacts.rig import Rig
+from tactile.simulator.contacts.sticking import table
+from tactile.simulator.effects import effect_class, without
 from tactile.simulator.effects.adhesion import Adhesion
 from tactile.simulator.effects.finite_thickness import FiniteThickness
 from tactile.simulator.effects.finite_tip import FiniteTip
 from tactile.simulator.effects.mounting.curved_fingertip import CurvedFingertip
 from tactile.simulator.effects.poisson_ratio import PoissonRatio
+from tactile.simulator.effects.quantisation import Quantisation
 from tactile.simulator.effects.taxel_area import TaxelArea
 from tactile.simulator.field import Field
-from tactile.simulator.scene.auto_effects import all_effects, choose
+from tactile.simulator.scene.auto_effects import all_effects, candidates, choose
 from tactile.simulator.scene.effect_bounds import EffectBounds
-from tactile.simulator.scene.forces import sinks_in
+from tactile.simulator.scene.forces import highest_reading, sinks_in, unseen
 from tactile.simulator.scene.prospects import may_pay
 from tactile.simulator.scene.scene import Scene
 from tests.kits.touch.random_scenes import error, everything, needle
@@ -59,11 +63,31 @@ def test_how_deep_a_body_sinks_in_is_bounded(shape: Any, force: float) -> None:
     assert (1 - 1e-12) * deep <= sinks_in(contact, medium, 1e-3) <= 1.3 * deep
 
 
+@pytest.mark.parametrize("work", (1e-3, 0.05, 1.0))
+@pytest.mark.parametrize("shape", ("needle", "sphere"))
+def test_how_deep_what_sticks_sinks_in_is_bounded(shape: Any, work: float) -> None:
+    body, medium = Indenter(shape, 2e-4), Medium(2.4e6)
+    for force in (0.0, 1e-4, 0.01):
+        contact = MovingContact(0, body, [(0.0, 0, 0, 0, 0, force)])
+        law = table(body, medium, work, contact.path[:, [0, 6]], False)
+        assert law.indentation[-1] <= sinks_in(contact, medium, 1e-3, Rig(work=work))
+
+
+def test_a_typical_cover_in_which_a_needle_would_be_as_wide_as_itself_has_no_meaning() -> None:
+    deep = MovingContact(0, Indenter("needle", 5e-5), [(0.0, 0, 0, 0, 0, 0), (1.0, 0, 0, 0, 0, 1.5e-3)], None, True)
+    scene = replace(needle(), arrays=(TaxelArray("pad", 2, 2, 1e-3, 3e-3),), loads=(), contacts=(deep,), effects=())
+    named = [name for name, _ in candidates(scene)]
+    assert "finite_thickness" not in named
+    assert "poisson_ratio" in named
+
+
 def test_effects_behind_the_field_are_not_asked_where_they_cannot_decide(monkeypatch: pytest.MonkeyPatch) -> None:
     def asked(*_given: Any) -> float:
         raise AssertionError
 
-    scene = needle().with_effects(())
+    scene = needle().with_effects(
+        (("quantisation", without(effect_class("quantisation"))),)
+    )  # steps would decide alone
     effects = all_effects(scene)
     for _, effect in effects:
         if hasattr(effect, "reach"):
@@ -102,3 +126,21 @@ def test_effects_without_strength_are_no_part_of_what_is_tried_together() -> Non
     choice = choose(scene, 0.1, reused=True)
     assert {"finite_thickness", "poisson_ratio"} <= choice.off
     assert error(choice.scene, everything(scene)) <= 0.1
+
+
+def test_where_steps_are_likely_coarse_nothing_is_chosen() -> None:
+    # loads that pass between taxels read half of what they would over one
+    scene = needle(
+        ("quantisation", Quantisation(6, 1.5)), ("finite_tip", FiniteTip(1e-6)), ("taxel_area", TaxelArea(1e-6))
+    )
+    effects, step = all_effects(scene), Quantisation(6, 1.5).grain(unseen(scene, 0, 1.0))
+    highest, long = highest_reading(scene), replace(scene, rate=1e4)
+    assert may_pay(long, effects, 1.1 * step / highest)
+    assert not may_pay(long, effects, 0.9 * step / highest)
+
+
+def test_a_tip_on_a_layer_saves_nothing() -> None:
+    tip, layer = ("finite_tip", FiniteTip(2e-6)), ("finite_thickness", FiniteThickness(8e-4))
+    for effects, pays in (((tip,), True), ((tip, layer), False)):
+        scene = replace(needle(*effects), rate=2000.0, arrays=(TaxelArray("pad", 8, 8, 4e-4, 2e-4),))
+        assert may_pay(scene, all_effects(scene), 0.02) == pays

@@ -1,0 +1,64 @@
+"""Tables of loads over circles: as accurate as they say, as wide as their circles, and no finer than that takes."""
+
+import numpy as np
+import pytest
+
+from tactile.elastic.disc_loops import add_discs
+from tactile.elastic.disc_table import disc_table, table_size
+from tactile.elastic.discs import disc_load
+from tactile.elastic.medium import Medium
+from tactile.elastic.profiles import HERTZ, UNIFORM
+from tests.oracles.elastic.layer import layer_load
+
+random = np.random.default_rng(3)
+
+
+@pytest.mark.parametrize("accuracy", [1e-4, 1e-5, 1e-6])
+def test_tables_keep_their_accuracy_under_the_load_at_the_rim_and_at_the_largest_radius(accuracy: float) -> None:
+    medium, widest = Medium(1.0), 3.6  # the largest of the table of size 2, nearly
+    table = disc_table(1.0, float(table_size(np.array([widest]), 1.0, HERTZ, np.inf).max()), HERTZ, np.inf, medium,
+                       accuracy)  # fmt: skip
+    rng = np.random.default_rng(2)
+    for radius in (0.0, 0.1, 0.9, 2.0, widest):
+        x = np.concatenate([[0.0, 1e-5, 1e-3, 0.01], radius + rng.uniform(-1, 1, 60), rng.uniform(0, 8, 20)])
+        at = np.stack([x, 0.3 * rng.uniform(-1, 1, x.size) * (np.arange(x.size) > 3)], axis=-1)
+        for force in ((0, 0, 1.0), (1.0, 0.5, 0.0)):
+            load = np.array([[[0.0, 0.0, *force]]])
+            found = np.zeros((1, x.size, 3))
+            add_discs(found, at, 1.0, load, np.full((1, 1), radius), table, medium)
+            known = disc_load(at, 1.0, load[:, None], np.full((1, 1, 1), radius), HERTZ, medium)
+            assert np.abs(found - known).max() < accuracy * np.abs(known).max()
+
+
+@pytest.mark.parametrize("top", [0.0, 1.0])
+def test_tables_are_no_finer_than_their_accuracy_takes(top: float) -> None:
+    """A look at a taxel costs the more, the larger the table: of points in a layer as well as of circles."""
+    table = disc_table(1.0, top, HERTZ, np.inf, Medium(1.0, thickness=2.0), 1e-4, whole=False)
+    assert table.numbers.shape[1] < 200
+
+
+def test_a_table_is_about_as_wide_as_its_circles_and_of_one_radius_for_a_flat_end() -> None:
+    radii = np.array([0.0, 1.0, 3.8, 6.0])
+    size = table_size(radii, 1.0, HERTZ, np.inf)
+    assert size[0] == 0
+    assert (np.arcsinh(radii) <= size).all()
+    assert (size[2:] <= np.arcsinh(radii[2:]) + 0.5).all()
+    top = float(table_size(np.array([1.3]), 1.0, UNIFORM, np.inf, lone=True)[0])
+    medium = Medium(1.0, thickness=np.inf)
+    table = disc_table(1.0, top, UNIFORM, np.inf, medium, 1e-6, lone=True)
+    assert len(table.numbers) == 1
+    at = random.uniform(-3, 3, (40, 2))
+    load, found = np.array([[[0.0, 0.0, 0.3, 0.1, 1.0]]]), np.zeros((1, 40, 3))
+    add_discs(found, at, 1.0, load, np.full((1, 1), 1.3), table, medium)
+    known = disc_load(at, 1.0, load[:, None], np.full((1, 1, 1), 1.3), UNIFORM, medium)
+    assert np.abs(found - known).max() < 1e-6 * np.abs(known).max()
+
+
+def test_beside_the_load_a_table_is_as_accurate_as_what_is_felt_there() -> None:
+    medium = Medium(1.0, 0.3, "stress", 1.05)
+    table = disc_table(1.0, 0.0, HERTZ, np.inf, medium, 1e-6)
+    at = np.array([[2.2, 0.3], [0.4, -2.5], [2.0, 2.0]])
+    load, found = np.array([[[0.0, 0.0, 0.3, -0.2, 1.0]]]), np.zeros((1, 3, 3))
+    add_discs(found, at, 1.0, load, np.zeros((1, 1)), table, medium)
+    known = layer_load(at, 1.0, load[0], 1.05, medium)
+    assert np.abs(found[0] - known).max() < 1e-6 * np.abs(known).max()
