@@ -16,8 +16,10 @@ SCENE  ?= examples/scenes/grip.toml
 run: $(VENV)/.run            ## the main job: two fingers grip, lift, let slip and release
 	$(BIN)/tactile run $(SCENE) -o out/$(basename $(notdir $(SCENE)))
 
+# Tests start hundreds of processes: each would compile every module anew where the environment forbids to keep them.
+# Threads of OpenBLAS that wait for a core turn round and round: beside others they take ten times as long as one alone.
 test: $(VENV)/.test check    ## lint, types, tests
-	OMP_WAIT_POLICY=passive $(BIN)/python -m pytest -n auto --dist worksteal
+	PYTHONDONTWRITEBYTECODE= OMP_WAIT_POLICY=passive OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist worksteal
 
 check: $(VENV)/.test
 	$(BIN)/ruff format --check .

@@ -11,7 +11,7 @@ from cnnsim.planning.general import delays_of
 from cnnsim.planning.plan import Plan
 from cnnsim.planning.step import DEFAULT_STEP
 from cnnsim.support import Array, Floats, InputError
-from cnnsim.trajectory import CellIndex, Trajectory
+from cnnsim.trajectories import CellIndex, Trajectory
 
 Record = Sequence[float] | Sequence[CellIndex] | Array
 """Times [time constants], or cells (row, column)."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from cnnsim.planning.plan import Plan
 from cnnsim.support import Array, Integers
-from cnnsim.trajectory import Trajectory
+from cnnsim.trajectories import Trajectory
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -13,6 +13,7 @@ from cnnsim.backends.base import Backend, Outcome
 from cnnsim.backends.memory import cell_bytes
 from cnnsim.network import ZERO_FLUX, AnyTemplate, Boundary, Cell, CellModel, Frames
 from cnnsim.network.boundary import parse_boundary
+from cnnsim.network.layers import check_template
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.plan import Plan, make_plan
 from cnnsim.recording import recorded
@@ -20,7 +21,7 @@ from cnnsim.result import Result
 from cnnsim.support import Array, Flags, Floats, InputError
 from cnnsim.support.memory import LARGE, check_memory
 from cnnsim.support.values import as_numbers, largest
-from cnnsim.trajectory import CellIndex, Trajectory
+from cnnsim.trajectories import CellIndex, Trajectory
 
 
 @dataclass(frozen=True)
@@ -156,6 +157,7 @@ def make_task(
     Raises:
         InputError: planes that do not fit or are not finite, a step that cannot be stable.
     """
+    check_template(template)
     wanted = None if accuracy is None else parse_accuracy(accuracy)
     if wanted is not None and (scheme is not None or step is not None):
         raise InputError(f"accuracy {wanted} chooses scheme and step; one or the other wanted")

@@ -12,11 +12,11 @@ from cnnsim import backends
 from cnnsim.accuracy.repeatable import Repeatable
 from cnnsim.backends.base import Backend
 from cnnsim.ended import ended, reached
-from cnnsim.keywords import spelled
 from cnnsim.network import AnyTemplate
 from cnnsim.recording import Record, parse_record
 from cnnsim.result import Result
 from cnnsim.support import Array, InputError
+from cnnsim.support.keywords import spelled
 from cnnsim.support.values import is_number, is_whole
 from cnnsim.task import Dtype, TaskOptions, load, make_task
 

@@ -109,6 +109,7 @@ def run(
     if "boundary" in given:
         given["boundary"] = parse_boundary(given["boundary"])
     check_engine_options(engine, store, workers, block)
+    check_film(trajectory)
     where: Backend = backends.get(backend, dtype, device, threads)
     if engine is not None or store is not None:
         if trajectory is not None:
@@ -126,7 +127,6 @@ def run(
             task[key] = as_map(plane, f"--{key}", task["state"])
     film = entry.frame_time is None and shown.ndim == 3
     check_output(output, film=film)
-    check_film(trajectory)
     try:
         result = run_transient(entry.network, **task, backend=where)
     except NotSettledError as error:

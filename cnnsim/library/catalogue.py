@@ -7,7 +7,6 @@ from typing import Any, Unpack
 from numpy.typing import ArrayLike
 
 from cnnsim.backends.base import Backend
-from cnnsim.keywords import spelled
 from cnnsim.library.entry import Example, LibraryEntry
 from cnnsim.library.folders import file_of, files, not_found
 from cnnsim.library.read import load_file
@@ -15,6 +14,7 @@ from cnnsim.network import AnyTemplate
 from cnnsim.recording import Record
 from cnnsim.result import Result
 from cnnsim.support import InputError
+from cnnsim.support.keywords import spelled
 from cnnsim.task import Dtype, TaskOptions
 from cnnsim.transient import run_transient
 

@@ -9,6 +9,7 @@ import numpy as np
 from cnnsim.network.weights import Tap, reach
 from cnnsim.support import Array, InputError, Integers
 from cnnsim.support.errors import shown
+from cnnsim.support.nearest import did_you_mean, not_known
 from cnnsim.support.values import is_number
 
 BoundaryKind = Literal["fixed", "zero-flux", "periodic"]
@@ -31,7 +32,7 @@ class Boundary:
 
     def __post_init__(self) -> None:
         if self.kind not in get_args(BoundaryKind):
-            raise InputError(f"boundary {self.kind!r}; known are {', '.join(get_args(BoundaryKind))}")
+            raise not_known("boundary", self.kind, get_args(BoundaryKind))
         for name in ("y", "u"):
             value = getattr(self, name)
             if not is_number(value) or not abs(value) <= 1:
@@ -87,7 +88,7 @@ def parse_boundary(value: Any) -> Boundary:
             return fixed(inner["x"], inner["u"])
     raise InputError(
         f"boundary {shown(value)}; wanted 'zero-flux', 'periodic', 'fixed:v' or, in a file, {{ fixed = v }} "
-        "or { fixed = { x = v, u = w } }"
+        f"or {{ fixed = {{ x = v, u = w }} }}{did_you_mean(value, ('zero-flux', 'periodic'))}"
     )
 
 

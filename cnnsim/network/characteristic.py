@@ -8,6 +8,7 @@ import numpy as np
 from cnnsim.network.cell import CellModel
 from cnnsim.network.table import Table, parse_table, table_value
 from cnnsim.support import Array, InputError
+from cnnsim.support.nearest import not_known
 from cnnsim.support.values import is_number
 
 CharacteristicKind = Literal["clip", "sign", "tanh", "table"]
@@ -30,7 +31,7 @@ class Characteristic:
 
     def __post_init__(self) -> None:
         if self.kind not in get_args(CharacteristicKind):
-            raise InputError(f"characteristic {self.kind!r}; known are {', '.join(get_args(CharacteristicKind))}")
+            raise not_known("characteristic", self.kind, get_args(CharacteristicKind))
         if not is_number(self.slope) or not 0 < self.slope < np.inf:
             raise InputError(f"characteristic {self.kind}: slope {self.slope!r}; a positive number wanted")
         if (self.kind == "table") != (self.table is not None):
@@ -89,7 +90,7 @@ class Cell:
 
     def __post_init__(self) -> None:
         if self.model not in get_args(CellModel):
-            raise InputError(f"cell model {self.model!r}; known are {', '.join(get_args(CellModel))}")
+            raise not_known("cell model", self.model, get_args(CellModel))
         if self.model == "full-range" and self.characteristic not in (None, CLIP):
             raise InputError(
                 f"full-range cells have y = x; the characteristic {self.characteristic} needs chua-yang cells"

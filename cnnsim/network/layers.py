@@ -94,3 +94,14 @@ def layered(template: AnyTemplate) -> LayeredTemplate:
         InputError: a plain template with a term that reads another layer.
     """
     return template if isinstance(template, LayeredTemplate) else LayeredTemplate((template,), None, template.name)
+
+
+def check_template(template: object) -> None:
+    """Refuse what is no template, such as the name of one.
+
+    Raises:
+        InputError: what it is instead.
+    """
+    if not isinstance(template, Template | LayeredTemplate):
+        cure = f"; of the library: cnnsim.library.load({template!r}).template" if isinstance(template, str) else ""
+        raise InputError(f"template {template!r}; a Template or LayeredTemplate wanted{cure}")

@@ -19,6 +19,7 @@ from cnnsim.network.weights import (
     taps_of,
 )
 from cnnsim.support import Floats, InputError
+from cnnsim.support.keywords import spelled
 
 __all__ = ["MAX_RADIUS", "Tap", "Template", "all_taps"]
 
@@ -42,6 +43,7 @@ class Template:
     name: str = "unnamed"
     terms: tuple[Term, ...] = ()
 
+    @spelled()
     def __init__(
         self, A: ArrayLike, B: ArrayLike = 0.0, z: float = 0.0, name: str = "unnamed", terms: Iterable[Term] = ()
     ) -> None:

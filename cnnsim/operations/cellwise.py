@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cnnsim.support import Array, InputError
+from cnnsim.support.nearest import not_known
 
 Planes = tuple[Array, ...]
 
@@ -86,8 +87,7 @@ def find(name: str) -> Cellwise:
 
     announced = {point.name: point for point in entry_points(group="cnnsim.cellwise")}
     if name not in announced:
-        known = ", ".join(sorted({*BUILT_IN, *announced}))
-        raise InputError(f"no cellwise operation is called {name!r}; known are {known}")
+        raise not_known("no cellwise operation is called", name, sorted({*BUILT_IN, *announced}))
     operation = announced[name].load()
     if not isinstance(operation, Cellwise):
         raise InputError(f"cellwise operation {name!r} is announced as a {type(operation).__name__}")

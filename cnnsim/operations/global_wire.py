@@ -4,7 +4,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from cnnsim.support import InputError, Integers
+from cnnsim.support import Integers
+from cnnsim.support.nearest import not_known
 
 Wire = Literal["any", "all", "count"]
 Register = int | Integers
@@ -28,5 +29,5 @@ def check_wire(name: str) -> Wire:
         InputError: there is no such wire.
     """
     if name not in get_args(Wire):
-        raise InputError(f"global wire {name!r}; known are {', '.join(get_args(Wire))}")
+        raise not_known("global wire", name, get_args(Wire))
     return name  # type: ignore[return-value]  # just checked

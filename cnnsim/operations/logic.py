@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from cnnsim.support import Flags, InputError
+from cnnsim.support import Flags
+from cnnsim.support.nearest import not_known
 
 FUNCTIONS = (
     "white",         # nothing is black
@@ -32,7 +33,7 @@ def function_number(name: str) -> int:
         InputError: no function has the name.
     """
     if name not in FUNCTIONS:
-        raise InputError(f"logic function {name!r}; known are {', '.join(FUNCTIONS)}")
+        raise not_known("logic function", name, FUNCTIONS)
     return FUNCTIONS.index(name)
 
 

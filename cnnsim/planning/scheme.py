@@ -5,7 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
-from cnnsim.support import Array, Floats, InputError
+from cnnsim.support import Array, Floats
+from cnnsim.support.nearest import not_known
 
 
 @dataclass(frozen=True)
@@ -119,5 +120,5 @@ def find_scheme(name: str) -> Scheme:
         InputError: there is none.
     """
     if name not in SCHEMES:
-        raise InputError(f"scheme {name!r}; known are {', '.join((*SCHEMES, ADAPTIVE))}")
+        raise not_known("scheme", name, (*SCHEMES, ADAPTIVE))
     return SCHEMES[name]

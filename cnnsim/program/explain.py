@@ -6,7 +6,6 @@ from typing import Unpack, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cnnsim.keywords import spelled
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.library.explain import Explanation, blank, explain_template
 from cnnsim.network import AnyTemplate
@@ -16,6 +15,7 @@ from cnnsim.program.file import find_program
 from cnnsim.program.program import Program, TemplateStep
 from cnnsim.program.words import numbered
 from cnnsim.support import InputError
+from cnnsim.support.keywords import spelled
 from cnnsim.task import TaskOptions
 
 

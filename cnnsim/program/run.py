@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from cnnsim.backends.base import Backend
-from cnnsim.keywords import unknown_keyword
 from cnnsim.program.file import load_program
 from cnnsim.program.inputs import check_values, parameters_meant
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.program.program import Program
 from cnnsim.support import InputError
+from cnnsim.support.keywords import unknown_keyword
 from cnnsim.task import Dtype
 
 if TYPE_CHECKING:

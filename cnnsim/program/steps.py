@@ -24,6 +24,7 @@ from cnnsim.program.template_step import find_template, read_template_step
 from cnnsim.support import InputError, naming
 from cnnsim.support.bounds import NUMBER, REPEATS, STEPS, check_most
 from cnnsim.support.errors import cut, shown
+from cnnsim.support.nearest import not_known
 from cnnsim.support.toml_file import located
 
 
@@ -127,7 +128,7 @@ def _wire(table: dict[str, Any], where: str, _number: str, names: Names) -> Step
 def _arithmetic(table: dict[str, Any], where: str, _number: str, names: Names) -> Step:
     function, of = table["number"], _list(table["of"])
     if function not in ARITHMETIC:
-        raise InputError(f"{where}: number function {function!r}; known are {', '.join(ARITHMETIC)}")
+        raise not_known(f"{where}: number function", function, ARITHMETIC)
     if len(of) != 2:
         raise InputError(f"{where}: of {len(of)} numbers; two wanted")
     p, q = (_register_or_number(value, where, names) for value in of)

@@ -1,7 +1,6 @@
 """Plan of a block: that of the grid for the block with its halo, and how far a step of it reaches."""
 
 from dataclasses import replace
-from typing import Any
 
 from cnnsim.network import LayeredTemplate, Template, Term, reach
 from cnnsim.planning.general import delays_of
@@ -83,7 +82,4 @@ def _cut(template: Template, rows: Integers, cols: Integers) -> Template:
 
 
 def _cut_term(term: Term, rows: Integers, cols: Integers) -> Term:
-    weights: Any = term.weights
-    if weights.ndim == 4:
-        weights = weights[:, :, rows[:, None], cols]
-    return Term(weights, term.of, term.table, term.times, term.delay, term.layer)
+    return term if term.weights.ndim == 2 else replace(term, weights=term.weights[:, :, rows[:, None], cols])

@@ -90,12 +90,17 @@ def one_line(path: Path, what: str) -> Iterator[None]:
     except InputError:
         raise
     except OSError as error:
-        raise InputError(f"{path}: cannot be read as {what}: {line_of(error.strerror or error)}") from error
+        raise InputError(f"{path}: cannot be read as {what}: {reason(error)}") from error
     except Exception as error:
-        raise InputError(f"{path}: cannot be read as {what}: {line_of(error)}") from error
+        raise InputError(f"{path}: cannot be read as {what}: {reason(error)}") from error
 
 
-def line_of(said: object) -> str:
+def reason(said: object) -> str:
     """Return what a library said as one line of bounded length, the name of its kind where it said nothing."""
+    if isinstance(said, UnicodeDecodeError):  # which speaks of bytes and a codec
+        line = said.object.count(b"\n", 0, said.start) + 1
+        return f"no UTF-8 text (line {line})"
+    if isinstance(said, OSError):  # with the file's name, which the message has
+        said = said.strerror or said
     text = " ".join(str(said).split()) or type(said).__name__
     return text if len(text) <= LINE else text[:LINE] + " ..."

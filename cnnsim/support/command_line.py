@@ -11,13 +11,14 @@ from typing import Any, TypeVar
 
 import click
 
-from cnnsim.support.compile_notice import Terminal
-from cnnsim.support.echo import as_markup, console, echo, json_line, printable, take_any_text
+from cnnsim.start import STOPPED, leave, raise_again
+from cnnsim.support.compile_notice import Told
+from cnnsim.support.echo import as_markup, console, drop_unwritten, echo, json_line, printable, take_any_text
 from cnnsim.support.errors import InputError
 from cnnsim.support.files import Replaced
 from cnnsim.support.notices import Notices
 from cnnsim.support.progress import terminal_bar, watched_by
-from cnnsim.support.stopping import STOPPED, Stopping, leave
+from cnnsim.support.stopping import Stopping
 
 Item = TypeVar("Item")
 LONGEST = 3000
@@ -67,6 +68,7 @@ class CommandGroup(click.Group):
             InputError: an argument is empty, or stands for standard input.
         """
         ctx.meta[_JSON] = "--json" in args
+        Told.wanted = sys.stderr.isatty() or not ctx.meta[_JSON]
         if "" in args:
             where = f"argument {args.index('')} of {args[0] or 'the command'}"
             raise InputError(f"{where} is empty; a value wanted (an unset variable of the shell?)")
@@ -84,15 +86,16 @@ class CommandGroup(click.Group):
             if ctx.meta.pop(_JSON, False):  # once, of groups in a group
                 with suppress(OSError):  # stdout may be what failed
                     echo(json_line({"error": " ".join(error.format_message().split())}))
+            drop_unwritten()
             raise
 
     def _invoked(self, ctx: click.Context) -> Any:
         os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # threads that spin while they wait starve one another
-        Terminal.wanted = sys.stderr.isatty()
         Replaced.tell = _tell_replaced
         told_before, Notices.tell = Notices.tell, _tell
         Stopping.command_line = True
         try:
+            raise_again()
             with _printable_mistakes(), watched_by(terminal_bar()):
                 return super().invoke(ctx)
         except KeyboardInterrupt:

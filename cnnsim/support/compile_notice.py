@@ -1,4 +1,4 @@
-"""Compile notice: tells a terminal, once, that loops are being compiled; loops from the disk cache say nothing."""
+"""Compile notice: tells stderr, once, that loops are being compiled; loops from the disk cache say nothing."""
 
 from collections.abc import Callable
 from typing import Any
@@ -23,22 +23,25 @@ class Notice:
         """It has done."""
 
 
-class Terminal:
-    """Where to say it: ``wanted`` is set by command lines whose stderr is a terminal."""
+class Told:
+    """Whether to say it: ``wanted`` is set by command lines, but of JSON only on a terminal.
+
+    Whoever reads JSON from a pipe may have both streams in one.
+    """
 
     wanted = False
 
 
 def announce(where: str) -> None:
-    """Say it on stderr when loops that are kept in ``where`` are compiled, if a command line has asked for it."""
-    if not Terminal.wanted:
+    """Say it when loops that are kept in ``where`` are compiled, if a command line has asked for it."""
+    if not Told.wanted:
         return
     from numba.core import event
 
     def say() -> None:
-        from cnnsim.support.echo import console  # click and rich are slow to import
+        from cnnsim.support.echo import tell_process  # slow to import, and only needed where something compiles
 
-        console(err=True).print(f"compiling, once; kept in {where}", style="dim", soft_wrap=True, highlight=False)
+        tell_process(f"compiling loops, once, for a minute or so; kept in {where}")
 
     class Listener(Notice, event.Listener):  # type: ignore[misc]  # numba says nothing of its types
         pass

@@ -5,6 +5,7 @@ import os
 import re
 import sys
 from collections.abc import Iterable
+from contextlib import suppress
 from io import TextIOWrapper
 from pathlib import Path
 from shutil import get_terminal_size
@@ -51,9 +52,23 @@ def take_any_text() -> None:
             stream.reconfigure(errors="replace")
 
 
+def drop_unwritten() -> None:
+    """Lead stdout nowhere if it cannot write what it holds: it would fail once more where the process ends."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
 def echo(text: object = "", *, err: bool = False, over: bool = False) -> None:
     """Print a text on stdout, or stderr; ``over`` replaces the line that the cursor is on, and stays on it."""
     click.echo(f"\r{printable(text)} " if over else printable(text), err=err, nl=not over)
+
+
+def tell_process(text: object) -> None:
+    """Print a dim line on the stderr that the process began with, whatever stands in its place; it may have gone."""
+    with suppress(OSError):
+        click.echo(click.style(printable(text), dim=True), file=sys.__stderr__ or sys.stderr)
 
 
 def console(width: int = 150, *, err: bool = False) -> "Console":

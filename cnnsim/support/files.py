@@ -36,8 +36,10 @@ def writing(path: str | Path, *, replace: bool = True, follow: bool = True) -> I
     ``follow``: in a folder where names come from a file, it gives way to the file, wherever it points.
 
     Raises:
-        InputError: the file is there and not to be replaced, or cannot be written.
+        InputError: no path; the file is there and not to be replaced, or cannot be written.
     """
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"path {path!r}; the name of a file wanted")
     target = Path(path)
     check_free(target, replace=replace)
     try:
@@ -76,8 +78,8 @@ def check_free(*paths: Path, replace: bool) -> None:
     """
     there = [] if replace else [str(path) for path in paths if path.exists()]
     if there:
-        verb = "is" if len(there) == 1 else "are"
-        raise InputError(f"{', '.join(there)} {verb} there already; --replace would write over it")
+        verb, them = ("is", "it") if len(there) == 1 else ("are", "them")
+        raise InputError(f"{', '.join(there)} {verb} there already; --replace would write over {them}")
 
 
 def check_place(*paths: Path | None) -> None:

@@ -10,7 +10,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, TypeVar
 
-from cnnsim.support.bounds import TEXT, check_file, check_most
+from cnnsim.support.bounds import TEXT, check_file, check_most, reason
 from cnnsim.support.errors import InputError, shown
 from cnnsim.support.toml_lines import LinedTable, with_lines
 
@@ -33,14 +33,11 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
             kind = "a folder" if path.is_dir() else "no regular file"
             raise InputError(f"{path}: {kind}; a {what} wanted")
         check_file(path, what, TEXT)
-        return parse_toml(path.read_text(encoding="utf-8"), str(path))
+        return parse_toml(path.read_text(encoding="utf-8-sig"), str(path))
     except FileNotFoundError as error:
         raise InputError(f"no {what} {path}") from error
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read as a {what}: {error.strerror or error}") from error
-    except UnicodeDecodeError as error:
-        line = error.object.count(b"\n", 0, error.start) + 1
-        raise InputError(f"{path}: cannot be read as a {what}: no UTF-8 text (line {line})") from error
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read as a {what}: {reason(error)}") from error
 
 
 def parse_toml(text: str, where: str) -> dict[str, Any]:

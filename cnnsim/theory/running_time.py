@@ -53,12 +53,8 @@ def guaranteed_time(
     Arguments: ``input`` and ``initial_state`` say what u and x(0) are, in the words of a template file; ``step`` is
     the longest Euler step it has to hold for; ``has_mask`` says that there is a mask.
     """
-    if boundary.kind not in PROVED:
-        return RunningTime(None, f"no theory here of a {boundary} boundary")
-    if not template.linear:
-        return RunningTime(None, _TERMS)
-    if contraction := _contraction(template):
-        return contraction
+    if answer := _of_template(template, boundary):
+        return answer
     found = pairs_of(input, initial_state)
     if isinstance(found, str):
         return RunningTime(None, found)
@@ -74,6 +70,13 @@ def guaranteed_time(
     return RunningTime(None, first.why)
 
 
+def _of_template(template: Template, boundary: Boundary) -> RunningTime | None:
+    """Return what the template and the boundary alone decide; None: the pictures decide."""
+    if boundary.kind not in PROVED:
+        return RunningTime(None, f"no theory here of a {boundary} boundary")
+    return _contraction(template) if template.linear else RunningTime(None, _TERMS)
+
+
 def time_of_picture(
     template: Template, *, state: Floats, input: Floats | None = None, boundary: Boundary,  # noqa: A002 - u
     bias: Floats | None = None, mask: Array | None = None, step: float = 0.1,
@@ -82,12 +85,8 @@ def time_of_picture(
 
     ``state`` within [-1, 1], and black and white for templates with neighbours; ``input`` may be grey.
     """
-    if boundary.kind not in PROVED:
-        return RunningTime(None, f"no theory here of a {boundary} boundary")
-    if not template.linear:
-        return RunningTime(None, _TERMS)
-    if contraction := _contraction(template):
-        return contraction
+    if answer := _of_template(template, boundary):
+        return answer
     drive = np.full(state.shape, template.z) + (0.0 if bias is None else bias)
     if input is not None:
         drive = correlate(input, template.control_taps, boundary, boundary.u, drive)

@@ -22,7 +22,7 @@ def code_line(code: str) -> list[str]:
 
 def command_line(program: str, *arguments: Any) -> list[str]:
     """The command that runs ``cnnsim`` or ``tactile`` so."""
-    return [*code_line(f"from {program}.cli.group import main; main()"), *(str(argument) for argument in arguments)]
+    return [*code_line(f"from {program}.cli.start import main; main()"), *(str(argument) for argument in arguments)]
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 import re
 import shlex
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,13 @@ from cnnsim.cli.group import main as cnnsim
 from tactile.cli.group import main as tactile
 from tests.kits.paths import ROOT, SCENES
 
-PAGES = [*sorted(ROOT.glob("*.md")), ROOT / "templates" / "README.md", ROOT / "tactile" / "CONNECT.md"]
+PAGES = [
+    *sorted(ROOT.glob("*.md")), *sorted(ROOT.glob("docs/*.md")), ROOT / "templates" / "README.md",
+    ROOT / "tactile" / "CONNECT.md",
+]  # fmt: skip
+MODULES = sorted(path for folder in ("cnnsim", "tactile", "tests") for path in (ROOT / folder).rglob("*.py"))
+ENTRY_POINTS = {"cnnsim.cellwise"}
+"""What pyproject.toml calls so."""
 GROUPS: dict[str, click.Group] = {"cnnsim": cnnsim, "tactile": tactile}
 
 
@@ -48,6 +55,43 @@ def test_paths_in_tables_are_there(name: str) -> None:
     assert len(paths) > 10
     for path in paths:
         assert (ROOT / path).exists(), path
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_paths_that_a_page_names_are_there(page: Path) -> None:
+    named = r"(?<![\w/.-])((?:cnnsim|tactile|templates|tests|docs|examples)/[\w./-]*\w)"
+    for path in re.findall(named, page.read_text(encoding="utf-8")):
+        assert (ROOT / path).exists(), path
+
+
+def _is_there(name: str) -> bool:
+    """Return whether a dotted name leads to a module, or to something in one."""
+    parts = name.split(".")
+    modules = (count for count in range(len(parts), 0, -1) if _is_module(ROOT.joinpath(*parts[:count])))
+    found: Any = import_module(".".join(parts[: (count := next(modules))]))
+    for part in parts[count:]:
+        if part in getattr(found, "__annotations__", {}):  # a field without a default
+            return True
+        if not hasattr(found, part):
+            return False
+        found = getattr(found, part)
+    return True
+
+
+def _is_module(path: Path) -> bool:
+    return (path / "__init__.py").is_file() or path.with_suffix(".py").is_file()
+
+
+def test_what_docstrings_and_pages_point_to_is_there() -> None:
+    told = [page for page in PAGES if page.name != "CHANGELOG.md"]  # which tells of the past
+    texts = [path.read_text(encoding="utf-8") for path in (*MODULES, *told)]
+    names = {name for text in texts for name in re.findall(r"`((?:cnnsim|tactile|tests)(?:\.\w+)+)`", text)}
+    assert len(names) > 20
+    wrong = [
+        name for name in names
+        if not name.endswith((".py", ".md", ".toml")) and name not in ENTRY_POINTS and not _is_there(name)
+    ]  # fmt: skip
+    assert not wrong
 
 
 def test_files_to_touch_stand_in_the_folder_to_open() -> None:

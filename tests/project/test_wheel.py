@@ -8,9 +8,12 @@ from pathlib import Path
 
 from tests.kits.paths import ROOT
 
+_OURS = {"PYTHONPATH", "PYTHONDONTWRITEBYTECODE"}
+"""What would lead out of the empty environment, and what would have its libraries compiled anew in every process."""
+
 
 def _call(*command: str | Path, cwd: Path) -> "subprocess.CompletedProcess[str]":
-    outside = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    outside = {name: value for name, value in os.environ.items() if name not in _OURS}
     env = {**outside, "PIP_DISABLE_PIP_VERSION_CHECK": "1", "XDG_CACHE_HOME": str(cwd / "cache")}
     return subprocess.run(
         [str(part) for part in command], cwd=cwd, env=env, capture_output=True, text=True, check=False
@@ -77,16 +80,7 @@ def _examples_without_extras(folder: Path, wheel: Path) -> None:
         "fem": (programs / "tactile", "run", "examples/scenes/bump.toml"),
         "opencl": (programs / "cnnsim", "run", "edge", "examples/scan.png", "-o", "edge.png", "--backend", "opencl"),
         "serial": (programs / "tactile", "convert", "examples/grasp.npz", "grasp.mcap"),
-        "video": (
-            programs / "cnnsim",
-            "run",
-            "edge",
-            "examples/scan.png",
-            "-o",
-            "rim.png",
-            "--trajectory",
-            "rim.mp4",
-        ),
+        "video": (programs / "cnnsim", "run", "edge", "examples/scan.png", "-o", "rim.png", "--trajectory", "rim.mp4"),
     }
     for extra, call in wanting.items():
         done = _call(*call, cwd=here)

@@ -14,7 +14,7 @@ from cnnsim.plot.figures import COLOURS
 from cnnsim.support import Array
 from cnnsim.support.files import writing
 from cnnsim.task import Task
-from cnnsim.trajectory import CellIndex, Trajectory, sheet_frames
+from cnnsim.trajectories import CellIndex, Trajectory, sheet_frames
 
 Pictures = list[tuple[str, Array]]
 

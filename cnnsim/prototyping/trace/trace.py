@@ -8,7 +8,7 @@ from cnnsim.backends.base import Backend
 from cnnsim.support import InputError
 from cnnsim.task import Task
 from cnnsim.theory.running_time import time_of_picture
-from cnnsim.trajectory import CellIndex, Trajectory
+from cnnsim.trajectories import CellIndex, Trajectory
 
 _UNKNOWN = 10.0
 

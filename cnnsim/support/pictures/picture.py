@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from cnnsim.support.bounds import check_plain, line_of
+from cnnsim.support.bounds import check_plain, reason
 from cnnsim.support.errors import InputError, shown
 from cnnsim.support.files import writing
+from cnnsim.support.keywords import spelled
 from cnnsim.support.memory import check_memory
 from cnnsim.support.pictures.pixels import Levels, check_labels, least_bytes, pixel_bytes, values_of
 from cnnsim.support.pictures.upright import read_through, upright_size
@@ -28,6 +29,7 @@ _LINE, _LINE_COLOUR = 3, (230, 120, 40)
 _TOO_LARGE = "cut it into tiles, make it smaller, or use a machine with more memory"
 
 
+@spelled()
 def read_picture(
     path: str | Path, *, binary: bool = False, levels: Levels | None = None, dtype: Any = np.float64
 ) -> Array:
@@ -69,7 +71,7 @@ def opened(path: str | Path) -> Iterator[Image.Image]:
     except (
         Exception
     ) as error:  # Pillow's decoders let through whatever goes wrong inside: AssertionError, TypeError ...
-        raise InputError(f"{path} is no picture that Pillow can read: {line_of(error)}") from error
+        raise InputError(f"{path} is no picture that Pillow can read: {reason(error)}") from error
 
 
 def pictures_in(image: Image.Image) -> int:
@@ -149,6 +151,7 @@ def to_png(values: Array, least: int = 192) -> bytes:
     return file.getvalue()
 
 
+@spelled()
 def write_picture(values: Array, path: str | Path, scale: int = 1, *, follow: bool = True) -> None:
     """Write CNN values as a picture; the format follows the name's ending, ``follow`` as in `writing`.
 

@@ -9,6 +9,7 @@ import numpy as np
 from PIL import Image
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.keywords import spelled
 from cnnsim.support.memory import check_memory
 from cnnsim.support.pictures.arrays import of_array
 from cnnsim.support.pictures.film import VIDEO_ENDINGS
@@ -17,6 +18,7 @@ from cnnsim.support.pictures.sequence import PictureSequence, Reading, of_file, 
 from cnnsim.support.types import Array
 
 
+@spelled()
 def read_pictures(
     *paths: str | Path, binary: bool = False, levels: Levels | None = None, dtype: Any = np.float64
 ) -> Array:

@@ -10,7 +10,7 @@ import pytest
 
 from tests.kits.paths import ROOT
 
-PLAIN = {**os.environ, "PYTHONIOENCODING": "ascii", "COLUMNS": "80"}
+PLAIN = {**os.environ, "PYTHONIOENCODING": "ascii", "COLUMNS": "80", "PYTHONUNBUFFERED": ""}
 
 
 def ends(arguments: str, shell: str, where: Path) -> "subprocess.CompletedProcess[str]":

@@ -112,7 +112,7 @@ def test_all_faults_of_a_file_are_told_at_once(
     message = str(error.value)
     for fault, line in told.items():
         assert fault in message
-        where = rf"{re.escape(fault)}[^;]*(;[^;]*)?\(line {line}\)"
+        where = rf"{re.escape(fault)}[^;]*(;[^;]*)?(; did you mean [^;]*)?\(line {line}\)"
         assert line is None or re.search(where, message), (fault, line, message)
     assert "read before" not in message  # what a wrong step would have written is no fault of the next one
 

@@ -160,6 +160,8 @@ def test_adaptive_needs_a_duration_and_the_reference() -> None:
     ({"limit": float("inf")}, "limit inf"),
     ({"step": 0.0}, "step 0.0"),
     ({"scheme": "leapfrog"}, "known are euler, exponential-euler, heun, rk4, adaptive"),
+    ({"scheme": "eulr"}, "rk4, adaptive; did you mean 'euler'"),
+    ({"cell": "full_range"}, "discrete-time; did you mean 'full-range'"),
     ({"cell": "spiking"}, "known are chua-yang, full-range"),
     ({"without": ["sleeping"]}, "what can be switched off is closed form"),
 ])  # fmt: skip

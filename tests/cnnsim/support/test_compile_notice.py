@@ -1,4 +1,4 @@
-"""A newcomer's first run compiles for seconds: a terminal says so once, a pipe hears nothing."""
+"""A newcomer's first run compiles for a minute: stderr says so once, a pipe with JSON hears nothing."""
 
 import os
 import pty
@@ -50,6 +50,10 @@ def test_a_terminal_is_told_where_the_loops_are_kept(tmp_path: Path) -> None:
     kept.unlink()
     piped = subprocess.run(command, env=where, capture_output=True, check=True)  # compiles one anew, into pipes
     assert piped.stderr == b""
+    kept.unlink()
+    plain = subprocess.run(command[:-1], env=where, capture_output=True, check=True)
+    assert plain.stderr.decode() == f"compiling loops, once, for a minute or so; kept in {tmp_path / 'cache'}\n"
+    assert b"compiling" not in plain.stdout
     assert kept.exists()
     for end in (ours, theirs):
         os.close(end)

@@ -10,7 +10,7 @@ from click.testing import CliRunner, Result
 
 from cnnsim import InputError, write_picture
 from cnnsim.cli.group import main
-from cnnsim.support.files import Replaced, write_text, writing
+from cnnsim.support.files import Replaced, check_free, write_text, writing
 
 
 def call(*arguments: Any) -> Result:
@@ -57,6 +57,8 @@ def test_a_file_that_is_not_to_be_replaced(folder: Path) -> None:
     write_text("x.txt", "before", replace=False)
     with pytest.raises(InputError, match=r"x.txt is there already; --replace"):
         write_text("x.txt", "after", replace=False)
+    with pytest.raises(InputError, match=r"x.txt, x.txt are there already; --replace would write over them"):
+        check_free(Path("x.txt"), Path("x.txt"), replace=False)
     assert (folder / "x.txt").read_text() == "before"
 
 

@@ -64,16 +64,33 @@ def test_a_full_disk_has_what_was_kept_before(cache: Path) -> None:
 
 
 @pytest.mark.parametrize("damage", ["empty", "cut", "garbage", "one bit", "text"])
-def test_a_damaged_file_is_noticed_and_made_anew(cache: Path, damage: str) -> None:
-    run(cache)
+def test_a_damaged_file_is_noticed_and_made_anew(
+    cache: Path, damage: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    cache.mkdir(mode=0o700)
+    monkeypatch.setattr(kept_loops, "folder", lambda: cache)
+    monkeypatch.setattr(kept_loops, "_read_from", lambda: (cache,))
+
+    def hits() -> int:
+        @kept_njit(error_model="numpy")
+        def double(x: int) -> int:
+            return x + x
+
+        assert double(21) == 42
+        return sum(double.stats.cache_hits.values())
+
+    assert hits() == 0
     (file,) = cache.glob("*.loop")
-    raw = bytearray(file.read_bytes())
+    good = bytearray(file.read_bytes())
+    raw = good.copy()
     raw[len(raw) // 2] ^= 1
     cut = bytes(raw[: len(raw) // 3])
     kinds = {"empty": b"", "cut": cut, "garbage": os.urandom(5000), "one bit": bytes(raw), "text": b"no loop"}
     file.write_bytes(kinds[damage])
-    assert run(cache) == (cache, 0, "")
-    assert run(cache) == (cache, 1, "")
+    assert hits() == 0
+    assert hits() == 1
+    assert file.read_bytes() != kinds[damage]
+    assert capfd.readouterr() == ("", "")
 
 
 def test_a_folder_that_others_can_write_is_left_in_silence_for_one_of_the_users_own(cache: Path) -> None:

@@ -16,7 +16,7 @@ from cnnsim.prototyping.trace.trace import parse_cell_index, record, representat
 from cnnsim.support import InputError
 from cnnsim.support.pictures.film import STRIP, write_film
 from cnnsim.task import Task, make_task
-from cnnsim.trajectory import SHEET, Trajectory, sheet_frames
+from cnnsim.trajectories import SHEET, Trajectory, sheet_frames
 from cnnsim.transient import run_transient
 
 

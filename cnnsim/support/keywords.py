@@ -1,4 +1,4 @@
-"""Keywords of public functions: one that is not known is an error that names the nearest."""
+"""Keywords of public functions: one that is not known is an error that names the nearest, one that lacks is named."""
 
 import inspect
 from collections.abc import Callable
@@ -13,22 +13,32 @@ Returned = TypeVar("Returned")
 
 
 class KeywordError(InputError, TypeError):
-    """A keyword that a function does not have: a TypeError as Python's own, with the nearest keyword."""
+    """A keyword that a function does not have, or that lacks: a TypeError as Python's own, with the nearest keyword."""
 
 
 def spelled(options: type[Any] | None = None) -> Callable[[Callable[Given, Returned]], Callable[Given, Returned]]:
-    """Make a function refuse unknown keywords with a `KeywordError`; ``options``: the TypedDict of its ``**``."""
+    """Make a function refuse unknown keywords, and calls without a needed one, with a `KeywordError`.
+
+    ``options``: the TypedDict of its ``**``.
+    """
 
     def decorate(function: Callable[Given, Returned]) -> Callable[Given, Returned]:
         parameters = inspect.signature(function).parameters.values()
         known = [p.name for p in parameters if p.kind in (p.KEYWORD_ONLY, p.POSITIONAL_OR_KEYWORD) and p.name != "self"]
         known += [] if options is None else [name for name in options.__annotations__ if name not in known]
         names = frozenset(known)
+        needed = {p.name for p in parameters if p.kind is p.KEYWORD_ONLY and p.default is p.empty}
+
+        called = function.__qualname__.removesuffix(".__init__")
 
         @wraps(function)
         def checked(*args: Given.args, **kwargs: Given.kwargs) -> Returned:
             if not names.issuperset(kwargs):
-                raise unknown_keyword(function.__qualname__.removesuffix(".__init__"), set(kwargs) - names, known)
+                raise unknown_keyword(called, set(kwargs) - names, known)
+            if not needed <= kwargs.keys():
+                raise KeywordError(
+                    f"{called}: no {', '.join(sorted(needed - kwargs.keys()))} among its keywords; wanted"
+                )
             return function(*args, **kwargs)
 
         return checked
@@ -40,7 +50,7 @@ def unknown_keyword(function: str, given: set[str], known: list[str]) -> Keyword
     """Return the error for keywords that are not known."""
     found = []
     for name in sorted(given):
-        near = get_close_matches(name, known, 1)
+        near = get_close_matches(name, known, 1) or [one for one in known if one.lower() == name.lower()]
         found.append(
             f"no keyword {name!r}; " + (f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}")
         )
