@@ -40,6 +40,7 @@ class ClusterWorkers(Workers):
             LostSchedulerError: the scheduler has gone.
         """
         from distributed import KilledWorker
+        from distributed.comm.core import CommClosedError
 
         waiting, under_way, ended = iter(tasks), dict[str, tuple[Any, Task]](), SimpleQueue[Any]()
 
@@ -62,8 +63,8 @@ class ClusterWorkers(Workers):
                     yield Lost(task)
                 submit()
         except (OSError, CancelledError) as error:
-            if self._client.status == "running" and not isinstance(error, CancelledError):
-                raise  # what the task itself met: a full disk
+            if self._client.status == "running" and not isinstance(error, CancelledError | CommClosedError):
+                raise  # what the task itself met: a full disk; a lost connection the client may yet take for alive
             raise self._gone() from error
         finally:
             for future, _ in under_way.values():
