@@ -52,13 +52,11 @@ class ChannelText:
         return [self._table.channels[number] for number in self.copied]
 
 
-def channel_defines(
-    texts: Sequence[ChannelText], ahead: Sequence[int], *, outputs: bool
-) -> tuple[Defines, list[ChannelSource]]:
+def channel_defines(text: ChannelText, ahead: Sequence[int], *, outputs: bool) -> tuple[Defines, list[ChannelSource]]:
     """Return the definitions FILLS, SOURCES and SOURCES_GIVEN for stages.cl, and the planes that SOURCES stands for.
 
-    Arguments: ``texts`` of the terms of the input, and of all others; ``ahead`` says of each stage whether it looks at
-    the end of the step; ``outputs``: the output is another thing than the state.
+    Arguments: ``ahead`` says of each stage whether it looks at the end of the step; ``outputs``: the output is another
+    thing than the state.
     """
     sources: dict[ChannelSource, str] = {}
 
@@ -77,11 +75,9 @@ def channel_defines(
             plane = f"(ahead >> stage & 1 ? {name(0, channel.ago, 1)} : {plane})"
         return f"FILL_PLANE({number}, {layer}, {output}, {plane}) "
 
-    of_input, of_others = ["".join(map(fill, range(len(text.copied)), text.seen())) for text in texts] + [""] * (
-        2 - len(texts)
-    )
+    fills = "".join(map(fill, range(len(text.copied)), text.seen()))
     return {
-        "FILLS(input)": f"if (input) {{ {of_input}}} else if (!bare) {{ {of_others}}}",
+        "FILLS": f"if (!bare) {{ {fills}}}",
         "SOURCES": "".join(f", __global const real *{plane}" for plane in sources.values()),
         "SOURCES_GIVEN": "".join(f", {plane}" for plane in sources.values()),
     }, list(sources)

@@ -42,7 +42,7 @@ def with_control_terms(
         return bias
     table = tabulate(plan, [(0, term) for term in plan.template.control_terms], context.dtype)
     out = context.buffer(grid.cells * context.dtype.itemsize)
-    TermTiles(context, plan, grid, [table]).drive([0.0], bias, out, lambda _: u)
+    TermTiles(context, plan, grid, table).drive([0.0], bias, out, lambda _: u)
     return out
 
 

@@ -97,12 +97,11 @@ class StageTiles:
         self._outside = context.dtype.type(plan.boundary.u), context.dtype.type(plan.boundary.y)
         sizes = grid.rows, grid.cols, radius, stride, high, wide, down, across, tall, channels
         self._sizes = *map(np.int32, sizes), np.int64(share)
-        self._mask = mask
+        self._mask, self._boundary = mask, boundary_defines(plan.boundary)
 
-    def kernel(self, task: TaskCode, plan: Plan, stem: str, defines: Defines, *, many: bool = False) -> Any:
+    def kernel(self, task: TaskCode, stem: str, defines: Defines, *, many: bool = False) -> Any:
         """Return the kernel of a task, done once or ``many`` times, with what neighbours add: kernels/<stem>.cl."""
-        stages = len(plan.scheme.b) if plan.scheme else 1
-        defines = {**defines, **boundary_defines(plan.boundary), "PAD": PAD, "STAGES": stages}
+        defines = {**defines, **self._boundary, "PAD": PAD}
         return self._context.kernel(f"do_{task.name.lower()}{'s' * many}", f"boundary {stem} tile stages", defines)
 
     def do(

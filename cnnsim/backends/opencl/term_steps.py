@@ -37,14 +37,15 @@ class _NetworkSteps(Stepper):
         assert network is not None
         self._context, self._plan, self._network = context, plan, network
         self._x, self._u, self._bias = x, u, bias
-        tables = [table_of(plan, context.dtype, static=static) for static in (True, False)]
+        still, moving = (table_of(plan, context.dtype, static=static) for static in (True, False))
         self._over = [float(rate) for rate in 1 / np.array(network.time_constants)]
         gains = [scheme.gain(plan.step * rate) if scheme else 1.0 for rate in self._over]
-        self._tiles = TermTiles(context, plan, grid, tables, gains, mask)
+        self._drive = TermTiles(context, plan, grid, still)
+        self._tiles = TermTiles(context, plan, grid, moving, gains, mask)
         self._past = [x] * (longest_delay(plan, network) + 1)  # before t = 0 the state was x(0)
         self._planes: list[Buffer] = []
         self._w = context.buffer(x.size)
-        self.work = self._tiles.work[1] * (len(scheme.a) if scheme else 1)
+        self.work = self._tiles.work * (len(scheme.a) if scheme else 1)
         self._z, self._span = [layer.z for layer in network.layers], 0
         self._turn = 0  # launches so far, each of which wrote a plane
 
@@ -54,10 +55,10 @@ class _NetworkSteps(Stepper):
 
     def start_span(self, step: int) -> None:
         self._span = step
-        self._tiles.drive(self._z, at_step(self._bias, step, self._plan.step), self._w, self._input)
+        self._drive.drive(self._z, at_step(self._bias, step, self._plan.step), self._w, self._input)
 
     def _input(self, source: ChannelSource) -> Any:
-        return at_step(self._u, self._span - source.ago, self._plan.step) if source.input else None
+        return at_step(self._u, self._span - source.ago, self._plan.step)
 
     def _do(self, task: TaskCode, step: int, out: Buffer, **more: Any) -> tuple[float, bool]:
         """Do a task with the state at the start of a step."""

@@ -15,23 +15,21 @@ LONG = 20
 
 
 def term_defines(
-    parts: Sequence[TermTable], channels: Sequence[ChannelText], layers: int, output: Function | None,
-    dtype: np.dtype[Any],
-) -> Defines:  # fmt: skip
-    """Return the definitions of terms.cl: of each part in turn the terms of each layer, and the characteristic.
+    terms: TermTable, channels: ChannelText, layers: int, output: Function | None, dtype: np.dtype[Any]
+) -> Defines:
+    """Return the definitions of terms.cl: the terms of each layer, and the characteristic.
 
-    ``channels`` say how each part reads its own. CASES(DO) names all terms by number, TERMS_n adds those of number n to
-    ``total``.
-    OUTPUT(T) is the ``output`` characteristic, CHARACTERISTIC its code; TABLES is what stands outside all functions.
+    ``channels`` says how they are read. CASES(DO) names the layers by number, TERMS_n adds the terms of layer n to
+    ``total``. OUTPUT(T) is the ``output`` characteristic, CHARACTERISTIC its code; TABLES is what stands outside all
+    functions.
     """
-    texts, tables = [""] * (layers * len(parts)), ""
-    for part, (terms, seen) in enumerate(zip(parts, channels, strict=True)):
-        for number, link in enumerate(np.stack(terms.terms, axis=1).tolist()):
-            text, table = _term(terms, seen, link, f"{part}_{number}", dtype)
-            texts[part * layers + link[0]] += text
-            tables += table
+    texts, tables = [""] * layers, ""
+    for number, link in enumerate(np.stack(terms.terms, axis=1).tolist()):
+        text, table = _term(terms, channels, link, str(number), dtype)
+        texts[link[0]] += text
+        tables += table
     return {
-        "CASES(DO)": " ".join(f"DO({number})" for number in range(len(texts))),
+        "CASES(DO)": " ".join(f"DO({number})" for number in range(layers)),
         **{f"TERMS_{number}": text for number, text in enumerate(texts)},
         "TABLES": tables,
         "LAYERS": layers,

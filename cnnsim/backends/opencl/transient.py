@@ -142,7 +142,8 @@ class _StageSteps(CheckedSteps):
         weights = [tap.weight for tap in taps] or [0.0]
         tables = np.array(offsets, np.int32), np.array(weights, context.dtype)
         self._taps = *map(context.table, tables), np.int32(len(taps))
-        self._kernels = [tiles.kernel(TaskCode.STEP, plan, "taps", {}, many=many) for many in (False, True)]
+        stages = {"STAGES": len(scheme.b)}
+        self._kernels = [tiles.kernel(TaskCode.STEP, "taps", stages, many=many) for many in (False, True)]
         self._ones = context.table(np.ones(1, context.dtype))
         self.work *= len(scheme.b)
         self._own: Buffer | None = None  # the state, once it is not the one that was given

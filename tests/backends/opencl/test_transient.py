@@ -33,6 +33,22 @@ def test_many_steps_a_launch_give_the_same_bits(boundary: Any, family: Family) -
         assert np.array_equal(backend.read(one), backend.read(many))
 
 
+@pytest.mark.parametrize("boundary", BOUNDARIES[:3], ids=str)
+def test_blocks_of_three_rows_give_the_bits_of_blocks_of_one(boundary: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    from cnnsim.backends.opencl import tiles
+
+    backend, rng = OpenCLBackend("float32"), np.random.default_rng(4)
+    for shape in (1, 1), (2, 3), (5, 31), (2, 7, 16), (4, 9), (62, 30):
+        x, mask = rng.uniform(-1, 1, shape), rng.uniform(-1, 0.3, shape)
+        task = make_task(Template(NINE), state=x, mask=mask, boundary=boundary, duration=3.0, scheme="euler", step=0.1)
+        ends = []
+        for few in tiles.FEW_CELLS, 0:
+            monkeypatch.setattr(tiles, "FEW_CELLS", few)
+            ends.append(backend.read(task.start(backend).x))
+        monkeypatch.undo()
+        assert np.array_equal(ends[0], ends[1]), shape
+
+
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("boundary", BOUNDARIES[:3], ids=str)
 def test_a_boundary_that_tiles_do_not_know_goes_by_stages(

@@ -9,7 +9,7 @@
 // grid ends it ends too, and has its virtual cells set anew for each stage; on a torus that is cut it rolls on. A tile
 // that is a whole grid may take many steps: state and drive then lie in the scratch too, with whole vectors of each row.
 //
-// The host writes FILLS(input) (channel_text.py): how the channels of the input's terms, or of all others, are filled.
+// The host writes FILLS (channel_text.py): how the channels are filled.
 
 #ifdef CPU
 #define BAND 1 // rows whose channels are filled and looked at in turn: they stay in the first cache
@@ -117,7 +117,7 @@ static inline found stages(const int task, const int kept, PARAMETERS)
             const int band = kept || stage ? to - from : BAND; // where the next band looks at what this one writes: all
             for (int row = from; row < to; row += band) {
                 const int until = min(to, row + band);
-                FILLS(task == TASK_DRIVE)
+                FILLS
                 PHASE
                 for (int layer = 0; layer < LAYERS; layer++) EACH_STRETCH(row, until, t0, t1)
                 {

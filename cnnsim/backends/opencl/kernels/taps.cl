@@ -9,7 +9,7 @@
 #define ADD_NEIGHBOURS                                                                                   \
     for (int tap = 0; tap < taps; tap++)                                                                 \
         total += weights[tap] * *(__global const vec *)(own + t + offsets[tap]);
-#define FILLS(input) FILL_STATE(0, 0, 1)
+#define FILLS FILL_STATE(0, 0, 1)
 #define OUTPUT_OF_DRIVE(total, start) total
 #define KERNELS PLAIN(do_step, TASK_STEP, 0) PLAIN(do_steps, TASK_STEP, 1)
 

@@ -63,7 +63,7 @@ static inline vec output_of_vec(vec v)
 
 #define DRIVE_ARGUMENTS , __global const real *weights
 #define DRIVE_GIVEN , weights
-#define ADD_NEIGHBOURS switch (task == TASK_DRIVE ? layer : bare ? NOTHING : LAYERS + layer) { CASES(CASE) }
+#define ADD_NEIGHBOURS switch (bare ? NOTHING : layer) { CASES(CASE) }
 #define OUTPUT_OF_DRIVE(total, start)                                                           \
     CHARACTERISTIC == FUNCTION_SIGN ? (total == (vec)0 ? start : output_of_vec(total)) : output_of_vec(total)
 #define SUM_BEGINS (vec)0
