@@ -67,7 +67,7 @@ class _TileSteps(CheckedSteps):
             "GAIN": literal(plan.scheme.gain(plan.step) * plan.scheme.b[0], context.dtype),
             **self._tiles.defines,
         }
-        stems = f"boundary sleep {context.family}"
+        stems = {"cpu": "boundary sleep block rows cpu", "gpu": "boundary sleep gpu"}[context.family]
         self._kernels = [context.kernel("steps", stems, defines, twin=twin) for twin in (0, 1)]
         self._moved = [context.buffer(self._tiles.number) for _ in (0, 1)] if self._sleeps else []
         self._bound: list[tuple[Buffer, int, int, int] | None] = [None, None]

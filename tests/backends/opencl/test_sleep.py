@@ -1,0 +1,116 @@
+"""Sleeping tiles of the OpenCL backend: the same bits as without, in tiles of all sizes, and left out where they may be."""
+
+from typing import Any
+
+import numpy as np
+import pyopencl as cl
+import pytest
+
+from cnnsim import PERIODIC, ZERO_FLUX, Template, fixed, library
+from cnnsim.task import make_task
+from tests.kits.opencl import FAMILIES, Family, OpenCLBackend
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("boundary", [fixed(-1.0), ZERO_FLUX, PERIODIC], ids=str)
+@pytest.mark.parametrize("name", ["hole-filler", "connected-components-horizontal"])
+def test_sleeping_tiles_wake_up_where_a_wave_comes(name: str, boundary: Any, family: Family) -> None:
+    """Two grids at once, three tiles beside each other, the last of them narrow; one grid settles much earlier."""
+    picture = np.where(np.random.default_rng(8).random((2, 150, 265)) > 0.93, 1.0, -1.0)
+    picture[0, 40:110, [60, 160]] = picture[0, [40, 110], 60:160] = 1
+    picture[1, :, 20:] = -1
+    entry, backend = library.load(name), OpenCLBackend("float32", family=family)
+    planes: dict[str, Any] = {
+        name: np.broadcast_to(plane, picture.shape) for name, plane in entry.planes(picture).items()
+    }
+    ends = []
+    for without in ([], ["sleep"]):
+        end = make_task(entry.template, **planes, boundary=boundary, limit=300.0, without=without).start(backend)
+        ends.append((backend.read(end.x), end.t, end.settled, end.rate))
+    np.testing.assert_array_equal(ends[0][0], ends[1][0])
+    np.testing.assert_equal(ends[0][1:], ends[1][1:])
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_masked_tiles_that_read_far_sleep_and_wake_up(family: Family) -> None:
+    """A wave that begins in a corner of a torus and goes two cells at a time; the last tiles are narrow."""
+    A, rng, shape = np.zeros((5, 5)), np.random.default_rng(5), (2, 109, 141)
+    A[2, 2], A[[0, 2, 2, 4], [2, 0, 4, 2]] = 3, 1
+    x = np.ones(shape)
+    x[0, :4, :4] = -1
+    given: Any = {
+        "state": x, "input": np.where(rng.random(shape) > 0.9, 1.0, -1.0), "mask": rng.uniform(-1, 0.05, shape),
+        "boundary": PERIODIC, "scheme": "euler", "limit": 300.0,
+    }  # fmt: skip
+    ends, backend = [], OpenCLBackend("float64", family=family)
+    for without in ([], ["sleep"]):
+        task = make_task(Template(A, [[4.0]], -1.0), **given, without=without)
+        assert ("sleep" in task.plan.savings) == (not without)
+        end = task.start(backend)
+        ends.append((backend.read(end.x), end.t, end.settled, end.rate))
+    np.testing.assert_array_equal(ends[0][0], ends[1][0])
+    np.testing.assert_equal(ends[0][1:], ends[1][1:])
+    assert ends[0][2] and np.mean(ends[0][0][0] < 0) > 0.2
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_tile_coasts_while_no_output_in_it_can_change_and_then_sleeps(
+    family: Family, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from cnnsim.backends.opencl import transient
+
+    entry, backend, seen = library.load("hole-filler"), OpenCLBackend("float32", family=family), list[Any]()
+    steps = transient._TileSteps.advance
+
+    def advance(self: Any, step: int, count: int) -> None:
+        steps(self, step, count)
+        found = np.empty(self._tiles.number, np.uint8)
+        cl.enqueue_copy(self._context.queue, found, self._moved[self._turn - 1])
+        seen.append(found)
+
+    monkeypatch.setattr(transient._TileSteps, "advance", advance)
+    picture = np.full((2, 150, 265), -1.0)
+    picture[0] = 1  # nothing can change in this grid, and in the other a wave goes through all
+    planes: dict[str, Any] = {k: np.broadcast_to(plane, picture.shape) for k, plane in entry.planes(picture).items()}
+    make_task(entry.template, **planes, boundary=fixed(-1.0), limit=40.0).start(backend)
+    flags = np.array(seen).reshape(len(seen), 2, -1)
+    assert (flags[:, 0] <= 1).all() and (flags[:5, 0] == 1).all(), "it coasts: its states still change"
+    assert (flags[-1, 0] == 0).all(), "it sleeps"
+    assert (flags[-1, 1] > 1).any(), "the other one is awake"
+
+
+@pytest.mark.parametrize("boundary", [fixed(-1.0), ZERO_FLUX, PERIODIC], ids=str)
+def test_tiles_are_cut_smaller_and_larger_again_and_launched_ahead_with_the_same_bits(
+    boundary: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At every other look, with a mask; the stacks of the smaller tiles are not all full, the last ones are narrow."""
+    from cnnsim.backends.opencl import transient
+    from cnnsim.backends.opencl.tiles import cut
+
+    changes, ahead, go_ahead = list[bool](), set[int](), transient._TileSteps.go_ahead
+
+    def noted(*given: Any, light: bool) -> Any:
+        changes.append(light)
+        return cut(*given, light=light)
+
+    def gone(self: Any) -> None:
+        go_ahead(self)
+        ahead.add(self._ahead)
+
+    monkeypatch.setattr(transient, "cut", noted)
+    monkeypatch.setattr(transient._TileSteps, "go_ahead", gone)
+    for name, value in {"LOOK": 4, "MANY": 3, "FEW_RESTLESS": 2.0, "MOST_RESTLESS": -1.0}.items():
+        monkeypatch.setattr(transient, name, value)
+    entry, backend, rng = library.load("hole-filler"), OpenCLBackend("float32", family="cpu"), np.random.default_rng(8)
+    picture = np.where(rng.random((2, 150, 265)) > 0.93, 1.0, -1.0)
+    planes: dict[str, Any] = {k: np.array(np.broadcast_to(p, picture.shape)) for k, p in entry.planes(picture).items()}
+    planes["state"][:, :6, :6] = -1  # where a wave begins, also with nothing around the grid
+    mask, ends = rng.uniform(-1, 0.01, picture.shape), []
+    for without in ([], ["sleep"]):
+        end = make_task(entry.template, **planes, mask=mask, boundary=boundary, limit=60.0, without=without)
+        x, *others = end.start(backend)
+        ends.append((backend.read(x), others))
+    np.testing.assert_array_equal(ends[0][0], ends[1][0])
+    np.testing.assert_equal(ends[0][1], ends[1][1])
+    assert changes[:4] == [False, True, False, True]
+    assert ahead == {0, 5, 10}, "it is not waited for what a check says"
