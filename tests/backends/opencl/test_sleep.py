@@ -1,4 +1,4 @@
-"""Sleeping tiles of the OpenCL backend: the same bits as without, in tiles of all sizes, and left out where they may be."""
+"""Sleeping tiles of the OpenCL backend: the same bits as without, in tiles of all sizes, left out where they may be."""
 
 from typing import Any
 
