@@ -1,17 +1,19 @@
 """Where a scene leaves the range of its models: contacts that pull, sink in or spread too far, strains too large."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, Protocol
 
 import numpy as np
 
 from cnnsim.support import Floats, InputError
+from tactile.core.frame import TaxelArray
 from tactile.core.loads import F
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.indenter import LAWS, Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
-from tactile.simulator.field import Field
-from tactile.simulator.scene.scene import Scene
+from tactile.simulator.field import Contact, Field
+from tactile.simulator.ideal_skin import IdealSkin
 
 MOMENTS = 64
 """Frames looked at, beside those at the keyframes."""
@@ -22,7 +24,30 @@ DEEP = 0.3
 """Indentation over thickness, and strain, from which linear rubber is off by about a third."""
 
 
-def out_of_range(scene: Scene) -> Iterator[str]:
+class _Scene(Protocol):
+    """What is asked of a scene here, which asks for these notes itself."""
+
+    @property
+    def arrays(self) -> Sequence[TaxelArray]: ...
+    @property
+    def contacts(self) -> Sequence[Contact]: ...
+    @property
+    def effects(self) -> Sequence[tuple[str, Any]]: ...
+    @property
+    def bumps(self) -> object: ...
+    @property
+    def rate(self) -> float: ...
+    @property
+    def samples(self) -> int: ...
+    @property
+    def skin(self) -> IdealSkin: ...
+    def unit(self, finger: int) -> float: ...
+    def affected(
+        self, stream: Iterable[Field], stage: str, effects: Iterable[tuple[str, Any]], finger: int
+    ) -> Iterator[Field]: ...
+
+
+def out_of_range(scene: _Scene) -> Iterator[str]:
     """Say, a line each, where a scene's model is out of its range; it is computed all the same.
 
     A contact that goes through the cover is an error where it is computed.
@@ -55,7 +80,7 @@ def out_of_range(scene: Scene) -> Iterator[str]:
             yield f"{array.name}: strains to {strain:.3g}; below {DEEP:g} wanted: the cover is taken to be linear"
 
 
-def _moments(scene: Scene, contacts: list[MovingContact]) -> Floats:
+def _moments(scene: _Scene, contacts: list[MovingContact]) -> Floats:
     last = (scene.samples - 1) / scene.rate
     keys = [contact.path[:, 0] for contact in contacts]
     times = np.unique(np.concatenate([np.linspace(0, last, min(MOMENTS, scene.samples)), *keys]))

@@ -20,6 +20,7 @@ from tactile.simulator.effect import is_off
 from tactile.simulator.field import ACCURACY, Contact, Field
 from tactile.simulator.ideal_skin import IdealSkin
 from tactile.simulator.scene.checks import check, check_effects
+from tactile.simulator.scene.model_range import out_of_range
 from tactile.simulator.summation import DIRECT
 
 if TYPE_CHECKING:
@@ -196,8 +197,6 @@ class Scene:
         Raises:
             InputError: what has no meaning at all: strains above 1, a contact wider than the sphere that makes it.
         """
-        from tactile.simulator.scene.model_range import out_of_range  # a module that knows scenes
-
         return tuple(out_of_range(self))
 
     def __iter__(self) -> Iterator[Frame]:
