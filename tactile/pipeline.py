@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Floats, InputError
+from cnnsim.support.errors import shown
+from cnnsim.support.keywords import spelled
 from cnnsim.support.progress import watched_by
 from tactile.calibration.live_tare import TareMode, TareNote
 from tactile.calibration.tare_check import TareCheck
@@ -69,14 +71,22 @@ def make_fingers(arrays: Iterable[TaxelArray], modulus: float | None, settings: 
     return [Finger(array, modulus, settings, number) for number, array in enumerate(arrays)]
 
 
+@spelled()
 def run(source: Source, settings: Settings, sinks: Iterable[Sink], fingers: list[Finger] | None = None) -> None:
     """Take every frame of the source through the pipeline and hand the report to each sink.
 
     ``fingers``: new ones of the source's arrays, where they had to be there before the first frame.
+
+    Raises:
+        InputError: a path in the place of a source, no settings, what is no list of functions; as the source itself.
     """
-    sinks = tuple(sinks)
     if isinstance(source, str | Path):
         raise InputError(f"run({str(source)!r}, ...); a source of frames wanted: open_source({str(source)!r})")
+    if not isinstance(settings, Settings):
+        raise InputError(f"settings {shown(settings)}; Settings() wanted, or with what is to be another")
+    sinks = tuple(sinks) if isinstance(sinks, Iterable) else sinks
+    if not isinstance(sinks, tuple) or not all(map(callable, sinks)):
+        raise InputError(f"sinks {shown(sinks)}; a list of functions wanted, each of which takes a FrameReport")
     if fingers is None:
         fingers = make_fingers(source.arrays, source.modulus, settings)
     told = Narrator(fingers)

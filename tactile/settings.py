@@ -2,11 +2,13 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 from cnnsim.support import InputError
+from cnnsim.support.errors import shown
+from cnnsim.support.keywords import spelled_class
+from cnnsim.support.values import is_number, is_whole
 from tactile.calibration.gains import Gains
 from tactile.calibration.live_tare import TareMode
 from tactile.calibration.taxel_gains import TaxelGains
@@ -24,6 +26,7 @@ if TYPE_CHECKING:  # SciPy's splines are slow to import
 TARES = ("auto", "manual", "off")
 
 
+@spelled_class
 @dataclass(frozen=True)
 class Settings:
     """What the pipeline can be told; None means: as the array's quantity asks for.
@@ -36,7 +39,7 @@ class Settings:
     of the machine.
 
     Raises:
-        InputError: a window that is no whole number, a tare of no known kind, a text in the place of programs.
+        InputError: a value of another kind, a tare of no known name.
     """
 
     shear: Threshold | None = None
@@ -52,12 +55,24 @@ class Settings:
     backend: str = "cpu"
 
     def __post_init__(self) -> None:
-        if not isinstance(self.window, Integral) or isinstance(self.window, bool):
+        for name in ("shear", "contact"):
+            if not isinstance(getattr(self, name), Threshold | None):
+                raise InputError(
+                    f"{name} {getattr(self, name)!r}; a Threshold wanted, such as Threshold(dead_band, hysteresis)"
+                )
+        if not isinstance(self.sigmas, Sigmas):
+            raise InputError(f"sigmas {self.sigmas!r}; Sigmas wanted, such as {SIGMAS!r}")
+        if not is_whole(self.window):
             raise InputError(f"window {self.window!r}; a whole number of frames wanted")
-        if self.tare not in TARES and (not isinstance(self.tare, Integral) or isinstance(self.tare, bool)):
+        for name in ("floor", "depth"):
+            if getattr(self, name) is not None and not is_number(getattr(self, name)):
+                raise InputError(f"{name} {getattr(self, name)!r}; a number wanted")
+        if not isinstance(self.gains, Gains | TaxelGains | None):
+            raise InputError(f"gains {self.gains!r}; Gains wanted, such as Gains(shear, normal)")
+        if self.tare not in TARES and not is_whole(self.tare):
             raise InputError(f"tare {self.tare!r}; one of {', '.join(map(repr, TARES))} or a number of frames wanted")
-        if isinstance(self.programs, str | Path):
-            raise InputError(f"programs {str(self.programs)!r}; a tuple of files or names wanted")
+        if isinstance(self.programs, str | Path) or not isinstance(self.programs, Iterable):
+            raise InputError(f"programs {shown(self.programs)}; a tuple of files or names wanted")
 
     def calibrated(self, skin: "Calibration | TaxelGains", arrays: Iterable[TaxelArray]) -> Self:
         """Return the settings with this skin's gains, depth and radial correction.

@@ -168,7 +168,7 @@ class LibraryEntry:
         picture, state = as_picture("picture", picture), None if state is None else as_picture("state", state)
         if has_zeros_for_white(picture) and self._black_and_white():
             said = f"picture holds 0 and 1 alone; template {self.name!r} takes -1 as white, 0 as mid-grey"
-            Notices.say(f"{said}: values > 0 is black and white", 6)  # the caller of `cnnsim.run`
+            Notices.say(f"{said}: values > 0 is black and white")
         if picture.ndim < 2:
             raise InputError(f"picture has shape {picture.shape}; (rows, cols) with at least one cell wanted")
         roles = self.initial_state if isinstance(self.initial_state, tuple) else (self.initial_state,)

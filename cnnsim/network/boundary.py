@@ -9,12 +9,14 @@ import numpy as np
 from cnnsim.network.weights import Tap, reach
 from cnnsim.support import Array, InputError, Integers
 from cnnsim.support.errors import shown
+from cnnsim.support.keywords import spelled_class
 from cnnsim.support.nearest import did_you_mean, not_known
 from cnnsim.support.values import is_number
 
 BoundaryKind = Literal["fixed", "zero-flux", "periodic"]
 
 
+@spelled_class
 @dataclass(frozen=True)
 class Boundary:
     """What the virtual cells around the grid hold.
@@ -37,6 +39,7 @@ class Boundary:
             value = getattr(self, name)
             if not is_number(value) or not abs(value) <= 1:
                 raise InputError(f"fixed boundary value of {name} is {shown(value)}; a number from -1 to 1 wanted")
+            object.__setattr__(self, name, float(value))
 
     @property
     def constants(self) -> tuple[tuple[float, float], ...]:

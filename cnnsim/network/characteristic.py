@@ -8,6 +8,7 @@ import numpy as np
 from cnnsim.network.cell import CellModel
 from cnnsim.network.table import Table, parse_table, table_value
 from cnnsim.support import Array, InputError
+from cnnsim.support.keywords import spelled_class
 from cnnsim.support.nearest import not_known
 from cnnsim.support.values import is_number
 
@@ -77,6 +78,7 @@ class Characteristic:
 CLIP, SIGN, TANH = Characteristic(), Characteristic("sign"), Characteristic("tanh")
 
 
+@spelled_class
 @dataclass(frozen=True)
 class Cell:
     """A cell model with its output characteristic; without one it is the model's own: sign in discrete time, else clip.

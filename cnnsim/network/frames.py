@@ -1,6 +1,6 @@
 """Frames: an input or a bias that changes with time, plane by plane, each held until the next."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Generic, TypeVar
@@ -8,7 +8,9 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from cnnsim.support import InputError
-from cnnsim.support.values import is_number
+from cnnsim.support.errors import shown
+from cnnsim.support.keywords import spelled
+from cnnsim.support.values import is_number, shape_of
 
 T = TypeVar("T")
 
@@ -20,19 +22,23 @@ class Frames(Generic[T]):
     Before t = 0 it is the first one. ``period`` is in time constants.
 
     Raises:
-        InputError: no plane, or a time that is not positive.
+        InputError: no plane, planes of unequal shape, or a time that is not positive.
     """
 
     planes: tuple[T, ...]
     period: float
 
-    def __init__(self, planes: Sequence[T], period: float) -> None:
+    @spelled()
+    def __init__(self, planes: Iterable[T], period: float) -> None:
+        if isinstance(planes, str | Mapping | Frames) or not isinstance(planes, Iterable):
+            raise InputError(f"a sequence of planes {shown(planes)}; a list of them wanted")
         object.__setattr__(self, "planes", tuple(planes))
         object.__setattr__(self, "period", period)
         if not self.planes:
             raise InputError("a sequence of planes without a plane; one or more wanted")
         if not is_number(period) or not 0 < period < np.inf:
             raise InputError(f"a plane every {period!r}; a positive number of time constants wanted")
+        _check_shapes(self.planes)
 
     def __repr__(self) -> str:
         """The number and size of the planes, not their values."""
@@ -45,6 +51,19 @@ class Frames(Generic[T]):
     def map(self, function: Callable[[T], Any]) -> "Frames[Any]":
         """Return the same sequence of other planes."""
         return Frames([function(plane) for plane in self.planes], self.period)
+
+
+def _check_shapes(planes: tuple[Any, ...]) -> None:
+    """Refuse planes that no grid fits: a number stands for all cells, a plane (rows, cols) for all grids and layers."""
+    shapes = [shape_of(f"plane {number}", plane) for number, plane in enumerate(planes)]
+    widest = max(range(len(shapes)), key=lambda number: len(shapes[number]))
+    for number, shape in enumerate(shapes):
+        if shape and shapes[widest][-len(shape) :] != shape:
+            first, second = sorted((number, widest))
+            raise InputError(
+                f"a sequence of planes: plane {first} has shape {shapes[first]}, plane {second} {shapes[second]}; one "
+                "shape wanted"
+            )
 
 
 def at_step(value: Any, number: int, step: float) -> Any:

@@ -7,6 +7,7 @@ import numpy as np
 
 from cnnsim.network.template import Template
 from cnnsim.support import InputError
+from cnnsim.support.keywords import spelled
 from cnnsim.support.values import is_number
 
 
@@ -27,6 +28,7 @@ class LayeredTemplate:
     time_constants: tuple[float, ...]
     name: str = "unnamed"
 
+    @spelled()
     def __init__(
         self, layers: Sequence[Template], time_constants: Sequence[float] | None = None, name: str = "unnamed"
     ) -> None:

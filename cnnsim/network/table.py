@@ -8,8 +8,10 @@ import numpy as np
 
 from cnnsim.support import Array, InputError
 from cnnsim.support.errors import shown
+from cnnsim.support.keywords import spelled_class
 
 
+@spelled_class
 @dataclass(frozen=True)
 class Table:
     """A function f(v), held at its ends.

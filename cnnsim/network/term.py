@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from cnnsim.network.table import Table
 from cnnsim.network.weights import checked_number, checked_weights, reach
 from cnnsim.support import Floats, InputError
+from cnnsim.support.keywords import spelled
 from cnnsim.support.values import is_whole
 
 Quantity = Literal["x", "y", "u"]
@@ -73,6 +74,7 @@ class Term:
     delay: float = 0.0
     layer: int | None = None
 
+    @spelled()
     def __init__(
         self,
         weights: ArrayLike,

@@ -15,6 +15,7 @@ from cnnsim.program.file import find_program
 from cnnsim.program.program import Program, TemplateStep
 from cnnsim.program.words import numbered
 from cnnsim.support import InputError
+from cnnsim.support.errors import shown
 from cnnsim.support.keywords import spelled
 from cnnsim.task import TaskOptions
 
@@ -101,7 +102,8 @@ def explain(
     """
     program = find_program(template) if isinstance(template, str) else template
     if not isinstance(program, Program):
-        assert not isinstance(template, Program)
+        if isinstance(template, Program) or not isinstance(template, str | LibraryEntry | AnyTemplate):
+            raise InputError(f"template {shown(template)}; a template, a program or the name of one wanted")
         return explain_template(template, picture, backend, **changes)
     if changes:
         raise InputError(f"{', '.join(changes)}: {program.name!r} is a program; they go with templates")

@@ -8,7 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from cnnsim.support.errors import InputError
+from cnnsim.support.errors import InputError, shown
 
 
 class Replaced:
@@ -27,6 +27,17 @@ def telling_nobody() -> Iterator[None]:
         Replaced.tell = tell
 
 
+def named_file(path: Any) -> Path:
+    """Return the path that a caller gave.
+
+    Raises:
+        InputError: a number, an open file, or whatever else is no name.
+    """
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"path {shown(path)}; the name of a file wanted")
+    return Path(path)
+
+
 @contextmanager
 def writing(path: str | Path, *, replace: bool = True, follow: bool = True) -> Iterator[Path]:
     """Give the path to write under; when the block ends well the file is renamed to ``path``, else it is gone.
@@ -38,9 +49,7 @@ def writing(path: str | Path, *, replace: bool = True, follow: bool = True) -> I
     Raises:
         InputError: no path; the file is there and not to be replaced, or cannot be written.
     """
-    if not isinstance(path, str | os.PathLike):
-        raise InputError(f"path {path!r}; the name of a file wanted")
-    target = Path(path)
+    target = named_file(path)
     check_free(target, replace=replace)
     try:
         if target.exists() and not target.is_file() and (follow or not target.is_symlink()):

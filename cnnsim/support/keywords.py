@@ -10,6 +10,7 @@ from cnnsim.support.errors import InputError
 
 Given = ParamSpec("Given")
 Returned = TypeVar("Returned")
+Made = TypeVar("Made")
 
 
 class KeywordError(InputError, TypeError):
@@ -44,6 +45,12 @@ def spelled(options: type[Any] | None = None) -> Callable[[Callable[Given, Retur
         return checked
 
     return decorate
+
+
+def spelled_class(kind: type[Made]) -> type[Made]:
+    """Make a dataclass refuse unknown keywords as `spelled` does."""
+    kind.__init__ = spelled()(kind.__init__)  # type: ignore[method-assign]  # of the class itself, not of an instance
+    return kind
 
 
 def unknown_keyword(function: str, given: set[str], known: list[str]) -> KeywordError:

@@ -8,7 +8,8 @@ from typing import Any, TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cnnsim.support.errors import InputError
+from cnnsim.support.errors import InputError, shown
+from cnnsim.support.notices import users_level
 from cnnsim.support.types import Array, Floats
 
 
@@ -85,7 +86,10 @@ def as_numbers(name: str, values: ArrayLike, *, levels: bool = False, logic: boo
     try:
         array = np.asarray(values)
     except ValueError as error:
-        raise InputError(f"{name} is no rectangular array of numbers") from error
+        raise InputError(f"{name} is no rectangular array of numbers{_unequal(values)}") from error
+    if array.dtype == object and not array.ndim:
+        cure = ": the list of its planes" if hasattr(values, "planes") else ""
+        raise InputError(f"{name} is {shown(values)}; an array of numbers wanted{cure}")
     if array.dtype == bool:
         return np.where(array, 1.0, -1.0)
     if array.dtype.kind == "f":
@@ -113,6 +117,28 @@ def as_numbers(name: str, values: ArrayLike, *, levels: bool = False, logic: boo
             f"(white) to 1 (black) wanted: cnnsim.{cure}"
         )
     return array
+
+
+def shape_of(name: str, values: Any) -> tuple[int, ...]:
+    """Return the shape of a plane, wherever it lies.
+
+    Raises:
+        InputError: rows of unequal length.
+    """
+    try:
+        return np.shape(values)
+    except ValueError as error:
+        raise InputError(f"{name} is no rectangular array of numbers{_unequal(values)}") from error
+
+
+def _unequal(values: Any) -> str:
+    """Return which of some values are of unequal shape, as the end of a message; nothing where that is not it."""
+    try:
+        shapes = [np.shape(value) for value in values]
+    except (ValueError, TypeError):
+        return ""
+    other = next((k for k, shape in enumerate(shapes) if shape != shapes[0]), 0)
+    return f": entry 0 has shape {shapes[0]}, entry {other} {shapes[other]}; one shape wanted" if other else ""
 
 
 def distinct(array: Array) -> Array:
@@ -149,5 +175,5 @@ def as_picture(name: str, values: ArrayLike, *, logic: bool = False) -> Array:
     most = largest(array)
     if 1 < most < np.inf:
         said = f"{name} reaches {most:.9g}; CNN values lie from -1 (white) to 1 (black)"
-        warnings.warn(said, stacklevel=6)  # the caller of `cnnsim.run`
+        warnings.warn(said, stacklevel=users_level())
     return array

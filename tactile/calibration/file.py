@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim.support import InputError
-from cnnsim.support.files import write_text
+from cnnsim.support.files import named_file, write_text
 from cnnsim.support.toml_file import KeyFaults, parse_toml, read_toml, take, take_numbers
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection
@@ -37,7 +37,7 @@ def load_calibration(path: Path | str) -> Calibration | TaxelGains:
     Raises:
         InputError: no such file, no TOML, an unknown or missing key, a wrong type or value.
     """
-    return _calibration(read_toml(Path(path), "calibration"), str(path))
+    return _calibration(read_toml(named_file(path), "calibration"), str(path))
 
 
 def parse_calibration(text: str, where: str) -> Calibration | TaxelGains:

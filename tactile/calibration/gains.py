@@ -6,8 +6,11 @@ from functools import cached_property
 import numpy as np
 
 from cnnsim.support import Floats, InputError
+from cnnsim.support.keywords import spelled_class
+from cnnsim.support.values import is_number
 
 
+@spelled_class
 @dataclass(frozen=True)
 class Gains:
     """The linear coefficients of a taxel: u = (shear, shear, normal) * (T_x, T_y, S_n).
@@ -25,7 +28,7 @@ class Gains:
 
     def __post_init__(self) -> None:
         for name, value in (("shear", self.shear), ("normal", self.normal)):
-            if not np.isfinite(value) or value == 0:
+            if not is_number(value) or not np.isfinite(value) or value == 0:
                 raise InputError(f"{name} gain {value}, a finite number other than 0 wanted")
 
     @property

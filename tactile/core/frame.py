@@ -9,6 +9,7 @@ import numpy as np
 
 from cnnsim.support import Flags, Floats, InputError
 from cnnsim.support.bounds import TAXELS, check_most
+from cnnsim.support.keywords import spelled_class
 from cnnsim.support.names import check_name
 
 Quantity = Literal["strain", "stress", "force"]
@@ -29,6 +30,7 @@ def _is_whole(value: object) -> bool:
     return isinstance(value, Integral) and not isinstance(value, bool)
 
 
+@spelled_class
 @dataclass(frozen=True)
 class TaxelArray:
     """A rectangular array of three-axial taxels under the cover of one finger.
@@ -77,6 +79,19 @@ class TaxelArray:
         if self.quantity not in get_args(Quantity):
             wanted = ", ".join(get_args(Quantity))
             raise InputError(f"taxel array {self.name!r}: quantity {self.quantity!r}, one of {wanted} wanted")
+        self._take_origin()
+        for name, kind in (("rows", int), ("cols", int), ("pitch", float), ("depth", float)):
+            object.__setattr__(self, name, kind(getattr(self, name)))
+
+    def _take_origin(self) -> None:
+        try:
+            x, y = map(float, self.origin)
+            near = bool(np.isfinite([x, y]).all())
+        except (TypeError, ValueError):
+            near = False
+        if not near or isinstance(self.origin, str):
+            raise InputError(f"taxel array {self.name!r}: origin {self.origin!r}; its centre (x, y) [m] wanted")
+        object.__setattr__(self, "origin", (x, y))
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -121,6 +136,8 @@ class Frame:
         return f"Frame(finger={self.finger}, t={self.t:g}, sequence={self.sequence}, {shape}, {felt})"
 
     def __post_init__(self) -> None:
+        if not isinstance(self.values, np.ndarray) or not isinstance(self.valid, np.ndarray):
+            raise InputError(f"frame {self.sequence}: lists of values; arrays (rows, cols, 3) and (rows, cols) wanted")
         if self.values.ndim != 3 or self.values.shape[2] != 3:
             raise InputError(f"frame {self.sequence}: values of shape {self.values.shape}, (rows, cols, 3) wanted")
         if self.valid.shape != self.values.shape[:2]:

@@ -12,6 +12,7 @@ from cnnsim.library.folders import folder, folders, not_found, program_file, pro
 from cnnsim.program.file import load_program, program_of
 from cnnsim.program.program import Program
 from cnnsim.support import naming
+from cnnsim.support.files import named_file
 from cnnsim.support.toml_file import KeyFaults, check_keys, read_toml, take, take_tables
 from tactile.core.file_kinds import refuse_other_kind
 from tactile.events.planes import LATE, NAMES
@@ -80,7 +81,7 @@ def read_detector(name: str | Path, known: Collection[str] = NAMES) -> DetectorF
     Raises:
         InputError: no such file, what is wrong in it, or a plane that a frame does not have.
     """
-    path = Path(name)
+    path = named_file(name)
     if not path.suffix:
         path = _named(str(name))
     table = read_toml(path, "detector or program file")

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from cnnsim.support import InputError
+from cnnsim.support.files import named_file
 from tactile.core.source import Source
 from tactile.wire.extras import need
 
@@ -17,9 +18,9 @@ def open_source(path: Path | str) -> Source:
     A ROS bag is a .bag file, a .db3 file or the folder of a ROS 2 bag.
 
     Raises:
-        InputError: the file is missing, of no known kind, or wrong inside.
+        InputError: no path; the file is missing, of no known kind, or wrong inside.
     """
-    path = Path(path)
+    path = named_file(path)
     suffix = ".bag" if path.is_dir() else path.suffix.lower()
     if not path.exists():
         raise InputError(f"no scene or recording {path}")

@@ -6,6 +6,8 @@ import numpy as np
 
 from cnnsim import InputError
 from cnnsim.support import Floats
+from cnnsim.support.keywords import spelled_class
+from cnnsim.support.values import is_number
 from tactile.core.frame import NORMAL, Quantity
 from tactile.core.noise import Noise
 from tactile.thresholds.threshold import CONTACT, SHEAR, Threshold
@@ -14,6 +16,7 @@ CALM = 0.05
 """Part of the thresholds used without any noise that is the floor once noise is measured."""
 
 
+@spelled_class
 @dataclass(frozen=True)
 class Sigmas:
     """Thresholds as multiples of sigma: ``dead_band``, ``hysteresis`` above it, ``contact`` level (end of contact).
@@ -30,9 +33,10 @@ class Sigmas:
     contact: float = 3.0
 
     def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            if not 0 <= value < float("inf"):
+        for name, value in tuple(vars(self).items()):
+            if not is_number(value) or not 0 <= value < float("inf"):
                 raise InputError(f"{name} of {value!r} sigma; a number from 0 wanted")
+            object.__setattr__(self, name, float(value))
 
 
 SIGMAS = Sigmas()

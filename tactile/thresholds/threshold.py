@@ -3,9 +3,12 @@
 from dataclasses import dataclass
 
 from cnnsim import InputError, Template
+from cnnsim.support.keywords import spelled_class
+from cnnsim.support.values import is_number
 from tactile.core.frame import Quantity
 
 
+@spelled_class
 @dataclass(frozen=True)
 class Threshold:
     """A dead band with hysteresis [unit of the signal]: on above ``dead_band + hysteresis``, off below ``dead_band``.
@@ -22,8 +25,9 @@ class Threshold:
     def __post_init__(self) -> None:
         for name in ("dead_band", "hysteresis"):
             value = getattr(self, name)
-            if not 0 <= value < float("inf"):
+            if not is_number(value) or not 0 <= value < float("inf"):
                 raise InputError(f"{name} is {value!r}; a number from 0 wanted")
+            object.__setattr__(self, name, float(value))
 
     @property
     def full_scale(self) -> float:

@@ -25,6 +25,9 @@ EDGE = cnnsim.library.load("edge").template
         (lambda: cnnsim.UniversalMachine(thread=1), "did you mean 'threads'"),  # type: ignore[call-arg]
         (lambda: cnnsim.run_program("opening", picture=PICTURE, backnd="cpu"), "did you mean 'backend'"),
         (lambda: cnnsim.Template([[2.0]], b=[[1.0]]), "Template: no keyword 'b'; did you mean 'B'"),  # type: ignore[call-arg]
+        (lambda: cnnsim.Frames([PICTURE], perid=1.0), "Frames: no keyword 'perid'; did you mean 'period'"),  # type: ignore[call-arg]
+        (lambda: cnnsim.Term([[1.0]], dela=1.0), "did you mean 'delay'"),  # type: ignore[call-arg]
+        (lambda: cnnsim.Boundary(knd="fixed"), "did you mean 'kind'"),  # type: ignore[call-arg]
         (lambda: cnnsim.read_picture("a.png", binry=True), "read_picture: no .* mean 'binary'"),  # type: ignore[call-arg]
         (lambda: cnnsim.read_pictures("a.png", level=(0, 1)), "read_pictures: no .* mean 'levels'"),  # type: ignore[call-arg]
         (lambda: cnnsim.write_picture(PICTURE, "a.png", scales=2), "write_picture: no .* mean 'scale'"),  # type: ignore[call-arg]

@@ -32,6 +32,12 @@ CASES: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: run_program("opening", picture=PLANE, backend=backends.get("cpu"), threads=1),
         "threads 1 with a backend of float32 that is made already",
     ),
+    "explain": (lambda: cnnsim.explain(ANY), "template 3; a template, a program or the name of one"),
+    "picture": (lambda: cnnsim.read_picture(ANY), "path 3; the name of a file"),
+    "pictures": (lambda: cnnsim.read_pictures(ANY), "path 3; the name of a file"),
+    "levels": (lambda: cnnsim.read_picture("a.png", levels=ANY), "levels 3; two numbers wanted"),
+    "type": (lambda: cnnsim.read_pictures("a.png", dtype=int), "dtype <class 'int'>; a type of floats"),
+    "scale": (lambda: cnnsim.write_picture(PLANE, "a.png", scale=0), "scale 0; a whole number of pixels"),
     "bias": (
         lambda: run_transient(Template(2.0), state=PLANE, bias=np.full((5, 6), 200, np.uint8)),
         r"bias holds whole numbers from 200 to 200.*from_gray",
@@ -44,6 +50,18 @@ def test_one_line(name: str) -> None:
     call, message = CASES[name]
     with pytest.raises(InputError, match=message):
         call()
+
+
+@pytest.mark.parametrize("door", [lambda p: run("edge", p), lambda p: cnnsim.explain("edge", p)])
+def test_a_warning_points_to_the_line_that_called(door: Callable[[Any], Any]) -> None:
+    with pytest.warns(UserWarning, match="0 and 1 alone") as told:
+        door(np.eye(4))
+    assert told[0].filename == __file__
+
+
+def test_numbers_of_numpy_become_plain_ones() -> None:
+    minus: Any = np.float32(-1)
+    assert repr(cnnsim.fixed(minus)) == "Boundary(kind='fixed', y=-1.0, u=-1.0)"
 
 
 def test_what_is_meant_goes_on() -> None:

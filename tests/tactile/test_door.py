@@ -5,6 +5,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 
 import tactile
@@ -34,6 +35,17 @@ def test_a_scene_through_the_door() -> None:
 DOOR: Any = tactile  # what is wrong is tried, which types would refuse
 
 
+def test_numbers_of_numpy_become_plain_ones() -> None:
+    array = DOOR.TaxelArray("a", np.int64(2), np.int32(2), np.float64(0.004), np.float64(0.001))
+    assert repr(array) == repr(tactile.TaxelArray("a", 2, 2, 0.004, 0.001))
+    assert repr(DOOR.Threshold(np.float64(0.5), np.int64(1))) == "Threshold(dead_band=0.5, hysteresis=1.0)"
+
+
+SCENE = tactile.open_source(SCENES / "needle.toml")
+ARRAY = tactile.TaxelArray("a", 2, 2, 1e-3, 1e-3)
+PATH = [[0.0, 0.0, 0.0, 0.0, 0.0, 1.0]]
+
+
 @pytest.mark.parametrize(("wrong", "message"), [
     (lambda: DOOR.TaxelArray("a", 3.5, 5, 1e-3, 1e-3), "3.5 x 5 taxels"),
     (lambda: DOOR.TaxelArray("a", "3", 5, 1e-3, 1e-3), "two whole numbers and two lengths"),
@@ -43,6 +55,38 @@ DOOR: Any = tactile  # what is wrong is tried, which types would refuse
     (lambda: DOOR.Settings(tare="sometimes"), "tare 'sometimes'; one of 'auto', 'manual', 'off'"),
     (lambda: DOOR.Settings(programs="two-blobs.toml"), "programs 'two-blobs.toml'; a tuple"),
     (lambda: DOOR.run("scene.toml", DOOR.Settings(), []), r"open_source\('scene.toml'\)"),
+    (lambda: DOOR.TaxelArray("a", 3, 5, 1e-3, 1e-3, "strain"), "origin 'strain'; its centre"),
+    (lambda: DOOR.TaxelArray("a", 3, 5, pich=1e-3, depth=1e-3), "no keyword 'pich'; did you mean 'pitch'"),
+    (lambda: DOOR.Settings(windw=3), "no keyword 'windw'; did you mean 'window'"),
+    (lambda: DOOR.Settings(shear=0.1), "shear 0.1; a Threshold wanted"),
+    (lambda: DOOR.Settings(sigmas=(4, 6, 3)), r"sigmas \(4, 6, 3\); Sigmas wanted"),
+    (lambda: DOOR.Settings(gains=3), "gains 3; Gains wanted"),
+    (lambda: DOOR.Settings(depth="a"), "depth 'a'; a number wanted"),
+    (lambda: DOOR.Settings(programs=3), "programs 3; a tuple"),
+    (lambda: DOOR.Threshold("a", 1), "dead_band is 'a'; a number"),
+    (lambda: DOOR.Threshold(deadband=1, hysteresis=1), "did you mean 'dead_band'"),
+    (lambda: DOOR.Indenter("sphere", "a"), "radius 'a'; a number"),
+    (lambda: DOOR.Indenter("sphere", radus=1), "did you mean 'radius'"),
+    (lambda: DOOR.run(SCENE, {}, []), "settings {}; Settings"),
+    (lambda: DOOR.run(SCENE, DOOR.Settings(), print), "sinks <built-in function print>; a list of functions"),
+    (lambda: DOOR.run(SCENE, DOOR.Settings(), [3]), r"sinks \(3,\); a list of functions"),
+    (lambda: DOOR.open_source(3), "path 3; the name of a file"),
+    (lambda: DOOR.load_calibration(3), "path 3; the name of a file"),
+    (lambda: DOOR.read_detector(3), "path 3; the name of a file"),
+    (lambda: DOOR.make_effect(3), "effect 3; the name of one"),
+    (lambda: DOOR.make_effect("read_noise", rms="a"), "effect read_noise: rms = 'a'; a number"),
+    (lambda: DOOR.MovingContact(0, "sphere", PATH), "indenter 'sphere' of a contact; an Indenter"),
+    (lambda: DOOR.MovingContact(0, DOOR.Indenter(), [[1], [1, 2]]), "path of a contact of shape"),
+    (lambda: DOOR.MovingContact(0, DOOR.Indenter(), PATH, "a"), "friction 'a' of a contact"),
+    (lambda: DOOR.Scene("s", "a", 1, 2e6, [ARRAY]), "rate 'a', a positive number"),
+    (lambda: DOOR.Scene("s", 100, 1, 2e6, ARRAY), r"arrays TaxelArray.*; a list of them wanted: \[TaxelArray"),
+    (lambda: DOOR.Scene("s", 100, 1, 2e6, [3]), "arrays with 3; each a TaxelArray"),
+    (lambda: DOOR.Scene("s", 100, 1, 2e6, [ARRAY], [3]), "3; a finger from 0 to 0"),
+    (lambda: DOOR.Scene("s", 100, 1, 2e6, [ARRAY], DOOR.MovingLoad("a", PATH)), "loads MovingLoad.*; a list of them"),
+    (lambda: DOOR.Scene("s", 100, 1, 2e6, [ARRAY], [DOOR.MovingLoad("a", PATH)]), "MovingLoad.*; a finger from 0"),
+    (lambda: DOOR.Scene("s", 100, 1, 2e6, [ARRAY], seed=1.5), "seed 1.5, a whole number"),
+    (lambda: DOOR.Scene("s", 100, 1, 2e6, [ARRAY], effects=DOOR.make_effect("drift")), "effects Drift.*; a list"),
+    (lambda: DOOR.Frame(0, 0.0, 0, [[[1, 2, 3]]], [[True]]), "frame 0: lists of values; arrays"),
 ])  # fmt: skip
 def test_what_is_no_value_of_the_doors_things_is_refused(wrong: Callable[[], Any], message: str) -> None:
     with pytest.raises(tactile.InputError, match=message):

@@ -12,13 +12,13 @@ from PIL import Image
 
 from cnnsim.support.bounds import check_plain, reason
 from cnnsim.support.errors import InputError, shown
-from cnnsim.support.files import writing
+from cnnsim.support.files import named_file, writing
 from cnnsim.support.keywords import spelled
 from cnnsim.support.memory import check_memory
-from cnnsim.support.pictures.pixels import Levels, check_labels, least_bytes, pixel_bytes, values_of
+from cnnsim.support.pictures.pixels import Levels, check_labels, check_reading, least_bytes, pixel_bytes, values_of
 from cnnsim.support.pictures.upright import read_through, upright_size
 from cnnsim.support.types import Array, Floats
-from cnnsim.support.values import as_numbers, largest
+from cnnsim.support.values import as_numbers, is_whole, largest
 
 _RAMP = ".:-=+*%#"
 """Characters from white to black."""
@@ -42,6 +42,7 @@ def read_picture(
         InputError: the file is missing or no picture, holds several, has a range that is not known (see
             `cnnsim.support.pictures.pixels`), or does not fit into memory.
     """
+    check_reading(levels, dtype)
     with opened(path) as image:
         if pictures_in(image) > 1:
             raise InputError(f"{path} holds {pictures_in(image)} pictures; one wanted (read_pictures reads all)")
@@ -57,8 +58,9 @@ def opened(path: str | Path) -> Iterator[Image.Image]:
     Raises:
         InputError: the file is missing or no picture, also where that shows only later.
     """
+    named = named_file(path)
     try:
-        check_plain(Path(path), "picture")
+        check_plain(named, "picture")
         with _AnySize(), Image.open(path) as image:
             read_through(image)
             yield image
@@ -158,6 +160,8 @@ def write_picture(values: Array, path: str | Path, scale: int = 1, *, follow: bo
     Raises:
         InputError: Pillow does not know the ending, or the file cannot be written; values that are no CNN values.
     """
+    if not is_whole(scale) or scale < 1:
+        raise InputError(f"scale {scale!r}; a whole number of pixels a cell, at least 1, wanted")
     if not (isinstance(values, np.ndarray) and values.dtype == bool):
         values = as_numbers("picture", values)
     if values.ndim not in (2, 3):

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from cnnsim.support.errors import InputError
+from cnnsim.support.errors import InputError, shown
 from cnnsim.support.notices import Notices
 from cnnsim.support.pictures.upright import upright
 from cnnsim.support.types import Array
-from cnnsim.support.values import from_gray
+from cnnsim.support.values import from_gray, is_number
 
 Levels = tuple[float, float]
 """The numbers that stand for black and for white."""
@@ -100,6 +100,23 @@ def values_of(
 def holds_numbers(image: Image.Image) -> bool:
     """Return whether a picture holds numbers of 16 bits or more, or floats, and no colours."""
     return image.mode.startswith("I;16") or image.mode in ("I", "F")
+
+
+def check_reading(levels: Any, dtype: Any) -> None:
+    """Refuse levels that are no two numbers, and a type that cannot hold CNN values.
+
+    Raises:
+        InputError: what was given.
+    """
+    pair = isinstance(levels, tuple | list) and len(levels) == 2 and all(map(is_number, levels))
+    if levels is not None and not pair:
+        raise InputError(f"levels {shown(levels)}; two numbers wanted, those of black and of white")
+    try:
+        floats = np.dtype(dtype).kind == "f"
+    except TypeError:
+        floats = False
+    if not floats:
+        raise InputError(f"dtype {shown(dtype)}; a type of floats wanted, such as float32")
 
 
 def check_levels(image: Image.Image, name: str, levels: Levels | None) -> None:

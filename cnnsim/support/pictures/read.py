@@ -9,11 +9,12 @@ import numpy as np
 from PIL import Image
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.files import named_file
 from cnnsim.support.keywords import spelled
 from cnnsim.support.memory import check_memory
 from cnnsim.support.pictures.arrays import of_array
 from cnnsim.support.pictures.film import VIDEO_ENDINGS
-from cnnsim.support.pictures.pixels import Levels
+from cnnsim.support.pictures.pixels import Levels, check_reading
 from cnnsim.support.pictures.sequence import PictureSequence, Reading, of_file, of_video, size_text
 from cnnsim.support.types import Array
 
@@ -31,6 +32,7 @@ def read_pictures(
     Raises:
         InputError: as `read_picture`; pictures of different sizes, none, or more than the memory holds.
     """
+    check_reading(levels, dtype)
     whole = sequence_of(list(paths), Reading(binary, levels, dtype))
     count, (rows, cols) = whole.count(), whole.shape
     size = count * rows * cols * np.dtype(dtype).itemsize
@@ -47,7 +49,7 @@ def sequence_of(paths: Sequence[str | Path], reading: Reading, key: str = "") ->
     Raises:
         InputError: as `read_pictures`.
     """
-    parts = [_part(Path(path), reading, key) for path in paths]
+    parts = [_part(named_file(path), reading, key) for path in paths]
     if not parts:
         raise InputError("no picture; one or more wanted")
     first = parts[0]

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 
 from cnnsim.support import Floats, InputError
+from cnnsim.support.keywords import spelled_class
+from cnnsim.support.values import is_number
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import (
     FLAT_PUNCH,
@@ -33,6 +35,7 @@ LAWS = ("sphere", "needle", "flat_punch")
 """Shapes with a law of force and indentation."""
 
 
+@spelled_class
 @dataclass(frozen=True)
 class Indenter:
     """A rigid body that presses.
@@ -52,6 +55,10 @@ class Indenter:
     def __post_init__(self) -> None:
         if self.shape not in get_args(ShapeName):
             raise InputError(f"shape {self.shape!r}, one of {', '.join(get_args(ShapeName))} wanted")
+        for name in ("radius", "length", "angle"):
+            if not is_number(getattr(self, name)):
+                raise InputError(f"a {self.shape} of {name} {getattr(self, name)!r}; a number wanted")
+            object.__setattr__(self, name, float(getattr(self, name)))
         if self.shape in (*ROUND, "cylinder") and not self.radius > 0:
             raise InputError(f"a {self.shape} of radius {self.radius} m, a positive length wanted")
         if self.shape in ("edge", "cylinder") and not self.length > 0:

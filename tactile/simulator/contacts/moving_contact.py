@@ -7,12 +7,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.support import Floats, InputError
+from cnnsim.support.errors import shown
+from cnnsim.support.keywords import spelled
+from cnnsim.support.values import is_number
 from tactile.core.loads import COLUMNS, FORCE, PLACE, SHEAR, F, Q, R, X, Y
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.friction import FrictionState, follow, load_to, untouched
 from tactile.simulator.contacts.indenter import FLAT, LAWS, ROUND, Indenter
 from tactile.simulator.contacts.loads import Disc, Loads, Twist
-from tactile.simulator.contacts.moving_load import along_path, checked_path, span
+from tactile.simulator.contacts.moving_load import along_path, checked_path, path_array, span
 from tactile.simulator.contacts.rig import STILL, Rig, at_a_point
 
 TORQUE = COLUMNS
@@ -26,6 +29,9 @@ class MovingContact:
     Arguments: ``path`` (n, 7) or, without a twist, (n, 6), rows (t, x, y, Q, R, push, M) [s, m, m, N, N, N or m, N m],
     ``push`` the normal force or, where ``given_depth``, the indentation; M a twist from x to y, which ``friction``
     limits to the sliding torque. Without ``friction`` (None) nothing slips and shear is spread like the pressure.
+
+    Raises:
+        InputError: no indenter, a negative friction, a path as of `MovingLoad`.
     """
 
     finger: int
@@ -34,14 +40,17 @@ class MovingContact:
     friction: float | None = None
     given_depth: bool = False
 
+    @spelled()
     def __init__(
         self, finger: int, indenter: Indenter, path: ArrayLike, friction: float | None = None, given_depth: bool = False
     ) -> None:
-        given = np.asarray(path, dtype=np.float64)
+        given = path_array(path)
         if given.ndim == 2 and given.shape[1] == 1 + COLUMNS:  # without a twist
             given = np.hstack([given, np.zeros((len(given), 1))])
-        if friction is not None and not friction >= 0:
-            raise InputError(f"friction {friction} of a contact; a number from 0 up wanted")
+        if not isinstance(indenter, Indenter):
+            raise InputError(f"indenter {shown(indenter)} of a contact; an Indenter(shape, ...) wanted")
+        if friction is not None and (not is_number(friction) or not friction >= 0):
+            raise InputError(f"friction {shown(friction)} of a contact; a number from 0 up wanted")
         for name, value in (("finger", finger), ("indenter", indenter), ("friction", friction)):
             object.__setattr__(self, name, value)
         object.__setattr__(self, "given_depth", given_depth)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.support import Flags, Floats, InputError
+from cnnsim.support.keywords import spelled
 from tactile.core.loads import COLUMNS, FORCE
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.loads import Loads
@@ -25,16 +26,21 @@ def along_path(path: Floats, times: Floats) -> tuple[Floats, Flags]:
     return rows, gone
 
 
+def path_array(path: ArrayLike) -> Floats:
+    """Return a path as an array of floats, an empty one of what cannot be one."""
+    try:
+        return np.asarray(path, dtype=np.float64)
+    except (TypeError, ValueError):
+        return np.empty(0)
+
+
 def checked_path(path: ArrayLike, columns: int, what: str) -> Floats:
     """Return a path as an array of rows, the first column of which is a growing time.
 
     Raises:
         InputError: no rows, rows of another length, numbers that are not finite, times that do not grow.
     """
-    try:
-        rows = np.asarray(path, dtype=np.float64)
-    except (TypeError, ValueError):
-        rows = np.empty(0)
+    rows = path_array(path)
     if rows.ndim != 2 or not len(rows) or rows.shape[1] != columns or not np.isfinite(rows).all():
         raise InputError(f"path of a {what} of shape {rows.shape}; (keyframes, {columns}) finite numbers wanted")
     if (np.diff(rows[:, 0]) <= 0).any():
@@ -61,6 +67,7 @@ class MovingLoad:
     finger: int
     path: Floats
 
+    @spelled()
     def __init__(self, finger: int, path: ArrayLike) -> None:
         object.__setattr__(self, "finger", finger)
         object.__setattr__(self, "path", checked_path(path, 1 + COLUMNS, "load"))

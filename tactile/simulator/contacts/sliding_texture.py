@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from cnnsim.support import Floats, InputError
+from cnnsim.support.keywords import spelled_class
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.loads import Loads
 from tactile.simulator.contacts.materials import Material
@@ -16,6 +17,7 @@ FINEST = 24
 MOST_STEPS = 5_000_000
 
 
+@spelled_class
 @dataclass(frozen=True)
 class SlidingTexture:
     """An object drawn along a straight line over one point of the cover.

@@ -35,6 +35,7 @@ from typing import Any, ClassVar, Protocol, cast
 
 from cnnsim.support import InputError
 from cnnsim.support.toml_file import check_keys, take
+from cnnsim.support.values import is_number
 
 MODULES = (
     "needle_vibration",
@@ -121,8 +122,14 @@ def make_effect(name: str, **parameters: Any) -> Effect:
     Raises:
         InputError: no effect or parameter of that name, or a value out of range.
     """
+    if not isinstance(name, str):
+        raise InputError(f"effect {name!r}; the name of one wanted, such as 'read_noise'")
     kind = effect_class(name)
     check_keys(parameters, tuple(attribute for attribute, _ in kind.KEYS.values()), f"effect {name}")
+    typical = kind()
+    for key, value in parameters.items():
+        if is_number(getattr(typical, key)) and not is_number(value):
+            raise InputError(f"effect {name}: {key} = {value!r}; a number wanted")
     return kind(**parameters)
 
 

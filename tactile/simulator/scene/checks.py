@@ -1,8 +1,11 @@
 """Checks of what a scene says, as it is made: numbers, arrays, what presses on them, and where it is computed."""
 
+from collections.abc import Iterable
 from typing import Any
 
 from cnnsim.support import InputError
+from cnnsim.support.errors import shown
+from cnnsim.support.values import is_number, is_whole
 from tactile.simulator.taxels import FINEST
 
 WHERE = (("cpu", "float64"), ("opencl", "float64"), ("opencl", "float32"))
@@ -14,8 +17,15 @@ SINGLE = 1e-5
 def check(scene: Any) -> None:  # a `Scene`, which is made by its help
     """Raise the `InputError` that `Scene` names, if one of its fields says what cannot be."""
     for name in ("rate", "duration", "modulus", "full_scale"):
-        if not 0 < getattr(scene, name) < float("inf"):
-            raise InputError(f"scene {scene.title!r}: {name} {getattr(scene, name)}, a positive number wanted")
+        value = getattr(scene, name)
+        if not is_number(value) or not 0 < value < float("inf"):
+            raise InputError(f"scene {scene.title!r}: {name} {shown(value)}, a positive number wanted")
+    if not isinstance(scene.title, str):
+        raise InputError(f"scene {scene.title!r}: a title that is no text; one wanted")
+    if not is_whole(scene.seed) or scene.seed < 0:
+        raise InputError(f"scene {scene.title!r}: seed {scene.seed!r}, a whole number from 0 wanted")
+    if not is_number(scene.accuracy):
+        raise InputError(f"scene {scene.title!r}: accuracy {scene.accuracy!r}, a number wanted")
     finest = FINEST if scene.dtype == "float64" else SINGLE
     if scene.accuracy != 0 and not finest <= scene.accuracy <= 0.1:
         raise InputError(
@@ -32,9 +42,24 @@ def check(scene: Any) -> None:  # a `Scene`, which is made by its help
         if array.quantity == "force":
             raise InputError(f"scene {scene.title!r}: array {array.name!r} of force; strain or stress wanted")
     for contact in (*scene.loads, *scene.contacts):
-        if contact.finger not in range(len(names)):
+        if not is_whole(getattr(contact, "finger", None)) or contact.finger not in range(len(names)):
             raise InputError(f"scene {scene.title!r}: {contact!r}; a finger from 0 to {len(names) - 1} wanted")
     check_effects(scene)
+
+
+def listed(name: str, given: Any, kind: type[Any] | None = None) -> tuple[Any, ...]:
+    """Return what a caller gave as a list.
+
+    Raises:
+        InputError: one thing alone, or something that is not of this kind.
+    """
+    if isinstance(given, str) or not isinstance(given, Iterable):
+        raise InputError(f"{name} {shown(given)}; a list of them wanted: [{type(given).__name__}(...)]")
+    things = tuple(given)
+    for one in things:
+        if kind is not None and not isinstance(one, kind):
+            raise InputError(f"{name} with {shown(one)}; each a {kind.__name__} wanted")
+    return things
 
 
 def check_effects(scene: Any) -> None:

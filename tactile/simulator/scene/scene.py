@@ -13,13 +13,14 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 import numpy as np
 
 from cnnsim.support import Floats
+from cnnsim.support.keywords import spelled
 from tactile.core.frame import Frame, TaxelArray
 from tactile.simulator.batch import Batch
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effect import is_off
 from tactile.simulator.field import ACCURACY, Contact, Field
 from tactile.simulator.ideal_skin import IdealSkin
-from tactile.simulator.scene.checks import check, check_effects
+from tactile.simulator.scene.checks import check, check_effects, listed
 from tactile.simulator.scene.model_range import out_of_range
 from tactile.simulator.summation import DIRECT
 
@@ -39,7 +40,7 @@ class ModelRangeWarning(UserWarning):
 
 def named_effects(effects: Iterable[Any]) -> tuple[tuple[str, Any], ...]:
     """Return effects with their names in the order in which they act; pairs of name and effect are left as they are."""
-    given = list(effects)
+    given = listed("effects", effects)
     if all(isinstance(one, tuple) for one in given):
         return tuple(given)
     from tactile.simulator.effects import ORDER, effect_name  # only where called for
@@ -90,6 +91,7 @@ class Scene:
     backend: Literal["cpu", "opencl"] = "cpu"
     dtype: Literal["float32", "float64"] = "float64"
 
+    @spelled()
     def __init__(
         self, title: str, rate: float, duration: float, modulus: float, arrays: Iterable[TaxelArray],
         loads: Iterable[MovingLoad] = (), contacts: Iterable[Contact] = (),
@@ -99,8 +101,8 @@ class Scene:
     ) -> None:  # fmt: skip
         given = {
             "title": title, "rate": rate, "duration": duration, "modulus": modulus,
-            "arrays": under_covers(arrays, acting := named_effects(effects)),
-            "loads": tuple(loads), "contacts": tuple(contacts), "effects": acting,
+            "arrays": under_covers(listed("arrays", arrays, TaxelArray), acting := named_effects(effects)),
+            "loads": listed("loads", loads), "contacts": listed("contacts", contacts), "effects": acting,
             "full_scale": full_scale, "seed": seed, "bumps": bumps,
             "accuracy": accuracy, "backend": backend, "dtype": dtype,
         }  # fmt: skip

@@ -132,6 +132,34 @@ def test_crossings_of_the_grid_illusion_are_grayer(backend: str) -> None:
     assert y[3:5, 3:5].min() > y[3:5, 6].max() + 0.1
 
 
+@pytest.mark.parametrize("order", [1, -1])
+def test_planes_of_unequal_shape_are_refused_with_both(order: int) -> None:
+    """Nobody noticed until a run, and in a place where the planes were no longer counted."""
+    with pytest.raises(InputError, match=r"plane 0 has shape \([83], [83]\), plane 1 \([83], [83]\); one shape wanted"):
+        Frames([np.zeros((8, 8)), np.zeros((3, 3))][::order], 1.0)
+    with pytest.raises(InputError, match=r"plane 2 has shape .*plane 3"):
+        Frames([0.0, np.zeros((3, 3)), np.zeros((2, 3, 3)), np.zeros((2, 3, 4))], 1.0)
+    assert len(Frames([0.5, np.zeros((3, 3)), np.zeros((2, 3, 3))], 1.0).planes) == 3  # for all cells, for all layers
+
+
+ANY: Any = 5
+
+
+@pytest.mark.parametrize(
+    ("planes", "message"),
+    [
+        (ANY, "a sequence of planes 5; a list of them wanted"),
+        ("abc", "a sequence of planes 'abc'"),
+        ({"a": 1}, "a sequence of planes {'a': 1}"),
+        (Frames([np.zeros((2, 2))], 1.0), "a sequence of planes Frames"),
+        ([[[1], [1, 2]]], r"plane 0 is no rectangular .* entry 0 has shape \(1,\), entry 1 \(2,\)"),
+    ],
+)
+def test_what_is_no_sequence_of_planes(planes: Any, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        Frames(planes, 1.0)
+
+
 def test_a_sequence_says_its_size_and_not_its_numbers() -> None:
     plane = np.zeros((40, 50))
     assert repr(Frames([plane, plane], 0.5)) == "Frames(2 planes of 40 x 50, a new one every 0.5 time constants)"

@@ -99,7 +99,11 @@ def test_what_is_no_grey_level(wrong: Any) -> None:
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [
-        ([["a"]], "holds <U1 values; real numbers or booleans"), ([[1], [1, 2]], "no rectangular array of numbers"),
+        ([["a"]], "holds <U1 values; real numbers or booleans"),
+        ([[1], [1, 2]], r"no rectangular array of numbers: entry 0 has shape \(1,\), entry 1 \(2,\)"),
+        ([np.zeros((8, 8)), np.zeros((3, 3))], r"no rect.* entry 0 has shape \(8, 8\), entry 1 \(3, 3\); one shape"),
+        (None, "is None; an array of numbers wanted"),
+        (cnnsim.Frames([SQUARE], 1.0), r"is Frames\(1 plane .*; an array of numbers wanted: the list of its planes"),
         ([[None]], "holds object values"), ([[1j]], "holds complex128 values"),
         ("scan.png", r"is 'scan.png'; .*cnnsim.read_picture\(path\)"),
         (np.ma.array(np.eye(3), mask=np.eye(3) > 0), "is a masked array; a plain one wanted"),
