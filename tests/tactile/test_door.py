@@ -84,7 +84,7 @@ PATH = [[0.0, 0.0, 0.0, 0.0, 0.0, 1.0]]
     (lambda: DOOR.Scene("s", 100, 1, 2e6, [ARRAY], [3]), "3; a finger from 0 to 0"),
     (lambda: DOOR.Scene("s", 100, 1, 2e6, [ARRAY], DOOR.MovingLoad("a", PATH)), "loads MovingLoad.*; a list of them"),
     (lambda: DOOR.Scene("s", 100, 1, 2e6, [ARRAY], [DOOR.MovingLoad("a", PATH)]), "MovingLoad.*; a finger from 0"),
-    (lambda: DOOR.Scene("s", 100, 1, 2e6, [ARRAY], seed=1.5), "seed 1.5, a whole number"),
+    (lambda: DOOR.Scene("s", 100, 1, 2e6, [ARRAY], seed=1.5), "seed = 1.5, a whole number"),
     (lambda: DOOR.Scene("s", 100, 1, 2e6, [ARRAY], effects=DOOR.make_effect("drift")), "effects Drift.*; a list"),
     (lambda: DOOR.Frame(0, 0.0, 0, [[[1, 2, 3]]], [[True]]), "frame 0: lists of values; arrays"),
 ])  # fmt: skip

@@ -23,7 +23,7 @@ def check(scene: Any) -> None:  # a `Scene`, which is made by its help
     if not isinstance(scene.title, str):
         raise InputError(f"scene {scene.title!r}: a title that is no text; one wanted")
     if not is_whole(scene.seed) or scene.seed < 0:
-        raise InputError(f"scene {scene.title!r}: seed {scene.seed!r}, a whole number from 0 wanted")
+        raise InputError(f"scene {scene.title!r}: seed = {scene.seed!r}, a whole number from 0 up wanted")
     if not is_number(scene.accuracy):
         raise InputError(f"scene {scene.title!r}: accuracy {scene.accuracy!r}, a number wanted")
     finest = FINEST if scene.dtype == "float64" else SINGLE

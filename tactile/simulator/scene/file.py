@@ -131,8 +131,6 @@ def _scene(table: dict[str, Any], where: str, folder: Path) -> tuple[Scene, floa
             raise InputError(
                 f"{where}: [effect]: {', '.join(flat)} on bumps; effects on the flat cover's field left out wanted"
             )
-    if scene.seed < 0:
-        raise InputError(f"{where}: seed = {scene.seed}, a whole number from 0 up wanted")
     if "effects" not in table:
         if "tolerance" in table:
             raise InputError(f"{where}: a tolerance without effects = 'auto'")
