@@ -36,7 +36,7 @@ def divided(duration: Duration, h: float) -> float:
         return h
     check_count(duration, h)
     steps = max(1, ceil(duration / h - 1e-9))
-    return h if abs(steps * h - duration) <= 1e-9 * duration else duration / steps
+    return h if steps > 1 and abs(steps * h - duration) <= 1e-9 * duration else duration / steps
 
 
 def check_step(step: float, longest: float, scheme: Scheme, verdict: str) -> None:

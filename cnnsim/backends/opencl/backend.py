@@ -19,7 +19,6 @@ from cnnsim.backends.base import (
     outside,
     parse_dtype,
 )
-from cnnsim.backends.opencl import pocl
 from cnnsim.backends.opencl.build import boundary_defines
 from cnnsim.backends.opencl.cellwise import text
 from cnnsim.backends.opencl.closed import closed_form
@@ -57,7 +56,6 @@ class OpenCLBackend(BlockBackend):
         self.device, self.chosen_device = choose_device(device), None if device is None else str(device)
         if self.dtype == np.float64 and not has_float64(self.device):
             raise InputError(f"{title(self.device)} has no float64; use float32, or another device")
-        pocl.name_processor(self.device)
         self._family = family
         self._context = device_context(self.device, family or family_of(self.device), self.dtype)
 

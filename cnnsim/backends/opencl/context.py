@@ -16,7 +16,7 @@ import pyopencl as cl
 from cnnsim.backends.opencl.build import Defines, build, code_defines, define_lines, source
 from cnnsim.backends.opencl.devices import Family, check_not_forked
 from cnnsim.backends.opencl.pages import LEAST, ask_for_large_pages, works_in_memory
-from cnnsim.backends.opencl.pocl import has_wide_vectors
+from cnnsim.backends.opencl.pocl import has_wide_vectors, name_processor
 from cnnsim.backends.slices import pieces
 
 Buffer = cl.Buffer
@@ -214,6 +214,7 @@ class DeviceContext:
 @cache
 def _context_and_queues(device: cl.Device) -> tuple[cl.Context, cl.CommandQueue, cl.CommandQueue]:
     """Return one context and queue a device, so that planes may go between backends, and a queue without kernels."""
+    name_processor(device)
     context = cl.Context([device])
     return context, cl.CommandQueue(context), cl.CommandQueue(context)
 

@@ -102,6 +102,22 @@ def test_pocl_is_told_a_processor_only_when_asked_to(monkeypatch: pytest.MonkeyP
     assert name.value in (b"skx", b"haswell", b"x86-64")
 
 
+def test_pocl_is_told_before_any_context_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The simulator's sums ask for a context, and for no backend."""
+    from cnnsim.backends.opencl import context
+
+    class ToldError(Exception):
+        pass
+
+    def told(_: object) -> None:
+        raise ToldError
+
+    monkeypatch.setattr(context, "name_processor", told)
+    monkeypatch.setattr(cl, "Context", lambda _: pytest.fail("it was made before"))
+    with pytest.raises(ToldError):
+        context._context_and_queues.__wrapped__(OpenCLBackend().device)
+
+
 def test_what_pocl_needs_is_said_where_nothing_builds(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pocl, "remark", lambda device: "set IT=auto")
     backend = OpenCLBackend()
