@@ -61,6 +61,7 @@ class Collected:
         self.notes: list[TareNote] = []
         self.said: list[tuple[float, str, str, dict[str, Any]]] = []
         self.strongest: dict[str, Floats] = {}
+        self._sums: dict[str, float] = {}
         self.dead_bands: dict[str, float] = {}
         self._tares: dict[str, TareCheck] = {}
         self.frames = 0
@@ -70,12 +71,7 @@ class Collected:
     def __call__(self, report: FrameReport) -> None:
         """Take one report."""
         self.frames += 1
-        values = np.where(report.frame.valid[..., None], report.frame.values, 0.0)
-        best = self.strongest.setdefault(report.array.name, values)
-        if abs(values[..., NORMAL].sum()) > abs(best[..., NORMAL].sum()):
-            self.strongest[report.array.name] = values
-        if report.levels is not None and self.strongest[report.array.name] is values:
-            self.dead_bands[report.array.name] = float(np.median(report.levels.off[..., :NORMAL]))
+        self._firmest(report)
         self.take(report.events, report.ended)
         self.notes += report.tares
         self.said += [(report.frame.t, report.array.name, name, dict(out)) for name, out in report.said.items()]
@@ -93,6 +89,16 @@ class Collected:
             report.frame.t, total(report, SHEAR_X), total(report, SHEAR_Y), total(report, NORMAL), *place,
             texture_mean(texture.friction, texture.valid), texture_mean(texture.roughness, texture.valid),
         ))  # fmt: skip
+
+    def _firmest(self, report: FrameReport) -> None:
+        """Keep the frame if it presses most, with NaN where a taxel's reading is not to be used."""
+        name, sum_ = report.array.name, abs(total(report, NORMAL))
+        if not sum_ > self._sums.get(name, -1.0):  # NaN: no reading at all
+            return
+        self._sums[name] = sum_
+        self.strongest[name] = np.where(report.frame.valid[..., None], report.frame.values, np.nan)
+        if report.levels is not None:
+            self.dead_bands[name] = float(np.median(report.levels.off[..., :NORMAL]))
 
     def take(self, begun: Iterable[Event], ended: Iterable[Event]) -> None:
         """Take events that have begun, and such that are over."""

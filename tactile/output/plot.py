@@ -1,6 +1,7 @@
 """Plot of a run, one picture: the events, the normal and shear signals over time, and where the load was."""
 
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,8 @@ from tactile.output.plot_labels import label, mark
 from tactile.output.plot_plane import SURE, draw_plane
 from tactile.thresholds.threshold import CONTACT
 
+TITLE = 100
+"""Characters of a line of the title: what a user wrote may be longer than the picture is wide."""
 LEAST = 0.1
 """Least height of an axis over the largest value: a constant is drawn as one, not as its rounding."""
 LEAST_FORCE = 0.01
@@ -36,7 +39,7 @@ def picture(collected: Collected, arrays: tuple[TaxelArray, ...], title: str) ->
     from matplotlib.figure import Figure  # slow to import
 
     figure = Figure(figsize=(13, 1 + 4.6 * len(arrays)), layout="constrained")
-    figure.suptitle(title, fontsize=14, parse_math=False)
+    figure.suptitle(fill(title, TITLE, max_lines=3, placeholder=" ..."), fontsize=14, parse_math=False)
     labelled = []
     for part, array in zip(figure.subfigures(len(arrays), 1, squeeze=False)[:, 0], arrays, strict=True):
         columns = collected.columns(array.name)
@@ -87,11 +90,11 @@ def _signals(normal: Any, shear: Any, columns: Columns, array: TaxelArray) -> No
         for signal, colour, name in ((along_x, "tab:blue", "x"), (along_y, "tab:orange", "y")):
             _line(shear, t, signal, doubted, colour, name if np.isfinite(signal).any() else f"{name}: not known")
     else:
-        words = "one taxel alone cannot tell shear from place" if located else "nothing felt"
+        words = "one taxel alone cannot tell shear from place" if located else "no reading" if t.size else "no frame"
         shear.text(0.5, 0.5, words, transform=shear.transAxes, ha="center", va="center", backgroundcolor="white")
     if doubted.any():
         normal.plot([], [], ".", color="0.6", label="not sure: ambiguous, or no single point load")
-        normal.legend(loc="lower right", bbox_to_anchor=(1, 0.98), fontsize=8, frameon=False)
+        doubts = normal.legend(loc="lower right", bbox_to_anchor=(1, 0.98), fontsize=8, frameon=False)
     if sheared:
         shear.legend(loc="lower right", bbox_to_anchor=(1, 0.98), ncols=2, fontsize=8, frameon=False)
     for axis, signals, which in ((normal, (pressing,), "normal"), (shear, (along_x, along_y), "shear")):
@@ -100,13 +103,25 @@ def _signals(normal: Any, shear: Any, columns: Columns, array: TaxelArray) -> No
         axis.set_ylabel(f"{which} [{unit}]\n{what}")
     shear.set_xlabel("time [s]")
     normal.tick_params(labelbottom=False)
+    if doubted.any():
+        low, high = normal.get_ylim()
+        beyond = int(((pressing[doubted] < low) | (pressing[doubted] > high)).sum())
+        if beyond:
+            doubts.get_texts()[0].set_text(f"{doubts.get_texts()[0].get_text()}; {beyond} of them beyond the axis")
     if t.size:
         normal.set_xlim(t[0], max(t[-1], t[0] + 1e-3))
+    else:
+        shear.set_xticks([])
 
 
 def _line(axis: Any, t: Floats, signal: Floats, doubted: Any, colour: str, name: str) -> None:
     """Draw a signal, and as pale dots where it is not sure."""
-    axis.plot(t, np.where(doubted, np.nan, signal), color=colour, label=name)
+    sure = np.where(doubted, np.nan, signal)
+    axis.plot(t, sure, color=colour, label=name)
+    gaps = np.concatenate([[True], ~np.isfinite(sure), [True]])
+    alone = ~gaps[1:-1] & gaps[:-2] & gaps[2:]
+    if alone.any():  # a line needs two
+        axis.plot(t[alone], sure[alone], ".", color=colour, markersize=5, clip_on=False)
     if doubted.any():
         axis.plot(t[doubted], signal[doubted], ".", color=colour, alpha=0.25, markersize=3, markeredgewidth=0)
 

@@ -30,8 +30,10 @@ def draw_plane(
     places = array.positions() * 1e3
     _frame(axis, places, array)
     _taxels(axis, array)
-    if array.quantity == "force":
-        words = "nothing pressed" if strongest is None else _forces(axis, array, places, strongest, dead_band)
+    if strongest is None:
+        words = "no frame" if not columns.t.size else "no frame with a reading to be used"
+    elif array.quantity == "force":
+        words = _forces(axis, array, places, strongest, dead_band)
     else:
         words = _track(axis, columns, others)
     axis.set_title(f"{array.rows} x {array.cols} taxels seen from outside\n{words}", loc="left", fontsize=9)
@@ -75,7 +77,8 @@ def _track(axis: Any, columns: Columns, others: Floats) -> str:
         axis.scatter(
             columns.x[doubted] * 1e3, columns.y[doubted] * 1e3, marker="x", s=10, color="0.7", linewidth=0.6, zorder=1
         )
-        words.append(f"crosses: not sure, {doubted.sum()} frames")
+        beyond = _beyond(axis, columns.x[doubted] * 1e3, columns.y[doubted] * 1e3)
+        words.append(f"crosses: not sure, {doubted.sum()} frames{f', {beyond} beyond the edge' if beyond else ''}")
     if sure.any():
         strongest = (column[sure] for column in (columns.t, columns.x, columns.y, columns.F))
         several = np.isin(others[:, 0], columns.t[sure])
@@ -83,31 +86,38 @@ def _track(axis: Any, columns: Columns, others: Floats) -> str:
         press = np.where(np.isfinite(force), np.abs(force), 0.0)
         most = max(float(press.max()), 1e-12)
         dots = axis.scatter(x * 1e3, y * 1e3, c=t, s=6 + 60 * press / most, cmap="viridis", linewidth=0, zorder=2)
-        axis.figure.colorbar(dots, ax=axis, label="time [s]", shrink=0.6, format="%g")
+        bar = axis.figure.colorbar(dots, ax=axis, label="time [s]", shrink=0.6, format="%g")
+        if np.ptp(t) == 0:  # else the scale says times in which nothing was located
+            bar.set_ticks([t[0]])
         words.insert(0, f"located load, largest dot {most:.2g} N")
         if several.any():
             words.append(f"several at once in {len(np.unique(others[several, 0]))} frames")
-        (left, right), (low, high) = axis.get_xlim(), sorted(axis.get_ylim())
-        beyond = int(((x * 1e3 < left) | (x * 1e3 > right) | (y * 1e3 < low) | (y * 1e3 > high)).sum())
+        beyond = _beyond(axis, x * 1e3, y * 1e3)
         words += [f"{beyond} dot{'s' * (beyond != 1)} beyond the edge"] if beyond else []
     return "\n".join(words) or "no load located"
+
+
+def _beyond(axis: Any, x: Floats, y: Floats) -> int:
+    """Return how many places [mm] lie outside of the axis."""
+    (left, right), (low, high) = axis.get_xlim(), sorted(axis.get_ylim())
+    return int(((x < left) | (x > right) | (y < low) | (y > high)).sum())
 
 
 def _forces(axis: Any, array: TaxelArray, places: Floats, values: Floats, dead_band: float | None) -> str:
     """Draw the normal forces as grey levels and the shear forces as arrows, each with its scale."""
     pitch, dead_band = array.pitch * 1e3, dead_band or SHEAR["force"].dead_band
     press = values[..., NORMAL]
-    most = max(float(np.abs(press).max()), dead_band)
+    most = max(float(np.nanmax(np.abs(press))), dead_band)
     corner = places[0, 0] - pitch / 2
     edges = corner[0], corner[0] + array.cols * pitch, corner[1] + array.rows * pitch, corner[1]
-    pulls = press.min() < -dead_band
+    pulls = np.nanmin(press) < -dead_band
     shades: dict[str, Any] = {"cmap": "RdGy", "vmin": -most, "vmax": most} if pulls else {"cmap": "Greys", "vmin": 0}
     image = axis.imshow(press, extent=edges, **({"vmax": 1.6 * most} | shades), zorder=0, interpolation="nearest")
     axis.figure.colorbar(image, ax=axis, label="normal [N]", shrink=0.6)
     block = -(-max(array.shape) // ARROWS)
     at, shear = _blocks(places, block), _blocks(values[..., :NORMAL], block)
     length = np.hypot(*np.moveaxis(shear, -1, 0))
-    largest = float(length.max())
+    largest = float(np.nanmax(length))
     key = _round_number(max(largest, dead_band))
     scale = key / (REACH * pitch * block) * max(1.0, largest / key)
     arrows = axis.quiver(
@@ -119,17 +129,25 @@ def _forces(axis: Any, array: TaxelArray, places: Floats, values: Floats, dead_b
     axis.quiverkey(arrows, start, 1.03, key, f"shear {key:g} N", labelpos="W", coordinates="axes", color="tab:blue")
     what = f"arrows: means of {block} x {block} taxels" if block > 1 else "arrows: shear of each taxel"
     small = ", below the dead band" if largest < dead_band else ""
-    return f"firmest moment, {press.sum():.3g} N\n{what}\nat most {largest:.2g} N{small}\n"
+    unknown = places[np.isnan(press)]
+    if len(unknown):
+        axis.plot(*unknown.T, "x", color="0.6", markersize=4)
+        what += f"\ncrosses: no reading, {len(unknown)} taxel{'s' * (len(unknown) > 1)}"
+    return f"firmest moment, {np.nansum(press):.3g} N\n{what}\nat most {largest:.2g} N{small}\n"
 
 
 def _blocks(plane: Floats, block: int) -> Floats:
-    """Return the means (rows, cols, 2) of blocks of so many taxels, at the edge of as many as there are."""
+    """Return the means (rows, cols, 2) of blocks of so many taxels, as far as they are known; NaN where none is."""
     if block == 1:
         return plane
-    rows, cols = (np.arange(0, size, block) for size in plane.shape[:2])
-    total = np.add.reduceat(np.add.reduceat(plane, rows, axis=0), cols, axis=1)
-    count = np.outer(np.diff([*rows, plane.shape[0]]), np.diff([*cols, plane.shape[1]]))
-    return total / count[..., None]
+
+    def total(values: Floats) -> Floats:
+        rows, cols = (np.arange(0, size, block) for size in plane.shape[:2])
+        sums: Floats = np.add.reduceat(np.add.reduceat(values, rows, axis=0), cols, axis=1)
+        return sums
+
+    count = total(np.isfinite(plane).astype(float))
+    return total(np.nan_to_num(plane)) / np.where(count, count, np.nan)
 
 
 def _round_number(value: float) -> float:

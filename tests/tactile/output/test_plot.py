@@ -16,6 +16,7 @@ from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 from tactile.output.collected import Collected
 from tactile.output.plot import draw, picture
+from tactile.output.plot_plane import _blocks
 from tactile.output.record import Record
 from tactile.pipeline import run
 from tactile.settings import Settings
@@ -127,6 +128,62 @@ def test_loads_that_are_not_sure_are_told_apart() -> None:
     assert np.isnan(normal.lines[0].get_ydata()[:30]).all()
     assert normal.lines[1].get_ydata().size == 30
     assert Load().validity is Validity.NO_LOAD
+
+
+def test_what_is_not_known_is_not_drawn_as_zero() -> None:
+    """A taxel without a reading had no force and no shear; a recording without readings had a firmest moment."""
+    source = pressed(3, 1.0, 0.3)
+    valid = np.ones((3, 3), bool)
+    valid[0, 0] = False
+    frames = [Frame(0, one.t, one.sequence, one.values, valid) for one in source]
+    figure, _ = drawn(FrameStream("pad", source.arrays, None, len(frames), frames))
+    plane = axis(figure, "y [mm]")
+    assert "crosses: no reading, 1 taxel" in plane.get_title(loc="left")
+    assert np.isnan(plane.images[0].get_array().filled(np.nan)[0, 0])
+    assert quiver(plane).Umask.sum() == 1
+    blind = [Frame(0, one.t, one.sequence, one.values, valid & False) for one in source]
+    for given, words in ((blind, "no frame with a reading"), ([], "no frame")):
+        figure, collected = drawn(FrameStream("pad", source.arrays, None, len(given), list(given)))
+        assert collected.strongest == {}
+        assert words in axis(figure, "y [mm]").get_title(loc="left")
+        assert not axis(figure, "y [mm]").images
+        assert words.startswith(axis(figure, "shear").texts[0].get_text()[:2])
+    assert not axis(figure, "shear").get_xticks().size
+
+
+def test_means_of_blocks_leave_out_what_is_not_known() -> None:
+    plane = np.ones((4, 4, 2))
+    plane[0, 0], plane[2:, 2:] = np.nan, np.nan
+    assert _blocks(plane, 2)[..., 0].tolist() == [[1.0, 1.0], [1.0, pytest.approx(np.nan, nan_ok=True)]]
+
+
+def test_one_frame_alone_can_be_seen() -> None:
+    figure, _ = drawn(pressed(3, frames=1))
+    dots = [line for line in axis(figure, "normal [N]").lines if line.get_marker() == "."]
+    assert [line.get_ydata().tolist() for line in dots] == [[0.5]]
+
+
+def test_a_long_title_stays_in_the_picture() -> None:
+    source = pressed(2)
+    figure = picture(Collected(), source.arrays, "a long title of somebody " * 20)
+    box = figure._suptitle.get_window_extent()
+    assert box.x0 >= 0
+    assert box.x1 <= figure.bbox.width
+    assert figure._suptitle.get_text().endswith(" ...")
+
+
+def test_doubted_loads_beyond_the_axes_are_counted() -> None:
+    source = open_source(SCENES / "needle.toml")
+    _, collected = drawn(source)
+    far = [
+        (*row[:4], 1.0, 1.0, 0.0, 0.0, 1e6, float(Validity.AMBIGUOUS), *row[10:]) if n < 7 else row
+        for n, row in enumerate(collected._rows["chip"])
+    ]
+    collected._rows["chip"] = far
+    figure = picture(collected, source.arrays, "t")
+    assert "crosses: not sure, 7 frames, 7 beyond the edge" in axis(figure, "y [mm]").get_title(loc="left")
+    (words,) = axis(figure, "normal").get_legend().get_texts()
+    assert words.get_text().endswith("; 7 of them beyond the axis")
 
 
 def test_nothing_at_all_can_be_drawn(tmp_path: Path) -> None:
