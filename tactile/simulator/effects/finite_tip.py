@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -21,6 +22,8 @@ class FiniteTip:
     """
 
     radius: float = parameter(50e-6, key="radius_um", unit=1e-6, none=0.0)
+
+    smooths: ClassVar[bool] = True
 
     def most(self, slopes: Slopes) -> float:
         """Bound of the change under the widest contact: Hertz' at most, whatever nu, and no wider than the tip."""

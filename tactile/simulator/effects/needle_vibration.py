@@ -43,8 +43,13 @@ class NeedleVibration:
         A displacement is R deviations long at most, R of a normal vector in space. Of that a share c goes across and s
         upwards, c^2 + s^2 = 1, and as both changes A and B are convex the two together do at most c A(R) + s B(R).
         """
-        most = longest(frames)
-        return math.hypot(slopes.across(most * self.lateral), raised(field, most * self.vertical, self.tip_radius))
+        return math.hypot(
+            slopes.across(longest(frames) * self.lateral), raised(field, self.rises(frames), self.tip_radius)
+        )
+
+    def rises(self, frames: int) -> float:
+        """Bound of how far [m] it raises or lowers contacts in so many frames."""
+        return longest(frames) * self.vertical
 
 
 def _moved(moves: Floats, _places: Floats) -> tuple[Floats, Floats]:

@@ -48,4 +48,8 @@ class SurfaceWaviness:
 
     def strays(self, field: Field, slopes: Slopes, frames: int) -> float:
         """Bound of the change on hills as high as there are under so many frames, for the frames of a field."""
-        return raised(field, self.rms * min(sigmas(frames), math.sqrt(2 * WAVES)), self.tip_radius)
+        return raised(field, self.rises(frames), self.tip_radius)
+
+    def rises(self, frames: int) -> float:
+        """Bound of how far [m] it raises or lowers contacts in so many frames."""
+        return self.rms * min(sigmas(frames), math.sqrt(2 * WAVES))

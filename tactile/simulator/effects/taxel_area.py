@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -21,6 +22,8 @@ class TaxelArea:
     """
 
     width: float = parameter(300e-6, key="width_um", unit=1e-6, none=0.0)
+
+    smooths: ClassVar[bool] = True
 
     def most(self, slopes: Slopes) -> float:
         """Bound of the change."""

@@ -1,7 +1,7 @@
 """Automatic choice of effects by size: ``effects = "auto"`` keeps what matters in a scene and says what it left out."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import Any
 
@@ -104,8 +104,11 @@ def _sink_little(scene: Scene, effects: dict[str, Effect]) -> bool:
     rig = Rig(work=sticks.work if sticks else 0.0, curvature=1 / dome.radius if dome else 0.0)
     cover: Any = acting.get("finite_thickness")
     thickness = [cover.thickness or 2 * array.depth if cover else np.inf for array in scene.arrays]
+    bulk: Any = acting.get("poisson_ratio")
+    media = [scene.skin.medium(finger) for finger in range(len(scene.arrays))]
+    media = [replace(one, nu=bulk.nu) for one in media] if bulk else media  # the softer for it
     return all(
-        sinks_in(one, scene.skin.medium(one.finger), deep := thickness[one.finger], rig) < 0.9 * min(deep, _tip(one))
+        sinks_in(one, media[one.finger], deep := thickness[one.finger], rig) < 0.9 * min(deep, _tip(one))
         for one in scene.contacts
     )
 

@@ -1,7 +1,7 @@
 """Bounds of what effects change in a scene, each with the others on: by arithmetic, and by a trial on a few frames."""
 
 import math
-from collections.abc import Container, Iterable
+from collections.abc import Callable, Container, Iterable
 from copy import copy
 from dataclasses import replace
 from functools import cached_property, partial, reduce
@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.support import Floats
+from cnnsim.support import Floats, InputError
 from tactile.simulator.effect import is_off
 from tactile.simulator.field import Field
-from tactile.simulator.scene.extremes import FOREMOST, PEAKS, SPREAD, Extremes, extremes
+from tactile.simulator.scene.extremes import FOREMOST, Extremes, extremes
 from tactile.simulator.scene.finger_bounds import SAFE, FingerBounds, LeftOut, largest
 from tactile.simulator.scene.forces import highest_reading, unseen
 from tactile.simulator.scene.scene import NOTHING, Scene
+from tactile.simulator.scene.shaking import Shaking, rises
 from tactile.simulator.scene.trials import Trial, pays, pays_behind
 from tactile.simulator.seen import RARE, Seen
 
@@ -70,7 +71,8 @@ class EffectBounds:
 
     @cached_property
     def _trials(self) -> list[Trial]:
-        return [Trial(ideal, partial(self.field, finger), self.acted) for finger, ideal in enumerate(self._ideal)]
+        high = rises(self.on_fields, self._on, self._scene.samples)
+        return [Trial(ideal, partial(self.field, finger), self.acted, high) for finger, ideal in enumerate(self._ideal)]
 
     def field(self, finger: int, times: Floats) -> Field:
         """The ideal field of a finger for a trial."""
@@ -157,30 +159,40 @@ class EffectBounds:
         return now
 
     def _bound(self, trial: Trial, ideal: Extremes) -> FingerBounds:
-        found, shaken, most = FingerBounds(), 0.0, 0.0
+        found, most, grown = FingerBounds(), 0.0, 0.0
         unsure = not self._tolerance or self._forces_change(ideal)
         for name, effect in self.on_fields:
             if effect.RANDOM:
-                reach = _asked(effect, "strays", np.inf, trial.shaken, ideal.slopes, ideal.seen.frames)
-                found.reach[name] = reach
-                shaken = math.hypot(shaken, reach if name in self._on else 0.0)
                 continue
             found.reach[name] = bound = np.inf if unsure else _asked(effect, "most", np.inf, ideal.slopes)
-            most += bound if name in self._on else 0.0
+            if name in self._on:
+                most += bound
+                grown += 0.0 if getattr(effect, "smooths", False) else bound
             if SMALL < bound / (self._tolerance * self.peak or 1.0) < LARGE or not math.isfinite(bound):
                 self._try(name, effect, found, trial)
         if found.terms:
             found.whole = trial.every[1].values
+        fixed, shaken = list(found.reach), self._shaken(found, trial, ideal, grown)
+        for name in fixed:  # what they do grows with what presses
+            found.reach[name] *= 1 + shaken / (ideal.seen.largest or 1.0)
         seen = ideal.seen
         too_loose = most > FAR * seen.largest and (
             self._reused or pays_behind(len(self._on_frames), seen, trial.shaken, FOREMOST)
         )
         if found.terms or too_loose:
-            seen = _behind(seen, (trial.every if found.terms else trial.few)[1])
+            seen = _behind(seen, trial.still if found.terms else trial.first)
         else:
             seen = seen.after(min(most, BEYOND * seen.largest), False)
-        self._bound_frames(found, seen.after(shaken, True))
+        self._bound_frames(found, seen.after(min(shaken, BEYOND * seen.largest), True))
         return found
+
+    def _shaken(self, found: FingerBounds, trial: Trial, ideal: Extremes, grown: float) -> float:
+        """Bound what random effects on fields change, and return what those that are on do together."""
+        known = bool(found.terms) or self._reused or not self._tolerance
+        small = any(reach <= self._tolerance * self.peak for reach in found.reach.values())
+        bounds = Shaking(self.on_fields, self._on, trial, ideal).bounds(known, grown, small)
+        found.reach.update(bounds)
+        return math.hypot(*(reach for name, reach in bounds.items() if name in self._on))
 
     def _forces_change(self, ideal: Extremes) -> bool:
         """Whether bodies press otherwise with the effects on than on the ideal skin, from whose slopes bounds follow.
@@ -229,15 +241,25 @@ class EffectBounds:
         """
         if self._tolerance:
             if not self._reused and not pays(
-                effect, trial.shaken, self._scene.samples, PEAKS + SPREAD, len(found.terms) + 1, self._layered
+                effect, trial.shaken, self._scene.samples, trial.frames, len(found.terms) + 1, self._layered
             ):
                 return
-            change = largest(self._change(name, effect, *trial.few))
-            if change > SURE * self._tolerance * self.peak:
-                found.reach[name] = change * SAFE
+            first = self._tried(name, effect, lambda: trial.few)
+            most = math.inf if first is None else largest(first)
+            if most > SURE * self._tolerance * self.peak:
+                found.reach[name] = most * SAFE
                 return
-        found.terms[name] = self._change(name, effect, *trial.every)
-        del found.reach[name]
+        change = self._tried(name, effect, lambda: trial.every)
+        if change is not None:
+            found.terms[name] = change
+            del found.reach[name]
+
+    def _tried(self, name: str, effect: Any, fields: Callable[[], tuple[Field, Field]]) -> Floats | None:
+        """What an effect changes in a trial, None where contacts that are raised so far go through the cover."""
+        try:
+            return self._change(name, effect, *fields())
+        except InputError:
+            return None
 
     def _change(self, name: str, effect: Any, given: Field, full: Field) -> Floats:
         if name in self._on:

@@ -13,6 +13,7 @@ from tactile.simulator.contacts.indenter import LAWS
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.contacts.rig import STILL, Rig
+from tactile.simulator.contacts.sticking import REACH
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.seen import Seen
 from tactile.simulator.slopes import VALUE
@@ -21,8 +22,10 @@ WIDEST = 10.0
 """Thicknesses up to which the radius of a body that does not go through a layer keeps its contact within the tables."""
 
 
-STUCK = 3.0
-"""Times the force of what sticks up to which its table may reach: half more, and radii a quarter wider."""
+WIDER = 2.0
+"""By what the force grows when a contact is a quarter wider, as the table of what sticks may be: 1.25 cubed."""
+NEARLY = 0.7
+"""Contact over tip radius up to which that holds of a round tip."""
 
 
 def highest_reading(scene: Scene) -> float:
@@ -63,7 +66,8 @@ def sinks_in(contact: Any, medium: Medium, thickness: float, rig: Rig = STILL) -
     lam R, delta = lam (s + lam) / (1 + lam^2) R, which grows with lam; lam is at most that of Hertz, (3 s / 4)^(1/3).
     What sticks sinks in as under the force of Johnson, Kendall and Roberts, with what its table and a layer may add.
 
-    Arguments: ``medium``: the half-space; ``thickness`` [m] of the layer; ``rig``: what sticks, and how curved it is.
+    Arguments: ``medium``: the half-space, of the layer's own Poisson's ratio; ``thickness`` [m] of the layer; ``rig``:
+    what sticks, and how curved it is.
     """
     if isinstance(contact, HeightMap):
         return math.inf
@@ -73,12 +77,16 @@ def sinks_in(contact: Any, medium: Medium, thickness: float, rig: Rig = STILL) -
     if body.shape not in LAWS or contact.indenter.radius > WIDEST * thickness:
         return math.inf
     if contact.given_depth:
-        return math.inf if rig.work > 0 else push
+        if rig.work == 0:
+            return push
+        push = float(body.force_at(np.array([push]), medium)[0])  # a layer is stiffer, and yields less to more force
     if rig.work > 0:
-        held = 3 * math.pi * rig.work * contact.indenter.radius
-        push = STUCK * (push + 4 * held + 2 * math.sqrt(2 * held * push + held * held))
+        held, push = 3 * math.pi * rig.work * body.radius, REACH * max(push, rig.work * body.radius)
+        if body.shape != "flat_punch":
+            push = WIDER * (push + held + math.sqrt(2 * held * push + held * held))
     if body.shape != "needle":
         return float(body.indentation(np.array([push]), medium)[0])
     s = push / (medium.contact_modulus * body.radius**2)
     lam = min((0.75 * s) ** (1 / 3), 1.0)
-    return float(body.radius * lam * (s + lam) / (1 + lam * lam))
+    deep = float(body.radius * lam * (s + lam) / (1 + lam * lam))
+    return math.inf if rig.work > 0 and lam > NEARLY else deep  # its table goes on to where its sides are steep

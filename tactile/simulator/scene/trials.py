@@ -1,8 +1,8 @@
 """Trials of effects on a few frames of a scene: whether one pays, by what it costs and what leaving out may save."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from cnnsim.support import Floats
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.field import Field
-from tactile.simulator.scene.extremes import Extremes
+from tactile.simulator.scene.extremes import PEAKS, SPREAD, Extremes
 from tactile.simulator.seen import Seen
 
 CHANCE = 0.5
@@ -37,10 +37,23 @@ class Trial:
     """The fields of a finger without effects and with all that are fixed, computed when they are asked for.
 
     ``ideal``: which frames tell most; ``field`` (times) -> the field without effects, ``acted`` (field) -> with them.
+    ``rises``: by how much [m] random effects raise the surface under contacts at most, with the tip radius of each:
+    fixed ones that make contacts stiffer are tried at rest, raised and lowered.
     """
 
-    def __init__(self, ideal: Extremes, field: Callable[[Floats], Field], acted: Callable[[Field], Field]) -> None:
-        self._ideal, self._field, self._acted = ideal, field, acted
+    def __init__(
+        self,
+        ideal: Extremes,
+        field: Callable[[Floats], Field],
+        acted: Callable[[Field], Field],
+        rises: Sequence[tuple[float, float]] = (),
+    ) -> None:
+        self._ideal, self._field, self._acted, self._rises = ideal, field, acted, rises
+
+    @property
+    def frames(self) -> int:
+        """How many frames every trial has."""
+        return (PEAKS + SPREAD) * (3 if self._rises else 1)
 
     @cached_property
     def shaken(self) -> Field:
@@ -57,15 +70,50 @@ class Trial:
         return given
 
     @cached_property
+    def still(self) -> Field:
+        """The field with all, at rest, on the frames that tell most."""
+        return self._acted(self._given)
+
+    @cached_property
+    def pressed(self) -> Field:
+        """What presses with all effects, and the readings without: no table of a layer is made for them."""
+        with_all = self._acted(self._given)
+        with_all.__dict__["values"] = self._given.values
+        return with_all
+
+    @cached_property
     def every(self) -> tuple[Field, Field]:
-        """The fields without and with all, on the frames that tell most."""
-        return self._given, self._acted(self._given)
+        """The fields without and with all, on the frames that tell most, also raised and lowered by what shakes."""
+        if not self._rises:
+            return self._given, self.still
+        given = self._raised(self._given)
+        return given, self._acted(given)
 
     @cached_property
     def few(self) -> tuple[Field, Field]:
         """The same on the first of them."""
-        first = replace(self._given, times=self._ideal.foremost)
-        return first, self._acted(first)
+        given = self._raised(self._first) if self._rises else self._first
+        return given, self._acted(given)
+
+    @cached_property
+    def first(self) -> Field:
+        """The field with all, at rest, on those."""
+        return self._acted(self._first)
+
+    @cached_property
+    def _first(self) -> Field:
+        return replace(self._given, times=self._ideal.foremost)
+
+    def _raised(self, given: Field) -> Field:
+        count, rig = len(given.times), given.rig
+        for rise, tip in self._rises:
+            heights = np.repeat((0.0, rise, -rise), count)
+            rig = rig.with_move(partial(_lifted, heights), tip)
+        return replace(given, times=np.tile(given.times, 3), rig=rig)
+
+
+def _lifted(heights: Floats, places: Floats) -> tuple[Floats, Floats]:
+    return np.zeros_like(places), heights
 
 
 def is_body(contact: Any) -> bool:
@@ -86,8 +134,8 @@ def trial_pays(share: float, frame: float, samples: int, tried: int, trials: int
     Arguments: ``share`` of a frame's time, ``frame`` [s], that is saved over ``samples`` frames. By counts and times
     that hold roughly anywhere: measured ones would choose otherwise each time.
     """
-    cost = 2 * tried + BEGIN / frame
-    return CHANCE * share * samples > cost and trials * cost <= RISK * samples
+    cost = 2 * tried * frame + BEGIN
+    return CHANCE * share * samples * frame > cost and trials * cost <= RISK * samples * frame
 
 
 def pays(effect: Any, field: Field, samples: int, tried: int, trials: int, layered: bool) -> bool:

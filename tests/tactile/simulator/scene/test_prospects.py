@@ -1,12 +1,14 @@
 """Whether choosing effects pays in one run: told by sizes alone, before anything is computed."""
 
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
 import pytest
 
 from tactile.core.frame import TaxelArray
+from tactile.core.loads import F
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
@@ -63,14 +65,29 @@ def test_how_deep_a_body_sinks_in_is_bounded(shape: Any, force: float) -> None:
     assert (1 - 1e-12) * deep <= sinks_in(contact, medium, 1e-3) <= 1.3 * deep
 
 
+@pytest.mark.parametrize("by_depth", (True, False))
 @pytest.mark.parametrize("work", (1e-3, 0.05, 1.0))
-@pytest.mark.parametrize("shape", ("needle", "sphere"))
-def test_how_deep_what_sticks_sinks_in_is_bounded(shape: Any, work: float) -> None:
-    body, medium = Indenter(shape, 2e-4), Medium(2.4e6)
-    for force in (0.0, 1e-4, 0.01):
-        contact = MovingContact(0, body, [(0.0, 0, 0, 0, 0, force)])
-        law = table(body, medium, work, contact.path[:, [0, 6]], False)
-        assert law.indentation[-1] <= sinks_in(contact, medium, 1e-3, Rig(work=work))
+@pytest.mark.parametrize("shape", ("needle", "sphere", "flat_punch"))
+def test_how_deep_what_sticks_sinks_in_is_bounded(shape: Any, work: float, by_depth: bool) -> None:
+    body = Indenter(shape, 2e-4)
+    for push, (nu, thickness) in product(
+        (0.0, 4e-5) if by_depth else (0.0, 1e-4, 0.01), ((0.5, np.inf), (0.5, 3e-4), (0.3, 1e-3), (0.0, 1e-2))
+    ):
+        medium = Medium(2.4e6, nu)
+        contact = MovingContact(0, body, [(0.0, 0, 0, 0, 0, push)], None, by_depth)
+        bound = sinks_in(contact, medium, 1e-3, Rig(work=work))
+        if bound < 0.9 * thickness:
+            law = table(body, replace(medium, thickness=thickness), work, contact.path[:, [0, 1 + F]], by_depth)
+            assert law.indentation[-1] <= bound * (1 + 1e-9)
+
+
+def test_how_deep_what_sticks_goes_is_known_without_its_law(monkeypatch: pytest.MonkeyPatch) -> None:
+    def computed(*_given: Any) -> Any:
+        raise AssertionError
+
+    scene = under_a_ball(depth=True).with_effects((("adhesion", Adhesion(0.05)),))
+    monkeypatch.setattr(Scene, "loads_at", computed)
+    assert not choose(scene, 0.02).tried
 
 
 def test_a_typical_cover_in_which_a_needle_would_be_as_wide_as_itself_has_no_meaning() -> None:

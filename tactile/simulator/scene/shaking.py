@@ -1,0 +1,67 @@
+"""Bounds of what shakes contacts: random effects on fields, beside fixed ones that make contacts stiffer."""
+
+import math
+from collections.abc import Container, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from cnnsim.support import InputError
+from tactile.simulator.field import Field
+from tactile.simulator.scene.extremes import Extremes
+from tactile.simulator.scene.finger_bounds import SAFE
+from tactile.simulator.scene.trials import Trial
+
+
+def rises(on_fields: Sequence[tuple[str, Any]], on: Container[str], frames: int) -> list[tuple[float, float]]:
+    """By how much [m] random effects that are on raise contacts at most, with the tip radius [m] of each."""
+    acting = [effect for name, effect in on_fields if name in on and hasattr(effect, "rises")]
+    return [(rise, effect.tip_radius) for effect in acting if (rise := effect.rises(frames)) > 0]
+
+
+@dataclass(frozen=True)
+class Shaking:
+    """What random ones of the effects ``on_fields`` may change, those named in ``on`` acting, on one finger.
+
+    A contact on a layer is stiffer, and shakes its readings more, than on the half-space; all shakes grow with what
+    fixed effects add to the readings.
+    """
+
+    on_fields: Sequence[tuple[str, Any]]
+    on: Container[str]
+    trial: Trial
+    ideal: Extremes
+
+    def bounds(self, known: bool, grown: float, small: bool) -> dict[str, float]:
+        """The bound of each.
+
+        Arguments: ``known``: the fields with all effects are there for it; ``grown``: what fixed effects add to
+        readings at most, by their own bounds; ``small``: whether one of these could be left out.
+        """
+        random = [one for one in self.on_fields if one[1].RANDOM]
+        pressed, more = (lambda: [self.trial.shaken, self.trial.still]), 1.0
+        if not known:
+            by_law = not self.ideal.slopes.at_points and math.isinf(grown)
+            if by_law and not small:  # nothing is to be gained
+                return {name: math.inf for name, _ in random}
+            pressed = (lambda: [self.trial.pressed]) if by_law else (lambda: [self.trial.shaken])
+            more = SAFE if by_law else 1.0
+            more *= 1 + (self._as_points() if by_law else grown) / (self.ideal.seen.largest or 1.0)
+        return {name: self._strays(effect, pressed) * more for name, effect in random}
+
+    def _strays(self, effect: Any, pressed: Any) -> float:
+        slopes, frames = self.ideal.slopes, self.ideal.seen.frames
+        if not hasattr(effect, "strays"):
+            return math.inf
+        fields: list[Field]
+        try:
+            fields = pressed()
+            return max(float(effect.strays(field, slopes, frames)) for field in fields)
+        except InputError:  # raised so far, a contact goes through the cover
+            return math.inf
+
+    def _as_points(self) -> float:
+        """Bound of what fixed effects that are on add to readings, as if all that presses did so at points."""
+        at_points = replace(self.ideal.slopes, at_points=True)
+        acting = [one for name, one in self.on_fields if name in self.on and not one.RANDOM]
+        acting = [one for one in acting if not getattr(one, "smooths", False)]
+        return sum(float(one.most(at_points)) if hasattr(one, "most") else math.inf for one in acting)
