@@ -45,7 +45,7 @@ __all__ = [
 TYPE_CHECKING = False  # as in typing, which takes longer to import than all that stands here
 if TYPE_CHECKING:  # at run time a name is imported when it is first asked for
     from cnnsim import library, plot
-    from cnnsim.backends.opencl.devices import devices
+    from cnnsim.backends.opencl.device.devices import devices
     from cnnsim.ended import NotSettledError
     from cnnsim.library.catalogue import run
     from cnnsim.network import (
@@ -76,7 +76,7 @@ else:
     from cnnsim.lazy import importer
 
     _MODULES = {
-        "cnnsim.backends.opencl.devices": ("devices",),
+        "cnnsim.backends.opencl.device.devices": ("devices",),
         "cnnsim.ended": ("NotSettledError",),
         "cnnsim.library.catalogue": ("run",),
         "cnnsim.network": (

@@ -5,7 +5,7 @@ from dataclasses import asdict
 import click
 
 from cnnsim import backends
-from cnnsim.backends.opencl.devices import devices as list_devices
+from cnnsim.backends.opencl.device.devices import devices as list_devices
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.echo import echo, hanging
 

@@ -54,7 +54,7 @@ def build(name: str, family: str | None, dtype: Any) -> Backend:
         return backends.get(name, dtype)
     pytest.importorskip("pyopencl", reason="the opencl backend needs pyopencl")
     from cnnsim.backends.opencl.backend import OpenCLBackend
-    from cnnsim.backends.opencl.devices import all_devices, choose_device, has_float64, title
+    from cnnsim.backends.opencl.device.devices import all_devices, choose_device, has_float64, title
 
     if not all_devices():
         pytest.skip("there is no OpenCL device")

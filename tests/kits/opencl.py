@@ -5,7 +5,7 @@ import pytest
 cl = pytest.importorskip("pyopencl", reason="the opencl backend needs pyopencl")
 
 from cnnsim.backends.opencl.backend import OpenCLBackend  # noqa: E402 - only where pyopencl is there
-from cnnsim.backends.opencl.devices import Family, all_devices  # noqa: E402
+from cnnsim.backends.opencl.device.devices import Family, all_devices  # noqa: E402
 
 if not all_devices():
     pytest.skip("there is no OpenCL device", allow_module_level=True)

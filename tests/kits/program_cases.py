@@ -80,7 +80,7 @@ def machine(backend: str) -> UniversalMachine:
     """One machine a backend, without what other tests have kept; skips where there is no OpenCL."""
     if backend == "opencl":
         pytest.importorskip("pyopencl", reason="the opencl backend needs pyopencl")
-        from cnnsim.backends.opencl.devices import all_devices
+        from cnnsim.backends.opencl.device.devices import all_devices
 
         if not all_devices():
             pytest.skip("there is no OpenCL device")

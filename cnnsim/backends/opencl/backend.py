@@ -19,11 +19,11 @@ from cnnsim.backends.base import (
     outside,
     parse_dtype,
 )
-from cnnsim.backends.opencl.build import boundary_defines
 from cnnsim.backends.opencl.cellwise import text
 from cnnsim.backends.opencl.closed import closed_form
-from cnnsim.backends.opencl.context import device_context
-from cnnsim.backends.opencl.devices import Family, choose_device, family_of, has_float64, title
+from cnnsim.backends.opencl.device.build import boundary_defines
+from cnnsim.backends.opencl.device.context import device_context
+from cnnsim.backends.opencl.device.devices import Family, choose_device, family_of, has_float64, title
 from cnnsim.backends.opencl.drive import control
 from cnnsim.backends.opencl.planes import WORD, DevicePlane, LinearPlanes, buffers, launch, new_plane, words_of
 from cnnsim.backends.opencl.settled import CheckedSteps

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cnnsim.backends.opencl.build import Defines
+from cnnsim.backends.opencl.device.build import Defines
 from cnnsim.backends.term_table import Channel, TermTable
 
 

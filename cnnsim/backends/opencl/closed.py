@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from cnnsim.backends.base import Outcome
-from cnnsim.backends.opencl.build import boundary_defines, cell_defines
-from cnnsim.backends.opencl.context import Buffer, DeviceContext
+from cnnsim.backends.opencl.device.build import boundary_defines, cell_defines
+from cnnsim.backends.opencl.device.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.drive import control_taps, with_control_terms
 from cnnsim.backends.opencl.planes import DeviceGrid
 from cnnsim.backends.slices import EXPONENTIALS

@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.backends.opencl.build import boundary_defines
-from cnnsim.backends.opencl.context import Buffer, DeviceContext
+from cnnsim.backends.opencl.device.build import boundary_defines
+from cnnsim.backends.opencl.device.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.planes import DeviceGrid
 from cnnsim.backends.opencl.term_tiles import TermTiles
 from cnnsim.backends.term_table import tabulate

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cnnsim.backends.base import Memory
-from cnnsim.backends.opencl.context import Buffer, DeviceContext
+from cnnsim.backends.opencl.device.context import Buffer, DeviceContext
 from cnnsim.network import Frames
 
 WORD = 64

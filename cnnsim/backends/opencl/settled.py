@@ -7,8 +7,8 @@ import numpy as np
 import pyopencl as cl
 
 from cnnsim.backends.base import Check, Stepper
-from cnnsim.backends.opencl.build import boundary_defines, cell_defines
-from cnnsim.backends.opencl.context import Buffer, DeviceContext
+from cnnsim.backends.opencl.device.build import boundary_defines, cell_defines
+from cnnsim.backends.opencl.device.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.drive import tap_arguments
 from cnnsim.backends.opencl.planes import DeviceGrid, LinearPlanes
 from cnnsim.planning.plan import SETTLED_RATE, Plan

@@ -5,8 +5,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cnnsim.backends.codes import TaskCode, boundary_code
-from cnnsim.backends.opencl.build import Defines, boundary_defines
-from cnnsim.backends.opencl.context import Buffer, DeviceContext
+from cnnsim.backends.opencl.device.build import Defines, boundary_defines
+from cnnsim.backends.opencl.device.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.planes import DeviceGrid
 from cnnsim.backends.opencl.tiles import TILED_BOUNDARIES
 from cnnsim.planning.plan import Plan

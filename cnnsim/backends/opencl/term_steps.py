@@ -8,7 +8,7 @@ import numpy as np
 from cnnsim.backends.base import Check, Stepper
 from cnnsim.backends.codes import TaskCode
 from cnnsim.backends.opencl.channel_text import ChannelSource
-from cnnsim.backends.opencl.context import Buffer, DeviceContext
+from cnnsim.backends.opencl.device.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.planes import DeviceGrid
 from cnnsim.backends.opencl.term_tiles import TermTiles
 from cnnsim.backends.term_table import longest_delay, table_of

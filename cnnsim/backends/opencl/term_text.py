@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from cnnsim.backends.codes import NOTHING, FunctionCode
-from cnnsim.backends.opencl.build import Defines, literal
 from cnnsim.backends.opencl.channel_text import ChannelText
+from cnnsim.backends.opencl.device.build import Defines, literal
 from cnnsim.backends.term_table import Function, TermTable
 
 LONG = 20

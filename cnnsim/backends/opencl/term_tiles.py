@@ -8,7 +8,7 @@ import numpy as np
 
 from cnnsim.backends.codes import TaskCode
 from cnnsim.backends.opencl.channel_text import ChannelSource, ChannelText, channel_defines
-from cnnsim.backends.opencl.context import Buffer, DeviceContext
+from cnnsim.backends.opencl.device.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.planes import DeviceGrid
 from cnnsim.backends.opencl.stage_tiles import StageTiles, TileShape
 from cnnsim.backends.opencl.term_text import term_defines

@@ -6,9 +6,9 @@ import numpy as np
 import pyopencl as cl
 
 from cnnsim.backends.codes import BoundaryCode
-from cnnsim.backends.opencl.build import Defines
-from cnnsim.backends.opencl.context import DeviceContext
-from cnnsim.backends.opencl.devices import family_of
+from cnnsim.backends.opencl.device.build import Defines
+from cnnsim.backends.opencl.device.context import DeviceContext
+from cnnsim.backends.opencl.device.devices import family_of
 from cnnsim.backends.opencl.planes import DeviceGrid
 from cnnsim.backends.slices import PIECE
 from cnnsim.network import reach

@@ -7,8 +7,8 @@ import pyopencl as cl
 
 from cnnsim.backends.base import Stepper
 from cnnsim.backends.codes import TaskCode, boundary_code
-from cnnsim.backends.opencl.build import Defines, cell_defines, literal, tap_defines
-from cnnsim.backends.opencl.context import Buffer, DeviceContext
+from cnnsim.backends.opencl.device.build import Defines, cell_defines, literal, tap_defines
+from cnnsim.backends.opencl.device.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.planes import DeviceGrid, LinearPlanes
 from cnnsim.backends.opencl.settled import CheckedSteps
 from cnnsim.backends.opencl.stage_tiles import StageTiles, TileShape

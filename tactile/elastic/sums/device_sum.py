@@ -13,7 +13,7 @@ from tactile.elastic.halfspace import check_loads, point_scale
 from tactile.elastic.medium import Medium
 
 if TYPE_CHECKING:
-    from cnnsim.backends.opencl.context import DeviceContext
+    from cnnsim.backends.opencl.device.context import DeviceContext
 
 Precision = Literal["float32", "float64"]
 
@@ -27,8 +27,8 @@ class DeviceSum:
 
     def __init__(self, dtype: Precision) -> None:
         try:
-            from cnnsim.backends.opencl.context import device_context  # only where called for
-            from cnnsim.backends.opencl.devices import choose_device, family_of, has_float64, title
+            from cnnsim.backends.opencl.device.context import device_context  # only where called for
+            from cnnsim.backends.opencl.device.devices import choose_device, family_of, has_float64, title
         except ImportError as error:
             from cnnsim.support.extras import install_line
 

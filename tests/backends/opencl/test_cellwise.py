@@ -11,7 +11,7 @@ from tests.kits.opencl import OpenCLBackend
 
 
 def test_an_operation_without_text_and_one_with_wrong_text() -> None:
-    from cnnsim.backends.opencl.build import BuildError
+    from cnnsim.backends.opencl.device.build import BuildError
 
     backend = OpenCLBackend()
     plane = backend.load(np.ones((2, 2)), "lam")

@@ -18,9 +18,9 @@ from cnnsim.operations.cellwise import Cellwise
 cl = pytest.importorskip("pyopencl", reason="the opencl backend needs pyopencl")
 
 from cnnsim.backends.opencl import backend as opencl  # noqa: E402 - only where pyopencl is there
-from cnnsim.backends.opencl import devices as opencl_devices  # noqa: E402
-from cnnsim.backends.opencl import pocl  # noqa: E402
 from cnnsim.backends.opencl.backend import OpenCLBackend  # noqa: E402
+from cnnsim.backends.opencl.device import devices as opencl_devices  # noqa: E402
+from cnnsim.backends.opencl.device import pocl  # noqa: E402
 from cnnsim.backends.opencl.planes import DevicePlane  # noqa: E402
 from cnnsim.support.extras import install_line  # noqa: E402
 
@@ -104,7 +104,7 @@ def test_pocl_is_told_a_processor_only_when_asked_to(monkeypatch: pytest.MonkeyP
 
 def test_pocl_is_told_before_any_context_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
     """The simulator's sums ask for a context, and for no backend."""
-    from cnnsim.backends.opencl import context
+    from cnnsim.backends.opencl.device import context
 
     class ToldError(Exception):
         pass

@@ -3,7 +3,7 @@
 import pytest
 
 from cnnsim import Template, library
-from cnnsim.backends.opencl.devices import choose_device, family_of
+from cnnsim.backends.opencl.device.devices import choose_device, family_of
 from cnnsim.library.catalogue import run_example
 from cnnsim.network import Cell
 from tests.kits.opencl import FAMILIES, Family, OpenCLBackend

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cnnsim import Template, Term
-from cnnsim.backends.opencl.pages import works_in_memory
+from cnnsim.backends.opencl.device.pages import works_in_memory
 from cnnsim.planning.scheme import SCHEMES
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine

@@ -10,7 +10,7 @@ import pytest
 from tests.kits.opencl import cl
 from tests.kits.paths import ROOT
 
-from cnnsim.backends.opencl import pocl_cache  # isort: skip  # skipped where there is no OpenCL
+from cnnsim.backends.opencl.device import pocl_cache  # isort: skip  # skipped where there is no OpenCL
 
 CODE = """
 import numpy as np

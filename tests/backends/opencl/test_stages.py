@@ -8,7 +8,7 @@ import pytest
 from cnnsim import PERIODIC, ZERO_FLUX, LayeredTemplate, Template, Term, fixed
 from cnnsim.backends.opencl import stage_tiles
 from cnnsim.backends.opencl.channel_text import ChannelText
-from cnnsim.backends.opencl.context import DeviceContext
+from cnnsim.backends.opencl.device.context import DeviceContext
 from cnnsim.backends.term_table import table_of
 from cnnsim.task import make_task
 from tests.kits.networks import assert_like_the_reference

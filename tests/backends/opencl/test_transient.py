@@ -83,7 +83,7 @@ def test_steps_stay_together_however_long_they_take(monkeypatch: pytest.MonkeyPa
     for name, value in {"FIRST": 1, "SLICE": 1e-9, "PIECE": 1e6}.items():
         monkeypatch.setattr(slices, name, value)
     from cnnsim.backends.opencl import transient
-    from cnnsim.backends.opencl.context import DeviceContext
+    from cnnsim.backends.opencl.device.context import DeviceContext
 
     asked, counts = list[int](), list[int]()
     steps, waits, launches = transient._TileSteps.advance, DeviceContext.pieces, DeviceContext.enqueue

@@ -13,10 +13,10 @@ from weakref import finalize
 import numpy as np
 import pyopencl as cl
 
-from cnnsim.backends.opencl.build import Defines, build, code_defines, define_lines, source
-from cnnsim.backends.opencl.devices import Family, check_not_forked
-from cnnsim.backends.opencl.pages import LEAST, ask_for_large_pages, works_in_memory
-from cnnsim.backends.opencl.pocl import has_wide_vectors, name_processor
+from cnnsim.backends.opencl.device.build import Defines, build, code_defines, define_lines, source
+from cnnsim.backends.opencl.device.devices import Family, check_not_forked
+from cnnsim.backends.opencl.device.pages import LEAST, ask_for_large_pages, works_in_memory
+from cnnsim.backends.opencl.device.pocl import has_wide_vectors, name_processor
 from cnnsim.backends.slices import pieces
 
 Buffer = cl.Buffer

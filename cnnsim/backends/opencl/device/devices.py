@@ -44,7 +44,7 @@ def devices() -> list[OpenCLDevice]:
         InputError: the environment variable CNNSIM_DEVICE names none of them.
     """
     try:
-        from cnnsim.backends.opencl.pocl import remark
+        from cnnsim.backends.opencl.device.pocl import remark
     except ModuleNotFoundError as error:
         if error.name != "pyopencl":
             raise
@@ -77,7 +77,7 @@ def all_devices() -> list["cl.Device"]:
     """
     import pyopencl as cl
 
-    from cnnsim.backends.opencl.pocl_cache import prepare
+    from cnnsim.backends.opencl.device.pocl_cache import prepare
 
     check_not_forked(_first_asked_by())
     prepare()

@@ -13,7 +13,7 @@ import numpy as np
 import pyopencl as cl
 
 from cnnsim.backends.codes import NOTHING, BoundaryCode, FunctionCode, TaskCode, boundary_code
-from cnnsim.backends.opencl import pocl
+from cnnsim.backends.opencl.device import pocl
 from cnnsim.network import Boundary, Tap, reach
 from cnnsim.planning.plan import Plan
 from cnnsim.support import InputError

@@ -8,7 +8,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from cnnsim.backends.opencl.devices import VARIABLE, all_devices, choose_device, title, type_of
+from cnnsim.backends.opencl.device.devices import VARIABLE, all_devices, choose_device, title, type_of
 from cnnsim.support.compiling.private_folder import first_usable, user_cache
 from cnnsim.support.own_file import lock
 

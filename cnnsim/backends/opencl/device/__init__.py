@@ -1,0 +1,1 @@
+"""The OpenCL device: found, named, its memory and programs, and what PoCL needs."""
