@@ -50,7 +50,7 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON f
         "cnnsim run edge scans/ -o edges.png",
         "cnnsim run edge walk.mp4 -o edges.gif",
         "cnnsim run hole-filler scan.png --mask keep.png -o filled.png",
-        "cnnsim run hole-filler scan.png --engine processes --workers 1 --store blocks/ -o full.png",
+        "cnnsim run hole-filler scan.png --engine processes --store blocks/ -o full.png",
     )
 )
 @click.argument("name")

@@ -1,7 +1,7 @@
 """States and outputs of cells drawn over time."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from cnnsim.plot.figures import COLOURS, given_or_new
 from cnnsim.support import Array
@@ -10,13 +10,18 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+TURNS = ("-", ":", "-.")
+"""Styles of lines: of the first cells of which each has a colour of its own, and of those after them."""
+
+
 def states(t: Array, x: Array, labels: Sequence[str] = (), axes: "Axes | None" = None) -> "Axes":
     """Draw states ``x`` (times, cells) over the times ``t`` [time constants]; the linear piece |x| <= 1 is grey."""
     axes = given_or_new(axes)
     axes.axhspan(-1, 1, color="#eeeeee", zorder=0)
     for cell in range(x.shape[1]):
         label = labels[cell] if labels else None
-        axes.plot(t, x[:, cell], color=COLOURS[cell % len(COLOURS)], linewidth=1.8, label=label)
+        style = TURNS[cell // len(COLOURS) % len(TURNS)]
+        axes.plot(t, x[:, cell], color=COLOURS[cell % len(COLOURS)], linewidth=1.8, linestyle=style, label=label)
     axes.set_xlabel("time [time constants]")
     axes.set_ylabel("state x")
     axes.margins(x=0.01)
@@ -27,7 +32,8 @@ def outputs(t: Array, y: Array, labels: Sequence[str] = (), axes: "Axes | None" 
     """Draw outputs ``y`` (times, cells) over the times ``t`` [time constants]."""
     axes = given_or_new(axes)
     for cell in range(y.shape[1]):
-        style = (0, (4, 1 + cell % 3)) if cell % 2 else "-"  # outputs lie on one another at -1 and +1
+        style: Any = (0, (4, 1 + cell % 3)) if cell % 2 else "-"  # outputs lie on one another at -1 and +1
+        style = TURNS[cell // len(COLOURS) % len(TURNS)] if cell >= len(COLOURS) else style
         label = labels[cell] if labels else None
         axes.plot(t, y[:, cell], color=COLOURS[cell % len(COLOURS)], linewidth=1.8, linestyle=style, label=label)
     axes.set_ylim(-1.15, 1.15)

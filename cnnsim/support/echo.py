@@ -24,6 +24,10 @@ _CONTROL = re.compile(
 )
 
 
+NARROWEST = 40
+"""Columns to which lines are wrapped on any narrower terminal."""
+
+
 def printable(text: object) -> str:
     """Return a text with a question mark in the place of every control character; tabs and line feeds stay."""
     return _CONTROL.sub("?", str(text))
@@ -72,7 +76,7 @@ def tell_process(text: object) -> None:
 
 
 def console(width: int = 150, *, err: bool = False) -> "Console":
-    """Return the console of tables and bars: as wide as the terminal, or ``width`` where the output is no terminal.
+    """Return the console of tables and bars: as wide as the terminal; else as COLUMNS says, or ``width``.
 
     Texts are shown as they are, without control characters; `rich.text.Text` gives them a style.
     """
@@ -83,7 +87,10 @@ def console(width: int = 150, *, err: bool = False) -> "Console":
             return super().render_str(printable(text), **{**options, "markup": False, "emoji": False})
 
     terminal = TextConsole(stderr=err)
-    return terminal if terminal.is_terminal else TextConsole(stderr=err, width=width)
+    if terminal.is_terminal:
+        return terminal
+    said = os.environ.get("COLUMNS", "")
+    return TextConsole(stderr=err, width=max(NARROWEST, int(said)) if said.isdecimal() and int(said) else width)
 
 
 def hanging(head: str, text: str, indent: int) -> str:
@@ -102,7 +109,7 @@ def hanging(head: str, text: str, indent: int) -> str:
 
 
 def _width() -> int:
-    return max(40, min(get_terminal_size().columns, 120))
+    return max(NARROWEST, min(get_terminal_size().columns, 120))
 
 
 def say(line: str, indent: int = 2, *, err: bool = False) -> None:

@@ -53,6 +53,9 @@ def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
 
 def _print_events(screen: "Console", events: list[Event], arrays: tuple[TaxelArray, ...], located: bool) -> None:
     """Print each event in one line, or two where it is narrow; name the codes and latencies that found no room."""
+    if not events:
+        screen.print("no events", highlight=False, markup=False)
+        return
     taxels = [array.rows * array.cols for array in arrays]
     digits = -(-sum(2 * count for count in taxels) // 4)
     wanted = {CODE: max(taxels) <= LEGIBLE, HAND: digits <= LEGIBLE, LOAD: located}

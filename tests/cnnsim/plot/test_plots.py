@@ -2,6 +2,7 @@
 
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -52,6 +53,14 @@ def test_axes_are_made_where_none_are_given() -> None:
     assert isinstance(plot.plane(PICTURE), Axes)
     assert isinstance(ROBUST.plot(), Axes)
     pyplot.close("all")
+
+
+@pytest.mark.parametrize("draw", [plot.states, plot.outputs])
+def test_twenty_cells_look_different(axes: Axes, draw: Any) -> None:
+    """The ninth had the colour and the line of the first."""
+    t, x = np.linspace(0, 1, 5), np.zeros((5, 20))
+    looks = {(line.get_color(), str(line._unscaled_dash_pattern)) for line in draw(t, x, axes=axes).lines}
+    assert len(looks) == 20
 
 
 def test_an_animation_shows_each_time(tmp_path: Path, axes: Axes) -> None:

@@ -85,6 +85,11 @@ def test_a_cell_of_text_is_no_formula_and_a_code_no_number(text: str) -> None:
     assert text_cell("0000", always=True) == "'0000"
 
 
+def test_a_run_without_events_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    tables(Collected(), (TaxelArray("pad", 2, 2, 1e-3, 1e-3),))
+    assert capsys.readouterr().out.splitlines()[0] == "no events"
+
+
 @pytest.mark.parametrize(("width", "most"), [(60, 2), (80, 2), (150, 1)])
 def test_an_event_takes_two_lines_at_most(
     width: int, most: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
