@@ -138,6 +138,10 @@ def _loads(window: Window) -> list[Load]:
     to_q, to_r = top if tie[0] <= 0 else INF, top if tie[2] <= 0 else INF
     units = depth, depth, to_q, to_r, top
     deviation, in_doubt = math.sqrt(fit.variance), found.ambiguous or unsteady(found, left_out=bool(out))
+    if fit.signals.noise is None:
+        from tactile.inverse.least_squares.student_numba import few  # numba is slow to import
+
+        deviation *= few(fit.free)
     loads = []
     for (x, y, q, r, f), spread in zip(fit.loads.tolist(), fit.spread.tolist(), strict=True):
         dx, dy, dq, dr, df = (

@@ -12,6 +12,7 @@ from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.inverse.attempt_numba import one_load
 from tactile.inverse.consensus_numba import strongest
 from tactile.inverse.least_squares.doubt_numba import without_largest
+from tactile.inverse.least_squares.student_numba import few
 from tactile.inverse.taxel_numba import BLOCK, strain_blocks, stress_blocks
 
 NOT_SIMPLE, NOTHING, FOUND = 0, 1, 2
@@ -88,6 +89,8 @@ def one_point(values, at, scale, trust, strain, layer, numbers, noise, of_attemp
             return NOT_SIMPLE
     if not (misfit <= doubtful and doubt * math.sqrt(max(spread[0, 0], spread[0, 1])) <= unsure):
         return NOT_SIMPLE
+    if noise == 0:
+        deviation *= few(free)
     x, y, nearest = loads[0, 0], loads[0, 1], np.inf
     for i in range(len(seen)):
         dx, dy = seen[i, 0] - x, seen[i, 1] - y

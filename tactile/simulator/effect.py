@@ -72,6 +72,11 @@ def is_off(effect: Any) -> bool:
     return bool(effect.off)
 
 
+def sticks(effect: Any) -> bool:
+    """Whether bodies stick with a fixed effect on fields, or it does not say what it does: they press otherwise."""
+    return getattr(effect, "sticks", False) or not hasattr(effect, "most")
+
+
 def within(name: str, value: Any, low: float = 0.0, high: float = math.inf) -> None:
     """Refuse a value outside low .. high, both allowed.
 

@@ -17,6 +17,7 @@ and, so that ``effects = "auto"`` may leave it out,
     reach(seen) -> float             an effect on frames: bound of what it changes, given bounds of the readings
     strays(field, slopes, frames) -> float   a random one on fields: the same, for frames of a field
     rises(frames) -> float           a random one that raises the surface under contacts: how far [m] at most
+    sticks                           a fixed one on fields with which bodies press otherwise, however they are pushed
     smooths                          a fixed one on fields that averages them, and makes no reading larger
     most(slopes) -> float            a fixed one on fields, a bound that needs no trial, whatever the others are, from
                                      how fast readings of the skin without effects change from place to place

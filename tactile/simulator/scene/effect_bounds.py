@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Floats, InputError
-from tactile.simulator.effect import is_off
+from tactile.simulator.effect import is_off, sticks
 from tactile.simulator.field import Field
 from tactile.simulator.scene.extremes import FOREMOST, Extremes, extremes
 from tactile.simulator.scene.finger_bounds import SAFE, FingerBounds, LeftOut, largest
@@ -202,7 +202,7 @@ class EffectBounds:
         if ideal.slopes.at_points:
             return False
         laws = [effect for name, effect in self.on_fields if name in self._on and not effect.RANDOM]
-        if any(not hasattr(effect, "most") for effect in laws):
+        if any(sticks(effect) for effect in laws):
             return True
         deep = any(getattr(contact, "given_depth", False) for contact in self._scene.contacts)
         return deep and any(not math.isfinite(_asked(effect, "most", np.inf, ideal.slopes)) for effect in laws)

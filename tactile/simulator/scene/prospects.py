@@ -11,6 +11,7 @@ from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.indenter import LAWS
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.sliding_texture import SlidingTexture
+from tactile.simulator.effect import sticks
 from tactile.simulator.scene.effect_bounds import LARGE, Named
 from tactile.simulator.scene.extremes import PEAKS, SPREAD
 from tactile.simulator.scene.forces import highest_reading, unseen
@@ -109,15 +110,11 @@ def _saved(scene: Scene, finger: int, fixed: list[Any], tolerance: float, layere
     frame = frame_time(len(mine), seen.taxels, bodies) * min(1.0, sum(shares))
     saved, open_end = 0.0, bodies and math.inf in sizes
     few = bodies and scene.samples < FRAMES  # no trials, and bounds only where bodies press as on the ideal skin
-    if not (few and open_end and (any(getattr(one, "given_depth", False) for one in mine) or _sticks(fixed))):
+    if not (few and open_end and (any(getattr(one, "given_depth", False) for one in mine) or any(map(sticks, fixed)))):
         for size, share in zip(sizes, shares, strict=True):
             tried = scene.samples >= FRAMES and trial_pays(share, frame, scene.samples, PEAKS + SPREAD)
             saved += (size <= (LARGE if tried else 1.0) * tolerance) * share * frame * scene.samples
     return saved, None if few and open_end else seen
-
-
-def _sticks(fixed: list[Any]) -> bool:
-    return any(not hasattr(effect, "most") for effect in fixed)
 
 
 def _hardest(contact: Any, medium: Any) -> float:

@@ -99,6 +99,24 @@ def test_taxels_weigh_by_their_noise() -> None:
     assert np.sqrt(np.mean(np.square(alike))) > 2
 
 
+@pytest.mark.parametrize("stress", [False, True])
+@pytest.mark.parametrize(("shape", "free"), [((1, 2), 2), ((1, 3), 5), ((2, 2), 7)])
+def test_sigma_is_honest_where_few_signals_tell_the_noise(shape: tuple[int, int], free: int, stress: bool) -> None:
+    """Of Student's distribution 68 % lie within the quantile that is told, not within what few residuals are."""
+    random, at, own = np.random.default_rng(9), array(*shape), []
+    told = [0, 1, 2, 4] if shape[0] == 1 else [0, 1, 2, 3, 4]
+    for _ in range(400):
+        wanted = random_load(random, *shape) * [0.5, 1, 0.1, 0.1 * (shape[0] > 1), 0] + [2e-3, 0, 0, 0, 1]
+        signals = felt(at, [wanted], stress)
+        noisy = signals + random.normal(size=signals.shape) * 1e-3 * float(np.abs(signals).max())
+        load = found(at, noisy, stress)
+        if load.validity is Validity.INSIDE:
+            own.append(((np.array(as_row(load)) - wanted) / load.sigma)[told])
+    assert len(own) > 200
+    within = np.mean(np.abs(own) < 1)
+    assert within == pytest.approx(0.683, abs=0.05), free
+
+
 def test_noise_that_is_none_is_refused() -> None:
     at = array(2, 2)
     strain = felt(at, [(4e-3, -2e-3, 0, 0, 1)], False)

@@ -9,6 +9,7 @@ import pytest
 from tactile.core.frame import TaxelArray
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
+from tactile.simulator.effects.adhesion import Adhesion
 from tactile.simulator.effects.finite_thickness import FiniteThickness
 from tactile.simulator.effects.needle_vibration import NeedleVibration
 from tactile.simulator.effects.poisson_ratio import PoissonRatio
@@ -87,3 +88,14 @@ def test_a_contact_that_a_rare_tremor_presses_through_the_cover_is_no_error() ->
     scene = replace(scene, rate=20.0)
     for reused in (False, True):
         assert choose(scene, 0.02, reused).bound <= 0.02
+
+
+def test_what_does_not_stick_is_not_tried_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    def tried(*_given: Any) -> Any:
+        raise AssertionError
+
+    scene = replace(needle(("adhesion", Adhesion(0.05))), rate=3000.0)
+    monkeypatch.setattr(EffectBounds, "_try", tried)
+    choice = choose(scene, 0.05, reused=True)
+    assert "adhesion" in choice.off
+    assert choice.sizes["adhesion"] == 0
