@@ -54,7 +54,13 @@ class CommandGroup(click.Group):
     def main(self, *args: Any, **options: Any) -> Any:
         """Run a command line, whatever its streams can write."""
         take_any_text()
-        return super().main(*args, **options)
+        try:
+            return super().main(*args, **options)
+        except OSError as error:  # the help of the group itself is printed before any command is called
+            with suppress(OSError):
+                echo(f"Error: {_refused(error)}", err=True)
+            drop_unwritten()
+            sys.exit(_Mistake.exit_code)
 
     def make_context(self, *args: Any, **options: Any) -> click.Context:
         """Read the group's own options."""
@@ -109,11 +115,15 @@ class CommandGroup(click.Group):
         except OSError as error:
             if error.errno == EPIPE:  # whoever read our output has gone: click leaves in silence
                 raise
-            raise _Mistake(f"{error.filename or 'the system'}: {error.strerror or error}") from error
+            raise _Mistake(_refused(error)) from error
         except (MemoryError, OverflowError, RecursionError) as error:
             raise _Mistake(f"too large: {str(error) or type(error).__name__}") from error
         finally:
             Notices.tell = told_before
+
+
+def _refused(error: OSError) -> str:
+    return f"{error.filename or 'the system'}: {error.strerror or error}"
 
 
 def _tell(notice: str) -> None:

@@ -33,6 +33,14 @@ def test_stderr_that_is_closed(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
+@pytest.mark.parametrize("command", ["cnnsim --help", "cnnsim --version", "tactile --help", "cnnsim list --help"])
+def test_a_full_disk_under_help(command: str, tmp_path: Path) -> None:
+    found = ends(command, ">/dev/full", tmp_path)
+    assert found.returncode == 2
+    assert found.stderr == "Error: the system: No space left on device\n"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
 def test_a_full_disk_under_json(tmp_path: Path) -> None:
     found = ends("cnnsim list --json", ">/dev/full", tmp_path)
     assert found.returncode == 2
