@@ -104,10 +104,11 @@ class Detector:
         sense = "" if not turns else "clockwise" if turns[0] >= turns[1] else "anticlockwise"
         taxels = out[rule.taxels] if rule.taxels else None
         assert tracker.onset is not None
+        late = self._pool.late(rule.lag_of, tracker.onset)
         return Happening(
             rule,
             turn,
-            max(tracker.onset - max(rule.lag, self._pool.late(rule.lag_of, tracker.onset)), 0.0),
+            max(tracker.onset - (rule.lag if late is None else late), 0.0),
             tracker.end if turn == "ends" else None,
             taxels,
             direction_of((votes[0] - votes[1], votes[2] - votes[3])),

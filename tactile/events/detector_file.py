@@ -38,7 +38,7 @@ class EventRule:
     ``along_load``: that of the whole tangential load; ``sense``: two, clockwise and anticlockwise as seen in the
     picture; it begins once it was on for ``confirm`` [s] and ends once it was off for ``release`` [s]; with ``unless``
     it need not stay on, but that must not come on meanwhile; ``lag`` [s] is what its planes come late by, which is
-    taken off the onset; where it is longer, what the plane ``lag_of`` says that it came late by is. The
+    taken off the onset; where the plane ``lag_of`` knows by how much it came late, that is taken off instead. The
     first of those that are a ``kind_of`` another event of the file begins where that began.
     """
 

@@ -138,12 +138,12 @@ class PlanePool:
         plane = self._logic.get(name)
         return plane is self._black
 
-    def late(self, name: str | None, since: float) -> float:
-        """Return what comes late [s] of that which was on ``since`` then, as one of `LATE` knows; 0 without a name."""
+    def late(self, name: str | None, since: float) -> float | None:
+        """Return what comes late [s] of what was on ``since`` then, as one of `LATE` knows; None if it does not."""
         if name is None or self._moment is None:
-            return 0.0
+            return None
         signals = self._moment.signals
-        return signals.late if name == "yielding" else since - signals.drawn_since(since)
+        return signals.late if name == "yielding" else max(since - signals.drawn_since(since), 0.0)
 
     def is_logic(self, name: str) -> bool:
         """Whether a plane is black and white, and so changes seldom."""

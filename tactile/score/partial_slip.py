@@ -14,8 +14,8 @@ NOISE = (1.1e-3, 1.1e-3, 3.6e-3)
 """[N] White noise of shear and normal, as measured on an idle PapillArray ..."""
 NOISY = 0.05
 """[N] ... and that of its worst pillar, in all components of one taxel."""
-FINE = 8
-"""Points along each side of a taxel at which pressure is summed."""
+FINE = 32
+"""Lines across a taxel along which pressure is integrated: its rim bears little, and all of a pull that begins."""
 SLIDE = 0.3
 """[s] that a contact slides before it is let go."""
 
@@ -91,11 +91,15 @@ class Grasp:
         """Return the part (rows, cols) of a Hertz pressure of this radius [m] on every taxel."""
         if radius < self.array.pitch / FINE:  # a point
             return self._point(middle)
-        x, y = (_fine(self.array, axis) - middle[axis] for axis in (0, 1))
-        inside = np.sqrt(np.maximum(1 - (y[:, None] ** 2 + x[None] ** 2) / radius**2, 0))
         rows, cols = self.array.shape
-        cells = inside.reshape(rows, FINE, cols, FINE).sum(axis=(1, 3)) * (self.array.pitch / FINE) ** 2
-        parts: Floats = cells / (2 / 3 * np.pi * radius**2)
+        x, y = _cuts(self.array, 0, 1) - middle[0], _cuts(self.array, 1, FINE) - middle[1]
+        y = (y[1:] + y[:-1]) / 2
+        half = np.sqrt(np.maximum(radius**2 - y**2, 0))[:, None]  # of the chord of the contact at this y
+        at = np.clip(x, -half, half)
+        # the pressure sqrt(half^2 - x^2) integrated from the middle of the chord
+        area = at * np.sqrt(half**2 - at**2) + half**2 * np.arcsin(at / np.maximum(half, 1e-12 * radius))
+        cells = np.diff(area).reshape(rows, FINE, cols).sum(axis=1) * self.array.pitch / (2 * FINE)
+        parts: Floats = cells / (2 / 3 * np.pi * radius**3)
         return parts
 
     def _point(self, middle: Floats) -> Floats:
@@ -115,9 +119,10 @@ class Grasp:
         return FrameStream(f"grasp {self.seed}", (self.array,), None, len(frames), frames, Provenance(untared=True))
 
 
-def _fine(array: TaxelArray, axis: int) -> Floats:
-    count = (array.cols, array.rows)[axis]
-    return array.origin[axis] + ((np.arange(count * FINE) + 0.5) / FINE - count / 2) * array.pitch
+def _cuts(array: TaxelArray, axis: int, each: int) -> Floats:
+    """Return the edges [m] along an axis of the taxels, or of so many parts of each."""
+    count = (array.cols, array.rows)[axis] * each
+    return array.origin[axis] + (np.arange(count + 1) - count / 2) * array.pitch / each
 
 
 def grasp(seed: int) -> Grasp:

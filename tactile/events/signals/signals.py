@@ -72,9 +72,9 @@ class Signals:
     is unsteady), and ds alone where shear is most of what changes; on from 9 sigma and from 1.6 % of what a taxel
     typically bears, or where the same of all taxels together is on for pressed ones: from 6 sigma, 3 % of F and 30 %
     of what the whole shear changed by of late, where it outruns its own mean.
-    ``share``: a taxel's shear along the whole one over its pressing, over that of the rim (of those above the mean):
-    the same number for all where all slide. 1/4 from 0.9 on, -1/4 from 0.82 down (or 1.5 and 4.5 sigma), of the 3 x 3
-    neighbourhood where sigma is above 0.04, 0 where noise leaves that open, too. ``firmness``: the slow
+    ``share``: a taxel's shear along the whole one over its pressing, over that of the rim (of those above the mean, or
+    of the edge): the same number for all where all slide. 1/4 from 0.9 on, -1/4 from 0.82 down (or 1.5 and 4.5 sigma),
+    of the 3 x 3 neighbourhood where sigma is above 0.04, 0 where noise leaves that open, too. ``firmness``: the slow
     mean of pressing over three times its levels, or the fast one over five times.
 
     Numbers, of the whole normal load F (sum over the taxels), binary scale: ``loaded`` F against its noise; ``rising``
@@ -117,7 +117,7 @@ class Signals:
         self._interval = FAST
         self._drawn, self._quiet = np.zeros(shape), np.zeros((3, *shape))
         self._counts = np.ones(shape, bool)
-        self._taus, self._growth = np.array(TAUS), np.zeros(2 * len(TAUS) + 3)
+        self._taus, self._growth = np.array(TAUS), np.zeros(2 * len(TAUS) + 4)
         self._shares = quantity == "force" and self._counts.size > 1  # where loads are located, a slip is a travel
         self._one = np.zeros((1, 1, 3))
         self._times, self._past, self._next = np.zeros(FRAMES), np.zeros((FRAMES, *shape, 3)), np.zeros(2, np.int64)
@@ -194,13 +194,13 @@ class Signals:
         self.force = float(self._scalars[0])
 
     @property
-    def late(self) -> float:
+    def late(self) -> float | None:
         """What the growth of the pull came late by when it was told [s]: 2.5 tau of the two means that it needed.
 
         After a pull that stops at once its growth, (1 + t/tau) exp(-t/tau) of what it was, is below 0.25 by 2.7 tau;
-        where it yields by and by, which a mean twice as long knows, the means are not late.
+        where it yields by and by, which a longer mean knows, the means are not late. None where no growth is looked at.
         """
-        return float(2.5 * self._growth[-1])
+        return float(2.5 * self._growth[-1]) if self._shares else None
 
     def drawn_since(self, t: float) -> float:
         """Return when what is drawn now began to be [s]; ``t`` where nothing says so."""

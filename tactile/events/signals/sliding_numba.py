@@ -13,6 +13,8 @@ KNOWN = 0.12
 """Largest sigma of a share that is asked for."""
 ALONE = 0.04
 """A share less well known is that of the 3 x 3 taxels around."""
+EDGE_KNOWN, EDGE_SIGMAS = 0.08, 2.0
+"""Largest sigma of the share of the edge, all that bears less than `BORNE`; less so many sigma it may be the rim's."""
 FULL, STUCK, SIGMAS = 0.1, 0.18, 3.0
 """A share is full at less than so much below 1, and sticks at more, or at so many sigma; full at half as many."""
 CERTAIN = 4.5
@@ -34,8 +36,11 @@ YIELDS, GOES_ON = 0.25, 0.4
 
 Where an object is moved evenly the growth falls as the root of the way that is left (Mindlin): less is nearer the slip.
 """
-SOFT, AT_ONCE = 0.35, 0.55
-"""Growth over the fastest one, of a mean twice as long, when the pull yields: after a sudden stop it is 0.61 of it."""
+LONGER, STOPPED = 4.0, 2.7
+"""A mean so many times as long still grows, when the pull yields, by (1 + x) exp(-x) of the fastest growth after a
+sudden stop, x its `STOPPED` means ago over how much longer; ..."""
+SOFT, AT_ONCE = 0.7, 0.95
+"""... by less than this part of that the pull has become slow by and by, by more than that it has stopped at once."""
 FINE, SUDDEN = 0.05, 0.4
 """Where the growth has fallen below that part of the fastest by and by, it is asked of a longer mean, of less noise."""
 
@@ -47,9 +52,9 @@ def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, 
 
     ``sigma`` (rows, cols) of shear from frame to frame, ``noise_q``, ``noise_n`` of shear and normal after the mean;
     ``taus`` (n,) [s] time constants tried, at least the ``interval`` of the frames; ``rising``: the load still rises.
-    ``kept`` (2 n + 3,): the ratio of the whole shear to the whole normal load after one mean and after two of each
-    time constant, its fastest growth of late [1/s], its least of late, and the time constant that was looked at, less
-    where the growth had become slow by and by: then it came less late.
+    ``kept`` (2 n + 4,): the ratio of the whole shear to the whole normal load after one mean and after two of each
+    time constant, its fastest growth of late [1/s], its least of late, its fastest growth in all of the pull, and the
+    time constant that was looked at, less where the growth had become slow by and by: then it came less late.
     """
     rows, cols = use.shape
     most = force = q = r = q_now = r_now = whole = noise = fw = 0.0
@@ -78,21 +83,8 @@ def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, 
         return
     ratio = shear / force
     x, y = q / shear, r / shear
-    above = below = of_rim = 0.0
-    for i in range(rows):
-        for j in range(cols):
-            press = fast[i, j, 2]
-            # one that bears little is part of the rim all the same where it is well known
-            known = ALONE * ratio * press > math.hypot(noise_q[i, j], ratio * noise_n[i, j])
-            if use[i, j] and press > (LIGHT if known else BORNE) * most:
-                along = fast[i, j, 0] * x + fast[i, j, 1] * y
-                if along > ratio * press:
-                    above += along
-                    below += press
-                    of_rim += noise_q[i, j] ** 2 + (ratio * noise_n[i, j]) ** 2
+    rim, of_rim = _rim(fast, use, noise_q, noise_n, x, y, ratio, most)
     bears = 0.0
-    rim = max(above / below, ratio) if below > 0 else ratio
-    of_rim = math.sqrt(of_rim) / (rim * below) if below > 0 else 0.0  # those above are so by noise, too
     for i in range(rows):
         for j in range(cols):
             if not use[i, j] or not fast[i, j, 2] > BORNE * most:
@@ -123,6 +115,40 @@ def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, 
 
 
 @kept_njit(error_model="numpy")
+def _rim(fast, use, noise_q, noise_n, x, y, ratio, most):  # type: ignore[no-untyped-def]
+    """Return the ratio of shear to pressing that the rim of the contact carries, and its sigma over itself.
+
+    It is that of the taxels above the ``ratio`` of all; or, where that is surely more, that of the edge: a contact
+    little wider than two taxels has its core on all that bear much, and there these carry the same below friction.
+    """
+    rows, cols = use.shape
+    above = below = spread = edge = light = doubt = 0.0
+    for i in range(rows):
+        for j in range(cols):
+            press = fast[i, j, 2]
+            if not use[i, j] or not press > LIGHT * most:
+                continue
+            along = fast[i, j, 0] * x + fast[i, j, 1] * y
+            noise = noise_q[i, j] ** 2 + (ratio * noise_n[i, j]) ** 2
+            # one that bears little is part of the rim all the same where it is well known
+            if along > ratio * press and (press > BORNE * most or (ALONE * ratio * press) ** 2 > noise):
+                above += along
+                below += press
+                spread += noise
+            if press < BORNE * most and press > SIGMAS * noise_n[i, j]:
+                edge += along
+                light += press
+                doubt += noise
+    rim = max(above / below, ratio) if below > 0 else ratio
+    spread = math.sqrt(spread) / (rim * below) if below > 0 else 0.0  # those above are so by noise, too
+    if edge > 0:
+        doubt = math.sqrt(doubt) / edge
+        if doubt < EDGE_KNOWN and edge / light * (1 - EDGE_SIGMAS * doubt) > rim:
+            return edge / light * (1 - EDGE_SIGMAS * doubt), doubt
+    return rim, spread
+
+
+@kept_njit(error_model="numpy")
 def _grow(now, noise, dt, interval, taus, kept, rising, levels):  # type: ignore[no-untyped-def]
     """Follow the growth of the ratio ``now`` of shear to normal load, whose white noise is ``noise``."""
     count = len(taus)
@@ -130,6 +156,7 @@ def _grow(now, noise, dt, interval, taus, kept, rising, levels):  # type: ignore
         kept[: 2 * count] = now
         kept[2 * count] = 0.0
         kept[2 * count + 1] = now
+        kept[2 * count + 2] = 0.0
         return
     fastest = kept[2 * count] * math.exp(-dt / MEMORY)
     for k in range(count):
@@ -142,13 +169,14 @@ def _grow(now, noise, dt, interval, taus, kept, rising, levels):  # type: ignore
         if growth > SURE * 0.5 * noise * math.sqrt(interval / tau**3):
             fastest = max(fastest, growth)
     kept[2 * count] = fastest
+    kept[2 * count + 2] = max(fastest, kept[2 * count + 2] * math.exp(-dt / LATE))
     for k in range(count):  # the shortest that noise allows
         tau = max(taus[k], interval)
         if fastest > 0 and 0.5 * noise * math.sqrt(interval / tau**3) < CLEAR * fastest:
             growth = (kept[k] - kept[count + k]) / tau
             least = kept[2 * count + 1] + (1 - math.exp(-dt / LATE)) * (kept[k] - kept[2 * count + 1])
             kept[2 * count + 1] = min(least, kept[k])
-            kept[2 * count + 2] = tau * _at_once(tau, fastest, interval, taus, kept)
+            kept[2 * count + 3] = tau * _at_once(tau, kept[2 * count + 2], interval, taus, kept)
             if kept[k] - least < GROWN * kept[k] or _goes_on(fastest, noise, interval, taus, kept):
                 return
             levels[9] = binary(1 - growth / fastest, 1 - GOES_ON, 1 - YIELDS)
@@ -156,14 +184,16 @@ def _grow(now, noise, dt, interval, taus, kept, rising, levels):  # type: ignore
 
 
 @kept_njit(error_model="numpy")
-def _at_once(tau, fastest, interval, taus, kept):  # type: ignore[no-untyped-def]
-    """Return 1 where the growth has just been as fast as ever, 0 where it has become slow by and by."""
+def _at_once(tau, most, interval, taus, kept):  # type: ignore[no-untyped-def]
+    """Return 1 where the growth has just been as fast as ever, ``most``; 0 where it has become slow by and by."""
     count = len(taus)
     k = 0
-    while k < count - 1 and taus[k] < 2 * tau:
+    while k < count - 1 and taus[k] < LONGER * tau:
         k += 1
-    growth = (kept[k] - kept[count + k]) / max(taus[k], interval)
-    return max(0.0, min(1.0, (growth / fastest - SOFT) / (AT_ONCE - SOFT)))
+    longer = max(taus[k], interval)
+    growth, x = (kept[k] - kept[count + k]) / longer, STOPPED * tau / longer
+    left = growth / (most * (1 + x) * math.exp(-x))
+    return max(0.0, min(1.0, (left - SOFT) / (AT_ONCE - SOFT)))
 
 
 @kept_njit(error_model="numpy")
