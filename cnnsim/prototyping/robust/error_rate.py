@@ -38,7 +38,9 @@ def error_rate_of(entry: LibraryEntry, seed: int = 0, shown: Sequence[Example] =
         InputError: no picture, and no worked example where one is needed.
     """
     if shown:
-        return _Examples(entry, shown, f"{len(shown)} picture{'s' * (len(shown) != 1)} given")
+        pictures = _pictures(sum(len(one.output if one.input is None else one.input) for one in shown))
+        sequence = f"a sequence of {pictures} given"
+        return _Examples(entry, shown, sequence if entry.frame_time else f"{_pictures(len(shown))} given")
     if margin_of(entry).value is not None and entry.template.uncoupled and not works_on_grey(entry):
         return _Neighbourhoods(entry, seed)
     count = len(entry.examples)
@@ -55,13 +57,18 @@ def shown_to(entry: LibraryEntry, pictures: Array, state: Array | None = None) -
         InputError: a second picture too many or too few, or of another size.
     """
     backend, found = backends.get(), []
+    grey = any(example.tolerance is not None for example in entry.examples)  # also where a picture of it is all white
     for picture in [pictures] if entry.frame_time is not None else pictures:
         example = Example(picture, state, picture)
         task = _task(entry, example)
         y: Array = task.plan.output(backend.read(task.start(backend).x))
-        decided = bool((np.abs(y) > 0.99).all())
+        decided = not grey and bool((np.abs(y) > 0.99).all())
         found.append(replace(example, output=y, tolerance=None if decided else _GREY))
     return found
+
+
+def _pictures(count: int) -> str:
+    return f"{count} picture{'s' * (count != 1)}"
 
 
 def final_colour(s: Array, x0: Array, a: float) -> Array:
@@ -134,7 +141,8 @@ class _Examples:
         self.examples, self.backend = examples, backends.get()
         self.tasks = [_task(entry, example) for example in examples]
         self.plane = "state" if entry.input == "none" else "input"
-        self.what = f"the {sum(example.output.size for example in examples)} cells of {whose}"
+        cells = sum(example.output.size for example in examples)
+        self.what = f"the {'one cell' if cells == 1 else f'{cells} cells'} of {whose}"
         if any(example.tolerance is not None for example in examples):
             self.what += f" (grey, so wrong is what errors move by more than {_GREY:g})"
         self.right = [

@@ -178,6 +178,23 @@ def test_it_is_judged_on_pictures_that_are_given() -> None:
     assert found.judged_on == "the 144 cells of 1 picture given"
 
 
+def test_a_grey_template_is_judged_as_one_on_a_white_picture_too() -> None:
+    """Its answer there is white, and was compared by its sign alone."""
+    entry = library.load("average")
+    found = measure(entry, draws=2, shown=shown_to(entry, -np.ones((1, 5, 6))))
+    assert found.judged_on.startswith("the 30 cells of 1 picture given (grey,")
+
+
+def test_a_sequence_is_one_and_a_cell_is_one() -> None:
+    entry = library.load("motion-right")
+    found = measure(entry, draws=1, shown=shown_to(entry, -np.ones((3, 5, 6))))
+    assert "cells of a sequence of 3 pictures given" in found.judged_on
+    edge = library.load("edge")
+    assert (
+        measure(edge, draws=1, shown=shown_to(edge, np.ones((1, 1, 1)))).judged_on == "the one cell of 1 picture given"
+    )
+
+
 def test_pictures_on_the_command_line(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
     (tmp_path / "shots").mkdir()
