@@ -109,6 +109,11 @@ def run(
             echo(f"{array.name}: no tare in {count} frames ({why}); --tare N takes the first N", err=True)
         elif check.warning and as_json:
             echo(f"{array.name}: tare: {check.words}", err=True)
+    for array in frames.arrays if tare is None and mode == "off" and truth is None else ():
+        began = collected.columns(array.name).t[:1]
+        if any(one.kind == "contact" and one.finger == array.name and one.t <= began for one in collected.events):
+            words = "in contact from the first frame, without a tare; if nothing touched then, --tare auto takes one"
+            echo(f"{array.name}: {words}", err=True)
     if opened.forces:
         echo(opened.forces, err=as_json)
     if output is not None:

@@ -26,7 +26,9 @@ HALVES = ("all", "tune", "report")
 )  # fmt: skip
 @click.argument("recordings", type=click.Path(path_type=Path), required=False)
 @click.option("--labels", type=click.Path(path_type=Path), help="CSV: recording, sensor, times [s].")
-@click.option("--grasps", type=click.IntRange(0), default=0, help="So many simulated grasps with known onsets.")
+@click.option(
+    "--grasps", type=click.IntRange(0, 1_000_000), default=0, help="So many simulated grasps with known onsets."
+)
 @click.option("--from-seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the first grasp.")
 @click.option("--idle-minutes", type=Finite(0), default=0.0, help="Minutes of noise in which nothing is.")
 @click.option("--half", type=click.Choice(HALVES), default="all", help="Every other recording and grasp.")

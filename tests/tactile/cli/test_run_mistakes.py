@@ -2,8 +2,11 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from tactile.core.frame import Frame, TaxelArray
+from tactile.core.source import FrameStream
 from tactile.sources import open_source
 from tactile.sources.replay_csv import write_csv
 from tests.kits.serial import GRIP, call
@@ -44,6 +47,26 @@ def test_other_mistakes_are_told(tmp_path: Path) -> None:
         assert result.exit_code == 2, arguments
         assert message in result.stderr
         assert "Traceback" not in result.output
+
+
+@pytest.mark.parametrize(
+    ("offset", "words", "told"), [(0.5, (), True), (0.5, ("--tare", "off"), False), (0.0, (), False)]
+)
+def test_an_offset_taken_for_a_contact_is_told(
+    offset: float, words: tuple[str, ...], told: bool, tmp_path: Path
+) -> None:
+    array = TaxelArray("pad", 2, 2, 1e-3, 0.0, quantity="force")
+    frames = [Frame(0, n / 100, n, np.full((2, 2, 3), offset), np.ones((2, 2), bool)) for n in range(60)]
+    write_csv(tmp_path / "pad.csv", FrameStream("pad", (array,), None, 60, frames))
+    result = run_command(tmp_path / "pad.csv", *words)
+    assert result.exit_code == 0
+    assert ("pad: in contact from the first frame, without a tare" in result.stderr) == told
+
+
+def test_too_many_grasps_are_refused() -> None:
+    result = call("score", "--grasps", "99999999999999")
+    assert result.exit_code == 2
+    assert "not in the range" in result.stderr
 
 
 def test_a_truncated_recording_names_its_line(tmp_path: Path) -> None:
