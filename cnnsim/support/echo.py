@@ -76,7 +76,7 @@ def tell_process(text: object) -> None:
 
 
 def console(width: int = 150, *, err: bool = False) -> "Console":
-    """Return the console of tables and bars: as wide as the terminal; else as COLUMNS says, or ``width``.
+    """Return the console of tables and bars: as wide as the terminal, or ``width`` where the output is no terminal.
 
     Texts are shown as they are, without control characters; `rich.text.Text` gives them a style.
     """
@@ -87,10 +87,7 @@ def console(width: int = 150, *, err: bool = False) -> "Console":
             return super().render_str(printable(text), **{**options, "markup": False, "emoji": False})
 
     terminal = TextConsole(stderr=err)
-    if terminal.is_terminal:
-        return terminal
-    said = os.environ.get("COLUMNS", "")
-    return TextConsole(stderr=err, width=max(NARROWEST, int(said)) if said.isdecimal() and int(said) else width)
+    return terminal if terminal.is_terminal else TextConsole(stderr=err, width=width)
 
 
 def hanging(head: str, text: str, indent: int) -> str:

@@ -121,15 +121,6 @@ def test_nothing_is_printed_but_by_the_one_helper(path: Path) -> None:
 
 
 @pytest.mark.parametrize("columns", [40, 80, 200])
-def test_tables_in_a_pipe_are_as_wide_as_is_said(columns: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Lists kept to COLUMNS in a pipe, tables and trees did not."""
-    monkeypatch.setenv("COLUMNS", str(columns))
-    assert console().width == columns
-    monkeypatch.setenv("COLUMNS", "")
-    assert console().width == 150
-
-
-@pytest.mark.parametrize("columns", [40, 80, 200])
 def test_a_list_fits_the_terminal(columns: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", str(columns))
     for command in (["list"], ["list", "--programs"], ["explain", "hole-filler"]):
