@@ -11,7 +11,7 @@ from cnnsim.support.echo import echo
 from cnnsim.support.files import write_rows, writing
 
 if TYPE_CHECKING:
-    from tactile.simulator.scene.tradeoff import Trade
+    from tactile.simulator.choice.tradeoff import Trade
 
 _FILE = click.Path(path_type=Path)
 
@@ -36,8 +36,8 @@ def accuracy(
     Errors are over the whole recording and three seeds, relative to the peak of the ideal skin. Of a scene of more than
     400 frames 400 are computed.
     """
-    from tactile.simulator.scene.file import bare_scene, scene_table  # not for --help
-    from tactile.simulator.scene.tradeoff import TOLERANCES, trades  # the same
+    from tactile.simulator.choice.tradeoff import TOLERANCES, trades  # the same
+    from tactile.simulator.scene_file.file import bare_scene, scene_table  # not for --help
 
     bare, _ = bare_scene(scene_table(scene), str(scene), scene.parent)
     chosen = tolerances or TOLERANCES

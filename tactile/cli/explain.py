@@ -25,7 +25,7 @@ FULL = 1000
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
 def explain(scene: Path, write: Path | None, as_json: bool) -> None:
     """Show what SCENE computes: each part's size and time per frame, and what adding the others would change."""
-    from tactile.simulator.scene.explain import explain_file  # not for --help
+    from tactile.simulator.explain import explain_file  # not for --help
 
     told = explain_file(scene, write)
     if as_json:

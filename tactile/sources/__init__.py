@@ -30,7 +30,7 @@ def open_source(path: Path | str) -> Source:
 
 
 def _read_scene(path: Path) -> Source:
-    from tactile.simulator.scene.file import read_scene  # only with a source is it wanted
+    from tactile.simulator.scene_file.file import read_scene  # only with a source is it wanted
 
     return read_scene(path)
 

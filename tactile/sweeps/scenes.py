@@ -15,7 +15,7 @@ from tactile.output.collected import Collected
 from tactile.output.truth import truth_of
 from tactile.pipeline import run as run_pipeline
 from tactile.settings import PipelineOptions
-from tactile.simulator.scene.file import scene_from, scene_table
+from tactile.simulator.scene_file.file import scene_from, scene_table
 
 FINGER = ("rows", "cols", "pitch_mm", "depth_mm")
 TOP = ("rate_hz", "duration_s", "seed")

@@ -121,7 +121,7 @@ def _heights(path: Path) -> None:
 
 
 def _traction(path: Path) -> None:
-    from tactile.simulator.scene.contact_tables import read_map
+    from tactile.simulator.scene_file.contact_tables import read_map
 
     read_map({"file": path.name, "pitch_mm": 1.0}, ["tip"], "map", path.parent)
 

@@ -13,8 +13,8 @@ from click.testing import CliRunner, Result
 from tactile.cli.group import main
 from tactile.serial.emulator import Emulator
 from tactile.serial.faults import Faults
-from tactile.simulator.scene.file import read_scene
 from tactile.simulator.scene.scene import Scene
+from tactile.simulator.scene_file.file import read_scene
 from tactile.wire.description import Description
 from tactile.wire.packets import TimedPacket, emulated_description, packets
 from tests.kits.paths import SCENES

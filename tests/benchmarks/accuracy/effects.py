@@ -10,11 +10,11 @@ import numpy as np
 from cnnsim.support.command_line import watched
 from cnnsim.support.toml_file import read_toml
 from tactile.output.tradeoff_plot import draw_trades
-from tactile.simulator.scene.auto_effects import all_effects, choose
-from tactile.simulator.scene.estimate import Sample, Size, sizes_in
-from tactile.simulator.scene.file import bare_scene
+from tactile.simulator.choice.auto_effects import all_effects, choose
+from tactile.simulator.choice.estimate import Sample, Size, sizes_in
+from tactile.simulator.choice.tradeoff import Trade, trades
 from tactile.simulator.scene.scene import Scene
-from tactile.simulator.scene.tradeoff import Trade, trades
+from tactile.simulator.scene_file.file import bare_scene
 from tests.benchmarks.accuracy.labels import label_points
 from tests.benchmarks.accuracy.section import Section
 from tests.kits.touch.random_scenes import error_of_seeds, everything, random_scene

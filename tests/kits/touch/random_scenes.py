@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 
 from tactile.core.frame import TaxelArray
+from tactile.simulator.choice.auto_effects import all_effects
+from tactile.simulator.choice.estimate import Sample
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effects import ORDER, effect_class, without
 from tactile.simulator.effects.crosstalk import Crosstalk
@@ -33,8 +35,6 @@ from tactile.simulator.effects.strain_nonlinearity import StrainNonlinearity
 from tactile.simulator.effects.surface_waviness import SurfaceWaviness
 from tactile.simulator.effects.taxel_area import TaxelArea
 from tactile.simulator.effects.viscoelastic import Viscoelastic
-from tactile.simulator.scene.auto_effects import all_effects
-from tactile.simulator.scene.estimate import Sample
 from tactile.simulator.scene.scene import Scene
 
 QUIET = [(name, without(effect_class(name))) for name in ORDER]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tactile.simulator.scene.file import scene_from
+from tactile.simulator.scene_file.file import scene_from
 
 SCENE = """
 title = "t"

@@ -25,8 +25,8 @@ from tactile.elastic.halfspace import point_load
 from tactile.elastic.medium import Medium
 from tactile.simulator.bump_cover import Bumps, shared
 from tactile.simulator.contacts.loads import Loads, point_loads
-from tactile.simulator.scene.explain import explain
-from tactile.simulator.scene.file import scene_from
+from tactile.simulator.explain import explain
+from tactile.simulator.scene_file.file import scene_from
 from tests.kits.paths import ROOT
 
 SCENE: dict[str, Any] = tomllib.loads((ROOT / "examples" / "scenes" / "bump.toml").read_text(encoding="utf-8"))

@@ -16,7 +16,7 @@ from tactile.core.frame import TaxelArray
 from tactile.finger import Finger
 from tactile.settings import Settings
 from tactile.simulator.bump_cover import Bumps
-from tactile.simulator.scene.file import scene_from
+from tactile.simulator.scene_file.file import scene_from
 from tests.kits.paths import SCENES
 
 FILE = SCENES / "bump.toml"

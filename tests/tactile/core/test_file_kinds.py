@@ -12,7 +12,7 @@ from tactile.calibration.file import load_calibration
 from tactile.cli.new_texts import ARRAY, DETECTOR, SCENE
 from tactile.core.frame import TaxelArray
 from tactile.events.detector_file import read_detector
-from tactile.simulator.scene.file import read_scene
+from tactile.simulator.scene_file.file import read_scene
 from tactile.wire.description_file import read_description
 
 TEXTS = {"scene": SCENE, "array": ARRAY, "detector": DETECTOR}

@@ -11,7 +11,7 @@ import pytest
 from tactile.output.truth import Truth, truth_of
 from tactile.pipeline import FrameReport, run
 from tactile.settings import Settings
-from tactile.simulator.scene.file import scene_from
+from tactile.simulator.scene_file.file import scene_from
 from tactile.sources.replay_csv import write_csv
 from tests.kits.serial import GRIP, call, grip
 from tests.kits.touch.source import parsed

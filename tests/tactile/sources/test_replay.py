@@ -11,7 +11,7 @@ import pytest
 from cnnsim.support import InputError
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream, Source
-from tactile.simulator.scene.file import read_scene, scene_from
+from tactile.simulator.scene_file.file import read_scene, scene_from
 from tactile.sources import open_source
 from tactile.sources.replay_csv import read_csv, write_csv
 from tactile.sources.replay_npz import read_npz

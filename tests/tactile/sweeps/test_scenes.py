@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cnnsim.support import InputError
-from tactile.simulator.scene.file import scene_from
+from tactile.simulator.scene_file.file import scene_from
 from tactile.sweeps.scenes import changed_table, check, run
 
 SCENE = """

@@ -15,7 +15,7 @@ from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.rig import Rig
 from tactile.simulator.field import field_at
-from tactile.simulator.scene.file import scene_from
+from tactile.simulator.scene_file.file import scene_from
 
 R, SIDE = 5e-3, 41
 PITCH = 4e-3 / SIDE

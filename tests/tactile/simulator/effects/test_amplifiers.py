@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tactile.simulator.choice.effect_bounds import EffectBounds
 from tactile.simulator.effects.electronics.clipping import Clipping
 from tactile.simulator.effects.electronics.low_pass import LowPass
 from tactile.simulator.effects.electronics.multiplex_skew import MultiplexSkew
 from tactile.simulator.effects.electronics.pink_noise import PinkNoise
 from tactile.simulator.effects.electronics.taxel_mismatch import TaxelMismatch
 from tactile.simulator.effects.electronics.temperature import Temperature
-from tactile.simulator.scene.effect_bounds import EffectBounds
 from tests.kits.touch.effects import FULL, scene, through
 
 

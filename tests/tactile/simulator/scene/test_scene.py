@@ -11,7 +11,7 @@ from cnnsim.support import InputError
 from tactile.elastic.halfspace import point_load_strain, point_load_stress
 from tactile.inverse.localise import localise
 from tactile.inverse.taxel import invert_strain
-from tactile.simulator.scene.file import read_scene, scene_from
+from tactile.simulator.scene_file.file import read_scene, scene_from
 from tests.kits.touch.source import GRIP, parsed
 
 

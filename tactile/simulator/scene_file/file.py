@@ -11,9 +11,9 @@ from tactile.core.file_kinds import refuse_other_kind
 from tactile.core.frame import TaxelArray
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.field import ACCURACY, Contact
-from tactile.simulator.scene.keys import check_scene_keys
 from tactile.simulator.scene.scene import FULL_SCALE, Scene
-from tactile.simulator.scene.table_values import keyframes, one_finger, positive, quantity_of
+from tactile.simulator.scene_file.keys import check_scene_keys
+from tactile.simulator.scene_file.table_values import keyframes, one_finger, positive, quantity_of
 
 KEYFRAME = "t_s, x_mm, y_mm, Q_N, R_N, F_N"
 TOLERANCE = 0.02
@@ -56,7 +56,7 @@ def scene_from(table: dict[str, Any], where: str, folder: Path = Path()) -> Scen
     scene, tolerance = bare_scene(table, where, folder)
     if tolerance is None:
         return scene
-    from tactile.simulator.scene.auto_effects import choose  # only where called for
+    from tactile.simulator.choice.auto_effects import choose  # only where called for
 
     return choose(scene, tolerance).scene
 
@@ -70,7 +70,7 @@ def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tupl
     try:
         return _scene(table, where, folder)
     except InputError as error:
-        from tactile.simulator.scene.faults import tell_all  # only for a scene that is wrong
+        from tactile.simulator.scene_file.faults import tell_all  # only for a scene that is wrong
 
         tell_all(table, where, folder, error)
         raise
@@ -100,7 +100,7 @@ def _scene(table: dict[str, Any], where: str, folder: Path) -> tuple[Scene, floa
     check_most(rate * duration, FRAMES, f"{where}: frames, rate_hz times duration_s")
     bumps = None
     if bumpy:
-        from tactile.simulator.scene.cover_table import read_bumps  # only where called for
+        from tactile.simulator.scene_file.cover_table import read_bumps  # only where called for
 
         bumps = read_bumps(cover, arrays, f"{where}: [cover]")
     scene = Scene(
@@ -161,7 +161,7 @@ def _load(table: dict[str, Any], names: list[str], where: str) -> MovingLoad:
 def _contacts(table: dict[str, Any], names: list[str], where: str, folder: Path) -> tuple[Contact, ...]:
     if not any(table.get(kind) for kind in ("contact", "texture", "map")):
         return ()
-    from tactile.simulator.scene import contact_tables as scene_contacts  # only where called for
+    from tactile.simulator.scene_file import contact_tables as scene_contacts  # only where called for
 
     return tuple(
         read(entry, names, f"{where}: {kind} {n}", folder)

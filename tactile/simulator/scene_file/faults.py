@@ -10,9 +10,9 @@ from cnnsim.support.toml_file import KeyFaults, take
 from tactile.core.array_table import take_array
 from tactile.simulator.effects import ORDER, read_effect
 from tactile.simulator.scene.checks import WHERE
-from tactile.simulator.scene.contact_tables import BY_DEPTH, BY_FORCE, READERS
-from tactile.simulator.scene.keys import TABLES, check_scene_keys
-from tactile.simulator.scene.table_values import keyframes, one_finger, positive, quantity_of
+from tactile.simulator.scene_file.contact_tables import BY_DEPTH, BY_FORCE, READERS
+from tactile.simulator.scene_file.keys import TABLES, check_scene_keys
+from tactile.simulator.scene_file.table_values import keyframes, one_finger, positive, quantity_of
 
 POSITIVE = ("rate_hz", "duration_s", "tolerance")
 COLUMNS = {"load": BY_FORCE, "texture": "", "map": "t_s, strength"}

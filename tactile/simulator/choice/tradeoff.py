@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter, thread_time
 
-from tactile.simulator.scene.auto_effects import all_effects, choose
-from tactile.simulator.scene.estimate import Sample
+from tactile.simulator.choice.auto_effects import all_effects, choose
+from tactile.simulator.choice.estimate import Sample
 from tactile.simulator.scene.scene import Scene
 
 TOLERANCES = (0.3, 0.1, 0.03, 0.01, 0.003, 0.001)

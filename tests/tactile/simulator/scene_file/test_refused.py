@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cnnsim.support import InputError
-from tactile.simulator.scene.file import scene_from
+from tactile.simulator.scene_file.file import scene_from
 from tests.kits.touch.small_scene import LOAD, SPHERE, TEXTURE, made, values
 
 

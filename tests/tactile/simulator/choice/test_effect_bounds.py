@@ -11,9 +11,9 @@ from tactile.elastic.halfspace import point_load
 from tactile.elastic.medium import Felt, Medium
 from tactile.elastic.profiles import HERTZ
 from tactile.elastic.unit_disc import EVEN, ODD, RZ, ZR, ZZ, layer
+from tactile.simulator.choice.extremes import extremes
+from tactile.simulator.choice.forces import highest_reading
 from tactile.simulator.effects.read_noise import ReadNoise
-from tactile.simulator.scene.extremes import extremes
-from tactile.simulator.scene.forces import highest_reading
 from tactile.simulator.slopes import BASE, STEEPEST, VALUE
 from tests.kits.touch.random_scenes import needle, random_scene
 

@@ -8,7 +8,7 @@ from cnnsim.library.write import toml_value
 from cnnsim.support import InputError
 from cnnsim.support.files import write_text
 from cnnsim.support.toml_file import parse_toml
-from tactile.simulator.scene.auto_effects import Choice
+from tactile.simulator.choice.auto_effects import Choice
 
 _HEADER = re.compile(r"\s*\[+\s*[\"'\w]")
 """A line that begins a table; rows of numbers begin with a digit, a sign or a bracket."""

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from tactile.simulator.scene.auto_effects import Choice, candidates, choose
-from tactile.simulator.scene.estimate import Sample, sizes_in
-from tactile.simulator.scene.file import bare_scene, scene_table
+from tactile.simulator.choice.auto_effects import Choice, candidates, choose
+from tactile.simulator.choice.estimate import Sample, sizes_in
 from tactile.simulator.scene.scene import Scene
+from tactile.simulator.scene_file.file import bare_scene, scene_table
 
 WORDS = {
     "MovingLoad": "load",
@@ -63,7 +63,7 @@ def explain_file(path: Path, write: Path | None = None) -> SceneExplanation:
     scene, tolerance = bare_scene(table, str(path), path.parent)
     choice = choose(scene, tolerance, reused=write is not None) if tolerance is not None else None
     if write is not None:
-        from tactile.simulator.scene.kept_choice import write_choice  # only where called for
+        from tactile.simulator.scene_file.kept_choice import write_choice  # only where called for
 
         write_choice(path, table, choice, write)
     return explain(scene, choice)

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from tactile.core.frame import TaxelArray
+from tactile.simulator.choice.auto_effects import all_effects, choose
+from tactile.simulator.choice.effect_bounds import EffectBounds
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.effects.adhesion import Adhesion
@@ -15,8 +17,6 @@ from tactile.simulator.effects.needle_vibration import NeedleVibration
 from tactile.simulator.effects.poisson_ratio import PoissonRatio
 from tactile.simulator.effects.surface_waviness import SurfaceWaviness
 from tactile.simulator.effects.taxel_area import TaxelArea
-from tactile.simulator.scene.auto_effects import all_effects, choose
-from tactile.simulator.scene.effect_bounds import EffectBounds
 from tactile.simulator.scene.scene import Scene
 from tests.kits.touch.random_scenes import error, error_of_seeds, everything, needle
 

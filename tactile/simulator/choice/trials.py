@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Floats
+from tactile.simulator.choice.extremes import PEAKS, SPREAD, Extremes
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.field import Field
-from tactile.simulator.scene.extremes import PEAKS, SPREAD, Extremes
 from tactile.simulator.seen import Seen
 
 CHANCE = 0.5

@@ -8,8 +8,8 @@ import pytest
 from click.testing import CliRunner
 
 from tactile.cli.accuracy import accuracy as command
+from tactile.simulator.choice.tradeoff import FRAMES, shortened, trades
 from tactile.simulator.effects.read_noise import ReadNoise
-from tactile.simulator.scene.tradeoff import FRAMES, shortened, trades
 from tests.kits.paths import SCENES
 from tests.kits.touch.random_scenes import needle
 

@@ -11,6 +11,7 @@ from tactile.cli.explain import explain as command
 from tactile.cli.group import main
 from tactile.core.frame import TaxelArray
 from tactile.simulator.batch import Batch
+from tactile.simulator.choice.estimate import Sample, sizes_in
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effects import ORDER
 from tactile.simulator.effects.dead_taxels import DeadTaxels
@@ -20,10 +21,9 @@ from tactile.simulator.effects.motor_noise import MotorNoise
 from tactile.simulator.effects.poisson_ratio import PoissonRatio
 from tactile.simulator.effects.quantisation import Quantisation
 from tactile.simulator.effects.read_noise import ReadNoise
-from tactile.simulator.scene.estimate import Sample, sizes_in
-from tactile.simulator.scene.explain import explain, explain_file
-from tactile.simulator.scene.file import read_scene
+from tactile.simulator.explain import explain, explain_file
 from tactile.simulator.scene.scene import Scene
+from tactile.simulator.scene_file.file import read_scene
 from tactile.simulator.seen import Seen
 from tests.kits.paths import ROOT, SCENES
 from tests.kits.touch.random_scenes import error, error_of_seeds, needle

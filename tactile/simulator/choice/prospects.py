@@ -7,16 +7,10 @@ import numpy as np
 
 from tactile.core.loads import FORCE, F
 from tactile.elastic.halfspace import point_scale
-from tactile.simulator.contacts.height_map import HeightMap
-from tactile.simulator.contacts.indenter import LAWS
-from tactile.simulator.contacts.moving_contact import MovingContact
-from tactile.simulator.contacts.sliding_texture import SlidingTexture
-from tactile.simulator.effect import sticks
-from tactile.simulator.scene.effect_bounds import LARGE, Named
-from tactile.simulator.scene.extremes import PEAKS, SPREAD
-from tactile.simulator.scene.forces import highest_reading, unseen
-from tactile.simulator.scene.scene import Scene
-from tactile.simulator.scene.trials import (
+from tactile.simulator.choice.effect_bounds import LARGE, Named
+from tactile.simulator.choice.extremes import PEAKS, SPREAD
+from tactile.simulator.choice.forces import highest_reading, unseen
+from tactile.simulator.choice.trials import (
     CHANCE,
     EFFECT,
     FRAMES,
@@ -26,6 +20,12 @@ from tactile.simulator.scene.trials import (
     is_body,
     trial_pays,
 )
+from tactile.simulator.contacts.height_map import HeightMap
+from tactile.simulator.contacts.indenter import LAWS
+from tactile.simulator.contacts.moving_contact import MovingContact
+from tactile.simulator.contacts.sliding_texture import SlidingTexture
+from tactile.simulator.effect import sticks
+from tactile.simulator.scene.scene import Scene
 from tactile.simulator.seen import Seen
 from tactile.simulator.slopes import VALUE, Slopes
 

@@ -8,7 +8,7 @@ from cnnsim.support.toml_file import take
 from tactile.bump.shape import Shape
 from tactile.core.frame import TaxelArray
 from tactile.simulator.bump_cover import Bumps
-from tactile.simulator.scene.table_values import positive
+from tactile.simulator.scene_file.table_values import positive
 
 
 def read_bumps(table: dict[str, Any], arrays: Iterable[TaxelArray], where: str) -> Bumps:

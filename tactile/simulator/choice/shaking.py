@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from cnnsim.support import InputError
+from tactile.simulator.choice.extremes import Extremes
+from tactile.simulator.choice.finger_bounds import SAFE
+from tactile.simulator.choice.trials import Trial
 from tactile.simulator.field import Field
-from tactile.simulator.scene.extremes import Extremes
-from tactile.simulator.scene.finger_bounds import SAFE
-from tactile.simulator.scene.trials import Trial
 
 
 def rises(on_fields: Sequence[tuple[str, Any]], on: Container[str], frames: int) -> list[tuple[float, float]]:

@@ -16,7 +16,7 @@ from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.sliding_texture import SlidingTexture
 from tactile.simulator.contacts.traction_map import TractionMap
 from tactile.simulator.field import Contact
-from tactile.simulator.scene.table_values import keyframes, one_finger, positive
+from tactile.simulator.scene_file.table_values import keyframes, one_finger, positive
 
 BY_FORCE = "t_s, x_mm, y_mm, Q_N, R_N, F_N"
 BY_DEPTH = "t_s, x_mm, y_mm, Q_N, R_N, indentation_mm"

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Floats, InputError
+from tactile.simulator.choice.extremes import FOREMOST, Extremes, extremes
+from tactile.simulator.choice.finger_bounds import SAFE, FingerBounds, LeftOut, largest
+from tactile.simulator.choice.forces import highest_reading, unseen
+from tactile.simulator.choice.shaking import Shaking, rises
+from tactile.simulator.choice.trials import Trial, pays, pays_behind
 from tactile.simulator.effect import is_off, sticks
 from tactile.simulator.field import Field
-from tactile.simulator.scene.extremes import FOREMOST, Extremes, extremes
-from tactile.simulator.scene.finger_bounds import SAFE, FingerBounds, LeftOut, largest
-from tactile.simulator.scene.forces import highest_reading, unseen
 from tactile.simulator.scene.scene import NOTHING, Scene
-from tactile.simulator.scene.shaking import Shaking, rises
-from tactile.simulator.scene.trials import Trial, pays, pays_behind
 from tactile.simulator.seen import RARE, Seen
 
 Named = tuple[str, Any]

@@ -9,13 +9,13 @@ import numpy as np
 
 from cnnsim.support import Floats, InputError
 from tactile.core.loads import F
+from tactile.simulator.choice.effect_bounds import EffectBounds, Named
+from tactile.simulator.choice.finger_bounds import LeftOut
+from tactile.simulator.choice.forces import sinks_in
+from tactile.simulator.choice.prospects import may_pay
 from tactile.simulator.contacts.rig import Rig
 from tactile.simulator.effect import is_off
 from tactile.simulator.effects import ORDER, Effect, effect_class
-from tactile.simulator.scene.effect_bounds import EffectBounds, Named
-from tactile.simulator.scene.finger_bounds import LeftOut
-from tactile.simulator.scene.forces import sinks_in
-from tactile.simulator.scene.prospects import may_pay
 from tactile.simulator.scene.scene import Scene
 
 MOMENTS = 64

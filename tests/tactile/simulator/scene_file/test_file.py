@@ -11,7 +11,7 @@ import pytest
 
 from tactile.elastic.halfspace import point_load_strain
 from tactile.simulator.effects import ORDER
-from tactile.simulator.scene.file import read_scene
+from tactile.simulator.scene_file.file import read_scene
 from tactile.sources import open_source
 from tests.kits.paths import ROOT
 from tests.kits.touch.small_scene import LOAD, SCENE, SPHERE, TEXTURE, made, values

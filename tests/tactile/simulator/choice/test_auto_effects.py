@@ -7,6 +7,9 @@ import numpy as np
 import pytest
 
 from cnnsim.support import InputError
+from tactile.simulator.choice.auto_effects import candidates, choose
+from tactile.simulator.choice.effect_bounds import EffectBounds
+from tactile.simulator.choice.extremes import extremes
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effects import ORDER, effect_class
 from tactile.simulator.effects.dead_taxels import DeadTaxels
@@ -20,9 +23,6 @@ from tactile.simulator.effects.surface_waviness import SurfaceWaviness
 from tactile.simulator.effects.taxel_area import TaxelArea
 from tactile.simulator.effects.viscoelastic import Viscoelastic
 from tactile.simulator.field import Field
-from tactile.simulator.scene.auto_effects import candidates, choose
-from tactile.simulator.scene.effect_bounds import EffectBounds
-from tactile.simulator.scene.extremes import extremes
 from tests.kits.touch.random_scenes import error, error_of_seeds, everything, needle, random_scene
 
 

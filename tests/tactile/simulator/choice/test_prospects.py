@@ -10,6 +10,10 @@ import pytest
 from tactile.core.frame import TaxelArray
 from tactile.core.loads import F
 from tactile.elastic.medium import Medium
+from tactile.simulator.choice.auto_effects import all_effects, candidates, choose
+from tactile.simulator.choice.effect_bounds import EffectBounds
+from tactile.simulator.choice.forces import highest_reading, sinks_in, unseen
+from tactile.simulator.choice.prospects import may_pay
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.rig import Rig
@@ -23,10 +27,6 @@ from tactile.simulator.effects.poisson_ratio import PoissonRatio
 from tactile.simulator.effects.quantisation import Quantisation
 from tactile.simulator.effects.taxel_area import TaxelArea
 from tactile.simulator.field import Field
-from tactile.simulator.scene.auto_effects import all_effects, candidates, choose
-from tactile.simulator.scene.effect_bounds import EffectBounds
-from tactile.simulator.scene.forces import highest_reading, sinks_in, unseen
-from tactile.simulator.scene.prospects import may_pay
 from tactile.simulator.scene.scene import Scene
 from tests.kits.touch.random_scenes import error, everything, needle
 

@@ -10,13 +10,13 @@ from click.testing import CliRunner
 
 from cnnsim.support import InputError
 from tactile.cli.explain import explain as command
+from tactile.simulator.choice.auto_effects import choose
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.effects.read_noise import ReadNoise
-from tactile.simulator.scene.auto_effects import choose
-from tactile.simulator.scene.explain import explain
-from tactile.simulator.scene.file import bare_scene, read_scene, scene_table
-from tactile.simulator.scene.kept_choice import write_choice
+from tactile.simulator.explain import explain
+from tactile.simulator.scene_file.file import bare_scene, read_scene, scene_table
+from tactile.simulator.scene_file.kept_choice import write_choice
 from tests.kits.paths import SCENES
 from tests.kits.touch.random_scenes import error, everything, needle
 
