@@ -27,6 +27,9 @@ BROKEN = (McapError, CRCValidationError, zstandard.ZstdError, struct.error, Valu
           RuntimeError)  # fmt: skip
 """What the libraries raise at damage; lz4 says RuntimeError."""
 
+DATA_END = 4
+"""Bytes of the record at the end of the data, whose own head is the one thing that no sum covers."""
+
 
 @dataclass(frozen=True)
 class Damage:
@@ -72,6 +75,8 @@ def _records(file: IO[bytes]) -> Iterator[Any]:
             break
         if isinstance(record, DataEnd):
             summed = record.data_section_crc != 0
+            if _length(file, at) != DATA_END:
+                yield Damage(f"what begins at byte {at} is not as long as it says")
         elif isinstance(record, Footer) and not (summed and _summary_is_right(file, record, size)):
             yield Damage("the sum over the index at the end is wrong")
         yield from _inside(record, at) if isinstance(record, Chunk) else [record]
@@ -102,6 +107,15 @@ def _unpacked(chunk: Chunk) -> bytes:
     if len(data) != chunk.uncompressed_size or not chunk.uncompressed_crc:
         raise ValueError("its size is wrong, or it has no sum")
     return data
+
+
+def _length(file: IO[bytes], at: int) -> int:
+    """Return how long the record that begins there says that it is; the file stays at its place."""
+    back = file.tell()
+    file.seek(at + 1)
+    length = int.from_bytes(file.read(8), "little")
+    file.seek(back)
+    return length
 
 
 def _has_end(file: IO[bytes], size: int) -> bool:

@@ -9,7 +9,8 @@ import numpy as np
 
 from cnnsim.support import Floats, InputError
 from tactile.core.loads import F
-from tactile.simulator.choice.effect_bounds import EffectBounds, Named
+from tactile.simulator.choice.chain import Named
+from tactile.simulator.choice.effect_bounds import EffectBounds
 from tactile.simulator.choice.finger_bounds import LeftOut
 from tactile.simulator.choice.forces import sinks_in
 from tactile.simulator.choice.prospects import may_pay

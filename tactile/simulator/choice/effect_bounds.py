@@ -10,17 +10,17 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Floats, InputError
+from tactile.simulator.choice.chain import Chain, Named, asked
 from tactile.simulator.choice.extremes import FOREMOST, Extremes, extremes
 from tactile.simulator.choice.finger_bounds import SAFE, FingerBounds, LeftOut, largest
 from tactile.simulator.choice.forces import highest_reading, unseen
 from tactile.simulator.choice.shaking import Shaking, rises
 from tactile.simulator.choice.trials import Trial, pays, pays_behind
-from tactile.simulator.effect import is_off, sticks
+from tactile.simulator.effect import sticks
 from tactile.simulator.field import Field
-from tactile.simulator.scene.scene import NOTHING, Scene
+from tactile.simulator.scene.scene import Scene
 from tactile.simulator.seen import RARE, Seen
 
-Named = tuple[str, Any]
 SMALL, LARGE = 0.25, 5.0
 """Bounds of an effect, in tolerances, between which it is tried: most effects do a third of their bound."""
 SURE = 2.0
@@ -47,12 +47,8 @@ class EffectBounds:
         reused: bool = False,
     ) -> None:  # fmt: skip
         self.effects, self._tolerance, self._reused = list(effects), tolerance, reused
-        self.zero = {name for name, effect in self.effects if is_off(effect)}
-        acting = [one for one in self.effects if one[0] not in self.zero]
-        self.on_fields = [one for one in acting if one[1].STAGE == "field"]
-        self._on_frames = [one for one in acting if one[1].STAGE != "field"]
-        self._on = {name for name, _ in acting if on is None or name in on}
-        self._scene = scene
+        self._scene, self._chain = scene, Chain(self.effects, on)
+        self.zero, self.on_fields, self._on = self._chain.zero, self._chain.on_fields, self._chain.on
 
     @cached_property
     def _ideal(self) -> list[Extremes]:
@@ -72,7 +68,10 @@ class EffectBounds:
     @cached_property
     def _trials(self) -> list[Trial]:
         high = rises(self.on_fields, self._on, self._scene.samples)
-        return [Trial(ideal, partial(self.field, finger), self.acted, high) for finger, ideal in enumerate(self._ideal)]
+        return [
+            Trial(ideal, partial(self.field, finger), self._chain.acted, high)
+            for finger, ideal in enumerate(self._ideal)
+        ]
 
     def field(self, finger: int, times: Floats) -> Field:
         """The ideal field of a finger for a trial."""
@@ -85,7 +84,7 @@ class EffectBounds:
 
         Often the forces say so before the field is computed.
         """
-        converters = [effect for name, effect in self._on_frames if name in self._on and hasattr(effect, "grain")]
+        converters = [effect for name, effect in self._chain.on_frames if name in self._on and hasattr(effect, "grain")]
         if not converters:
             return False
         highest = highest_reading(self._scene)
@@ -140,7 +139,7 @@ class EffectBounds:
             gone = [name for name in old.terms if name in off]
             if len(gone) > 1:  # the first of them stands for all
                 terms = dict.fromkeys(gone[1:], np.zeros(1)) | {
-                    gone[0]: old.whole - self.acted(trial.every[0], off).values
+                    gone[0]: old.whole - self._chain.acted(trial.every[0], off).values
                 }
                 old = replace(old, terms=old.terms | terms)
             made.fingers.append(old)
@@ -150,21 +149,13 @@ class EffectBounds:
         """Whether several of these change loads or body, so that they may do more together than each alone."""
         return any(sum(name in off for name in one.terms) > 1 for one in self.fingers)
 
-    def acted(self, given: Field, off: Container[str] = ()) -> Field:
-        """A field behind the fixed effects that act on it, but for those left out."""
-        now = given
-        for name, effect in self.on_fields:
-            if not effect.RANDOM and name in self._on and name not in off:
-                now = _after(effect, now)
-        return now
-
     def _bound(self, trial: Trial, ideal: Extremes) -> FingerBounds:
         found, most, grown = FingerBounds(), 0.0, 0.0
         unsure = not self._tolerance or self._forces_change(ideal)
         for name, effect in self.on_fields:
             if effect.RANDOM:
                 continue
-            found.reach[name] = bound = np.inf if unsure else _asked(effect, "most", np.inf, ideal.slopes)
+            found.reach[name] = bound = np.inf if unsure else asked(effect, "most", np.inf, ideal.slopes)
             if name in self._on:
                 most += bound
                 grown += 0.0 if getattr(effect, "smooths", False) else bound
@@ -177,13 +168,13 @@ class EffectBounds:
             found.reach[name] *= 1 + shaken / (ideal.seen.largest or 1.0)
         seen = ideal.seen
         too_loose = most > FAR * seen.largest and (
-            self._reused or pays_behind(len(self._on_frames), seen, trial.shaken, FOREMOST)
+            self._reused or pays_behind(len(self._chain.on_frames), seen, trial.shaken, FOREMOST)
         )
         if found.terms or too_loose:
             seen = _behind(seen, trial.still if found.terms else trial.first)
         else:
             seen = seen.after(min(most, BEYOND * seen.largest), False)
-        self._bound_frames(found, seen.after(min(shaken, BEYOND * seen.largest), True))
+        self._chain.bound_frames(found, seen.after(min(shaken, BEYOND * seen.largest), True))
         return found
 
     def _shaken(self, found: FingerBounds, trial: Trial, ideal: Extremes, grown: float) -> float:
@@ -205,34 +196,11 @@ class EffectBounds:
         if any(sticks(effect) for effect in laws):
             return True
         deep = any(getattr(contact, "given_depth", False) for contact in self._scene.contacts)
-        return deep and any(not math.isfinite(_asked(effect, "most", np.inf, ideal.slopes)) for effect in laws)
+        return deep and any(not math.isfinite(asked(effect, "most", np.inf, ideal.slopes)) for effect in laws)
 
     @property
     def _layered(self) -> bool:
         return any(name == "finite_thickness" and name in self._on for name, _ in self.on_fields)
-
-    def _bound_frames(self, found: FingerBounds, seen: Seen) -> None:
-        """Bound effects on frames, given bounds of the readings before the first of them."""
-        passes: dict[str, float] = {}
-        for name, effect in self._on_frames:
-            found.reach[name] = reach = _asked(effect, "reach", np.inf, seen)
-            if name in self._on:
-                passes[name] = _asked(effect, "passes", 1.0, seen)
-                grain = _asked(effect, "grain", 0.0, seen)
-                if grain > 0:
-                    found.grains[name] = grain, 3 * seen.taxels * seen.frames / grain
-                behind = getattr(effect, "behind", None)
-                seen = behind(seen) if behind else seen.after(min(reach, seen.largest), effect.RANDOM)
-        growth = 1.0
-        for name, effect in reversed(self._on_frames):
-            found.growth[name] = growth
-            growth *= passes.get(name, 1.0)
-            if effect.NORMAL:
-                found.normal.add(name)
-        for name, effect in self.on_fields:
-            found.growth[name] = growth
-            if effect.NORMAL:
-                found.normal.add(name)
 
     def _try(self, name: str, effect: Any, found: FingerBounds, trial: Trial) -> None:
         """Find what a fixed effect on fields changes on the frames that tell most, where that may pay.
@@ -257,24 +225,9 @@ class EffectBounds:
     def _tried(self, name: str, effect: Any, fields: Callable[[], tuple[Field, Field]]) -> Floats | None:
         """What an effect changes in a trial, None where contacts that are raised so far go through the cover."""
         try:
-            return self._change(name, effect, *fields())
+            return self._chain.change(name, effect, *fields())
         except InputError:
             return None
-
-    def _change(self, name: str, effect: Any, given: Field, full: Field) -> Floats:
-        if name in self._on:
-            return full.values - self.acted(given, {name}).values
-        return _after(effect, full).values - full.values
-
-
-def _asked(effect: Any, what: str, else_: float, *given: Any) -> float:
-    ask = getattr(effect, what, None)
-    return else_ if ask is None else float(ask(*given))
-
-
-def _after(effect: Any, now: Field) -> Field:
-    end: Field = next(effect(iter([now]), NOTHING))
-    return end
 
 
 def _behind(seen: Seen, now: Field) -> Seen:

@@ -10,7 +10,8 @@ import numpy as np
 
 from cnnsim.support import Floats, Integers
 from tactile.simulator.batch import Batch
-from tactile.simulator.choice.effect_bounds import EffectBounds, Named
+from tactile.simulator.choice.chain import Named
+from tactile.simulator.choice.effect_bounds import EffectBounds
 from tactile.simulator.choice.extremes import extremes
 from tactile.simulator.field import Field
 from tactile.simulator.scene.scene import Scene

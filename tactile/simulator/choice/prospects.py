@@ -7,7 +7,8 @@ import numpy as np
 
 from tactile.core.loads import FORCE, F
 from tactile.elastic.halfspace import point_scale
-from tactile.simulator.choice.effect_bounds import LARGE, Named
+from tactile.simulator.choice.chain import Named
+from tactile.simulator.choice.effect_bounds import LARGE
 from tactile.simulator.choice.extremes import PEAKS, SPREAD
 from tactile.simulator.choice.forces import highest_reading, unseen
 from tactile.simulator.choice.trials import (

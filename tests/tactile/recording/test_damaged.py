@@ -15,7 +15,7 @@ from tactile.core.epoch import Epoch
 from tactile.core.frame import Frame
 from tactile.recording import schema
 from tactile.recording.reader import Recorded, open_recording
-from tactile.recording.records import records
+from tactile.recording.records import MAGIC, records
 from tactile.recording.writer import Recording
 from tactile.wire.source import DAMAGED
 from tests.kits.paths import SCENES
@@ -92,6 +92,19 @@ def test_no_changed_bit_gives_wrong_readings(files: dict[str, bytes], tmp_path: 
         left.append(len(got))
     assert errors < 90
     assert np.mean(left) > len(truth) / 3  # what is whole is still given out
+
+
+def test_no_bit_of_the_record_that_ends_the_data_is_changed_unseen(files: dict[str, bytes], tmp_path: Path) -> None:
+    """No sum of the file covers its head."""
+    file, whole = tmp_path / "flipped.mcap", files["frames"]
+    footer = len(whole) - len(MAGIC) - 20
+    summary = int.from_bytes(whole[footer : footer + 8], "little")
+    begin = summary - 13
+    assert whole[begin] == 0x0F
+    for bit in range(8 * begin, 8 * summary):
+        file.write_bytes(flip(whole, bit))
+        with suppress(InputError):
+            assert not open_recording(file).complete, bit - 8 * begin
 
 
 def damaged_in_the_middle(tmp_path: Path) -> tuple[list[Frame], Recorded]:

@@ -1,0 +1,72 @@
+"""The effects of a scene in the order in which they act, which of them are on, and fields behind them."""
+
+from collections.abc import Container, Sequence
+from typing import Any
+
+from cnnsim.support import Floats
+from tactile.simulator.choice.finger_bounds import FingerBounds
+from tactile.simulator.effect import is_off
+from tactile.simulator.field import Field
+from tactile.simulator.scene.scene import NOTHING
+from tactile.simulator.seen import Seen
+
+Named = tuple[str, Any]
+
+
+class Chain:
+    """Effects in their order; ``names`` are on, all unless given.
+
+    ``zero``: those of strength zero; ``on_fields`` and ``on_frames``: the others, by what they act on; ``on``: which of
+    these are on.
+    """
+
+    def __init__(self, effects: Sequence[Named], names: Container[str] | None) -> None:
+        self.zero = {name for name, effect in effects if is_off(effect)}
+        acting = [one for one in effects if one[0] not in self.zero]
+        self.on_fields = [one for one in acting if one[1].STAGE == "field"]
+        self.on_frames = [one for one in acting if one[1].STAGE != "field"]
+        self.on = {name for name, _ in acting if names is None or name in names}
+
+    def acted(self, given: Field, off: Container[str] = ()) -> Field:
+        """A field behind the fixed effects that act on it, but for those left out."""
+        now = given
+        for name, effect in self.on_fields:
+            if not effect.RANDOM and name in self.on and name not in off:
+                now = _after(effect, now)
+        return now
+
+    def change(self, name: str, effect: Any, given: Field, full: Field) -> Floats:
+        """What an effect changes, from the ideal field and the ``full`` one behind all that are on."""
+        if name in self.on:
+            return full.values - self.acted(given, {name}).values
+        return _after(effect, full).values - full.values
+
+    def bound_frames(self, found: FingerBounds, seen: Seen) -> None:
+        """Bound effects on frames, given bounds of the readings before the first of them, and what grows behind all."""
+        passes: dict[str, float] = {}
+        for name, effect in self.on_frames:
+            found.reach[name] = reach = asked(effect, "reach", float("inf"), seen)
+            if name in self.on:
+                passes[name] = asked(effect, "passes", 1.0, seen)
+                grain = asked(effect, "grain", 0.0, seen)
+                if grain > 0:
+                    found.grains[name] = grain, 3 * seen.taxels * seen.frames / grain
+                behind = getattr(effect, "behind", None)
+                seen = behind(seen) if behind else seen.after(min(reach, seen.largest), effect.RANDOM)
+        growth = 1.0
+        for name, _ in reversed(self.on_frames):
+            found.growth[name] = growth
+            growth *= passes.get(name, 1.0)
+        found.growth.update((name, growth) for name, _ in self.on_fields)
+        found.normal.update(name for name, effect in (*self.on_frames, *self.on_fields) if effect.NORMAL)
+
+
+def asked(effect: Any, what: str, else_: float, *given: Any) -> float:
+    """Return what an effect answers, or another number where it has no such answer."""
+    ask = getattr(effect, what, None)
+    return else_ if ask is None else float(ask(*given))
+
+
+def _after(effect: Any, now: Field) -> Field:
+    end: Field = next(effect(iter([now]), NOTHING))
+    return end
