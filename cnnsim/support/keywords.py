@@ -2,11 +2,11 @@
 
 import inspect
 from collections.abc import Callable
-from difflib import get_close_matches
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
 from cnnsim.support.errors import InputError
+from cnnsim.support.nearest import nearest
 
 Given = ParamSpec("Given")
 Returned = TypeVar("Returned")
@@ -57,8 +57,6 @@ def unknown_keyword(function: str, given: set[str], known: list[str]) -> Keyword
     """Return the error for keywords that are not known."""
     found = []
     for name in sorted(given):
-        near = get_close_matches(name, known, 1) or [one for one in known if one.lower() == name.lower()]
-        found.append(
-            f"no keyword {name!r}; " + (f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}")
-        )
+        near = nearest(name, known)
+        found.append(f"no keyword {name!r}; " + (f"did you mean {near!r}?" if near else f"known: {', '.join(known)}"))
     return KeywordError(f"{function}: {'; '.join(found)}")

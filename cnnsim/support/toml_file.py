@@ -6,12 +6,12 @@ import sys
 import tomllib
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, TypeVar
 
 from cnnsim.support.bounds import TEXT, check_file, check_most, reason
 from cnnsim.support.errors import InputError, shown
+from cnnsim.support.nearest import nearest
 from cnnsim.support.toml_lines import LinedTable, with_lines
 
 ValueType = TypeVar("ValueType")
@@ -91,10 +91,10 @@ def check_keys(
     far: list[str] = []
     for key in table:
         if key not in known:
-            near = get_close_matches(key, known, 1)
+            near = nearest(key, known)
             place = f"{shown(key)}{line_of(table, key)}"
             if near:
-                found.append(f"unknown key {place}; did you mean {near[0]!r}?")
+                found.append(f"unknown key {place}; did you mean {near!r}?")
             else:
                 far.append(place)
     if far:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from numbers import Integral, Real
+from numbers import Real
 from typing import Literal, get_args
 
 import numpy as np
@@ -11,6 +11,7 @@ from cnnsim.support import Flags, Floats, InputError
 from cnnsim.support.bounds import TAXELS, check_most
 from cnnsim.support.keywords import spelled_class
 from cnnsim.support.names import check_name
+from cnnsim.support.values import is_whole
 
 Quantity = Literal["strain", "stress", "force"]
 """What a taxel measures: strain (u_xz, u_yz, u_zz), stress [Pa] of the same components, or force [N]."""
@@ -24,10 +25,6 @@ MOST_FLAGS = 2**32 - 1
 
 SHEAR_X, SHEAR_Y, NORMAL = 0, 1, 2
 """The last axis of a frame."""
-
-
-def _is_whole(value: object) -> bool:
-    return isinstance(value, Integral) and not isinstance(value, bool)
 
 
 @spelled_class
@@ -56,7 +53,7 @@ class TaxelArray:
 
     def __post_init__(self) -> None:
         lengths = all(isinstance(one, Real) for one in (self.pitch, self.depth))
-        if not (isinstance(self.name, str) and lengths and all(map(_is_whole, (self.rows, self.cols)))):
+        if not (isinstance(self.name, str) and lengths and all(map(is_whole, (self.rows, self.cols)))):
             raise InputError(
                 f"taxel array {self.name!r}: {self.rows!r} x {self.cols!r} taxels, pitch {self.pitch!r}, depth"
                 f" {self.depth!r}; a text, two whole numbers and two lengths [m] wanted"

@@ -17,7 +17,7 @@ LOAD = (0.004, 0.015, 0.1, 0.3, 0.3, 0.05, 0.08)
 """[s] Time constants of the whole load: three means, the held load, the memory of the steepest fall, and of
 unrest; and the slow mean while the load is unsteady."""
 KEPT = 16
-"""Numbers that `signals_numba.step` keeps."""
+"""Numbers that `step_numba.step` keeps."""
 DRAWN = 9.0
 """An unexplained change of shear counts from so many sigma of it; it is tried on every taxel in every frame."""
 TAUS = tuple(0.003 * 1.15**k for k in range(23))
