@@ -57,18 +57,19 @@ def test_masked_tiles_that_read_far_sleep_and_wake_up(family: Family) -> None:
 def test_a_tile_coasts_while_no_output_in_it_can_change_and_then_sleeps(
     family: Family, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from cnnsim.backends.opencl import transient
+    from cnnsim.backends.opencl import tile_steps
 
     entry, backend, seen = library.load("hole-filler"), OpenCLBackend("float32", family=family), list[Any]()
-    steps = transient._TileSteps.advance
+    steps = tile_steps.TileSteps.advance
 
     def advance(self: Any, step: int, count: int) -> None:
         steps(self, step, count)
         found = np.empty(self._tiles.number, np.uint8)
-        cl.enqueue_copy(self._context.queue, found, self._moved[self._turn - 1])
+        cl.enqueue_copy(self._context.queue, found, self._moved[self._state.turn - 1])
         seen.append(found)
 
-    monkeypatch.setattr(transient._TileSteps, "advance", advance)
+    monkeypatch.setattr(tile_steps.TileSteps, "advance", advance)
+    monkeypatch.setattr(tile_steps, "MANY", 1000)  # what is found is that of the steps asked for, of none ahead
     picture = np.full((2, 150, 265), -1.0)
     picture[0] = 1  # nothing can change in this grid, and in the other a wave goes through all
     planes: dict[str, Any] = {k: np.broadcast_to(plane, picture.shape) for k, plane in entry.planes(picture).items()}
@@ -84,23 +85,18 @@ def test_tiles_are_cut_smaller_and_larger_again_and_launched_ahead_with_the_same
     boundary: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """At every other look, with a mask; the stacks of the smaller tiles are not all full, the last ones are narrow."""
-    from cnnsim.backends.opencl import transient
+    from cnnsim.backends.opencl import tile_steps
     from cnnsim.backends.opencl.tiles import cut
 
-    changes, ahead, go_ahead = list[bool](), set[int](), transient._TileSteps.go_ahead
+    changes, ahead = list[bool](), _launched_ahead(monkeypatch)
 
     def noted(*given: Any, light: bool) -> Any:
         changes.append(light)
         return cut(*given, light=light)
 
-    def gone(self: Any) -> None:
-        go_ahead(self)
-        ahead.add(self._ahead)
-
-    monkeypatch.setattr(transient, "cut", noted)
-    monkeypatch.setattr(transient._TileSteps, "go_ahead", gone)
-    for name, value in {"LOOK": 4, "MANY": 3, "FEW_RESTLESS": 2.0, "MOST_RESTLESS": -1.0}.items():
-        monkeypatch.setattr(transient, name, value)
+    monkeypatch.setattr(tile_steps, "cut", noted)
+    for name, value in {"LOOK": 4, "MANY": 1, "AHEAD": 3, "FEW_RESTLESS": 2.0, "MOST_RESTLESS": -1.0}.items():
+        monkeypatch.setattr(tile_steps, name, value)
     entry, backend, rng = library.load("hole-filler"), OpenCLBackend("float32", family="cpu"), np.random.default_rng(8)
     picture = np.where(rng.random((2, 150, 265)) > 0.93, 1.0, -1.0)
     planes: dict[str, Any] = {k: np.array(np.broadcast_to(p, picture.shape)) for k, p in entry.planes(picture).items()}
@@ -113,4 +109,39 @@ def test_tiles_are_cut_smaller_and_larger_again_and_launched_ahead_with_the_same
     np.testing.assert_array_equal(ends[0][0], ends[1][0])
     np.testing.assert_equal(ends[0][1], ends[1][1])
     assert changes[:4] == [False, True, False, True]
-    assert ahead == {0, 5, 10}, "it is not waited for what a check says"
+    assert {2, 4, 6} <= {asked for asked, _ in ahead}, "it is not waited for what a check says"
+
+
+@pytest.mark.parametrize("boundary", [fixed(-1.0), PERIODIC], ids=str)
+def test_launches_after_a_check_that_may_find_the_network_at_rest_do_nothing(
+    boundary: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ahead = _launched_ahead(monkeypatch)
+    entry, backend, rng = library.load("hole-filler"), OpenCLBackend("float32", family="cpu"), np.random.default_rng(8)
+    picture = np.where(rng.random((2, 150, 265)) > 0.93, 1.0, -1.0)
+    planes: dict[str, Any] = {k: np.array(np.broadcast_to(p, picture.shape)) for k, p in entry.planes(picture).items()}
+    planes["state"][:, :6, :6] = -1
+    ends = []
+    for without in ([], ["sleep"]):
+        x, *others = make_task(entry.template, **planes, boundary=boundary, limit=300.0, without=without).start(backend)
+        ends.append((backend.read(x), others))
+    np.testing.assert_array_equal(ends[0][0], ends[1][0])
+    assert ends[0][1] == ends[1][1] and ends[0][1][1], "settled, at the same time"
+    assert any(0 < nothing <= asked for asked, nothing in ahead)
+    assert sum(asked - nothing for asked, nothing in ahead) > 50
+
+
+def _launched_ahead(monkeypatch: pytest.MonkeyPatch) -> list[tuple[int, int]]:
+    """Return what will have, each time, how many launches were asked for ahead and how many of them did nothing."""
+    from cnnsim.backends.opencl import tile_steps
+
+    ahead, collect = list[tuple[int, int]](), tile_steps.TileSteps._collect
+
+    def collected(self: Any) -> None:
+        asked, waits = len(self._ahead), self._reading is not None
+        collect(self)
+        if waits:
+            ahead.append((asked, asked - len(self._ahead)))
+
+    monkeypatch.setattr(tile_steps.TileSteps, "_collect", collected)
+    return ahead

@@ -82,11 +82,11 @@ def test_steps_stay_together_however_long_they_take(monkeypatch: pytest.MonkeyPa
     """One by one, as those of 8192 x 8192 cells were once, each would go through all of the memory."""
     for name, value in {"FIRST": 1, "SLICE": 1e-9, "PIECE": 1e6}.items():
         monkeypatch.setattr(slices, name, value)
-    from cnnsim.backends.opencl import transient
+    from cnnsim.backends.opencl import tile_steps
     from cnnsim.backends.opencl.device.context import DeviceContext
 
     asked, counts = list[int](), list[int]()
-    steps, waits, launches = transient._TileSteps.advance, DeviceContext.pieces, DeviceContext.enqueue
+    steps, waits, launches = tile_steps.TileSteps.advance, DeviceContext.pieces, DeviceContext.enqueue
 
     def advance(self: Any, step: int, count: int) -> None:
         asked.append(count)
@@ -101,7 +101,7 @@ def test_steps_stay_together_however_long_they_take(monkeypatch: pytest.MonkeyPa
         assert len(shape) == 2, "PoCL compiles a kernel once more for an offset"
         launches(self, kernel, *shape)
 
-    monkeypatch.setattr(transient._TileSteps, "advance", advance)
+    monkeypatch.setattr(tile_steps.TileSteps, "advance", advance)
     monkeypatch.setattr(DeviceContext, "pieces", pieces)
     monkeypatch.setattr(DeviceContext, "enqueue", enqueue)
     rng = np.random.default_rng(2)  # what is compiled for the test of the same bits

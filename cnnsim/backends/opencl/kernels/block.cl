@@ -23,16 +23,25 @@
 #define ROW(q) ((q) < 0 ? above + ((q) + R) * STRIDE : (q) < R ? here + (q) * STRIDE : below + ((q) - R) * STRIDE)
 #define NEIGHBOUR(q, l) VEC(const __local, ROW(q) + j + (l))
 
+static inline int any_of(sure_vec some)
+{
+    sure any = 0;
+    for (int v = 0; v < V; v++) any |= some[v];
+    return any != 0;
+}
+
 // One step of a block's columns start .. end - 1 (or so many, with the drive of the first): states in place, outputs to
 // `fresh`. All rows are read before any is written, so that the compiler may keep in registers what two of them read.
-// With `mark` it returns in bit q whether a cell of row q before column `stop` was not saturated for good.
+// With `mark` it returns in bit q whether a cell of row q before column `stop` was not saturated for good, in bit R whether
+// one before column `west` was not, and in bit R + 1 whether one from column `east` on was not.
 static inline __attribute__((always_inline)) int
 step_block(const __local real *above, const __local real *here, const __local real *below, __local real *x,
            const __local real *w, const __local real *gain, __local real *fresh, int start, int end, int times,
-           int mark, int stop)
+           int mark, int stop, int west, int east)
 {
 #define NONE(q) sure_vec loose##q = (sure_vec)0;
     EACH_ROW(NONE)
+    sure_vec loose_west = (sure_vec)0, loose_east = (sure_vec)0;
     for (int j = start; j < end; j += V) {
 #define START(q) vec s##q = VEC(const __local, x + (q) * STRIDE + j), d##q = VEC(const __local, w + (q) * STRIDE + j);
         EACH_ROW(START)
@@ -56,8 +65,11 @@ step_block(const __local real *above, const __local real *here, const __local re
 #else
 #define STAYS(q) SATURATED(vec, s##q, d##q)
 #endif
-#define MARK(q) loose##q |= own & ~STAYS(q);
+            sure_vec some = (sure_vec)0;
+#define MARK(q) { const sure_vec moves = own & ~STAYS(q); loose##q |= moves; some |= moves; }
             EACH_ROW(MARK)
+            if (j < west) loose_west |= some;
+            if (j >= east) loose_east |= some;
         }
 #endif
 #ifdef MASK
@@ -78,14 +90,14 @@ step_block(const __local real *above, const __local real *here, const __local re
         EACH_ROW(SHOW)
     }
     int found = 0;
-#define FOUND(q)                                                  \
-    {                                                             \
-        sure any = 0;                                             \
-        for (int v = 0; v < V; v++) any |= loose##q[v];           \
-        found |= any ? 1 << (q) : 0;                              \
-    }
+#define FOUND(bit, loose) found |= any_of(loose) ? 1 << (bit) : 0;
+#define FOUND_ROW(q) FOUND(q, loose##q)
     if (mark) {
-        EACH_ROW(FOUND)
+        EACH_ROW(FOUND_ROW)
+        if (found) {
+            FOUND(R, loose_west)
+            FOUND(R + 1, loose_east)
+        }
     }
     return found;
 }

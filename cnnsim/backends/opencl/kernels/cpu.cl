@@ -28,8 +28,7 @@ step_rows(__global const real *x, __global const real *w, __global const ulong *
     const int levels = turn == AWAKE ? steps : 1, times = turn == AWAKE ? 1 : steps;
 #ifdef SLEEP
     const int reach = T * RADIUS, west = min(own_cols, (reach + V - 1) / V * V);
-    const int zones[] = {0, west, max(west, (own_cols - reach) / V * V), own_cols};
-    const int places[] = {west > own_cols - reach ? WEST | EAST : WEST, 0, EAST};
+    const int east = west > own_cols - reach ? 0 : (own_cols - reach) / V * V;
 #endif
     const int seen = HALO ? levels * RADIUS : 0; // columns beside its own ones that a tile reads
     const int near = max(0, SHIFT - EVEN(seen)), end = near + (SHIFT + own_cols + seen - near + V - 1) / V * V;
@@ -55,23 +54,22 @@ step_rows(__global const real *x, __global const real *w, __global const ulong *
             const __local real *old = scratch + (t - 1) * 3 * BLOCK;
             __local real *level = scratch + t * 3 * BLOCK, *fresh = level + (t < levels ? MODULO_3(c) * BLOCK : 0);
             if (BOUNDARY == BOUNDARY_PERIODIC || (c >= 0 && c * R < rows)) {
-#define STEP(start, end, times, mark)                                                                                   \
+#define STEP(start, end, ...)                                                                                          \
     step_block(old + MODULO_3(c - 1) * BLOCK, old + MODULO_3(c) * BLOCK, old + MODULO_3(c + 1) * BLOCK,                  \
-               states + at * BLOCK, drives + at * BLOCK, gains + at * BLOCK, fresh, start, end, times, mark,            \
-               SHIFT + own_cols)
+               states + at * BLOCK, drives + at * BLOCK, gains + at * BLOCK, fresh, start, end, __VA_ARGS__)
 #ifdef SLEEP
-                for (int zone = 0; t == levels && zone < 3; zone++) {
-                    const int loose = STEP(SHIFT + zones[zone], SHIFT + zones[zone + 1], times, 1);
-                    for (int q = 0; q < R; q++) {
+                if (t == levels) {
+                    const int loose = STEP(SHIFT, SHIFT + own_cols, times, 1, SHIFT + own_cols, SHIFT + west, SHIFT + east);
+                    const int sides = (loose >> R & 1 ? WEST : 0) | (loose >> R & 2 ? EAST : 0);
+                    for (int q = 0; loose && q < R; q++) {
                         const int i = c * R + q - first_row, n = i / band;
                         if ((loose >> q & 1) && i >= 0 && i < stop_row - first_row)
-                            found[n] |= places[zone] | place_of(i - n * band, min(band, stop_row - first_row - n * band),
-                                                                reach, NORTH, SOUTH);
+                            found[n] |= sides | place_of(i - n * band, min(band, stop_row - first_row - n * band), reach,
+                                                         NORTH, SOUTH);
                     }
-                }
-                if (t < levels)
+                } else
 #endif
-                    STEP(SHIFT - (HALO ? EVEN(still) : 0), SHIFT + own_cols + (HALO ? still : 0), 1, 0);
+                    STEP(SHIFT - (HALO ? EVEN(still) : 0), SHIFT + own_cols + (HALO ? still : 0), 1, 0, 0, 0, 0);
                 for (int q = 0; t < levels && q < R; q++) fix_columns(fresh + q * STRIDE, left, right);
             }
             if (t < levels) fix_rows(level, c, rows);
@@ -95,8 +93,11 @@ step_rows(__global const real *x, __global const real *w, __global const ulong *
 __attribute__((reqd_work_group_size(1, 1, 1)))
 __kernel void steps(__global const real *x, __global const real *w, __global const ulong *mask, __global real *out,
                     __local real *scratch, int rows, int cols, int width, int band, int across, int down, int steps,
-                    int first SLEEP_ARGUMENTS)
+                    int first SLEEP_ARGUMENTS GATE_ARGUMENTS)
 {
+#ifdef SLEEP
+    if (!goes_on(halt, checked, parts, get_global_id(0) == 0)) return;
+#endif
     const int group = first + get_global_id(0), col = group % across, first_col = col * width;
     const int own_cols = min(width, cols - first_col), stacks = (down + STACK - 1) / STACK;
     const int grid = group / across / stacks, bottom = group / across % stacks * STACK, stop = min(down, bottom + STACK);
