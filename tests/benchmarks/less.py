@@ -63,7 +63,8 @@ def sleep(rounds: int) -> list[Row]:
 
     On OpenCL about 9 % of the area is computed, halos among it, where tiles of 16 x 64 cells are awake for 5 steps a
     launch, four below each other as one (28 % where those of 64 x 128 are for 10, counted from the cells that are not
-    saturated). The rest is what launches and checks cost.
+    saturated). On two cores with AVX2, which take 320 ms if each check is waited for, these steps take 190 ms, those of
+    the larger tiles at the beginning 50, checks 25, and 53 lie between launches, of which a device needs 12 us each.
     """
     entry, n = library.load("hole-filler"), 1024
     picture = rings(n)
