@@ -99,7 +99,9 @@ class TaxelArray:
         """(rows, cols, 2) taxel centres (x, y) [m]: x grows with the column, y with the row."""
         x = self.origin[0] + (np.arange(self.cols) - (self.cols - 1) / 2) * self.pitch
         y = self.origin[1] + (np.arange(self.rows) - (self.rows - 1) / 2) * self.pitch
-        return np.stack(np.meshgrid(x, y), axis=-1)
+        places = np.empty((self.rows, self.cols, 2))
+        places[..., 0], places[..., 1] = x, y[:, None]
+        return places
 
 
 @dataclass(frozen=True)

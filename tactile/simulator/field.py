@@ -87,9 +87,12 @@ class Field:
             at_once=method.name != "fft",
         )
 
-    def again(self) -> "Field":
-        """The same, with what was computed of it; its values may be written into."""
-        made = replace(self)
+    def again(self, accuracy: float) -> "Field":
+        """The same, with what was computed of it; its values may be written into.
+
+        ``accuracy``: of what effects make of it, for which nothing is computed yet.
+        """
+        made = replace(self, accuracy=accuracy)
         made.__dict__.update(loads=self.loads, values=self.values.copy())
         return made
 

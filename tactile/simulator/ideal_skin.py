@@ -1,6 +1,7 @@
 """The skin of a scene without effects: what presses on every finger, and the field that it makes at the taxels."""
 
 from collections.abc import Iterable, Iterator
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal, cast
@@ -12,8 +13,9 @@ from tactile.core.frame import TaxelArray
 from tactile.core.loads import COLUMNS
 from tactile.elastic.medium import Felt, Medium
 from tactile.simulator.contacts.loads import Loads
+from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.field import Contact, Field
-from tactile.simulator.summation import DIRECT, Summation, choose_method
+from tactile.simulator.summation import DIRECT, FEW, Summation, choose_method
 from tactile.simulator.taxels import Taxels
 
 if TYPE_CHECKING:
@@ -50,7 +52,7 @@ class IdealSkin:
 
     def medium(self, finger: int) -> Medium:
         """The cover of a finger."""
-        return Medium(self.modulus, quantity=cast(Felt, self.arrays[finger].quantity))
+        return self._fingers[finger][2]
 
     def taxels(self, finger: int) -> Taxels:
         """Where the taxels of a finger lie."""
@@ -77,7 +79,7 @@ class IdealSkin:
         kept = self._kept.get(finger)
         for first, piece in times:
             if kept is not None and first == 0 and np.array_equal(kept.times, piece):
-                yield kept.again()
+                yield kept.again(self.accuracy)
             else:
                 yield self.field(finger, piece, first)
 
@@ -85,6 +87,12 @@ class IdealSkin:
         """Keep the computed field of all frames of a finger for the next run."""
         if whole.values.size <= KEPT:
             self._kept[finger] = whole
+
+    def to_accuracy(self, accuracy: float) -> "IdealSkin":
+        """The same skin with fields of another accuracy; what was kept stays."""
+        made = copy(self)
+        made.__dict__["accuracy"] = accuracy
+        return made
 
     def pieces(self, finger: int) -> Iterator[tuple[int, Floats]]:
         """(first frame, times) of the pieces in which a finger's frames are computed."""
@@ -97,7 +105,11 @@ class IdealSkin:
     def _fingers(self) -> list[tuple[tuple[Contact, ...], Taxels, Medium]]:
         """What presses on every finger, its taxels and its cover, which are the same in all pieces."""
         return [
-            (tuple(one for one in self.pressing if one.finger == finger), Taxels.of(array), self.medium(finger))
+            (
+                tuple(one for one in self.pressing if one.finger == finger),
+                Taxels.of(array),
+                Medium(self.modulus, quantity=cast(Felt, array.quantity)),
+            )
             for finger, array in enumerate(self.arrays)
         ]
 
@@ -105,17 +117,30 @@ class IdealSkin:
     def _methods(self) -> tuple[Summation, ...]:
         if self.bumps is not None:
             return (Summation("matrix", f"{self.bumps}"),) * len(self.arrays)
-        # a few moments show whether loads move; a load that moves only between them is caught on the way
-        moments = np.linspace(0, (self.samples - 1) / self.rate, min(self.samples, 5))
         return tuple(
-            choose_method(array, self.loads(finger, moments).points, self.samples)
-            for finger, array in enumerate(self.arrays)
+            DIRECT if sample is None else choose_method(array, sample.points, self.samples)
+            for array, sample in zip(self.arrays, self._sampled, strict=True)
         )
 
     @cached_property
     def _load_counts(self) -> list[int]:
-        loads = [self.loads(finger, np.zeros(1)) for finger in range(len(self.arrays))]
-        return [one.points.shape[1] + sum(disc.radii.shape[1] for disc in one.discs) for one in loads]
+        return [
+            FEW if one is None else one.points.shape[1] + sum(disc.radii.shape[1] for disc in one.discs)
+            for one in self._sampled
+        ]
+
+    @cached_property
+    def _sampled(self) -> list[Loads | None]:
+        """What presses on every finger at a few moments, None of fewer than ``FEW`` point loads: those are summed.
+
+        Moments show whether loads move; a load that moves only between them is caught on the way.
+        """
+        found: list[Loads | None] = []
+        for finger, (mine, _, _) in enumerate(self._fingers):
+            few = len(mine) < FEW and all(type(one) is MovingLoad for one in mine)
+            moments = np.zeros(0) if few else np.linspace(0, (self.samples - 1) / self.rate, min(self.samples, 5))
+            found.append(None if few else self.loads(finger, moments))
+        return found
 
     @cached_property
     def _device(self) -> "DeviceSum | None":

@@ -46,7 +46,10 @@ class Seen(NamedTuple):
         low, high = self.normal
         share = reach / self.largest if self.largest > 0 else 0.0
         change = self.change + 2 * reach if random else self.change * (1 + 2 * share)
-        return self._replace(largest=self.largest + reach, normal=(low - reach, high + reach), change=change)
+        return Seen(
+            self.array, self.unit, self.full_scale, self.rate, self.frames, self.largest + reach,
+            (low - reach, high + reach), change,
+        )  # fmt: skip
 
 
 @cache

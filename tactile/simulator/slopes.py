@@ -99,15 +99,15 @@ class NearLoads:
         loads = field.loads
         sums = np.zeros((len(field.times), 4))
         if loads.points.shape[1]:
-            _add_near(np.ascontiguousarray(loads.points), np.zeros((1, 0)), *self._at, sums)
+            add_near(np.ascontiguousarray(loads.points), np.zeros((1, 0)), *self._at, sums)
         for disc in loads.discs:
-            _add_near(np.ascontiguousarray(disc.loads), np.ascontiguousarray(disc.radii), *self._at, sums)
+            add_near(np.ascontiguousarray(disc.loads), np.ascontiguousarray(disc.radii), *self._at, sums)
         for twist in loads.twists:  # its tractions, 3 M r / (4 pi a^3 sqrt(a^2 - r^2)), add up to 3 pi M / 8 a
             rows = np.zeros((*twist.radii.shape, COLUMNS))
             rows[..., :2] = twist.twists[..., :2]
             wide = np.where(twist.radii > 0, twist.radii, 1.0)
             rows[..., F] = np.where(twist.radii > 0, 3 * np.pi / 8 * twist.twists[..., 2] / wide, 0.0)
-            _add_near(rows, np.ascontiguousarray(twist.radii), *self._at, sums)
+            add_near(rows, np.ascontiguousarray(twist.radii), *self._at, sums)
         self.most = np.maximum(self.most, sums.max(axis=0))
         self.hardest = max(self.hardest, float(loads.totals[..., F].max(initial=0.0)))
         self.at_points = self.at_points and field.at_points
@@ -119,7 +119,7 @@ class NearLoads:
 
 
 @kept_njit()
-def _add_near(rows, radii, places, depth, out):  # type: ignore[no-untyped-def]  # numba types it at the call
+def add_near(rows, radii, places, depth, out):  # type: ignore[no-untyped-def]  # numba types it at the call
     """Add the sums of loads (frames, n, 5) to ``out`` (frames, 4); ``radii`` (frames, n), or none of points."""
     nearest = np.empty(rows.shape[1])
     for n in range(rows.shape[0]):

@@ -57,7 +57,8 @@ def few_loads(x_of, y_of, loads, out, first, last, over_depth, trace, scale):  #
         count = min(BLOCK, x_of.size - start)
         x_here, y_here = x_of[start : start + count], y_of[start : start + count]
         for n in range(first, last):
-            sums[:] = 0
+            for i in range(count):  # not more than are there: arrays may be small
+                sums[i] = sums[i + BLOCK] = sums[i + 2 * BLOCK] = 0.0
             for m in range(loads.shape[1]):
                 if loads[n, m, Q] != 0 or loads[n, m, R] != 0 or loads[n, m, F] != 0:
                     _add_load(x_here, y_here, sums, loads[n, m], over_depth, trace)

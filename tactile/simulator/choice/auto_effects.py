@@ -11,12 +11,13 @@ from cnnsim.support import Floats, InputError
 from tactile.core.loads import F
 from tactile.simulator.choice.chain import Named
 from tactile.simulator.choice.effect_bounds import EffectBounds
-from tactile.simulator.choice.finger_bounds import LeftOut
+from tactile.simulator.choice.finger_bounds import FIELD, LeftOut
 from tactile.simulator.choice.forces import sinks_in
 from tactile.simulator.choice.prospects import may_pay
 from tactile.simulator.contacts.rig import Rig
 from tactile.simulator.effect import is_off
 from tactile.simulator.effects import ORDER, Effect, effect_class
+from tactile.simulator.field import ACCURACY
 from tactile.simulator.scene.scene import Scene
 
 MOMENTS = 64
@@ -142,7 +143,8 @@ def choose(scene: Scene, tolerance: float, reused: bool = False) -> Choice:
     hold over the whole recording, and what is random for all seeds but one in a million. Effects on fields,
     which cost most, are left out first, each time the smallest; what those left out do together is then tried on the
     frames with the largest readings. Where choosing would cost more than it may save in one run all stays on, unless
-    the choice is ``reused``.
+    the choice is ``reused``. For one run the field, too, is computed only as finely as the tolerance asks, unless the
+    scene says another accuracy than the usual one.
 
     Raises:
         InputError: a tolerance that is not positive.
@@ -152,18 +154,27 @@ def choose(scene: Scene, tolerance: float, reused: bool = False) -> Choice:
     effects = all_effects(scene)
     bounds = EffectBounds(scene, effects, tolerance=tolerance, reused=reused)
     off, joint = set(bounds.zero), 0.0
-    tried = reused or may_pay(scene, effects, tolerance)
+    # the ideal field of points is there in no time, and nearly always pays
+    points = scene.bumps is None and not scene.contacts
+    tried = reused or points or may_pay(scene, effects, tolerance)
     if tried and not bounds.coarse:
-        off, joint = _negligible(bounds, tolerance)
-    chosen = scene.with_effects((name, effect) for name, effect in effects if name not in off)
+        # the effects of a reused choice are kept, not how finely they were computed
+        rough = not reused and scene.accuracy == ACCURACY < bounds.rough and scene.bumps is None
+        off, joint = _negligible(bounds, tolerance, rough)
+    accuracy = bounds.rough if FIELD in off else None
+    off.discard(FIELD)
+    chosen = scene.with_effects([one for one in effects if one[0] not in off], accuracy)
     return Choice(chosen, tolerance, frozenset(off), joint, bounds, tried)
 
 
-def _negligible(bounds: EffectBounds, tolerance: float) -> tuple[set[str], float]:
-    """What can be left out, and the bound of the error."""
+def _negligible(bounds: EffectBounds, tolerance: float, rough: bool) -> tuple[set[str], float]:
+    """What can be left out, with ``FIELD`` if it may be the field's accuracy, and the bound of the error."""
     sizes = bounds.sizes()
     fields = {name for name, _ in bounds.on_fields}
     order = sorted(sizes.keys() - bounds.zero, key=lambda name: (name not in fields, sizes[name], name))
+    if rough and bounds.on_fields:
+        sizes[FIELD] = 0.0
+        order.insert(0, FIELD)
     off, joint = _left_out(bounds, order, fields, sizes, tolerance)
     while bounds.bends(off):
         joint = bounds.without(off).change(off)
@@ -179,19 +190,20 @@ def _left_out(
     bounds: EffectBounds, order: list[str], fields: set[str], sizes: dict[str, float], tolerance: float
 ) -> tuple[set[str], float]:
     """What can be left out of the effects in an order, and the bound of the error."""
-    off, joint = _greedy(bounds, order, sizes, tolerance)
+    off, joint, full = _greedy(bounds, order, sizes, tolerance)
     # where a converter's steps are coarse nothing before it may be left out, or the converter itself
     grains = {name for one in bounds.fingers for name in one.grains}
-    if grains <= off or len(off) == len(sizes):
+    if not full or grains <= off:
         return off, joint
-    other = _greedy(bounds, sorted(order, key=lambda name: name not in grains), sizes, tolerance)
-    return max((off, joint), other, key=lambda one: (len(one[0] & fields), len(one[0])))
+    more, change, _ = _greedy(bounds, sorted(order, key=lambda name: name not in grains), sizes, tolerance)
+    return max((off, joint), (more, change), key=lambda one: (len(one[0] & fields), len(one[0])))
 
 
 def _greedy(
     bounds: EffectBounds, order: list[str], sizes: dict[str, float], tolerance: float
-) -> tuple[set[str], float]:
-    left, joint = [LeftOut() for _ in bounds.fingers], 0.0
+) -> tuple[set[str], float, bool]:
+    """What can be left out in an order, the bound of the error, and whether one stays for the others' sake."""
+    left, joint, full = [LeftOut() for _ in bounds.fingers], 0.0, False
     tried = {name for one in bounds.fingers for name in one.terms}
     for name in order:
         if sizes[name] > tolerance and name not in tried:
@@ -200,4 +212,6 @@ def _greedy(
         change = bounds.largest(more)
         if change <= tolerance:
             left, joint = more, change
-    return bounds.zero | left[0].names, joint
+        else:
+            full = True
+    return bounds.zero | left[0].names, joint, full

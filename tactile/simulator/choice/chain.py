@@ -1,11 +1,11 @@
 """The effects of a scene in the order in which they act, which of them are on, and fields behind them."""
 
+import math
 from collections.abc import Container, Sequence
 from typing import Any
 
 from cnnsim.support import Floats
-from tactile.simulator.choice.finger_bounds import FingerBounds
-from tactile.simulator.effect import is_off
+from tactile.simulator.choice.finger_bounds import FIELD, FingerBounds
 from tactile.simulator.field import Field
 from tactile.simulator.scene.scene import NOTHING
 from tactile.simulator.seen import Seen
@@ -21,11 +21,18 @@ class Chain:
     """
 
     def __init__(self, effects: Sequence[Named], names: Container[str] | None) -> None:
-        self.zero = {name for name, effect in effects if is_off(effect)}
-        acting = [one for one in effects if one[0] not in self.zero]
-        self.on_fields = [one for one in acting if one[1].STAGE == "field"]
-        self.on_frames = [one for one in acting if one[1].STAGE != "field"]
-        self.on = {name for name, _ in acting if names is None or name in names}
+        self.zero: set[str] = set()
+        self.on: set[str] = set()
+        self.on_fields: list[Named] = []
+        self.on_frames: list[Named] = []
+        for one in effects:
+            name, effect = one
+            if effect.off:
+                self.zero.add(name)
+                continue
+            (self.on_fields if effect.STAGE == "field" else self.on_frames).append(one)
+            if names is None or name in names:
+                self.on.add(name)
 
     def acted(self, given: Field, off: Container[str] = ()) -> Field:
         """A field behind the fixed effects that act on it, but for those left out."""
@@ -45,11 +52,13 @@ class Chain:
         """Bound effects on frames, given bounds of the readings before the first of them, and what grows behind all."""
         passes: dict[str, float] = {}
         for name, effect in self.on_frames:
-            found.reach[name] = reach = asked(effect, "reach", float("inf"), seen)
+            found.reach[name] = reach = asked(effect, "reach", math.inf, seen)
+            if effect.NORMAL:
+                found.normal.add(name)
             if name in self.on:
-                passes[name] = asked(effect, "passes", 1.0, seen)
-                grain = asked(effect, "grain", 0.0, seen)
-                if grain > 0:
+                if hasattr(effect, "passes"):
+                    passes[name] = float(effect.passes(seen))
+                if hasattr(effect, "grain") and (grain := float(effect.grain(seen))) > 0:
                     found.grains[name] = grain, 3 * seen.taxels * seen.frames / grain
                 behind = getattr(effect, "behind", None)
                 seen = behind(seen) if behind else seen.after(min(reach, seen.largest), effect.RANDOM)
@@ -57,8 +66,11 @@ class Chain:
         for name, _ in reversed(self.on_frames):
             found.growth[name] = growth
             growth *= passes.get(name, 1.0)
-        found.growth.update((name, growth) for name, _ in self.on_fields)
-        found.normal.update(name for name, effect in (*self.on_frames, *self.on_fields) if effect.NORMAL)
+        found.growth[FIELD] = growth
+        for name, effect in self.on_fields:
+            found.growth[name] = growth
+            if effect.NORMAL:
+                found.normal.add(name)
 
 
 def asked(effect: Any, what: str, else_: float, *given: Any) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 from cnnsim.support import Floats, InputError
 from tactile.simulator.choice.chain import Chain, Named, asked
 from tactile.simulator.choice.extremes import FOREMOST, Extremes, extremes
-from tactile.simulator.choice.finger_bounds import SAFE, FingerBounds, LeftOut, largest
+from tactile.simulator.choice.finger_bounds import FIELD, SAFE, FingerBounds, LeftOut, largest
 from tactile.simulator.choice.forces import highest_reading, unseen
 from tactile.simulator.choice.shaking import Shaking, rises
 from tactile.simulator.choice.trials import Trial, pays, pays_behind
@@ -29,8 +29,8 @@ FAR = 2.0
 """Share of the peak from which bounds of all effects on fields together are too loose for what acts behind them."""
 BEYOND = 1e6
 """Share of the peak at which a bound ends: it tells as little as one without an end, and is a number."""
-COARSEST = 1e-3
-"""Accuracy of trials at most: what effects change is a difference of two fields."""
+COARSEST, PART = 1e-3, 0.05
+"""Accuracy of the field at most, in trials and in a run, and the part of the tolerance that it may take."""
 
 
 class EffectBounds:
@@ -75,8 +75,12 @@ class EffectBounds:
 
     def field(self, finger: int, times: Floats) -> Field:
         """The ideal field of a finger for a trial."""
-        rough = max(self._scene.accuracy, min(self._tolerance / 30, COARSEST))
-        return replace(self._scene.skin.field(finger, times), trial=True, accuracy=rough)
+        return replace(self._scene.skin.field(finger, times), trial=True, accuracy=self.rough)
+
+    @cached_property
+    def rough(self) -> float:
+        """How far the field may be off, of its peak, where it takes but a small part of the tolerance."""
+        return max(self._scene.accuracy, min(self._tolerance * PART, COARSEST))
 
     @property
     def coarse(self) -> bool:
@@ -94,10 +98,11 @@ class EffectBounds:
 
     def sizes(self) -> dict[str, float]:
         """The bound of every effect relative to the peak."""
-        return {
-            name: 0.0 if name in self.zero else max([one.size(name) for one in self.fingers]) / self.peak
-            for name, _ in self.effects
-        }
+        fingers, peak, sizes = self.fingers, self.peak, dict.fromkeys([name for name, _ in self.effects], 0.0)
+        for name in sizes:
+            if name not in self.zero:
+                sizes[name] = max([one.size(name) for one in fingers]) / peak
+        return sizes
 
     @property
     def converters(self) -> set[str]:
@@ -125,6 +130,8 @@ class EffectBounds:
 
     def leave(self, left: list[LeftOut], name: str) -> list[LeftOut]:
         """What is left out on every finger, with one effect more."""
+        if len(left) == 1:
+            return [self.fingers[0].without(left[0], name)]
         return [one.without(before, name) for one, before in zip(self.fingers, left, strict=True)]
 
     def largest(self, left: list[LeftOut]) -> float:
@@ -174,7 +181,9 @@ class EffectBounds:
             seen = _behind(seen, trial.still if found.terms else trial.first)
         else:
             seen = seen.after(min(most, BEYOND * seen.largest), False)
-        self._chain.bound_frames(found, seen.after(min(shaken, BEYOND * seen.largest), True))
+        seen = seen.after(min(shaken, BEYOND * seen.largest), True)
+        found.reach[FIELD] = self.rough * seen.largest
+        self._chain.bound_frames(found, seen)
         return found
 
     def _shaken(self, found: FingerBounds, trial: Trial, ideal: Extremes, grown: float) -> float:

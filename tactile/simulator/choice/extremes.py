@@ -6,8 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from cnnsim.support import Floats, Integers
-from cnnsim.support.compiling.kept_loops import kept_njit
-from tactile.core.frame import NORMAL
+from tactile.simulator.choice.point_extremes import point_extremes, points_alone
+from tactile.simulator.choice.scan import scan
 from tactile.simulator.field import Field
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.seen import Seen
@@ -52,31 +52,22 @@ def extremes(scene: Scene, finger: int) -> Extremes:
     array = scene.arrays[finger]
     channels = array.rows * array.cols * 3
     peaks, where, ends, last = np.zeros(channels), np.zeros(channels, np.int64), np.zeros(3), np.empty(0)
-    near, fields = NearLoads(scene.skin.taxels(finger)), 0
-    for field in scene.skin.fields(finger, scene.skin.pieces(finger)):
-        values = np.ascontiguousarray(field.values).reshape(-1, channels)
-        _scan(values, field.first, last if fields else values[0], peaks, where, ends)
-        near.add(field)
-        last, fields = values[-1], fields + 1
+    whole, slopes = None, None
+    if len(pieces := list(scene.skin.pieces(finger))) == 1:
+        whole = scene.skin.field(finger, pieces[0][1])
+        if points_alone(whole):
+            slopes = point_extremes(whole, peaks, where, ends)
+    if slopes is None:
+        near, fields = NearLoads(scene.skin.taxels(finger)), 0
+        for field in [whole] if whole else scene.skin.fields(finger, pieces):
+            values = np.ascontiguousarray(field.values).reshape(-1, channels)
+            scan(values, field.first, last if fields else values[0], peaks, where, ends)
+            near.add(field)
+            last, fields = values[-1], fields + 1
+        slopes = near.slopes(array, scene.skin.medium(finger), float(peaks.max()))
     low, high, change = ends.tolist()
-    unit, largest = scene.unit(finger), float(peaks.max())
-    seen = Seen(array, unit, scene.full_scale * unit, scene.rate, scene.samples, largest, (low, high), change)
-    whole = field if fields == 1 else None
+    unit = scene.unit(finger)
+    seen = Seen(array, unit, scene.full_scale * unit, scene.rate, scene.samples, slopes.largest, (low, high), change)
     if whole is not None:
         scene.skin.keep(finger, whole)
-    slopes = near.slopes(array, scene.skin.medium(finger), largest)
     return Extremes(seen, slopes, peaks, where, whole)
-
-
-@kept_njit()
-def _scan(values, first, last, peaks, where, ends):  # type: ignore[no-untyped-def]  # numba types it at the call
-    """Go on with every channel's peak and frame, and with the least and largest normal reading and largest step."""
-    for n in range(values.shape[0]):
-        for c in range(values.shape[1]):
-            value = values[n, c]
-            before = last[c] if n == 0 else values[n - 1, c]
-            ends[2] = max(ends[2], abs(value - before))
-            if abs(value) > peaks[c]:
-                peaks[c], where[c] = abs(value), n + first
-            if c % 3 == NORMAL:
-                ends[0], ends[1] = min(ends[0], value), max(ends[1], value)

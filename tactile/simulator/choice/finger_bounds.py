@@ -9,6 +9,8 @@ import numpy as np
 from cnnsim.support import Floats
 from tactile.simulator.seen import RARE
 
+FIELD = "accuracy of the field"
+"""What stands for the field's own accuracy among the effects: to compute it roughly is to leave that out."""
 SAFE = 1.25
 """What is found on the frames that tell most may be so many times larger on another one."""
 

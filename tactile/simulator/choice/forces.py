@@ -46,8 +46,7 @@ def highest_reading(scene: Scene) -> float:
 
 
 def _hardest(load: MovingLoad) -> float:
-    forces = load.path[:, 3:]
-    return math.sqrt(float(np.einsum("nc,nc->n", forces, forces).max()))
+    return max([math.hypot(*force) for force in load.path[:, 3:].tolist()])
 
 
 def unseen(scene: Scene, finger: int, highest: float) -> Seen:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -86,7 +87,9 @@ class MovingContact:
         from tactile.simulator.contacts.sticking import attached, moved, table, with_pull  # only where called for
 
         pushes = self.path[:, [0, 1 + F]]
-        law = table(self.indenter, medium, rig.work, pushes, self.given_depth)
+        if (medium, rig.work) not in self._laws:  # each takes as long as some hundred frames
+            self._laws[medium, rig.work] = table(self.indenter, medium, rig.work, pushes, self.given_depth)
+        law = self._laws[medium, rig.work]
         snap = float((law.indentation if self.given_depth else law.force)[0])
 
         def held(at: Floats, rows: Floats) -> tuple[Floats, Floats]:
@@ -154,6 +157,10 @@ class MovingContact:
 
     @cached_property
     def _history(self) -> dict[Medium, list[FrictionState]]:
+        return {}
+
+    @cached_property
+    def _laws(self) -> dict[tuple[Medium, float], Any]:
         return {}
 
     def _line(self, rows: Floats, depth: float, medium: Medium) -> Loads:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.support import Flags, Floats, InputError
+from cnnsim.support.compiling.kept_loops import kept_njit
 from cnnsim.support.keywords import spelled
 from tactile.core.loads import COLUMNS, FORCE
 from tactile.elastic.medium import Medium
@@ -19,11 +20,31 @@ def along_path(path: Floats, times: Floats) -> tuple[Floats, Flags]:
     Between its rows a path changes linearly; before the first and after the last it is not there. With one row it
     stands still from that time on.
     """
-    rows = np.stack([np.interp(times, path[:, 0], column) for column in path[:, 1:].T], axis=-1)
-    gone = times < path[0, 0]
-    if len(path) > 1:
-        gone |= times > path[-1, 0]
+    rows, gone = np.empty((len(times), path.shape[1] - 1)), np.empty(len(times), np.bool_)
+    follow_path(np.ascontiguousarray(path), np.ascontiguousarray(times, np.float64), rows, gone)
     return rows, gone
+
+
+@kept_njit()
+def follow_path(path, times, rows, gone):  # type: ignore[no-untyped-def]  # numba types it at the call
+    """Put the columns at the times into ``rows``, each as `numpy.interp` has it, and where the path is not there."""
+    last = path.shape[0] - 1
+    for n in range(times.size):
+        t, k = times[n], 0
+        gone[n] = t < path[0, 0] or (last > 0 and t > path[last, 0])
+        high = last
+        while k < high:  # the last row that is not later
+            middle = (k + high + 1) // 2
+            if path[middle, 0] <= t:
+                k = middle
+            else:
+                high = middle - 1
+        if k == last or t <= path[k, 0]:
+            rows[n] = path[k, 1:]
+            continue
+        for c in range(rows.shape[1]):
+            slope = (path[k + 1, c + 1] - path[k, c + 1]) / (path[k + 1, 0] - path[k, 0])
+            rows[n, c] = slope * (t - path[k, 0]) + path[k, c + 1]
 
 
 def path_array(path: ArrayLike) -> Floats:

@@ -1,5 +1,6 @@
 """Drift: the zero of every channel wanders."""
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
@@ -24,8 +25,8 @@ class Drift:
 
     def reach(self, seen: Seen) -> float:
         """Bound of the change; a walk goes as far before its end as at its end for one seed in two."""
-        spread = np.sqrt((self.rate * seen.duration) ** 2 + self.walk**2 * seen.duration)
-        return seen.full_scale * float(spread) * sigmas(2 * 3 * seen.taxels)
+        spread = math.sqrt((self.rate * seen.duration) ** 2 + self.walk**2 * seen.duration)
+        return seen.full_scale * spread * sigmas(2 * 3 * seen.taxels)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames with wandering zeros."""

@@ -4,7 +4,6 @@ import heapq
 import warnings
 import zlib
 from collections.abc import Iterable, Iterator
-from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
@@ -213,12 +212,21 @@ class Scene:
             for k, (t, sequence) in enumerate(zip(batch.t.tolist(), batch.sequence.tolist(), strict=True)):
                 yield Frame(finger, t, sequence, batch.values[k], batch.valid[k])
 
-    def with_effects(self, effects: Iterable[tuple[str, Any]]) -> "Scene":
-        """The same scene with other effects, and with what was found out about it without any."""
+    def with_effects(self, effects: Iterable[tuple[str, Any]], accuracy: float | None = None) -> "Scene":
+        """The same scene with other effects, and with what was found out about it without any.
+
+        With another ``accuracy`` of the field, if one is given.
+        """
         acting = named_effects(effects)
-        skin = self.skin
-        made = copy(self)
+        skin = self.skin if accuracy is None else self.skin.to_accuracy(accuracy)
+        made: Scene = object.__new__(type(self))
+        made.__dict__.update(
+            self.__dict__,
+            effects=acting,
+            arrays=under_covers(self.arrays, acting),
+            skin=skin,
+            accuracy=skin.accuracy,
+        )
         made.__dict__.pop("range_notes", None)
-        made.__dict__.update(effects=acting, arrays=under_covers(self.arrays, acting), skin=skin)
         check_effects(made)
         return made

@@ -128,9 +128,10 @@ large as the signal:
 {parts}
 
 **Random scenes**, {cases} of them, {samples} frames each, with any effect at any strength and seeds that were never
-looked at before, at a tolerance of {tolerance:g}. A choice for one run is made only where it may pay, told by the
-forces and the sizes of the arrays alone, and else leaves all on; one that is reused (`tactile explain SCENE --write
-FILE`) is always made, with trials of the effects in doubt. Errors are the largest over the scene's own seed and two
+looked at before, at a tolerance of {tolerance:g}. A choice for one run is made by bounds, under bodies only where it
+may pay, told by the forces and the sizes of the arrays alone, and else leaves all on; unless the scene says another
+accuracy than the usual one it also computes the field to a twentieth of the tolerance, 1e-3 at most. One that is reused
+(`tactile explain SCENE --write FILE`) is always made, with trials of the effects in doubt. Errors are the largest over the scene's own seed and two
 others; times are relative to those of all effects on.
 
 | choice | tolerance kept | largest error | bound over error, median | something left out | choosing, median | run, median | run, most | choosing and run, median | most | less than all on |

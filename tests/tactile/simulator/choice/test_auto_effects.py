@@ -144,3 +144,16 @@ def test_a_short_scene_is_chosen_by_bounds_and_a_long_one_by_trials(monkeypatch:
     computed[0] = 0
     choose(coarse, 0.02)
     assert computed[0] == 0  # forces alone tell that all stays
+
+
+def test_a_run_computes_the_field_as_finely_as_the_tolerance_asks() -> None:
+    area = needle(("taxel_area", TaxelArea(3e-4)), ("read_noise", ReadNoise(0.02)))
+    chosen = choose(area, 0.01)
+    assert chosen.scene.accuracy == pytest.approx(5e-4)
+    assert chosen.off == chosen.bounds.zero
+    assert 0 < error(chosen.scene, everything(area)) <= chosen.bound <= 0.01
+    assert choose(area, 0.001).scene.accuracy == area.accuracy  # nothing is gained
+    assert choose(replace(area, accuracy=1e-6), 0.01).scene.accuracy == 1e-6  # as the scene says
+    assert choose(area, 0.01, reused=True).scene.accuracy == area.accuracy
+    coarse = area.with_effects([*area.effects, ("quantisation", Quantisation(4, 1.5))])
+    assert choose(coarse, 0.01).scene.accuracy == area.accuracy

@@ -13,6 +13,7 @@ from tactile.elastic.profiles import HERTZ
 from tactile.elastic.unit_disc import EVEN, ODD, RZ, ZR, ZZ, layer
 from tactile.simulator.choice.extremes import extremes
 from tactile.simulator.choice.forces import highest_reading
+from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effects.read_noise import ReadNoise
 from tactile.simulator.slopes import BASE, STEEPEST, VALUE
 from tests.kits.touch.random_scenes import needle, random_scene
@@ -82,3 +83,21 @@ def test_a_scene_keeps_the_ideal_field_for_its_run() -> None:
     extremes(scene, 0)
     for _ in range(2):  # noise is added in place, not to what is kept
         assert np.array_equal(np.concatenate([batch.values for batch in scene.batches(0)]), fresh)
+
+
+def test_points_alone_are_computed_at_one_go_as_field_by_field(monkeypatch: pytest.MonkeyPatch) -> None:
+    late = MovingLoad(0, np.array([(0.3, 0, 0, 0, 0, 0.01), (0.6, 2e-4, 0, 0.01, 0, 0.03)]))
+    scene = needle()
+    for loads in (scene.loads, (*scene.loads, late), (late,)):
+        given = replace(scene, loads=loads)
+        at_once = extremes(given, 0)
+        with monkeypatch.context() as patch:
+            patch.setattr("tactile.simulator.choice.extremes.points_alone", lambda _field: False)
+            one_by_one = extremes(replace(given), 0)
+        assert at_once.seen == one_by_one.seen
+        assert np.array_equal(at_once.slopes.sums, one_by_one.slopes.sums)
+        assert at_once.slopes.hardest == one_by_one.slopes.hardest
+        assert at_once.whole is not None
+        assert one_by_one.whole is not None
+        assert np.array_equal(at_once.whole.values, one_by_one.whole.values)
+        assert np.array_equal(at_once.whole.loads.totals, one_by_one.whole.loads.totals)
