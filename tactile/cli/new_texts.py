@@ -77,6 +77,7 @@ quantity = "strain"         # strain, stress or force: what the readings are aft
 # origin_mm = [0.0, 0.0]    # centre of the array: x to the right, y down
 # axes  = ["x", "y", "-z"]  # which of the device's axes are shear_x, shear_y and normal
 # gains = [1e-5, 1e-5]      # shear, normal: quantity per unit of the wire; microtesla of magnetometers need them
+#                           # (where nobody knows them: quantity = "force" and depth_mm = 0.0, for tactile score)
 # cells = [[0, 1], [2, 3]]  # the device's number of the chip in each cell, -1 where none is
 
 # [thresholds]              # of events, where the command line says nothing; without them the noise decides

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from tactile.settings import Settings
 
 HALVES = ("all", "tune", "report")
+FEW = 0.5
+"""Share of the frames in contact: where located loads explain fewer, the array is described wrongly."""
 
 
 @click.command(
@@ -106,6 +108,14 @@ def score(
             read_sequences(recordings, described, rate), described, settings, gains or (1.0,), kinds or KINDS,
             lambda numbers: watched(numbers, "sequences", len(numbers)),
         )  # fmt: skip
+        share = found["sequences"]["explained"]
+        if share is not None and share < FEW:
+            echo(
+                f"{array}: located loads explain the readings in {share:.0%} of the frames in contact, so its gains,"
+                ' axes or depths are not those of the array; where nobody knows them, quantity = "force" without gains'
+                " goes by the noise",
+                err=True,
+            )
     if grasps or idle_minutes:
         from tactile.score.simulated import score_grasps  # the same
 

@@ -12,7 +12,7 @@ from cnnsim.support.arrays.npz_file import read_npz_arrays
 from tactile import pipeline
 from tactile.core.frame import Frame
 from tactile.core.source import FrameStream, Provenance
-from tactile.events.event import Event, EventLog
+from tactile.events.event import EventLog
 from tactile.settings import Settings
 from tactile.wire.arrange import Arrange
 from tactile.wire.base import Reading
@@ -24,6 +24,8 @@ QUIET = 30
 """Frames at the beginning in which nothing slips."""
 SMOOTH, BROAD = 9, 25
 """Frames, an odd number, of the means over which the onset of a change and its steepest place are looked for."""
+MISFIT = 0.4
+"""Part of the readings, as root mean squares, from which on a located load does not explain them."""
 BASELINE = 8.0
 """Sigma of the noise that the norm of all channels passes in the plain detector."""
 
@@ -149,10 +151,19 @@ class Verdicts:
         }  # fmt: skip
 
 
-def _events(source: FrameStream, settings: Settings) -> list[Event]:
-    log = EventLog()
-    pipeline.run(source, settings, [lambda report: log.add(report.events, report.ended)])
-    return log.events
+@dataclass
+class _Followed:
+    """Events of one sequence, and in how many frames of a contact its located load explains what is read."""
+
+    log: EventLog = field(default_factory=EventLog)
+    explained: int = 0
+    pressed: int = 0
+
+    def __call__(self, report: pipeline.FrameReport) -> None:
+        self.log.add(report.events, report.ended)
+        if report.array.quantity != "force" and report.code.contact.any():
+            self.pressed += 1
+            self.explained += report.load.misfit <= MISFIT
 
 
 def score_sequences(
@@ -163,19 +174,37 @@ def score_sequences(
     """Return for each factor on the readings, and for the plain detector, what is said of the sequences.
 
     A sequence is said to slip where an event of one of the ``kinds`` is told; ``watch`` hands the numbers of the
-    sequences on and may show how far it is.
+    sequences on and may show how far it is. ``explained``: share of the fingers' frames in contact in which the located
+    load explains most of what is read; None of force, where none is located. Where it is small the gains, the axes or
+    the depth are not those of the array, and events rest on loads without meaning.
+
+    Raises:
+        InputError: readings in the unit of the wire that are called strain or stress.
     """
     kinds = tuple(kinds)
+    for board in description.boards:
+        if board.array.quantity != "force" and board.array.name in description.uncalibrated:
+            raise InputError(
+                f"finger {board.array.name!r}: {description.wire.name} sends microtesla, called {board.array.quantity}"
+                " without gains; gains = [shear, normal] per uT wanted, or, where nobody knows them, quantity ="
+                ' "force": events go by the noise'
+            )
+    explained = pressed = 0
     found = {f"x {gain:g}": Verdicts() for gain in gains} | {"baseline: norm": Verdicts()}
     norms = _norms(sequences.signal.reshape(*sequences.signal.shape[:2], -1))
     for number in watch(list(range(len(sequences.slips)))):
         slips, known = bool(sequences.slips[number]), float(sequences.onset[number])
         for gain in gains:
             source = sequences.source(number, description, gain)
-            told = [event for event in _events(source, settings(source)) if event.kind in kinds]
+            followed = _Followed()
+            pipeline.run(source, settings(source), [followed])
+            explained, pressed = explained + followed.explained, pressed + followed.pressed
+            told = [event for event in followed.log.events if event.kind in kinds]
             first = (min(event.t for event in told), min(event.told for event in told)) if told else None
             found[f"x {gain:g}"].add(slips, known, first)
         passed = plain_detector(norms[number])
         when = None if passed is None else passed / sequences.rate
         found["baseline: norm"].add(slips, known, None if when is None else (when, when))
-    return {"kinds": list(kinds), "readings": {name: one.plain() for name, one in found.items()}}
+    share = round(explained / pressed, 4) if pressed else None
+    readings = {name: one.plain() for name, one in found.items()}
+    return {"kinds": list(kinds), "explained": share, "readings": readings}

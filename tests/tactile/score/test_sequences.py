@@ -57,3 +57,28 @@ def test_onsets_that_are_known_are_taken_and_files_that_are_wrong_refused(tmp_pa
             read_sequences(file, description)
     with pytest.raises(InputError, match="none"):
         read_sequences(tmp_path / "none.npz", description)
+
+
+def test_microtesla_that_are_called_strain_are_refused_or_told_of(tmp_path: Path) -> None:
+    """Without gains they are no strain; with made-up ones the loads explain nothing, and the figures say so."""
+    signal = np.load(write_sequences(tmp_path)[0])["signal"]
+    pressed = np.array([-4.0, 3.0, -5.0, 2.0, -3.0])  # as magnets turn, not as strain goes
+    signal[:, :, 2::3] += pressed * np.maximum(np.arange(250) - START, 0)[:, None]
+    file, board = write_sequences(tmp_path, signal=signal)
+    known = board.read_text(encoding="utf-8")
+    strain = "youngs_modulus_mpa = 0.4" + known.replace('"force"', '"strain"').replace(
+        "depth_mm = 0.0", "depth_mm = 2.0"
+    )
+    board.write_text(strain, encoding="utf-8")
+    refused = call("score", file, "--array", board)
+    assert refused.exit_code == 2
+    assert 'quantity = "force"' in refused.output
+    board.write_text(strain + "gains = [1e-4, 1e-4]\n", encoding="utf-8")
+    done = call("score", file, "--array", board, "--json")
+    assert done.exit_code == 0, done.output
+    assert json.loads(done.stdout)["sequences"]["explained"] < 0.5
+    assert "not those of the array" in done.stderr
+    board.write_text(known, encoding="utf-8")
+    done = call("score", file, "--array", board, "--json")
+    assert json.loads(done.stdout)["sequences"]["explained"] is None
+    assert "not those of the array" not in done.stderr
