@@ -31,7 +31,6 @@ AHEAD = 8
 MANY = 16
 """Launches beside which those that follow one check, should they be for nothing, are nothing."""
 
-
 _COPIED = cl.mem_flags.READ_WRITE | cl.mem_flags.COPY_HOST_PTR
 
 
@@ -125,15 +124,15 @@ class TileSteps(CheckedSteps):
 
     def go_ahead(self, parts: int) -> None:
         """Launch what mostly comes next: where a check or the driver will have none of it, it is left or done anew."""
-        state, now = self._state, self._tiles.steps
+        state, now, left = self._state, self._tiles.steps, self._plan.steps - self._step
         usual = state.launches >= MANY and now == state.last and now * self.work <= PIECE
-        if self._ahead or not (self._moved and usual):
+        if self._ahead or not (self._moved and usual and now <= left):
             return
         if not self._gated:
             self._ahead.append(self._launch(state, now))
             return
         every = self._plan.check_every
-        checks = min(AHEAD, state.launches // MANY, (self._plan.steps - self._step) // every)
+        checks = min(AHEAD, state.launches // MANY, left // every)
         for check in range(checks):
             parts = self._launch_check(state.x) if check else parts
             for first in range(0, every, now):

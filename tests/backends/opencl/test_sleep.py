@@ -145,3 +145,25 @@ def _launched_ahead(monkeypatch: pytest.MonkeyPatch) -> list[tuple[int, int]]:
 
     monkeypatch.setattr(tile_steps.TileSteps, "_collect", collected)
     return ahead
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("limit", [20.0, 20.125, 20.375])
+def test_launches_ahead_of_a_check_end_at_the_limit(
+    limit: float, family: Family, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Launches of four steps fill a time constant of eight, and the limit leaves none, one or three of them."""
+    from cnnsim.backends.opencl import tile_steps
+
+    monkeypatch.setattr(tile_steps, "MANY", 1)
+    entry, backend = library.load("hole-filler"), OpenCLBackend("float32", family=family)
+    planes: dict[str, Any] = entry.planes(np.where(np.random.default_rng(8).random((150, 265)) > 0.93, 1.0, -1.0))
+    ends = []
+    for without in ([], ["sleep"]):
+        task = make_task(
+            entry.template, **planes, boundary=fixed(-1.0), scheme="euler", step=0.125, limit=limit, without=without
+        )
+        end = task.start(backend)
+        ends.append((backend.read(end.x), end.t, end.settled, end.rate))
+    np.testing.assert_array_equal(ends[0][0], ends[1][0])
+    np.testing.assert_equal(ends[0][1:], ends[1][1:])
