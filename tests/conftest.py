@@ -24,5 +24,8 @@ def bumps_are_kept_for_the_session_alone(tmp_path_factory: pytest.TempPathFactor
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """OpenCL first: of two workers one then builds its programs, the other meanwhile compiles the numba kernels."""
-    items.sort(key=lambda item: "opencl" not in item.nodeid)
+    """OpenCL first: of two workers one then builds its programs, the other meanwhile compiles the numba kernels.
+
+    Of these first the backend's own: the others leave kernels behind that were built in haste, which are slow.
+    """
+    items.sort(key=lambda item: ("opencl" not in item.nodeid, "backends/opencl/" not in item.nodeid))

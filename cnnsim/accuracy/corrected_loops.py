@@ -45,9 +45,11 @@ def correlated(y, offsets, weights, first, last, total):  # type: ignore[no-unty
 @kept_njit(error_model="numpy", fastmath={"contract"})
 def stage(y, x, drive, free, offsets, weights, at, to, k):  # type: ignore[no-untyped-def]
     """Write the rates of a chunk of cells."""
-    k[at:to] = drive[at:to] - x[at:to]
+    for i in range(at, to):
+        k[i] = drive[i] - x[i]
     add_taps(y, offsets, weights, at, to, k)
-    k[at:to] *= free[at:to]
+    for i in range(at, to):
+        k[i] *= free[i]
 
 
 @kept_njit(error_model="numpy")

@@ -23,6 +23,8 @@ LOOK = 8
 """Times that steps are asked for between two looks how many tiles sleep."""
 FEW_RESTLESS, MOST_RESTLESS = 1 / 2, 2 / 3
 """Shares of tiles with such cells below which they are cut into light sleepers, and above which they are no more."""
+LEAST_LIGHT = 1 << 18
+"""Cells below which they are not: to build their kernel takes longer than it saves in several runs."""
 QUICK = 4
 """Sums that the steps of tiles do in the time of one elsewhere: what they read is in the cache."""
 
@@ -102,7 +104,7 @@ class TileSteps(CheckedSteps):
 
     def _look_if_due(self) -> None:
         """Go over to light sleepers where most tiles have no cell that is not saturated, and back where most have."""
-        if not self._gated or self._ahead or self._advances < self._next_look:
+        if self._grid.cells < LEAST_LIGHT or not self._gated or self._ahead or self._advances < self._next_look:
             return
         self._next_look = self._advances + LOOK
         found = np.empty(self._tiles.number, np.uint8)

@@ -26,7 +26,11 @@ def remember(t, fast, times, past, state):  # type: ignore[no-untyped-def]  # ty
     elif state[1] > 0 and t - times[last] < EACH:
         return
     times[state[0]] = t
-    past[state[0]] = fast
+    _, rows, cols, parts = past.shape
+    for i in range(rows):  # by hand: an assignment of arrays takes seconds to compile
+        for j in range(cols):
+            for m in range(parts):
+                past[state[0], i, j, m] = fast[i, j, m]
     state[0] = (state[0] + 1) % KEPT
     state[1] = min(state[1] + 1, KEPT)
 

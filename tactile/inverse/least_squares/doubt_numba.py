@@ -53,7 +53,8 @@ def without_largest(at, felt, scale, load, strain, layer, tie, near):  # type: i
     matrix[3, 3] += tie[2]
     left, along, one = np.zeros((3, 1)), np.empty((5, 3, 1)), slice(worst, worst + 1)
     slopes(at[one], scale[one], load, strain, layer, left, along)
-    vector[:] = along[:, k, 0]
+    for m in range(5):
+        vector[m] = along[m, k, 0]
     if not solve(matrix, vector, 0.0, factor, step):
         return chi, 1.0, count
     share = 0.0

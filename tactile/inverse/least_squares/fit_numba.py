@@ -49,7 +49,11 @@ def fit(at, felt, scale, loads, strain, layer, tie, steps):  # type: ignore[no-u
             damping = max(10 * damping, DAMPING)
             continue
         less, chi = chi - then, then
-        loads[:], matrix[:], vector[:] = tried, tried_matrix, tried_vector
+        for k in range(len(loads)):  # by hand: an assignment of arrays takes seconds to compile
+            for j in range(5):
+                loads[k, j] = tried[k, j]
+        matrix, tried_matrix = tried_matrix, matrix
+        vector, tried_vector = tried_vector, vector
         damping = damping / 10 if damping > DAMPING else 0.0
         if less * (3 * len(at) - size) <= ENOUGH * chi:
             break

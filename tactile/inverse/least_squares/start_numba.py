@@ -48,13 +48,15 @@ def layer_place(seen, felt, scale, tried, strain, layer, tie, noise, steps):  # 
     ranked(seen[:few], felt[:few], scale[:few], square, layer, tie)
     taken = TAKEN if len(seen) >= FEW else len(square)
     starts = np.full((len(tried) + taken, 3), np.inf)
-    starts[: len(tried)] = tried
+    for k in range(len(tried)):
+        starts[k, 0], starts[k, 1], starts[k, 2] = tried[k, 0], tried[k, 1], tried[k, 2]
     for k in range(taken):
         best = 0
         for j in range(1, len(square)):
             if square[j, 2] < square[best, 2]:
                 best = j
-        starts[len(tried) + k] = square[best]
+        place = starts[len(tried) + k]
+        place[0], place[1], place[2] = square[best, 0], square[best, 1], square[best, 2]
         square[best, 2] = np.inf
     for k in range(len(starts)):
         if starts[k, 2] < np.inf:
