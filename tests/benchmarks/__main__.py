@@ -21,7 +21,7 @@ def main() -> None:
         *dense.against_peers(512, 400, fma, {"cpu": ">= 1 x jax", "opencl": ">= 1 x jax"}, n),
         *dense.templates_and_sizes(n),
         *kinds.against_linear(n),
-        *less.uncoupled(n),
+        *less.uncoupled(triad, n),
         *less.sleep(n),
         *less.logic(triad, n),
         *touch.frames(n),

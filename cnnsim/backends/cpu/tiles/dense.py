@@ -7,7 +7,7 @@ from cnnsim.backends.cpu.jit.address import call
 from cnnsim.backends.cpu.jit.compile import twins
 from cnnsim.backends.cpu.tiles.grid import Feedback, Schedule, Tiling, levels_of, steps_of_pass, tile_area, tile_count
 from cnnsim.backends.cpu.tiles.position import BEGIN, END, MEASURE, STEP, Fields, Position, phase_at
-from cnnsim.backends.cpu.tiles.scratch import tile_cells, tile_layout
+from cnnsim.backends.cpu.tiles.scratch import clear, tile_cells, tile_layout
 from cnnsim.backends.cpu.tiles.settled import MOVING, UNSATURATED, largest_rate, start_check, total
 from cnnsim.support import Array
 
@@ -33,6 +33,8 @@ def dense(
     done, where, phase, next_tile, _, _ = position
     count, r, lives = tile_count(x.shape, height, width), feedback[4], feedback[8]
     scratches = np.empty((threads, tile_cells(levels_of(depth, feedback), r, lives)), x.dtype)
+    for thread in range(threads):
+        clear(scratches[thread], min(width, x.shape[2]) + 2 * levels_of(depth, feedback) * r)
     looking, largest, settled, left = phase != BEGIN, np.nan, False, most
     if phase == BEGIN:
         phase = phase_at(done, schedule)

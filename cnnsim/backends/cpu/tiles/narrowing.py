@@ -5,7 +5,7 @@ import numpy as np
 from cnnsim.backends.cpu.jit.address import call
 from cnnsim.backends.cpu.jit.compile import kernel
 from cnnsim.backends.cpu.tiles.grid import Area, Feedback
-from cnnsim.backends.cpu.tiles.scratch import tile_cells, tile_layout
+from cnnsim.backends.cpu.tiles.scratch import clear, tile_cells, tile_layout
 from cnnsim.backends.cpu.tiles.settled import FIGURES
 from cnnsim.support import Array
 
@@ -22,6 +22,7 @@ def pass_over(
     r, (height, width), (top, bottom, left, right) = feedback[4], tile, area
     lives, no_mask = feedback[8], np.empty((0, 0), np.uint64)
     scratch, found = np.empty(tile_cells(steps, r, lives), x.dtype), np.empty(FIGURES)
+    clear(scratch, width + 2 * steps * r)
     at = tile_layout(scratch, steps, r, lives)
     for g in range(x.shape[0]):
         for r0 in range(top, bottom, height):

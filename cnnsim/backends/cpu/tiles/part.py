@@ -5,6 +5,7 @@ import numpy as np
 from cnnsim.backends.cpu.jit.address import call
 from cnnsim.backends.cpu.jit.compile import twins
 from cnnsim.backends.cpu.tiles.grid import Area, Feedback
+from cnnsim.backends.cpu.tiles.scratch import clear
 from cnnsim.backends.cpu.tiles.settled import C0, C1, FIGURES, R0, R1, RATE, UNSATURATED, start_check
 from cnnsim.backends.cpu.tiles.window import window_cells, window_layout
 from cnnsim.support import Array
@@ -25,6 +26,7 @@ def over_part(
     x, target, w = planes
     r = feedback[4]
     scratch = np.empty(window_cells(HEIGHT, 0, r), x.dtype)
+    clear(scratch, WIDTH + 4 * r)
     at, all_found = window_layout(scratch, HEIGHT, 0, r), np.empty((1, FIGURES))
     found = all_found[0]
     start_check(found)

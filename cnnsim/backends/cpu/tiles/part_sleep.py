@@ -11,7 +11,7 @@ from cnnsim.backends.cpu.jit.address import call
 from cnnsim.backends.cpu.jit.compile import helper, kernel
 from cnnsim.backends.cpu.tiles.boundary import is_periodic
 from cnnsim.backends.cpu.tiles.grid import Area, Feedback, tile_area
-from cnnsim.backends.cpu.tiles.scratch import move, tile_cells, tile_layout
+from cnnsim.backends.cpu.tiles.scratch import clear, move, tile_cells, tile_layout
 from cnnsim.backends.cpu.tiles.settled import C0, C1, FIGURES, R0, R1, UNSATURATED, start_check
 from cnnsim.backends.cpu.tiles.sleep import CHOSEN, UPTO, WIDTH, choose, wake
 from cnnsim.backends.cpu.tiles.tiled import TILE_COLS, TILE_ROWS
@@ -31,6 +31,7 @@ def look(planes: Planes, feedback: Feedback, address: int, tiles: Array, first: 
     """Check one tile in so many, from the ``first`` on; return which share of them has an unsaturated cell."""
     x, spare, w = planes
     scratch = np.empty(window_cells(HEIGHT, 0, feedback[4]), x.dtype)
+    clear(scratch, WIDTH + 4 * feedback[4])
     at, restless, looked = window_layout(scratch, HEIGHT, 0, feedback[4]), 0, 0
     for tile in range(first, tiles.shape[0], every):
         g, area = tile_area(tile, x.shape, HEIGHT, WIDTH)
@@ -53,6 +54,8 @@ def step_awake(
     x, target, w = planes
     (address, streaming), r, lives, no_mask = addresses, feedback[4], feedback[8], np.empty((0, 0), np.uint64)
     scratch, rows = np.empty(window_cells(HEIGHT, 0, r), x.dtype), np.empty(tile_cells(steps, r, lives), x.dtype)
+    clear(scratch, WIDTH + 4 * r)
+    clear(rows, MOST_WIDE * WIDTH + 2 * steps * r)
     at, at_rows = window_layout(scratch, HEIGHT, 0, r), tile_layout(rows, steps, r, lives)
     _forget(tiles, counts)
     choose(tiles, False)
@@ -103,6 +106,7 @@ def _together(tiles: Array, first: int, shape: tuple[int, int, int]) -> tuple[in
 def all_caught_up(planes: Planes, feedback: Feedback, address: int, tiles: Array, done: int, wanted: Area) -> None:
     """Take all tiles that have cells in the area ``wanted`` to a step."""
     scratch = np.empty(window_cells(HEIGHT, 0, feedback[4]), planes[0].dtype)
+    clear(scratch, WIDTH + 4 * feedback[4])
     at, (r0, r1, c0, c1) = window_layout(scratch, HEIGHT, 0, feedback[4]), wanted
     for tile in range(tiles.shape[0]):
         _, area = tile_area(tile, planes[0].shape, HEIGHT, WIDTH)

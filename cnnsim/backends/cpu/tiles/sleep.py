@@ -14,7 +14,7 @@ from cnnsim.backends.cpu.jit.compile import helper, twins
 from cnnsim.backends.cpu.tiles.boundary import is_periodic
 from cnnsim.backends.cpu.tiles.grid import Area, Feedback, Schedule, Tiling, steps_of_pass
 from cnnsim.backends.cpu.tiles.position import BEGIN, END, MEASURE, STEP, Fields, Position
-from cnnsim.backends.cpu.tiles.scratch import move
+from cnnsim.backends.cpu.tiles.scratch import clear, move
 from cnnsim.backends.cpu.tiles.settled import C0, C1, MOVING, R0, R1, UNSATURATED, largest_rate, start_check, total
 from cnnsim.backends.cpu.tiles.window import CATCH_UP, CHECK, HEIGHT, window_cells, window_layout
 from cnnsim.support import Array
@@ -162,6 +162,8 @@ def sleeping(
     done, where, phase, k, now, to_do = position
     r, h, periodic = feedback[4], feedback[3], is_periodic(feedback[4:7])
     scratches = np.empty((threads, window_cells(MOST * HEIGHT, depth, r)), x.dtype)
+    for thread in range(threads):
+        clear(scratches[thread], WIDTH + 2 * (depth + 2) * r)
     looking, whole, largest, settled, left = phase != BEGIN, False, np.nan, False, most
     if phase == BEGIN:
         begin_tiles(tiles)

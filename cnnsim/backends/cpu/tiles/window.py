@@ -86,6 +86,9 @@ def step_window(
     for p in range(m):
         load_row(source, top + p, lo, n, scratch, at.x + p * STRIDE, whole)
         load_row(w, top + p, lo, n, scratch, at.w + p * STRIDE, whole)
+    for p in range(m, m + -m % BLOCK):  # stepped with the last ones, as `load_row` has it of columns
+        fill(scratch, at.x + p * STRIDE, whole, 0)
+        fill(scratch, at.w + p * STRIDE, whole, 0)
     y, new = at.y, at.new
     for p in range(0, m, BLOCK):
         clip_rows(scratch, at.x + p * STRIDE, y + (r + p) * STRIDE, whole, BLOCK)
