@@ -209,3 +209,10 @@ def test_real_recordings() -> None:
             near = np.abs(total - file["s0_global"][:, :3]).max(1) < 0.05
         assert near.mean() > 0.99
         assert total[:, 2].max() > 1
+
+
+def test_a_folder_that_is_no_bag_is_called_a_folder(tmp_path: Path) -> None:
+    folder = tmp_path / "scene.toml"
+    folder.mkdir()
+    with pytest.raises(InputError, match=r"scene\.toml: a folder, and no ROS bag \(no metadata\.yaml in it\)"):
+        open_source(folder)

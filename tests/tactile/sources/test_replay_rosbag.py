@@ -83,5 +83,6 @@ def test_ros_bags_of_pillars(tmp_path: Path) -> None:
     assert frames[3].t_device == pytest.approx(0.003, abs=1e-12)
     assert source.frames == 6
     (tmp_path / "empty").mkdir()
+    (tmp_path / "empty" / "metadata.yaml").touch()
     with pytest.raises(InputError, match="cannot be read as a ROS bag"):
         open_source(tmp_path / "empty")
