@@ -15,8 +15,8 @@ from tactile.materials.slide_file import blocks, is_slide_file, read_slide_file
 from tactile.materials.slide_labels import SlideLabel
 from tactile.pipeline import FrameReport
 from tactile.settings import Settings
-from tactile.sources import open_source
-from tactile.sources.folder import is_bag, recordings_in
+from tactile.sources import is_bag, open_source
+from tactile.sources.folder import recordings_in
 
 PRESSED = 0.2
 """A finger slides from the first to the last time that it is pressed with so much of its firm load ..."""

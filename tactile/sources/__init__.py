@@ -24,11 +24,16 @@ def open_source(path: Path | str) -> Source:
     suffix = ".bag" if path.is_dir() else path.suffix.lower()
     if not path.exists():
         raise InputError(f"no scene or recording {path}")
-    if path.is_dir() and not (path / "metadata.yaml").is_file():
+    if path.is_dir() and not is_bag(path):
         raise InputError(f"{path}: a folder, and no ROS bag (no metadata.yaml in it); a scene or recording wanted")
     if suffix not in KINDS:
         raise InputError(f"{path}: suffix {path.suffix!r}, a scene or recording in {', '.join(KINDS)} wanted")
     return _READERS[suffix](path)
+
+
+def is_bag(folder: Path) -> bool:
+    """Return whether a folder is a ROS 2 bag."""
+    return (folder / "metadata.yaml").is_file()
 
 
 def _read_scene(path: Path) -> Source:

@@ -3,15 +3,10 @@
 from pathlib import Path
 
 from cnnsim.support import InputError
-from tactile.sources import KINDS
+from tactile.sources import KINDS, is_bag
 
 EVENTS = b"# tactile_events"
 """How a table of events begins, which is no recording."""
-
-
-def is_bag(folder: Path) -> bool:
-    """Return whether a folder is a ROS 2 bag."""
-    return (folder / "metadata.yaml").is_file()
 
 
 def is_folder_of_recordings(source: Path) -> bool:
