@@ -87,7 +87,6 @@ class TileSteps(CheckedSteps):
         stems = {"cpu": "boundary sleep block rows cpu", "gpu": "boundary sleep gpu"}[context.family]
         self._kernels = [context.kernel("steps", stems, defines, twin=twin) for twin in (0, 1)]
         self._moved = [context.buffer(self._tiles.number) for _ in (0, 1)] if self._sleeps else []
-        self._bound: list[tuple[Any, ...] | None] = [None, None]
         self._state = self._state._replace(launches=0, last=0)
 
     def advance(self, step: int, count: int) -> None:
@@ -167,12 +166,10 @@ class TileSteps(CheckedSteps):
         (wide, high), local = self._tiles.global_size, self._tiles.local_size
         each, work = wide // self._tiles.groups, now * self.work / self._tiles.groups / QUICK
         for first, groups in self._context.pieces(self._tiles.groups, work):
-            if self._bound[turn] != (x, now, first, least, parts):
-                self._kernels[turn].set_args(
-                    x, self._w, self._mask, self._planes[turn], *self._tiles.arguments, np.int32(now),
-                    np.int32(first), *sleep, *gate,
-                )  # fmt: skip
-                self._bound[turn] = x, now, first, least, parts
+            self._context.bind(
+                self._kernels[turn], x, self._w, self._mask, self._planes[turn], *self._tiles.arguments, np.int32(now),
+                np.int32(first), *sleep, *gate,
+            )  # fmt: skip
             self._context.enqueue(self._kernels[turn], (groups * each, high), local)
         return _State(self._planes[turn], 1 - turn, state.launches + 1, now)
 

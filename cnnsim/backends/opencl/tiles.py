@@ -18,19 +18,22 @@ TILED_BOUNDARIES = BoundaryCode.FIXED, BoundaryCode.ZERO_FLUX, BoundaryCode.PERI
 """Boundaries that the kernels of tiles (cpu.cl, gpu.cl, sleep.cl) know; with any other, steps go by stages."""
 TILE_BYTES = 2048
 """Length of a tile's row on a CPU. Measured: with 1 KiB and with 4 KiB the transient is some per cent slower."""
+ROWS = 4
+"""Rows that a level of a tile steps at a time on a CPU, as in block.cl: those of all levels' planes fit the first-level
+cache, and a row of outputs is read twice, not three times."""
+SCRATCH = 1 << 19
+"""The most bytes of a tile's rows: two thirds of the second-level cache or less."""
 FEW_CELLS = 1 << 12
-"""Cells of a grid up to which a CPU's blocks are as low as the radius allows: as fast, built in 3/4 of the time."""
-EVEN = 8
-"""Columns of which a tile's steps begin at a multiple, as in cpu.cl."""
+"""Cells of a grid up to which a row is stepped at a time: as fast, built in 3/4 of the time."""
 SLEEPER = 64, 512
 """Rows, and bytes of a row, of a tile that may sleep on a CPU: small, so that many can."""
 LIGHT_SLEEPER = 16, 256
-"""The same where most of them sleep: half as many cells lie around them, and with twice as many launches."""
-STACK = 4
+"""The same where most of them sleep."""
+STACK = 8
 """Light sleepers below each other that a work-item does: rows around those awake are computed again once for all."""
-NAP = 5
-"""Cells around a light sleeper that wake it, at most: of a picture of 1024 x 1024 with holes the area computed is half
-as large as for 10."""
+NAP = 10
+"""Cells around a light sleeper that wake it, at most. Measured on a picture of 1024 x 1024 with holes: with 5, where
+less area is computed in twice as many launches, it takes a fifth longer."""
 LOCAL_BYTES = 48 * 1024
 """Local memory of a work-group on a GPU: what every one has without asking for more."""
 
@@ -83,7 +86,7 @@ def _bands(
 ) -> Tiles:
     grids, rows, cols = grid
     lanes, size = context.lanes, context.dtype.itemsize
-    height = max(3 if rows * cols > FEW_CELLS else 1, radius)  # rows of a block
+    height = ROWS if rows * cols > FEW_CELLS else 1
     across = -(-cols // widest)
     if across == 1:  # the tile has all columns: nothing but virtual cells beside it
         halo, shift, length = 0, lanes, lanes
@@ -91,7 +94,7 @@ def _bands(
             length *= 2  # few sizes, so that few kernels are built
         stride = length + 2 * lanes
     else:
-        halo = shift = -(-(_whole((most - 1) * radius, 1, EVEN) + radius) // lanes) * lanes
+        halo = shift = -(-(_whole((most - 1) * radius, 1, lanes) + radius) // lanes) * lanes
         stride = widest + 2 * halo
     stride += 16  # rows that lie apart by a power of two would share cache sets
     width = cols if across == 1 else _whole(cols, across, lanes)
@@ -104,18 +107,24 @@ def _bands(
     down = max(1, down)
     band = _whole(rows, down, height)
     down = -(-rows // band)
+    room = min(SCRATCH, context.device.local_mem_size) // (stride * size) - 5 * most * radius
+    stack = STACK if lowest == LIGHT_SLEEPER[0] else 1
+    slide = min(room // 4, stack * band + 2 * most * radius) // height * height
+    live = most * radius + slide
     defines: dict[str, str | int] = {"R": height, "T": most, "HALO": halo, "SHIFT": shift, "STRIDE": stride}
-    stack = defines["STACK"] = STACK if lowest == LIGHT_SLEEPER[0] else 1
+    defines["STACK"] = stack
     if plan.boundary.kind == "periodic" and across > 1:
         defines["COPIES"] = ""
-    scratch = ((3 * most + 1) + 3 * (most + 1)) * height * stride * size
-    if scratch > context.device.local_mem_size:  # fewer steps a launch, but rather narrower tiles than fewer than four
+    if (
+        slide < height
+    ):  # rows have no room to stream: fewer steps a launch, but rather narrower tiles than fewer than four
         narrower = most <= 4 and widest > 2 * lanes
         most, widest = (most, widest // 2) if narrower else (most - 1, widest)
         return _bands(context, grid, plan, radius, most, widest, lowest)
-    numbers = np.array([rows, cols, width, band, across, down], np.int32)
+    scratch = cl.LocalMemory((most * radius + 4 * live) * stride * size)
+    numbers = np.array([live, rows, cols, width, band, across, down], np.int32)
     groups = grids * across * -(-down // stack)
-    return Tiles(grids * across * down, most, defines, (cl.LocalMemory(scratch), *numbers), groups, (groups, 1), (1, 1))
+    return Tiles(grids * across * down, most, defines, (scratch, *numbers), groups, (groups, 1), (1, 1))
 
 
 def _whole(length: int, parts: int, unit: int) -> int:

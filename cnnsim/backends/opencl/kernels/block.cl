@@ -1,27 +1,28 @@
 // One step of a block of R rows, STRIDE apart in local memory, for the tiles of cpu.cl; what stays saturated is marked for
 // sleep.cl. Comes before cpu.cl.
 
-#define BLOCK (R * STRIDE)
 #define VEC(type, at) (*(type vec *)(at))
-// So many columns, in whole halves of the widest vectors, at which vectors lie well.
-#define EVEN(columns) (((columns) + 7) / 8 * 8)
-#define MODULO_3(b) (((b) + 6 * T) % 3)
+// So many columns, in whole vectors: rows begin where vectors lie well.
+#define EVEN(columns) (((columns) + V - 1) / V * V)
 
 #if R == 1
 #define EACH_ROW(DO) DO(0)
-#elif R == 2
-#define EACH_ROW(DO) DO(0) DO(1)
-#elif R == 3
-#define EACH_ROW(DO) DO(0) DO(1) DO(2)
-#elif R == 4
+#else // 4: as many chains of sums as keep a core busy
 #define EACH_ROW(DO) DO(0) DO(1) DO(2) DO(3)
-#else
-#define EACH_ROW(DO) DO(0) DO(1) DO(2) DO(3) DO(4)
 #endif
 
-// Row q of the block (-R .. 2 R - 1: its neighbours' rows too), a vector of cells from column j + l on.
-#define ROW(q) ((q) < 0 ? above + ((q) + R) * STRIDE : (q) < R ? here + (q) * STRIDE : below + ((q) - R) * STRIDE)
-#define NEIGHBOUR(q, l) VEC(const __local, ROW(q) + j + (l))
+// A vector of cells from column j + l on of row q of the block, or of its neighbours' rows.
+#define NEIGHBOUR(q, l) VEC(const __local, y + (q) * STRIDE + j + (l))
+
+// Vectors over the end of a cache line take as long as two to load: the widest ones, which nearly all lie so, are made
+// of two that do not where sums are shared, of sums that are carried on from vector to vector.
+#if defined SHARED_SUMS && V == 16
+#define CARRIED
+#define SIDE(q, l) ((real)(CORNER) * (NEIGHBOUR(q - 1, l) + NEIGHBOUR(q + 1, l)) + (real)(EDGE) * NEIGHBOUR(q, l))
+#define MIDDLE(q, l) ((real)(EDGE) * (NEIGHBOUR(q - 1, l) + NEIGHBOUR(q + 1, l)) + (real)(CENTRE) * NEIGHBOUR(q, l))
+#define TO_THE_RIGHT(a, b) __builtin_shufflevector(a, b, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30)
+#define TO_THE_LEFT(a, b) __builtin_shufflevector(a, b, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16)
+#endif
 
 static inline int any_of(sure_vec some)
 {
@@ -30,22 +31,35 @@ static inline int any_of(sure_vec some)
     return any != 0;
 }
 
-// One step of a block's columns start .. end - 1 (or so many, with the drive of the first): states in place, outputs to
-// `fresh`. All rows are read before any is written, so that the compiler may keep in registers what two of them read.
+// One step of a block's columns start .. end - 1 (or so many, with the drive of the first): states in place, outputs from
+// those at y to RADIUS rows further up. All rows are read before any is written, so that the compiler may keep in registers
+// what two of them read; and outputs are written one vector late, because the next vector reads the cells to its left.
 // With `mark` it returns in bit q whether a cell of row q before column `stop` was not saturated for good, in bit R whether
 // one before column `west` was not, and in bit R + 1 whether one from column `east` on was not.
 static inline __attribute__((always_inline)) int
-step_block(const __local real *above, const __local real *here, const __local real *below, __local real *x,
-           const __local real *w, const __local real *gain, __local real *fresh, int start, int end, int times,
-           int mark, int stop, int west, int east)
+step_block(__local real *y, __local real *x, const __local real *w, const __local real *gain, int start, int end,
+           int times, int mark, int stop, int west, int east)
 {
 #define NONE(q) sure_vec loose##q = (sure_vec)0;
     EACH_ROW(NONE)
     sure_vec loose_west = (sure_vec)0, loose_east = (sure_vec)0;
-    for (int j = start; j < end; j += V) {
+    int j = start;
+#ifdef CARRIED
+#define BEGIN(q) vec before##q = SIDE(q, -V), side##q = SIDE(q, 0), middle##q = MIDDLE(q, 0);
+#else
+#define BEGIN(q) vec late##q = VEC(__local, y + (q - RADIUS) * STRIDE + j - V);
+#endif
+    EACH_ROW(BEGIN)
+    for (; j < end; j += V) {
 #define START(q) vec s##q = VEC(const __local, x + (q) * STRIDE + j), d##q = VEC(const __local, w + (q) * STRIDE + j);
         EACH_ROW(START)
-#ifdef SHARED_SUMS
+#ifdef CARRIED
+#define DRIVE(q)                                                                                              \
+    const vec after##q = SIDE(q, V);                                                                              \
+    d##q += middle##q;                                                                                            \
+    d##q += TO_THE_RIGHT(before##q, side##q) + TO_THE_LEFT(side##q, after##q);                                        \
+    before##q = side##q, side##q = after##q, middle##q = MIDDLE(q, V);
+#elif defined SHARED_SUMS
 #define SIDES(q) (NEIGHBOUR(q, -1) + NEIGHBOUR(q, 1))
 #define DRIVE(q)                                                                                              \
     d##q += (real)(CENTRE) * NEIGHBOUR(q, 0);                                                                     \
@@ -86,9 +100,17 @@ step_block(const __local real *above, const __local real *here, const __local re
 #define KEEP(q) VEC(__local, x + (q) * STRIDE + j) = s##q;
 #endif
         EACH_ROW(KEEP)
-#define SHOW(q) VEC(__local, fresh + (q) * STRIDE + j) = CLIP(vec, s##q);
+#ifdef CARRIED // reads no cell to the left
+#define SHOW(q) VEC(__local, y + (q - RADIUS) * STRIDE + j) = CLIP(vec, s##q);
+#else
+#define WRITE(q) VEC(__local, y + (q - RADIUS) * STRIDE + j - V) = late##q;
+#define SHOW(q) WRITE(q) late##q = CLIP(vec, s##q);
+#endif
         EACH_ROW(SHOW)
     }
+#ifndef CARRIED
+    EACH_ROW(WRITE)
+#endif
     int found = 0;
 #define FOUND(bit, loose) found |= any_of(loose) ? 1 << (bit) : 0;
 #define FOUND_ROW(q) FOUND(q, loose##q)

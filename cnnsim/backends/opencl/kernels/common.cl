@@ -31,7 +31,9 @@ typedef int sure_real;
 #define BITS_vec(x) __builtin_astype(x, sure_vec)
 
 // The output characteristic; NaN stays NaN. (OpenCL's clamp need not keep it, and is slow in some PoCL builds.)
-#define CLIP(type, x) ((x) > (type)1 ? (type)1 : (x) < (type)-1 ? (type)-1 : (x))
+// First the one limit, then the other: of that compilers make a minimum and a maximum.
+#define AT_MOST_1(type, x) ((x) > (type)1 ? (type)1 : (x))
+#define CLIP(type, x) (AT_MOST_1(type, x) < (type)-1 ? (type)-1 : AT_MOST_1(type, x))
 
 #ifdef CPU
 #define KERNEL __attribute__((reqd_work_group_size(1, 1, 1))) __kernel

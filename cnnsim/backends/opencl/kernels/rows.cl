@@ -1,4 +1,12 @@
-// Rows of a tile of cpu.cl: brought in, with the virtual cells around them imposed, and compared. Comes after block.cl.
+// Rows of a tile of cpu.cl: brought in, moved, with the virtual cells around them imposed, and compared. Comes after
+// block.cl.
+
+// Sets of live rows that are moved together: states, drives and, with MASK, gains.
+#ifdef MASK
+#define SETS 3
+#else
+#define SETS 2
+#endif
 
 // Impose the virtual cells beside one row of outputs; the grid's columns are left .. right - 1 of the buffer.
 static void fix_columns(__local real *row, int left, int right)
@@ -18,28 +26,42 @@ static void fix_columns(__local real *row, int left, int right)
 #endif
 }
 
-static void fill_row(__local real *to, const __local real *from)
+static void fill_row(__local real *to, real value)
 {
-    for (int j = 0; j + V <= STRIDE; j += V)
-#if BOUNDARY == BOUNDARY_FIXED
-        VEC(__local, to + j) = (vec)CONSTANT;
-#else
-        VEC(__local, to + j) = VEC(const __local, from + j);
-#endif
+    for (int j = 0; j + V <= STRIDE; j += V) VEC(__local, to + j) = (vec)value;
 }
 
-// Impose the virtual rows that touch block b of a level, whose outputs begin at y. A torus has none.
-static void fix_rows(__local real *y, int b, int rows)
+static void copy_row(__local real *to, const __local real *from)
+{
+    for (int j = 0; j + V <= STRIDE; j += V) VEC(__local, to + j) = VEC(const __local, from + j);
+}
+
+// The same for one row of each of some sets, which lie `live` rows apart: from so many rows further down.
+static void fill_rows(int sets, __local real *to, int live, real value)
+{
+    for (int n = 0; n < sets; n++) fill_row(to + n * live * STRIDE, value);
+}
+
+static void copy_rows(int sets, __local real *to, int back, int live)
+{
+    for (int n = 0; n < sets; n++) copy_row(to + n * live * STRIDE, to + (n * live + back) * STRIDE);
+}
+
+// Impose the virtual rows that touch the R rows from row i on of a level; the outputs of row 0 begin at y. A torus has none.
+static void fix_rows(__local real *y, int i, int rows)
 {
 #if BOUNDARY != BOUNDARY_PERIODIC
-    __local real *here = y + MODULO_3(b) * BLOCK, *before = y + MODULO_3(b - 1) * BLOCK;
-    const int last = rows - 1 - b * R; // the grid's last row, counted in this block
-    if (b == 0)
-        for (int q = 0; q < R; q++) fill_row(before + q * STRIDE, here);
-    if (0 <= last && last < R)
-        for (int q = last + 1; q < R; q++) fill_row(here + q * STRIDE, here + last * STRIDE);
-    if (-R <= last && last < 0)
-        for (int q = 0; q < R; q++) fill_row(here + q * STRIDE, before + (last + R) * STRIDE);
+    for (int q = 1; q <= RADIUS; q++) {
+        for (int last = 0; last < 2; last++) {
+            const int end = last ? rows - 1 : 0, beyond = last ? end + q : -q, brought = last ? beyond : end;
+            if (brought < i || brought >= i + R) continue; // done with the later one of both
+#if BOUNDARY == BOUNDARY_FIXED
+            fill_row(y + beyond * STRIDE, CONSTANT);
+#else
+            copy_row(y + beyond * STRIDE, y + end * STRIDE);
+#endif
+        }
+    }
 #endif
 }
 
@@ -51,6 +73,8 @@ static void bring(__global const real *x, __global const real *w, __global const
 {
     x += line * cols + start;
     w += line * cols + start;
+    if (first >= V) VEC(__local, ys + first - V) = (vec)0; // read beside the others; what was left there may be slow numbers
+    VEC(__local, ys + stop) = (vec)0;
     int j = first;
 #if BOUNDARY != BOUNDARY_PERIODIC
     for (; start + j < 0; j++) xs[j] = ws[j] = ys[j] = 0; // for virtual cells, which are imposed
