@@ -43,6 +43,8 @@ def call(folder: Path, name: str, most: int | None = None) -> "subprocess.Comple
     code = f"from {GROUPS[group]} import main; main()"
     limit = None if most is None else lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
     env = {**os.environ, "PYTHONPATH": str(ROOT), "MPLCONFIGDIR": str(folder)}
+    if most is not None:
+        env["PYTHONDONTWRITEBYTECODE"] = "1"  # Python keeps modules cut off, and finds no other module there later
     return subprocess.run([sys.executable, "-c", code, *words], cwd=folder, env=env, capture_output=True, text=True,
                           preexec_fn=limit, check=False)  # fmt: skip
 

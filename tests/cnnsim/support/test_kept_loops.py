@@ -36,6 +36,8 @@ def run(cache: Path | None, code: str = TEMPLATE, *, full: bool = False, **varia
     file.parent.mkdir(exist_ok=True, mode=0o700)
     file.write_text(code)
     limit = (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))) if full else None
+    if full:
+        env["PYTHONDONTWRITEBYTECODE"] = "1"  # modules would be kept cut off
     done = subprocess.run(
         [sys.executable, file], env=env, capture_output=True, text=True, check=False, preexec_fn=limit
     )

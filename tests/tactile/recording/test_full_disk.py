@@ -83,8 +83,11 @@ def test_what_is_converted_onto_a_full_disk_is_a_message(tmp_path: Path) -> None
         assert (result.exit_code, "cannot write" in result.stderr) == (2, True)
 
 
-def test_a_file_that_may_not_grow_ends_the_recording_with_a_message(tmp_path: Path) -> None:
+def test_a_file_that_may_not_grow_ends_the_recording_with_a_message(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A limit on the size of files needs no rights; the kernel's signal for it must not kill the recorder."""
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")  # modules would be kept cut off
     description, _ = sent("native", 0.1)
     array, mcap = tmp_path / "array.toml", tmp_path / "r.mcap"
     array.write_text(description.text, encoding="utf-8")

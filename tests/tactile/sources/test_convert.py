@@ -1,6 +1,7 @@
 """Conversion of recordings into other forms and back."""
 
 import json
+import sys
 from dataclasses import replace
 from itertools import permutations
 from pathlib import Path
@@ -207,10 +208,13 @@ def test_recordings_of_other_kinds_become_mcap_and_come_back(tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize(("name", "room"), [("g.csv", 300), ("g.npz", 300), ("g.parquet", 300), ("g.mcap", 2500)])
-def test_a_full_disk_is_told_of_the_file_that_was_asked_for(name: str, room: int, tmp_path: Path) -> None:
+def test_a_full_disk_is_told_of_the_file_that_was_asked_for(
+    name: str, room: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     resource = pytest.importorskip("resource", reason="only Unix bounds the size of files")
     most = resource.getrlimit(resource.RLIMIT_FSIZE)
     write_csv(tmp_path / "from.csv", grip(0.1))
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)  # modules would be kept cut off
     resource.setrlimit(resource.RLIMIT_FSIZE, (room, most[1]))
     try:
         with pytest.raises(InputError) as told:
