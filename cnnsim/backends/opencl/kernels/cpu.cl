@@ -65,6 +65,11 @@ step_rows(__global const real *x, __global const real *w, __global const ulong *
                     fix_columns(ys, left, right);
                 }
             } else if (i < stop) {
+                const int coming = row + R + t - 1; // one of the rows that are brought in next
+                if (t <= R && coming >= 0 && coming < min(stop_row + levels * RADIUS, rows)) {
+                    fetch(x + (top + coming) * cols + first_col - SHIFT, near, end);
+                    fetch(w + (top + coming) * cols + first_col - SHIFT, near, end);
+                }
 #define STEP(start, end, ...)                                                                                          \
     step_block(fresh + RADIUS * STRIDE, states + at, drives + at, gains + at, start, end, __VA_ARGS__)
 #ifdef SLEEP

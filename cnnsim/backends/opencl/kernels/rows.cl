@@ -65,6 +65,14 @@ static void fix_rows(__local real *y, int i, int rows)
 #endif
 }
 
+// Have columns first .. stop - 1 of a row come near: rows of a tile lie so far apart that no processor foresees the next.
+static inline void fetch(__global const real *row, int first, int stop)
+{
+    const int line = 64 / (int)sizeof(real); // of the cache
+    for (int j = first; j < stop + line; j += line)
+        __builtin_prefetch((const void *)(size_t)(row + j)); // which knows of no address spaces
+}
+
 // Bring in one row's columns first .. stop - 1 of the buffer: its states, its drives, its gains and its outputs at level
 // 0; `start` is the grid's column at the buffer's column 0.
 static void bring(__global const real *x, __global const real *w, __global const ulong *mask, long line, int cols,
