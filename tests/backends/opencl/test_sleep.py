@@ -90,13 +90,12 @@ def test_tiles_are_cut_smaller_and_larger_again_and_launched_ahead_with_the_same
     """At every other look, with a mask; the stacks of the smaller tiles are not all full, the last ones are narrow."""
     from cnnsim.backends.opencl import tile_steps, tiles
 
-    changes, ahead = list[bool](), _launched_ahead(monkeypatch)
+    changes, ahead, cut = list[bool](), _launched_ahead(monkeypatch), tiles.cut
 
     def noted(*given: Any, light: bool) -> Any:
         changes.append(light)
         return cut(*given, light=light)
 
-    cut = tiles.cut
     monkeypatch.setattr(tile_steps, "cut", noted)
     monkeypatch.setattr(tiles, "NAP", 5)  # two launches a check
     wayward = {"LOOK": 4, "LEAST_LIGHT": 0, "MANY": 1, "AHEAD": 3, "FEW_RESTLESS": 2.0, "MOST_RESTLESS": -1.0}

@@ -33,7 +33,7 @@ def test_many_steps_a_launch_give_the_same_bits(boundary: Any, family: Family) -
 
 
 @pytest.mark.parametrize("boundary", BOUNDARIES[:3], ids=str)
-def test_blocks_of_three_rows_give_the_bits_of_blocks_of_one(boundary: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_four_rows_at_a_time_have_the_bits_of_one_by_one(boundary: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     from cnnsim.backends.opencl import tiles
 
     backend, rng = OpenCLBackend("float32"), np.random.default_rng(4)
@@ -46,6 +46,23 @@ def test_blocks_of_three_rows_give_the_bits_of_blocks_of_one(boundary: Any, monk
             ends.append(backend.read(task.start(backend).x))
         monkeypatch.undo()
         assert np.array_equal(ends[0], ends[1]), shape
+
+
+@pytest.mark.parametrize("boundary", BOUNDARIES[:3], ids=str)
+def test_rows_that_are_moved_up_often_end_as_on_the_reference(boundary: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tiles so narrow, in so little memory, that rows stream through it many times; in float64 the same bits."""
+    from cnnsim.backends.opencl import tiles
+
+    rng, wide = np.random.default_rng(6), np.random.default_rng(7).normal(size=(5, 5)) / 10
+    for name, value in {"FEW_CELLS": 0, "TILE_BYTES": 256, "SCRATCH": 1 << 16}.items():
+        monkeypatch.setattr(tiles, name, value)
+    for A in NINE, wide, [[0.1, 0.2, 0.1], [0.2, 0.3, 0.2], [0.1, 0.2, 0.1]]:
+        x = rng.uniform(-1.5, 1.5, (2, 301, 150))
+        task = make_task(Template(A), state=x, boundary=boundary, duration=3.0, scheme="euler", step=0.1)
+        right = get("reference").read(task.start(get("reference")).x)
+        for dtype, most in ("float64", 0.0), ("float32", 30 * np.finfo(np.float32).eps):  # a rounding a step
+            backend = OpenCLBackend(dtype, family="cpu")
+            assert np.abs(backend.read(task.start(backend).x) - right).max() <= most
 
 
 @pytest.mark.parametrize("family", FAMILIES)

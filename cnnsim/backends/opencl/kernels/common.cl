@@ -31,9 +31,7 @@ typedef int sure_real;
 #define BITS_vec(x) __builtin_astype(x, sure_vec)
 
 // The output characteristic; NaN stays NaN. (OpenCL's clamp need not keep it, and is slow in some PoCL builds.)
-// First the one limit, then the other: of that compilers make a minimum and a maximum.
-#define AT_MOST_1(type, x) ((x) > (type)1 ? (type)1 : (x))
-#define CLIP(type, x) (AT_MOST_1(type, x) < (type)-1 ? (type)-1 : AT_MOST_1(type, x))
+#define CLIP(type, x) ((x) > (type)1 ? (type)1 : (x) < (type)-1 ? (type)-1 : (x))
 
 #ifdef CPU
 #define KERNEL __attribute__((reqd_work_group_size(1, 1, 1))) __kernel
@@ -82,8 +80,6 @@ typedef int sure_real;
         partial[2 * get_group_id(0) + 1] = flags[0];                                            \
     }
 #endif
-
-static inline int floor_div(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
 // Whether a cell of an LLM plane is black; a row of `cols` cells begins a new 64-bit word.
 static inline int black(__global const ulong *plane, long line, int j, int cols)

@@ -4,9 +4,9 @@
 // level t holds the state after t steps and follows level t - 1 by RADIUS rows, which is all that it needs to see. Each
 // level replaces what the one before it left, so that this lies in the first-level cache still: the states in place, and
 // the outputs RADIUS rows further up, where those are that no other row of this level reads. What is left of a level's
-// outputs are the last 2 RADIUS rows of a batch, which its next batch needs before it. Beside its columns a tile holds
-// HALO of its neighbours', and it computes rows above and below its band, so that nothing is exchanged within a launch;
-// where the grid ends, the virtual cells are imposed anew at every level.
+// outputs are the last 2 RADIUS rows, which the next R rows need before them. Beside its columns a tile holds HALO of its
+// neighbours', and it computes rows above and below its band, so that nothing is exchanged within a launch; where the
+// grid ends, the virtual cells are imposed anew at every level.
 //
 // `scratch` holds rows STRIDE apart: `live` + T * RADIUS rows of outputs, and `live` rows each of states, of drives w and,
 // with MASK, of gains (GAIN, or 0 in masked cells).
@@ -35,15 +35,20 @@ step_rows(__global const real *x, __global const real *w, __global const ulong *
     const int seen = HALO ? levels * RADIUS : 0; // columns beside its own ones that a tile reads
     const int near = max(0, SHIFT - EVEN(seen)), end = near + (SHIFT + own_cols + seen - near + V - 1) / V * V;
     const int begin = torus ? first_row - levels * RADIUS : max(first_row - levels * RADIUS, 0);
-    const int beside_rim = left >= 0 || right < STRIDE;
     int line = T * RADIUS; // where row `row` lies among the live ones
     for (int q = 1; q <= 2 * levels * RADIUS; q++) fill_row(outputs + (line - q) * STRIDE, 0); // rows before the first
-    for (int q = 1; q < R && q <= line; q++) fill_rows(2, states + (line - q) * STRIDE, live, 0);
+    for (int q = 1; q < R && q <= line; q++)
+        fill_row(states + (line - q) * STRIDE, 0), fill_row(drives + (line - q) * STRIDE, 0);
     for (int row = begin; row < stop_row + levels * RADIUS; row += R, line += R) {
         if (line + R > live) {
-            const int back = line - T * RADIUS;
-            for (int q = -T * RADIUS; q < T * RADIUS; q++) copy_rows(1, outputs + q * STRIDE, back, live);
-            for (int q = 0; q < T * RADIUS; q++) copy_rows(SETS, states + q * STRIDE, back, live);
+            const int back = (line - T * RADIUS) * STRIDE;
+            for (int q = -T * RADIUS; q < T * RADIUS; q++) move_row(outputs + q * STRIDE, back);
+            for (int q = 0; q < T * RADIUS; q++) {
+                move_row(states + q * STRIDE, back), move_row(drives + q * STRIDE, back);
+#ifdef MASK
+                move_row(gains + q * STRIDE, back);
+#endif
+            }
             line = T * RADIUS;
         }
         for (int t = 0; t <= levels; t++) {
@@ -61,7 +66,7 @@ step_rows(__global const real *x, __global const real *w, __global const ulong *
                         bring(x, w, mask, there, cols, first_col - SHIFT, near, end, xs, drives + (xs - states),
                               gains + (xs - states), ys);
                     else
-                        fill_rows(2, xs, live, 0), fill_row(ys, 0);
+                        fill_row(xs, 0), fill_row(drives + (xs - states), 0), fill_row(ys, 0);
                     fix_columns(ys, left, right);
                 }
             } else if (i < stop) {
@@ -85,7 +90,7 @@ step_rows(__global const real *x, __global const real *w, __global const ulong *
                 } else
 #endif
                     STEP(SHIFT - (HALO ? EVEN(still) : 0), SHIFT + own_cols + (HALO ? still : 0), 1, 0, 0, 0, 0);
-                for (int q = 0; beside_rim && t < levels && q < R; q++) fix_columns(fresh + q * STRIDE, left, right);
+                for (int q = 0; t < levels && q < R; q++) fix_columns(fresh + q * STRIDE, left, right);
             }
             if (t < levels) {
                 fix_rows(fresh - i * STRIDE, i, rows);

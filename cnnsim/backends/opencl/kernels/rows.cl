@@ -1,13 +1,6 @@
 // Rows of a tile of cpu.cl: brought in, moved, with the virtual cells around them imposed, and compared. Comes after
 // block.cl.
 
-// Sets of live rows that are moved together: states, drives and, with MASK, gains.
-#ifdef MASK
-#define SETS 3
-#else
-#define SETS 2
-#endif
-
 // Impose the virtual cells beside one row of outputs; the grid's columns are left .. right - 1 of the buffer.
 static void fix_columns(__local real *row, int left, int right)
 {
@@ -36,16 +29,8 @@ static void copy_row(__local real *to, const __local real *from)
     for (int j = 0; j + V <= STRIDE; j += V) VEC(__local, to + j) = VEC(const __local, from + j);
 }
 
-// The same for one row of each of some sets, which lie `live` rows apart: from so many rows further down.
-static void fill_rows(int sets, __local real *to, int live, real value)
-{
-    for (int n = 0; n < sets; n++) fill_row(to + n * live * STRIDE, value);
-}
-
-static void copy_rows(int sets, __local real *to, int back, int live)
-{
-    for (int n = 0; n < sets; n++) copy_row(to + n * live * STRIDE, to + (n * live + back) * STRIDE);
-}
+// Bring a row up from so many numbers further down.
+static void move_row(__local real *to, int back) { copy_row(to, to + back); }
 
 // Impose the virtual rows that touch the R rows from row i on of a level; the outputs of row 0 begin at y. A torus has none.
 static void fix_rows(__local real *y, int i, int rows)
