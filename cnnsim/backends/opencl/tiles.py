@@ -24,7 +24,8 @@ drives they fit a first-level cache of 48 KiB. Measured: with 3 and with 5 no fa
 SCRATCH = 1 << 19
 """The most bytes of a tile's rows on a CPU: half of a second-level cache of 1 MiB."""
 FEW_CELLS = 1 << 12
-"""Cells of a grid up to which a row is stepped at a time: as fast, built in 3/4 of the time."""
+"""Cells of a grid up to which a row is stepped at a time. Measured: a template's first run takes 0.3 s of 2 less, every
+other one as long, or up to half as long again for 64 x 64 cells (of 3 ms for 2000 steps)."""
 SLEEPER = 64, 512
 """Rows, and bytes of a row, of a tile that may sleep on a CPU: small, so that many can."""
 LIGHT_SLEEPER = 16, 256

@@ -36,7 +36,8 @@ step_rows(__global const real *x, __global const real *w, __global const ulong *
     const int near = max(0, SHIFT - EVEN(seen)), end = near + (SHIFT + own_cols + seen - near + V - 1) / V * V;
     const int begin = torus ? first_row - levels * RADIUS : max(first_row - levels * RADIUS, 0);
     int line = T * RADIUS; // where row `row` lies among the live ones
-    for (int q = 1; q <= 2 * levels * RADIUS; q++) fill_row(outputs + (line - q) * STRIDE, 0); // rows before the first
+    // rows before the first are stepped along with it: what memory held before may be numbers that are slow to compute with
+    for (int q = 1; q <= 2 * levels * RADIUS; q++) fill_row(outputs + (line - q) * STRIDE, 0);
     for (int q = 1; q < R && q <= line; q++)
         fill_row(states + (line - q) * STRIDE, 0), fill_row(drives + (line - q) * STRIDE, 0);
     for (int row = begin; row < stop_row + levels * RADIUS; row += R, line += R) {
