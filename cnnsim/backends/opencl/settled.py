@@ -49,25 +49,21 @@ class CheckedSteps(Stepper):
         return self._context.kernel("check_settled", "boundary stencil", defines), *taps
 
     def _stripe(self) -> tuple[float, bool]:
-        parts, context = self._launch_check(self._x), self._context
+        first, end = self._ends[self._at : self._at + 2]
+        (kernel, *taps), (_, *size), context = self._check, self._grid.arguments, self._context
+        parts = context.launch(
+            kernel, (end - first) * self._grid.cols, self._x, self._w, self._mask, context.partial,
+            np.int64(first), *taps, np.int64(end - first), *size,
+        )  # fmt: skip
         found = np.empty((parts, 2), context.dtype)
         read = cl.enqueue_copy(context.queue, found, context.partial, is_blocking=False)
-        self.go_ahead(parts)
+        self.go_ahead()
         read.wait()
         rate, unsaturated = found.max(axis=0).tolist()
         return rate, bool(unsaturated)
 
-    def _launch_check(self, x: Buffer) -> int:
-        """Have a stripe of a state checked; return in how many parts it is found in `DeviceContext.partial`."""
-        first, end = self._ends[self._at : self._at + 2]
-        (kernel, *taps), (_, *size), context = self._check, self._grid.arguments, self._context
-        return context.launch(
-            kernel, (end - first) * self._grid.cols, x, self._w, self._mask, context.partial,
-            np.int64(first), *taps, np.int64(end - first), *size,
-        )  # fmt: skip
-
-    def go_ahead(self, parts: int) -> None:
-        """Give the device work for the time in which a check of so many parts is read and judged."""
+    def go_ahead(self) -> None:
+        """Give the device work for the time in which a check is read and judged."""
         return
 
     def advance(self, step: int, count: int) -> None:

@@ -28,10 +28,13 @@ LEAST_LIGHT = 1 << 18
 QUICK = 4
 """Sums that the steps of tiles do in the time of one elsewhere: what they read is in the cache."""
 
-AHEAD = 8
-"""The most checks, with the steps after each, that a CPU is given at once."""
+ROUNDS = 64
+"""The most rounds in a launch, as in rounds.cl."""
+PATIENCE = 1 << 14
+"""Looks for work until an item leaves the others alone with a launch: about a tenth of a millisecond."""
 MANY = 16
-"""Launches beside which those that follow one check, should they be for nothing, are nothing."""
+"""Launches beside which one ahead of a check, should it be for nothing, is nothing."""
+_SIGNS = 4  # numbers of a book before those of its rounds, as in rounds.cl
 
 _COPIED = cl.mem_flags.READ_WRITE | cl.mem_flags.COPY_HOST_PTR
 
@@ -52,18 +55,16 @@ class TileSteps(CheckedSteps):
     launch, and are left out when their states have come to rest (see sleep.cl). The first two launches step all of
     them, since each plane has to be filled once. On a CPU, where most of them sleep, they are cut smaller.
 
-    Such launches are over sooner than they are asked for, so they are asked for ahead, with the checks between them;
-    on a CPU those after a check that may have found the network at rest do nothing.
+    Such launches are over sooner than they are asked for. So a CPU takes many in one, as rounds, and looks itself
+    whether a cell moves (see rounds.cl); a GPU is given one ahead of each check.
     """
 
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:
         super().__init__(context, plan, grid, planes)
         self._planes: list[Buffer] = []
         self._sleeps, self._advances, self._next_look = "sleep" in plan.savings, 0, LOOK - 1
-        self._gated = self._sleeps and context.family == "cpu"
-        self._went_on, self._found = 0, np.zeros(2, np.int32)
-        self._halt = cl.Buffer(context.context, _COPIED, hostbuf=self._found)  # as in sleep.cl
-        self._reading: cl.Event | None = None
+        self._by_rounds = self._sleeps and context.family == "cpu"
+        self._book = cl.Buffer(context.context, _COPIED, hostbuf=np.zeros(_SIGNS + ROUNDS, np.int32))
         self._state, self._ahead, self._beyond = _State(self._x), deque[_State](), 0
         self._step, self._rate = 0, np.nan
         self._cut(light=False)
@@ -74,36 +75,52 @@ class TileSteps(CheckedSteps):
         assert plan.scheme is not None
         self._light, self._tiles = light, cut(context, self._grid, plan, light=light)
         self.together = self._tiles.steps
-        rest: Defines = {"REST": literal(SETTLED_RATE, context.dtype), "SATURATION_ENDS": int(plan.saturation_ends)}
+        rest, ends = literal(SETTLED_RATE, context.dtype), int(plan.saturation_ends)
+        by_rounds: Defines = {"REST": rest, "SATURATION_ENDS": ends, "PATIENCE": PATIENCE}
         defines = {
             **tap_defines(plan.feedback_taps, plan.boundary, plan.boundary.y, context.dtype),
             **cell_defines(plan, self._mask),
             **_shared_sums(context, plan),
             **({"SLEEP": ""} if self._sleeps else {}),
-            **(rest if self._gated else {}),
+            **(by_rounds if self._by_rounds else {}),
             "GAIN": literal(plan.scheme.gain(plan.step) * plan.scheme.b[0], context.dtype),
             **self._tiles.defines,
         }
-        stems = {"cpu": "boundary sleep block rows cpu", "gpu": "boundary sleep gpu"}[context.family]
+        stems = {"cpu": "boundary sleep block rounds rows cpu", "gpu": "boundary sleep gpu"}[context.family]
         self._kernels = [context.kernel("steps", stems, defines, twin=twin) for twin in (0, 1)]
         self._moved = [context.buffer(self._tiles.number) for _ in (0, 1)] if self._sleeps else []
         self._state = self._state._replace(launches=0, last=0)
 
     def advance(self, step: int, count: int) -> None:
         """See `Stepper.advance`."""
-        self._collect()
         self._look_if_due()
         self._advances += 1
         while self._beyond < count:
             if not self._ahead:
-                self._ahead.append(self._launch(self._state, min(count - self._beyond, self._tiles.steps)))
+                self._go_on(step + self._beyond, count - self._beyond)
             self._state = self._ahead.popleft()
             self._x, self._beyond = self._state.x, self._beyond + self._state.last
         self._beyond -= count
 
+    def _go_on(self, step: int, count: int) -> None:
+        """Launch what comes next: so many steps or a part of them; on a CPU many rounds, with looks in between."""
+        state, now, every = self._state, min(count, self._tiles.steps), self._plan.check_every
+        rounds, each = 1, every // now
+        if self._by_rounds and state.launches >= 2 and now == state.last and count == every == each * now:
+            most = min(ROUNDS, (self._plan.steps - step) // now, int(PIECE * QUICK / (now * self.work)))
+            rounds = max(1, most // each * each)
+        self._launch(state, now, rounds, each)
+        if rounds > 1:
+            went_on = np.empty(1, np.int32)
+            cl.enqueue_copy(self._context.queue, went_on, self._book, src_offset=went_on.nbytes * (_SIGNS - 1))
+            rounds = int(went_on[0])
+        for _ in range(rounds):
+            state = _State(self._planes[state.turn], 1 - state.turn, state.launches + 1, now)
+            self._ahead.append(state)
+
     def _look_if_due(self) -> None:
         """Go over to light sleepers where most tiles have no cell that is not saturated, and back where most have."""
-        if self._grid.cells < LEAST_LIGHT or not self._gated or self._ahead or self._advances < self._next_look:
+        if self._grid.cells < LEAST_LIGHT or not self._by_rounds or self._ahead or self._advances < self._next_look:
             return
         self._next_look = self._advances + LOOK
         found = np.empty(self._tiles.number, np.uint8)
@@ -114,7 +131,6 @@ class TileSteps(CheckedSteps):
 
     def check_settled(self, step: int, *, last: bool) -> Check:
         """See `CheckedSteps.check_settled`; where launches after this check went on, it has shown what moves."""
-        self._collect()
         if self._ahead:
             return Check(self._rate)
         self._look_if_due()
@@ -123,55 +139,30 @@ class TileSteps(CheckedSteps):
         self._rate = check.rate
         return check
 
-    def go_ahead(self, parts: int) -> None:
-        """Launch what mostly comes next: where a check or the driver will have none of it, it is left or done anew."""
+    def go_ahead(self) -> None:
+        """Launch what mostly comes next on a GPU: where a check or the driver will have none of it, it is left."""
         state, now, left = self._state, self._tiles.steps, self._plan.steps - self._step
         usual = state.launches >= MANY and now == state.last and now * self.work <= PIECE
-        if self._ahead or not (self._moved and usual and now <= left):
-            return
-        if not self._gated:
-            self._ahead.append(self._launch(state, now))
-            return
-        every = self._plan.check_every
-        checks = min(AHEAD, state.launches // MANY, left // every)
-        for check in range(checks):
-            parts = self._launch_check(state.x) if check else parts
-            for first in range(0, every, now):
-                state = self._launch(state, min(now, every - first), parts)
-                self._ahead.append(state)
-        if checks:
-            self._reading = cl.enqueue_copy(self._context.queue, self._found, self._halt, is_blocking=False)
+        if usual and now <= left and self._sleeps and not (self._by_rounds or self._ahead):
+            self._go_on(self._step, now)
 
-    def _collect(self) -> None:
-        """Wait for what was launched ahead, and forget those launches that did nothing."""
-        if self._reading is None:
-            return
-        self._reading.wait()
-        halted, went_on = self._found.tolist()
-        while len(self._ahead) > went_on - self._went_on:
-            self._ahead.pop()
-        self._reading, self._went_on = None, went_on
-        if halted:
-            self._went_on = 0
-            cl.enqueue_copy(self._context.queue, self._halt, np.zeros(2, np.int32))
-
-    def _launch(self, state: _State, now: int, parts: int = 0) -> _State:
-        """Take so many steps to the plane whose turn it is; with ``parts`` of a check, if all checks so far let it."""
-        turn, x = state.turn, state.x
+    def _launch(self, state: _State, now: int, rounds: int, each: int) -> None:
+        """Take so many steps to the plane whose turn it is, and so on; see rounds.cl."""
+        turn, context, tiles = state.turn, self._context, self._tiles
         if len(self._planes) == turn:
-            self._planes.append(self._context.buffer(x.size))
+            self._planes.append(context.buffer(state.x.size))
         least = AWAKE if state.launches < 2 else COASTING if now != state.last else ASLEEP
         sleep: tuple[Any, ...] = (*self._moved[:: 2 * turn - 1], np.int32(least)) if self._moved else ()
-        gate = (self._halt, self._context.partial, np.int32(parts)) if self._gated else ()
-        (wide, high), local = self._tiles.global_size, self._tiles.local_size
-        each, work = wide // self._tiles.groups, now * self.work / self._tiles.groups / QUICK
-        for first, groups in self._context.pieces(self._tiles.groups, work):
-            self._context.bind(
-                self._kernels[turn], x, self._w, self._mask, self._planes[turn], *self._tiles.arguments, np.int32(now),
-                np.int32(first), *sleep, *gate,
+        (wide, high), kernel = tiles.global_size, self._kernels[turn]
+        items, work = wide // tiles.groups, rounds * now * self.work / tiles.groups / QUICK
+        for first, groups in context.pieces(tiles.groups, work):
+            book = (self._book, np.int32(groups), np.int32(rounds), np.int32(each)) if self._by_rounds else ()
+            context.bind(
+                kernel, state.x, self._w, self._mask, self._planes[turn], *tiles.arguments, np.int32(now),
+                np.int32(first), *sleep, *book,
             )  # fmt: skip
-            self._context.enqueue(self._kernels[turn], (groups * each, high), local)
-        return _State(self._planes[turn], 1 - turn, state.launches + 1, now)
+            workers = min(groups, context.cores) if self._by_rounds else groups
+            context.enqueue(kernel, (workers * items, high), tiles.local_size)
 
     def finish(self) -> Buffer:
         """See `Stepper.finish`."""

@@ -73,6 +73,7 @@ def test_a_tile_coasts_while_no_output_in_it_can_change_and_then_sleeps(
 
     monkeypatch.setattr(tile_steps.TileSteps, "advance", advance)
     monkeypatch.setattr(tile_steps, "MANY", 1000)  # what is found is that of the steps asked for, of none ahead
+    monkeypatch.setattr(tile_steps, "ROUNDS", 1)
     picture = np.full((2, 150, 265), -1.0)
     picture[0] = 1  # nothing can change in this grid, and in the other a wave goes through all
     planes: dict[str, Any] = {k: np.broadcast_to(plane, picture.shape) for k, plane in entry.planes(picture).items()}
@@ -84,21 +85,21 @@ def test_a_tile_coasts_while_no_output_in_it_can_change_and_then_sleeps(
 
 
 @pytest.mark.parametrize("boundary", [fixed(-1.0), ZERO_FLUX, PERIODIC], ids=str)
-def test_tiles_are_cut_smaller_and_larger_again_and_launched_ahead_with_the_same_bits(
+def test_tiles_are_cut_smaller_and_larger_again_and_go_by_rounds_with_the_same_bits(
     boundary: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """At every other look, with a mask; the stacks of the smaller tiles are not all full, the last ones are narrow."""
     from cnnsim.backends.opencl import tile_steps, tiles
 
-    changes, ahead, cut = list[bool](), _launched_ahead(monkeypatch), tiles.cut
+    changes, taken, cut = list[bool](), _rounds_taken(monkeypatch), tiles.cut
 
     def noted(*given: Any, light: bool) -> Any:
         changes.append(light)
         return cut(*given, light=light)
 
     monkeypatch.setattr(tile_steps, "cut", noted)
-    monkeypatch.setattr(tiles, "NAP", 5)  # two launches a check
-    wayward = {"LOOK": 4, "LEAST_LIGHT": 0, "MANY": 1, "AHEAD": 3, "FEW_RESTLESS": 2.0, "MOST_RESTLESS": -1.0}
+    monkeypatch.setattr(tiles, "NAP", 5)  # two rounds a check
+    wayward = {"LOOK": 4, "LEAST_LIGHT": 0, "ROUNDS": 7, "FEW_RESTLESS": 2.0, "MOST_RESTLESS": -1.0}
     for name, value in wayward.items():
         monkeypatch.setattr(tile_steps, name, value)
     entry, backend, rng = library.load("hole-filler"), OpenCLBackend("float32", family="cpu"), np.random.default_rng(8)
@@ -113,15 +114,21 @@ def test_tiles_are_cut_smaller_and_larger_again_and_launched_ahead_with_the_same
     np.testing.assert_array_equal(ends[0][0], ends[1][0])
     np.testing.assert_equal(ends[0][1], ends[1][1])
     assert changes[:4] == [False, True, False, True]
-    assert {2, 4, 6} <= {asked for asked, _ in ahead}, "it is not waited for what a check says"
+    assert {6} < {asked for asked, _ in taken}, "three checks, of two rounds each"
 
 
+@pytest.mark.parametrize(("items", "patience"), [(2, 1 << 14), (2, 1), (7, 1), (7, 1 << 14)])
 @pytest.mark.parametrize("boundary", [fixed(-1.0), PERIODIC], ids=str)
-def test_launches_after_a_check_that_may_find_the_network_at_rest_do_nothing(
-    boundary: Any, monkeypatch: pytest.MonkeyPatch
+def test_no_round_begins_after_one_in_which_nothing_moves(
+    boundary: Any, items: int, patience: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    ahead = _launched_ahead(monkeypatch)
+    """In whatever order work-items come: more than there are threads, and such as leave all to the others at once."""
+    from cnnsim.backends.opencl import tile_steps
+
     entry, backend, rng = library.load("hole-filler"), OpenCLBackend("float32", family="cpu"), np.random.default_rng(8)
+    monkeypatch.setattr(tile_steps, "PATIENCE", patience)
+    monkeypatch.setattr(backend._context, "cores", items)
+    taken = _rounds_taken(monkeypatch)
     picture = np.where(rng.random((2, 150, 265)) > 0.93, 1.0, -1.0)
     planes: dict[str, Any] = {k: np.array(np.broadcast_to(p, picture.shape)) for k, p in entry.planes(picture).items()}
     planes["state"][:, :6, :6] = -1
@@ -131,29 +138,33 @@ def test_launches_after_a_check_that_may_find_the_network_at_rest_do_nothing(
         ends.append((backend.read(x), others))
     np.testing.assert_array_equal(ends[0][0], ends[1][0])
     assert ends[0][1] == ends[1][1] and ends[0][1][1], "settled, at the same time"
-    assert any(0 < nothing <= asked for asked, nothing in ahead)
-    assert sum(asked - nothing for asked, nothing in ahead) > 50
+    assert any(0 < went_on < asked for asked, went_on in taken)
+    assert sum(went_on for asked, went_on in taken if asked > 1) > 50
 
 
-def _launched_ahead(monkeypatch: pytest.MonkeyPatch) -> list[tuple[int, int]]:
-    """Return what will have, each time, how many launches were asked for ahead and how many of them did nothing."""
+def _rounds_taken(monkeypatch: pytest.MonkeyPatch) -> list[tuple[int, int]]:
+    """Return what will have, for each launch, how many rounds were asked for and how many count."""
     from cnnsim.backends.opencl import tile_steps
 
-    ahead, collect = list[tuple[int, int]](), tile_steps.TileSteps._collect
+    asked, taken = list[int](), list[tuple[int, int]]()
+    launch, go_on = tile_steps.TileSteps._launch, tile_steps.TileSteps._go_on
 
-    def collected(self: Any) -> None:
-        asked, waits = len(self._ahead), self._reading is not None
-        collect(self)
-        if waits:
-            ahead.append((asked, asked - len(self._ahead)))
+    def launched(self: Any, state: Any, now: int, rounds: int, each: int) -> None:
+        asked.append(rounds)
+        launch(self, state, now, rounds, each)
 
-    monkeypatch.setattr(tile_steps.TileSteps, "_collect", collected)
-    return ahead
+    def gone_on(self: Any, step: int, count: int) -> None:
+        go_on(self, step, count)
+        taken.append((asked[-1], len(self._ahead)))
+
+    monkeypatch.setattr(tile_steps.TileSteps, "_launch", launched)
+    monkeypatch.setattr(tile_steps.TileSteps, "_go_on", gone_on)
+    return taken
 
 
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("limit", [20.0, 20.125, 20.375])
-def test_launches_ahead_of_a_check_end_at_the_limit(
+def test_what_goes_ahead_of_a_check_ends_at_the_limit(
     limit: float, family: Family, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Launches of four steps fill a time constant of eight, and the limit leaves none, one or three of them."""

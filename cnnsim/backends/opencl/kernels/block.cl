@@ -14,6 +14,8 @@
 // A vector of cells from column j + l on of row q of the block, or of its neighbours' rows.
 #define NEIGHBOUR(q, l) VEC(const __local, y + (q) * STRIDE + j + (l))
 
+#define TAP(q, k, l, weight) d##q += (real)(weight) * NEIGHBOUR(q + (k), l);
+
 // Vectors over the end of a cache line take as long as two to load: the widest ones, which nearly all lie so, are made
 // of two that do not where sums are shared, of sums that are carried on from vector to vector.
 #if defined SHARED_SUMS && V == 16
@@ -66,7 +68,6 @@ step_block(__local real *y, __local real *x, const __local real *w, const __loca
     d##q += (real)(EDGE) * (SIDES(q) + (NEIGHBOUR(q - 1, 0) + NEIGHBOUR(q + 1, 0)));                                  \
     d##q += (real)(CORNER) * (SIDES(q - 1) + SIDES(q + 1));
 #else
-#define TAP(q, k, l, weight) d##q += (real)(weight) * NEIGHBOUR(q + (k), l);
 #define DRIVE(q) TAPS(TAP, q)
 #endif
         EACH_ROW(DRIVE)

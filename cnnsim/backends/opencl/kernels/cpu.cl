@@ -17,11 +17,11 @@
 // Comes after block.cl and rows.cl.
 
 // Take steps of the rows first_row .. stop_row - 1 of a tile, or of a stack of tiles that do the same. `found` has what is
-// noted of each of them (see sleep.cl).
+// noted of each of them (see sleep.cl); `sign` is set if one has a cell that moves (see rounds.cl).
 static inline __attribute__((always_inline)) void
 step_rows(__global const real *x, __global const real *w, __global const ulong *mask, __global real *out,
           __local real *scratch, int live, int rows, int cols, long top, int first_col, int own_cols, int first_row,
-          int stop_row, int band, int steps, int turn, int *found)
+          int stop_row, int band, int steps, int turn, int *found, __global int *sign)
 {
     const int left = SHIFT - first_col, right = SHIFT + cols - first_col, torus = BOUNDARY == BOUNDARY_PERIODIC;
     __local real *const outputs = scratch + T * RADIUS * STRIDE, *const states = outputs + live * STRIDE;
@@ -79,6 +79,12 @@ step_rows(__global const real *x, __global const real *w, __global const ulong *
 #define STEP(start, end, ...)                                                                                          \
     step_block(fresh + RADIUS * STRIDE, states + at, drives + at, gains + at, start, end, __VA_ARGS__)
 #ifdef SLEEP
+                for (int q = 0; t == 1 && q < R && !*sign; q++) {
+                    const int at_q = at + q * STRIDE;
+                    if (i + q >= first_row && i + q < stop_row)
+                        *sign = moves_on(fresh + (RADIUS + q) * STRIDE, states + at_q, drives + at_q, gains + at_q, SHIFT,
+                                         SHIFT + own_cols);
+                }
                 if (t == levels) {
                     const int loose = STEP(SHIFT, SHIFT + own_cols, times, 1, SHIFT + own_cols, SHIFT + west, SHIFT + east);
                     const int sides = (loose >> R & 1 ? WEST : 0) | (loose >> R & 2 ? EAST : 0);
@@ -111,15 +117,13 @@ step_rows(__global const real *x, __global const real *w, __global const ulong *
     }
 }
 
-__attribute__((reqd_work_group_size(1, 1, 1)))
-__kernel void steps(__global const real *x, __global const real *w, __global const ulong *mask, __global real *out,
-                    __local real *scratch, int live, int rows, int cols, int width, int band, int across, int down,
-                    int steps, int first SLEEP_ARGUMENTS GATE_ARGUMENTS)
+// Take steps of one group of tiles: a stack of them, or one.
+static inline __attribute__((always_inline)) void
+step_group(__global const real *x, __global const real *w, __global const ulong *mask, __global real *out,
+           __local real *scratch, int live, int rows, int cols, int width, int band, int across, int down, int steps,
+           int group, __global int *sign SLEEP_ARGUMENTS)
 {
-#ifdef SLEEP
-    if (!goes_on(halt, checked, parts, get_global_id(0) == 0)) return;
-#endif
-    const int group = first + get_global_id(0), col = group % across, first_col = col * width;
+    const int col = group % across, first_col = col * width;
     const int own_cols = min(width, cols - first_col), stacks = (down + STACK - 1) / STACK;
     const int grid = group / across / stacks, bottom = group / across % stacks * STACK, stop = min(down, bottom + STACK);
     const long top = (long)grid * rows;
@@ -135,11 +139,28 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
             found[after - q] = turn == AWAKE ? MOVED : 0;
         if (turn != ASLEEP)
             step_rows(x, w, mask, out, scratch, live, rows, cols, top, first_col, own_cols, q * band,
-                      min(after * band, rows), band, steps, turn, found);
+                      min(after * band, rows), band, steps, turn, found, sign);
         for (int n = q; n < after; n++) moves[(grid * down + n) * across + col] = found[n - q];
     }
 #else
     step_rows(x, w, mask, out, scratch, live, rows, cols, top, first_col, own_cols, bottom * band,
-              min(stop * band, rows), band, steps, AWAKE, 0);
+              min(stop * band, rows), band, steps, AWAKE, 0, 0);
+#endif
+}
+
+__attribute__((reqd_work_group_size(1, 1, 1)))
+__kernel void steps(__global real *x, __global const real *w, __global const ulong *mask, __global real *out,
+                    __local real *scratch, int live, int rows, int cols, int width, int band, int across, int down,
+                    int steps, int first SLEEP_ARGUMENTS ROUND_ARGUMENTS)
+{
+#ifdef SLEEP
+    for (int round, group; (group = claim(book, groups, rounds, each, &round)) >= 0; hand_in(book)) {
+        const int back = round % 2; // planes and notes by turns
+        step_group(back ? out : x, w, mask, back ? x : out, scratch, live, rows, cols, width, band, across, down, steps,
+                   first + group, book + SIGNS + round, back ? moves : moved, back ? moved : moves, least);
+    }
+    leave(book, groups, each);
+#else
+    step_group(x, w, mask, out, scratch, live, rows, cols, width, band, across, down, steps, first + get_global_id(0), 0);
 #endif
 }

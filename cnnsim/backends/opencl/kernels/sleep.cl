@@ -11,29 +11,9 @@
 enum { ASLEEP, COASTING, AWAKE };
 
 #ifdef SLEEP
-#define SLEEP_ARGUMENTS , __global const uchar *moved, __global uchar *moves, int least // AWAKE: step all tiles
+#define SLEEP_ARGUMENTS , __global uchar *moved, __global uchar *moves, int least // AWAKE: step all tiles
 #else
 #define SLEEP_ARGUMENTS
-#endif
-
-// A launch that is asked for before the last check is judged goes on only where that shows that the network has not settled,
-// and so did all before it: `checked` has so many `parts` of the check (see HAND_IN_PAIR), none for launches that go on
-// anyway. `halt` has whether one of them did not, and how many went on.
-#if defined(SLEEP) && defined(CPU)
-#define GATE_ARGUMENTS , __global int *halt, __global const real *checked, int parts
-static inline int goes_on(__global int *halt, __global const real *checked, int parts, int first_group)
-{
-    if (halt[0] && parts) return 0;
-    int moving = 0, unsaturated = !SATURATION_ENDS;
-    for (int p = 0; p < parts; p++) {
-        moving |= !(checked[2 * p] <= (real)REST); // NaN does
-        unsaturated |= checked[2 * p + 1] != 0;
-    }
-    if (parts && first_group) halt[moving & unsaturated ? 1 : 0] += 1;
-    return !parts || (moving & unsaturated);
-}
-#else
-#define GATE_ARGUMENTS
 #endif
 
 enum { MOVED = 1, ANYWHERE = 2, NORTH = 4, SOUTH = 8, WEST = 16, EAST = 32 };
