@@ -80,7 +80,7 @@ class TileSteps(CheckedSteps):
         defines = {
             **tap_defines(plan.feedback_taps, plan.boundary, plan.boundary.y, context.dtype),
             **cell_defines(plan, self._mask),
-            **_shared_sums(context, plan),
+            **_fewer_loads(context, plan),
             **({"SLEEP": ""} if self._sleeps else {}),
             **(by_rounds if self._by_rounds else {}),
             "GAIN": literal(plan.scheme.gain(plan.step) * plan.scheme.b[0], context.dtype),
@@ -170,10 +170,16 @@ class TileSteps(CheckedSteps):
         return self._x
 
 
-def _shared_sums(context: DeviceContext, plan: Plan) -> Defines:
-    """Definitions for isotropic templates of radius 1; not in float64, which keeps the reference's order of sums."""
-    if "shared sums" not in plan.savings or context.family != "cpu" or context.dtype != np.float32:
+def _fewer_loads(context: DeviceContext, plan: Plan) -> Defines:
+    """Definitions for templates of radius 1 that need not load all neighbours where they lie; see block.cl.
+
+    Isotropic ones only in float32: float64 keeps the reference's order of sums.
+    """
+    if context.family != "cpu":
         return {}
-    names = {"CENTRE": (1, 1), "EDGE": (0, 1), "CORNER": (0, 0)}
-    A: Any = plan.template.A
-    return {"SHARED_SUMS": "", **{name: literal(A[at], context.dtype) for name, at in names.items()}}
+    if "shared sums" in plan.savings and context.dtype == np.float32:
+        names = {"CENTRE": (1, 1), "EDGE": (0, 1), "CORNER": (0, 0)}
+        A: Any = plan.template.A
+        return {"SHARED_SUMS": "", **{name: literal(A[at], context.dtype) for name, at in names.items()}}
+    beside = [tap for tap in plan.feedback_taps if tap.l]
+    return {"SIDES_IN_ROW": ""} if beside and all(tap.k == 0 and abs(tap.l) == 1 for tap in beside) else {}

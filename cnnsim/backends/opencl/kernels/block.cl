@@ -16,14 +16,21 @@
 
 #define TAP(q, k, l, weight) d##q += (real)(weight) * NEIGHBOUR(q + (k), l);
 
-// Vectors over the end of a cache line take as long as two to load: the widest ones, which nearly all lie so, are made
-// of two that do not where sums are shared, of sums that are carried on from vector to vector.
-#if defined SHARED_SUMS && V == 16
+// Vectors over the end of a cache line take as long as two to load. The widest ones, which nearly all lie so, are made of
+// two that do not, which are carried on from vector to vector: of sums where these are shared, of a row's own cells where
+// no other row is read beside a cell.
+#if V == 16 && (defined SHARED_SUMS || defined SIDES_IN_ROW)
 #define CARRIED
-#define SIDE(q, l) ((real)(CORNER) * (NEIGHBOUR(q - 1, l) + NEIGHBOUR(q + 1, l)) + (real)(EDGE) * NEIGHBOUR(q, l))
-#define MIDDLE(q, l) ((real)(EDGE) * (NEIGHBOUR(q - 1, l) + NEIGHBOUR(q + 1, l)) + (real)(CENTRE) * NEIGHBOUR(q, l))
 #define TO_THE_RIGHT(a, b) __builtin_shufflevector(a, b, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30)
 #define TO_THE_LEFT(a, b) __builtin_shufflevector(a, b, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16)
+#ifdef SHARED_SUMS
+#define SIDE(q, l) ((real)(CORNER) * (NEIGHBOUR(q - 1, l) + NEIGHBOUR(q + 1, l)) + (real)(EDGE) * NEIGHBOUR(q, l))
+#define MIDDLE(q, l) ((real)(EDGE) * (NEIGHBOUR(q - 1, l) + NEIGHBOUR(q + 1, l)) + (real)(CENTRE) * NEIGHBOUR(q, l))
+#else
+#define CARRIED_TAP(q, k, l, weight)                                                                          \
+    d##q += (real)(weight) * ((l) < 0 ? TO_THE_RIGHT(before##q, here##q) : (l) > 0 ? TO_THE_LEFT(here##q, after##q) \
+                              : (k) ? NEIGHBOUR(q + (k), 0) : here##q);
+#endif
 #endif
 
 static inline int any_of(sure_vec some)
@@ -46,7 +53,9 @@ step_block(__local real *y, __local real *x, const __local real *w, const __loca
     EACH_ROW(NONE)
     sure_vec loose_west = (sure_vec)0, loose_east = (sure_vec)0;
     int j = start;
-#ifdef CARRIED
+#if defined CARRIED && defined SIDES_IN_ROW
+#define BEGIN(q) vec before##q = NEIGHBOUR(q, -V), here##q = NEIGHBOUR(q, 0);
+#elif defined CARRIED
 #define BEGIN(q) vec before##q = SIDE(q, -V), side##q = SIDE(q, 0), middle##q = MIDDLE(q, 0);
 #else
 #define BEGIN(q) vec late##q = VEC(__local, y + (q - RADIUS) * STRIDE + j - V);
@@ -55,7 +64,12 @@ step_block(__local real *y, __local real *x, const __local real *w, const __loca
     for (; j < end; j += V) {
 #define START(q) vec s##q = VEC(const __local, x + (q) * STRIDE + j), d##q = VEC(const __local, w + (q) * STRIDE + j);
         EACH_ROW(START)
-#ifdef CARRIED
+#if defined CARRIED && defined SIDES_IN_ROW
+#define DRIVE(q)                                                                                              \
+    const vec after##q = NEIGHBOUR(q, V);                                                                         \
+    TAPS(CARRIED_TAP, q)                                                                                          \
+    before##q = here##q, here##q = after##q;
+#elif defined CARRIED
 #define DRIVE(q)                                                                                              \
     const vec after##q = SIDE(q, V);                                                                              \
     d##q += middle##q;                                                                                            \

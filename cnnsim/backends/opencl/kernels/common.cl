@@ -30,8 +30,21 @@ typedef int sure_real;
 #endif
 #define BITS_vec(x) __builtin_astype(x, sure_vec)
 
-// The output characteristic; NaN stays NaN. (OpenCL's clamp need not keep it, and is slow in some PoCL builds.)
-#define CLIP(type, x) ((x) > (type)1 ? (type)1 : (x) < (type)-1 ? (type)-1 : (x))
+// The output characteristic; NaN stays NaN. (OpenCL's clamp need not keep it, and is slow in some PoCL builds.) One bound
+// after the other: compilers see a maximum and a minimum then, two instructions, and make four of one choice in another.
+#define CLIP(type, x) clip_##type(x)
+#define CLIP_OF(type)                               \
+    static inline type clip_##type(type x)          \
+    {                                               \
+        const type v = x < (type)-1 ? (type)-1 : x; \
+        return v > (type)1 ? (type)1 : v;           \
+    }
+CLIP_OF(real)
+#if V > 1
+CLIP_OF(vec)
+#else
+#define clip_vec clip_real
+#endif
 
 #ifdef CPU
 #define KERNEL __attribute__((reqd_work_group_size(1, 1, 1))) __kernel
