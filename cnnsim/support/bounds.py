@@ -89,8 +89,6 @@ def one_line(path: Path, what: str) -> Iterator[None]:
         yield
     except InputError:
         raise
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read as {what}: {reason(error)}") from error
     except Exception as error:
         raise InputError(f"{path}: cannot be read as {what}: {reason(error)}") from error
 

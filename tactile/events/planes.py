@@ -9,7 +9,8 @@ from cnnsim.program.machine import UniversalMachine
 from cnnsim.support import Flags, Floats
 from tactile.core.frame import Frame, Quantity
 from tactile.events.comparators import Switches
-from tactile.events.signals.signals import LEVELS, PLANES, Signals
+from tactile.events.signals.names import LEVELS, PLANES
+from tactile.events.signals.signals import Signals
 from tactile.inverse.load import Load
 
 FULL_SCALE: dict[Quantity, float] = {"force": 10.0, "strain": 0.1, "stress": 2e5}

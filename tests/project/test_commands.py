@@ -16,11 +16,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from cnnsim import read_picture
 from cnnsim.cli.group import main as cnnsim
 from cnnsim.support.extras import install_line
 from tactile.cli.group import main as tactile
-from tests.kits.example_files import PICTURE, RECORDING, SCENE, scan
 from tests.kits.own_files import write_own_files
 from tests.kits.paths import ROOT
 from tests.kits.processes import command_line, ended
@@ -229,19 +227,6 @@ def test_the_commands_of_a_port_run_on_an_emulated_one(folder: Path, monkeypatch
             with started(line, folder) as device:
                 first_word(device, folder)
                 stop(device, line)
-
-
-def test_example_files_are_what_the_code_makes(tmp_path: Path) -> None:
-    from tactile.sources import open_source
-
-    assert abs(read_picture(PICTURE) - scan()).max() <= 1 / 255
-    assert RECORDING.stat().st_size < 300_000
-    kept, made = open_source(RECORDING), open_source(SCENE)
-    assert [array.name for array in kept.arrays] == [array.name for array in made.arrays]
-    for ours, theirs in zip(kept, made, strict=True):
-        assert abs(ours.values - theirs.values).max() < 1e-12
-        if ours.t > 0.1:
-            break
 
 
 def test_examples_do_not_replace_unasked(folder: Path) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 from cnnsim.support import Flags, Floats
 from tactile.core.frame import Frame, Quantity
 from tactile.core.noise import Noise
+from tactile.events.signals.names import BALANCED, DROPPING, LARGE, LEVELS, PLANES, RISING, TURNING
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 from tactile.thresholds.levels import Levels
@@ -23,24 +24,6 @@ DRAWN = 9.0
 TAUS = tuple(0.003 * 1.15**k for k in range(23))
 """[s] Time constants of the growth of the pull, to 65 ms; the shortest that noise allows is looked at: in coarser steps
 a light grasp that just misses one waits for the next, which comes late by 2.7 of it."""
-PLANES = ("shear_x", "shear_y", "pressing", "drawn_x", "drawn_y", "share", "firmness")
-LEVELS = (
-    "loaded",
-    "rising",
-    "falling",
-    "steep",
-    "large",
-    "unsteady",
-    "sheared",
-    "driven",
-    "dropping",
-    "yielding",
-    "sticking",
-    "turning",
-    "turning_back",
-    "outweighs",
-    "balanced",
-)
 DRIFT = np.array([90.0, 90.0, 23.0])
 """Levels, where comparators go on, that drift of an unpressed taxel may reach: 1 N of shear, 0.5 N of pressing at noise
 of 1.1 and 3.6 mN."""
@@ -49,13 +32,10 @@ COMMON, FASTEST = 1.2, 3.5
 one that comes so slowly looks the same."""
 UNKNOWN = np.array([0.011, 0.011, 0.022])
 """Those levels [N], taken while no noise is known."""
-RISING, DROPPING = LEVELS.index("rising"), LEVELS.index("dropping")
-TURNING, BALANCED = LEVELS.index("turning"), LEVELS.index("balanced")
 HELD_LOAD = 3
 """Where the held load's time constant is in `LOAD`, and the held load in what is kept."""
 LARGE_PARTS = (0.2, 0.3)
 """Parts of the held load: a load is large above the one, until it is below the other."""
-LARGE = LEVELS.index("large")
 
 ALWAYS = np.ones((1, 1), bool)
 ONE = Levels(np.full((1, 1, 3), 0.01), np.full((1, 1, 3), 0.015))

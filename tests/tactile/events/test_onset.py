@@ -12,8 +12,9 @@ from tactile.core.source import FrameStream, Provenance
 from tactile.events.detector_file import shipped_detectors
 from tactile.events.event import Event, EventLog
 from tactile.events.registry import SHIPPED
+from tactile.events.signals.names import LEVELS
 from tactile.events.signals.onset_numba import KEPT, bend, remember
-from tactile.events.signals.signals import LEVELS, Signals
+from tactile.events.signals.signals import Signals
 from tactile.pipeline import run
 from tactile.settings import Settings
 from tactile.sources import open_source

@@ -1,0 +1,23 @@
+"""Names of the planes and of the numbers that signals of a finger have, in their order."""
+
+PLANES = ("shear_x", "shear_y", "pressing", "drawn_x", "drawn_y", "share", "firmness")
+LEVELS = (
+    "loaded",
+    "rising",
+    "falling",
+    "steep",
+    "large",
+    "unsteady",
+    "sheared",
+    "driven",
+    "dropping",
+    "yielding",
+    "sticking",
+    "turning",
+    "turning_back",
+    "outweighs",
+    "balanced",
+)
+RISING, DROPPING = LEVELS.index("rising"), LEVELS.index("dropping")
+TURNING, BALANCED = LEVELS.index("turning"), LEVELS.index("balanced")
+LARGE = LEVELS.index("large")
