@@ -8,9 +8,9 @@ import numpy as np
 from cnnsim.network import AnyTemplate, Cell, Characteristic, LayeredTemplate, layered
 from cnnsim.network.characteristic import CLIP
 from cnnsim.planning.duration import Duration
-from cnnsim.planning.network_modes import step_bound
+from cnnsim.planning.network_modes import network_modes, step_bound
 from cnnsim.planning.scheme import ADAPTIVE, EULER, Scheme, find_scheme
-from cnnsim.planning.stability import usual_scheme
+from cnnsim.planning.stability import fastest_turning, usual_scheme
 from cnnsim.planning.step import DEFAULT_STEP, check_whole_steps, divided, timed_step
 from cnnsim.support import InputError
 
@@ -63,11 +63,12 @@ def decide_general(
             raise InputError("the adaptive scheme runs for a number of time constants, without delays and sequences")
         return None, 1.0, [*decisions, ("adaptive", "DOP853 of scipy with relative tolerance 1e-10: a reference")]
     limit_of = partial(step_bound, network, cell.output, duration)
+    turning = fastest_turning(network_modes(network, cell.output), duration, DEFAULT_STEP)
     if scheme is None and not delays:
-        table = usual_scheme(limit_of, DEFAULT_STEP)
+        table = usual_scheme(limit_of, DEFAULT_STEP, turning)
     else:
         table = EULER if scheme is None else find_scheme(scheme)
-    h, reason = timed_step(table, step, limit_of(table), duration, delays, periods)
+    h, reason = timed_step(table, step, limit_of(table), duration, delays, periods, turning)
     h = h if timed else divided(duration, h)
     decisions.append((f"{table.name}, h = {h:.4g}", f"order {table.order}; the step is {reason}"))
     if jump := largest_jump(network, cell.output):

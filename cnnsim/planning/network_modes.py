@@ -29,19 +29,19 @@ def step_bound(network: LayeredTemplate, output: Characteristic, duration: Durat
         _decay(layer, output) / time for layer, time in zip(network.layers, network.time_constants, strict=True)
     )
     real = limit_of(np.array([-fastest + 0j]), duration, scheme)
-    return min(real, limit_of(network_modes(network, output), duration, scheme))
+    return min(real, limit_of(decaying(network_modes(network, output)), duration, scheme))
 
 
 @lru_cache(maxsize=64)
 def network_modes(network: LayeredTemplate, output: Characteristic) -> Modes:
-    """Return the modes that decay, one of each complex pair, on small grids with all cells in one piece.
+    """Return the modes on small grids with all cells in one piece.
 
     Delayed terms and products of two arguments are left out: they are not linear in the state of now.
     """
     layers = len(network.layers)
     shapes = [shape for shape in _SHAPES if layers * shape[0] * shape[1] <= _MOST_CELLS] or [(1, 1)]
     found = [np.linalg.eigvals(_jacobian(network, output, shape, side)) for shape in shapes for side in (0, 1)]
-    return decaying(np.concatenate(found))
+    return np.concatenate(found).astype(complex)
 
 
 def _jacobian(network: LayeredTemplate, output: Characteristic, shape: tuple[int, int], side: int) -> Floats:

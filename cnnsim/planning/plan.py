@@ -23,7 +23,7 @@ from cnnsim.planning.duration import Duration
 from cnnsim.planning.general import check_grid, decide_general, why_general
 from cnnsim.planning.savings import Saving, halo_of_a_step, stepped_savings, steps_a_pass
 from cnnsim.planning.scheme import ADAPTIVE, Scheme, find_scheme
-from cnnsim.planning.stability import step_limit, usual_scheme
+from cnnsim.planning.stability import fastest_turning, modes_of, step_limit, usual_scheme
 from cnnsim.planning.step import DEFAULT_STEP, check_count, check_step, divided, usual_step
 from cnnsim.support import Array, InputError
 from cnnsim.support.values import is_number
@@ -179,12 +179,15 @@ def make_plan(
         decisions.append(("adaptive", "DOP853 of scipy with relative tolerance 1e-10: a reference, not a fast method"))
         return plan("adaptive", None, 1.0)
     limit_of = partial(step_limit, template, boundary, duration)
-    table = usual_scheme(limit_of, DEFAULT_STEP) if scheme is None else find_scheme(scheme)
+    turning = fastest_turning(modes_of(template, boundary), duration, DEFAULT_STEP)
+    table = usual_scheme(limit_of, DEFAULT_STEP, turning) if scheme is None else find_scheme(scheme)
     longest = limit_of(table)
     if step is None:
-        h = usual_step(table, longest)
+        h = usual_step(table, longest, turning)
         part = "a sixth of" if table.order >= 4 else "half"
         why = "the default" if h == DEFAULT_STEP else f"{part} the stability limit {longest:.4g} of this template"
+        if turning and h == 0.5 / turning:
+            why = f"what follows modes that turn at {turning:.3g} a time constant"
     else:
         check_step(step, longest, table, "cannot be stable")
         h, why = step, f"as asked; stable below {longest:.4g}"

@@ -22,17 +22,21 @@ _MOST_CELLS = 160
 _NEUTRAL = 1e-6
 """A mode that decays by less than this part of its modulus neither decays nor grows."""
 
+RUSHED = 0.4
+"""Growth over frequency from which a mode saturates before it has turned far: 0.5 in waves of connected components."""
+ASTRAY = 0.05
+"""Part of a mode by which steps may make it too large."""
 
-def decaying_modes(template: Template, boundary: Boundary) -> Modes:
-    """Return the modes that decay, one of each complex pair.
 
-    Saturated cells decay at rate 1. In the linear region the modes are the eigenvalues of A - I: for a symmetric A or a
-    torus, the symbol sum A(k, l) exp(i (k p + l q)) - 1 has them all. For any other A they are computed on grids of
-    several sizes (its symbol would forbid steps that are stable).
+def modes_of(template: Template, boundary: Boundary) -> Modes:
+    """Return the modes of the linear region, the eigenvalues of A - I.
+
+    For a symmetric A or a torus, the symbol sum A(k, l) exp(i (k p + l q)) - 1 has them all. For any other A they are
+    computed on grids of several sizes (its symbol would forbid steps that are stable).
     """
     if template.symmetric or boundary.kind == "periodic":
-        return decaying(_waves(template.feedback_taps, symmetric=template.symmetric))
-    return decaying(_on_grids(template.A.tobytes(), template.A.shape[0], boundary))
+        return _waves(template.feedback_taps, symmetric=template.symmetric)
+    return _on_grids(template.A.tobytes(), template.A.shape[0], boundary)
 
 
 @lru_cache(maxsize=64)
@@ -46,7 +50,7 @@ def _waves(taps: tuple[Tap, ...], *, symmetric: bool) -> Modes:
 
 
 def decaying(modes: Modes) -> Modes:
-    """Return those of the modes that decay, and that of a saturated cell, which decays at rate 1."""
+    """Return those of the modes that decay, one of each complex pair, and that of a saturated cell: rate 1."""
     modes = np.append(modes.astype(complex), -1)
     return modes[(modes.real < -_NEUTRAL * np.abs(modes)) & (modes.imag >= 0)]
 
@@ -75,7 +79,7 @@ def step_limit(template: Template, boundary: Boundary, duration: Duration, schem
 
 @lru_cache(maxsize=128)
 def _limit(template: Template, boundary: Boundary, duration: Duration, scheme: Scheme) -> float:
-    return limit_of(decaying_modes(template, boundary), duration, scheme)
+    return limit_of(decaying(modes_of(template, boundary)), duration, scheme)
 
 
 def limit_of(modes: Modes, duration: Duration, scheme: Scheme) -> float:
@@ -91,9 +95,23 @@ def limit_of(modes: Modes, duration: Duration, scheme: Scheme) -> float:
     return float(-np.log1p(-gain)) if gain < 1 else float("inf")
 
 
-def usual_scheme(limit: Callable[[Scheme], float], step: float) -> Scheme:
+def fastest_turning(modes: Modes, duration: Duration, step: float) -> float:
+    """Return the |omega| of the fastest mode that Euler's steps do not follow, 0 if there is none.
+
+    They make a mode that turns grow by h omega^2 / 2 a time constant too fast, until the run ends or the mode is e
+    times smaller or larger. What grows at more than `RUSHED` of its frequency is saturated before that tells.
+    """
+    omega, rate = np.abs(modes.imag), np.abs(modes.real)
+    turning = omega > rate * np.where(modes.real > 0, 1 / RUSHED, 1.0)
+    longest = np.inf if duration == "settled" else float(duration)
+    lasts = np.minimum(longest, 1 / np.maximum(rate, 1e-300))
+    return float(omega[turning & (step * omega**2 / 2 * lasts > ASTRAY)].max(initial=0.0))
+
+
+def usual_scheme(limit: Callable[[Scheme], float], step: float, turning: float) -> Scheme:
     """Return Euler, or RK4 where modes turn so fast that it gets on better: a step of it costs four of Euler's.
 
-    Arguments: ``limit`` gives the longest step of a scheme; ``step`` is what accuracy allows [time constants].
+    Arguments: ``limit`` gives the longest step of a scheme; ``step`` is what accuracy allows [time constants];
+    ``turning`` as in `fastest_turning`.
     """
-    return RK4 if limit(EULER) < 2 * step and limit(RK4) > 4 * limit(EULER) else EULER
+    return RK4 if turning or (limit(EULER) < 2 * step and limit(RK4) > 4 * limit(EULER)) else EULER

@@ -16,12 +16,15 @@ MOST_STEPS = 10**12
 """Steps of a transient: more would take years on the smallest of grids."""
 
 
-def usual_step(scheme: Scheme, longest: float) -> float:
+def usual_step(scheme: Scheme, longest: float, turning: float) -> float:
     """Return the step where none is asked for: half of what is stable, a sixth with schemes of order 4.
 
     Those are taken for modes that turn: at h |omega| = 1/2 they are followed to three digits, at half the limit to one.
+    ``turning``: the |omega| of the fastest that is to be followed, which the limit need not know.
     """
-    return min(DEFAULT_STEP, longest / (6 if scheme.order >= 4 else 2))
+    if scheme.order < 4:
+        return min(DEFAULT_STEP, longest / 2)
+    return min(DEFAULT_STEP, longest / 6, 0.5 / turning if turning else inf)
 
 
 def check_count(time: float, h: float) -> None:
@@ -49,7 +52,7 @@ def check_step(step: float, longest: float, scheme: Scheme, verdict: str) -> Non
 
 def timed_step(
     scheme: Scheme, step: float | None, longest: float, duration: Duration, delays: Sequence[float],
-    periods: Sequence[float],
+    periods: Sequence[float], turning: float = 0.0,
 ) -> tuple[float, str]:  # fmt: skip
     """Return the step of a network that may have delays and sequences, and why it is that one.
 
@@ -67,7 +70,7 @@ def timed_step(
     if times and duration != "settled" and duration:
         times.append(duration)
     if step is None:
-        most = usual_step(scheme, longest)
+        most = usual_step(scheme, longest, turning)
         check_count(max(times, default=0.0), most)
         h = common_step(times, most) if times else most
         return h, f"at most {most:.4g}" + (" and divides all delays and holding times" if times else "")

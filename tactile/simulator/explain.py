@@ -107,7 +107,11 @@ def explain(scene: Scene, choice: Choice | None = None) -> SceneExplanation:
             f"against the flat cover the bumps change the signal by up to {_departure(scene, sample):.2g} of its peak"
         )
     sizes = sizes_in(scene, effects)
+    if absurd := [name for name, _ in effects if name not in sizes]:
+        notes.append(f"without meaning in this scene at typical strength, and not measured: {', '.join(absurd)}")
     for name, effect in effects:
+        if name not in sizes:
+            continue
         size = sizes[name]
         parts.append(ScenePart(name, _describe(effect), name in on, size.change, seconds.get(name), size.at_most))
     quantity = scene.arrays[0].quantity

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cnnsim.support import Floats, Integers
+from cnnsim.support import Floats, InputError, Integers
 from tactile.simulator.batch import Batch
 from tactile.simulator.choice.chain import Named
 from tactile.simulator.choice.effect_bounds import EffectBounds
@@ -169,7 +169,8 @@ def sizes_in(scene: Scene, effects: Iterable[Named]) -> dict[str, Size]:
 
     Of an effect of the scene: when it alone is taken away; of another: when it alone is added. What is fixed is
     measured with the scene's own seed, unless the steps of a converter behind it may make it larger: then it is a
-    bound wherever the steps lie. What is random is a bound that all seeds but one in a million keep.
+    bound wherever the steps lie. What is random is a bound that all seeds but one in a million keep. Another effect
+    that has no meaning in this scene, such as a stickiness that draws a needle too deep, is not among them.
     """
     every, on = list(effects), dict(scene.effects)
     found = EffectBounds(scene, every, on)
@@ -183,7 +184,13 @@ def sizes_in(scene: Scene, effects: Iterable[Named]) -> dict[str, Size]:
             continue
         other = [(n, e) for n, e in every if (n in on) != (n == name)]
         steps = found.converters if found.stepped(name, 1.0) > 1 else ()
-        change, *smooth = map(sample.gap, _runs(sample, other, steps), whole)
+        try:
+            runs = _runs(sample, other, steps)
+        except InputError:
+            if name in on:
+                raise
+            continue
+        change, *smooth = map(sample.gap, runs, whole)
         most = found.stepped(name, max(smooth, default=change))
         sizes[name] = Size(max(most, change), True) if most > DOUBT * change else Size(change, False)
     return sizes

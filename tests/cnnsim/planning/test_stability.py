@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cnnsim import PERIODIC, Boundary, InputError, LayeredTemplate, Template, Term, fixed, run_transient
+from cnnsim import PERIODIC, Boundary, InputError, LayeredTemplate, Template, Term, fixed, library, run_transient
 from cnnsim.planning.plan import make_plan
 from cnnsim.planning.scheme import EULER, SCHEMES, Scheme
 from cnnsim.planning.stability import limit_of, step_limit
@@ -80,3 +80,42 @@ def test_strong_oscillations_are_followed_not_only_kept_stable(seed: int) -> Non
         template, state=state, boundary=PERIODIC, duration=4.0, scheme="rk4", step=0.002, dtype="float64"
     )
     assert np.abs(found.x - exact.x).max() < 0.01 * np.abs(exact.x).max()
+
+
+@pytest.mark.parametrize(
+    ("across", "down", "centre", "duration"),
+    [
+        (3, 0, 1, 3.0), (3, 0, 1.5, 3.0), (2, -2, 1, 3.0), (1, 0, 1, 30.0), (0.3, 0, 1, 30.0), (12, 0, 1, 2.0),
+        (2, 0, 0, 2.0), (2, 0, 0, 1.0), (1, 0, 0, 3.0), (3, 0, 0.9, 3.0),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("kind", ["A", "term"])
+def test_what_turns_is_followed_wherever_it_decays_stands_or_grows(
+    across: float, down: float, centre: float, duration: float, kind: str
+) -> None:
+    """The plan's own choice against scipy's DOP853, with eigenvalues on both sides of the imaginary axis."""
+    A = [[0, -down, 0], [-across, centre, across], [0, down, 0]]
+    template = Template(A) if kind == "A" else Template([[0.0]], terms=[Term(A)])
+    x = np.random.default_rng(0).uniform(-0.3, 0.3, (16, 16))
+    ours = run_transient(template, state=x, boundary=fixed(0), duration=duration)
+    exact = run_transient(
+        Template(A), state=x, boundary=fixed(0), duration=duration, scheme="adaptive", backend="reference"
+    )
+    assert np.abs(ours.x - exact.x).max() < 0.02 * np.abs(exact.x).max()
+
+
+def test_layers_that_turn_without_end_are_followed() -> None:
+    """x' = -6 v, v' = 6 x while |x|, |v| < 1: rotation, by 18 in 3 time constants."""
+    network = LayeredTemplate([Template([[1.0]], terms=[Term([[w]], layer=n)]) for w, n in ((-6.0, 1), (6.0, 0))])
+    x = np.random.default_rng(1).uniform(-0.3, 0.3, (2, 6, 7))
+    end = run_transient(network, state=x, boundary=fixed(0), duration=3.0).x
+    turned = x[0] * np.cos(18) - x[1] * np.sin(18), x[0] * np.sin(18) + x[1] * np.cos(18)
+    np.testing.assert_allclose(end, turned, atol=0.02)
+
+
+@pytest.mark.parametrize("name", ["connected-components-horizontal", "masked-connected-components-left", "shadow-up"])
+def test_waves_that_saturate_before_they_turn_keep_the_quicker_scheme(name: str) -> None:
+    entry = library.load(name)
+    for duration in ("settled", 3.0, 30.0):
+        plan = make_plan(entry.template, (16, 16), entry.boundary, duration=duration)
+        assert plan.scheme is EULER

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -122,6 +123,17 @@ def test_an_explanation_names_every_part() -> None:
     assert by_name["read_noise"].size == pytest.approx(4.8 * 0.01 * 0.15 / told.peak, rel=0.3)
     assert by_name["finite_tip"].size == pytest.approx(0.07, abs=0.05)  # the paper's needle on its cover
     assert told.notes == ()
+
+
+def test_an_effect_without_meaning_in_a_scene_is_named_and_the_rest_is_explained(tmp_path: Path) -> None:
+    """A needle on a layer is nearly as wide as its contact; typical stickiness would draw it in further."""
+    text = (SCENES / "contacts.toml").read_text(encoding="utf-8")
+    (tmp_path / "auto.toml").write_text('effects = "auto"\ntolerance = 0.02\n' + text, encoding="utf-8")
+    for write in (None, tmp_path / "kept.toml"):
+        told = explain_file(tmp_path / "auto.toml", write)
+        assert "adhesion" in told.notes[-1]
+        assert "adhesion" not in {part.name for part in told.parts}
+        assert {"taxel_area", "low_pass"} <= {part.name for part in told.parts}
 
 
 def test_a_scene_without_load_is_explained_too() -> None:
