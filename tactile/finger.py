@@ -14,7 +14,7 @@ from cnnsim.program.program import Program
 from cnnsim.support import Flags, Floats
 from tactile.calibration.live_tare import LiveTare, TareNote
 from tactile.core.frame import Frame, TaxelArray
-from tactile.core.noise import Noise
+from tactile.core.noise import Noise, is_noise
 from tactile.core.rails import Rails
 from tactile.events.code import Code, encode
 from tactile.events.comparators import BINARY, Comparators
@@ -26,7 +26,7 @@ from tactile.events.signals.signals import Signals
 from tactile.events.travel import Travel
 from tactile.inverse.load import Load
 from tactile.inverse.localise import localise
-from tactile.inverse.point import OnePoint
+from tactile.inverse.point import NO_LOAD, OnePoint
 from tactile.inverse.summed import summed
 from tactile.inverse.weights import weigh
 from tactile.settings import Settings
@@ -110,7 +110,9 @@ class Finger:
         self._floor = float(np.median(self.levels.off[..., 2]))
         levels_of = None if noise is None else noise.levels
         known = None if levels_of is None or self._inverse is None else levels_of * self._newtons
-        self._weights = weigh(known if known is not None and (known > 0).all() else None, array.shape)
+        known = known if known is not None and (known > 0).all() else None
+        self._weights = weigh(known, array.shape)
+        self._per_sigma = None if known is None else np.where(self._left_out[..., None], 0, self._newtons / known)
 
     def locate(self, frame: Frame) -> Load:
         """Return the load under this finger: the inverse in every cell, then the taxels' consensus; or their sum."""
@@ -119,6 +121,8 @@ class Finger:
         values = frame.values
         if not (frame.whole and self._none_left_out):
             values = np.where((frame.valid & ~self._left_out)[..., None], values, np.nan)
+        if self._per_sigma is not None and self._saturated is None and is_noise(frame.values, self._per_sigma):
+            return NO_LOAD
         if self._point is not None and self._saturated is None:
             load = self._point(values, self._weights)
             if load is not None:

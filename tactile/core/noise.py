@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import sqrt
 
 import numpy as np
 
@@ -17,6 +18,8 @@ FADE = 0.95
 """Part of the noise known before that is kept with each block."""
 UNLIKE = 2.0
 """From so many times the median taxel's noise a taxel has one of its own."""
+STRIKING = 6.0
+"""Sigma from which a reading is no noise: one of 768 is as large by chance in one frame of a million."""
 BLOCKS = 20
 """The median taxel's noise is the mean over so many blocks."""
 
@@ -123,3 +126,13 @@ def _median(series: Floats) -> Floats:
     parted = np.partition(series, half)
     upper: Floats = parted[..., half]
     return upper if odd else (parted[..., :half].max(axis=-1) + upper) / 2
+
+
+def is_noise(values: Floats, per_sigma: Floats) -> bool:
+    """Return whether readings are no more than noise makes: none is striking, and all together are about its power.
+
+    Arguments: ``values``; ``per_sigma``: 1 over the noise, 0 of what counts for nothing; both (rows, cols, 3).
+    """
+    z = (values * per_sigma).ravel()
+    power = 1.5 * z.size + 7 * sqrt(2 * z.size)  # seven sigma beyond noise that is known to a fifth
+    return float(z @ z) < power and float(np.abs(z).max()) < STRIKING

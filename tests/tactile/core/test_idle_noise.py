@@ -1,0 +1,49 @@
+"""Frames of nothing but noise: no load; and light loads that stand out from it are located all the same."""
+
+import numpy as np
+import pytest
+
+from tactile.core.frame import Frame, Quantity, TaxelArray
+from tactile.core.noise import is_noise
+from tactile.core.source import FrameStream
+from tactile.inverse.load import Load
+from tactile.inverse.validity import Validity
+from tactile.pipeline import run
+from tactile.settings import Settings
+
+MODULUS, IDLE = 1e6, 200
+
+
+def located(array: TaxelArray, sigma: float, pressed: np.ndarray | float) -> list[Load]:
+    """The loads of so many idle frames, and of as many in which ``pressed`` is felt."""
+    random = np.random.default_rng(array.rows)
+    values = sigma * random.normal(size=(2 * IDLE, *array.shape, 3))
+    values[IDLE:] += pressed
+    frames = [Frame(0, 0.01 * k, k, one, np.ones(array.shape, bool)) for k, one in enumerate(values)]
+    found = list[Load]()
+    run(FrameStream("idle", (array,), MODULUS, 2 * IDLE, frames), Settings(), [lambda step: found.append(step.load)])
+    return found
+
+
+@pytest.mark.parametrize("side", [2, 8, 16])
+@pytest.mark.parametrize(("quantity", "sigma"), [("strain", 3e-4), ("stress", 1e-3 * MODULUS)])
+def test_noise_is_no_load(quantity: Quantity, sigma: float, side: int) -> None:
+    array = TaxelArray("pad", side, side, 1e-3, 1e-3, quantity=quantity)
+    assert {load.validity for load in located(array, sigma, 0.0)[60:]} == {Validity.NO_LOAD}
+
+
+def test_a_light_load_stands_out() -> None:
+    """One taxel bears 8 sigma; or all of 64 bear 2."""
+    array = TaxelArray("pad", 8, 8, 1e-3, 1e-3, quantity="stress")
+    one = np.zeros((8, 8, 3))
+    one[3, 4, 2] = -8e3
+    for pressed in (one, np.full((8, 8, 3), [0.0, 0.0, -2e3])):
+        found = located(array, 1e3, pressed)[IDLE + 5 : IDLE + 25]
+        assert np.mean([load.validity is not Validity.NO_LOAD for load in found]) > 0.9
+
+
+def test_readings_that_are_not_known_are_not_called_noise() -> None:
+    values = np.zeros((2, 2, 3))
+    assert is_noise(values, np.ones(values.shape))
+    values[0, 0, 0] = np.nan
+    assert not is_noise(values, np.ones(values.shape))
