@@ -69,6 +69,8 @@ class Trajectory:
         if chosen is None:
             shown = sheet_frames(self.y)
             return plot.sheet([self.y[k] for k in shown], [f"t = {self.t[k]:.3g}" for k in shown], axes)
+        if not chosen:
+            raise InputError("no cells; one (row, column) at least wanted")
         series = [self.of_cell(*cell) for cell in chosen]
         if series[0].ndim > 1:
             raise InputError(f"states of shape {series[0].shape} of one cell; a trajectory of a single grid wanted")

@@ -7,8 +7,11 @@ run(open_source("grip.toml"), Settings(), [lambda report: print(*(event.words fo
 __all__ = [
     "Calibration", "DetectorFile", "Event", "EventLog", "EventRule", "Frame", "FrameReport", "Indenter", "InputError",
     "Load", "MovingContact", "MovingLoad", "Scene", "Settings", "Sink", "SlidingTexture", "Source", "TaxelArray",
-    "Threshold", "Validity", "load_calibration", "make_effect", "open_source", "read_detector", "run", "warm_up",
+    "Threshold", "Validity", "__version__", "load_calibration", "make_effect", "open_source", "read_detector", "run",
+    "warm_up",
 ]  # fmt: skip
+
+from cnnsim import __version__
 
 TYPE_CHECKING = False  # as in typing, which takes longer to import than all that stands here
 if TYPE_CHECKING:  # at run time a name is imported when it is first asked for

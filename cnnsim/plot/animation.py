@@ -1,11 +1,12 @@
 """Planes over time as an animation of matplotlib."""
 
 from collections.abc import Sequence
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 from cnnsim.plot.figures import given_or_new
 from cnnsim.plot.planes import plane, side_by_side
-from cnnsim.support import Array
+from cnnsim.support import Array, InputError
 
 if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation
@@ -19,9 +20,14 @@ def animation(
 
     ``interval`` is what a frame lasts [ms]. In a notebook ``HTML(found.to_jshtml())`` plays it; ``found.save("x.gif")``
     writes it. Keep it in a variable while it runs: matplotlib does not.
+
+    Raises:
+        InputError: an interval that is not positive, or ``axes`` that are none.
     """
     from matplotlib.animation import FuncAnimation  # slow to import, and only needed for plots
 
+    if not 0 < interval < inf:
+        raise InputError(f"interval {interval} ms; a positive number wanted")
     axes = plane(y[0], given_or_new(axes))
     image: Any = axes.images[-1]
 

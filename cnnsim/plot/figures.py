@@ -4,6 +4,9 @@ from collections.abc import Callable
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
+from cnnsim.support import InputError
+from cnnsim.support.errors import shown
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -12,8 +15,14 @@ COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#0
 
 
 def given_or_new(axes: "Axes | None") -> "Axes":
-    """Return the axes, or new ones of a figure of pyplot, which notebooks and ``plt.show()`` show."""
+    """Return the axes, or new ones of a figure of pyplot, which notebooks and ``plt.show()`` show.
+
+    Raises:
+        InputError: something else, such as a figure.
+    """
     if axes is not None:
+        if not hasattr(axes, "imshow"):
+            raise InputError(f"axes {shown(axes)}; Axes of matplotlib wanted, as of pyplot.subplots()[1]")
         return axes
     from matplotlib import pyplot  # slow to import, and only needed for plots
 

@@ -111,7 +111,7 @@ def as_numbers(name: str, values: ArrayLike, *, levels: bool = False, logic: boo
     if array.dtype.kind == "u" or max(most, -least) > 1:
         colours = array.ndim == 3 and array.shape[-1] in (3, 4)
         cure = "to_planes(values), a plane a colour" if colours else "from_gray(values)"
-        cure += "; values > 0 where they are truth values" if logic and not colours else ""
+        cure += "; values > 0 where they are truth values" if (logic or most <= 1) and not colours else ""
         raise InputError(
             f"{name} holds whole numbers from {least} to {most}, shape {array.shape}; CNN values from -1 "
             f"(white) to 1 (black) wanted: cnnsim.{cure}"

@@ -101,9 +101,12 @@ class TareChoice(click.ParamType):  # type: ignore[type-arg]  # generic only in 
         if value in ("auto", "off"):
             return value
         try:
-            return int(value)
+            frames = int(value)
         except ValueError:
             self.fail(f"{value!r}; auto, off or a number of frames wanted", param, ctx)
+        if frames < 0:
+            self.fail(f"{frames} frames; 0 or more wanted", param, ctx)
+        return frames
 
 
 def detection(command: Callable[..., None]) -> Callable[..., None]:

@@ -96,9 +96,13 @@ class Recorded:
 
     def source(self) -> "WireSource | StoredSource":
         """Return the frames before their tare as a ``Source``: decoded anew from the bytes where there are any."""
+        notes = (f"{self.path.name}: {self.state}",) if self.state else ()
         if not self.has_wire:
-            return StoredSource(self)
+            stored = StoredSource(self)
+            stored.notes = notes
+            return stored
         source = WireSource(self.description, self.chunks())
+        source.notes = notes
         source.provenance = replace(source.provenance, start_ns=self.start, choices=self.made.get("choices", ""))
         return source
 
@@ -108,7 +112,9 @@ class Recorded:
 
 
 class StoredSource:
-    """The stored frames of a recording without bytes, as a ``Source``."""
+    """The stored frames of a recording without bytes, as a ``Source``; ``notes``: what is wrong with it, in words."""
+
+    notes: tuple[str, ...] = ()
 
     def __init__(self, recorded: Recorded) -> None:
         self._recorded = recorded

@@ -30,8 +30,11 @@ class WireSource:
     """Frames out of chunks, as a ``Source``. Everything about them follows from the chunks alone.
 
     ``see``: called with every frame; ``tare_requests``: whether by force, one for each tare that was asked for and that
-    nobody has taken yet; ``arrival`` [ns] of the frame that was given out last, on the clock of the chunks.
+    nobody has taken yet; ``arrival`` [ns] of the frame that was given out last, on the clock of the chunks; ``notes``:
+    what is wrong with the recording that they come from, in words.
     """
+
+    notes: tuple[str, ...] = ()
 
     def __init__(
         self,

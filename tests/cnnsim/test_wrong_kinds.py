@@ -42,6 +42,10 @@ CASES: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: run_transient(Template(2.0), state=PLANE, bias=np.full((5, 6), 200, np.uint8)),
         r"bias holds whole numbers from 200 to 200.*from_gray",
     ),
+    "all black": (
+        lambda: cnnsim.run("edge", np.ones((5, 6), np.uint8)),
+        "from_gray.*; values > 0 where they are truth",
+    ),
 }
 
 

@@ -135,3 +135,16 @@ def test_a_template_says_its_terms() -> None:
     assert repr(median).endswith("z=0, 1 term)")
     assert isinstance(median, cnnsim.Template)
     assert cnnsim.plot.template(median).get_title() == "median, z = 0, 1 term"
+
+
+def test_what_cannot_be_drawn_into_or_at_all_is_told() -> None:
+    paths, trajectory = PATHS.trajectory, RESULT.trajectory
+    assert paths is not None
+    assert trajectory is not None
+    with pytest.raises(InputError, match="axes 3; Axes of matplotlib wanted"):
+        RESULT.plot(3)  # type: ignore[arg-type]  # as a user might
+    with pytest.raises(InputError, match="no cells"):
+        paths.plot(cells=[])
+    for interval in (-1.0, float("nan")):
+        with pytest.raises(InputError, match=r"interval .* a positive number wanted"):
+            trajectory.animate(interval=interval)

@@ -40,7 +40,7 @@ def test_other_mistakes_are_told(tmp_path: Path) -> None:
         ((GRIP, "--window", "0"), "window"),
         ((GRIP, "--gains", "2"), "two numbers SHEAR,NORMAL wanted"),
         ((GRIP, "--gains", "0,1"), "shear gain 0.0"),
-        ((GRIP, "--tare", "-1"), "tare over -1 frames"),
+        ((GRIP, "--tare", "-1"), "-1 frames; 0 or more wanted"),
         ((GRIP, "-o", GRIP), "cannot make the folder"),
     ):
         result = run_command(*arguments)

@@ -20,6 +20,7 @@ from tactile.recording.writer import Recording
 from tactile.wire.source import DAMAGED
 from tests.kits.paths import SCENES
 from tests.kits.serial import call, sent
+from tests.kits.touch.one_finger import run_command
 from tests.tactile.recording.test_reader import recorded, same
 
 SCENE = SCENES / "needle.toml"
@@ -141,6 +142,7 @@ def test_what_a_killed_recording_needs_is_told(files: dict[str, bytes], tmp_path
     replayed = call("replay", file)
     assert "not closed in good order" in replayed.stdout, replayed.output
     assert "`tactile convert killed.mcap whole.mcap`" in replayed.stdout
+    assert "killed.mcap: not closed in good order" in run_command(file).stderr.replace("\n", " ")
     call("convert", file, tmp_path / "whole.mcap")
     whole = open_recording(tmp_path / "whole.mcap")
     assert whole.complete
