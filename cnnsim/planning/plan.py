@@ -23,7 +23,7 @@ from cnnsim.planning.duration import Duration
 from cnnsim.planning.general import check_grid, decide_general, why_general
 from cnnsim.planning.savings import Saving, halo_of_a_step, stepped_savings, steps_a_pass
 from cnnsim.planning.scheme import ADAPTIVE, Scheme, find_scheme
-from cnnsim.planning.stability import fastest_turning, modes_of, step_limit, usual_scheme
+from cnnsim.planning.stability import step_limit, turning_of, usual_scheme
 from cnnsim.planning.step import DEFAULT_STEP, check_count, check_step, divided, usual_step
 from cnnsim.support import Array, InputError
 from cnnsim.support.values import is_number
@@ -179,7 +179,7 @@ def make_plan(
         decisions.append(("adaptive", "DOP853 of scipy with relative tolerance 1e-10: a reference, not a fast method"))
         return plan("adaptive", None, 1.0)
     limit_of = partial(step_limit, template, boundary, duration)
-    turning = fastest_turning(modes_of(template, boundary), duration, DEFAULT_STEP)
+    turning = turning_of(template, boundary, duration, DEFAULT_STEP)
     table = usual_scheme(limit_of, DEFAULT_STEP, turning) if scheme is None else find_scheme(scheme)
     longest = limit_of(table)
     if step is None:

@@ -101,11 +101,18 @@ def fastest_turning(modes: Modes, duration: Duration, step: float) -> float:
     They make a mode that turns grow by h omega^2 / 2 a time constant too fast, until the run ends or the mode is e
     times smaller or larger. What grows at more than `RUSHED` of its frequency is saturated before that tells.
     """
+    modes = modes[modes.imag != 0]
     omega, rate = np.abs(modes.imag), np.abs(modes.real)
     turning = omega > rate * np.where(modes.real > 0, 1 / RUSHED, 1.0)
     longest = np.inf if duration == "settled" else float(duration)
     lasts = np.minimum(longest, 1 / np.maximum(rate, 1e-300))
     return float(omega[turning & (step * omega**2 / 2 * lasts > ASTRAY)].max(initial=0.0))
+
+
+@lru_cache(maxsize=128)
+def turning_of(template: Template, boundary: Boundary, duration: Duration, step: float) -> float:
+    """Return the |omega| of the fastest mode of a linear template that Euler's steps do not follow."""
+    return fastest_turning(modes_of(template, boundary), duration, step)
 
 
 def usual_scheme(limit: Callable[[Scheme], float], step: float, turning: float) -> Scheme:
