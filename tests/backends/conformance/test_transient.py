@@ -34,14 +34,16 @@ def test_random_transients_that_settle_or_not(backend: Backend, seed: int) -> No
 
 @pytest.mark.parametrize("boundary", BOUNDARIES, ids=str)
 @pytest.mark.parametrize("shape", [(1, 1), (1, 5000), (5000, 3), (2, 3), (70, 1100)], ids=str)
-def test_hard_sizes(backend: Backend, shape: tuple[int, int], boundary: Boundary) -> None:
+@pytest.mark.parametrize("scheme", ["euler", "rk4"])
+def test_hard_sizes(backend: Backend, scheme: str, shape: tuple[int, int], boundary: Boundary) -> None:
     template = Template(NINE, NINE.T, 0.1)
     if shape == (2, 3):  # smaller than the radius
         template = Template(np.random.default_rng(0).normal(size=(7, 7)) / 30, np.ones((11, 11)) / 121)
     rng = np.random.default_rng(1)
     task = make_task(
-        template, state=rng.uniform(-2, 2, shape), input=rng.uniform(-1, 1, shape), boundary=boundary, duration=1.7
-    )
+        template, state=rng.uniform(-2, 2, shape), input=rng.uniform(-1, 1, shape), boundary=boundary, duration=1.7,
+        scheme=scheme,
+    )  # fmt: skip
     assert_like_the_reference(backend, task, max(1.0, template.state_bound(4.0)))
 
 

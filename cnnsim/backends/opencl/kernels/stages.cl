@@ -129,6 +129,7 @@ static inline found stages(const int task, const int kept, PARAMETERS)
                     __global const real *from_w = kept ? drives + here : w + cell;
                     for (int t = begin; t < stop; t += V) {
                         const int m = stop - t, safe = kept ? V : m; // how many numbers are there
+                        const int free = at.rolls_across ? m : V; // beside them on a torus another stretch begins
                         vec total = w ? *whole(from_w + t, spare, safe) : (vec)0;
                         if (task == TASK_DRIVE) total += (vec)of_layer[layer];
                         const vec start = task == TASK_DRIVE ? (vec)0 : *whole(from_x + t, spare, safe);
@@ -150,12 +151,12 @@ static inline found stages(const int task, const int kept, PARAMETERS)
                             sum += weight * k;
                             v = SUM_ENDS(sum);
                             if (!last) {
-                                *(__global vec *)(sums + here + t) = sum;
+                                store_part(sums + here + t, sum, free, spare);
                                 __global const real *next = table + stage * count;
                                 vec lead = SUM_BEGINS;
                                 for (int s = 0; keeps && s < stage; s++)
                                     lead += next[s] * *(__global const vec *)(rates + s * size + here + t);
-                                if (keeps) *(__global vec *)(rates + stage * size + here + t) = k;
+                                if (keeps) store_part(rates + stage * size + here + t, k, free, spare);
                                 lead += next[stage] * k;
                                 v = SUM_ENDS(lead);
                             }
@@ -168,7 +169,7 @@ static inline found stages(const int task, const int kept, PARAMETERS)
                             most = LARGER(most, v - start, lanes_below(m));
                             other |= (v != old) & lanes_below(m);
                         }
-                        if (!last) *(__global vec *)(states + here + t) = v;
+                        if (!last) store_part(states + here + t, v, free, spare);
                         else if (!ends) *(__global vec *)(starts + here + t) = v;
                         else store_part(out + cell + t, v, m, spare);
                     }
