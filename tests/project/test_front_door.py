@@ -50,7 +50,7 @@ def test_a_name_of_a_package_is_what_type_checkers_take_it_for(package: ModuleTy
     tree = ast.parse(Path(package.__file__).read_text(encoding="utf-8"))
     imports = [one for one in ast.walk(tree) if isinstance(one, ast.ImportFrom) and one.module != "cnnsim.lazy"]
     declared = {name.name: one.module for one in imports for name in one.names}
-    assert {*declared} == {*package.__all__} - {"__version__"}
+    assert {*declared} - {"__version__"} == {*package.__all__} - {"__version__"}
     for name, module in declared.items():
         assert getattr(package, name) is getattr(import_module(str(module)), name), name
 
