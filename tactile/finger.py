@@ -78,6 +78,7 @@ class Finger:
         self._nothing = np.full((1, 1, 3) if self._inverse is not None else (*array.shape, 3), np.nan)
         self._noise: Noise | None = None
         self._offset: Floats | None = None
+        self._per_sigma: Floats | None = None
         self._slid = self._pressed = -np.inf
         self._travels, self._all_used = False, True
         self._set_noise()
@@ -112,7 +113,9 @@ class Finger:
         known = None if levels_of is None or self._inverse is None else levels_of * self._newtons
         known = known if known is not None and (known > 0).all() else None
         self._weights = weigh(known, array.shape)
-        self._per_sigma = None if known is None else np.where(self._left_out[..., None], 0, self._newtons / known)
+        self._per_sigma = None
+        if known is not None and not self._left_out.all():
+            self._per_sigma = np.where(self._left_out[..., None], 0, self._newtons / known)
 
     def locate(self, frame: Frame) -> Load:
         """Return the load under this finger: the inverse in every cell, then the taxels' consensus; or their sum."""
@@ -121,7 +124,8 @@ class Finger:
         values = frame.values
         if not (frame.whole and self._none_left_out):
             values = np.where((frame.valid & ~self._left_out)[..., None], values, np.nan)
-        if self._per_sigma is not None and self._saturated is None and is_noise(frame.values, self._per_sigma):
+        all_read = frame.whole and self._saturated is None
+        if all_read and self._per_sigma is not None and is_noise(frame.values, self._per_sigma):
             return NO_LOAD
         if self._point is not None and self._saturated is None:
             load = self._point(values, self._weights)

@@ -52,11 +52,12 @@ def check_step(step: float, longest: float, scheme: Scheme, verdict: str) -> Non
 
 def timed_step(
     scheme: Scheme, step: float | None, longest: float, duration: Duration, delays: Sequence[float],
-    periods: Sequence[float], turning: float = 0.0,
+    periods: Sequence[float], turning: float,
 ) -> tuple[float, str]:  # fmt: skip
     """Return the step of a network that may have delays and sequences, and why it is that one.
 
     All delays and the times that planes are held must be whole numbers of steps, so that nothing is interpolated.
+    ``turning`` as in `usual_step`.
 
     Raises:
         InputError: a step that may be unstable, or that does not divide a delay or a holding time; a scheme whose

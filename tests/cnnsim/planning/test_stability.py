@@ -93,7 +93,10 @@ def test_strong_oscillations_are_followed_not_only_kept_stable(seed: int) -> Non
 def test_what_turns_is_followed_wherever_it_decays_stands_or_grows(
     across: float, down: float, centre: float, duration: float, kind: str
 ) -> None:
-    """The plan's own choice against scipy's DOP853, with eigenvalues on both sides of the imaginary axis."""
+    """The plan's own choice against scipy's DOP853, with eigenvalues on both sides of the imaginary axis.
+
+    Its steps follow a turn to three digits; what grows while it turns ten times may lose one of them.
+    """
     A = [[0, -down, 0], [-across, centre, across], [0, down, 0]]
     template = Template(A) if kind == "A" else Template([[0.0]], terms=[Term(A)])
     x = np.random.default_rng(0).uniform(-0.3, 0.3, (16, 16))

@@ -14,12 +14,12 @@ from tactile.settings import Settings
 MODULUS, IDLE = 1e6, 200
 
 
-def located(array: TaxelArray, sigma: float, pressed: np.ndarray | float) -> list[Load]:
-    """The loads of so many idle frames, and of as many in which ``pressed`` is felt."""
+def located(array: TaxelArray, sigma: float, pressed: np.ndarray | float, valid: bool = True) -> list[Load]:
+    """The loads of so many idle frames, and of as many in which ``pressed`` is felt, if these are ``valid``."""
     random = np.random.default_rng(array.rows)
     values = sigma * random.normal(size=(2 * IDLE, *array.shape, 3))
     values[IDLE:] += pressed
-    frames = [Frame(0, 0.01 * k, k, one, np.ones(array.shape, bool)) for k, one in enumerate(values)]
+    frames = [Frame(0, 0.01 * k, k, one, np.full(array.shape, valid or k < IDLE)) for k, one in enumerate(values)]
     found = list[Load]()
     run(FrameStream("idle", (array,), MODULUS, 2 * IDLE, frames), Settings(), [lambda step: found.append(step.load)])
     return found
@@ -40,6 +40,13 @@ def test_a_light_load_stands_out() -> None:
     for pressed in (one, np.full((8, 8, 3), [0.0, 0.0, -2e3])):
         found = located(array, 1e3, pressed)[IDLE + 5 : IDLE + 25]
         assert np.mean([load.validity is not Validity.NO_LOAD for load in found]) > 0.9
+
+
+def test_what_no_taxel_can_tell_is_not_called_no_load() -> None:
+    array = TaxelArray("pad", 4, 4, 1e-3, 1e-3, quantity="stress")
+    found = located(array, 1e3, 0.0, valid=False)
+    assert {load.validity for load in found[60:IDLE]} == {Validity.NO_LOAD}
+    assert {load.validity for load in found[IDLE:]} == {Validity.INVALID}
 
 
 def test_readings_that_are_not_known_are_not_called_noise() -> None:
