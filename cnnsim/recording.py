@@ -85,6 +85,7 @@ def recorded(
         steps = np.arange(last + 1) if asked is None else np.unique(np.rint(asked / plan.step).astype(np.int64))
         times = steps * plan.step
         anew = sequences or (plan.network is not None and bool(delays_of(plan.network)))
+        anew |= plan.cell == "discrete-time" and not plan.characteristic.keeps_outputs
         found = [kept(x) for x in _states(plan, state, run, [int(step) for step in steps], anew)]
     x = np.array(found)
     return Trajectory(np.asarray(times, np.float64), x, plan.output(x), cells)

@@ -71,6 +71,11 @@ class Characteristic:
         """The largest jump."""
         return self.table.jump if self.table is not None else 2.0 * (self.kind == "sign")
 
+    @property
+    def keeps_outputs(self) -> bool:
+        """Whether f(f(x)) = f(x), so that what is an output already stays as it is."""
+        return self.kind == "sign" or self == CLIP
+
     def __str__(self) -> str:
         return self.kind if self.slope == 1 else f"{self.kind}, slope {self.slope:g}"
 

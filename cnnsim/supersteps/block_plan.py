@@ -7,9 +7,6 @@ from cnnsim.planning.general import delays_of
 from cnnsim.planning.plan import Plan
 from cnnsim.support import InputError, Integers
 
-CUT = "sign", "clip"
-"""Characteristics of discrete time that may be applied twice: a run is cut in two after each superstep."""
-
 LONG = 1024
 """Steps of a known time from which blocks that sleep save more than small blocks cost."""
 
@@ -24,8 +21,9 @@ def check_plan(plan: Plan) -> None:
         raise InputError("the adaptive scheme looks at the whole grid; a fixed-step scheme, or no engine, wanted")
     if plan.network is not None and delays_of(plan.network):
         raise InputError(f"template {plan.template.name!r} has delays, which reach into the past; no engine wanted")
-    if plan.cell == "discrete-time" and plan.characteristic.kind not in CUT:
-        raise InputError(f"discrete time with the characteristic {plan.characteristic}; sign or clip wanted")
+    f = plan.characteristic
+    if plan.cell == "discrete-time" and not f.keeps_outputs:  # each superstep begins with outputs
+        raise InputError(f"discrete time with the characteristic {f}; sign, or clip of slope 1, wanted")
 
 
 def may_sleep(plan: Plan) -> bool:

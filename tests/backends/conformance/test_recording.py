@@ -7,6 +7,7 @@ import pytest
 
 from cnnsim import Frames, Result, Template, Term, library, run, run_transient
 from cnnsim.backends.base import Backend
+from cnnsim.network import Cell, Characteristic
 
 PICTURE = np.where(np.random.default_rng(3).random((21, 34)) > 0.5, 1.0, -1.0)
 CELLS = [(0, 0), (7, 30), (20, 33)]
@@ -75,3 +76,22 @@ def test_closed_forms_meet_every_time(backend: Backend) -> None:
     cells = run("edge", PICTURE, backend=backend, record=CELLS)
     assert cells.trajectory is not None
     assert np.abs(cells.trajectory.y[-1] - cells.y[[0, 7, 20], [0, 30, 33]]).max() <= 1e-3
+
+
+@pytest.mark.parametrize("slope", [0.5, 1.0, 3.0])
+@pytest.mark.parametrize("kind", ["clip", "tanh"])
+def test_discrete_time_is_recorded_as_it_runs(backend: Backend, kind: Any, slope: float) -> None:
+    """An output is the next step's start as it is: a characteristic that would change it is not applied anew."""
+    f, rule = Characteristic(kind, slope), np.array([[0.1, -0.3, 0.2], [0.4, 0.5, -0.2], [0, 0.3, 0.1]])
+    start = np.random.default_rng(5).uniform(-1, 1, (9, 12))
+    kept = run_transient(
+        Template(rule), state=start, cell=Cell("discrete-time", f), duration=4.0, backend=backend, record=[1, 2, 3, 4]
+    )
+    y, outputs = f(start), list[Any]()
+    for _ in range(4):
+        around = np.pad(y, 1, mode="edge")
+        y = f(sum(rule[k, l] * around[k : k + 9, l : l + 12] for k, l in np.ndindex(3, 3)))
+        outputs.append(y)
+    assert kept.trajectory is not None
+    assert np.abs(kept.trajectory.x - outputs).max() < 1e-5
+    assert np.array_equal(kept.trajectory.x[-1], kept.x)

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import cnnsim
-from cnnsim.network import Template, Term
+from cnnsim.network import Cell, Characteristic, Template, Term
+from cnnsim.network.characteristic import TANH
 from cnnsim.supersteps.engine import Engine
 from cnnsim.supersteps.store import GridStore
 from cnnsim.support import Array, InputError
@@ -78,6 +79,9 @@ def test_what_cannot_be_cut_is_refused() -> None:
     delayed = Template(1.0, terms=[Term([[0.1]], "y_kl", delay=0.5)])
     with pytest.raises(InputError, match="has delays, which reach into the past; no engine wanted"):
         cnnsim.run_transient(delayed, state=X, duration=1.0, engine=one())
+    for output in (Characteristic(slope=3), Characteristic(slope=0.5), TANH):  # the second time they are others
+        with pytest.raises(InputError, match=f"the characteristic {output}; sign, or clip of slope 1, wanted"):
+            cnnsim.run_transient(MIXED, state=X, input=U, cell=Cell("discrete-time", output), duration=2, engine=one())
     with pytest.raises(InputError, match="an accuracy on an engine"):
         cnnsim.run_transient(MIXED, state=X, input=U, accuracy=1e-3, engine=one())
     with pytest.raises(InputError, match="engine 'spark'; processes, dask or dask=ADDRESS wanted"):
