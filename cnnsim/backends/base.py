@@ -6,7 +6,8 @@ from typing import Any, Literal, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import DTypeLike
 
-from cnnsim.network import Boundary
+from cnnsim.network import Boundary, Characteristic
+from cnnsim.network.characteristic import CLIP
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.operations.routine import Routine, Stores
@@ -89,8 +90,8 @@ class Backend(Protocol):
     ) -> Outcome:
         """Run a transient from the state ``x``; LAM planes, but ``mask`` (LLM): black cells keep their state."""
 
-    def output(self, x: Plane) -> Plane:
-        """Give y = clip(x, -1, 1)."""
+    def output(self, x: Plane, f: Characteristic = CLIP) -> Plane:
+        """Give y = f(x)."""
 
     def cellwise(self, operation: Cellwise, planes: Sequence[Plane], parameters: Sequence[float]) -> tuple[Plane, ...]:
         """Apply a per-cell operation to LAM planes."""

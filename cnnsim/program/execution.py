@@ -10,6 +10,7 @@ from cnnsim.accuracy.at_rest import seen_to_the_end
 from cnnsim.accuracy.settle import SETTLED_DISTANCE
 from cnnsim.accuracy.wanted import parse_accuracy
 from cnnsim.backends.base import Backend, Plane
+from cnnsim.network.characteristic import CLIP
 from cnnsim.operations.global_wire import read_wire
 from cnnsim.operations.logic import function_number
 from cnnsim.program.parts import Parts
@@ -83,8 +84,10 @@ class Execution:
                 if rule is not None:
                     planes[to] = backend.neighbourhood(rule, step.boundary, planes[u])  # type: ignore[index]  # a rule has an input plane
                     return
-                x = self._transient(step)
-                planes[to] = backend.output(x) if memory[to] == "lam" else backend.convert(x, "llm")
+                x, f = self._transient(step), CLIP if step.cell.model == "discrete-time" else step.cell.output
+                if memory[to] == "lam" or f.table is not None:  # of others the state has the output's sign
+                    x = backend.output(x, f)
+                planes[to] = x if memory[to] == "lam" else backend.convert(x, "llm")
             case CellwiseStep(operation=operation, of=of, to=to, parameters=parameters):
                 planes.update(zip(to, backend.cellwise(operation, [planes[p] for p in of], parameters), strict=True))
             case LogicStep(function=function, p=p, q=q, to=to):

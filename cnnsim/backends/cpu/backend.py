@@ -40,7 +40,8 @@ from cnnsim.backends.cpu.tiles.sleep import E_FOLDS
 from cnnsim.backends.cpu.tiles.window import CATCH_UP, CHECK
 from cnnsim.backends.cpu.transient import by_tiles, check_free, over_area
 from cnnsim.backends.slices import EXPONENTIALS, pieces
-from cnnsim.network import Boundary
+from cnnsim.network import Boundary, Characteristic
+from cnnsim.network.characteristic import CLIP
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.operations.routine import Routine, Stores
@@ -103,7 +104,9 @@ class CpuBackend(BlockBackend):
         packed.unpack.for_work(values.size)(bits.words, grids(values), black, white)
         return values
 
-    def output(self, x: Array) -> Array:
+    def output(self, x: Array, f: Characteristic = CLIP) -> Array:
+        if f != CLIP:
+            return f(x)
         y = np.empty_like(x)
         planes.clip.for_work(x.size)(grids(x), grids(y))
         return y

@@ -29,7 +29,8 @@ from cnnsim.backends.opencl.planes import WORD, DevicePlane, LinearPlanes, buffe
 from cnnsim.backends.opencl.settled import CheckedSteps
 from cnnsim.backends.opencl.term_steps import term_steps
 from cnnsim.backends.opencl.transient import linear_steps
-from cnnsim.network import Boundary
+from cnnsim.network import Boundary, Characteristic
+from cnnsim.network.characteristic import CLIP
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.planning.plan import Plan
@@ -94,7 +95,9 @@ class OpenCLBackend(BlockBackend):
             launch(self._context, f"to_{memory}", plane.words * WORD, plane.buffer, out.buffer, *size)
             return out
 
-    def output(self, x: DevicePlane) -> DevicePlane:
+    def output(self, x: DevicePlane, f: Characteristic = CLIP) -> DevicePlane:
+        if f != CLIP:  # seldom: no kernel of its own
+            return self.load(f(self.read(x)), "lam")
         with self._context.lock:
             y, cells = new_plane(self._context, x.shape, "lam"), x.grid.cells
             launch(self._context, "clipped", cells, x.buffer, y.buffer, np.int64(cells))

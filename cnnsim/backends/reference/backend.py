@@ -14,8 +14,8 @@ from cnnsim.backends.reference.drive import control
 from cnnsim.backends.reference.term_steps import DiscreteSteps, TermSteps
 from cnnsim.backends.reference.terms import Network
 from cnnsim.backends.reference.transient import LinearSteps
-from cnnsim.network import Boundary, pad
-from cnnsim.network.cell import output
+from cnnsim.network import Boundary, Characteristic, pad
+from cnnsim.network.characteristic import CLIP
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.operations.logic import truth_table
@@ -42,8 +42,8 @@ class ReferenceBackend(BlockBackend):
     def convert(self, plane: Array, memory: Memory) -> Array:
         return plane > 0 if memory == "llm" else np.where(plane, 1.0, -1.0)
 
-    def output(self, x: Array) -> Array:
-        return output(x)
+    def output(self, x: Array, f: Characteristic = CLIP) -> Array:
+        return f(x)
 
     def transient(
         self, plan: Plan, x: Array, u: Array | None, bias: Array | None = None, mask: Array | None = None

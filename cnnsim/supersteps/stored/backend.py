@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from cnnsim.backends.base import Backend, Memory, Outcome
-from cnnsim.network import Boundary
+from cnnsim.network import Boundary, Characteristic
+from cnnsim.network.characteristic import CLIP
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.planning.plan import Plan
@@ -144,9 +145,9 @@ class StoredBackend(Backend):
         x = self.on.plane(place, outcome.x.shape, "lam", place.split("/")[0]) if place else outcome.x
         return outcome._replace(x=x, t=float(t), settled=bool(settled), rate=float(rate))
 
-    def output(self, x: StoredPlane) -> StoredPlane:
+    def output(self, x: StoredPlane, f: Characteristic = CLIP) -> StoredPlane:
         """See `Backend.output`."""
-        return self.on.made("output", (), [x], "lam")[0]
+        return self.on.made("output", (f,), [x], "lam")[0]
 
     def cellwise(
         self, operation: Cellwise, planes: Sequence[StoredPlane], parameters: Sequence[float]

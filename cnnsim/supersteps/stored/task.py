@@ -88,7 +88,7 @@ def check_finite(values: Array) -> None:
 
 VERBS: dict[str, Callable[..., tuple[Any, tuple[Any, ...]]]] = {
     "copy": lambda _, planes: (None, (planes[0],)),
-    "output": lambda where, planes: (None, (where.output(planes[0]),)),
+    "output": lambda where, planes, f: (None, (where.output(planes[0], f),)),
     "convert": lambda where, planes, memory: (None, (where.convert(planes[0], memory),)),
     "logic": lambda where, planes, function: (None, (where.logic(function, *planes),)),
     "neighbourhood": lambda where, planes, *rule: (None, (where.neighbourhood(*rule, planes[0]),)),

@@ -6,9 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cnnsim import InputError, Program, UniversalMachine, load_program
+from cnnsim import ZERO_FLUX, InputError, Program, Template, UniversalMachine, load_program, run_transient
 from cnnsim.backends.base import Backend
+from cnnsim.network import Cell, Characteristic
+from cnnsim.network.table import lines
 from cnnsim.operations.routine import Routine
+from cnnsim.program.program import TemplateStep
+from cnnsim.supersteps.engine import Engine
 from tests.kits.program import load
 
 
@@ -101,3 +105,28 @@ def test_a_value_that_is_not_finite_is_told_by_its_step(backend: Backend, tmp_pa
     a[1, 2] = np.nan
     with pytest.raises(InputError, match=r"step 2.*cell \(1, 2\)"):
         UniversalMachine(backend).run(program, a=a, p=a > 0)
+
+
+SOFT = [
+    Characteristic("tanh", 0.5), Characteristic(slope=3), Characteristic("sign"),
+    Characteristic("table", table=lines((-1, -1), (0.5, -0.5), (1, 1))),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("on_disk", [False, True], ids=["here", "on an engine"])
+@pytest.mark.parametrize("f", SOFT, ids=str)
+def test_a_plane_takes_what_the_characteristic_makes_of_the_state(
+    backend: Backend, f: Characteristic, on_disk: bool
+) -> None:
+    if on_disk and backend.name == "opencl":
+        pytest.skip("a task of an engine makes a backend of its own, which is tried where it is cheap")
+    cell, x = Cell("chua-yang", f), np.random.default_rng(7).uniform(-1, 1, (6, 9))
+    template = Template([[0.2]], [[1.0]], 0.1)
+    steps = tuple(TemplateStep(to, template, ZERO_FLUX, 3.0, "u", 0.0, None, None, to, cell) for to in ("y", "black"))
+    program = Program("soft", "", {"u": "lam", "y": "lam", "black": "llm"}, ("u",), ("y", "black"), {}, steps)
+    machine = UniversalMachine(backend, engine=Engine(workers=1, side=4) if on_disk else None)
+    found = machine.run(program, u=x)
+    end = run_transient(template, state=0 * x, input=x, cell=cell, duration=3.0, backend=backend)
+    assert np.array_equal(found["y"], f(end.x))
+    assert np.array_equal(found["black"], f(end.x) > 0)
+    assert not np.allclose(f(end.x), end.x.clip(-1, 1), atol=0.01)
