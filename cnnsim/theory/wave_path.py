@@ -1,13 +1,17 @@
 """The longest path a trigger wave can take on a grid, through the worst maze where cells can be walls."""
 
-from cnnsim.network import Template
+from math import gcd, lcm
+
+from cnnsim.network import Boundary, Template
 from cnnsim.support import Floats
 
 _CROSS = {(-1, 0), (0, -1), (0, 1), (1, 0)}
 _RING = {(k, l) for k in (-1, 0, 1) for l in (-1, 0, 1)} - {(0, 0)}
 
 
-def longest_path(template: Template, shape: tuple[int, int], waiting: Floats, has_mask: bool) -> tuple[int, str]:
+def longest_path(
+    template: Template, shape: tuple[int, int], boundary: Boundary, waiting: Floats, has_mask: bool
+) -> tuple[int, str]:
     """Return the most cells a wave can visit one after the other, and in words why.
 
     ``waiting`` (n, 2) has, for every input that white cells can meet, s - (a - 1) among white neighbours and how much
@@ -24,7 +28,7 @@ def longest_path(template: Template, shape: tuple[int, int], waiting: Floats, ha
     if (waiting[~wall, 0] + min(reach.values()) < 0).any():
         return rows * cols, "several neighbours at once, so perhaps one cell after the other"
     maze = has_mask or bool(wall.any())
-    line = _line(set(reach), shape)
+    line = _line(set(reach), shape, boundary)
     if line is not None:
         return line, "along a line"
     blocks = -(-rows // 2) * -(-cols // 2)
@@ -35,9 +39,21 @@ def longest_path(template: Template, shape: tuple[int, int], waiting: Floats, ha
     return rows * cols, "all cells, as no shorter path is known"
 
 
-def _line(offsets: set[tuple[int, int]], shape: tuple[int, int]) -> int | None:
-    """Return the cells of the longest line if all offsets lie in one, else None."""
+def _line(offsets: set[tuple[int, int]], shape: tuple[int, int], boundary: Boundary) -> int | None:
+    """Return the cells of the longest line if all offsets lie in one, else None.
+
+    On a torus a line is a ring, which a slanted offset, or one that leaves cells out, closes only after many turns.
+    Where virtual cells repeat real ones, one that leads out goes on along the edge until it is in the corner; with its
+    opposite as well a wave that leaves cells out comes back through them, so that all of the row or column count.
+    """
     k, l = min(offsets)
     if any(offset not in ((k, l), (-k, -l)) for offset in offsets):
         return None
-    return min(-(-size // abs(part)) for size, part in zip(shape, (k, l), strict=True) if part)
+    along = [(size, abs(part)) for size, part in zip(shape, (k, l), strict=True) if part]
+    if boundary.kind == "fixed":
+        return min(-(-size // part) for size, part in along)
+    if boundary.kind == "periodic":
+        return lcm(*(size // gcd(size, part) for size, part in along))
+    if len(offsets) == 1:
+        return 1 + max(-(-(size - 1) // part) for size, part in along)
+    return along[0][0] if len(along) == 1 else None

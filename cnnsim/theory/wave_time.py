@@ -133,7 +133,7 @@ def _worst(
         on = s > a - 1
         slowest = max(slowest, float(switching_time(s[on], rest[on], a, step).max(initial=0.0)))
         waiting.append(alone + np.array([own - (a - 1), 0.0]))
-    cells, path = longest_path(template, shape, np.concatenate(waiting), has_mask)
+    cells, path = longest_path(template, shape, boundary, np.concatenate(waiting), has_mask)
     colour = "black" if sign > 0 else "white"
     return Wave(cells * slowest, f"a {colour} wave: {cells} cells ({path}) of at most {slowest:.4g} each")
 

@@ -184,3 +184,43 @@ def test_random_one_way_templates(boundary: Any) -> None:
         assert np.abs(end.y).min() >= 1 - 1e-9
         assert np.array_equal(end.y, run_transient(template, **{**task, "state": end.x}, duration=40.0).y)
     assert promised >= 10
+
+
+def reached(shape: tuple[int, int], offsets: list[tuple[int, int]], kind: str, start: tuple[int, int]) -> Any:
+    """The cells that a wave comes to from one cell, looked up one by one: each is set off by any of its offsets."""
+
+    def stands(i: int, n: int) -> int:
+        return i % n if kind == "periodic" else min(max(i, 0), n - 1) if kind == "zero-flux" else i
+
+    black, more = {start}, True
+    while more:
+        cells = [(i, j) for i in range(shape[0]) for j in range(shape[1]) if (i, j) not in black]
+        new = {
+            c
+            for c in cells
+            if any((stands(c[0] + k, shape[0]), stands(c[1] + l, shape[1])) in black for k, l in offsets)
+        }
+        black, more = black | new, bool(new)
+    return np.array([[(i, j) in black for j in range(shape[1])] for i in range(shape[0])])
+
+
+@pytest.mark.parametrize("boundary", [fixed(-1), PERIODIC, ZERO_FLUX], ids=str)
+@pytest.mark.parametrize("offset", [(0, 1), (0, 2), (0, 3), (1, 1), (1, -2), (2, 2)], ids=str)
+@pytest.mark.parametrize("opposite", [False, True], ids=["one way", "both ways"])
+def test_a_wave_along_a_line_is_done_in_time_however_often_it_goes_round(
+    opposite: bool, offset: tuple[int, int], boundary: Any
+) -> None:
+    (k, l), r = offset, max(map(abs, offset))
+    offsets, A = [(k, l), *([(-k, -l)] if opposite else [])], np.zeros((2 * r + 1, 2 * r + 1))
+    for p, q in offsets:
+        A[r + p, r + q] = 1.2
+    A[r, r] = 2.0
+    template = Template(A, 0.0, 1.6 if opposite else 0.5)
+    for shape in ((1, 6), (5, 5), (3, 4), (4, 7), (6, 1)):
+        time = guaranteed_time(template, shape, boundary, input="none", initial_state="picture").time
+        assert time is not None
+        for start in ((0, 0), (shape[0] - 1, shape[1] - 1), (shape[0] // 2, shape[1] // 2)):
+            state = np.full(shape, -1.0)
+            state[start] = 1.0
+            end = run_transient(template, state=state, boundary=boundary, **EULER, duration=time).y
+            assert np.array_equal(end, plane(reached(shape, offsets, boundary.kind, start))), (shape, start)
