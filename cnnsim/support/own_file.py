@@ -28,18 +28,18 @@ def lock(file: int, shared: bool = False) -> bool:
     return True
 
 
-def refuse_existing(path: Path, overwrite: bool = False) -> None:
-    """Refuse a name that is taken; where it may be overwritten, one that is no plain file or is in use.
+def refuse_existing(path: Path, replace: bool = False) -> None:
+    """Refuse a name that is taken; where it may be replaced, one that is no plain file or is in use.
 
     Raises:
         InputError: so it is.
     """
     if not os.path.lexists(path):
         return
-    if not overwrite:
-        raise InputError(f"{path}: there is something of that name; another name or --overwrite wanted")
+    if not replace:
+        raise InputError(f"{path}: there is something of that name; another name or --replace wanted")
     if not stat.S_ISREG(os.lstat(path).st_mode):
-        raise InputError(f"{path}: no plain file; only such are overwritten")
+        raise InputError(f"{path}: no plain file; only such are replaced")
     with open_shut(path) as file:
         if not lock(file):
             raise InputError(f"{path}: another program is writing or sending it; another name wanted")
@@ -63,15 +63,15 @@ def name_beside(path: Path) -> Path:
 class NewFile:
     """A file made for this program alone and locked until it is closed: its ``number``, open for writing.
 
-    Where it is to overwrite another it stands beside that until `settle`.
+    Where it is to replace another it stands beside that until `settle`.
 
     Raises:
         InputError: as `refuse_existing`.
         OSError: it cannot be made.
     """
 
-    def __init__(self, path: Path, overwrite: bool = False) -> None:
-        refuse_existing(path, overwrite)
+    def __init__(self, path: Path, replace: bool = False) -> None:
+        refuse_existing(path, replace)
         self._path = path
         self._at = name_beside(path) if path.exists() else path
         try:
@@ -84,7 +84,7 @@ class NewFile:
     def settle(self) -> None:
         """Give it the name that it was asked for."""
         if self._at != self._path:
-            refuse_existing(self._path, overwrite=True)
+            refuse_existing(self._path, replace=True)
             self._at.replace(self._path)
             self._at = self._path
 

@@ -17,8 +17,8 @@ from tactile.cli.options import FILE
 )  # fmt: skip
 @click.argument("source", type=FILE)
 @click.argument("target", type=FILE)
-@click.option("--overwrite", is_flag=True, help="Replace TARGET if there is one.")
-def convert(source: Path, target: Path, overwrite: bool) -> None:
+@click.option("--replace", is_flag=True, help="Write over TARGET if it is there already.")
+def convert(source: Path, target: Path, replace: bool) -> None:
     """Write the frames of SOURCE as TARGET (.csv, .npz, .parquet, .mcap), to the last bit.
 
     SOURCE is what `tactile run` takes: a recording (.mcap, .npz, .csv, .parquet), a ROS bag (.bag, .db3 or a folder)
@@ -27,7 +27,7 @@ def convert(source: Path, target: Path, overwrite: bool) -> None:
     from tactile.sources.convert import convert as write  # only here
 
     there = target.exists()
-    done = write(source, target, overwrite, lambda frames, total: watched(frames, "frames", total))
+    done = write(source, target, replace, lambda frames, total: watched(frames, "frames", total))
     for note in done.notes:
         echo(note, err=True)
     echo(f"wrote {done.frames} frames to {target}{', replacing what was there' * there}")

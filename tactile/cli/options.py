@@ -54,7 +54,7 @@ def kept_calibration(path: Path | None, description: "Description") -> str | Non
     return path.read_text(encoding="utf-8")
 
 
-def new_mcap(path: Path, overwrite: bool) -> Path:
+def new_mcap(path: Path, replace: bool) -> Path:
     """Return the path of a recording to write.
 
     Raises:
@@ -62,7 +62,7 @@ def new_mcap(path: Path, overwrite: bool) -> Path:
     """
     if path.suffix != ".mcap":
         raise InputError(f"{path}: suffix {path.suffix!r}, .mcap wanted")
-    refuse_existing(path, overwrite)
+    refuse_existing(path, replace)
     return path
 
 

@@ -29,7 +29,7 @@ from tactile.cli.port import console
 PORT = click.option("--port", "-p", required=True, help="Port to read; `tactile ports` lists them.")
 SECONDS = click.option("--seconds", type=Finite(0, min_open=True), help="Stop after this time [s].")
 ONCE = click.option("--once", is_flag=True, help="Stop when the port is unplugged instead of waiting for it.")
-OVERWRITE = click.option("--overwrite", is_flag=True, help="Replace the recording if there is one of that name.")
+REPLACE = click.option("--replace", is_flag=True, help="Write over a recording that is there already.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON lines for other programs.")
 
 
@@ -40,19 +40,19 @@ JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON lines fo
 @click.option("-o", "--output", type=FILE, required=True, help="Recording to write (.mcap).")
 @SECONDS
 @ONCE
-@OVERWRITE
+@REPLACE
 @JSON
 @ends_at_once()
 def record(
     port: str, protocol: str | None, array: Path | None, output: Path, seconds: float | None, once: bool,
-    overwrite: bool, as_json: bool,
+    replace: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Record bytes and frames of a port until Ctrl-C, without interpreting them."""
     from tactile.recording.writer import Recording  # only here
     from tactile.serial.session import Session  # the same
 
     description = chosen_description(protocol, array)
-    into = partial(Recording, new_mcap(output, overwrite), description, {"port": port}, overwrite=overwrite)
+    into = partial(Recording, new_mcap(output, replace), description, {"port": port}, replace=replace)
     console.be_steady()
     ending, warn = threading.Event(), console.warn_json if as_json else console.warn
     with console.stopping(ending.set):
@@ -88,12 +88,12 @@ def record(
 @click.option("--backend", type=click.Choice(backends.NAMES), help="Where the machine runs [cpu].")
 @SECONDS
 @ONCE
-@OVERWRITE
+@REPLACE
 @JSON
 @ends_at_once()
 def live(
     port: str, protocol: str | None, array: Path | None, output: Path | None, seconds: float | None, once: bool,
-    overwrite: bool, as_json: bool, calibration: Path | None, **chosen: Any,
+    replace: bool, as_json: bool, calibration: Path | None, **chosen: Any,
 ) -> None:  # fmt: skip
     """Run the pipeline on frames as they arrive. Typing t and Return asks for a tare, t! takes it
     whatever presses, q or Ctrl-C ends."""
@@ -107,7 +107,7 @@ def live(
     into = None
     if output is not None:
         origin = {"port": port, "choices": options.text()}
-        into = partial(Recording, new_mcap(output, overwrite), description, origin, overwrite=overwrite)
+        into = partial(Recording, new_mcap(output, replace), description, origin, replace=replace)
     fingers = console.warm_up(description, options)
     console.be_steady()
     view = sys.stdout.isatty() and not as_json

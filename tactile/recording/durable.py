@@ -12,18 +12,18 @@ class DurableFile:
 
     What has been pushed survives the end of the program. A push that fails, as on a full disk, is taken back, so that
     the file ends where the last good one did; ``failed`` says why, and nothing is written any more. No file that was
-    there is touched, unless it is to ``overwrite``: then it is replaced when this one `settle`s. While it is open,
+    there is touched, unless it is to ``replace``: then it is replaced when this one `settle`s. While it is open,
     other programs of this kind leave it alone.
 
     Raises:
         InputError: the file cannot be made, or something of that name is there.
     """
 
-    def __init__(self, path: Path, overwrite: bool = False) -> None:
+    def __init__(self, path: Path, replace: bool = False) -> None:
         self.failed = ""
         self._path, self._pending, self._whole = path, bytearray(), 0
         try:
-            self._file = NewFile(path, overwrite)
+            self._file = NewFile(path, replace)
         except OSError as error:
             raise InputError(f"cannot write the recording {path}: {error.strerror}") from error
 
@@ -58,7 +58,7 @@ class DurableFile:
         self._whole += len(data)
 
     def settle(self) -> None:
-        """Push for the first time, and only then take the place of a file that is overwritten.
+        """Push for the first time, and only then take the place of a file that is to be replaced.
 
         Raises:
             InputError: not even that can be written; nothing is left of it.

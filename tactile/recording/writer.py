@@ -36,7 +36,7 @@ class Recording:
     """A recording that is being written. Two threads may write; a full disk only sets ``failed``.
 
     ``epoch``: the instant from which the times of all that is written count; ``compressed``: in larger chunks, for what
-    can be made again; ``overwrite``: replace a recording of that name.
+    can be made again; ``replace``: replace a recording of that name.
 
     Raises:
         InputError: the file cannot be made, or something of that name is there.
@@ -44,9 +44,9 @@ class Recording:
 
     def __init__(
         self, path: Path, description: Description, origin: dict[str, str], epoch: Epoch,
-        compressed: bool = False, overwrite: bool = False,
+        compressed: bool = False, replace: bool = False,
     ) -> None:  # fmt: skip
-        self._path, self._file = path, DurableFile(path, overwrite)
+        self._path, self._file = path, DurableFile(path, replace)
         self._lock = threading.Lock()
         self._start, self._pushed, self._compressed = epoch.unix, time.monotonic(), compressed
         self._writer = Writer(

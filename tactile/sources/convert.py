@@ -27,7 +27,7 @@ class Conversion(NamedTuple):
 def convert(
     source: Path,
     target: Path,
-    overwrite: bool = False,
+    replace: bool = False,
     watch: Callable[[Iterable[Frame], int | None], Iterable[Frame]] = lambda seen, _: seen,
 ) -> Conversion:
     """Write the frames of ``source`` as ``target``, in the form its suffix names.
@@ -36,7 +36,7 @@ def convert(
     written, or as it was before. ``watch`` is handed the frames and their number, and hands them on.
 
     Raises:
-        InputError: an unknown suffix, a name that is taken (unless to ``overwrite``), no frames, a full disk, or what
+        InputError: an unknown suffix, a name that is taken (unless to ``replace``), no frames, a full disk, or what
             reader or writer find wrong.
     """
     suffix = target.suffix.lower()
@@ -47,7 +47,7 @@ def convert(
     if target.exists() and target.samefile(source):
         raise InputError(f"{target} is the recording itself; another name wanted")
     opened, seen = open_source(source), _Seen()
-    refuse_existing(target, overwrite)
+    refuse_existing(target, replace)
     with writing(target) as beside:
         frames = seen.through(watch(opened, opened.frames))
         if suffix == ".mcap" and source.suffix.lower() == ".mcap":

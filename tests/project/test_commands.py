@@ -234,3 +234,16 @@ def test_examples_do_not_replace_unasked(folder: Path) -> None:
     assert again.exit_code == 2
     assert "files already" in again.output
     assert CliRunner().invoke(tactile, ["examples", str(folder), "--replace"]).exit_code == 0
+
+
+def test_one_word_lets_a_command_write_over_what_is_there() -> None:
+    written_over = re.compile(r"write over|overwrite|replace (the|a|target|what)|^replace\b", re.IGNORECASE)
+    named = {
+        (group, name, *option.opts)
+        for group, main in GROUPS.items()
+        for name, command in main.commands.items()
+        for option in command.params
+        if getattr(option, "is_flag", False) and written_over.search(getattr(option, "help", None) or "")
+    }
+    assert len(named) >= 9
+    assert {word for _, _, *words in named for word in words} == {"--replace"}

@@ -25,13 +25,13 @@ def test_thresholds_of_an_array_go_with_it(tmp_path: Path) -> None:
     for more, level in ((), 0.5), (("--contact-level", "1e-4"), 1e-4):
         with device(stream) as emulator:
             live = call("live", "-p", emulator.port, "-a", array, "--record", files[0], "--json", "--tare", "off",
-                        "--once", "--overwrite", *more)  # fmt: skip
+                        "--once", "--replace", *more)  # fmt: skip
         told = events(live, as_lines=True)
         assert ("contact" in {kind for _, _, kind, _ in told}) is (level < 0.5)
         assert events(call("replay", files[0], "--json"), as_lines=True) == told
         for file in files:
             if file != files[0]:
-                assert call("convert", files[0], file, "--overwrite").exit_code == 0
+                assert call("convert", files[0], file, "--replace").exit_code == 0
             ran = call("run", file, "--json")
             assert events(ran) == told
             settings = json.loads(ran.stdout)["settings"]

@@ -153,7 +153,7 @@ def changed(tmp_path: Path, **made: str | None) -> Path:
     """A recording whose record of how it was made says something else, its sum right again."""
     source, target = tmp_path / "source.mcap", tmp_path / "changed.mcap"
     description, _ = sent("native", 0.1)
-    Recording(source, description, {"choices": LiveOptions().text()}, Epoch.now(), overwrite=True).close({})
+    Recording(source, description, {"choices": LiveOptions().text()}, Epoch.now(), replace=True).close({})
     with target.open("wb") as file:
         writer = Writer(file, enable_data_crcs=True)
         writer.start()

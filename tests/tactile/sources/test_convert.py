@@ -174,7 +174,7 @@ def replace_stream(frames: list[Frame]) -> FrameStream:
 def test_a_conversion_that_fails_leaves_the_target_as_it_was(tmp_path: Path) -> None:
     (tmp_path / "old.npz").write_text("old")
     WRITERS[".parquet"](tmp_path / "none.parquet", replace_stream([]))
-    refused = call("convert", tmp_path / "none.parquet", tmp_path / "old.npz", "--overwrite")
+    refused = call("convert", tmp_path / "none.parquet", tmp_path / "old.npz", "--replace")
     assert refused.exit_code == 2
     assert "no frames in it" in refused.stderr
     assert (tmp_path / "old.npz").read_text() == "old"
@@ -194,10 +194,10 @@ def test_recordings_of_other_kinds_become_mcap_and_come_back(tmp_path: Path) -> 
     npz = pillars().save(tmp_path / "run.npz")
     for source in (npz, GRIP):
         frames = list(open_source(source))
-        assert convert(source, tmp_path / "r.mcap", overwrite=True).frames == len(frames)
+        assert convert(source, tmp_path / "r.mcap", replace=True).frames == len(frames)
         got = list(open_source(tmp_path / "r.mcap"))
         same(got, frames)
-    convert(npz, tmp_path / "r.mcap", overwrite=True)
+    convert(npz, tmp_path / "r.mcap", replace=True)
     convert(tmp_path / "r.mcap", tmp_path / "again.npz")
     same(list(open_source(tmp_path / "again.npz")), [*open_source(npz)])
     write_csv(tmp_path / "g.csv", grip(0.1))

@@ -16,7 +16,7 @@ from tests.kits.processes import start
 from tests.kits.serial import GRIP, call, device, grip, sent, write_array
 from tests.tactile.recording.test_reader import recorded
 
-TAKEN = "there is something of that name; another name or --overwrite wanted"
+TAKEN = "there is something of that name; another name or --replace wanted"
 IN_USE = "another program is writing or sending it; another name wanted"
 
 
@@ -40,14 +40,14 @@ def test_a_recording_is_not_lost_to_another(tmp_path: Path, kept: Path, command:
     array = write_array(tmp_path, description.text)
     with device(stream) as emulator:
         refused(call(command, "-p", emulator.port, "-a", array, option, kept), TAKEN, kept, before)
-    for more in ((), ("--overwrite",)):  # a port that does not open
+    for more in ((), ("--replace",)):  # a port that does not open
         result = call(command, "-p", tmp_path / "none", "-a", array, option, kept, *more)
         refused(result, "there is no such port" if more else TAKEN, kept, before)
     new = tmp_path / "new.mcap"
     assert call(command, "-p", tmp_path / "none", "-a", array, option, new).exit_code == 2
     assert not new.exists()
     with device(stream) as emulator:
-        done = call(command, "-p", emulator.port, "-a", array, option, kept, "--once", "--overwrite")
+        done = call(command, "-p", emulator.port, "-a", array, option, kept, "--once", "--replace")
     assert done.exit_code == 0, done.output
     again = open_recording(kept)
     assert (again.complete, again.messages["/frames/left"]) == (True, 40)
@@ -65,7 +65,7 @@ def test_what_cannot_begin_leaves_the_old_one(tmp_path: Path, kept: Path, monkey
 
     with device(stream) as emulator:
         monkeypatch.setattr("tactile.recording.durable.os.write", full)
-        result = call("record", "-p", emulator.port, "-a", array, "-o", kept, "--overwrite")
+        result = call("record", "-p", emulator.port, "-a", array, "-o", kept, "--replace")
         refused(result, f"cannot write the recording {kept}: No space left on device", kept, before)
         result = call("record", "-p", emulator.port, "-a", array, "-o", tmp_path / "new.mcap")
         assert result.exit_code == 2
@@ -81,9 +81,9 @@ def test_a_running_recording_and_one_that_is_sent_are_locked(tmp_path: Path, kep
             wait(lambda: running.exists() and running.stat().st_size > 20_000)
             os.kill(recorder.pid, signal.SIGSTOP)  # so that the file stays as it is
             before = running.read_bytes()
-            refused(call("convert", kept, running, "--overwrite"), IN_USE, running, before)
+            refused(call("convert", kept, running, "--replace"), IN_USE, running, before)
             with device([]) as other:
-                again = call("record", "-p", other.port, "-a", array, "-o", running, "--overwrite")
+                again = call("record", "-p", other.port, "-a", array, "-o", running, "--replace")
             refused(again, IN_USE, running, before)
             sending = call("emulate", "--recording", running)
             assert (sending.exit_code, "still being recorded" in sending.stderr) == (2, True)
@@ -94,7 +94,7 @@ def test_a_running_recording_and_one_that_is_sent_are_locked(tmp_path: Path, kep
     sender = start("emulate", "--recording", kept, "--link", link)
     try:
         wait(lambda: link.is_symlink())
-        refused(call("record", "-p", link, "-a", array, "-o", kept, "--overwrite"), IN_USE, kept, before)
+        refused(call("record", "-p", link, "-a", array, "-o", kept, "--replace"), IN_USE, kept, before)
     finally:
         sender.kill()
         sender.communicate()
@@ -155,10 +155,10 @@ def test_conversions_leave_what_is_there_and_nothing_half_done(
         target = tmp_path / name
         target.write_bytes(b"mine")
         refused(call("convert", kept, target), TAKEN, target, b"mine")
-        assert call("convert", kept, target, "--overwrite").exit_code == 0
+        assert call("convert", kept, target, "--replace").exit_code == 0
         assert target.read_bytes() != b"mine"
     (tmp_path / "folder.csv").mkdir()
-    result = call("convert", kept, tmp_path / "folder.csv", "--overwrite")
+    result = call("convert", kept, tmp_path / "folder.csv", "--replace")
     assert (result.exit_code, "no plain file" in result.stderr) == (2, True)
 
     def broken(*_: Any) -> None:
@@ -167,4 +167,4 @@ def test_conversions_leave_what_is_there_and_nothing_half_done(
     monkeypatch.setattr("tactile.sources.convert.write_csv", broken)
     monkeypatch.setitem(__import__("tactile.sources.convert", fromlist=["x"]).WRITERS, ".csv", broken)
     before = (tmp_path / "r.csv").read_bytes()
-    refused(call("convert", kept, tmp_path / "r.csv", "--overwrite"), "No space left", tmp_path / "r.csv", before)
+    refused(call("convert", kept, tmp_path / "r.csv", "--replace"), "No space left", tmp_path / "r.csv", before)
