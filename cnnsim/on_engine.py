@@ -15,7 +15,7 @@ from cnnsim.supersteps.engine import Engine, parse_engine
 from cnnsim.supersteps.large import run_large
 from cnnsim.support import InputError
 from cnnsim.support.memory import LARGE
-from cnnsim.support.values import is_stored
+from cnnsim.support.values import is_stored, stored_plane
 from cnnsim.task import load, make_task
 
 PLANES = ("state", "input", "bias", "mask")
@@ -31,6 +31,8 @@ def run_on_engine(
         NotSettledError: as `run_transient`.
     """
     stored = {name: choices[name] for name in PLANES if is_stored(choices.get(name))}
+    for name in stored.keys() - {"mask"}:  # above 0 is held there, whatever the numbers
+        stored_plane(name, stored[name])
     told = {name: np.broadcast_to(np.zeros(1), plane.shape) for name, plane in stored.items()}  # its shape is checked
     task = make_task(template, **{**choices, **told})
     if task.accuracy is not None:

@@ -68,7 +68,7 @@ def run_large(
     planes = {name: open_large(path, binary=binary, levels=levels) for name, path in beside.items() if path is not None}
     planes["picture"] = open_large(pictures[0], binary=binary, levels=levels)
     shape = planes["picture"].shape
-    stand_in, second = (np.broadcast_to(np.zeros((1, 1)), shape) for _ in range(2))  # roles need no pixels
+    stand_in, second = (np.broadcast_to(-np.ones((1, 1)), shape) for _ in range(2))  # roles need no pixels: white
     task = entry.task(stand_in, second if "state" in planes else None)
     for name, plane in task.items():
         if plane is stand_in:

@@ -157,6 +157,15 @@ class LibraryEntry:
         pictures = [plane for one in self.examples for plane in (one.input, one.state) if plane is not None]
         return "binary" in self.tags and all((np.abs(plane) == 1).all() for plane in pictures)
 
+    def _tell_of_zeros(self, picture: Array, state: Array | None) -> None:
+        """Tell of floats 0 for white where black and white is taken; as an initial state all 0 has a meaning."""
+        given = [("picture", picture)] + ([("state", state)] if state is not None and state.any() else [])
+        for name, plane in given:
+            if has_zeros_for_white(plane) and self._black_and_white():
+                held = "0 and 1" if plane.any() else "0"
+                said = f"{name} holds {held} alone; template {self.name!r} takes -1 as white, 0 as mid-grey"
+                Notices.say(f"{said}: values > 0 is black and white")
+
     def planes(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, Any]:
         """Return the planes ``input`` and ``state`` that the picture (and the second one) stand for.
 
@@ -166,9 +175,7 @@ class LibraryEntry:
             InputError: a second picture is missing, or there is no use for it; whole numbers as of grey levels.
         """
         picture, state = as_picture("picture", picture), None if state is None else as_picture("state", state)
-        if has_zeros_for_white(picture) and self._black_and_white():
-            said = f"picture holds 0 and 1 alone; template {self.name!r} takes -1 as white, 0 as mid-grey"
-            Notices.say(f"{said}: values > 0 is black and white")
+        self._tell_of_zeros(picture, state)
         if picture.ndim < 2:
             raise InputError(f"picture has shape {picture.shape}; (rows, cols) with at least one cell wanted")
         roles = self.initial_state if isinstance(self.initial_state, tuple) else (self.initial_state,)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from cnnsim.program.program import Program
 from cnnsim.support import InputError
 from cnnsim.support.memory import check_memory
-from cnnsim.support.values import as_numbers, as_picture, is_stored, largest
+from cnnsim.support.values import as_numbers, as_picture, is_stored, largest, stored_plane
 
 
 def check_inputs(program: Program, inputs: dict[str, ArrayLike], *, stored: bool = False) -> dict[str, Any]:
@@ -30,7 +30,7 @@ def check_inputs(program: Program, inputs: dict[str, ArrayLike], *, stored: bool
             f"program {program.name!r} got {', '.join(inputs) or 'nothing'}; {', '.join(program.inputs)} wanted{hint}"
         )
     arrays: dict[str, Any] = {
-        name: _stored(name, inputs[name])
+        name: stored_plane(name, inputs[name])
         if stored and is_stored(inputs[name])
         else as_numbers(name, inputs[name], logic=program.memory[name] == "llm")
         for name in program.inputs
@@ -45,12 +45,6 @@ def check_inputs(program: Program, inputs: dict[str, ArrayLike], *, stored: bool
 def parameters_meant(program: Program, names: Iterable[str]) -> list[str]:
     """Return the parameters of a program that some names, which are no inputs, come near to."""
     return [match for name in names for match in get_close_matches(name, list(program.parameters), 1)]
-
-
-def _stored(name: str, plane: Any) -> Any:
-    if np.dtype(plane.dtype).kind not in "bf":
-        raise InputError(f"{name} is a stored plane of {plane.dtype}; CNN values as floats, or truth values, wanted")
-    return plane
 
 
 def check_values(program: Program, inputs: Mapping[str, ArrayLike], *, stored: bool = False) -> None:

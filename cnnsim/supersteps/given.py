@@ -117,6 +117,8 @@ def _values(name: str, part: Any, dtype: np.dtype[Any], area: Any) -> Array:
     values = np.asarray(part)
     if name == MASK:
         return values > 0
+    if values.dtype == bool:
+        return np.where(values, dtype.type(1), dtype.type(-1))
     if not np.isfinite(values).all():
         raise InputError(f"{name} holds what is not finite from row {area[0][0]}, column {area[1][0]} on")
     return values.astype(dtype, copy=False)

@@ -10,7 +10,8 @@ from cnnsim.supersteps.strips import FileRows
 from cnnsim.support import Array, InputError
 from cnnsim.support.arrays.array_file import mapped_array
 from cnnsim.support.bounds import one_line
-from cnnsim.support.pictures.picture import check_size, opened, pictures_in
+from cnnsim.support.pictures.arrays import CNN_VALUES, check_array_levels, cnn_values
+from cnnsim.support.pictures.picture import check_size, check_whole_file, opened, pictures_in
 from cnnsim.support.pictures.pixels import (
     Levels,
     check_labels,
@@ -47,7 +48,10 @@ class TiledPicture:
         found = np.asarray(self._levels[part])
         if found.dtype == bool:
             return np.where(found, np.float32(1), np.float32(-1))
-        if self._between is not None:
+        if self._between is CNN_VALUES:
+            cnn_values(found, self._name)
+            values = found
+        elif self._between is not None:
             values = from_levels(found, self._name, self._between, np.float32)
         elif found.dtype == np.uint8:
             return table_of(np.float32, binary=self._binary)[found]
@@ -70,23 +74,30 @@ def open_large(path: Path, *, binary: bool = False, levels: Levels | None = None
     values.
 
     Raises:
-        InputError: no such picture, or none in two dimensions; as `read_picture`.
+        InputError: no such picture, or none in two dimensions; as `read_picture`, of an array's values when they are
+            read.
     """
     if path.is_dir():
         zarr = zarr_library()
         with one_line(path, "a Zarr array"):
             found = zarr.open_array(path, mode="r")
-    elif path.suffix == ".npy":
+    elif path.suffix.lower() == ".npy":
         found = mapped_array(path)
+    elif path.suffix.lower() == ".npz":
+        raise InputError(f"{path}: packed arrays, on an engine; a plane that is read in parts, .npy or .zarr, wanted")
     else:
         return _picture(path, binary=binary, levels=levels)
-    if len(found.shape) != 2 or 0 in found.shape or np.dtype(found.dtype).kind not in "bfu":
+    kind = np.dtype(found.dtype).kind
+    if len(found.shape) != 2 or 0 in found.shape or kind not in "bfui":
         raise InputError(
             f"{path}: {found.dtype} of shape {found.shape}; (rows, cols) of floats, levels or truth wanted"
         )
-    floats = np.dtype(found.dtype).kind == "f"
-    if path.is_dir() and floats and not binary and levels is None:
+    if path.is_dir() and kind == "f" and not binary and levels is None:
         return found
+    if levels is None:
+        check_array_levels(found, str(path))
+        if kind == "i" or (kind == "u" and found.dtype.itemsize > 2) or (kind == "f" and not path.is_dir()):
+            levels = CNN_VALUES
     return TiledPicture(found, binary=binary, between=levels, name=str(path))
 
 
@@ -96,6 +107,7 @@ def _picture(path: Path, *, binary: bool, levels: Levels | None) -> TiledPicture
         rows, cols = upright_size(image)
         if pictures_in(image) > 1:
             raise InputError(f"{path} holds {pictures_in(image)} pictures; one wanted")
+        check_whole_file(image, str(path))
         if image.format in IN_STRIPS and rows * cols > WHOLE:
             strips = FileRows(path, levels)
             return TiledPicture(strips, binary=binary, between=strips.levels, name=str(path))

@@ -28,6 +28,17 @@ def is_stored(plane: Any) -> bool:
     return type(plane).__module__.split(".")[0] == "zarr" or getattr(plane, "in_parts", False) is True
 
 
+def stored_plane(name: str, plane: Any) -> Any:
+    """Return a plane that `is_stored`, as it is.
+
+    Raises:
+        InputError: whole numbers: as CNN values, grey levels or truth values they look alike.
+    """
+    if np.dtype(plane.dtype).kind not in "bf":
+        raise InputError(f"{name} is a stored plane of {plane.dtype}; CNN values as floats, or truth values, wanted")
+    return plane
+
+
 def from_gray(levels: ArrayLike, top: float = 255.0) -> Floats:
     """Return grey levels from 0 (black) to ``top`` (white) as CNN values, 1 - 2 g / top.
 
@@ -72,10 +83,10 @@ def as_numbers(name: str, values: ArrayLike, *, levels: bool = False, logic: boo
     """Return a plane as an array of numbers: booleans become black and white.
 
     ``levels``: any whole number will do, but for bytes above 1, as pictures have them; ``logic``: above 0 is black, so
-    0 and 1 will do.
+    0 and 1 will do. Floats are taken as they are, and so is a single number.
 
     Raises:
-        InputError: what is no array of numbers, or whole numbers that look like grey levels or colours.
+        InputError: what is no array of numbers, or whole numbers that look like grey levels, truth values or colours.
     """
     if np.ma.is_masked(values):
         raise InputError(f"{name} is a masked array; a plain one wanted, as of values.filled(0), and a mask of its own")
@@ -107,6 +118,11 @@ def as_numbers(name: str, values: ArrayLike, *, levels: bool = False, logic: boo
         raise InputError(
             f"{name} holds the whole numbers 0 and 1, and 0 is mid-grey; CNN values from -1 (white) to 1 (black), or "
             "booleans, wanted: values > 0"
+        )
+    if least == most == 0 and array.ndim and array.dtype.kind == "i":
+        raise InputError(
+            f"{name} holds the whole number 0 alone, shape {array.shape}: black as a grey level, white as a truth "
+            "value, mid-grey as a CNN value; cnnsim.from_gray(values), values > 0, or floats, wanted"
         )
     if array.dtype.kind == "u" or max(most, -least) > 1:
         colours = array.ndim == 3 and array.shape[-1] in (3, 4)
@@ -153,9 +169,9 @@ def largest(array: Array) -> float:
 
 
 def has_zeros_for_white(array: Array) -> bool:
-    """Return whether an array holds 0 and 1 alone, and both: truth values as floats, most likely."""
+    """Return whether an array holds 0 alone, or 0 and 1: truth values as floats, most likely."""
     values = distinct(array)
-    if not values.size or (values.min(), values.max()) != (0, 1):
+    if not values.size or values.min() != 0 or values.max() not in (0, 1):
         return False
     return bool(((values == 0) | (values == 1)).all())
 

@@ -97,9 +97,28 @@ def test_whole_numbers_0_and_1_are_no_black_and_white(door: str) -> None:
         DOORS[door](BLACK.astype(int))
 
 
+@pytest.mark.parametrize("door", DOORS)
+@pytest.mark.parametrize("dtype", [np.int8, np.int64])
+def test_the_whole_number_0_alone_is_no_picture(door: str, dtype: Any) -> None:
+    """It would be black as a grey level, white as a truth value, and mid-grey as a CNN value: nobody can tell."""
+    for zeros in (np.zeros((9, 9), dtype), np.zeros((9, 9), dtype).tolist()):
+        with pytest.raises(InputError, match=r"the whole number 0 alone.*from_gray\(values\), values > 0, or floats"):
+            DOORS[door](zeros)
+
+
+def test_zeros_that_have_a_meaning_are_taken() -> None:
+    """A bias and a mask of 0 do nothing, a state of floats 0 is one, and so is a single number for all cells."""
+    given: dict[str, Any] = {"state": ZERO, "boundary": fixed(-1), "backend": "reference"}
+    plain = cnnsim.run_transient(EDGE, input=VALUES, **given).y
+    nothing = np.zeros((9, 9), int)
+    assert same(cnnsim.run_transient(EDGE, input=VALUES, bias=nothing, mask=nothing, **given).y, plain)
+    assert same(cnnsim.run_transient(EDGE, input=0, **given).y, cnnsim.run_transient(EDGE, input=ZERO, **given).y)
+
+
 @pytest.mark.parametrize("door", LOGIC)
 def test_where_above_0_is_black_0_and_1_will_do(door: str) -> None:
     assert same(LOGIC[door](BLACK.astype(int)), LOGIC[door](VALUES))
+    assert same(LOGIC[door](np.zeros((9, 9), int)), LOGIC[door](-np.ones((9, 9))))
 
 
 def test_the_warning_names_the_caller_s_line() -> None:

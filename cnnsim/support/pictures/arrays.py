@@ -1,18 +1,25 @@
 """Arrays of NumPy files (.npy, .npz) read as pictures: booleans, grey levels, colours, or CNN values."""
 
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from PIL import Image
 
-from cnnsim.support.bounds import check_unpacked, one_line
+from cnnsim.support.arrays.array_file import read_array
+from cnnsim.support.arrays.npz_file import open_npz
 from cnnsim.support.errors import InputError
-from cnnsim.support.memory import check_memory
-from cnnsim.support.pictures.pixels import from_levels, labels_error, range_of, tell_if_dark
+from cnnsim.support.pictures.pixels import Levels, extremes, from_levels, labels_error, tell_if_dark
 from cnnsim.support.pictures.sequence import PictureSequence, Reading
 from cnnsim.support.types import Array
+
+SIXTEEN_BITS: Levels = (0.0, 65535.0)
+"""Levels of whole numbers of 16 bits."""
+CNN_VALUES: Levels = (1.0, -1.0)
+"""Levels of floats."""
+_STRIP = 1024
+"""Rows that are looked at before the next are read."""
 
 
 def of_array(path: Path, reading: Reading, key: str) -> PictureSequence:
@@ -24,8 +31,8 @@ def of_array(path: Path, reading: Reading, key: str) -> PictureSequence:
         InputError: no such file, no such array, another shape, numbers without a range, more than memory holds.
     """
     name, values = str(path), _loaded(path, key)
-    if levels_wanted(values, reading):
-        raise labels_error(name)
+    if reading.levels is None:
+        check_array_levels(values, name)
     colours = values.dtype == np.uint8 and values.ndim in (3, 4) and values.shape[-1] in (3, 4)
     planes = values if values.ndim == 3 + colours else values[None]
     if planes.ndim != 3 + colours or not planes.size:
@@ -36,13 +43,12 @@ def of_array(path: Path, reading: Reading, key: str) -> PictureSequence:
         return _of_planes(name, planes, lambda plane: np.where(plane, 1.0, -1.0).astype(reading.dtype))
     if values.dtype.kind not in "iuf":
         raise InputError(f"{name} holds {values.dtype}; numbers, or True for black, wanted")
-    least, most = float(values.min()), float(values.max())
     levels = reading.levels
     if levels is None and values.dtype == np.uint16:
-        levels = 0.0, 65535.0
-        tell_if_dark(name, most, levels)
+        levels = SIXTEEN_BITS
+        tell_if_dark(name, float(values.max()), levels)
     elif levels is None:
-        levels = (1.0, -1.0) if -1 <= least <= most <= 1 else range_of(values, name)
+        levels = cnn_values(values, name)
 
     def plane(numbers: Array) -> Array:
         found = from_levels(numbers, name, levels, reading.dtype)
@@ -51,11 +57,40 @@ def of_array(path: Path, reading: Reading, key: str) -> PictureSequence:
     return _of_planes(name, planes, plane)
 
 
-def levels_wanted(values: Array, reading: Reading) -> bool:
-    """Return whether whole numbers are only 0 and 1: grey levels, CNN values and labels look alike then."""
-    if reading.levels is not None or values.dtype.kind not in "iu" or not values.size:
-        return False
-    return (int(values.min()), int(values.max())) == (0, 1)
+def check_array_levels(values: Any, name: str) -> None:
+    """Refuse whole numbers that are only 0 and 1: grey levels, CNN values and labels look alike then.
+
+    So do zeros alone, but for bytes and 16 bits without a sign: they are grey levels, and that is black. Rows are read
+    in strips up to the first other number.
+
+    Raises:
+        InputError: so they are.
+    """
+    if values.dtype.kind not in "iu" or not values.ndim or 0 in values.shape:
+        return
+    found: set[int] = set()
+    for first in range(0, values.shape[0], _STRIP):
+        part = np.asarray(values[first : first + _STRIP])
+        found |= {int(part.min()), int(part.max())}
+        if not found <= {0, 1}:
+            return
+    if found == {0, 1} or (found == {0} and values.dtype not in (np.uint8, np.uint16)):
+        raise labels_error(name, zeros=found == {0})
+
+
+def cnn_values(values: Array, name: str) -> Levels:
+    """Return the levels of numbers that are CNN values.
+
+    Raises:
+        InputError: they are not from -1 to 1, or not finite.
+    """
+    least, most = extremes(values, name)
+    if -1 <= least <= most <= 1:
+        return CNN_VALUES
+    raise InputError(
+        f"{name} holds {values.dtype} numbers from {least:g} to {most:g} and does not say which are black and white; "
+        "-1 (white) to 1 (black), or the range (--range BLACK,WHITE; levels=(black, white)) wanted"
+    )
 
 
 def _of_planes(name: str, planes: Array, values: Callable[[Array], Array]) -> PictureSequence:
@@ -64,24 +99,15 @@ def _of_planes(name: str, planes: Array, values: Callable[[Array], Array]) -> Pi
 
 
 def _loaded(path: Path, key: str) -> Array:
-    with one_line(path, "an array of NumPy"):
-        if not path.exists():
-            raise InputError(f"no array file {path}")
-        check_unpacked(path, _array_bytes(path))
-        check_memory(f"{path}: reading it", _array_bytes(path), "give fewer or smaller pictures")
-        found = np.load(path, allow_pickle=False)
-        if isinstance(found, np.ndarray):
-            return found
-        with found:
-            if key not in found and len(found.files) != 1:
-                wanted = f"one called {key!r}, or a single one," if key else "a single one"
-                raise InputError(f"{path} holds the arrays {', '.join(found.files)}; {wanted} wanted")
-            return found[key if key in found else found.files[0]]
-
-
-def _array_bytes(path: Path) -> int:
-    """Return how large the arrays of a file are when they are unpacked."""
+    if not path.exists():
+        raise InputError(f"no array file {path}")
     if path.suffix.lower() == ".npy":
-        return path.stat().st_size
-    with zipfile.ZipFile(path) as archive:
-        return max((item.file_size for item in archive.infolist()), default=0)
+        return read_array(path)
+    with open_npz(path, "array of pictures") as found:
+        if key not in found and len(found.files) != 1:
+            wanted = f"one called {key!r}, or a single one," if key else "a single one"
+            raise InputError(f"{path} holds the arrays {', '.join(found.files)}; {wanted} wanted")
+        array = found[key if key in found else found.files[0]]
+        if not isinstance(array, np.ndarray):  # NumPy gives out bytes of what does not begin as an array
+            raise ValueError(f"{key if key in found else found.files[0]} is no array")
+        return array

@@ -89,6 +89,18 @@ def check_size(image: Image.Image, name: str, cell_bytes: int) -> None:
     Raises:
         InputError: both sizes, and what to do.
     """
+    check_whole_file(image, name)
+    rows, cols = upright_size(image)
+    what = f"{name}: reading {rows} x {cols} pixels"
+    check_memory(what, rows * cols * (pixel_bytes(image.mode) + cell_bytes), _TOO_LARGE)
+
+
+def check_whole_file(image: Image.Image, name: str) -> None:
+    """Refuse a picture whose pixels cannot be in the file, however well it is packed; ``name`` is its path.
+
+    Raises:
+        InputError: both sizes.
+    """
     rows, cols = upright_size(image)
     least, there = least_bytes(image), Path(name).stat().st_size
     if there < least:
@@ -96,8 +108,6 @@ def check_size(image: Image.Image, name: str, cell_bytes: int) -> None:
             f"{name}: {there} bytes that say they are {rows} x {cols} pixels, which take {least:.0f} at least; a whole "
             "file wanted"
         )
-    what = f"{name}: reading {rows} x {cols} pixels"
-    check_memory(what, rows * cols * (pixel_bytes(image.mode) + cell_bytes), _TOO_LARGE)
 
 
 class _AnySize:

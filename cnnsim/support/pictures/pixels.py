@@ -56,11 +56,12 @@ def check_labels(image: Image.Image, name: str, levels: Levels | None) -> None:
         raise labels_error(name)
 
 
-def labels_error(name: str) -> InputError:
-    """Return the error for whole numbers that are only 0 and 1."""
+def labels_error(name: str, *, zeros: bool = False) -> InputError:
+    """Return the error for whole numbers that are only 0 and 1, or ``zeros`` alone."""
+    held = "number 0 alone, black as a grey level" if zeros else "numbers 0 and 1 alone, as grey levels both black"
     return InputError(
-        f"{name} holds the numbers 0 and 1 alone, as grey levels of 0 to 255 both black; their meaning wanted: "
-        "--range 1,0 (1 is black), 0,1 (1 is white), 0,255 (levels); in Python levels=(1, 0)"
+        f"{name} holds the {held}; their meaning wanted: --range 1,0 (1 is black), 0,1 (1 is white), 0,255 (levels); "
+        "in Python levels=(1, 0)"
     )
 
 
@@ -163,7 +164,7 @@ def from_levels(numbers: Array, name: str, levels: Levels, dtype: Any = np.float
         scale = 2.0 / (np.float64(white) - black)
     if not (np.isfinite(levels).all() and 0 < abs(scale) < np.inf):
         raise InputError(f"black is {black:g} and white {white:g}; two different numbers, of some size, wanted")
-    least, most = _extremes(numbers, name)
+    least, most = extremes(numbers, name)
     if not min(levels) <= least <= most <= max(levels):
         raise InputError(f"{name} holds numbers from {least:g} to {most:g}; {black:g} (black) to {white:g} wanted")
     values = np.empty(numbers.shape, dtype)
@@ -174,7 +175,12 @@ def from_levels(numbers: Array, name: str, levels: Levels, dtype: Any = np.float
     return values
 
 
-def _extremes(numbers: Array, name: str) -> tuple[float, float]:
+def extremes(numbers: Array, name: str) -> tuple[float, float]:
+    """Return the least and the largest of some numbers.
+
+    Raises:
+        InputError: one is not finite.
+    """
     least, most = float(numbers.min()), float(numbers.max())
     if not np.isfinite(most - least):
         raise InputError(f"{name} holds {most if np.isfinite(least) else least:g}; finite numbers wanted")
@@ -187,7 +193,7 @@ def range_of(numbers: Array, name: str) -> Levels:
     Raises:
         InputError: they are in neither.
     """
-    least, most = _extremes(numbers, name)
+    least, most = extremes(numbers, name)
     if 0 <= least <= most <= 1:
         return 0.0, 1.0
     if -1 <= least <= most <= 1:

@@ -99,3 +99,16 @@ def test_planes_may_be_zarr_arrays_and_so_is_the_result_then(tmp_path: Path) -> 
     assert type(found.x).__module__.startswith("zarr")
     assert found.x[...].tobytes() == whole.x.tobytes()
     assert found.y.tobytes() == whole.y.tobytes()
+
+
+def test_planes_on_the_disk_mean_what_arrays_do(tmp_path: Path) -> None:
+    """Booleans are black and white, also where they are read block by block; whole numbers are refused."""
+    zarr = pytest.importorskip("zarr")
+    task: dict[str, Any] = {"state": X, "duration": 1.0}
+    black = zarr.create_array(tmp_path / "black.zarr", data=U > 0, chunks=SHAPE)
+    levels = zarr.create_array(tmp_path / "levels.zarr", data=np.zeros(SHAPE, np.int64), chunks=SHAPE)
+    whole = cnnsim.run_transient(MIXED, **task, input=U > 0)
+    assert np.array_equal(cnnsim.run_transient(MIXED, **task, input=black, engine=one()).x, whole.x)
+    for name in ("state", "input", "bias"):
+        with pytest.raises(InputError, match=f"{name} is a stored plane of int64; CNN values as floats, or truth"):
+            cnnsim.run_transient(MIXED, **{"input": U, **task, name: levels}, engine=one())

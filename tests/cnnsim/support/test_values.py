@@ -133,6 +133,18 @@ def test_truth_values_as_floats_are_told_where_white_is_wanted() -> None:
     assert told[0].filename == __file__
     assert (wrong.y > 0).sum() != (run("edge", SQUARE).y > 0).sum()
     run("average", SQUARE.astype(float))
+    with pytest.warns(UserWarning, match="state holds 0 and 1 alone; template 'recall' takes -1 as white"):
+        run("recall", SQUARE, state=SQUARE.astype(float))
+
+
+def test_floats_that_are_all_0_are_told_of_as_a_picture_in_black_and_white_alone(recwarn: Any) -> None:
+    with pytest.warns(UserWarning, match="picture holds 0 alone; template 'edge' takes -1 as white"):
+        run("edge", np.zeros((9, 9)))
+    recwarn.clear()
+    run("average", np.zeros((9, 9)))  # a grey picture
+    run("recall", SQUARE, state=np.zeros((9, 9)))  # a state between both
+    run_transient(EDGE.template, state=np.zeros((9, 9)), input=SQUARE)
+    assert [str(told.message) for told in recwarn] == []
 
 
 def test_a_mask_of_bytes() -> None:

@@ -130,6 +130,45 @@ def test_arrays(tmp_path: Path, array: np.ndarray, wanted: Any, ending: str) -> 
     assert read_pictures(tmp_path / f"x.{ending}") == pytest.approx(np.array(wanted))
 
 
+@pytest.mark.parametrize("dtype", ["?", "u1", "u2", "u4", "i1", "i2", "i8", "f4", "f8"])
+@pytest.mark.parametrize("kind", ["zeros", "ones", "truth", "levels", "values", "beyond"])
+def test_an_array_says_the_same_in_parts_as_whole(tmp_path: Path, dtype: str, kind: str) -> None:
+    """Whole numbers as grey levels where they have 8 or 16 bits without a sign, else from -1 to 1, and not 0 alone."""
+    pytest.importorskip("zarr")
+    from cnnsim.supersteps.pictures import open_large
+
+    array = {"zeros": [0, 0], "ones": [1, 1], "truth": [0, 1], "levels": [0, 90], "values": [-1, 1], "beyond": [-7, 90]}
+    given = np.array([array[kind]]).astype(dtype)
+    np.save(tmp_path / "x.npy", given)
+    taken = dtype == "?" or dtype[0] == "f" or (dtype in ("u1", "u2") and kind != "truth")
+    taken = taken and not (dtype[0] == "f" and kind in ("levels", "beyond"))
+    taken |= (dtype[0] == "i" and kind in ("ones", "values")) or (dtype == "u4" and kind == "ones")
+    for parts in (False, True):
+
+        def read(path: Path, parts: bool = parts) -> Any:
+            return open_large(path)[:, :] if parts else read_pictures(path)[0]
+
+        if not taken:
+            with pytest.raises(InputError, match=r"x\.npy.*--range"):
+                read(tmp_path / "x.npy")
+            continue
+        if dtype == "?":
+            wanted = np.where(given, 1.0, -1.0)
+        else:
+            wanted = 1 - given * (2 / np.iinfo(dtype).max) if dtype in ("u1", "u2") else given.astype(float)
+        assert read(tmp_path / "x.npy") == pytest.approx(wanted, abs=1e-6)
+
+
+def test_an_array_of_floats_is_told_of_as_one_of_cnn_values(tmp_path: Path) -> None:
+    """Floats from 0 to 1 are grey levels in a TIFF, in an array they are not: its message must not say so."""
+    np.save(tmp_path / "x.npy", np.array([[0.0, 3.5]]))
+    with pytest.raises(InputError, match=r"from 0 to 3.5 .*; -1 \(white\) to 1 \(black\), or the range"):
+        read_pictures(tmp_path / "x.npy")
+    Image.fromarray(np.array([[0.0, 3.5]], np.float32)).save(tmp_path / "x.tif")
+    with pytest.raises(InputError, match=r"from 0 to 3.5 .*; 0 to 1 \(grey\), -1 to 1 \(CNN values\), or the range"):
+        read_picture(tmp_path / "x.tif")
+
+
 def test_arrays_that_cannot_be_pictures(tmp_path: Path) -> None:
     np.savez(tmp_path / "two.npz", a=np.zeros((2, 2)), b=np.zeros((2, 2)))
     with pytest.raises(InputError, match="holds the arrays a, b; a single one wanted"):
