@@ -12,8 +12,18 @@ from cnnsim.network import LayeredTemplate, parse_boundary
 from cnnsim.network.characteristic import parse_cell
 from cnnsim.support import Floats, InputError, naming
 from cnnsim.support.errors import shown
+from cnnsim.support.faults import KeyFaults
 from cnnsim.support.names import check_name
-from cnnsim.support.toml_file import KeyFaults, line_of, located, read_toml, take, take_duration, take_tables
+from cnnsim.support.toml_file import (
+    line_of,
+    located,
+    read_toml,
+    take,
+    take_duration,
+    take_from_zero,
+    take_positive,
+    take_tables,
+)
 
 _REQUIRED = ("name", "summary", "reference", "input", "initial_state", "boundary", "duration")
 _OPTIONAL = ("tags", "margin", "note", "aliases", "example", "cell", "step", "frame_time", "accuracy", *TEMPLATE_KEYS)
@@ -77,8 +87,12 @@ def _text(key: str, data: dict[str, Any]) -> str:
     return take(data, key, str, "template")
 
 
-def _number(key: str, data: dict[str, Any]) -> float:
-    return take(data, key, float, "template")
+def _positive(key: str, data: dict[str, Any]) -> float:
+    return take_positive(data, key, "template")
+
+
+def _from_zero(key: str, data: dict[str, Any]) -> float:
+    return take_from_zero(data, key, "template")
 
 
 def _words(key: str, data: dict[str, Any]) -> tuple[str, ...]:
@@ -108,7 +122,7 @@ def _example(data: dict[str, Any], faults: KeyFaults) -> Example | None:
                 planes[key] = parse_pictures(data[key])
     tolerance = None
     with faults.collecting(), located(data):
-        tolerance = take(data, "tolerance", float, "example") if "tolerance" in data else None
+        tolerance = take_from_zero(data, "tolerance", "example") if "tolerance" in data else None
         if len(faults) > before:
             return None
         if planes["input"] is None and planes["state"] is None:
@@ -129,12 +143,12 @@ _READERS: dict[str, Callable[[dict[str, Any]], Any]] = {
     "boundary": lambda data: parse_boundary(data["boundary"]),
     "duration": lambda data: take_duration(data, "template"),
     "tags": partial(_words, "tags"),
-    "margin": partial(_number, "margin"),
+    "margin": partial(_from_zero, "margin"),
     "note": partial(_text, "note"),
     "aliases": partial(_words, "aliases"),
     "cell": lambda data: parse_cell(data["cell"]),
-    "step": partial(_number, "step"),
-    "frame_time": partial(_number, "frame_time"),
+    "step": partial(_positive, "step"),
+    "frame_time": partial(_positive, "frame_time"),
     "accuracy": lambda data: read_accuracy(data, "template"),
 }
 """Key of a file, which is a field of an entry, and what reads its value where it is there."""

@@ -22,8 +22,9 @@ from cnnsim.network import AnyTemplate, LayeredTemplate, Template, Term
 from cnnsim.network.table import parse_table
 from cnnsim.support import Floats, InputError, naming
 from cnnsim.support.errors import shown
+from cnnsim.support.faults import KeyFaults
 from cnnsim.support.pictures.picture import parse_ascii
-from cnnsim.support.toml_file import KeyFaults, located, take_tables
+from cnnsim.support.toml_file import located, take_positive, take_tables
 
 TEMPLATE_KEYS = ("A", "B", "z", "term", "layer")
 _NEEDED = ("A", "z")
@@ -48,9 +49,12 @@ def read_template(data: dict[str, Any], name: str, faults: KeyFaults) -> AnyTemp
         for number, table in enumerate(tables):
             faults.check(table, _LAYER_KEYS, f"layer {number}", _NEEDED)
         layers = [_single_layer(table, f"{name}, layer {n}", faults, f"layer {n}: ") for n, table in enumerate(tables)]
-        whole = [layer for layer in layers if layer is not None]
-        if len(whole) == len(tables):
-            return LayeredTemplate(whole, [table.get("time_constant", 1.0) for table in tables], name)
+        whole, times = [layer for layer in layers if layer is not None], list[float]()
+        for number, table in enumerate(tables):
+            with faults.collecting():
+                times.append(take_positive(table, "time_constant", f"layer {number}", 1.0))
+        if len(whole) == len(times) == len(tables):
+            return LayeredTemplate(whole, times, name)
     return None
 
 

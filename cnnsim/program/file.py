@@ -1,18 +1,20 @@
 """Reads program files into programs, checked whole before anything runs; an error names the step."""
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from cnnsim.library.catalogue import has_template
 from cnnsim.library.folders import program_file, programs
-from cnnsim.network import ZERO_FLUX, Template, parse_boundary
+from cnnsim.network import ZERO_FLUX, Boundary, Template, parse_boundary
 from cnnsim.program.names import LocalTemplate, Names
 from cnnsim.program.program import Program, Step
 from cnnsim.program.steps import read_steps
 from cnnsim.support import InputError, naming
+from cnnsim.support.faults import KeyFaults, read_all
 from cnnsim.support.names import check_name
-from cnnsim.support.toml_file import KeyFaults, check_keys, located, read_toml, take, take_duration
+from cnnsim.support.toml_file import check_keys, located, read_toml, take, take_duration
 
 _REQUIRED = ("name", "inputs", "outputs", "step")
 _KINDS: dict[str, type[Any]] = {"name": str, "inputs": list, "outputs": list, "summary": str, "reference": str}
@@ -125,8 +127,11 @@ def _local_templates(
 
 def _kept(data: dict[str, Any], names: Names) -> dict[str, float]:
     keep: dict[str, float] = {}
-    with names.faults.collecting(), located(data, "keep"):
-        for name, value in take(data, "keep", dict, "program", {}).items():
+    table: dict[str, Any] = {}
+    with names.faults.collecting():
+        table = take(data, "keep", dict, "program", {})
+    for name, value in table.items():
+        with names.faults.collecting(), located(table, name):
             keep[names.known(name, "keep", "lam", "llm")] = names.number(value, f"keep: {name}")
     return keep
 
@@ -139,9 +144,23 @@ def _replaced(what: str, defined: Mapping[str, Any], given: Mapping[str, Any]) -
 
 
 def _local_template(name: str, table: dict[str, Any]) -> LocalTemplate:
-    with located(table), naming(f"templates.{name}"):
+    place = f"templates.{name}"
+    with located(table), naming(place):
         check_name(name, "template")
         check_keys(table, ("A", "B", "z", "boundary", "duration"), required=("A",))
-        template = Template(table["A"], table.get("B", 0.0), table.get("z", 0.0), name)
-        boundary = parse_boundary(table.get("boundary", "zero-flux"))
-        return template, boundary, take_duration(table, "template") if "duration" in table else "settled"
+
+    def alone(key: str) -> Any:  # a template of this alone, so that each has its line
+        with located(table, key), naming(place):
+            Template(**{"A": 0.0, key: table.get(key, 0.0)}, name=name)
+        return table.get(key, 0.0)
+
+    def boundary() -> Boundary:
+        with located(table, "boundary"), naming(place):
+            return parse_boundary(table.get("boundary", "zero-flux"))
+
+    a, b, z, edge, duration = read_all(
+        "", *(partial(alone, key) for key in ("A", "B", "z")), boundary,
+        lambda: take_duration(table, place) if "duration" in table else "settled",
+    )  # fmt: skip
+    with located(table), naming(place):
+        return Template(a, b, z, name), edge, duration

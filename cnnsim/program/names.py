@@ -9,8 +9,9 @@ from cnnsim.program.program import ProgramMemory
 from cnnsim.support import InputError
 from cnnsim.support.bounds import PLANES, check_most
 from cnnsim.support.errors import shown
+from cnnsim.support.faults import KeyFaults
 from cnnsim.support.names import check_name
-from cnnsim.support.toml_file import KeyFaults, in_range, located
+from cnnsim.support.toml_file import in_range, located
 
 LocalTemplate = tuple[Template, Boundary, Duration]
 

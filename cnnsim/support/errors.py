@@ -1,11 +1,33 @@
 """InputError: the exception for whatever a user can get wrong."""
 
+from collections.abc import Callable, Sequence
+
 
 class InputError(ValueError):
     """Something given from outside is wrong; the message says what was given and what was wanted.
 
     The command line prints it as one line on stderr and leaves with exit code 2.
     """
+
+
+class MissingKeyError(InputError):
+    """A key that a table of a file has to have is not there."""
+
+
+class SeveralFaultsError(InputError):
+    """Several things that are wrong, each an error of its own in ``faults``; the message tells them all."""
+
+    def __init__(self, text: str, faults: Sequence[InputError]) -> None:
+        super().__init__(text)
+        self.faults = tuple(faults)
+
+
+def reworded(error: InputError, words: Callable[[str], str]) -> InputError:
+    """Return an error with another message, of several faults each with another one."""
+    text = words(str(error))
+    if isinstance(error, SeveralFaultsError):
+        return SeveralFaultsError(text, [reworded(one, words) for one in error.faults])
+    return MissingKeyError(text) if isinstance(error, MissingKeyError) else InputError(text)
 
 
 SHOWN = 120
@@ -34,4 +56,4 @@ class naming:  # noqa: N801 - it reads as a word after "with"; a generator would
 
     def __exit__(self, _kind: object, error: BaseException | None, _trace: object) -> None:
         if isinstance(error, InputError):
-            raise InputError(f"{self._where}: {error}") from error
+            raise reworded(error, lambda text: f"{self._where}: {text}") from error

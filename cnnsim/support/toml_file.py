@@ -4,13 +4,12 @@ import re
 import stat
 import sys
 import tomllib
-from collections.abc import Collection, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
 from cnnsim.support.bounds import TEXT, check_file, check_most, reason
-from cnnsim.support.errors import InputError, shown
+from cnnsim.support.errors import InputError, MissingKeyError, reworded, shown
 from cnnsim.support.nearest import nearest
 from cnnsim.support.toml_lines import LinedTable, with_lines
 
@@ -72,8 +71,8 @@ class located:  # noqa: N801 - it reads as a word after "with", as `naming` does
     def __enter__(self) -> None: ...
 
     def __exit__(self, _kind: object, error: BaseException | None, _trace: object) -> None:
-        if isinstance(error, InputError) and self._line and not _WITH_LINE.search(str(error)):
-            raise InputError(f"{error}{self._line}") from error
+        if isinstance(error, InputError) and self._line:
+            raise reworded(error, lambda text: text if _WITH_LINE.search(text) else text + self._line) from error
 
 
 def check_keys(
@@ -108,45 +107,6 @@ def check_keys(
         raise InputError(f"{lead}{'; '.join(found)}")
 
 
-class KeyFaults:
-    """Collects what is wrong with the keys of a file, and with their values, to be told at once, the same thing once.
-
-    ``where`` names the file, unless that is done outside; the length is how many faults there are.
-    """
-
-    def __init__(self, where: str = "") -> None:
-        self._where = where
-        self._found: list[str] = []
-
-    def __len__(self) -> int:
-        return len(self._found)
-
-    def check(self, table: Any, known: Collection[str], place: str = "", required: Collection[str] = ()) -> None:
-        """Check a table as `check_keys`; ``place`` names it in messages."""
-        with self.collecting():
-            check_keys(table, known, place, required)
-
-    @contextmanager
-    def collecting(self) -> Iterator[None]:
-        """Take what the block refuses for one fault more, and go on after it."""
-        try:
-            yield
-        except InputError as error:
-            fault = str(error).removeprefix(f"{self._where}: ")
-            self._found += () if fault in self._found else (fault,)
-
-    def tell(self) -> None:
-        """Refuse the file if anything was found.
-
-        Raises:
-            InputError: all that was found.
-        """
-        if self._found:
-            more = [f"and {len(self) - MOST_FAULTS} more"] if len(self) > MOST_FAULTS else []
-            lead = f"{self._where}: " if self._where else ""
-            raise InputError(lead + "; ".join(self._found[:MOST_FAULTS] + more))
-
-
 def _room(table: Mapping[str, Any]) -> str:
     """Return where missing keys belong: those of a file before its first table."""
     if not isinstance(table, LinedTable) or table.line is not None:
@@ -169,7 +129,7 @@ def take(table: Mapping[str, Any], key: str, kind: type[ValueType], where: str, 
     """
     if key not in table:
         if default is REQUIRED:
-            raise InputError(f"{where}: key {key!r} is missing, {_named(kind)} wanted{line_of(table)}")
+            raise MissingKeyError(f"{where}: key {key!r} is missing, {_named(kind)} wanted{line_of(table)}")
         value = default
     else:
         value = table[key]
@@ -178,6 +138,30 @@ def take(table: Mapping[str, Any], key: str, kind: type[ValueType], where: str, 
     right = isinstance(value, kind) and (type(value) in (kind, LinedTable))  # a bool is an int to isinstance
     if not right or (isinstance(value, float) and not in_range(value)):
         raise InputError(f"{where}: {key} = {shown(value)}, {_named(kind)} wanted{line_of(table, key)}")
+    return value
+
+
+def take_positive(table: Mapping[str, Any], key: str, where: str, default: Any = REQUIRED) -> float:
+    """Return a number above 0.
+
+    Raises:
+        InputError: as ``take``, or one that is not.
+    """
+    value = take(table, key, float, where, default)
+    if value <= 0:
+        raise InputError(f"{where}: {key} = {value}, a positive number wanted{line_of(table, key)}")
+    return value
+
+
+def take_from_zero(table: Mapping[str, Any], key: str, where: str, default: Any = REQUIRED) -> float:
+    """Return a number from 0 up.
+
+    Raises:
+        InputError: as ``take``, or one below 0.
+    """
+    value = take(table, key, float, where, default)
+    if value < 0:
+        raise InputError(f"{where}: {key} = {value}, a number from 0 up wanted{line_of(table, key)}")
     return value
 
 

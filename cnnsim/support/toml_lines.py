@@ -23,6 +23,15 @@ class LinedTable(dict[str, Any]):
     lines: dict[str, int]
 
 
+def without(table: dict[str, Any], key: str) -> dict[str, Any]:
+    """Return a table without one of its keys, with the lines that it knows."""
+    rest = LinedTable({name: value for name, value in table.items() if name != key})
+    rest.lines = {}
+    if isinstance(table, LinedTable):
+        rest.line, rest.first_table, rest.lines = table.line, table.first_table, table.lines
+    return rest
+
+
 def with_lines(data: dict[str, Any], text: str) -> LinedTable:
     """Return the table that was read from a text, it and all tables inside with their lines."""
     scan = _Scan(text)

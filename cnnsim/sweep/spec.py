@@ -12,7 +12,8 @@ import numpy as np
 
 from cnnsim.support import InputError
 from cnnsim.support.errors import naming
-from cnnsim.support.toml_file import KeyFaults, check_keys, located, read_toml, take
+from cnnsim.support.faults import KeyFaults
+from cnnsim.support.toml_file import check_keys, located, read_toml, take
 from cnnsim.sweep.kind import Case, Kind, load_kind
 
 MOST_CASES = 10**8

@@ -1,12 +1,14 @@
 """Calibration of a skin as a scan or weights measured it: the TOML file that `calibrate` writes and `run` reads."""
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from cnnsim.support import InputError
+from cnnsim.support import naming
+from cnnsim.support.faults import KeyFaults, read_all
 from cnnsim.support.files import named_file, write_text
-from cnnsim.support.toml_file import KeyFaults, parse_toml, read_toml, take, take_numbers
+from cnnsim.support.toml_file import located, parse_toml, read_toml, take, take_from_zero, take_numbers, take_positive
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection
 from tactile.calibration.taxel_file import taxel_gains
@@ -58,28 +60,33 @@ def _calibration(table: dict[str, Any], where: str) -> Calibration | TaxelGains:
     for name, keys in (("radial", RADIAL_KEYS), ("sigma", GAIN_KEYS)):
         if name in table:
             faults.check(table[name], keys, f"[{name}]", keys)
+    with faults.collecting():
+        shear, normal, depth, sigma, columns = read_all(
+            where,
+            lambda: take(table, "shear_gain", float, where),
+            lambda: take(table, "normal_gain", float, where),
+            lambda: take_positive(table, "depth_mm", where) * 1e-3,
+            lambda: _sigma(table, where),
+            lambda: _radial(take(table, "radial", dict, where), f"{where}: [radial]"),
+        )
+        with naming(where), located(table, "radial"):
+            return Calibration(Gains(shear, normal), depth, RadialCorrection(*columns), sigma)
     faults.tell()
-    radial = take(table, "radial", dict, where)
-    count = len(take(radial, "located_um", list, f"{where}: [radial]"))
-    columns = [take_numbers(radial, key, count, f"{where}: [radial]") for key in RADIAL_KEYS]
-    depth = take(table, "depth_mm", float, where)
-    if depth <= 0:
-        raise InputError(f"{where}: depth_mm = {depth}, a positive number wanted")
-    try:
-        found, true = ([um * 1e-6 for um in column] for column in columns[:2])
-        gains = Gains(take(table, "shear_gain", float, where), take(table, "normal_gain", float, where))
-        return Calibration(gains, depth * 1e-3, RadialCorrection(found, true, columns[2]), _sigma(table, where))
-    except InputError as error:
-        raise error if str(error).startswith(where) else InputError(f"{where}: {error}") from error
+    raise AssertionError  # what is wrong has been told
+
+
+def _radial(table: dict[str, Any], where: str) -> tuple[list[float], list[float], list[float]]:
+    count = len(table["true_um"]) if isinstance(table.get("true_um"), list) else 0
+    count = len(table["located_um"]) if isinstance(table.get("located_um"), list) else count
+    found, true, factor = read_all(where, *(partial(take_numbers, table, key, count, where) for key in RADIAL_KEYS))
+    return [um * 1e-6 for um in found], [um * 1e-6 for um in true], factor
 
 
 def _sigma(table: dict[str, Any], where: str) -> tuple[float, float, float] | None:
     if "sigma" not in table:
         return None
     spread, where = take(table, "sigma", dict, where), f"{where}: [sigma]"
-    shear, normal, depth = (take(spread, key, float, where) for key in GAIN_KEYS)
-    if min(shear, normal, depth) < 0:
-        raise InputError(f"{where}: {[shear, normal, depth]}, standard deviations of 0 or more wanted")
+    shear, normal, depth = read_all(where, *(partial(take_from_zero, spread, key, where) for key in GAIN_KEYS))
     return shear, normal, depth * 1e-3
 
 

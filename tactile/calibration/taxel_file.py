@@ -1,15 +1,18 @@
 """Taxel gains as a TOML file: a matrix and its deviations for every taxel."""
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
-from typing import Any, cast, get_args
+from typing import Any, cast
 
 import numpy as np
 
-from cnnsim.support import InputError
+from cnnsim.support import InputError, naming
+from cnnsim.support.faults import KeyFaults, read_all
 from cnnsim.support.files import write_text
-from cnnsim.support.toml_file import check_keys, take, take_tables
+from cnnsim.support.toml_file import line_of, located, take, take_tables
 from tactile.calibration.taxel_gains import TaxelGains
+from tactile.core.array_table import take_count, take_quantity
 from tactile.core.frame import Quantity
 
 KEYS = "quantity", "rows", "cols", "taxel"
@@ -23,39 +26,53 @@ def taxel_gains(table: Mapping[str, Any], where: str) -> TaxelGains:
     Raises:
         InputError: an unknown or missing key, a wrong type or value, a taxel missing or there twice.
     """
-    check_keys(dict(table), KEYS, where, KEYS)
-    rows, cols = (take(table, key, int, where) for key in ("rows", "cols"))
-    quantity = take(table, "quantity", str, where)
-    if quantity not in get_args(Quantity):
-        raise InputError(f"{where}: quantity {quantity!r}, one of {', '.join(get_args(Quantity))} wanted")
-    taxels = take_tables(table, "taxel", where)
-    if min(rows, cols) < 1 or len(taxels) != rows * cols:
-        raise InputError(f"{where}: {len(taxels)} [[taxel]] of {rows} x {cols}, one for each wanted")
-    matrix, sigma = np.full((rows, cols, AXES, AXES), np.nan), np.zeros((rows, cols, AXES, AXES))
-    for number, taxel in enumerate(taxels, 1):
+    faults = KeyFaults(where)
+    faults.check(table, KEYS, "", KEYS)
+    shape = quantity = None
+    with faults.collecting():
+        *shape, quantity = read_all(
+            where, *(partial(take_count, table, key, where) for key in ("rows", "cols")),
+            lambda: take_quantity(table, where),
+        )  # fmt: skip
+    entries: list[list[Any]] = []
+    for number, taxel in enumerate(take_tables(table, "taxel", where), 1):
         at = f"{where}: taxel {number}"
-        check_keys(taxel, TAXEL_KEYS, at, ("at", "matrix"))
-        place = take(taxel, "at", list, at)
-        if not (len(place) == 2 and all(isinstance(k, int) for k in place)) or not (
+        faults.check(taxel, TAXEL_KEYS, f"taxel {number}", ("at", "matrix"))
+        with faults.collecting():
+            entries.append(
+                read_all(
+                    at, partial(take, taxel, "at", list, at), partial(_square, taxel, "matrix", at),
+                    partial(_square, taxel, "sigma", at, np.zeros((AXES, AXES))),
+                )
+            )  # fmt: skip
+    faults.tell()
+    assert shape is not None
+    rows, cols = shape
+    if len(entries) != rows * cols:
+        wanted = f"one for each wanted{line_of(table, 'rows')}"
+        raise InputError(f"{where}: {len(entries)} [[taxel]] of {rows} x {cols}, {wanted}")
+    matrix, sigma = np.full((rows, cols, AXES, AXES), np.nan), np.zeros((rows, cols, AXES, AXES))
+    for number, (place, gains, deviations) in enumerate(entries):
+        if not (len(place) == 2 and all(type(k) is int for k in place)) or not (
             0 <= place[0] < rows and 0 <= place[1] < cols and np.isnan(matrix[place[0], place[1]]).all()
         ):
-            raise InputError(f"{at}: at = {place}, [row, column] of a taxel that is not there before wanted")
-        matrix[place[0], place[1]] = _square(taxel, "matrix", at)
-        if "sigma" in taxel:
-            sigma[place[0], place[1]] = _square(taxel, "sigma", at)
-    try:
+            with located(table["taxel"][number], "at"):
+                wanted = "[row, column] of a taxel that is not there before wanted"
+                raise InputError(f"{where}: taxel {number + 1}: at = {place}, {wanted}")
+        matrix[place[0], place[1]], sigma[place[0], place[1]] = gains, deviations
+    with naming(where):
         return TaxelGains(matrix, sigma, cast(Quantity, quantity))
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from error
 
 
-def _square(table: Mapping[str, Any], key: str, where: str) -> Any:
+def _square(table: Mapping[str, Any], key: str, where: str, default: Any = None) -> Any:
+    if default is not None and key not in table:
+        return default
     rows = take(table, key, list, where)
     numbers = all(
         isinstance(row, list) and len(row) == AXES and all(type(one) in (int, float) for one in row) for row in rows
     )
     if len(rows) != AXES or not numbers:
-        raise InputError(f"{where}: {key} = {rows}, three rows of three numbers wanted")
+        raise InputError(f"{where}: {key} = {rows}, three rows of three numbers wanted{line_of(table, key)}")
     return np.array(rows, dtype=np.float64)
 
 

@@ -1,10 +1,11 @@
 """Taxel array read from a table of a TOML file that people write."""
 
 from collections.abc import Mapping
-from typing import Any, cast
+from typing import Any, cast, get_args
 
-from cnnsim.support import InputError
-from cnnsim.support.toml_file import take, take_numbers
+from cnnsim.support import InputError, naming
+from cnnsim.support.faults import read_all
+from cnnsim.support.toml_file import line_of, located, take, take_from_zero, take_numbers, take_positive
 from tactile.core.frame import Quantity, TaxelArray
 
 
@@ -17,12 +18,42 @@ def take_array(table: Mapping[str, Any], unit: str, where: str, quantity: str | 
         InputError: as ``take`` and ``TaxelArray``.
     """
     metres = {"m": 1.0, "mm": 1e-3}[unit]
-    pitch, depth = (take(table, f"{key}_{unit}", float, where) * metres for key in ("pitch", "depth"))
-    thick = take(table, f"thickness_{unit}", float, where) * metres if f"thickness_{unit}" in table else None
-    x, y = (at * metres for at in take_numbers(table, f"origin_{unit}", 2, where, [0.0, 0.0]))
-    kind = cast(Quantity, take(table, "quantity", str, where) if quantity is None else quantity)
-    name, rows, cols = (take(table, "name", str, where), *(take(table, key, int, where) for key in ("rows", "cols")))
-    try:
+    thickness = f"thickness_{unit}"
+    name, rows, cols, pitch, depth, (x, y), kind, thick = read_all(
+        where,
+        lambda: take(table, "name", str, where),
+        lambda: take_count(table, "rows", where),
+        lambda: take_count(table, "cols", where),
+        lambda: take_positive(table, f"pitch_{unit}", where) * metres,
+        lambda: take_from_zero(table, f"depth_{unit}", where) * metres,  # a sensor of force has none
+        lambda: [at * metres for at in take_numbers(table, f"origin_{unit}", 2, where, [0.0, 0.0])],
+        lambda: take_quantity(table, where) if quantity is None else quantity,
+        lambda: take_positive(table, thickness, where) * metres if thickness in table else None,
+    )
+    with located(table), naming(where):
         return TaxelArray(name, rows, cols, pitch, depth, (x, y), kind, thick)
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from error
+
+
+def take_count(table: Mapping[str, Any], key: str, where: str) -> int:
+    """Return a whole number from 1 up.
+
+    Raises:
+        InputError: as ``take``, or another number.
+    """
+    count = take(table, key, int, where)
+    if count < 1:
+        raise InputError(f"{where}: {key} = {count}, a whole number from 1 up wanted{line_of(table, key)}")
+    return count
+
+
+def take_quantity(table: Mapping[str, Any], where: str) -> Quantity:
+    """Return what taxels measure.
+
+    Raises:
+        InputError: as ``take``, or no quantity.
+    """
+    quantity = take(table, "quantity", str, where)
+    if quantity not in get_args(Quantity):
+        wanted = ", ".join(get_args(Quantity))
+        raise InputError(f"{where}: quantity = {quantity!r}, one of {wanted} wanted{line_of(table, 'quantity')}")
+    return cast(Quantity, quantity)

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from string import Formatter
 from typing import Any
@@ -12,8 +13,10 @@ from cnnsim.library.folders import folder, folders, not_found, program_file, pro
 from cnnsim.program.file import load_program, program_of
 from cnnsim.program.program import Program
 from cnnsim.support import naming
+from cnnsim.support.faults import KeyFaults, read_all
 from cnnsim.support.files import named_file
-from cnnsim.support.toml_file import KeyFaults, check_keys, read_toml, take, take_tables
+from cnnsim.support.toml_file import check_keys, line_of, located, read_toml, take, take_from_zero, take_tables
+from cnnsim.support.toml_lines import without
 from tactile.core.file_kinds import refuse_other_kind
 from tactile.events.planes import LATE, NAMES
 
@@ -26,6 +29,7 @@ OF_THE_DATA = ("direction", "sense", "taxels", "of_taxels", "force_n", "shear_n"
 OF_LOAD = "load"
 """A direction that is that of the whole tangential load."""
 WAYS = ("right", "left", "down", "up")
+TIMES = ("confirm_ms", "release_ms", "lag_ms")
 KIND = re.compile(r"[a-z][a-z0-9_]*")
 
 
@@ -149,7 +153,7 @@ def _named(name: str) -> Path:
 
 def _program(table: dict[str, Any], path: Path) -> Program:
     if "program" not in table:
-        return program_of({key: value for key, value in table.items() if key != "event"}, {}, {}, path)
+        return program_of(without(table, "event"), {}, {}, path)
     check_keys(table, ("name", "summary", "reference", "program", "parameters", "event"), "detector", ("name", "event"))
     chosen = take(table, "program", str, "detector")
     beside = path.parent / chosen
@@ -159,39 +163,61 @@ def _program(table: dict[str, Any], path: Path) -> Program:
 
 def _rule(table: dict[str, Any], where: str) -> EventRule:
     check_keys(table, EVENT_KEYS, where, ("kind", "when"))
-    kind, words = take(table, "kind", str, where), take(table, "words", str, where, "")
-    if not KIND.fullmatch(kind):
-        raise InputError(f"{where}: kind = {kind!r}; small letters, digits and _ wanted, such as 'two_blobs'")
-    words = words or kind.replace("_", " ")
-    try:
-        data = (*OF_THE_DATA, *(("length_mm",) if kind == "slip" else ()))
-        unknown = {name for _, name, _, _ in Formatter().parse(words) if name is not None} - set(data)
-    except ValueError as error:
-        raise InputError(f"{where}: words = {words!r}: {error}") from error
-    if unknown:
-        raise InputError(f"{where}: words name {', '.join(sorted(unknown))}; of {', '.join(data)} wanted")
-    lists: dict[str, tuple[str, ...]] = {}
-    along = table.get("direction") == OF_LOAD
-    if along:
-        table = {key: value for key, value in table.items() if key != "direction"}
-    for key, count in (("direction", len(WAYS)), ("sense", 2)):
-        names = take(table, key, list, where, [])
-        if len(names) not in (0, count) or not all(isinstance(name, str) for name in names):
-            raise InputError(f"{where}: {key} = {names!r}; {count} names of outputs wanted")
-        lists[key] = tuple(names)
-    times = {key: take(table, key, float, where, 0.0) * 1e-3 for key in ("confirm_ms", "release_ms", "lag_ms")}
-    if min(times.values()) < 0:
-        raise InputError(f"{where}: confirm_ms, release_ms, lag_ms of {times}; numbers from 0 wanted")
-    taxels = take(table, "taxels", str, where) if "taxels" in table else None
-    unless = take(table, "unless", str, where) if "unless" in table else None
-    lag_of = take(table, "lag_of", str, where) if "lag_of" in table else None
-    if lag_of not in (None, *LATE):
-        raise InputError(f"{where}: lag_of = {lag_of!r}; one of {', '.join(LATE)} wanted, which know it")
-    return EventRule(
-        kind, take(table, "when", str, where), words, taxels, lists["direction"], lists["sense"],
-        times["confirm_ms"], times["release_ms"], along, times["lag_ms"], lag_of, unless,
-        take(table, "kind_of", str, where) if "kind_of" in table else None,
+    along = table["direction"] == OF_LOAD if "direction" in table else False
+    confirm, release, lag = (partial(take_from_zero, table, key, where, 0.0) for key in TIMES)
+    optional = partial(_optional, table, where=where)
+    kind, when, words, direction, sense, confirmed, released, late, taxels, unless, lag_of, kind_of = read_all(
+        where, lambda: _kind(table, where), lambda: take(table, "when", str, where), lambda: _words(table, where),
+        lambda: () if along else _outputs(table, "direction", len(WAYS), where),
+        lambda: _outputs(table, "sense", 2, where), confirm, release, lag,
+        *(partial(optional, key) for key in ("taxels", "unless")), lambda: _lag_of(table, where),
+        partial(optional, "kind_of"),
     )  # fmt: skip
+    return EventRule(
+        kind, when, words, taxels, direction, sense, confirmed * 1e-3, released * 1e-3, along, late * 1e-3, lag_of,
+        unless, kind_of,
+    )  # fmt: skip
+
+
+def _kind(table: dict[str, Any], where: str) -> str:
+    kind = take(table, "kind", str, where)
+    if not KIND.fullmatch(kind):
+        wanted = "small letters, digits and _ wanted, such as 'two_blobs'"
+        raise InputError(f"{where}: kind = {kind!r}; {wanted}{line_of(table, 'kind')}")
+    return kind
+
+
+def _words(table: dict[str, Any], where: str) -> str:
+    kind = table.get("kind")
+    words = take(table, "words", str, where, "") or str(kind).replace("_", " ")
+    with located(table, "words"):
+        try:
+            data = (*OF_THE_DATA, *(("length_mm",) if kind == "slip" else ()))
+            unknown = {name for _, name, _, _ in Formatter().parse(words) if name is not None} - set(data)
+        except ValueError as error:
+            raise InputError(f"{where}: words = {words!r}: {error}") from error
+        if unknown:
+            raise InputError(f"{where}: words name {', '.join(sorted(unknown))}; of {', '.join(data)} wanted")
+    return words
+
+
+def _outputs(table: dict[str, Any], key: str, count: int, where: str) -> tuple[str, ...]:
+    names = take(table, key, list, where, [])
+    if len(names) not in (0, count) or not all(isinstance(name, str) for name in names):
+        raise InputError(f"{where}: {key} = {names!r}; {count} names of outputs wanted{line_of(table, key)}")
+    return tuple(names)
+
+
+def _optional(table: dict[str, Any], key: str, where: str) -> str | None:
+    return take(table, key, str, where) if key in table else None
+
+
+def _lag_of(table: dict[str, Any], where: str) -> str | None:
+    lag_of = _optional(table, "lag_of", where)
+    if lag_of not in (None, *LATE):
+        wanted = f"one of {', '.join(LATE)} wanted, which know it"
+        raise InputError(f"{where}: lag_of = {lag_of!r}; {wanted}{line_of(table, 'lag_of')}")
+    return lag_of
 
 
 def _check(program: Program, rules: Sequence[EventRule], known: Collection[str]) -> None:

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Self
 
 from cnnsim.support import InputError, naming
-from cnnsim.support.toml_file import KeyFaults, located, take, take_numbers
+from cnnsim.support.faults import KeyFaults
+from cnnsim.support.toml_file import located, take, take_numbers
 from tactile.thresholds.levels import SIGMAS, Sigmas
 from tactile.thresholds.threshold import SIGN, Threshold
 

@@ -32,15 +32,25 @@ import numpy as np
 
 from cnnsim.support import Floats, InputError, Integers, naming
 from cnnsim.support.bounds import TEXT, check_file, reason
-from cnnsim.support.toml_file import KeyFaults, check_keys, line_of, parse_toml, take, take_numbers, take_tables
+from cnnsim.support.faults import KeyFaults, read_all
+from cnnsim.support.toml_file import (
+    check_keys,
+    line_of,
+    located,
+    parse_toml,
+    take,
+    take_numbers,
+    take_positive,
+    take_tables,
+)
 from tactile.calibration.gains import Gains
-from tactile.core.array_table import take_array
+from tactile.core.array_table import take_array, take_count
 from tactile.core.file_kinds import refuse_other_kind
 from tactile.core.frame import TaxelArray
 from tactile.thresholds.choices import take_choices
 from tactile.wire.base import Options
 from tactile.wire.description import Board, Description
-from tactile.wire.registry import Format, find_format
+from tactile.wire.registry import find_format
 
 TOP_KEYS = ("title", "protocol", "baudrate", "youngs_modulus_mpa", "options", "thresholds", "finger")
 FINGER_KEYS = (
@@ -79,24 +89,26 @@ def parse_description(text: str, where: str) -> Description:
     faults.check(table, TOP_KEYS, "", ("protocol", "finger"))
     fingers = table.get("finger", [])
     for number, finger in enumerate(fingers if isinstance(fingers, list) else [], 1):
-        before = len(faults)
         faults.check(finger, FINGER_KEYS, f"finger {number}", NEEDED)
-        if len(faults) == before:
-            _check_values(finger, faults, f"{where}: finger {number}")
+        with faults.collecting():
+            if isinstance(finger, dict):
+                _board(finger, f"{where}: finger {number}")
     thresholds = take_choices(table.get("thresholds", {}), faults, "[thresholds]")
-    if "protocol" in table:
+    with faults.collecting(), located(table, "protocol"):
+        find_format(take(table, "protocol", str, where))
+    for key, kind in (("title", str), ("options", dict)):
         with faults.collecting():
-            find_format(take(table, "protocol", str, where))
-    for key, kind in (("baudrate", int), ("youngs_modulus_mpa", float)):
+            take(table, key, kind, where, kind())
+    for key, read in (("baudrate", take_count), ("youngs_modulus_mpa", take_positive)):
         with faults.collecting():
-            if key in table and (value := take(table, key, kind, where)) <= 0:
-                raise InputError(f"{key} = {value}, a positive number wanted{line_of(table, key)}")
+            if key in table:
+                read(table, key, where)
     faults.tell()
     wire = find_format(take(table, "protocol", str, where))
     extra = take(table, "options", dict, where, {})
     check_keys(extra, wire.keys, f"{where}: [options] of {wire.name}")
     boards = tuple(
-        _board(finger, wire, f"{where}: finger {n}") for n, finger in enumerate(take_tables(table, "finger", where), 1)
+        _board(finger, f"{where}: finger {n}") for n, finger in enumerate(take_tables(table, "finger", where), 1)
     )
     names = [board.array.name for board in boards]
     if not names or len(set(names)) < len(names):
@@ -143,45 +155,41 @@ def _toml(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")
 
 
-def _board(table: dict[str, Any], wire: Format, where: str) -> Board:
-    array = take_array(table, "mm", where)
-    gains = _gains(table, where) if "gains" in table else None
-    return Board(
-        array, _turn(take(table, "axes", list, where, ["x", "y", "z"]), where), gains, _cells(table, array, where)
+def _board(table: dict[str, Any], where: str) -> Board:
+    array, turn, gains, cells = read_all(
+        where,
+        lambda: take_array(table, "mm", where),
+        lambda: _turn(table, where),
+        lambda: _gains(table, where) if "gains" in table else None,
+        lambda: take(table, "cells", list, where, []),
     )
-
-
-def _check_values(table: dict[str, Any], faults: KeyFaults, where: str) -> None:
-    """Give the faults what is wrong in the values of one finger, each on its own."""
-    for read in (
-        lambda: take_array(table, "mm", where), lambda: _gains(table, where),
-        lambda: _turn(take(table, "axes", list, where, ["x", "y", "z"]), where),
-    ):  # fmt: skip
-        with faults.collecting():
-            read()
+    with located(table, "cells"):
+        return Board(array, turn, gains, _cells(cells, array, where) if "cells" in table else _whole(array))
 
 
 def _gains(table: dict[str, Any], where: str) -> Gains:
-    shear, normal = take_numbers(table, "gains", 2, where, [1.0, 1.0])
-    with naming(where):
+    shear, normal = take_numbers(table, "gains", 2, where)
+    with located(table, "gains"), naming(where):
         return Gains(shear, normal)
 
 
-def _turn(axes: list[Any], where: str) -> Floats:
-    turn = np.zeros((3, 3))
+def _turn(table: dict[str, Any], where: str) -> Floats:
+    axes, turn = take(table, "axes", list, where, ["x", "y", "z"]), np.zeros((3, 3))
     for row, axis in enumerate(axes):
         if not isinstance(axis, str) or axis.lstrip("+-") not in ("x", "y", "z") or len(axis) > 2 or row > 2:
             break
         turn[row, "xyz".index(axis[-1])] = -1.0 if axis[0] == "-" else 1.0
     if abs(np.linalg.det(turn)) != 1.0:
-        raise InputError(f"{where}: axes = {axes!r}, each of x, y, z once wanted, such as ['x', '-y', '-z']")
+        wanted = "each of x, y, z once wanted, such as ['x', '-y', '-z']"
+        raise InputError(f"{where}: axes = {axes!r}, {wanted}{line_of(table, 'axes')}")
     return turn
 
 
-def _cells(table: dict[str, Any], array: TaxelArray, where: str) -> Integers:
-    if "cells" not in table:
-        return np.arange(array.rows * array.cols).reshape(array.shape)
-    cells = table["cells"]
+def _whole(array: TaxelArray) -> Integers:
+    return np.arange(array.rows * array.cols).reshape(array.shape)
+
+
+def _cells(cells: list[Any], array: TaxelArray, where: str) -> Integers:
     try:
         grid = np.array(cells, dtype=np.int64)
     except (TypeError, ValueError, OverflowError):

@@ -11,8 +11,9 @@ from cnnsim.network import Boundary
 from cnnsim.prototyping.design.rule import WindowRule, window_text, windows
 from cnnsim.support import Flags, Floats, InputError
 from cnnsim.support.errors import shown
+from cnnsim.support.faults import KeyFaults
 from cnnsim.support.pictures.picture import read_picture
-from cnnsim.support.toml_file import KeyFaults, located, read_toml
+from cnnsim.support.toml_file import located, read_toml
 from cnnsim.support.values import as_numbers
 
 PicturePair = tuple[Floats, Floats]

@@ -34,11 +34,15 @@ Its attributes' defaults are typical values, which estimates use where a scene d
 
 import importlib
 from collections.abc import Mapping
+from dataclasses import fields
+from functools import partial
 from typing import Any, ClassVar, Protocol, cast
 
-from cnnsim.support import InputError
-from cnnsim.support.toml_file import check_keys, take
+from cnnsim.support import InputError, naming
+from cnnsim.support.faults import read_all
+from cnnsim.support.toml_file import check_keys, located, take
 from cnnsim.support.values import is_number
+from tactile.simulator.effect import within
 
 MODULES = (
     "needle_vibration",
@@ -103,18 +107,22 @@ def read_effect(name: str, table: Mapping[str, Any], where: str) -> Effect:
     """
     kind = effect_class(name)
     check_keys(table, tuple(kind.KEYS), where)
-    typical = kind()
-    given: dict[str, Any] = {}
-    for key in table:
+    typical, parts = kind(), {part.name: part for part in fields(cast(Any, kind))}
+
+    def value(key: str) -> Any:
         attribute, factor = kind.KEYS[key]
         default = getattr(typical, attribute)
         wanted = float if default is None else list if isinstance(default, tuple) else type(default)
-        value: Any = take(table, key, wanted, where)
-        given[attribute] = value * factor if isinstance(value, float) else value
-    try:
-        return kind(**given)
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from error
+        found: Any = take(table, key, wanted, where)
+        found = found * factor if isinstance(found, float) else found
+        with located(table, key), naming(where):
+            if is_number(found):
+                within(attribute, found, *parts[attribute].metadata["range"])
+        return found
+
+    values = read_all(where, *(partial(value, key) for key in table))
+    with located(table, next(iter(table), None)), naming(where):
+        return kind(**{kind.KEYS[key][0]: one for key, one in zip(table, values, strict=True)})
 
 
 def make_effect(name: str, **parameters: Any) -> Effect:

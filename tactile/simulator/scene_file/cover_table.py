@@ -4,11 +4,10 @@ from collections.abc import Iterable
 from typing import Any
 
 from cnnsim.support import InputError
-from cnnsim.support.toml_file import take
+from cnnsim.support.toml_file import take, take_positive
 from tactile.bump.shape import Shape
 from tactile.core.frame import TaxelArray
 from tactile.simulator.bump_cover import Bumps
-from tactile.simulator.scene_file.table_values import positive
 
 
 def read_bumps(table: dict[str, Any], arrays: Iterable[TaxelArray], where: str) -> Bumps:
@@ -26,9 +25,9 @@ def read_bumps(table: dict[str, Any], arrays: Iterable[TaxelArray], where: str) 
         raise InputError(
             f"{where}: a contact_mm with strain = 'finite', where the contact grows as the plate comes down"
         )
-    diameter = positive(table, "diameter_mm", where, 0.4) * 1e-3
+    diameter = take_positive(table, "diameter_mm", where, 0.4) * 1e-3
     radius = diameter / 2
-    thickness = positive(table, "thickness_mm", where, 2.0) * 1e-3
+    thickness = take_positive(table, "thickness_mm", where, 2.0) * 1e-3
     try:
         bumps = Bumps(
             Shape(
@@ -36,11 +35,11 @@ def read_bumps(table: dict[str, Any], arrays: Iterable[TaxelArray], where: str) 
                 thickness,
                 10 * radius,
                 # a finite table begins with a narrow contact
-                positive(table, "contact_mm", where, diameter * 1e3 / (4 if strain == "small" else 20)) * 1e-3,
-                positive(table, "fillet_mm", where, diameter * 1e3 / 20) * 1e-3,
+                take_positive(table, "contact_mm", where, diameter * 1e3 / (4 if strain == "small" else 20)) * 1e-3,
+                take_positive(table, "fillet_mm", where, diameter * 1e3 / 20) * 1e-3,
             ),
             take(table, "poissons_ratio", float, where, 0.499),
-            positive(table, "indentation_mm", where, radius / 2 * 1e3) * 1e-3 if strain == "finite" else 0.0,
+            take_positive(table, "indentation_mm", where, radius / 2 * 1e3) * 1e-3 if strain == "finite" else 0.0,
         )
     except InputError as error:
         raise error if str(error).startswith(where) else InputError(f"{where}: {error}") from error

@@ -6,16 +6,15 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim.support import InputError
-from cnnsim.support.toml_file import KeyFaults, take
+from cnnsim.support.faults import KeyFaults
+from cnnsim.support.toml_file import take, take_from_zero, take_positive
 from tactile.core.array_table import take_array
 from tactile.simulator.effects import ORDER, read_effect
-from tactile.simulator.scene.checks import WHERE
-from tactile.simulator.scene_file.contact_tables import BY_DEPTH, BY_FORCE, READERS
-from tactile.simulator.scene_file.keys import TABLES, check_scene_keys
-from tactile.simulator.scene_file.table_values import keyframes, one_finger, positive, quantity_of
+from tactile.simulator.scene_file.contact_tables import READERS
+from tactile.simulator.scene_file.keys import check_scene_keys
+from tactile.simulator.scene_file.table_values import quantity_of, read_load, take_seed, where_computed
 
 POSITIVE = ("rate_hz", "duration_s", "tolerance")
-COLUMNS = {"load": BY_FORCE, "texture": "", "map": "t_s, strength"}
 
 
 def tell_all(table: dict[str, Any], where: str, folder: Path, first: InputError) -> None:
@@ -30,33 +29,30 @@ def tell_all(table: dict[str, Any], where: str, folder: Path, first: InputError)
         with faults.collecting():
             read()
 
-    trying(partial(check_scene_keys, table, where))
+    check_scene_keys(table, faults)
     for key in POSITIVE:
         if key in table:
-            trying(partial(positive, table, key, where))
-    for key, value in (("title", str), ("seed", int), ("accuracy", float)):
+            trying(partial(take_positive, table, key, where))
+    for key, value in (("title", str), ("backend", str), ("dtype", str)):
         if key in table:
             trying(partial(take, table, key, value, where))
-    trying(partial(_where_computed, table, where))
+    trying(partial(take_from_zero, table, "accuracy", where, 0.0))
+    trying(partial(take_seed, table, where))
+    trying(partial(where_computed, table, where))
     cover = table.get("cover")
     if isinstance(cover, dict):
         for key in ("youngs_modulus_mpa", "full_scale"):
             if key in cover:
-                trying(partial(positive, cover, key, f"{where}: [cover]"))
+                trying(partial(take_positive, cover, key, f"{where}: [cover]"))
         trying(partial(quantity_of, cover, f"{where}: [cover]"))
     names = [one["name"] for one in _tables(table, "finger") if isinstance(one.get("name"), str)]
     for number, one in enumerate(_tables(table, "finger"), 1):
-        if set(TABLES["finger"][1]) <= one.keys():
-            trying(partial(take_array, one, "mm", f"{where}: finger {number}", "strain"))
-    for kind in ("load", *READERS):
+        trying(partial(take_array, one, "mm", f"{where}: finger {number}", "strain"))
+    for number, one in enumerate(_tables(table, "load"), 1):
+        trying(partial(read_load, one, names, f"{where}: load {number}"))
+    for kind, reader in READERS.items():
         for number, one in enumerate(_tables(table, kind), 1):
-            place = f"{where}: {kind} {number}"
-            if "finger" in one:
-                trying(partial(one_finger, one, names, place))
-            if columns := _columns(kind, one):
-                trying(partial(keyframes, one, columns, place))
-            if kind in READERS and set(TABLES[kind][1]) <= one.keys():
-                trying(partial(READERS[kind], one, names, place, folder))
+            trying(partial(reader, one, names, f"{where}: {kind} {number}", folder))
     effects: dict[str, Any] = named if isinstance(named := table.get("effect"), dict) else {}
     for name in ORDER:
         if name in effects:
@@ -69,24 +65,6 @@ def tell_all(table: dict[str, Any], where: str, folder: Path, first: InputError)
 def _tables(table: dict[str, Any], key: str) -> list[dict[str, Any]]:
     found = table.get(key)
     return [one for one in found if isinstance(one, dict)] if isinstance(found, list) else []
-
-
-def _columns(kind: str, one: dict[str, Any]) -> str:
-    """Return what the columns of a path are; nothing where there is none."""
-    if "path" not in one:
-        return ""
-    if kind != "contact":
-        return COLUMNS[kind]
-    return (BY_DEPTH if one.get("given") == "indentation" else BY_FORCE) + (
-        ", M_Nmm" if one.get("twist") is True else ""
-    )
-
-
-def _where_computed(table: dict[str, Any], where: str) -> None:
-    backend, dtype = table.get("backend", "cpu"), table.get("dtype", "float64")
-    if (backend, dtype) not in WHERE:
-        wanted = ", ".join(f"{backend} in {dtype}" for backend, dtype in WHERE)
-        raise InputError(f"{where}: {backend} in {dtype}; one of {wanted} wanted")
 
 
 def _effect(effects: dict[str, Any], name: str, where: str) -> Any:

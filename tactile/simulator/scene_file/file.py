@@ -5,17 +5,16 @@ from typing import Any, cast
 
 from cnnsim.support import InputError
 from cnnsim.support.bounds import FRAMES, RATE, check_most
-from cnnsim.support.toml_file import read_toml, take, take_tables
+from cnnsim.support.faults import KeyFaults
+from cnnsim.support.toml_file import line_of, read_toml, take, take_positive, take_tables
 from tactile.core.array_table import take_array
 from tactile.core.file_kinds import refuse_other_kind
 from tactile.core.frame import TaxelArray
-from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.field import ACCURACY, Contact
 from tactile.simulator.scene.scene import FULL_SCALE, Scene
 from tactile.simulator.scene_file.keys import check_scene_keys
-from tactile.simulator.scene_file.table_values import keyframes, one_finger, positive, quantity_of
+from tactile.simulator.scene_file.table_values import quantity_of, read_load, take_seed, where_computed
 
-KEYFRAME = "t_s, x_mm, y_mm, Q_N, R_N, F_N"
 TOLERANCE = 0.02
 """What ``effects = "auto"`` may leave out, relative to the peak of the signal, unless the scene says."""
 
@@ -77,10 +76,12 @@ def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tupl
 
 
 def _scene(table: dict[str, Any], where: str, folder: Path) -> tuple[Scene, float | None]:
-    check_scene_keys(table, where)
+    faults = KeyFaults(where)
+    check_scene_keys(table, faults)
+    faults.tell()
     cover = take(table, "cover", dict, where)
     bumpy = _is_bumpy(cover, f"{where}: [cover]")
-    modulus = positive(cover, "youngs_modulus_mpa", f"{where}: [cover]") * 1e6
+    modulus = take_positive(cover, "youngs_modulus_mpa", f"{where}: [cover]") * 1e6
     quantity = quantity_of(cover, f"{where}: [cover]")
     fingers = take_tables(table, "finger", where)
     arrays = tuple(_finger(finger, quantity, f"{where}: finger {n}") for n, finger in enumerate(fingers, 1))
@@ -88,14 +89,15 @@ def _scene(table: dict[str, Any], where: str, folder: Path) -> tuple[Scene, floa
     if not names or len(set(names)) < len(names):
         raise InputError(f"{where}: fingers {names}, at least one [[finger]] and no name twice wanted")
     loads = tuple(
-        _load(load, names, f"{where}: load {n}") for n, load in enumerate(take_tables(table, "load", where), 1)
+        read_load(load, names, f"{where}: load {n}") for n, load in enumerate(take_tables(table, "load", where), 1)
     )
     contacts = _contacts(table, names, where, folder)
     if not loads and not contacts:
         raise InputError(
             f"{where}: a scene without loads, at least one [[load]] wanted (or [[contact]], [[texture]], [[map]])"
         )
-    rate, duration = positive(table, "rate_hz", where), positive(table, "duration_s", where)
+    where_computed(table, where)
+    rate, duration = take_positive(table, "rate_hz", where), take_positive(table, "duration_s", where)
     check_most(rate, RATE, f"{where}: rate_hz")
     check_most(rate * duration, FRAMES, f"{where}: frames, rate_hz times duration_s")
     bumps = None
@@ -112,8 +114,8 @@ def _scene(table: dict[str, Any], where: str, folder: Path) -> tuple[Scene, floa
         loads=loads,
         contacts=contacts,
         effects=_effects(table, where),
-        full_scale=positive(cover, "full_scale", f"{where}: [cover]", FULL_SCALE),
-        seed=take(table, "seed", int, where, 0),
+        full_scale=take_positive(cover, "full_scale", f"{where}: [cover]", FULL_SCALE),
+        seed=take_seed(table, where),
         bumps=bumps,
         accuracy=take(table, "accuracy", float, where, ACCURACY),
         backend=cast(Any, take(table, "backend", str, where, "cpu")),
@@ -139,23 +141,18 @@ def _scene(table: dict[str, Any], where: str, folder: Path) -> tuple[Scene, floa
         raise InputError(
             f"{where}: effects = {table['effects']!r}, 'auto' wanted; single ones are tables [effect.NAME]"
         )
-    return scene, positive(table, "tolerance", where, TOLERANCE)
+    return scene, take_positive(table, "tolerance", where, TOLERANCE)
 
 
 def _is_bumpy(cover: dict[str, Any], where: str) -> bool:
     kind = take(cover, "kind", str, where, "flat")
     if kind not in ("flat", "bump"):
-        raise InputError(f"{where}: kind = {kind!r}, 'flat' or 'bump' wanted")
+        raise InputError(f"{where}: kind = {kind!r}, 'flat' or 'bump' wanted{line_of(cover, 'kind')}")
     return kind == "bump"
 
 
 def _finger(table: dict[str, Any], quantity: str, where: str) -> TaxelArray:
     return take_array(table, "mm", where, quantity)
-
-
-def _load(table: dict[str, Any], names: list[str], where: str) -> MovingLoad:
-    finger = one_finger(table, names, where)
-    return MovingLoad(finger, keyframes(table, KEYFRAME, where) * (1, 1e-3, 1e-3, 1, 1, 1))
 
 
 def _contacts(table: dict[str, Any], names: list[str], where: str, folder: Path) -> tuple[Contact, ...]:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from cnnsim.support.toml_file import KeyFaults
+from cnnsim.support.faults import KeyFaults
 
 TOP = (
     "title", "rate_hz", "duration_s", "seed", "effects", "tolerance", "accuracy", "backend", "dtype",
@@ -25,13 +25,8 @@ TABLES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 """[[table]] -> its keys, and those of them that are needed."""
 
 
-def check_scene_keys(table: dict[str, Any], where: str) -> None:
-    """Refuse unknown and missing keys in all tables of a scene, at once.
-
-    Raises:
-        InputError: all of them, with their lines.
-    """
-    faults = KeyFaults(where)
+def check_scene_keys(table: dict[str, Any], faults: KeyFaults) -> None:
+    """Give the ``faults`` the keys that are unknown or missing in all tables of a scene."""
     faults.check(table, TOP, "", ("title", "rate_hz", "duration_s", "cover", "finger"))
     cover = table.get("cover", {})
     if "cover" in table:
@@ -44,7 +39,6 @@ def check_scene_keys(table: dict[str, Any], where: str) -> None:
     effects = table.get("effect", {})
     if effects:
         _check_effects(faults, effects)
-    faults.tell()
 
 
 def _check_effects(faults: KeyFaults, effects: Any) -> None:

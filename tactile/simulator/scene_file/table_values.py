@@ -1,23 +1,18 @@
-"""Values that several tables of a scene file take: positive numbers, a finger's name, paths of keyframes."""
+"""Values that several tables of a scene file take: words, a finger's name, friction, paths of keyframes."""
 
+from collections.abc import Sequence
 from typing import Any, Literal
 
 import numpy as np
 
 from cnnsim.support import Floats, InputError
-from cnnsim.support.toml_file import REQUIRED, numbers, take
+from cnnsim.support.faults import read_all
+from cnnsim.support.toml_file import line_of, located, numbers, take, take_from_zero
+from tactile.simulator.contacts.moving_load import MovingLoad
+from tactile.simulator.scene.checks import WHERE
 
-
-def positive(table: dict[str, Any], key: str, where: str, default: Any = REQUIRED) -> float:
-    """Take a positive number.
-
-    Raises:
-        InputError: it is missing, no number, or not positive.
-    """
-    value = take(table, key, float, where, default)
-    if value <= 0:
-        raise InputError(f"{where}: {key} = {value}, a positive number wanted")
-    return value
+KEYFRAME = "t_s, x_mm, y_mm, Q_N, R_N, F_N"
+"""Columns of a load's path."""
 
 
 def quantity_of(cover: dict[str, Any], where: str) -> Literal["strain", "stress"]:
@@ -28,7 +23,7 @@ def quantity_of(cover: dict[str, Any], where: str) -> Literal["strain", "stress"
     """
     quantity = take(cover, "quantity", str, where, "strain")
     if quantity not in ("strain", "stress"):
-        raise InputError(f"{where}: quantity = {quantity!r}, 'strain' or 'stress' wanted")
+        raise InputError(f"{where}: quantity = {quantity!r}, 'strain' or 'stress' wanted{line_of(cover, 'quantity')}")
     return quantity  # type: ignore[return-value]  # one of the two
 
 
@@ -40,7 +35,7 @@ def one_finger(table: dict[str, Any], names: list[str], where: str) -> int:
     """
     name = take(table, "finger", str, where)
     if name not in names:
-        raise InputError(f"{where}: finger = {name!r}, one of {', '.join(names)} wanted")
+        raise InputError(f"{where}: finger = {name!r}, one of {', '.join(names)} wanted{line_of(table, 'finger')}")
     return names.index(name)
 
 
@@ -51,11 +46,69 @@ def keyframes(table: dict[str, Any], columns: str, where: str) -> Floats:
         InputError: no rows, a row of another length, times that do not grow.
     """
     rows = take(table, "path", list, where)
-    if not rows:
-        raise InputError(f"{where}: path has no keyframe, at least one [{columns}] wanted")
-    count = columns.count(",") + 1
-    path = np.array([numbers(row, count, f"{where}: keyframe [{columns}] {n}") for n, row in enumerate(rows, 1)])
-    for n, (before, after) in enumerate(zip(path[:-1, 0].tolist(), path[1:, 0].tolist(), strict=True), 2):
-        if after <= before:
-            raise InputError(f"{where}: keyframe {n} at t_s = {after} after {before}, growing times wanted")
+    with located(table, "path"):
+        if not rows:
+            raise InputError(f"{where}: path has no keyframe, at least one [{columns}] wanted")
+        count = columns.count(",") + 1
+        path = np.array([numbers(row, count, f"{where}: keyframe [{columns}] {n}") for n, row in enumerate(rows, 1)])
+        for n, (before, after) in enumerate(zip(path[:-1, 0].tolist(), path[1:, 0].tolist(), strict=True), 2):
+            if after <= before:
+                raise InputError(f"{where}: keyframe {n} at t_s = {after} after {before}, growing times wanted")
     return path
+
+
+def read_load(table: dict[str, Any], names: list[str], where: str) -> MovingLoad:
+    """Take a point load: its finger, and the path on which it goes.
+
+    Raises:
+        InputError: as `one_finger` and `keyframes`.
+    """
+    finger, path = read_all(where, lambda: one_finger(table, names, where), lambda: keyframes(table, KEYFRAME, where))
+    return MovingLoad(finger, path * (1, 1e-3, 1e-3, 1, 1, 1))
+
+
+def where_computed(table: dict[str, Any], where: str) -> None:
+    """Check the backend and the numbers in which a scene is to be computed.
+
+    Raises:
+        InputError: they are none, or do not go together.
+    """
+    backend, dtype = table.get("backend", "cpu"), table.get("dtype", "float64")
+    if isinstance(backend, str) and isinstance(dtype, str) and (backend, dtype) not in WHERE:
+        wanted = ", ".join(f"{backend} in {dtype}" for backend, dtype in WHERE)
+        line = line_of(table, "dtype" if "dtype" in table else "backend")
+        raise InputError(f"{where}: {backend} in {dtype}; one of {wanted} wanted{line}")
+
+
+def chosen(table: dict[str, Any], key: str, choices: Sequence[str], where: str) -> str:
+    """Take one of some words, the first of them where the table has none.
+
+    Raises:
+        InputError: something else.
+    """
+    word = take(table, key, str, where, choices[0])
+    if word not in choices:
+        wanted = ", ".join(map(repr, choices[:-1])) + f" or {choices[-1]!r}"
+        raise InputError(f"{where}: {key} = {word!r}, {wanted} wanted{line_of(table, key)}")
+    return word
+
+
+def friction_of(table: dict[str, Any], where: str) -> float | None:
+    """Take the coefficient of friction, None where the table has none.
+
+    Raises:
+        InputError: no number from 0 up.
+    """
+    return take_from_zero(table, "friction", where) if "friction" in table else None
+
+
+def take_seed(table: dict[str, Any], where: str) -> int:
+    """Take the seed of what is random, 0 where the table has none.
+
+    Raises:
+        InputError: no whole number from 0 up.
+    """
+    seed = take(table, "seed", int, where, 0)
+    if seed < 0:
+        raise InputError(f"{where}: seed = {seed}, a whole number from 0 up wanted{line_of(table, 'seed')}")
+    return seed

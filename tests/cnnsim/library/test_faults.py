@@ -11,7 +11,8 @@ from cnnsim import InputError
 from cnnsim.library.read import load_file
 from cnnsim.program.file import load_program
 from cnnsim.prototyping.design.rule_files import read_table
-from cnnsim.support.toml_file import MOST_FAULTS, KeyFaults
+from cnnsim.support.faults import KeyFaults
+from cnnsim.support.toml_file import MOST_FAULTS
 from cnnsim.sweep.spec import read_sweep
 
 TEMPLATE = """\

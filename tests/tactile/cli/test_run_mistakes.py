@@ -15,7 +15,7 @@ from tests.kits.touch.one_finger import run_command, write_scene
 
 @pytest.mark.parametrize(("change", "message"), [
     (("[cover]", "[covers]"), "did you mean"),
-    (("rows = 3", "rows = 0"), "at least 1 x 1 wanted"),
+    (("rows = 3", "rows = 0"), "finger 1: rows = 0, a whole number from 1 up wanted (line "),
     (("pitch_mm = 1.0", "pitch_mm = -1.0"), "pitch"),
     (("[[load]]", "[[lod]]"), "lod"),
     (('finger = "tip"', 'finger = "toe"'), "toe"),

@@ -67,8 +67,8 @@ def test_the_thickness_of_the_cover_is_kept() -> None:
     (("[1e-5, 2e-5]", "[0, 1]"), "shear gain 0.0"),
     (("[[-1, 1, 3]", "[[-1, 1, 4]"), "chip numbers 0, 1"),
     (("[[-1, 1, 3], ", "["), "2 x 3 chip numbers"),
-    (("rows = 2", "rows = 0"), "at least 1 x 1"),
-    (('protocol = "reskin"', 'protocol = "reskin"\\nbaudrate = 0'), "baudrate = 0, a positive number wanted"),
+    (("rows = 2", "rows = 0"), "rows = 0, a whole number from 1 up"),
+    (('protocol = "reskin"', 'protocol = "reskin"\\nbaudrate = 0'), "baudrate = 0, a whole number from 1 up wanted"),
     (("[[finger]]", "[options]\\nvalue = 1\\n[[finger]]"), "unknown key 'value'"),
     (("0.4", "0..4"), "not TOML"),
 ])  # fmt: skip
@@ -160,7 +160,7 @@ def test_all_that_is_wrong_is_told_at_once() -> None:
         "did you mean 'title'",
         "one of reskin",
         "youngs_modulus_mpa = -1.0",
-        "finger 1: taxel array",
+        "finger 1: rows = 0",
         "shear gain 0.0",
         "each of x, y, z once",
     ):

@@ -92,7 +92,7 @@ rms = -1
         "cpu in float16",
         "youngs_modulus_mpa = -2.0",
         "quantity = 'force'",
-        "0 x 2 taxels",
+        "finger 1: rows = 0",
         "finger = 'nobody'",
         "load 1: keyframe",
         "contact 1: keyframe 2",
