@@ -18,6 +18,8 @@ CHUNK, RECORD = 2**26, 2**28
 """Bytes of the largest chunk of an MCAP recording that is unpacked, and of its longest record."""
 TAXELS = 1 << 20
 """Taxels of an array: 1024 x 1024, more than a wire format carries; a frame of them is 25 MB."""
+READING = 1e30
+"""Size of the largest reading of a taxel, in any unit: beyond it squares of squares are no numbers any more."""
 RATE, FRAMES = 1e6, 1e9
 """Frames a second, and of a whole scene."""
 PLANES, STEPS = 1000, 10_000

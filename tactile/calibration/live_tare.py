@@ -109,7 +109,9 @@ class LiveTare:
         self._block = []
 
     def __call__(self, frame: Frame) -> Frame:
-        """Return the frame less the offset."""
+        """Return the frame less the offset, without readings that are none."""
+        if (read := frame.read) is not frame.valid:
+            frame = replace(frame, valid=read)
         values = frame.values
         if not frame.whole:
             values = np.where(frame.valid[..., None], values, np.nan)

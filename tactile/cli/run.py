@@ -61,6 +61,7 @@ def run(
     from tactile.output.record import Record  # the same
     from tactile.output.tables import tables  # the same
     from tactile.output.truth import truth_of  # the same
+    from tactile.output.unread import Unread  # the same
 
     if parquet and output is None:
         raise click.UsageError("--parquet writes beside the .csv file; -o FOLDER wanted")
@@ -80,7 +81,8 @@ def run(
     pipeline.warm_up(frames.arrays, frames.modulus, settings)  # else the first latencies are the compiler's
     truth = truth_of(frames)
     collected = Collected(truth)
-    seen = watched(frames, "touch", frames.frames)
+    unread = Unread(frames.arrays)
+    seen = watched(unread.through(frames), "touch", frames.frames)
     asked: deque[bool] = getattr(frames, "tare_requests", deque())  # of recordings in which a tare was asked for
     passed = FrameStream(frames.title, frames.arrays, frames.modulus, frames.frames, seen, provenance(frames), asked)
     if output is None:
@@ -98,6 +100,8 @@ def run(
         print_json(run_data(collected, frames.arrays, settings))
     else:
         tables(collected, frames.arrays)
+    for line in unread.lines:
+        echo(line, err=True)
     for array in frames.arrays if mode not in ("off", 0) else ():
         check = collected.tare(array)
         if check is None:

@@ -1,6 +1,6 @@
 """Many recordings run through the pipeline, one after the other, into one table of events."""
 
-from collections import Counter
+from collections import Counter, deque
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,9 +11,11 @@ from cnnsim.support.command_line import print_json, watched
 from cnnsim.support.echo import echo, say_table
 from tactile import pipeline
 from tactile.cli.opened import Opened, RunChoices, open_for_run
+from tactile.core.source import FrameStream, provenance
 from tactile.events.event import Event, EventLog
 from tactile.output.event_table import TOLD, UNITS, event_row, write_events
 from tactile.output.json_data import settings_data
+from tactile.output.unread import Unread
 from tactile.pipeline import FrameReport
 from tactile.sources.folder import recordings_in
 from tactile.thresholds.levels import Levels
@@ -92,14 +94,19 @@ def run_folder(folder: Path, choices: RunChoices, output: Path | None, *, parque
 def _run(file: Path, choices: RunChoices) -> tuple[list[dict[str, Any]], dict[str, Any]]:
     """Return the rows of one recording's events, and a summary of it."""
     opened, seen = open_for_run(file, choices), _Watch()
-    pipeline.run(opened.source, opened.settings, [seen])
+    source, unread = opened.source, Unread(opened.source.arrays)
+    asked: deque[bool] = getattr(source, "tare_requests", deque())  # of recordings in which a tare was asked for
+    frames = unread.through(source)
+    passed = FrameStream(source.title, source.arrays, source.modulus, source.frames, frames, provenance(source), asked)
+    pipeline.run(passed, opened.settings, [seen])
     rows = seen.rows(file.name, opened)
     return rows, {
         "recording": file.name, "title": opened.source.title, "frames": seen.frames,
         "seconds": max(seen.last - seen.first, 0.0),
         "fingers": {array.name: UNITS[array.quantity] for array in opened.source.arrays},
         **settings_data(opened.settings),
-        "events": dict(Counter(row["kind"] for row in rows)), "notes": [*opened.notes, *filter(None, [opened.forces])],
+        "events": dict(Counter(row["kind"] for row in rows)),
+        "notes": [*opened.notes, *filter(None, [opened.forces])], "unread": unread.lines,
     }  # fmt: skip
 
 
@@ -111,6 +118,7 @@ def _print(recordings: list[dict[str, Any]]) -> None:
             continue
         events = ", ".join(f"{count} {kind}" for kind, count in one["events"].items()) or "no events"
         lines.append((one["recording"], f"{one['frames']} frames in {one['seconds']:.1f} s: {events}"))
+        lines += [("", line) for line in one["unread"]]
     say_table(lines, 40)
     broken = sum("error" in one for one in recordings)
     total = sum(sum(one.get("events", {}).values()) for one in recordings)

@@ -8,7 +8,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from cnnsim.support import Flags, Floats, InputError
-from cnnsim.support.bounds import TAXELS, check_most
+from cnnsim.support.bounds import READING, TAXELS, check_most
 from cnnsim.support.keywords import spelled_class
 from cnnsim.support.names import check_name
 from cnnsim.support.values import is_whole
@@ -126,6 +126,14 @@ class Frame:
     def whole(self) -> bool:
         """Whether every taxel is valid."""
         return bool(self.valid.all())
+
+    @property
+    def read(self) -> Flags:
+        """(rows, cols), True where a taxel is valid and its reading is a number that can be one."""
+        values: Floats = self.values
+        if np.vdot(values, values) < READING**2:  # so all of them are; neither NaN nor infinity is below anything
+            return self.valid
+        return self.valid & (np.abs(values) <= READING).all(-1)
 
     def __repr__(self) -> str:
         rows, cols = self.valid.shape

@@ -82,10 +82,10 @@ def test_the_sign_code_of_two_fingers_has_sixteen_bits() -> None:
 
 
 class _Spoilt:
-    """A source with NaN in one taxel, a frame of Inf and a dead taxel."""
+    """A source with NaN in one taxel, a frame of Inf and a dead taxel; or with all of them ``marked`` as not valid."""
 
-    def __init__(self, source: Any) -> None:
-        self._source = source
+    def __init__(self, source: Any, marked: bool = False) -> None:
+        self._source, self._marked = source, marked
         self.arrays, self.modulus, self.frames, self.title = source.arrays, source.modulus, source.frames, source.title
 
     def __iter__(self) -> Iterator[Frame]:
@@ -96,6 +96,9 @@ class _Spoilt:
             if i == 120:
                 values[:] = np.inf
             valid[2, 2] = False
+            if self._marked:
+                valid &= np.isfinite(values).all(-1)
+                values[~valid] = 0.0
             yield replace(frame, values=values, valid=valid)
 
 
@@ -112,8 +115,21 @@ def test_bad_readings_spoil_nothing_else(tmp_path: Path) -> None:
         elif good.load.validity == Validity.INSIDE:
             assert (bad.load.x, bad.load.F) == pytest.approx((good.load.x, good.load.F), rel=1e-9, abs=1e-12)
         assert bad.code.x[2, 2] == 0
-        if i != 120 and i % 7 != 3:
+        # what the comparators see is smoothed: what they missed in a frame that nobody could read is forgotten after it
+        if not 120 <= i < 130 and i % 7 != 3:
             assert np.array_equal(bad.code.x[:2], good.code.x[:2])
+
+
+def test_what_is_no_number_is_as_if_it_were_marked(tmp_path: Path) -> None:
+    """Readers of some files mark it, those of others cannot: the same readings have to tell the same."""
+    found: list[list[FrameReport]] = [[], []]
+    for marked, reports in enumerate(found):
+        run(_Spoilt(open_source(write_scene(tmp_path)), bool(marked)), Settings(), [reports.append])
+    for plain, marked_one in zip(*found, strict=True):
+        assert repr(plain.load) == repr(marked_one.load)
+        assert [event.words for event in plain.events] == [event.words for event in marked_one.events]
+        for name in ("x", "y", "contact"):
+            assert np.array_equal(getattr(plain.code, name), getattr(marked_one.code, name))
 
 
 def test_the_record_and_the_picture(tmp_path: Path) -> None:
