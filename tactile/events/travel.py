@@ -92,6 +92,9 @@ class Travel:
 
 
 def _spread(load: Load) -> float:
-    """Return the standard deviation of a load's place [m], of the axis known less; 0 where nobody knows it."""
-    spread = max(load.sigma[:2])
+    """Return by how much a load's place [m] changes by chance, along the axis known less; 0 where nobody knows it.
+
+    What the load leaves unexplained shifts the place in all frames alike, and is no part of it.
+    """
+    spread = max(load.scatter[:2])
     return spread if isfinite(spread) else 0.0

@@ -6,8 +6,8 @@ import numpy as np
 
 from cnnsim.support import Floats
 from tactile.inverse.attempt import DOUBT, Attempt, Taxels
-from tactile.inverse.least_squares.fit import SURELY, Fit, fitted
-from tactile.inverse.several import APART, EXPLAINED, several, simplest
+from tactile.inverse.least_squares.fit import LEAST_FREE, SLIGHT, STEPS, SURELY, Fit, fitted
+from tactile.inverse.several import APART, EXPLAINED, as_ranked, several, simplest
 
 POINT = 0.25
 """Loads that leave a larger share of the signals unexplained are not points: a tip of half a depth leaves 0.1."""
@@ -17,31 +17,33 @@ PATCH = 0.1
 """What leaves so much may be several loads."""
 SHARE = 0.25
 """A taxel that contradicts all others has so much of what is left, unless that is very much."""
-SLIGHT = 2e-3
-"""From this share on a clipped reading may be to blame: it has moved a place by a tenth of a depth."""
 CLIPPED = 20.0
 """How many times less of a variance is left without readings that are clipped."""
 HINT = 3.0
 """To first order it is at least so many times less."""
-LEAST_FREE = 6
-"""So few degrees of freedom let chance explain all the rest."""
 NEAR_END = 1e-3
 """Readings that are so near to the largest one may be cut off at the same end."""
 FRICTION = 2.0
 """A load with more times its normal force in shear than skin holds is none, but a taxel that reads falsely."""
+TWO = 6
+"""Taxels at least from which two loads are told where the noise is known."""
+BESIDE, HINTED, EVIDENT = 1.2, 0.5, 30.0
+"""A second load is looked for so many depths from the first, if one explains so much of what is left to first order;
+it is told where noise is left, or so many times less of a variance."""
 RIVALS = 4.0
 """Two explanations of which neither leaves so many times less of a variance than the other are both possible."""
 
 
 def explained(taxels: Taxels, one: Attempt) -> Attempt:
     """Return the attempt, or what explains the signals much better in its place; ambiguous where two do alike."""
-    if one.fit.misfit > SLIGHT:
-        one = _clipped(one) or one
+    if one.fit.excess > 0 or one.fit.misfit > SLIGHT:
+        one = _mended(one)
+        if (two := _second(one)) is not None:
+            return _or_a_taxel(two)
     if one.fit.misfit <= DOUBT and one.fit.foreign is None:
         return one
     if one.fit.misfit > POINT or one.order.size <= FEW:
-        one = taxels.attempt(one.order, thorough=True)
-        one = _clipped(one) or one
+        one = _mended(taxels.attempt(one.order, thorough=True))
     if (one.fit.misfit <= DOUBT or not _alone(one)) and one.fit.foreign is None:
         return one
     suspects = {0, *one.fit.contrary[:3].tolist()} if one.order.size > 4 else set(range(4))
@@ -67,12 +69,68 @@ def _alone(one: Attempt) -> bool:
     return bool((worst @ worst) > SHARE * one.fit.chi) or one.fit.misfit > PATCH
 
 
+def _mended(one: Attempt) -> Attempt:
+    """Return the attempt without readings that are cut off, or without the one that is false, if that explains it."""
+    return _clipped(one) or _without_a_reading(one) or one
+
+
+def _without_a_reading(one: Attempt) -> Attempt | None:
+    """Return the attempt without one reading of the strongest taxels if all others say that it is false."""
+    from tactile.inverse.least_squares import false_reading_numba  # numba is slow to import
+
+    fit, signals = one.fit, one.fit.signals
+    if len(fit.loads) > 1 or one.clipped or one.false or not false_reading_numba.may_be_false(
+        fit.chi, fit.excess, fit.free, signals.noise or 0.0, fit.misfit, *fit.unexplained[1:]
+    ):  # fmt: skip
+        return None
+    load, parts = np.empty((1, 5)), (signals.seen, signals.felt, signals.scale)
+    body = signals.strain, signals.layer, signals.tie
+    k, left, second = false_reading_numba.false_reading(*parts, fit.loads[0], *body, fit.chi, STEPS, load[0])
+    if not false_reading_numba.is_false(fit.chi, left, second, fit.free, signals.noise or 0.0):
+        return None
+    i, axis = divmod(int(k), 3)
+    felt, scale = signals.felt.copy(), signals.scale.copy()
+    felt[i, axis] = scale[i, axis] = 0.0
+    found = fitted(signals._replace(felt=felt, scale=scale, lost=signals.lost + 1), load)
+    cut = found.made(signals)[i, axis] / signals.felt[i, axis] > 1 if signals.felt[i, axis] else False
+    raw = np.abs(signals.felt / np.where(signals.scale > 0, signals.scale, np.inf))
+    cell = (int(signals.cells[i]),)
+    if cut and raw[i, axis] >= raw.max():
+        return replace(one, fit=found, ambiguous=False, clipped=cell)
+    return replace(one, fit=found, ambiguous=False, false=cell)
+
+
+def _second(one: Attempt) -> Attempt | None:
+    """Return the attempt with a second load where most is left apart from the first, if no more is left than noise."""
+    from tactile.inverse.least_squares import second_numba  # as above
+
+    fit, signals = one.fit, one.fit.signals
+    if (
+        signals.noise is None
+        or not fit.excess > 0
+        or len(fit.loads) > 1
+        or fit.misfit <= SLIGHT
+        or len(signals.seen) < TWO
+    ):
+        return None
+    body = signals.strain, signals.layer, signals.tie
+    k, force, part = second_numba.second_load(
+        signals.seen, signals.felt, signals.scale, fit.loads[0], *body, BESIDE
+    )  # fmt: skip
+    if not (force > 0 and part > HINTED):
+        return None
+    both = np.concatenate([fit.loads, [[*signals.seen[k], 0.0, 0.0, force]]])
+    two = replace(one, fit=fitted(signals, both), ambiguous=False)
+    told = not two.fit.excess > 0 or two.left * EVIDENT < one.left
+    return as_ranked(two) if told and _presses(two.fit) else None
+
+
 def _clipped(one: Attempt) -> Attempt | None:
     """Return the attempt without the largest readings, if they are cut off: larger ones explain all the others."""
     from tactile.inverse.least_squares.doubt_numba import without_largest  # numba is slow to import
 
     signals, loads = one.fit.signals, one.fit.loads
-    if one.clipped or one.fit.free <= LEAST_FREE:
+    if one.clipped or one.false or one.fit.free <= LEAST_FREE:
         return None
     if len(loads) == 1:
         parts = signals.seen, signals.felt, signals.scale, loads[0], signals.strain, signals.layer, signals.tie

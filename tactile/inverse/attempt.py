@@ -33,7 +33,8 @@ SAME = 0.1
 class Attempt:
     """A fit to the taxels in ``order``, the strongest first, and whether another place fits about as well.
 
-    ``top``: the signal [N] that the fit has as 1; ``clipped``: taxels of which the largest reading is not used.
+    ``top``: the signal [N] that the fit has as 1; ``clipped``: taxels of which the largest reading is not used,
+    since it is cut off; ``false``: those of which one is not, since it contradicts all others.
     """
 
     order: NDArray[np.intp]
@@ -41,6 +42,7 @@ class Attempt:
     top: float
     ambiguous: bool
     clipped: tuple[int, ...] = ()
+    false: tuple[int, ...] = ()
 
     @property
     def left(self) -> float:

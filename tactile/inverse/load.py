@@ -37,6 +37,7 @@ class Load:
     saturated: tuple[tuple[int, int], ...] = ()
     others: tuple["Load", ...] = ()
     torque: float = NAN
+    scatter: tuple[float, float, float, float, float] = (NAN,) * 5
 
     def __repr__(self) -> str:
         words = self.validity.name.lower().replace("_", " ")

@@ -132,6 +132,9 @@ def _loads(window: Window) -> list[Load]:
     if len(found.order) < len(taxels.order):
         gone = np.setdiff1d(taxels.order, found.order)
         out = tuple((row + int(k) // taxels.shape[1], col + int(k) % taxels.shape[1]) for k in gone)
+    if found.false:
+        some = {(row + k // taxels.shape[1], col + k % taxels.shape[1]) for k in found.false}
+        out = tuple(sorted({*out, *some}))
     fit, depth, top = found.fit, taxels.depth, found.top
     seen, tie = fit.signals.seen, fit.signals.tie.tolist()
     (x0, y0), (x1, y1) = taxels.at[found.order[0]].tolist(), seen[0].tolist()
@@ -143,14 +146,21 @@ def _loads(window: Window) -> list[Load]:
 
         deviation *= few(fit.free)
     loads = []
-    for (x, y, q, r, f), spread in zip(fit.loads.tolist(), fit.spread.tolist(), strict=True):
+    more, _, _ = fit.unexplained
+    for (x, y, q, r, f), spread, beyond in zip(fit.loads.tolist(), fit.spread.tolist(), more.tolist(), strict=True):
         dx, dy, dq, dr, df = (
             INF if unit == INF else deviation * math.sqrt(one) * unit for one, unit in zip(spread, units, strict=True)
+        )
+        scatter = dx, dy, dq, dr, df
+        sx, sy, sq, sr, sf = (
+            chance if unit == INF or not left > 0 else math.sqrt(deviation * deviation * one + left) * unit
+            for chance, one, left, unit in zip(scatter, spread, beyond, units, strict=True)
         )
         q, r = q * to_q if to_q < INF else NAN, r * to_r if to_r < INF else NAN
         place = x0 + (x - x1) * depth, y0 + (y - y1) * depth
         validity = _validity(found, x, y, in_doubt)
-        loads.append(Load(*place, q, r, f * top, (dx, dy, dq, dr, df), fit.misfit, len(found.order), validity, out))
+        sigma, count = (sx, sy, sq, sr, sf), len(found.order)
+        loads.append(Load(*place, q, r, f * top, sigma, fit.misfit, count, validity, out, scatter=scatter))
     return loads
 
 

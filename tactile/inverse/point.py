@@ -5,9 +5,22 @@ import numpy as np
 from cnnsim.support import Floats
 from tactile.core.frame import TaxelArray
 from tactile.elastic.layer_field import layer_field
-from tactile.inverse.alternatives import HINT, LEAST_FREE, NEAR_END, SLIGHT
+from tactile.inverse.alternatives import BESIDE, HINT, HINTED, NEAR_END, TWO
 from tactile.inverse.attempt import DOUBT, RIVAL, SEEDS, UNSURE, VOTERS
-from tactile.inverse.least_squares.fit import ALL, CHANCE, FOREIGN, MANY, REACH, SMALL, STEPS, SURELY, USUAL
+from tactile.inverse.least_squares.fit import (
+    ALL,
+    CHANCE,
+    FOREIGN,
+    LEAST_FREE,
+    MANY,
+    REACH,
+    SLIGHT,
+    SMALL,
+    STEPS,
+    SURELY,
+    SURELY_NONE,
+    USUAL,
+)
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 from tactile.inverse.weights import Weights
@@ -15,9 +28,10 @@ from tactile.inverse.weights import Weights
 FEWEST = 4
 """Fewer taxels are never without doubt."""
 OF_ATTEMPT = VOTERS, SEEDS, STEPS, REACH
-OF_FIT = FOREIGN[0], SURELY, FOREIGN[1], CHANCE, SMALL, USUAL, MANY
+OF_FIT = FOREIGN[0], SURELY, FOREIGN[1], CHANCE, SURELY_NONE, SMALL, USUAL, MANY
 LIMITS = FEWEST, ALL, RIVAL, UNSURE, SLIGHT, DOUBT
 OF_CLIPPED = LEAST_FREE, NEAR_END, HINT
+OF_SECOND = TWO, BESIDE, HINTED
 NO_LOAD = Load(validity=Validity.NO_LOAD)
 
 
@@ -37,17 +51,18 @@ class OnePoint:
         self._layer = layer_field(array.thickness, depth, self._strain)
         size = 4 * np.pi / 3 * (modulus or 1.0) * depth * depth if self._strain else 2 * np.pi / 3 * depth * depth
         self._numbers = size, depth, float(floor)
-        self._answer = np.empty(13)
+        self._answer = np.empty(18)
 
     def __call__(self, values: Floats, weights: Weights) -> Load | None:
         """Return the load that the readings (rows, cols, 3) say without doubt."""
         known = weights.scale, weights.trust, self._strain, self._layer, self._numbers, weights.noise or 0.0
         read = np.ascontiguousarray(values, np.float64)
-        said = self._loop(read, self._at, *known, OF_ATTEMPT, OF_FIT, LIMITS, OF_CLIPPED, self._answer)
+        said = self._loop(read, self._at, *known, OF_ATTEMPT, OF_FIT, LIMITS, OF_CLIPPED, OF_SECOND, self._answer)
         if said == self._not_simple:
             return None
         if said != self._found:
             return NO_LOAD
-        x, y, q, r, f, dx, dy, dq, dr, df, misfit, taxels, inside = self._answer.tolist()
+        x, y, q, r, f, dx, dy, dq, dr, df, sx, sy, sq, sr, sf, misfit, taxels, inside = self._answer.tolist()
         validity = Validity.INSIDE if inside else Validity.OUTSIDE
-        return Load(x, y, q, r, f, (dx, dy, dq, dr, df), misfit, int(taxels), validity)
+        sigma, scatter = (dx, dy, dq, dr, df), (sx, sy, sq, sr, sf)
+        return Load(x, y, q, r, f, sigma, misfit, int(taxels), validity, scatter=scatter)

@@ -12,6 +12,9 @@ from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.inverse.attempt_numba import one_load
 from tactile.inverse.consensus_numba import strongest
 from tactile.inverse.least_squares.doubt_numba import without_largest
+from tactile.inverse.least_squares.false_reading_numba import false_reading, is_false, may_be_false
+from tactile.inverse.least_squares.reliability_numba import unexplained
+from tactile.inverse.least_squares.second_numba import second_load
 from tactile.inverse.least_squares.student_numba import few
 from tactile.inverse.taxel_numba import BLOCK, strain_blocks, stress_blocks
 
@@ -20,26 +23,30 @@ NOT_SIMPLE, NOTHING, FOUND = 0, 1, 2
 
 
 @kept_njit(error_model="numpy")
-def one_point(values, at, scale, trust, strain, layer, numbers, noise, of_attempt, of_fit, limits, of_clipped, answer):  # type: ignore[no-untyped-def]  # numba types it
-    """Fill ``answer`` (13,) with a load and return `FOUND`: x, y [m], Q, R, F [N], their standard deviations, misfit,
-    taxels, whether it is inside.
+def one_point(  # type: ignore[no-untyped-def]  # numba types it
+    values, at, scale, trust, strain, layer, numbers, noise, of_attempt, of_fit, limits, of_clipped, of_second, answer
+):
+    """Fill ``answer`` (18,) with a load and return `FOUND`: x, y [m], Q, R, F [N], their standard deviations, those
+    from frame to frame, misfit, taxels, whether it is inside.
 
     ``values`` (rows, cols, 3); ``at`` (n, 2) [m]; ``layer``: table of `layer_field`; ``scale``, ``trust`` and ``noise``
     [N] (0 where none is known) as `Weights`; ``numbers``: the inverse's scale [N], depth [m] and floor; ``of_attempt``:
     voters, seeds, steps, reach; ``of_fit``: the least a stranger feels, in parts and in standard deviations, how many
-    times what the loads make there, standard deviations that are chance, share of the energy below which nobody asks
-    for noise, noise where none is known, from how many taxels on it is asked for; ``limits``: taxels at least and at
-    most, how much worse a rival fits, how unsure a place may be, the misfit from which on a clipped reading may be to
-    blame, and anything; ``of_clipped``: degrees of freedom that tell nothing of it, how near to the largest reading
-    others are clipped too, how many times less has to be left without it.
+    times what the loads make there, standard deviations that are chance and those that surely are not, share of the
+    energy below which nobody asks for noise, noise where none is known, from how many taxels on it is asked for;
+    ``limits``: taxels at least and at most, how much worse a rival fits, how unsure a place may be, the misfit from
+    which on a clipped reading may be to blame, and anything; ``of_clipped``: degrees of freedom that tell nothing of
+    it, how near to the largest reading others are clipped too, how many times less has to be left without it;
+    ``of_second``: taxels from which on a second load is told, how far from the first, the part that it explains.
     """
     rows, cols, _ = values.shape
     n = rows * cols
     times, depth, floor = numbers
     voters, seeds, steps, reach = of_attempt
-    foreign_part, foreign_sigmas, foreign_times, chance, small, usual, many = of_fit
+    foreign_part, foreign_sigmas, foreign_times, chance, surely_none, small, usual, many = of_fit
     fewest, most, rival_times, unsure, slight, doubtful = limits
     least_free, near_end, hint = of_clipped
+    two, beside, hinted = of_second
     signals, quiet = np.empty((3, n)), True
     for i in range(rows):
         for j in range(cols):
@@ -71,9 +78,10 @@ def one_point(values, at, scale, trust, strain, layer, numbers, noise, of_attemp
     if stranger >= 0 or tie[0] > 0 or tie[2] > 0 or rivals:
         return NOT_SIMPLE
     free = felt.size - len(loads[0])
-    left, random = chi / free, 0.0
+    left, random, excess = chi / free, 0.0, 0.0
     if noise > 0:
         random = one * one * (free + chance * math.sqrt(2.0 * free))
+        excess = max(chi - one * one * (free + surely_none * math.sqrt(2.0 * free)), 0.0)
         variance = left if left > one * one else one * one
     elif chi < small * whole or len(seen) < many:
         variance = left
@@ -83,6 +91,19 @@ def one_point(values, at, scale, trust, strain, layer, numbers, noise, of_attemp
     misfit = math.sqrt(min(max(chi - random, 0.0) / energy, 1.0)) if energy > 0 else 0.0
     deviation = math.sqrt(variance)
     doubt = max(deviation, usual) if noise == 0 else deviation
+    more = np.empty(5)
+    explains, taken = unexplained(
+        seen, felt, scaled, loads[0], strain, layer, tie, one, chi, excess, free, spread[0], more
+    )
+    if may_be_false(chi, excess, free, one, misfit, explains, taken):
+        found = np.empty(5)
+        k, without, next_best = false_reading(seen, felt, scaled, loads[0], strain, layer, tie, chi, steps, found)
+        if k >= 0 and is_false(chi, without, next_best, free, one):
+            return NOT_SIMPLE
+    if noise > 0 and excess > 0 and misfit > slight and len(seen) >= two:
+        _, force, part = second_load(seen, felt, scaled, loads[0], strain, layer, tie, beside)
+        if force > 0 and part > hinted:
+            return NOT_SIMPLE
     if misfit > slight and free > least_free:
         without, beyond, cut = without_largest(seen, felt, scaled, loads[0], strain, layer, tie, near_end)
         if cut != 1 or not (without * hint > chi or beyond < 1):
@@ -101,6 +122,8 @@ def one_point(values, at, scale, trust, strain, layer, numbers, noise, of_attemp
         unit = depth if k < 2 else top
         if k >= 2:
             answer[k] = loads[0, k] * top
-        answer[5 + k] = deviation * math.sqrt(spread[0, k]) * unit
-    answer[10], answer[11], answer[12] = misfit, order.size, nearest < 2
+        answer[5 + k] = answer[10 + k] = deviation * math.sqrt(spread[0, k]) * unit
+        if more[k] > 0:
+            answer[5 + k] = math.sqrt(deviation * deviation * spread[0, k] + more[k]) * unit
+    answer[15], answer[16], answer[17] = misfit, order.size, nearest < 2
     return FOUND

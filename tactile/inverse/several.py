@@ -1,6 +1,7 @@
 """Several point loads at once: where the signals have their peaks, as many as leave little unexplained."""
 
 import math
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -81,6 +82,12 @@ def _attempt(fit: Fit, top: float) -> Attempt:
     rank = np.argsort(-np.hypot(np.hypot(*fit.loads[:, 2:4].T), fit.loads[:, 4]))
     fit.loads, fit.spread = fit.loads[rank], fit.spread[rank]
     return Attempt(fit.signals.cells, fit, top, False)
+
+
+def as_ranked(found: Attempt) -> Attempt:
+    """Return the attempt with the strongest of its loads first."""
+    ranked = _attempt(found.fit, found.top)
+    return replace(found, fit=ranked.fit)
 
 
 def _without_worst(fit: Fit) -> Fit:

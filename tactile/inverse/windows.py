@@ -180,7 +180,7 @@ def _without(window: Window, windows: list[Window]) -> Attempt:
         fit = min(fit, fitted(less, less.seen[:1]), key=lambda one: one.chi)
     if fit.chi > found.fit.chi:
         return found
-    return Attempt(found.order, fit, found.top, found.ambiguous or fit.unsure > UNSURE, found.clipped)
+    return Attempt(found.order, fit, found.top, found.ambiguous or fit.unsure > UNSURE, found.clipped, found.false)
 
 
 def _seen_from(window: Window, other: Window) -> Iterator[Floats]:

@@ -215,7 +215,7 @@ class Signals:
         lost = load.validity is Validity.NO_LOAD
         self._one[0, 0] = (0.0, 0.0, 0.0) if lost else (load.Q, load.R, load.F)
         if not lost:
-            _, _, of_q, of_r, of_f = load.sigma
+            _, _, of_q, of_r, of_f = load.scatter
             if isfinite(of_q + of_r + of_f):
                 keep = (self._interval / (self._interval + 2 * FAST)) ** 0.5
                 shear, normal = self._quiet.item(0), self._quiet.item(1)  # numbers: arrays of one cell take their time

@@ -21,7 +21,8 @@ def slopes(at, scale, load, strain, layer, rest, out):  # type: ignore[no-untype
 
 
 @kept_njit(error_model="numpy", fastmath=LOOSELY)
-def _product(one, other):  # type: ignore[no-untyped-def]
+def product(one, other):  # type: ignore[no-untyped-def]
+    """Return the sum of the products of two rows of numbers."""
     total = 0.0
     for i in range(len(one)):
         total += one[i] * other[i]
@@ -51,10 +52,10 @@ def _equations_of_several(at, felt, scale, loads, strain, layer, matrix, vector)
         slopes(at, scale, loads[k], strain, layer, left, out[5 * k : 5 * k + 5])
     table, signals = out.reshape((5 * len(loads), felt.size)), left.reshape(felt.size)
     for m in range(len(table)):
-        vector[m] = _product(table[m], signals)
+        vector[m] = product(table[m], signals)
         for n in range(m + 1):
-            matrix[m, n] = _product(table[m], table[n])
-    return _product(signals, signals)
+            matrix[m, n] = product(table[m], table[n])
+    return product(signals, signals)
 
 
 @kept_njit(error_model="numpy")

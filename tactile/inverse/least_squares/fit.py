@@ -21,6 +21,8 @@ SMALL = 2.5e-3
 """Where so much is left of the energy, nobody asks how much of it is noise."""
 CHANCE = 2.0
 """Standard deviations of a sum of squares that are chance."""
+SURELY_NONE = 3.0
+"""Standard deviations of a sum of squares above which it is no noise: chance goes so far in one frame of 100 to 300."""
 LOOSE = 12.0
 """Twice the error of a variance from a tenth's quantile of n numbers, times the root of n."""
 NORMAL = {0.5: 0.6745, 0.1: 0.1257}
@@ -34,6 +36,12 @@ what the loads make there, and in squares so many times the median taxel's. With
 tips and thin covers leave as much."""
 SURELY = 6.0
 """Standard deviations of a signal that a taxel does not feel by chance."""
+SLIGHT = 2e-3
+"""From this misfit on a false reading may be to blame: it has moved a place by a tenth of a depth."""
+LEAST_FREE = 6
+"""So few degrees of freedom let chance explain all the rest, where nobody knows the noise."""
+HUNG_ON = 0.9
+"""Of so large a part of an error in one reading, which the load takes for its own, the first order says little."""
 REACH, ALL = 4.0, 100
 """Of more than so many taxels those within so many depths are fitted: the others feel a hundredth at most."""
 
@@ -140,6 +148,32 @@ class Fit:
         """Share of the signals, as root mean squares, that neither the loads nor the noise explain."""
         signal = max(self.whole - self.random, self.random / len(self.signals.seen))
         return math.sqrt(min(max(self.chi - self.random, 0.0) / signal, 1.0)) if signal else 0.0
+
+    @cached_property
+    def excess(self) -> float:
+        """The part of chi that surely is no noise; 0 where nobody knows or can tell the noise."""
+        noise = self.signals.noise
+        if noise is None:
+            return max(self.chi - self.random, 0.0) if self.random > 0 else 0.0
+        return max(self.chi - noise * noise * (self.free + SURELY_NONE * math.sqrt(2.0 * self.free)), 0.0)
+
+    @cached_property
+    def unexplained(self) -> tuple[Floats, float, float]:
+        """Variances (k, 5) of the loads, in depths and as signals are, for what is left beyond the noise.
+
+        Beside them what `reliability_numba.unexplained` says of single readings: of one load alone it is asked.
+        """
+        from tactile.inverse.least_squares import reliability_numba  # numba is slow to import
+
+        signals, excess = self.signals, self.excess
+        if len(self.loads) > 1:
+            return excess * self.spread, 0.0, 0.0
+        more = np.empty((1, 5))
+        most, taken = reliability_numba.unexplained(
+            signals.seen, signals.felt, signals.scale, self.loads[0], signals.strain, signals.layer, signals.tie,
+            signals.noise or 0.0, self.chi, excess, self.free, self.spread[0], more[0],
+        )  # fmt: skip
+        return more, most, taken
 
     @property
     def unsure(self) -> float:

@@ -40,6 +40,6 @@ def test_a_place_that_is_not_well_known_does_not_travel() -> None:
     vague, sure = (3e-5, 3e-5, 0.0, 0.0, 0.0), (1e-6, 1e-6, 0.0, 0.0, 0.0)
     found, travel = [], Travel()
     for n, (x, sigma) in enumerate([(0.0, vague), (6e-5, vague), *[(1e-4, sure)] * 30, *[(3e-4, sure)] * 9]):
-        found.append(travel.update(n / 250, replace(at(x), sigma=sigma), contact=True))
+        found.append(travel.update(n / 250, replace(at(x), scatter=sigma), contact=True))
     assert not any(found[:32])
     assert found[32]

@@ -1,0 +1,83 @@
+"""One false reading among the strongest, compiled: fits of a load without each of those that may be.
+
+Lengths and signals as in `half_space_numba`.
+"""
+
+import math
+
+import numpy as np
+
+from cnnsim.support.compiling.kept_loops import kept_njit
+from tactile.inverse.least_squares.fit import HUNG_ON, LEAST_FREE, SLIGHT
+from tactile.inverse.least_squares.fit_numba import fit
+from tactile.inverse.least_squares.reliability_numba import STRONGEST, shifts
+
+PART = 0.5
+"""Fits are tried where one reading explains so much of what is left, to first order."""
+AT_NOISE, TOLD = 3.0, 6.0
+"""What is left then is noise, up to so many standard deviations of a sum of squares; before it was more by so many
+standard deviations of one reading, squared."""
+FEW_TIMES = 20.0
+"""Where what is left is not known noise it has to be so many times less of a variance."""
+
+
+@kept_njit(error_model="numpy")
+def may_be_false(chi, excess, free, noise, misfit, most, taken):  # type: ignore[no-untyped-def]
+    """Whether fits without one reading are worth their time: ``most``, ``taken`` as `unexplained` has them."""
+    if not (excess > 0 if noise > 0 else misfit > SLIGHT and free > LEAST_FREE):
+        return False
+    return free > 1 and (most > PART * chi or taken > HUNG_ON)
+
+
+@kept_njit(error_model="numpy")
+def false_reading(at, felt, scale, load, strain, layer, tie, chi, steps, found):  # type: ignore[no-untyped-def]
+    """Return which reading (3 taxel + axis) leaves least if it is not used, chi^2 then and without the next best one.
+
+    ``found`` (5,) becomes the load. Tried are the one that explains most to first order, from the load that is there,
+    and those of the strongest taxel from the load that the other taxels feel.
+    """
+    moved = np.empty((3 * min(len(at), STRONGEST), 5))
+    explained, _ = shifts(at, felt, scale, load, strain, layer, tie, moved)
+    felt, scale, place = felt.copy(), scale.copy(), np.empty((1, 5))
+    best, least, second = -1, np.inf, np.inf
+    for m in range(5):
+        place[0, m] = load[m]
+    first = 0
+    for k in range(len(explained)):
+        first = k if explained[k] > explained[first] else first
+    apart = place.copy()
+    fit(at[1:], felt[1:], scale[1:], apart, strain, layer, tie, steps)
+    for k in (first, 0, 1, 2):
+        i, axis = k // 3, k % 3
+        was, by = felt[i, axis], scale[i, axis]
+        if by == 0:
+            continue
+        for start in range(2):
+            if start == 1 and k == first and first > 2:
+                break
+            for m in range(5):
+                place[0, m] = load[m] if start == 0 else apart[0, m]
+            felt[i, axis] = scale[i, axis] = 0.0
+            left, _, _ = fit(at, felt, scale, place, strain, layer, tie, steps)
+            felt[i, axis], scale[i, axis] = was, by
+            if left < least:
+                if k != best:
+                    second = least
+                best, least = k, left
+                for m in range(5):
+                    found[m] = place[0, m]
+            elif k != best:
+                second = min(second, left)
+    return best, least, second
+
+
+@kept_njit(error_model="numpy")
+def is_false(chi, left, second, free, noise):  # type: ignore[no-untyped-def]
+    """Whether a reading without which ``left`` remains of chi^2 is false, and not the ``second`` best one."""
+    if noise > 0:
+        rest, one = max(free - 1, 0), noise * noise
+        is_noise = left <= one * (rest + AT_NOISE * math.sqrt(2.0 * rest))
+        if is_noise and chi - left > TOLD * TOLD * one and second - left > TOLD * TOLD * one:
+            return free > 1
+    far = free > LEAST_FREE and left * FEW_TIMES * free < chi * (free - 1)
+    return far and left * FEW_TIMES < second

@@ -1,0 +1,183 @@
+"""Trials of loads that no point load on a half-space explains: ``python -m tests.tactile.inverse.unsound [--count N]``.
+
+Of the strongest taxel one channel is dead or turned round, a reading is cut off at an end that nobody knows, a second
+load of 0.05 to 0.1 of the first presses 2 to 3 depths away, the body is a layer of 1 to 2 depths, the contact is a ball
+of up to a depth; and nothing of that for comparison. Pads of 2 x 2 to 16 x 16 taxels, half a depth to two depths apart,
+strain and stress. Printed of the loads that are told to be inside: how many lie beyond 5 of their own standard
+deviations, by place and by any of the five numbers; the median share of an error in its deviation; errors over the
+depth and over the force. Signals are summed here, by eqs (1) and (10), not by what the project sums them with.
+"""
+
+import argparse
+from collections import defaultdict
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cnnsim.support import Floats
+from tactile.core.frame import TaxelArray
+from tactile.elastic.medium import Medium
+from tactile.inverse.load import Load
+from tactile.inverse.validity import Validity
+from tests.kits.touch.pads import DEPTH, MODULUS, as_row, found
+from tests.oracles.elastic.layer import layer_load
+
+SHAPES = ((2, 2), (2, 3), (3, 3), (4, 4), (5, 5), (8, 8), (16, 16))
+PITCHES = (0.5, 1.0, 1.0, 1.5, 2.0)
+KINDS = ("sound", "dead", "turned", "clipped", "second", "layer", "ball")
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One trial: what was there, what was located, and by how many of its own deviations that is off."""
+
+    kind: str
+    shape: tuple[int, int]
+    stress: bool
+    pitch: float
+    level: float
+    known: bool
+    loads: Floats
+    load: Load
+    more: float
+    named: bool
+
+    @property
+    def inside(self) -> bool:
+        """Whether the answer is told to be inside."""
+        return self.load.validity is Validity.INSIDE
+
+    @property
+    def off(self) -> Floats:
+        """Errors (5,) of the answer that is nearest to the first load."""
+        answers = np.array([as_row(one) for one in (self.load, *self.load.others)])
+        near = answers[np.hypot(*(answers[:, :2] - self.loads[0, :2]).T).argmin()]
+        return near - self.loads[0]
+
+    @property
+    def sigmas(self) -> Floats:
+        """Errors (5,) over their deviations, of the same answer."""
+        answers = (self.load, *self.load.others)
+        k = np.argmin([np.hypot(one.x - self.loads[0, 0], one.y - self.loads[0, 1]) for one in answers])
+        return np.abs(self.off) / np.array(answers[k].sigma)
+
+
+def point_signals(at: Floats, loads: Floats, stress: bool) -> Floats:
+    """Return what taxels (rows, cols, 2) feel of loads (k, 5) on the half-space: eq. (1), or eq. (10) for stress."""
+    signals = np.zeros((*at.shape[:2], 3))
+    for x, y, q, r, f in loads:
+        dx, dy, z = at[..., 0] - x, at[..., 1] - y, DEPTH
+        rho = dx * dx + dy * dy
+        s = q * dx + r * dy + f * z
+        if stress:
+            size = -3 * z * s / (2 * np.pi * (rho + z * z) ** 2.5)
+            signals += size[..., None] * np.stack([dx, dy, np.full_like(dx, z)], axis=-1)
+        else:
+            size = 3 * s / (4 * np.pi * MODULUS * (rho + z * z) ** 2.5)
+            signals += size[..., None] * np.stack([-3 * dx * z, -3 * dy * z, rho - 2 * z * z], axis=-1)
+    return signals
+
+
+def ball(load: Floats, radius: float) -> Floats:
+    """Return a load as Hertz spreads it over a disc: 200 equal parts on a sunflower."""
+    share = (np.arange(200) + 0.5) / 200
+    out = radius * np.sqrt(1 - (1 - share) ** (2 / 3))
+    turn = np.arange(200) * np.pi * (3 - 5**0.5)
+    parts = np.repeat(load[None], 200, axis=0)
+    parts[:, 0] += out * np.cos(turn)
+    parts[:, 1] += out * np.sin(turn)
+    parts[:, 2:] /= 200
+    return parts
+
+
+def trial(kind: str, random: np.random.Generator) -> Trial:
+    """Draw and locate one."""
+    shape = SHAPES[random.integers(len(SHAPES))]
+    pitch, stress, known = float(random.choice(PITCHES)), bool(random.integers(2)), bool(random.integers(2))
+    at = TaxelArray("pad", *shape, pitch * DEPTH, DEPTH).positions()
+    half = np.array([shape[1], shape[0]]) * pitch * DEPTH / 2
+    force, turn = random.uniform(0.1, 1), random.uniform(0, 2 * np.pi)
+    shear = force * random.uniform(0, 0.6)
+    loads = np.array([[*random.uniform(-1, 1, 2) * half, shear * np.cos(turn), shear * np.sin(turn), force]])
+    more, level = 0.0, 10 ** random.uniform(-6, np.log10(3e-2))
+    if kind in ("second", "layer"):
+        known = True
+    if kind == "second":
+        level, more = 1e-5, random.uniform(0.05, 0.1)
+        while True:
+            far, way = random.uniform(2, 3) * DEPTH, random.uniform(0, 2 * np.pi)
+            place = loads[0, :2] + far * np.array([np.cos(way), np.sin(way)])
+            if (np.abs(place) <= half + 0.5 * DEPTH).all() or half.max() < 1.6 * DEPTH:
+                break
+            loads[0, :2] = random.uniform(-1, 1, 2) * half
+        loads = np.concatenate([loads, [[*place, 0, 0, more * force]]])
+    if kind == "layer":
+        level, more = 10 ** random.uniform(-5, -2), random.uniform(1, 2)
+        medium = Medium(MODULUS, quantity="stress" if stress else "strain")
+        signals = layer_load(at, DEPTH, loads, more * DEPTH, medium)
+    elif kind == "ball":
+        more = random.uniform(0.2, 1)
+        signals = point_signals(at, ball(loads[0], more * DEPTH), stress)
+    else:
+        signals = point_signals(at, loads, stress)
+    peak, named = float(np.abs(signals).max()), False
+    read = signals + random.normal(size=signals.shape) * level * peak
+    if kind in ("dead", "turned"):
+        worst = np.unravel_index(np.abs(signals).max(axis=-1).argmax(), shape)
+        channel = int(random.integers(3))
+        read[worst][channel] *= 0.0 if kind == "dead" else -1.0
+        bad = {tuple(int(k) for k in worst)}
+    if kind == "clipped":
+        end = random.uniform(0.5, 0.9) * peak
+        read = np.clip(read, -end, end)
+    load = found(at, read, stress, level * peak if known else None)
+    if kind in ("dead", "turned"):
+        named = bad <= {*load.left_out, *load.saturated}
+    return Trial(kind, shape, stress, pitch, level, known, loads, load, more, named)
+
+
+def line(name: str, trials: list[Trial]) -> str:
+    """Return what these trials say."""
+    sure = [one for one in trials if one.inside]
+    if not sure:
+        return f"{name:34} {len(trials):5}  none inside"
+    sigmas = np.array([one.sigmas for one in sure])
+    off = np.array([one.off for one in sure])
+    place = np.hypot(off[:, 0], off[:, 1]) / DEPTH
+    force = np.abs(off[:, 4]) / np.array([one.loads[0, 4] for one in sure])
+    count = np.mean([1 + len(one.load.others) == len(one.loads) for one in sure])
+    beyond, any_beyond = sigmas[:, :2].max(axis=1) > 5, sigmas.max(axis=1) > 5
+    return (
+        f"{name:34} {len(trials):5} inside {len(sure) / len(trials):6.1%} beyond 5: place {beyond.mean():6.1%} "
+        f"any {any_beyond.mean():6.1%} gross {np.mean(place > 0.3):5.1%} median err/sigma {np.median(sigmas[:, :2]):6.2f} "
+        f"place 50/95 {np.median(place):.4f} {np.quantile(place, 0.95):.3f} force {np.median(force):.3f} "
+        f"{np.quantile(force, 0.95):.3f} misfit {np.median([one.load.misfit for one in sure]):.3g} right number {count:.0%}"
+        f" named {np.mean([one.named for one in trials]):.0%}"
+    )
+
+
+def main() -> None:
+    """Draw, locate, report."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--count", type=int, default=300)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--kind", nargs="*", default=KINDS)
+    parser.add_argument("--split", action="store_true", help="a line for each shape, quantity and knowledge, too")
+    given = parser.parse_args()
+    for kind in given.kind:
+        trials = [trial(kind, np.random.default_rng((given.seed, KINDS.index(kind), n))) for n in range(given.count)]
+        print(line(kind, trials))
+        if given.split:
+            groups: dict[Any, list[Trial]] = defaultdict(list)
+            for one in trials:
+                groups["{} x {}".format(*one.shape)].append(one)
+                groups["stress" if one.stress else "strain"].append(one)
+                groups["known noise" if one.known else "unknown noise"].append(one)
+                groups[f"noise 1e{int(np.floor(np.log10(one.level)))}"].append(one)
+            for name, members in groups.items():
+                print(line("    " + name, members))
+
+
+if __name__ == "__main__":
+    main()
