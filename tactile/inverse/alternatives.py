@@ -43,7 +43,8 @@ def explained(taxels: Taxels, one: Attempt) -> Attempt:
     if one.fit.misfit <= DOUBT and one.fit.foreign is None:
         return one
     if one.fit.misfit > POINT or one.order.size <= FEW:
-        one = _mended(taxels.attempt(one.order, thorough=True))
+        again = taxels.attempt(one.order, thorough=True)
+        one = again if again.fit.chi == one.fit.chi else _mended(again)
     if (one.fit.misfit <= DOUBT or not _alone(one)) and one.fit.foreign is None:
         return one
     suspects = {0, *one.fit.contrary[:3].tolist()} if one.order.size > 4 else set(range(4))

@@ -47,27 +47,24 @@ def false_reading(at, felt, scale, load, strain, layer, tie, chi, steps, found):
         first = k if explained[k] > explained[first] else first
     apart = place.copy()
     fit(at[1:], felt[1:], scale[1:], apart, strain, layer, tie, steps)
-    for k in (first, 0, 1, 2):
+    for turn in range(4):
+        k = first if turn == 0 else turn - 1
         i, axis = k // 3, k % 3
         was, by = felt[i, axis], scale[i, axis]
         if by == 0:
             continue
-        for start in range(2):
-            if start == 1 and k == first and first > 2:
-                break
+        for m in range(5):
+            place[0, m] = load[m] if turn == 0 else apart[0, m]
+        felt[i, axis] = scale[i, axis] = 0.0
+        left, _, _ = fit(at, felt, scale, place, strain, layer, tie, steps)
+        felt[i, axis], scale[i, axis] = was, by
+        if left < least:
+            second = second if k == best else least
+            best, least = k, left
             for m in range(5):
-                place[0, m] = load[m] if start == 0 else apart[0, m]
-            felt[i, axis] = scale[i, axis] = 0.0
-            left, _, _ = fit(at, felt, scale, place, strain, layer, tie, steps)
-            felt[i, axis], scale[i, axis] = was, by
-            if left < least:
-                if k != best:
-                    second = least
-                best, least = k, left
-                for m in range(5):
-                    found[m] = place[0, m]
-            elif k != best:
-                second = min(second, left)
+                found[m] = place[0, m]
+        elif k != best:
+            second = min(second, left)
     return best, least, second
 
 

@@ -58,10 +58,11 @@ def fit(at, felt, scale, loads, strain, layer, tie, steps):  # type: ignore[no-u
         if less * (3 * len(at) - size) <= ENOUGH * chi:
             break
     spread = np.full((len(loads), 5), np.inf)
-    for m in range(size):
-        vector[:] = 0.0
-        vector[m] = 1.0
-        if solve(matrix, vector, 0.0, factor, step):
+    if factored(matrix, 0.0, factor):
+        for m in range(size):
+            vector[:] = 0.0
+            vector[m] = 1.0
+            back(factor, vector, step)
             spread[m // 5, m % 5] = step[m]
     return chi, whole, spread
 
@@ -81,8 +82,16 @@ def hold(matrix, vector, loads, tie):  # type: ignore[no-untyped-def]
 @kept_njit(error_model="numpy")
 def solve(matrix, vector, damping, factor, answer):  # type: ignore[no-untyped-def]
     """Solve by Cholesky from the lower triangle, its diagonal times 1 + damping; False where it is not definite."""
-    size = len(vector)
-    for m in range(size):
+    if not factored(matrix, damping, factor):
+        return False
+    back(factor, vector, answer)
+    return True
+
+
+@kept_njit(error_model="numpy")
+def factored(matrix, damping, factor):  # type: ignore[no-untyped-def]
+    """Fill in the factor of Cholesky, as `solve` has it, and return whether the matrix is definite."""
+    for m in range(len(matrix)):
         for n in range(m + 1):
             total = matrix[m, n] * (1 + damping) if m == n else matrix[m, n]
             own = total
@@ -94,6 +103,13 @@ def solve(matrix, vector, damping, factor, answer):  # type: ignore[no-untyped-d
                 return False
             else:
                 factor[m, m] = math.sqrt(total)
+    return True
+
+
+@kept_njit(error_model="numpy")
+def back(factor, vector, answer):  # type: ignore[no-untyped-def]
+    """Fill in the answer of the equations of which the factor is known."""
+    size = len(vector)
     for m in range(size):
         total = vector[m]
         for k in range(m):
@@ -104,7 +120,6 @@ def solve(matrix, vector, damping, factor, answer):  # type: ignore[no-untyped-d
         for k in range(m + 1, size):
             total -= factor[k, m] * answer[k]
         answer[m] = total / factor[m, m]
-    return True
 
 
 @kept_njit(error_model="numpy")

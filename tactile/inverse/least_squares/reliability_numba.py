@@ -13,7 +13,7 @@ import numpy as np
 
 from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.inverse.least_squares.equations_numba import equations, slopes
-from tactile.inverse.least_squares.fit_numba import solve
+from tactile.inverse.least_squares.fit_numba import back, factored
 
 STRONGEST = 4
 """Of that many of the strongest taxels each reading is asked: no place hangs on one of the others."""
@@ -40,15 +40,16 @@ def shifts(at, felt, scale, load, strain, layer, tie, moved):  # type: ignore[no
     matrix[3, 3] += tie[2]
     count, taken = len(moved) // 3, 0.0
     explained = np.zeros(len(moved))
+    moved[:] = 0.0
+    if not factored(matrix, 0.0, factor):
+        return explained, taken
     left, along = np.zeros((3, count)), np.empty((5, 3, count))
     slopes(at[:count], scale[:count], load, strain, layer, left, along)
     for i in range(count):
         for k in range(3):
             for m in range(5):
                 vector[m] = along[m, k, i]
-                moved[3 * i + k, m] = 0.0
-            if not solve(matrix, vector, 0.0, factor, step):
-                continue
+            back(factor, vector, step)
             share = 0.0
             for m in range(5):
                 share += vector[m] * step[m]
@@ -70,11 +71,11 @@ def unexplained(at, felt, scale, load, strain, layer, tie, noise, chi, excess, f
     """
     for m in range(5):
         more[m] = excess * spread[m]
-    if free < 2:
+    least = NOTICED * NOTICED * noise * noise
+    if free < 2 or (noise > 0 and chi <= least):  # no reading explains more than all that is left
         return 0.0, 0.0
     moved = np.empty((3 * min(len(at), STRONGEST), 5))
     explained, taken = shifts(at, felt, scale, load, strain, layer, tie, moved)
-    least = NOTICED * NOTICED * noise * noise
     if noise == 0:
         least = chi * (1 - (BY_CHANCE / len(moved)) ** (2.0 / (free - 1)))
     most = 0.0

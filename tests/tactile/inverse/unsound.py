@@ -148,12 +148,12 @@ def line(name: str, trials: list[Trial]) -> str:
     force = np.abs(off[:, 4]) / np.array([one.loads[0, 4] for one in sure])
     count = np.mean([1 + len(one.load.others) == len(one.loads) for one in sure])
     beyond, any_beyond = sigmas[:, :2].max(axis=1) > 5, sigmas.max(axis=1) > 5
+    misfit, named = np.median([one.load.misfit for one in sure]), np.mean([one.named for one in trials])
     return (
-        f"{name:34} {len(trials):5} inside {len(sure) / len(trials):6.1%} beyond 5: place {beyond.mean():6.1%} "
-        f"any {any_beyond.mean():6.1%} gross {np.mean(place > 0.3):5.1%} median err/sigma {np.median(sigmas[:, :2]):6.2f} "
-        f"place 50/95 {np.median(place):.4f} {np.quantile(place, 0.95):.3f} force {np.median(force):.3f} "
-        f"{np.quantile(force, 0.95):.3f} misfit {np.median([one.load.misfit for one in sure]):.3g} right number {count:.0%}"
-        f" named {np.mean([one.named for one in trials]):.0%}"
+        f"{name:24} {len(trials):5} inside {len(sure) / len(trials):6.1%} beyond 5: place {beyond.mean():6.1%} any "
+        f"{any_beyond.mean():6.1%} gross {np.mean(place > 0.3):5.1%} error/deviation {np.median(sigmas[:, :2]):5.2f} "
+        f"place {np.median(place):.4f} 95 % {np.quantile(place, 0.95):.3f} force {np.median(force):.3f} 95 % "
+        f"{np.quantile(force, 0.95):.3f} misfit {misfit:.3g} right number {count:.0%} named {named:.0%}"
     )
 
 

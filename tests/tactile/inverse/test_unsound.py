@@ -1,0 +1,133 @@
+"""Loads that no point on a half-space explains: what is told of them, and that their uncertainty covers it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cnnsim.support import Floats
+from tactile.core.frame import TaxelArray
+from tactile.elastic.medium import Felt, Medium
+from tactile.inverse.load import Load
+from tactile.inverse.validity import Validity
+from tests.kits.touch.pads import DEPTH, MODULUS, as_row, felt, found
+from tests.oracles.elastic.layer import layer_load
+from tests.tactile.inverse.unsound import KINDS, ball, point_signals, trial
+
+WANTED = np.array([0.2e-3, -0.4e-3, 0.05, -0.08, 0.4])
+
+
+def pad(side: int, pitch: float = 1.0) -> Floats:
+    return TaxelArray("pad", side, side, pitch * DEPTH, DEPTH).positions()
+
+
+def located(
+    at: Floats, signals: Floats, level: float, stress: bool, spoil: object = None, *, known: bool = True
+) -> Load:
+    """Return the load of signals with noise of a part of the largest; ``spoil`` changes the readings."""
+    noise = level * float(np.abs(signals).max())
+    read = signals + np.random.default_rng(3).normal(size=signals.shape) * noise
+    if callable(spoil):
+        read = spoil(read)
+    return found(at, read, stress, noise if known else None)
+
+
+def beyond(load: Load, wanted: Floats = WANTED) -> float:
+    """Return by how many of its own deviations the load is off at most."""
+    return float(np.abs((np.array(as_row(load)) - wanted) / load.sigma).max())
+
+
+@pytest.mark.parametrize(("kind", "most"), [("dead", 3), ("turned", 2), ("clipped", 4), ("second", 1), ("layer", 2)])
+def test_deviations_cover_what_is_unexplained(kind: str, most: int) -> None:
+    """A few of the thousands of ``python -m tests.tactile.inverse.unsound``: of 60 a fifth to a half lay beyond."""
+    trials = [trial(kind, np.random.default_rng((33, KINDS.index(kind), n))) for n in range(60)]
+    sure = [one for one in trials if one.inside]
+    assert len(sure) >= 40
+    assert sum(one.sigmas.max() > 5 for one in sure) <= most
+
+
+def test_sound_loads_are_as_sure_as_noise_lets_them() -> None:
+    trials = [trial("sound", np.random.default_rng((32, n))) for n in range(60)]
+    assert all(one.inside for one in trials)
+    assert sum(one.load.sigma != one.load.scatter for one in trials) <= 3
+    assert sum(one.sigmas[:2].max() > 3 for one in trials) <= 3
+    assert not any(one.load.left_out or one.load.saturated or one.load.others for one in trials)
+
+
+@pytest.mark.parametrize("stress", [False, True])
+@pytest.mark.parametrize("known", [False, True])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("factor", [0.0, -1.0])
+@pytest.mark.parametrize(("side", "pitch"), [(2, 1.0), (4, 1.0), (8, 1.5)])
+def test_one_false_reading_is_named_and_the_others_of_its_taxel_are_used(
+    side: int, pitch: float, factor: float, axis: int, known: bool, stress: bool
+) -> None:
+    at = pad(side, pitch)
+    place = at[side // 2, side // 2] + (0.25 * DEPTH, -0.3 * DEPTH)
+    wanted = np.array([*place, 0.05, -0.08, 0.4])
+    signals = felt(at, [wanted], stress)
+    row, col = np.unravel_index(np.abs(signals).max(axis=-1).argmax(), (side, side))
+
+    def spoil(read: Floats) -> Floats:
+        read[row, col, axis] *= factor
+        return read
+
+    load = located(at, signals, 1e-4, stress, spoil, known=known)
+    unread = stress and axis == 2 and factor == 0  # a taxel of which the normal stress alone is nothing says no place
+    assert load.left_out == (() if unread else ((row, col),))
+    assert (load.taxels + unread, load.saturated, load.others, load.validity) == (side * side, (), (), Validity.INSIDE)
+    assert np.abs(np.array(as_row(load))[:2] - place).max() < 2e-3 * DEPTH
+    assert beyond(load, wanted) < 5
+
+
+@pytest.mark.parametrize("stress", [False, True])
+def test_a_reading_that_is_cut_off_on_a_coarse_pad_is_told(stress: bool) -> None:
+    at = pad(2, 1.8)
+    wanted = np.array([*at[1, 0] + (0.15 * DEPTH, 0.1 * DEPTH), 0.02, -0.03, 0.4])
+    signals = felt(at, [wanted], stress)
+    end = 0.7 * float(np.abs(signals).max())
+    load = located(at, signals, 1e-5, stress, lambda read: np.clip(read, -end, end))
+    assert load.saturated == ((1, 0),)
+    assert load.left_out == ()
+    assert beyond(load, wanted) < 5
+
+
+@pytest.mark.parametrize("stress", [False, True])
+@pytest.mark.parametrize("part", [0.05, 0.1])
+@pytest.mark.parametrize("side", [4, 8])
+def test_a_weak_second_load_is_told_by_its_place(side: int, part: float, stress: bool) -> None:
+    at, second = pad(side), np.array([0.2e-3 + 1.2 * DEPTH, -0.4e-3 - 2.0 * DEPTH, 0.0, 0.0, part * 0.4])
+    load = located(at, point_signals(at, np.array([WANTED, second]), stress), 1e-5, stress)
+    assert len(load.others) == 1
+    for one, wanted in zip((load, *load.others), (WANTED, second), strict=True):
+        assert one.validity is Validity.INSIDE
+        assert beyond(one, wanted) < 5
+    assert load.misfit == 0
+
+
+@pytest.mark.parametrize("quantity", ["strain", "stress"])
+@pytest.mark.parametrize("side", [4, 8])
+def test_the_force_on_a_cover_that_is_taken_for_thicker_is_not_told_as_sure(side: int, quantity: Felt) -> None:
+    at, cover = pad(side), Medium(MODULUS, quantity=quantity)
+    load = located(at, layer_load(at, DEPTH, WANTED[None], 1.2 * DEPTH, cover), 1e-5, quantity == "stress")
+    assert abs(load.F / WANTED[4] - 1) > 0.15
+    assert beyond(load) < 2 < 4 < beyond(replace(load, sigma=load.scatter))
+
+
+@pytest.mark.parametrize("stress", [False, True])
+@pytest.mark.parametrize(("side", "pitch"), [(2, 1.0), (4, 1.0), (8, 0.5)])
+@pytest.mark.parametrize("radius", [0.2, 0.5])
+def test_a_ball_is_ordinary_touch(radius: float, side: int, pitch: float, stress: bool) -> None:
+    """It is one load inside, of which no reading is false; what changes from frame to frame is noise."""
+    at = pad(side, pitch)
+    load = located(at, point_signals(at, ball(WANTED, radius * DEPTH), stress), 1e-3, stress)
+    assert (load.validity, load.left_out, load.saturated, load.others) == (Validity.INSIDE, (), (), ())
+    assert max(load.sigma[:2]) < 0.2 * DEPTH
+    assert max(load.scatter[:2]) < 0.3 * max(load.sigma[:2])
+    assert np.abs(np.array(as_row(load)) - WANTED)[:2].max() < 5 * max(load.sigma[:2])
+
+
+def test_the_sums_of_the_trials_are_those_of_the_project() -> None:
+    at, loads = pad(3), np.array([WANTED, WANTED * 0.5])
+    for stress in (False, True):
+        assert point_signals(at, loads, stress) == pytest.approx(felt(at, loads, stress), rel=1e-12)
