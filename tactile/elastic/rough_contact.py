@@ -23,6 +23,8 @@ REACH = 40.0
 class RoughContact:
     """Pressures under a body whose underside has heights (rows, cols) [m] over a plane, cells of one pitch [m].
 
+    Its ``lowest`` height [m] may lie between the cells' middles; None for the lowest of theirs.
+
     Minimises p G p / 2 - p (indentation - height) over pressures p >= 0 (no pull, no friction), G the displacement of a
     cell under pressure on another: Love's square on the half-space, less what the base takes away,
     pitch^2 / (pi E* h) integral of (1 - T(k)) J0(k r / h) dk.
@@ -33,10 +35,10 @@ class RoughContact:
     Source: Polonsky and Keer (1999); Vollebregt (2014) for a given indentation; Johnson, sect. 3.3; ``layer_contact``.
     """
 
-    def __init__(self, heights: Floats, pitch: float, medium: Medium) -> None:
+    def __init__(self, heights: Floats, pitch: float, medium: Medium, lowest: float | None = None) -> None:
         if heights.ndim != 2 or not heights.size or not np.isfinite(heights).all() or not pitch > 0:
             raise InputError(f"heights of shape {heights.shape} {pitch} m apart; finite (rows, cols), a pitch wanted")
-        self.gap, self.pitch, self.medium = heights - heights.min(), pitch, medium
+        self.gap, self.pitch, self.medium = heights - (heights.min() if lowest is None else lowest), pitch, medium
         self._size = [fft.next_fast_len(2 * n - 1, real=True) for n in heights.shape]
         steps = [np.minimum(np.arange(n), n - np.arange(n)) * pitch for n in self._size]
         self._transfer = fft.rfft2(_displacement(steps[1][None, :], steps[0][:, None], pitch, medium))

@@ -10,6 +10,7 @@ import numpy as np
 
 from tactile.simulator.choice.auto_effects import Choice, candidates, choose
 from tactile.simulator.choice.estimate import Sample, sizes_in
+from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.scene_file.file import bare_scene, scene_table
 
@@ -164,4 +165,9 @@ def _lines(scene: Scene) -> list[str]:
             f"{array.name}: {array.rows} x {array.cols} taxels of {array.quantity}, {array.depth * 1e3:g} mm deep; "
             f"{presses}; method: {method.name} ({method.why})"
         )
+        maps = [contact for contact in mine if isinstance(contact, HeightMap)]
+        if maps and scene.bumps is None:
+            sure = [(name, effect) for name, effect in scene.effects if not effect.RANDOM]
+            (field,) = scene.affected([scene.skin.field(finger, np.zeros(1))], "field", sure, finger)
+            lines += [f"height map on {array.name}: {one.described(field.medium, field.taxels.depth)}" for one in maps]
     return lines

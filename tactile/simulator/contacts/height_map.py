@@ -8,12 +8,11 @@ import numpy as np
 from cnnsim.support import Floats, InputError
 from tactile.core.loads import COLUMNS, FORCE, PLACE, SHEAR, F
 from tactile.elastic.medium import Medium
+from tactile.simulator.contacts.fewer_points import fewer_points
 from tactile.simulator.contacts.loads import Loads
 from tactile.simulator.contacts.moving_load import along_path, checked_path, span
+from tactile.simulator.contacts.pressed_map import BETWEEN, PressedMap, press
 from tactile.simulator.contacts.rig import STILL, Rig
-
-LEVELS = 17
-"""Indentations at which pressures are solved, closer where the contact begins; in between they are straight."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)  # arrays are not compared
@@ -53,7 +52,9 @@ class HeightMap:
             )
         rows, gone = along_path(self.path, times)
         rows[gone, PLACE.stop :] = 0
-        deep, force, places, pressures = self._solved(medium)
+        solved = self.pressed(medium)
+        deep, force = solved.deep, solved.force
+        places, pressures = self._felt(medium, depth)
         if self.given_depth:
             rows[rows[:, F] < 0, SHEAR] = 0
             rows[:, F] = np.interp(rows[:, F], deep, force)
@@ -69,7 +70,7 @@ class HeightMap:
             rows[:, SHEAR] *= np.where(pull > most, most / np.where(pull > 0, pull, 1), 1)[:, None]
         share = np.empty((len(rows), len(places)))
         for cell, column in zip(share.T, pressures.T, strict=True):
-            cell[:] = np.interp(rows[:, F], force, column)
+            cell[:] = np.interp(rows[:, F], force[::BETWEEN], column)
         total = share.sum(axis=1, keepdims=True)
         share = np.where(total > 0, share / np.where(total > 0, total, 1), 1 / len(places))
         points = np.empty((len(rows), len(places), COLUMNS))
@@ -77,37 +78,49 @@ class HeightMap:
         points[..., FORCE] = rows[:, None, FORCE] * share[..., None]
         return Loads(rows[:, None], points, np.zeros(len(places), np.int64))
 
-    def _solved(self, medium: Medium) -> tuple[Floats, Floats, Floats, Floats]:
-        """Indentations (levels,), forces (levels,), cells that are pressed (n, 2) and their forces (levels, n)."""
+    def pressed(self, medium: Medium) -> PressedMap:
+        """How it presses on the medium: pressures up to the deepest that its path asks for, solved once.
+
+        Raises:
+            InputError: as ``rough_contact.RoughContact.pressed``.
+        """
         key = replace(medium, quantity="strain")
         if key not in self.memory:
-            self.memory[key] = self._solve(medium)
-        solved: tuple[Floats, Floats, Floats, Floats] = self.memory[key]
-        return solved
+            most = float(self.path[:, 1 + F].max())
+            self.memory[key] = press(self.heights, self.pitch, medium, most, self.given_depth)
+        known: PressedMap = self.memory[key]
+        return known
 
-    def _solve(self, medium: Medium) -> tuple[Floats, Floats, Floats, Floats]:
-        from tactile.elastic.rough_contact import RoughContact  # only where called for
+    def _felt(self, medium: Medium, depth: float) -> tuple[Floats, Floats]:
+        """Places (n, 2) and forces (levels, n) that taxels at a depth [m] cannot tell from those of all cells."""
+        key = replace(medium, quantity="strain"), depth
+        if key not in self.memory:
+            solved = self.pressed(medium)
+            self.memory[key] = fewer_points(solved.places, solved.forces, depth, medium)
+        known: tuple[Floats, Floats] = self.memory[key]
+        return known
 
-        contact, most = RoughContact(self.heights, self.pitch, medium), float(self.path[:, 1 + F].max())
-        deepest = max(most, 1e-9) * 1.05 if self.given_depth else self._depth_of(contact, max(most, 1e-12))
-        deep = deepest * np.linspace(0, 1, LEVELS) ** 2
-        levels: list[Floats] = []
-        last: Floats | None = None
-        for one in deep.tolist():
-            last = contact.pressed(one, last)
-            levels.append(last)
-        forces = np.stack(levels) * self.pitch**2
-        pressed = forces.any(axis=0)
-        if not pressed.any():
-            pressed.flat[int(self.heights.argmin())] = True
-        rows, cols = self.heights.shape
-        y, x = np.nonzero(pressed)
-        places = np.stack([x - (cols - 1) / 2, y - (rows - 1) / 2], axis=-1) * self.pitch
-        return deep, forces.sum(axis=(1, 2)), places, forces[:, pressed]
+    def described(self, medium: Medium, depth: float) -> str:
+        """On what cells its deepest contact is given and solved, how well its force is known, and of how many loads.
 
-    def _depth_of(self, contact: Any, force: float) -> float:
-        """An indentation that takes a little more than this force."""
-        deep = self.pitch / 100
-        while float(contact.pressed(deep).sum()) * self.pitch**2 < 1.02 * force:
-            deep *= 1.5
-        return deep
+        Raises:
+            InputError: as ``pressed``.
+        """
+        solved = self.pressed(medium)
+        return (
+            f"contact {solved.width * 1e3:.3g} mm wide on cells of {self.pitch * 1e3:.3g} mm, its force known to about "
+            f"{max(solved.doubt, 1e-3):.1%}; solved on cells of {solved.pitch * 1e3:.2g} mm, felt as "
+            f"{len(self._felt(medium, depth)[0])} loads"
+        )
+
+    def deepest(self, medium: Medium) -> float:
+        """The largest indentation [m] that its path asks for.
+
+        Raises:
+            InputError: as ``pressed``.
+        """
+        most = float(self.path[:, 1 + F].max())
+        if self.given_depth or most <= 0:
+            return max(most, 0.0)
+        solved = self.pressed(medium)
+        return float(np.interp(most, solved.force, solved.deep))

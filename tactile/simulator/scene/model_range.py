@@ -1,6 +1,7 @@
 """Where a scene leaves the range of its models: contacts that pull, sink in or spread too far, strains too large."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -23,6 +24,10 @@ sphere and 10 % under a cylinder."""
 DEEP = 0.3
 """Indentation over thickness, and strain, from which linear rubber is off by about a third."""
 
+DOUBT = 0.02
+"""Share of its force that the cells of a height map may leave open. Of smooth bodies it is a cautious figure: they come
+out to 1 % where it is below."""
+
 
 class _Scene(Protocol):
     """What is asked of a scene here, which asks for these notes itself."""
@@ -41,7 +46,6 @@ class _Scene(Protocol):
     def samples(self) -> int: ...
     @property
     def skin(self) -> IdealSkin: ...
-    def unit(self, finger: int) -> float: ...
     def affected(
         self, stream: Iterable[Field], stage: str, effects: Iterable[tuple[str, Any]], finger: int
     ) -> Iterator[Field]: ...
@@ -66,11 +70,9 @@ def out_of_range(scene: _Scene) -> Iterator[str]:
             for number, contact in mine.items():
                 yield from _contact(contact, f"contact {number}, a {contact.indenter.shape}", times, field)
             for one in scene.contacts:
-                if isinstance(one, HeightMap) and one.finger == finger and not one.given_depth:
-                    pull = -float(one.path[:, 1 + F].min())
-                    if pull > 0:
-                        yield f"height map: pulled with {pull:.3g} N; a dry contact cannot pull: it lifts off"
-        strain = np.abs(field.values).max(initial=0) / scene.unit(finger)
+                if isinstance(one, HeightMap) and one.finger == finger:
+                    yield from _map(one, field.medium)
+        strain = _strain(field)
         if strain > 1:
             raise InputError(
                 f"{array.name}: strains to {strain:.3g}; at most 1 wanted, beyond which nothing is left of the cover, "
@@ -78,6 +80,23 @@ def out_of_range(scene: _Scene) -> Iterator[str]:
             )
         if strain > DEEP:
             yield f"{array.name}: strains to {strain:.3g}; below {DEEP:g} wanted: the cover is taken to be linear"
+
+
+def _strain(field: Field) -> float:
+    """The largest strain (u_xz, u_yz, u_zz) where the taxels lie, whatever they feel.
+
+    From the loads, as no normal strain follows from the stresses that are felt: what presses from the sides is missing.
+    Under bumps, of which only the stress is known, that is left out: a bump is free to its sides.
+    """
+    medium = field.medium
+    if medium.quantity == "stress" and field.bumps is None:
+        felt = replace(field, medium=replace(medium, quantity="strain"))
+        felt.__dict__["loads"] = field.loads  # they do not depend on what is felt
+        return float(np.abs(felt.values).max(initial=0))
+    size = np.abs(field.values).max(axis=(0, 1, 2), initial=0)
+    if medium.quantity == "stress":
+        size = size / (2 * medium.shear_modulus, 2 * medium.shear_modulus, medium.modulus)
+    return float(size.max())
 
 
 def _moments(scene: _Scene, contacts: list[MovingContact]) -> Floats:
@@ -102,6 +121,31 @@ def _contact(contact: MovingContact, name: str, times: Floats, field: Field) -> 
     yield from _size(name, float(force.max(initial=0)), contact, medium)
 
 
+def _map(body: HeightMap, medium: Medium) -> Iterator[str]:
+    """A height map that is pulled, pressed in too deep, or whose cells do not tell what it touches with."""
+    pull = -float(body.path[:, 1 + F].min())
+    if pull > 0 and not body.given_depth:
+        yield f"height map: pulled with {pull:.3g} N; a dry contact cannot pull: it lifts off"
+    deep = body.deepest(medium)
+    if not deep > 0:
+        return
+    yield from _sunk("height map", deep, medium)
+    solved = body.pressed(medium)
+    if solved.doubt > DOUBT:
+        yield (
+            f"height map: a contact {solved.width * 1e3:.3g} mm wide on cells of {body.pitch * 1e3:g} mm, which leave "
+            f"its force open by about {solved.doubt:.1%}; at most {DOUBT:.0%} wanted, by smaller cells"
+        )
+
+
+def _sunk(name: str, deep: float, medium: Medium) -> Iterator[str]:
+    if deep > DEEP * medium.thickness:
+        yield (
+            f"{name}: {deep * 1e3:.3g} mm deep in a cover of {medium.thickness * 1e3:g} mm; at most {DEEP:g} of it "
+            "wanted: the cover is taken to be linear"
+        )
+
+
 def _size(name: str, force: float, contact: MovingContact, medium: Medium) -> Iterator[str]:
     body, push = contact.indenter, np.array([force])
     deep = float(contact.path[:, 1 + F].max() if contact.given_depth else body.indentation(push, medium)[0])
@@ -123,11 +167,7 @@ def _size(name: str, force: float, contact: MovingContact, medium: Medium) -> It
             f"{name}: {deep * 1e3:.3g} mm deep, {deep / body.radius:.3g} times its radius; at most the radius wanted: "
             "the cover is taken to be linear"
         )
-    if deep > DEEP * medium.thickness:
-        yield (
-            f"{name}: {deep * 1e3:.3g} mm deep in a cover of {medium.thickness * 1e3:g} mm; at most {DEEP:g} of it "
-            "wanted: the cover is taken to be linear"
-        )
+    yield from _sunk(name, deep, medium)
 
 
 def _width(name: str, wide: float, extent: str, body: Indenter, taken: str) -> Iterator[str]:

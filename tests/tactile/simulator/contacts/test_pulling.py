@@ -102,6 +102,30 @@ def test_a_scene_says_where_its_models_end() -> None:
     assert "0.5 mm deep in a cover of 1.2 mm; at most 0.3 of it wanted" in layered
 
 
+def test_strain_is_judged_whatever_the_taxels_feel() -> None:
+    def lines(quantity: Literal["strain", "stress"], row: tuple[float, ...], *effects: object) -> list[str]:
+        array = TaxelArray("pad", 3, 3, 1e-3, 1e-3, quantity)
+        loads = (MovingLoad(0, [(0.0, *row)]),) if len(row) == 5 else ()
+        contacts = () if loads else (MovingContact(0, Indenter("sphere", 0.1), np.array([(0.0, *row)])),)
+        return list(out_of_range(Scene("s", 100.0, 0.1, 2.4e6, (array,), loads, contacts, effects)))
+
+    # pulled sideways at a place half a depth off: 3 (1 + nu) Q x^2 / (2 pi E z^2) (1 + x^2)^-5/2, largest at x^2 = 2/3
+    def sheared(force: float, nu: float) -> float:
+        return 3 * (1 + nu) * force * (2 / 3) / (2 * np.pi * 2.4) * (5 / 3) ** -2.5
+
+    for nu in (0.3, 0.5):
+        for wanted in (0.29, 0.31):
+            force, off = wanted / sheared(1.0, nu), np.sqrt(2 / 3) * 1e-3
+            (effect,) = effects = (PoissonRatio(nu),)
+            told = [lines(kind, (off, 0.0, force, 0.0, 0.0), effect) for kind in ("strain", "stress")]
+            assert told[0] == told[1]
+            assert told[0] == [] or wanted > DEEP, effects
+    # a wide ball on a thin layer: stresses of several times the modulus, which cannot give way: a strain of a tenth
+    wide = (0.0, 0.0, 0.0, 0.0, 400.0, 0.0)
+    told = [lines(kind, wide, FiniteThickness(1.05e-3)) for kind in ("strain", "stress")]
+    assert told[0] == told[1]
+
+
 def test_a_scene_says_where_a_cylinder_ends() -> None:
     def lying(force: float, radius: float, length: float) -> MovingContact:
         return MovingContact(0, Indenter("cylinder", radius, length), np.array([(0.0, 0, 0, 0, 0, force)]))
