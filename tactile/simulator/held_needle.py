@@ -1,49 +1,95 @@
 """Readings under contacts that a rig holds at a height, when the surface rises."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from cnnsim.support import Floats
 from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.core.loads import F
+from tactile.elastic.medium import Medium
 from tactile.simulator.field import Field
 
+Rises = Sequence[tuple[float, float]]
+"""By how much [m] the surface rises, one after the other, each with the tip's radius [m] of contacts at a point."""
 
-def raised(field: Field, rise: float, needle: float) -> float:
-    """The largest change of a field's readings when the surface rises by ``rise`` [m] under all contacts.
 
-    Readings grow with the forces, at most like the one that grows most; contacts at a point are tips of radius
-    ``needle`` [m].
+def raised(field: Field, rises: Rises, before: Rises = ()) -> float:
+    """The largest change of a field's readings when the surface, raised ``before``, rises still more under contacts.
+
+    Readings grow with the forces, at most like the one that grows most: the lighter a contact, the more it does.
     """
-
-    def move(places: Floats) -> tuple[Floats, Floats]:
-        return np.zeros_like(places), np.full(len(places), rise)
-
-    if rise == 0:
+    if not any(rise for rise, _ in rises):
         return 0.0
     values = np.ascontiguousarray(field.values).reshape(len(field.times), -1)
-    if field.at_points:  # all by the law of the tip, F = 4 / 3 E* sqrt(R) delta^1.5, at one go
-        stiff = 4 / 3 * field.medium.contact_modulus * needle**0.5
-        return float(_raised_points(field.loads.totals, values, stiff, rise))
+    if field.at_points:  # all by the law of the tip, at one go
+        more, least = _lift(field.medium, rises), _lift(field.medium, before)
+        return float(_raised_points(field.loads.totals, values, least, least + more))
+    growth = np.abs(_growth(field, [*before, *rises]) - _growth(field, before)).max(axis=1, initial=0)
+    return float((growth * np.abs(values).max(axis=1, initial=0)).max(initial=0))
+
+
+def grown(field: Field, rises: Rises) -> Floats:
+    """By what the force of the contact that grows most does in every frame (frames,) when the surface rises."""
+    if not field.at_points:
+        return np.asarray(_growth(field, rises).max(axis=1, initial=1.0))
+    deep = np.maximum(field.loads.totals[..., F], 0.0) ** (2 / 3)
+    growth = np.divide(deep + _lift(field.medium, rises), deep, out=np.ones_like(deep), where=deep > 0)
+    return np.asarray(growth.max(axis=1, initial=1.0) ** 1.5)
+
+
+def lifted(field: Field, rises: Rises) -> Field:
+    """The field whose contacts the surface has risen under."""
+    rig = field.rig
+    for rise, tip in rises:
+        rig = rig.with_move(partial(_everywhere, rise), tip)
+    return replace(field, rig=rig)
+
+
+def pressed_by(force: float, medium: Medium, rises: Rises) -> float:
+    """The normal force [N] of a contact at a point, held by its tip, when the surface rises."""
+    return float((max(force, 0.0) ** (2 / 3) + _lift(medium, rises)) ** 1.5)
+
+
+def _lift(medium: Medium, rises: Rises) -> float:
+    """What rises add to F^(2/3) under tips, F = 4 / 3 E* sqrt(R) delta^1.5."""
+    lift = 0.0
+    for rise, tip in rises:
+        lift += (4 / 3 * medium.contact_modulus * tip**0.5) ** (2 / 3) * rise
+    return lift
+
+
+def _growth(field: Field, rises: Rises) -> Floats:
+    """By what every contact's force grows (frames, contacts)."""
     forces = field.loads.totals[..., F]
-    pressed = replace(field, rig=field.rig.with_move(move, needle)).loads.totals[..., F]
-    factor = np.where(forces != 0, pressed / np.where(forces != 0, forces, 1), 1.0)
-    readings = np.abs(values).max(axis=1, initial=0)
-    return float((np.abs(factor - 1).max(axis=1, initial=0) * readings).max(initial=0))
+    if not rises:
+        return np.ones_like(forces)
+    pressed = lifted(field, rises).loads.totals[..., F]
+    return np.where(forces != 0, pressed / np.where(forces != 0, forces, 1), 1.0)
+
+
+def _everywhere(rise: float, places: Floats) -> tuple[Floats, Floats]:
+    return np.zeros_like(places), np.full(len(places), rise)
 
 
 @kept_njit()
-def _raised_points(rows, values, stiff, rise):  # type: ignore[no-untyped-def]  # numba types it at the call
-    """The same of points, rows (frames, n, 5) and readings (frames, channels) of theirs."""
+def _raised_points(rows, values, least, most):  # type: ignore[no-untyped-def]  # numba types it at the call
+    """The same of points, rows (frames, n, 5) and readings (frames, channels) of theirs, between two lifts."""
     out = 0.0
     for n in range(rows.shape[0]):
-        grown = 0.0
+        growth = 0.0
         for m in range(rows.shape[1]):
-            if rows[n, m, F] > 0:
-                grown = max(grown, (1 + rise / (rows[n, m, F] / stiff) ** (2 / 3)) ** 1.5 - 1)
-        most = 0.0
+            force = rows[n, m, F]
+            if force > 0:
+                deep = force ** (2 / 3)
+                high, low = deep + most, deep + least
+                before = force if least == 0 else low * math.sqrt(low)
+                growth = max(growth, (high * math.sqrt(high) - before) / force)
+        reading = 0.0
         for c in range(values.shape[1]):
-            most = max(most, abs(values[n, c]))
-        out = max(out, grown * most)
+            reading = max(reading, abs(values[n, c]))
+        out = max(out, growth * reading)
     return out

@@ -36,7 +36,8 @@ class Slopes:
 
     ``sums`` (4,): the largest over the frames of the sum over the loads of K |P| / d^n, n = 0, 2, 3, 4, with d to the
     nearest taxel and K = (c of the reading) / 2 pi; ``hardest`` [N]: the largest normal force; ``largest`` |reading|;
-    ``at_points``: every contact is one point load.
+    ``at_points``: every contact is one point load; ``rises``: by how much [m] others than the effect that is asked
+    raise the surface under contacts, with the tip's radius [m] of those at a point.
 
     Source: ``elastic.halfspace``, Boussinesq and Cerruti; the largest values by a search over all directions.
     """
@@ -47,6 +48,7 @@ class Slopes:
     hardest: float
     largest: float
     at_points: bool
+    rises: tuple[tuple[float, float], ...] = ()
 
     @property
     def reach(self) -> tuple[float, float]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Floats, InputError
+from tactile.core.frame import NORMAL
 from tactile.simulator.choice.chain import Chain, Named, asked
 from tactile.simulator.choice.extremes import FOREMOST, Extremes, extremes
 from tactile.simulator.choice.finger_bounds import FIELD, SAFE, FingerBounds, LeftOut, largest
@@ -18,8 +19,10 @@ from tactile.simulator.choice.shaking import Shaking, rises
 from tactile.simulator.choice.trials import Trial, pays, pays_behind
 from tactile.simulator.effect import sticks
 from tactile.simulator.field import Field
+from tactile.simulator.held_needle import Rises, pressed_by
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.seen import RARE, Seen
+from tactile.simulator.taxels import FINEST
 
 SMALL, LARGE = 0.25, 5.0
 """Bounds of an effect, in tolerances, between which it is tried: most effects do a third of their bound."""
@@ -52,7 +55,11 @@ class EffectBounds:
 
     @cached_property
     def _ideal(self) -> list[Extremes]:
-        return [extremes(self._scene, finger) for finger in range(len(self._scene.arrays))]
+        return [extremes(self._scene, finger, self._rises) for finger in range(len(self._scene.arrays))]
+
+    @cached_property
+    def _rises(self) -> Rises:
+        return rises(self.on_fields, self._on, self._scene.samples)
 
     @cached_property
     def peak(self) -> float:
@@ -67,15 +74,16 @@ class EffectBounds:
 
     @cached_property
     def _trials(self) -> list[Trial]:
-        high = rises(self.on_fields, self._on, self._scene.samples)
+        sticky = any(sticks(one) for name, one in self.on_fields if name in self._on and not one.RANDOM)
         return [
-            Trial(ideal, partial(self.field, finger), self._chain.acted, high)
+            Trial(ideal, partial(self.field, finger), self._chain.acted, self._rises, sticky)
             for finger, ideal in enumerate(self._ideal)
         ]
 
     def field(self, finger: int, times: Floats) -> Field:
-        """The ideal field of a finger for a trial."""
-        return replace(self._scene.skin.field(finger, times), trial=True, accuracy=self.rough)
+        """The ideal field of a finger for a trial, as accurate, of the peak, where readings are raised far above it."""
+        fine = max(self.rough / self._ideal[finger].growth, FINEST)
+        return replace(self._scene.skin.field(finger, times), trial=True, accuracy=fine)
 
     @cached_property
     def rough(self) -> float:
@@ -159,10 +167,13 @@ class EffectBounds:
     def _bound(self, trial: Trial, ideal: Extremes) -> FingerBounds:
         found, most, grown = FingerBounds(), 0.0, 0.0
         unsure = not self._tolerance or self._forces_change(ideal)
+        slopes = ideal.slopes
+        if self._rises:  # tips sink in deeper
+            slopes = replace(slopes, hardest=pressed_by(slopes.hardest, slopes.medium, self._rises))
         for name, effect in self.on_fields:
             if effect.RANDOM:
                 continue
-            found.reach[name] = bound = np.inf if unsure else asked(effect, "most", np.inf, ideal.slopes)
+            found.reach[name] = bound = np.inf if unsure else asked(effect, "most", np.inf, slopes)
             if name in self._on:
                 most += bound
                 grown += 0.0 if getattr(effect, "smooths", False) else bound
@@ -221,6 +232,8 @@ class EffectBounds:
                 effect, trial.shaken, self._scene.samples, trial.frames, len(found.terms) + 1, self._layered
             ):
                 return
+            if self.rough < FINEST * trial.growth:  # it could not tell
+                return
             first = self._tried(name, effect, lambda: trial.few)
             most = math.inf if first is None else largest(first)
             if most > SURE * self._tolerance * self.peak:
@@ -242,5 +255,7 @@ class EffectBounds:
 def _behind(seen: Seen, now: Field) -> Seen:
     """The bounds of the ideal field, behind effects on it, from the frames that tell most."""
     scale = SAFE * largest(now.values) / seen.largest if seen.largest > 0 else 1.0
-    low, high = seen.normal
-    return seen._replace(largest=seen.largest * scale, normal=(low * scale, high * scale), change=seen.change * scale)
+    low, high = (end * scale for end in seen.normal)
+    normal = now.values[..., NORMAL]  # what sticks also pulls
+    low, high = min(low, SAFE * float(normal.min(initial=0))), max(high, SAFE * float(normal.max(initial=0)))
+    return seen._replace(largest=seen.largest * scale, normal=(low, high), change=seen.change * scale)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -9,19 +10,23 @@ from cnnsim.support import Floats, Integers
 from tactile.simulator.choice.point_extremes import point_extremes, points_alone
 from tactile.simulator.choice.scan import scan
 from tactile.simulator.field import Field
+from tactile.simulator.held_needle import Rises, grown
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.seen import Seen
 from tactile.simulator.slopes import NearLoads, Slopes
 
 PEAKS, SPREAD, FOREMOST = 10, 3, 3
 """Frames on which effects on fields are tried: where readings have their peaks, and some evenly spread; the first."""
+RAISED = 4
+"""The same where what shakes contacts raises readings highest, and by most: under light contacts."""
 
 
 @dataclass(frozen=True)
 class Extremes:
     """``seen``, ``slopes``: bounds of the ideal readings and of how fast they change from place to place.
 
-    ``peaks``, ``where``: of every channel, with its frame; ``whole``: the field, where it is one piece.
+    ``peaks``, ``where``: of every channel, with its frame; ``whole``: the field, where it is one piece; ``raised``:
+    the peaks where what shakes contacts raises them.
     """
 
     seen: Seen
@@ -29,30 +34,76 @@ class Extremes:
     peaks: Floats
     where: Integers
     whole: Field | None
+    raised: "RaisedPeaks"
 
     @cached_property
     def times(self) -> Floats:
-        """Times [s] of the frames that tell most: those of the largest peaks, and a few evenly spread."""
+        """Times [s] of the frames that tell most: those of the largest peaks, also raised, and a few evenly spread."""
         spread = np.linspace(0, self.seen.frames - 1, SPREAD).round().astype(np.int64)
-        return np.unique(np.concatenate([self._telling, spread])) / self.seen.rate
+        return np.unique(np.concatenate([self._telling, self._light, spread])) / self.seen.rate
 
     @cached_property
     def foremost(self) -> Floats:
         """Those of a few of them."""
-        return np.sort(self._telling[:FOREMOST]) / self.seen.rate
+        return np.unique(np.concatenate([self._telling[:FOREMOST], self._light[:1], self._light[-1:]])) / self.seen.rate
 
     @cached_property
     def _telling(self) -> Integers:
-        ranked = self.where[np.argsort(-self.peaks, kind="stable")].tolist()
-        return np.array(list(dict.fromkeys(ranked))[:PEAKS], np.int64)
+        return _foremost(self.peaks, self.where, PEAKS)
+
+    @cached_property
+    def growth(self) -> float:
+        """By what the largest reading grows at most where contacts are raised."""
+        return max(float(self._raised.peaks[0].max(initial=0)) / (self.seen.largest or 1.0), 1.0)
+
+    @cached_property
+    def _light(self) -> Integers:
+        both = zip(self._raised.peaks, self._raised.where, strict=True)
+        return np.concatenate([_foremost(peaks, where, RAISED) for peaks, where in both])
+
+    @cached_property
+    def _raised(self) -> "RaisedPeaks":
+        if self.whole is not None:  # not before it is asked for
+            self.raised.add(self.whole)
+        return self.raised
 
 
-def extremes(scene: Scene, finger: int) -> Extremes:
-    """Go once through all frames of a finger, without effects; a short scene keeps them for its run."""
+class RaisedPeaks:
+    """Every channel's largest reading, and largest rise of one, with its frame, as what shakes contacts may raise them.
+
+    ``peaks``, ``where`` (2, channels).
+    """
+
+    def __init__(self, rises: Rises, channels: int) -> None:
+        self._rises = rises
+        self.peaks, self.where = np.zeros((2, 2, channels if rises else 0))
+
+    def add(self, field: Field) -> None:
+        """Count the frames of a field without effects."""
+        if not self._rises:
+            return
+        values, growth = np.abs(field.values.reshape(len(field.times), -1)), grown(field, self._rises)[:, None]
+        for n, raised in enumerate((values * growth, values * (growth - 1))):
+            most, at = raised.max(axis=0), raised.argmax(axis=0) + field.first
+            higher = most > self.peaks[n]
+            self.peaks[n, higher], self.where[n, higher] = most[higher], at[higher]
+
+
+def _foremost(peaks: Floats, where: Any, most: int) -> Integers:
+    """Frames of the largest peaks, each once, the largest first."""
+    ranked = where[np.argsort(-peaks, kind="stable")].tolist()
+    return np.array(list(dict.fromkeys(ranked))[:most], np.int64)
+
+
+def extremes(scene: Scene, finger: int, rises: Rises = ()) -> Extremes:
+    """Go once through all frames of a finger, without effects; a short scene keeps them for its run.
+
+    Arguments: ``rises``: by how much what shakes contacts raises them at most.
+    """
     array = scene.arrays[finger]
     channels = array.rows * array.cols * 3
     peaks, where, ends, last = np.zeros(channels), np.zeros(channels, np.int64), np.zeros(3), np.empty(0)
-    whole, slopes = None, None
+    whole, slopes, raised = None, None, RaisedPeaks(rises, channels)
     if len(pieces := list(scene.skin.pieces(finger))) == 1:
         whole = scene.skin.field(finger, pieces[0][1])
         if points_alone(whole):
@@ -63,6 +114,8 @@ def extremes(scene: Scene, finger: int) -> Extremes:
             values = np.ascontiguousarray(field.values).reshape(-1, channels)
             scan(values, field.first, last if fields else values[0], peaks, where, ends)
             near.add(field)
+            if whole is None:
+                raised.add(field)
             last, fields = values[-1], fields + 1
         slopes = near.slopes(array, scene.skin.medium(finger), float(peaks.max()))
     low, high, change = ends.tolist()
@@ -70,4 +123,4 @@ def extremes(scene: Scene, finger: int) -> Extremes:
     seen = Seen(array, unit, scene.full_scale * unit, scene.rate, scene.samples, slopes.largest, (low, high), change)
     if whole is not None:
         scene.skin.keep(finger, whole)
-    return Extremes(seen, slopes, peaks, where, whole)
+    return Extremes(seen, slopes, peaks, where, whole, raised)

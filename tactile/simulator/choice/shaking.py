@@ -49,9 +49,11 @@ class Shaking:
         return {name: self._strays(effect, pressed) * more for name, effect in random}
 
     def _strays(self, effect: Any, pressed: Any) -> float:
-        slopes, frames = self.ideal.slopes, self.ideal.seen.frames
+        frames = self.ideal.seen.frames
         if not hasattr(effect, "strays"):
             return math.inf
+        others = rises([one for one in self.on_fields if one[1] is not effect], self.on, frames)
+        slopes = replace(self.ideal.slopes, rises=tuple(others)) if others else self.ideal.slopes
         fields: list[Field]
         try:
             fields = pressed()

@@ -1,19 +1,24 @@
 """Trials of effects on a few frames of a scene: whether one pays, by what it costs and what leaving out may save."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 
-from cnnsim.support import Floats
-from tactile.simulator.choice.extremes import PEAKS, SPREAD, Extremes
+from cnnsim.support import Floats, InputError
+from tactile.core.loads import FORCE
+from tactile.simulator.choice.extremes import PEAKS, RAISED, SPREAD, Extremes
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.field import Field
+from tactile.simulator.held_needle import Rises, lifted
+from tactile.simulator.ideal_skin import CHUNK
 from tactile.simulator.seen import Seen
 
+APART = 4
+"""Frames more where bodies stick or are shaken: those where the effects change the forces most."""
 CHANCE = 0.5
 """Of effects that are tried, about so many can be left out."""
 BEGIN = 300e-6
@@ -38,7 +43,8 @@ class Trial:
 
     ``ideal``: which frames tell most; ``field`` (times) -> the field without effects, ``acted`` (field) -> with them.
     ``rises``: by how much [m] random effects raise the surface under contacts at most, with the tip radius of each:
-    fixed ones that make contacts stiffer are tried at rest, raised and lowered.
+    fixed ones that make contacts stiffer are tried at rest, raised and lowered. ``sticks``: whether contacts do with
+    the effects, so that they may pull where they would have lifted off.
     """
 
     def __init__(
@@ -46,14 +52,21 @@ class Trial:
         ideal: Extremes,
         field: Callable[[Floats], Field],
         acted: Callable[[Field], Field],
-        rises: Sequence[tuple[float, float]] = (),
+        rises: Rises = (),
+        sticks: bool = False,
     ) -> None:
-        self._ideal, self._field, self._acted, self._rises = ideal, field, acted, rises
+        self._ideal, self._field, self._acted, self._rises, self._sticks = ideal, field, acted, rises, sticks
 
     @property
     def frames(self) -> int:
         """How many frames every trial has."""
-        return (PEAKS + SPREAD) * (3 if self._rises else 1)
+        count = PEAKS + SPREAD + APART * self._bends
+        return (count + 2 * RAISED) * 3 if self._rises else count
+
+    @property
+    def growth(self) -> float:
+        """By what readings are larger at most in a trial than at rest."""
+        return self._ideal.growth
 
     @cached_property
     def shaken(self) -> Field:
@@ -63,7 +76,7 @@ class Trial:
 
     @cached_property
     def _given(self) -> Field:
-        times, whole = self._ideal.times, self._ideal.whole
+        times, whole = np.union1d(self._ideal.times, self._apart), self._ideal.whole
         given = self._field(times)
         if whole is not None:  # nothing is computed twice
             given.__dict__["values"] = whole.values[np.rint(times * self._ideal.seen.rate).astype(np.int64)]
@@ -102,7 +115,33 @@ class Trial:
 
     @cached_property
     def _first(self) -> Field:
-        return replace(self._given, times=self._ideal.foremost)
+        return replace(self._given, times=np.union1d(self._ideal.foremost, self._apart[:1]))
+
+    @property
+    def _bends(self) -> bool:
+        """Whether bodies may press otherwise with the effects: where they stick, or are shaken."""
+        return (self._sticks or bool(self._rises)) and not self._ideal.slopes.at_points
+
+    @cached_property
+    def _apart(self) -> Floats:
+        """Times [s] at which bodies press most otherwise with the effects, at rest or raised, the first of them most.
+
+        Such as what pulls instead of lifting off, or is held so lightly that its law says how hard it presses.
+        """
+        seen, most, found = self._ideal.seen, np.empty(0), np.empty(0)
+        for start in range(0, seen.frames if self._bends else 0, CHUNK):
+            given = self._field(np.arange(start, min(start + CHUNK, seen.frames)) / seen.rate)
+            apart = np.zeros(len(given.times))
+            for rises in ((), self._rises) if self._rises else ((),):
+                try:
+                    with_all, without = (lifted(one, rises).loads.totals for one in (self._acted(given), given))
+                except InputError:  # raised so far, one goes through the cover: its frame is one of the peaks
+                    continue
+                apart = np.maximum(apart, np.abs((with_all - without)[..., FORCE]).sum(axis=(1, 2)))
+            most, found = np.append(most, apart), np.append(found, given.times)
+            best = np.argsort(-most, kind="stable")[:APART]
+            most, found = most[best], found[best]
+        return found
 
     def _raised(self, given: Field) -> Field:
         count, rig = len(given.times), given.rig

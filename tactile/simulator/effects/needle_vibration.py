@@ -43,9 +43,10 @@ class NeedleVibration:
         A displacement is R deviations long at most, R of a normal vector in space. Of that a share c goes across and s
         upwards, c^2 + s^2 = 1, and as both changes A and B are convex the two together do at most c A(R) + s B(R).
         """
-        return math.hypot(
-            slopes.across(longest(frames) * self.lateral), raised(field, self.rises(frames), self.tip_radius)
-        )
+        aside = slopes.across(longest(frames) * self.lateral)
+        if slopes.rises and aside:  # under contacts that others press harder
+            aside *= 1 + raised(field, slopes.rises) / (slopes.largest or 1.0)
+        return math.hypot(aside, raised(field, [(self.rises(frames), self.tip_radius)], slopes.rises))
 
     def rises(self, frames: int) -> float:
         """Bound of how far [m] it raises or lowers contacts in so many frames."""

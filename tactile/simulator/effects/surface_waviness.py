@@ -48,7 +48,7 @@ class SurfaceWaviness:
 
     def strays(self, field: Field, slopes: Slopes, frames: int) -> float:
         """Bound of the change on hills as high as there are under so many frames, for the frames of a field."""
-        return raised(field, self.rises(frames), self.tip_radius)
+        return raised(field, [(self.rises(frames), self.tip_radius)], slopes.rises)
 
     def rises(self, frames: int) -> float:
         """Bound of how far [m] it raises or lowers contacts in so many frames."""
