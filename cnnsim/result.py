@@ -47,10 +47,13 @@ class Result:
         return f"Result({self._words()}{recorded})"
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
-        """Draw the output into axes of matplotlib, or new ones, and return them; layers lie side by side."""
+        """Draw the output into axes of matplotlib, or new ones, and return them; layers lie side by side, numbered."""
         from cnnsim import plot
 
-        return plot.plane(self.y, axes, title=f"{self.plan.template.name}, {self._ended()}")
+        axes = plot.plane(self.y, axes, title=f"{self.plan.template.name}, {self._ended()}")
+        layers = self.plan.network is not None and len(self.plan.network.layers) > 1
+        axes.set_xlabel(", ".join(["picture"] * (self.y.ndim - layers > 2) + ["layer"] * layers))
+        return axes
 
     def _ended(self) -> str:
         if not np.isfinite(self.t):

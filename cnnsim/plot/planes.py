@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cnnsim.plot.figures import given_or_new
+from cnnsim.plot.figures import COLOURS, given_or_new
 from cnnsim.support import Array, InputError
 from cnnsim.support.values import as_numbers
 
@@ -17,14 +17,20 @@ if TYPE_CHECKING:
 def plane(values: ArrayLike, axes: "Axes | None" = None, *, title: str = "") -> "Axes":
     """Draw CNN values (rows, cols) and return the axes; what lies beyond -1 and 1 is white and black.
 
-    Planes (n, rows, cols), of layers or of a batch, lie side by side. Booleans: True is black.
+    Planes (n, rows, cols), of layers or of a batch, lie side by side, each over its number. Booleans: True is black.
 
     Raises:
         InputError: another shape, or whole numbers as of grey levels.
     """
-    picture, axes = side_by_side(as_numbers("plane", values)), given_or_new(axes)
+    planes = as_numbers("plane", values)
+    picture, axes = side_by_side(planes), given_or_new(axes)
     axes.imshow(picture, cmap="gray_r", vmin=-1, vmax=1, interpolation="nearest")
-    axes.set_xticks([])
+    cols, several = planes.shape[-1], [", ".join(map(str, at)) for at in np.ndindex(planes.shape[:-2])]
+    middles = [(number + 0.5) * cols - 0.5 for number in range(len(several))] if len(several) > 1 else []
+    axes.set_xticks(middles, several[: len(middles)], fontsize=9)
+    axes.tick_params(length=0)
+    for edge in range(1, len(middles)):
+        axes.axvline(edge * cols - 0.5, color=COLOURS[0], linewidth=0.8)
     axes.set_yticks([])
     axes.set_title(title, fontsize=10)
     return axes

@@ -73,7 +73,12 @@ class Robustness:
         """
         if kind not in get_args(Kind):
             raise InputError(f"curve {kind!r}; {', '.join(get_args(Kind))} wanted")
-        axes = given_or_new(axes)
+        axes = self._draw(given_or_new(axes), kind)
+        if kind != "bits":
+            axes.legend(fontsize=8)
+        return axes
+
+    def _draw(self, axes: "Axes", kind: Kind) -> "Axes":
         if kind == "bits":
             _draw(axes, self.bits, 1.0, "bits of an entry, sign included", None)
             axes.set_xscale("linear")
@@ -85,25 +90,20 @@ class Robustness:
             _draw(axes, self.entries, 100.0, "relative error of every entry, σ [%]", self.draws)
             if self.margin.tolerated:
                 bound = 100 * self.margin.tolerated
-                axes.axvline(bound, color="#d55e00", linestyle="--")
-                text = f"errors up to {bound:.3g} %\n{'are' if self.margin.exact else 'are surely'} harmless"
-                axes.annotate(
-                    text, (bound, 0.97), (-4, 0), xycoords=("data", "axes fraction"), textcoords="offset points",
-                    ha="right", va="top", color="#d55e00", fontsize=9,
-                )  # fmt: skip
+                text = f"errors up to {bound:.3g} % {'are' if self.margin.exact else 'are surely'} harmless"
+                axes.axvline(bound, color="#d55e00", linestyle="--", label=text)
         axes.set_ylabel("wrong cells [%]")
         return axes
 
     def figure(self) -> Any:
         """Return a figure of matplotlib with the three curves."""
         from matplotlib.figure import Figure
-        from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-        figure = Figure(figsize=(11, 4.2), layout=ConstrainedLayoutEngine(rect=(0, 0.04, 1, 0.96)))
+        figure = Figure(figsize=(11, 4.4), layout="constrained")
         figure.suptitle(f"{self.name}: how precise must a chip be?", fontsize=13)
         for number, (kind, axes) in enumerate(zip(get_args(Kind), figure.subplots(1, 3), strict=True)):
-            self.plot(axes, kind)
-            axes.set_ylabel("wrong cells [%]" if number == 0 else "")
+            self._draw(axes, kind).set_ylabel("wrong cells [%]" if number == 0 else "")
+        figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower left", ncols=3, fontsize=8)
         figure.text(0.995, 0.005, f"shares of {self.judged_on}; seed {self.seed}", ha="right", va="bottom", fontsize=8)
         return figure
 
@@ -140,5 +140,3 @@ def _draw(axes: Any, curve: Curve, scale: float, label: str, draws: int | None) 
     axes.set_xlabel(label)
     axes.set_ylim(0, max(5.0, 1.08 * max(worst)))
     axes.grid(alpha=0.3)
-    if draws is not None:
-        axes.legend(loc="center left", fontsize=8, frameon=False)

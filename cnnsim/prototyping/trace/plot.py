@@ -36,6 +36,7 @@ def draw_trace(
     if isinstance(task.input, Frames):
         rows.insert(0, ("input u", [_held(task, float(trace.t[frame]), layer) for frame in shown]))
     figure = Figure(figsize=(11, 7.3 + 1.5 * (len(rows) - 1)), layout="constrained")
+    title += f" Layer {layer} of 0 to {len(task.state) - 1}." if task.state.ndim == 3 else ""
     figure.suptitle("\n".join(wrap(title, 95)), fontsize=13)
     parts: Any = figure.subfigures(2, 1, height_ratios=(2.9, 0.8 * len(rows)))
     above, below = parts

@@ -15,6 +15,8 @@ import cnnsim
 from cnnsim import InputError, plot
 from cnnsim.prototyping.design.decompose import design_rule
 from cnnsim.prototyping.design.expression import parse_rule
+from cnnsim.prototyping.robust.margin import Margin
+from cnnsim.prototyping.robust.report import Curve, Robustness
 from cnnsim.prototyping.robust.robust import measure
 
 PICTURE = np.where(np.random.default_rng(0).random((9, 12)) > 0.5, 1.0, -1.0)
@@ -123,7 +125,7 @@ def test_numbers_of_a_template_have_room(side: int) -> None:
     entries = -np.random.default_rng(side).uniform(1e-3, 1e-1, (side, side))
     figure = Figure((6.0, 3.2), layout="constrained")
     axes = plot.template(cnnsim.Template(entries, entries, 0.25, name="x" * 90), figure.add_subplot())
-    figure.canvas.draw()
+    figure.draw_without_rendering()
     boxes = [text.get_window_extent() for text in axes.texts]
     assert len(boxes) == (2 if side == 11 else 2 + 2 * side**2)
     assert not any(a.overlaps(b) for number, a in enumerate(boxes) for b in boxes[:number])
@@ -148,3 +150,33 @@ def test_what_cannot_be_drawn_into_or_at_all_is_told() -> None:
     for interval in (-1.0, float("nan")):
         with pytest.raises(InputError, match=r"interval .* a positive number wanted"):
             trajectory.animate(interval=interval)
+
+
+def test_the_key_of_a_robustness_plot_lies_beside_its_curves() -> None:
+    """It lay on the curve of templates that fail early."""
+    bad = Curve((0.001, 0.01, 0.1), (0.5, 0.5, 0.5), (0.9, 0.9, 0.9))
+    bits = Curve((12, 3), (0.4, 0.5), (0.4, 0.5))
+    found = Robustness("x", Margin(0.1, 0.0012, True, ""), "all", bad, bits, bad, 3, 0)
+    figure = found.figure()
+    figure.draw_without_rendering()
+    (key,) = figure.legends
+    texts = [text.get_text() for text in key.get_texts()]
+    assert "mean" in texts
+    assert "errors up to 0.12 % are harmless" in texts  # beside its line it was cut off at the left
+    around = key.get_window_extent()
+    for axes in figure.axes:
+        assert not around.overlaps(axes.get_tightbbox())
+        assert axes.get_legend() is None
+    assert not any(around.overlaps(note.get_window_extent()) for note in figure.texts)
+
+
+def test_layers_are_numbered() -> None:
+    turning = cnnsim.run("autowave", PICTURE, backend="reference", duration=1.0)
+    axes = turning.plot(Figure().add_subplot())
+    assert [label.get_text() for label in axes.get_xticklabels()] == [str(n) for n in range(len(turning.y))]
+    cols = PICTURE.shape[1]
+    assert list(axes.get_xticks()) == [cols / 2 - 0.5 + n * cols for n in range(len(turning.y))]
+    assert axes.get_xlabel() == "layer"
+    alone = RESULT.plot(Figure().add_subplot())
+    assert list(alone.get_xticks()) == []
+    assert alone.get_xlabel() == ""

@@ -2,16 +2,18 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from matplotlib.figure import Figure
 from PIL import Image
 
 from cnnsim import backends, library, write_picture
 from cnnsim.cli.trace import trace
 from cnnsim.network.cell import output, uncoupled_state
-from cnnsim.prototyping.trace.plot import given_pictures
+from cnnsim.prototyping.trace.plot import draw_trace, given_pictures
 from cnnsim.prototyping.trace.trace import parse_cell_index, record, representative_cells, watching_time
 from cnnsim.support import InputError
 from cnnsim.support.pictures.film import STRIP, write_film
@@ -94,6 +96,26 @@ def test_other_kinds_of_template_are_traced_as_well(name: str, layer: int) -> No
     end = library.run(entry, picture, backend="reference", duration=4.0)
     assert np.allclose(found.x[-1], end.x[layer] if end.x.ndim == 3 else end.x, atol=1e-9)
     assert np.allclose(found.y[-1], end.y[layer] if end.x.ndim == 3 else end.y, atol=1e-9)
+
+
+@pytest.mark.parametrize(("name", "said"), [("autowave", "Layer 1 of 0 to 1."), ("edge", "")])
+def test_the_layer_that_is_drawn_is_named(
+    name: str, said: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    drawn: list[Figure] = []
+    save = Figure.savefig
+
+    def kept(figure: Figure, *where: Any, **how: Any) -> None:
+        drawn.append(figure)
+        save(figure, *where, **how)
+
+    monkeypatch.setattr(Figure, "savefig", kept)
+    entry = library.load(name)
+    task = make_task(entry.network, **{**entry.task(2 * np.eye(5) - 1), "duration": 1.0})
+    layer = 1 if said else 0
+    found = record(task, backends.get("reference"), 1.0, 2, layer)
+    draw_trace(found, [(0, 0)], "a title.", tmp_path / "x.png", task, layer)
+    assert drawn[0].get_suptitle() == f"a title. {said}".strip()
 
 
 def test_a_layer_that_is_not_there() -> None:
