@@ -36,9 +36,9 @@ CONTACTS = (30e-6, 50e-6, 70e-6, 100e-6, 120e-6, 140e-6)
 """What else it may have been."""
 
 
-FINENESS = 0.85
-"""Of the meshes: figures at the sensor then stand to a part in a thousand, ratios over a shear strain next to nothing
-to some hundredths; see Fig. 12."""
+FINENESS = 0.8
+"""Of the meshes: displacements at the sensor then stand to a part in ten thousand, strains to one in a thousand, ratios
+over a shear strain next to nothing to three; see Fig. 12."""
 
 
 @dataclass(frozen=True)

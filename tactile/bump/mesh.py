@@ -19,11 +19,6 @@ def plane_mesh(shape: Shape, fineness: float = 1.0, touching: bool = False, sens
     """The same with straight sides."""
     size = partial(shape.size, fineness=fineness, touching=touching, sensor=sensor)
     points, triangles = triangulate(shape.outline(), shape.inside, size)
-    # points along the arc are put on it exactly: the outline's polyline runs inside it by 1e-6
-    x, z = points.T
-    length = np.hypot(x, z)
-    on = (z < -shape.fillet * (1 - 1e-9)) & (np.abs(length - shape.radius) < 1e-4 * shape.radius)
-    points[on] *= (shape.radius / length[on])[:, None]
     return MeshTri(np.ascontiguousarray(points.T), np.ascontiguousarray(triangles.T))
 
 

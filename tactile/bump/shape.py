@@ -2,10 +2,12 @@
 
 import itertools
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from cnnsim.support import Flags, Floats, InputError
+from tactile.bump.triangulate import Side, straight
 
 
 @dataclass(frozen=True)
@@ -53,20 +55,20 @@ class Shape:
         """Half-width where the fillet meets the body's surface."""
         return self.waist + self.fillet
 
-    def outline(self) -> list[Floats]:
-        """The boundary of the half x >= 0 as polylines (n, 2) that join at its corners, the axis last."""
+    def outline(self) -> list[Side]:
+        """The boundary of the half x >= 0 as sides that join at its corners, the axis last."""
         edge, waist = np.arcsin(self.contact / self.radius), np.arccos(self.fillet / self.radius)
 
-        def arc(start: float, stop: float) -> Floats:
-            angle = np.linspace(start, stop, 400)
+        def arc(start: float, stop: float, share: Floats) -> Floats:
+            angle = start + (stop - start) * share
             return self.radius * np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
 
         corners = [(self.foot, 0.0), (self.reach, 0.0), (self.reach, self.thickness), (0.0, self.thickness)]
         lines = [((self.waist, -self.fillet), corners[0]), *itertools.pairwise(corners)]
         return [
-            arc(0.0, edge),
-            arc(edge, waist),
-            *(np.linspace(start, stop, 400) for start, stop in (*lines, (corners[-1], (0.0, -self.radius)))),
+            partial(arc, 0.0, edge),
+            partial(arc, edge, waist),
+            *(straight(start, stop) for start, stop in (*lines, (corners[-1], (0.0, -self.radius)))),
         ]
 
     def inside(self, points: Floats) -> Flags:
@@ -82,23 +84,23 @@ class Shape:
     ) -> Floats:
         """Wanted edge length [m]: fine where stress peaks, at the contact's edge and in the corner of the bump.
 
-        With ``touching`` fine all along the arc that a plate may come to touch; fine on the axis at the depth
-        ``sensor`` [m], where strains are read: what an element says of them is only as exact as it is small.
+        With ``touching`` fine all along the arc that a plate may come to touch. With ``sensor``, a depth [m] on the
+        axis where strains are read, fine there (what an element says of them is only as exact as it is small) and
+        still finer where stress has no bound, which spoils all: where the glued top ends, at both ends of the fillet,
+        and where the free side meets the fixed bottom.
         """
-        edge = np.array([self.contact, -np.sqrt(self.radius**2 - self.contact**2)])
-        finest = 0.01 * self.radius
+        edge, foot = np.array([self.contact, -np.sqrt(self.radius**2 - self.contact**2)]), np.array([self.foot, 0.0])
+        fine = [(edge, 0.01), (foot, 0.05)]  # and how fine, in radii
+        largest = self.thickness / 4
         if touching:
             angle = np.clip(np.arctan2(points[:, 0], -points[:, 1]), 0, 1.0)
-            edge, finest = self.radius * np.stack([np.sin(angle), -np.cos(angle)], axis=-1), 0.025 * self.radius
-        foot = np.array([self.foot, 0.0])
-        near = np.linalg.norm(points - edge, axis=-1), np.linalg.norm(points - foot, axis=-1)
-        corner = 0.05 * self.radius
-        if sensor is not None:  # where the glued top and the fillet end, stress has no bound: else it spoils all
-            finest, corner = (0.0005 * self.radius, 0.005 * self.radius) if not touching else (finest, corner)
-        wanted = np.minimum(finest + 0.2 * near[0], corner + 0.2 * near[1])
-        if sensor is not None:
-            wanted = np.minimum(wanted, 0.05 * self.radius + 0.2 * np.linalg.norm(points - (0.0, sensor), axis=-1))
-        return np.asarray(np.minimum(wanted, self.thickness / 4) / fineness)
+            fine[0] = self.radius * np.stack([np.sin(angle), -np.cos(angle)], axis=-1), 0.025
+        elif sensor is not None:
+            waist, bottom = np.array([self.waist, -self.fillet]), np.array([self.reach, self.thickness])
+            fine = [(edge, 0.0002), (waist, 0.002), (foot, 0.002), (bottom, 0.05), (np.array([0.0, sensor]), 0.005)]
+            largest = self.thickness / 12
+        wanted = [at * self.radius + 0.2 * np.linalg.norm(points - place, axis=-1) for place, at in fine]
+        return np.asarray(np.minimum(np.min(wanted, axis=0), largest) / fineness)
 
     def curved(self, points: Floats) -> Flags:
         """Which points (n, 2) lie on the hemisphere's arc."""

@@ -10,9 +10,17 @@ from cnnsim.support import Flags, Floats, Integers
 LARGEST = 0.75
 """Circumradius over wanted edge length above which a triangle gets a point; 0.58 is the equilateral triangle's."""
 
+Side = Callable[[Floats], Floats]
+"""A piece of a boundary: shares (n,) from 0 to 1 along it to points (n, 2)."""
+
+
+def straight(start: tuple[float, float], stop: tuple[float, float]) -> Side:
+    """The line between two points."""
+    return lambda share: np.stack([a + (b - a) * share for a, b in zip(start, stop, strict=True)], axis=-1)
+
 
 def triangulate(
-    outline: list[Floats], inside: Callable[[Floats], Flags], size: Callable[[Floats], Floats]
+    outline: list[Side], inside: Callable[[Floats], Flags], size: Callable[[Floats], Floats]
 ) -> tuple[Floats, Integers]:
     """Points (n, 2) and triangles (m, 3) of the region within a closed outline.
 
@@ -20,7 +28,7 @@ def triangulate(
     length apart, at least half a length from the boundary: no triangle gets thin. No corner of the region may be
     sharper than about 60 degrees.
 
-    Arguments: ``outline``: polylines (k, 2) that follow one another around the region, their ends its fixed points;
+    Arguments: ``outline``: sides that follow one another around the region, their ends its fixed points;
     ``inside``: which points lie in the open region; ``size``: wanted edge length at points.
 
     Source: Ruppert (1995), Delaunay refinement.
@@ -42,14 +50,18 @@ def triangulate(
     return points, triangles
 
 
-def _graded(line: Floats, size: Callable[[Floats], Floats]) -> Floats:
-    """Points along a polyline, each a wanted edge length from the next, both ends among them."""
-    step = np.linalg.norm(np.diff(line, axis=0), axis=1)
-    count = np.concatenate([[0.0], np.cumsum(step / size((line[1:] + line[:-1]) / 2))])
+def _graded(side: Side, size: Callable[[Floats], Floats]) -> Floats:
+    """Points along a side and on it, each a wanted edge length from the next, both ends among them."""
+    share = np.linspace(0, 1, 9)
+    while True:
+        points, middle = side(share), side((share[1:] + share[:-1]) / 2)
+        step = np.linalg.norm(np.diff(points, axis=0), axis=1) / size(middle)
+        if not (step > 0.5).any():
+            break
+        share = np.sort(np.concatenate([share, ((share[1:] + share[:-1]) / 2)[step > 0.5]]))
+    count = np.concatenate([[0.0], np.cumsum(step)])
     at = np.linspace(0, count[-1], max(2, int(np.ceil(count[-1])) + 1))
-    graded = np.stack([np.interp(at, count, column) for column in line.T], axis=-1)
-    graded[[0, -1]] = line[[0, -1]]
-    return graded
+    return side(np.interp(at, count, share))
 
 
 def _triangles(points: Floats, inside: Callable[[Floats], Flags]) -> Integers:

@@ -17,7 +17,7 @@ from tactile.bump.plate import Push, plate_constraint, respond, stiffness
 from tactile.bump.probe import Probe
 from tactile.bump.shape import Shape
 from tactile.bump.touch import lower
-from tactile.bump.triangulate import triangulate
+from tactile.bump.triangulate import straight, triangulate
 from tactile.elastic.gauss import gauss
 from tactile.elastic.medium import Felt, Medium
 from tactile.elastic.profiles import hertz_radius
@@ -33,7 +33,7 @@ def flat_mesh() -> MeshTri:
     """A layer of thickness 1 and radius 6 without a bump, fine around a disc of radius 0.3."""
     corners = [(0.0, 0.0), (0.3, 0.0), (6.0, 0.0), (6.0, 1.0), (0.0, 1.0), (0.0, 0.0)]
     points, triangles = triangulate(
-        [np.linspace(a, b, 300) for a, b in itertools.pairwise(corners)],
+        [straight(a, b) for a, b in itertools.pairwise(corners)],
         lambda p: np.asarray((p > 0).all(axis=1) & (p < (6, 1)).all(axis=1)),
         lambda p: np.minimum(0.02 + 0.12 * np.hypot(p[:, 0] - 0.3, p[:, 1]), 0.25),
     )
