@@ -58,9 +58,10 @@ def draw(ideal: Scan, noisy: Scan, path: Path) -> None:
             axes.plot(x, line[:, k] * 1e3, color=colour, label=name)
         for k in (0, 2):
             for at in {line[:, k].argmin(), line[:, k].argmax()} if k == 0 else {line[:, k].argmin()}:
-                axes.plot(x[at], line[at, k] * 1e3, "o", color="tab:red", fillstyle="none", markersize=9)
+                (circle,) = axes.plot(x[at], line[at, k] * 1e3, "o", color="tab:red", fillstyle="none", markersize=9)
+        circle.set_label("extremum")
         axes.set(title=title, xlabel="needle's x [µm]", ylabel="reading [‰]")
-        axes.legend()
+        axes.legend(loc="lower left")
     drawn.savefig(path, dpi=110)
 
 

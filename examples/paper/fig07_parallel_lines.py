@@ -91,9 +91,8 @@ def draw(trials: tuple[Trial, ...], path: Path) -> None:
     drawn, (panels,) = figure(3, size=(4.3, 4.4))
     for axes, trial, title in zip(panels, trials, titles, strict=True):
         for line, found in zip(trial.made.places, trial.located.places, strict=True):
-            true, located = axes.plot(*(line.T * 1e6), *(found.T * 1e6))
-            true.set(color="#f0c040", linewidth=2.4)
-            located.set(color="0.2", linewidth=0.6)
+            axes.plot(*(line.T * 1e6), color="#f0c040", linewidth=2.4)
+            axes.plot(*(found.T * 1e6), color="0.2", linewidth=0.6)
         x, y = trial.located.places.reshape(-1, 2).T * 1e6
         force = trial.located.force.ravel() * 1e3
         points = axes.scatter(x, y, s=np.clip(force, 0, 60), c=force, vmin=5, vmax=35, cmap="coolwarm", linewidth=0)
@@ -102,8 +101,8 @@ def draw(trials: tuple[Trial, ...], path: Path) -> None:
         axes.set(title=title, aspect="equal", xlim=(-330, 330), ylim=(330, -330), xlabel="x [µm]")
     panels[0].set_ylabel("y [µm]")
     drawn.colorbar(points, ax=panels, label="located force [mN], true: 20 mN")
-    drawn.legend((true, located), ("the needle", "where it is located"), loc="outside left upper")
-    drawn.suptitle(f"Where one taxel locates the needle on its lines to ±{HALF * 1e6:g} µm; circle: 150 µm")
+    lines = f"its lines to ±{HALF * 1e6:g} µm (yellow)"
+    drawn.suptitle(f"Where one taxel locates the needle (black) on {lines}; circle: 150 µm")
     drawn.savefig(path, dpi=110)
 
 

@@ -79,14 +79,15 @@ def draw(trials: tuple[tuple[Skin, Trial], ...], path: Path) -> None:
         line = len(trial.made.times) // 2
         t, x = trial.made.times[line] - trial.made.times[line].mean(), trial.made.places[line, :, 0] * 1e6
         axes.plot(t, x, color="0.7", label=f"true: {mm(SPEED)} mm/s")
-        for located, colour, speed in (
-            (trial.located, "tab:red", trial.speed),
-            (trial.mended, "tab:blue", trial.mended.speed(trial.made)),
+        for located, colour, depth, speed in (
+            (trial.located, "tab:red", DEPTH, trial.speed),
+            (trial.mended, "tab:blue", trial.depth, trial.mended.speed(trial.made)),
         ):
-            axes.plot(t, located.places[line, :, 0] * 1e6, ".", markersize=3, color=colour, label=f"{mm(speed)} mm/s")
+            said = f"located with depth {depth / DEPTH:.3g} z: {mm(speed)} mm/s"
+            axes.plot(t, located.places[line, :, 0] * 1e6, ".", markersize=3, color=colour, label=said)
         axes.axhspan(-NEAR * 1e6, NEAR * 1e6, color="0.95", zorder=0)
-        axes.set(title=f"{skin.name}: {trial.depth / DEPTH:.2f} z", xlabel="time [s]", ylim=(-1.2 * np.ptp(x) / 2, 350))
-        axes.legend()
+        axes.set(title=skin.name, xlabel="time [s]", ylim=(-1.2 * np.ptp(x) / 2, 350))
+        axes.legend(fontsize=8, loc="upper left")
     panels[0].set_ylabel("located x [µm]; grey band: the fit")
     drawn.savefig(path, dpi=110)
 

@@ -52,7 +52,7 @@ def draw(path: Path) -> None:
     body = answer.bodies[0]
     count, mesh = body.mesh.nvertices, body.mesh
     nodes = body.basis.nodal_dofs[:, :count]
-    figure, panels = plt.subplots(2, 2, figsize=(11, 8.4), sharex=True, sharey=True, layout="constrained")
+    figure, panels = plt.subplots(2, 2, figsize=(11, 7.4), sharex=True, sharey=True, layout="constrained")
     titles = ("load z", "load x")
     for row, (state, load) in zip(panels, zip(answer.states, titles, strict=True), strict=True):
         moved = state[nodes] * INDENTATION

@@ -77,7 +77,7 @@ def draw(path: Path) -> None:
         panels[0].plot(DEPTHS * 1e6, shifted[:, 0] * INDENTATION * 1e6, style, color="tab:red", label=f"shear, {name}")
         squeezed = answer.strain(below(DEPTHS))[0]
         panels[1].plot(DEPTHS * 1e6, squeezed[:, 1] * INDENTATION, style, color="tab:blue", label=name)
-        for contact, shade in zip(CONTACTS, plt.get_cmap("autumn")(np.linspace(0, 0.8, len(CONTACTS))), strict=True):
+        for contact, shade in zip(CONTACTS, plt.get_cmap("viridis")(np.linspace(0, 0.9, len(CONTACTS))), strict=True):
             sheared = loaded(contact, solid).strain(below(DEPTHS))[1]
             label = f"contact {contact * 1e6:.0f} µm" if not solid else None
             panels[2].plot(DEPTHS * 1e6, sheared[:, 0] * INDENTATION, style, color=shade, label=label)

@@ -27,7 +27,7 @@ def draw_trades(rows: Sequence[Point], axes: "Axes", title: str) -> None:
     time = [row.seconds * 1e6 for row in rows[1:]]
     axes.axvline(rows[0].seconds * 1e6, color="black", linewidth=1, linestyle=":", label="all effects on")
     axes.plot(time, [row.tolerance for row in rows[1:]], "_", color="black", markersize=14, label="asked for")
-    axes.plot(time, [row.bound for row in rows[1:]], "^", fillstyle="none", color="C1", label="bound")
+    axes.plot(time, [row.bound for row in rows[1:]], "^", fillstyle="none", color="C1", zorder=3, label="bound")
     axes.plot(time, [row.error for row in rows[1:]], "o", color="C0", label="error found, where not 0")
     axes.set(xscale="log", yscale="log", title=title)
     axes.set(xlabel="processor time of a frame of one finger [us]", ylabel="largest error over the peak")
