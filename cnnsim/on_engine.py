@@ -33,7 +33,7 @@ def run_on_engine(
     stored = {name: choices[name] for name in PLANES if is_stored(choices.get(name))}
     for name in stored.keys() - {"mask"}:  # above 0 is held there, whatever the numbers
         stored_plane(name, stored[name])
-    told = {name: np.broadcast_to(np.zeros(1), plane.shape) for name, plane in stored.items()}  # its shape is checked
+    told = {name: np.broadcast_to(np.ones(1), plane.shape) for name, plane in stored.items()}  # its shape is checked
     task = make_task(template, **{**choices, **told})
     if task.accuracy is not None:
         raise InputError("an accuracy on an engine: several runs are made; give scheme and step, or no engine")

@@ -1,6 +1,6 @@
 """The general method: which templates need it, and the scheme and step that it takes for them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
@@ -10,8 +10,8 @@ from cnnsim.network.characteristic import CLIP
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.network_modes import network_modes, step_bound
 from cnnsim.planning.scheme import ADAPTIVE, EULER, Scheme, find_scheme
-from cnnsim.planning.stability import fastest_turning, usual_scheme
-from cnnsim.planning.step import DEFAULT_STEP, check_whole_steps, divided, timed_step
+from cnnsim.planning.stability import fastest_turning, turning_from, usual_scheme
+from cnnsim.planning.step import DEFAULT_STEP, allowed_step, check_whole_steps, divided, timed_step
 from cnnsim.support import InputError
 
 
@@ -42,7 +42,7 @@ def check_grid(network: LayeredTemplate, grid: tuple[int, int]) -> None:
 
 def decide_general(
     network: LayeredTemplate, cell: Cell, why: str, scheme: str | None, step: float | None,
-    duration: Duration, periods: Sequence[float],
+    duration: Duration, periods: Sequence[float], grey: Callable[[], bool],
 ) -> tuple[Scheme | None, float, list[tuple[str, str]]]:  # fmt: skip
     """Return the scheme (None: discrete time, or adaptive), the step and the decisions of the general method.
 
@@ -63,9 +63,10 @@ def decide_general(
             raise InputError("the adaptive scheme runs for a number of time constants, without delays and sequences")
         return None, 1.0, [*decisions, ("adaptive", "DOP853 of scipy with relative tolerance 1e-10: a reference")]
     limit_of = partial(step_bound, network, cell.output, duration)
-    turning = fastest_turning(network_modes(network, cell.output), duration, DEFAULT_STEP)
+    modes = network_modes(network, cell.output)
+    turning = turning_from(partial(fastest_turning, modes, duration, allowed_step(step)), grey)
     if scheme is None and not delays:
-        table = usual_scheme(limit_of, DEFAULT_STEP, turning)
+        table = usual_scheme(limit_of, min(DEFAULT_STEP, allowed_step(step)), turning)
     else:
         table = EULER if scheme is None else find_scheme(scheme)
     h, reason = timed_step(table, step, limit_of(table), duration, delays, periods, turning)

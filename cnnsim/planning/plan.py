@@ -1,7 +1,7 @@
 """Plan: how a transient is computed, decided from its template, and what need not be computed at all."""
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Literal, get_args
@@ -23,8 +23,8 @@ from cnnsim.planning.duration import Duration
 from cnnsim.planning.general import check_grid, decide_general, why_general
 from cnnsim.planning.savings import Saving, halo_of_a_step, stepped_savings, steps_a_pass
 from cnnsim.planning.scheme import ADAPTIVE, Scheme, find_scheme
-from cnnsim.planning.stability import step_limit, turning_of, usual_scheme
-from cnnsim.planning.step import DEFAULT_STEP, check_count, check_step, divided, usual_step
+from cnnsim.planning.stability import step_limit, turning_from, turning_of, usual_scheme
+from cnnsim.planning.step import DEFAULT_STEP, allowed_step, check_count, check_step, divided, usual_step
 from cnnsim.support import Array, InputError
 from cnnsim.support.values import is_number
 
@@ -125,10 +125,12 @@ def make_plan(
     limit: float | None = None,
     without: Collection[str] = (),
     periods: Sequence[float] = (),
+    grey: Callable[[], bool] = lambda: False,
 ) -> Plan:
     """Decide how to run ``template`` on a grid of ``shape`` (..., rows, cols).
 
-    ``periods`` are the times for which planes are held that change with time (see `cnnsim.network.frames`).
+    ``periods`` are the times for which planes are held that change with time (see `cnnsim.network.frames`); ``grey``
+    tells whether the state holds cells that are not saturated, and is asked only where the scheme hangs on it.
 
     Without ``scheme`` and ``step`` the plan chooses: the closed form for uncoupled templates, else forward Euler with
     h = 0.1 or half the stability limit, whichever is less. ``without`` names savings (see `Saving`) not to use.
@@ -165,7 +167,7 @@ def make_plan(
 
     check_grid(network, grid)
     if why := why_general(template, kind, periods):
-        table, h, decisions = decide_general(network, kind, why, scheme, step, duration, periods)
+        table, h, decisions = decide_general(network, kind, why, scheme, step, duration, periods, grey)
         decisions.append(_stop_decision(duration, limit))
         return plan("general", table, h)
     assert isinstance(template, Template)
@@ -179,8 +181,12 @@ def make_plan(
         decisions.append(("adaptive", "DOP853 of scipy with relative tolerance 1e-10: a reference, not a fast method"))
         return plan("adaptive", None, 1.0)
     limit_of = partial(step_limit, template, boundary, duration)
-    turning = turning_of(template, boundary, duration, DEFAULT_STEP)
-    table = usual_scheme(limit_of, DEFAULT_STEP, turning) if scheme is None else find_scheme(scheme)
+    turning = turning_from(partial(turning_of, template, boundary, duration, allowed_step(step)), grey)
+    table = (
+        usual_scheme(limit_of, min(DEFAULT_STEP, allowed_step(step)), turning)
+        if scheme is None
+        else find_scheme(scheme)
+    )
     longest = limit_of(table)
     if step is None:
         h = usual_step(table, longest, turning)

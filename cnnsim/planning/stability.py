@@ -23,7 +23,10 @@ _NEUTRAL = 1e-6
 """A mode that decays by less than this part of its modulus neither decays nor grows."""
 
 RUSHED = 0.4
-"""Growth over frequency from which a mode saturates before it has turned far: 0.5 in waves of connected components."""
+"""Growth over frequency from which a mode that begins between saturated cells saturates before it has turned far.
+
+0.5 in waves of connected components, of which only the places at which they begin and end are not saturated.
+"""
 ASTRAY = 0.05
 """Part of a mode by which steps may make it too large."""
 
@@ -95,24 +98,37 @@ def limit_of(modes: Modes, duration: Duration, scheme: Scheme) -> float:
     return float(-np.log1p(-gain)) if gain < 1 else float("inf")
 
 
-def fastest_turning(modes: Modes, duration: Duration, step: float) -> float:
+def fastest_turning(modes: Modes, duration: Duration, step: float, *, grey: bool = False) -> float:
     """Return the |omega| of the fastest mode that Euler's steps do not follow, 0 if there is none.
 
     They make a mode that turns grow by h omega^2 / 2 a time constant too fast, until the run ends or the mode is e
-    times smaller or larger. What grows at more than `RUSHED` of its frequency is saturated before that tells.
+    times smaller or larger. What grows at more than `RUSHED` of its frequency is saturated before that tells, unless
+    the run begins from a ``grey`` state: whole groups of cells are linear then, and which way they saturate hangs on
+    how far they turn meanwhile. Of what grows at ``rate`` Euler's steps are late by h omega rate a time constant.
     """
     modes = modes[modes.imag != 0]
     omega, rate = np.abs(modes.imag), np.abs(modes.real)
-    turning = omega > rate * np.where(modes.real > 0, 1 / RUSHED, 1.0)
+    grows = modes.real > 0
+    turning = omega > rate * np.where(grows, 0.0 if grey else 1 / RUSHED, 1.0)
     longest = np.inf if duration == "settled" else float(duration)
     lasts = np.minimum(longest, 1 / np.maximum(rate, 1e-300))
-    return float(omega[turning & (step * omega**2 / 2 * lasts > ASTRAY)].max(initial=0.0))
+    late = np.maximum(omega / 2, np.where(grows & grey, rate, 0.0)) * omega * step
+    return float(omega[turning & (late * lasts > ASTRAY)].max(initial=0.0))
 
 
 @lru_cache(maxsize=128)
-def turning_of(template: Template, boundary: Boundary, duration: Duration, step: float) -> float:
+def turning_of(template: Template, boundary: Boundary, duration: Duration, step: float, *, grey: bool = False) -> float:
     """Return the |omega| of the fastest mode of a linear template that Euler's steps do not follow."""
-    return fastest_turning(modes_of(template, boundary), duration, step)
+    return fastest_turning(modes_of(template, boundary), duration, step, grey=grey)
+
+
+def turning_from(turning: Callable[..., float], grey: Callable[[], bool]) -> float:
+    """Return the |omega| that ``turning`` (with ``grey``, as `fastest_turning`) gives for the state of a run.
+
+    The state is looked at only where that makes a difference: it may be large.
+    """
+    either, most = turning(grey=False), turning(grey=True)
+    return most if most > either and grey() else either
 
 
 def usual_scheme(limit: Callable[[Scheme], float], step: float, turning: float) -> Scheme:

@@ -16,6 +16,11 @@ MOST_STEPS = 10**12
 """Steps of a transient: more would take years on the smallest of grids."""
 
 
+def allowed_step(step: float | None) -> float:
+    """Return the step whose errors decide on the scheme: the one asked for, or the longest that is chosen."""
+    return step if is_number(step) and 0 < step < inf else DEFAULT_STEP
+
+
 def usual_step(scheme: Scheme, longest: float, turning: float) -> float:
     """Return the step where none is asked for: half of what is stable, a sixth with schemes of order 4.
 

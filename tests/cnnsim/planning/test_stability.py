@@ -87,6 +87,7 @@ def test_strong_oscillations_are_followed_not_only_kept_stable(seed: int) -> Non
     [
         (3, 0, 1, 3.0), (3, 0, 1.5, 3.0), (2, -2, 1, 3.0), (1, 0, 1, 30.0), (0.3, 0, 1, 30.0), (12, 0, 1, 2.0),
         (2, 0, 0, 2.0), (2, 0, 0, 1.0), (1, 0, 0, 3.0), (3, 0, 0.9, 3.0),
+        (1, 0, 2, 1.0), (1, 0, 2, 3.0), (1, 0, 2, 30.0), (0.5, 0, 2, 30.0), (1, 0, 3, 30.0), (2, 0, 3, 30.0),
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("kind", ["A", "term"])
@@ -122,3 +123,38 @@ def test_waves_that_saturate_before_they_turn_keep_the_quicker_scheme(name: str)
     for duration in ("settled", 3.0, 30.0):
         plan = make_plan(entry.template, (16, 16), entry.boundary, duration=duration)
         assert plan.scheme is EULER
+
+
+@pytest.mark.parametrize("kind", ["A", "term"])
+def test_what_grows_fast_is_followed_from_grey_alone(kind: str) -> None:
+    """A of connected components: waves between saturated cells end as they should, a grey start may end otherwise."""
+    A = [[0, 0, 0], [1, 2, -1], [0, 0, 0]]
+    template = Template(A) if kind == "A" else Template([[0.0]], terms=[Term(A)])
+    black = np.random.default_rng(3).random((12, 12)) > 0.5
+    chosen = {}
+    for name, x in (("black and white", np.where(black, 1.0, -1.0)), ("grey", np.where(black, 0.2, -0.2))):
+        ours = run_transient(template, state=x, boundary=fixed(0), duration=30.0)
+        exact = run_transient(
+            Template(A), state=x, boundary=fixed(0), duration=30.0, scheme="adaptive", backend="reference"
+        )
+        assert np.array_equal(np.sign(ours.x), np.sign(exact.x))
+        assert ours.plan.scheme is not None
+        chosen[name] = ours.plan.scheme.name
+    assert chosen == {"black and white": "euler", "grey": "rk4"}
+    euler = run_transient(template, state=x, boundary=fixed(0), duration=30.0, scheme="euler", step=0.1)
+    assert not np.array_equal(np.sign(euler.x), np.sign(exact.x))
+
+
+@pytest.mark.parametrize("kind", ["A", "term"])
+def test_a_short_step_that_is_asked_for_lets_the_cheaper_scheme_stand(kind: str) -> None:
+    """It turns at 6: by h omega^2 / 2 a time constant Euler's steps of 0.002 make it 7 % too large in two of them."""
+    template = Template(TURNING) if kind == "A" else Template([[0.0]], terms=[Term(TURNING)])
+    x = np.random.default_rng(0).uniform(-0.3, 0.3, (16, 16))
+    exact = run_transient(
+        Template(TURNING), state=x, boundary=fixed(0), duration=2.0, scheme="adaptive", backend="reference"
+    )
+    for step, name in ((0.05, "rk4"), (0.01, "rk4"), (0.002, "euler"), (0.0005, "euler")):
+        ours = run_transient(template, state=x, boundary=fixed(0), duration=2.0, step=step)
+        assert ours.plan.scheme is not None
+        assert ours.plan.scheme.name == name
+        assert np.abs(ours.x - exact.x).max() < 0.07 * np.abs(exact.x).max()

@@ -88,7 +88,7 @@ def broken(tmp_path: Path, number: int, change: Callable[[str], str]) -> Path:
         (6, lambda _: "# rows = 2.5", "finger 1: rows = 2.5, a whole number"),
         (6, lambda _: "# row = 2", "unknown key 'row'.*; did you mean 'rows'"),
         (6, lambda _: "# rows 2", "not TOML"),
-        (11, lambda _: '# quantity = "volts"', "quantity 'volts', one of strain"),
+        (11, lambda _: '# quantity = "volts"', "quantity = 'volts', one of strain"),
     ],
 )
 def test_broken_csv_names_file_and_line(
