@@ -77,6 +77,7 @@ class Finger:
         self._saturated: Flags | None = None
         self._nothing = np.full((1, 1, 3) if self._inverse is not None else (*array.shape, 3), np.nan)
         self._noise: Noise | None = None
+        self._early: Floats | None = None
         self._offset: Floats | None = None
         self._per_sigma: Floats | None = None
         self._slid = self._pressed = -np.inf
@@ -86,7 +87,7 @@ class Finger:
     def calibrate(self, raw: Frame) -> Frame:
         """Return the frame less its tare, times the gains."""
         frame = self.tare(raw)
-        if self.tare.noise is not self._noise:
+        if self.tare.noise is not self._noise or (self._noise is None and self.tare.early is not self._early):
             self._set_noise()
         for note in self.tare.notes:
             if note.offset is not None:
@@ -102,9 +103,12 @@ class Finger:
         if noise is not None and self._gains is not None:
             sigma, jitter, typical = (self._gains.spread(one) for one in (noise.sigma, noise.jitter, noise.typical))
             noise = replace(noise, sigma=sigma, jitter=jitter, typical=typical)
+        self._early = early = self.tare.early
+        if early is not None and self._gains is not None:
+            early = self._gains.spread(early)
         shear = None if self._signs else self._settings.shear
-        array = self.array
-        self.levels = levels(array.shape, array.quantity, self._settings.sigmas, shear, self._settings.contact, noise)
+        array, chosen = self.array, self._settings
+        self.levels = levels(array.shape, array.quantity, chosen.sigmas, shear, chosen.contact, noise, early)
         self._signals.set_noise(noise, self.levels)
         self._left_out: Flags = np.zeros(array.shape, bool) if noise is None else noise.left_out
         self._none_left_out = not self._left_out.any()

@@ -13,7 +13,7 @@ from tactile.calibration.stillness import MUCH, NEWEST, begins, judge
 from tactile.calibration.tare_check import PARTS, TareCheck, check_tare
 from tactile.calibration.taxel_gains import TaxelGains
 from tactile.core.frame import NORMAL, Frame, TaxelArray
-from tactile.core.noise import Noise, measured
+from tactile.core.noise import Noise, early_noise, measured
 from tactile.thresholds.threshold import CONTACT, SHEAR
 
 TareMode = Literal["auto", "manual", "off"] | int
@@ -72,6 +72,7 @@ class LiveTare:
     ) -> None:  # fmt: skip
         self.notes: list[TareNote] = []
         self.noise: Noise | None = None
+        self.early: Floats | None = None
         self._finger, self._seconds, self._array, self._gains = finger, seconds, array, gains
         self._frames = 0 if isinstance(mode, str) else mode
         self._mode = "off" if mode == 0 else mode
@@ -89,6 +90,7 @@ class LiveTare:
         self._offset: Floats | None = np.zeros((*array.shape, 3)) if self._mode == "off" else None
         self._asked = self._forced = self._said_negative = False
         self._start: Floats | None = None
+        self._early_wanted = True
         self._block: list[Floats] = []
         self._since = 0.0
         self._touched = self._renewed = -np.inf
@@ -118,6 +120,11 @@ class LiveTare:
         if not self._block:
             self._since = frame.t
         self._block.append(values)
+        if self._early_wanted and len(self._block) == 2:
+            self._early_wanted = False
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", RuntimeWarning)  # of taxels without readings
+                self.early = early_noise(*self._block)
         counted = self._frames and self._offset is None
         if len(self._block) == self._frames if counted else self._full(frame.t):
             with warnings.catch_warnings():

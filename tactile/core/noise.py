@@ -20,6 +20,8 @@ UNLIKE = 2.0
 """From so many times the median taxel's noise a taxel has one of its own."""
 STRIKING = 6.0
 """Sigma from which a reading is no noise: one of 768 is as large by chance in one frame of a million."""
+MANY = 64
+"""Taxels from which on two frames tell the noise: to a tenth."""
 BLOCKS = 20
 """The median taxel's noise is the mean over so many blocks."""
 
@@ -100,6 +102,18 @@ def measured(block: Floats) -> Noise:
     typical = np.nan_to_num(_median(alive.reshape(-1, 3).T))
     calm = _median(jitter.reshape(-1, 3).T) * 2 / 3
     return Noise(np.maximum(sigma, typical * 2 / 3), np.maximum(jitter, calm), dead, typical)
+
+
+def early_noise(before: Floats, now: Floats) -> Floats | None:
+    """Return sigma (rows, cols, 3) of two frames that follow one another, the same for all taxels; None of few taxels.
+
+    It is the robust deviation over the taxels of how far the frames differ: what presses on some of them is left out,
+    and so are offsets. A component in which most taxels repeat themselves has none.
+    """
+    if before[..., 0].size < MANY:
+        return None
+    steps = np.ascontiguousarray((now - before).reshape(-1, 3).T)
+    return np.broadcast_to(_spread(steps - _median(steps)[:, None]) / np.sqrt(2), before.shape)
 
 
 def spread(block: Floats) -> Floats:
