@@ -28,12 +28,22 @@ from tactile.inverse.load import Load
 from tactile.inverse.localise import localise
 from tactile.inverse.point import NO_LOAD, OnePoint
 from tactile.inverse.summed import summed
+from tactile.inverse.validity import Validity
 from tactile.inverse.weights import weigh
 from tactile.settings import Settings
 from tactile.texture.figures import Texture, TextureFigures
 from tactile.thresholds.levels import levels
 from tactile.thresholds.threshold import CONTACT, SIGN
 
+HIDDEN = 6.0
+"""A located load is a contact from so many times the force on that a taxel right under it would feel.
+
+Loads of less lie nearer than a depth to some taxel of arrays that are less than 1.2 depths apart, which feels them.
+"""
+BEARING = 3
+"""Taxels that have to agree on it: one alone locates what its noise says."""
+FELT = 1 / 4
+"""Of a plane in the binary scale: on."""
 STILL = 0.6
 """[s] without any sign of sliding after which nothing slides."""
 APART = 0.1
@@ -80,6 +90,9 @@ class Finger:
         self._early: Floats | None = None
         self._offset: Floats | None = None
         self._per_sigma: Floats | None = None
+        from tactile.events.signals.step_numba import binary  # numba is slow to import
+
+        self._binary = binary
         self._slid = self._pressed = -np.inf
         self._travels, self._all_used = False, True
         self._set_noise()
@@ -113,6 +126,8 @@ class Finger:
         self._left_out: Flags = np.zeros(array.shape, bool) if noise is None else noise.left_out
         self._none_left_out = not self._left_out.any()
         self._floor = float(np.median(self.levels.off[..., 2]))
+        under = HIDDEN * self._newtons / (2 if array.quantity == "strain" else 1)  # 3 / (2 pi) F / (E z^2), eq. (1)
+        self._hidden = self._floor * under, float(np.median(self.levels.on[..., 2])) * under
         levels_of = None if noise is None else noise.levels
         known = None if levels_of is None or self._inverse is None else levels_of * self._newtons
         known = known if known is not None and (known > 0).all() else None
@@ -157,6 +172,8 @@ class Finger:
             self._whole.take_load(frame.t, load)
             self._signals.put_load(self._whole)
         planes = self._signals.planes
+        if self._inverse is not None and self._hidden[0] < load.F:
+            self._feel_hidden(load, planes[2], use)
         array, pool = self.array, self._pool
         if self._signs:
             signs = encode(frame, array.quantity, SIGN, BINARY)
@@ -180,6 +197,20 @@ class Finger:
         if pool.black("in_contact"):
             self.tare.touched(frame.t)
         return found
+
+    def _feel_hidden(self, load: Load, pressing: Floats, use: Flags) -> None:
+        """Write contact into the plane ``pressing`` (rows, cols) where a firm load lies at which no taxel feels it.
+
+        sqrt(2) depths from a load the normal signal is 0, so one amid four taxels may press as hard as it likes; their
+        shear locates it all the same.
+        """
+        x, y = load.x - self.array.origin[0], load.y - self.array.origin[1]
+        amid = abs(x) <= self._half[0] and abs(y) <= self._half[1]
+        known = load.taxels >= BEARING and load.validity in (Validity.INSIDE, Validity.OUTSIDE)
+        if pressing.max() > FELT or not (amid and known and use.any()):
+            return
+        away = np.where(use, np.hypot(self._positions[..., 0] - load.x, self._positions[..., 1] - load.y), np.inf)
+        pressing.flat[int(away.argmin())] = self._binary(load.F, *self._hidden)
 
     def feel(self, frame: Frame, load: Load) -> TextureFigures:
         """Return the texture figures after this frame: of every taxel that measures force, else of the located load.
