@@ -75,13 +75,15 @@ class Repeatable:
         return Reached(x, outcome.t, outcome.settled, outcome.rate, 0.0, nowhere, self.plan, how)
 
     def pushed(self, where: Backend, roundings: float, number: int = 0) -> Array:
-        """Return the state with each cell pushed by so many roundings of a backend's numbers, this way or that."""
-        state = self.planes[0]
+        """Return the state with each free cell pushed by so many roundings of a backend's numbers, this way or that."""
+        state, held = self.planes[0], self.planes[3]
         signs = _signs(state.shape) if number % 2 else _signs(state.shape)[..., ::-1]
         moved: Array = np.abs(state)
         np.maximum(moved, 1.0, out=moved)
         moved *= signs
         moved *= roundings * float(np.finfo(where.dtype).eps)
+        if held is not None:
+            moved[held] = 0
         moved += state
         return moved.clip(-1, 1) if self.plan.cell == "full-range" else moved
 
@@ -109,9 +111,8 @@ class Repeatable:
     def _placed(self) -> bool:
         """Whether weights belong to places of the grid, or layers make grids of windows ambiguous."""
         network = self.plan.network
-        return network is not None and (
-            len(network.layers) > 1 or any(term.weights.ndim == 4 for layer in network.layers for term in layer.terms)
-        )
+        layers = (self.plan.template,) if network is None else network.layers
+        return len(layers) > 1 or any(term.weights.ndim == 4 for layer in layers for term in layer.terms)
 
     def _places(self, number: int) -> list[tuple[int, int, int]]:
         """Return (grid, row, column) of the windows' corners."""

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from cnnsim import InputError, Template, explain, fixed, library, load_program, run, run_program, run_transient
+from cnnsim import InputError, Template, Term, explain, fixed, library, load_program, run, run_program, run_transient
+from cnnsim.accuracy import repeatable
 from cnnsim.backends import NAMES
 from cnnsim.cli.group import main
 from cnnsim.library.write import template_text
@@ -158,3 +159,35 @@ def test_the_command_shows_what_accuracy_costs(tmp_path: Path) -> None:
     assert (tmp_path / "a.png").stat().st_size > 10_000
     run_it = CliRunner().invoke(main, ["explain", "diffusion", "--accuracy", "1e-6", "--size", "8x8"])
     assert "accuracy 1e-06" in run_it.output
+
+
+@pytest.mark.parametrize("accuracy", [1e-2, "binary"])
+@pytest.mark.parametrize("terms", [(), (Term(0.1, "x_kl"),)], ids=["linear", "with a term"])
+@pytest.mark.parametrize("shape", [(9, 11), (2, 9, 11)], ids=str)
+def test_held_cells_keep_their_state_to_the_bit(shape: tuple[int, ...], terms: Any, accuracy: Any) -> None:
+    rng = np.random.default_rng(4)
+    state, mask = rng.uniform(-1, 1, shape).astype(np.float32), rng.random(shape) < 0.3
+    state[mask & (rng.random(shape) < 0.5)] = 0  # which has no sign, and is to get none
+    template = Template([[0, 0.4, 0], [0.3, 1.6, -0.5], [0, 0.4, 0]], 0.0, 0.1, terms=terms)
+    found = run_transient(template, state=state, mask=mask, duration=2.0, accuracy=accuracy)
+    assert np.array_equal(found.x[mask].astype(np.float32), state[mask])
+    assert not np.array_equal(found.x[~mask], state[~mask])
+
+
+@pytest.mark.parametrize("backend", ["reference", "cpu"])
+def test_weights_that_belong_to_places_take_no_sample(backend: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also those of a term of the input alone, which leaves the template to the methods for linear ones."""
+    monkeypatch.setattr(repeatable, "LEAST_CELLS", 1000)
+    rng = np.random.default_rng(5)
+    x, u = rng.uniform(-1, 1, (2, 40, 41))
+    template = Template(
+        [[0, 0.2, 0], [0.1, 0.9, 0.2], [0, 0.3, 0]],
+        0.3,
+        0.1,
+        terms=[Term(rng.uniform(-0.2, 0.2, (3, 3, 40, 41)), "u_kl")],
+    )
+    task: dict[str, Any] = {"state": x, "input": u, "duration": 1.5, "backend": backend}
+    found = run_transient(template, accuracy=1e-2, **task)
+    fine = run_transient(template, scheme="rk4", step=0.005, **task)
+    assert np.abs(found.x - fine.x).max() <= 1e-2
+    assert "chosen on" not in found.how
