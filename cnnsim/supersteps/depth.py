@@ -26,7 +26,7 @@ class Depth:
 
     def steps(self, left: int) -> int:
         """Return how many steps to take of those that are ``left``; the same in all supersteps, as far as they go."""
-        if self._fixed or self._every is not None:
+        if self._fixed or self._every is not None or not left:
             return min(self._fixed or self._steps, left)
         return math.ceil(left / math.ceil(left / self._steps))
 

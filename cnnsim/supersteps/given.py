@@ -26,7 +26,10 @@ Planes = dict[str, Any]
 def run_digest(plan: Plan, planes: Planes, place: Place) -> str:
     """Return what tells a run from others: its numbers, its planes, and where it is computed."""
     told = sha256()
-    for name in ("template", "network", "boundary", "cell", "method", "duration", "limit", "scheme", "step", "shape"):
+    for name in (
+        "template", "network", "boundary", "cell", "characteristic", "method", "duration", "limit", "scheme", "step",
+        "shape",
+    ):  # fmt: skip
         _add(told, getattr(plan, name))
     _add(told, (place.backend, place.dtype))
     _add_planes(told, planes)

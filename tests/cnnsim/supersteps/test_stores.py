@@ -75,6 +75,25 @@ def test_a_store_of_something_else_is_refused(tmp_path: Path) -> None:
         cnnsim.run_transient(MIXED, **{**task, "engine": one(store=tmp_path / "other")})
 
 
+def test_the_store_of_another_characteristic_is_refused(tmp_path: Path) -> None:
+    task: dict[str, Any] = {"state": X, "input": U, "duration": 0.2, "step": 0.1, "engine": one(side=20, depth=1)}
+    cnnsim.run_transient(MIXED, cell=Cell("chua-yang", TANH), store=tmp_path / "store", **task)
+    for slope in (0.5, 3):
+        with pytest.raises(InputError, match="has the store of another run"):
+            cell = Cell("chua-yang", Characteristic(slope=slope))
+            cnnsim.run_transient(MIXED, cell=cell, store=tmp_path / "store", **task)
+
+
+@pytest.mark.parametrize("time", [0.0, 0.2])
+def test_a_run_of_a_known_time_that_has_ended_is_found_again(tmp_path: Path, time: float) -> None:
+    task: dict[str, Any] = {"state": X, "input": U, "duration": time, "boundary": "periodic"}
+    whole = cnnsim.run_transient(MIXED, **task)
+    for _ in range(2):
+        again = cnnsim.run_transient(MIXED, engine=one(side=20), store=tmp_path / "store", **task)
+        assert again.x.tobytes() == whole.x.tobytes()
+        assert again.t == time
+
+
 def test_what_cannot_be_cut_is_refused() -> None:
     delayed = Template(1.0, terms=[Term([[0.1]], "y_kl", delay=0.5)])
     with pytest.raises(InputError, match="has delays, which reach into the past; no engine wanted"):
