@@ -13,24 +13,25 @@ class Load:
 
     ``sigma``: standard deviations of (x, y, Q, R, F) [m, m, N, N, N], from the noise of the signals, the geometry and
     what the load leaves unexplained; infinite where the taxels cannot tell (the component is NaN then, and F holds if
-    it is zero). ``scatter``: those from noise and geometry alone, which is by how much the answer changes from frame to
-    frame; the rest of ``sigma`` is alike in all frames of a contact. ``misfit``: share of
-    the signals, as root mean squares, that neither this load and ``others`` nor the noise explain. ``taxels``: how
-    many were used; ``left_out``: (row, column) of taxels that contradict all others, or of which one reading does,
-    which is not used; ``saturated`` of those that are
-    at the end of their range and not used, or of which the largest reading is not, since all others say that it is cut
-    off. ``validity``: INSIDE or OUTSIDE as seen from the nearest taxel, AMBIGUOUS where another place fits about as
-    well, where a taxel may read falsely or feel another load, where the place is known to half a depth only, or hangs
-    on what the load leaves unexplained (`tactile.inverse.steadiness`), NOT_ONE where no few point loads fit, NO_LOAD
-    or INVALID without an answer. ``others``: further loads
-    at the same time, the strongest first. ``torque`` [N m] about the place, from x to y, where taxels measure forces;
-    NaN where it is not known.
+    it is zero). ``scatter``: those from noise and geometry alone, by which the answer changes from frame to frame; what
+    ``sigma`` has beyond is alike in all frames of a contact. ``misfit``: share of the signals, as root mean squares,
+    that neither this load and ``others`` nor the noise explain. ``taxels``: how many were used; ``left_out``: (row,
+    column) of taxels that contradict all others, or of which one reading does, which alone is not used; ``saturated``
+    of those that are at the end of their range and not used, or of which the largest reading is not, since all others
+    say that it is cut off. ``validity``: INSIDE or OUTSIDE as seen from the nearest taxel, AMBIGUOUS where another
+    place fits about as well, where a taxel may read falsely or feel another load, where the noise lets the place be
+    known to half a depth only, or it hangs on what the load leaves unexplained (`tactile.inverse.steadiness`), NOT_ONE
+    where no few point loads fit, NO_LOAD or INVALID without an answer. ``others``: further loads at the same time, the
+    strongest first. ``torque`` [N m] about the place, from x to y, where taxels measure forces; NaN where it is not
+    known.
 
-    What no reading contradicts no deviation can count. Of four taxels two depths apart the strongest is nearly alone:
-    an error there moves the place by up to a hundred times what it leaves unexplained, and below that noise it is not
-    seen. Where nobody knows the noise (without a tare) what is left is taken for noise, save for one reading that
-    stands out: a cover half as thick as is thought, a wide tip or a weak second load then lie beyond five deviations
-    in one frame of five.
+    Where the noise is known (a quiet second at the start, `LiveTare`) what is left beyond it counts in full, whatever
+    it comes from: a false reading, a second load too weak or too near to be told, a cover thinner than is thought, a
+    wide tip. Of layers of 1 to 2 depths read as a half-space all are noticed on 2 x 2 to 8 x 8 taxels with noise of up
+    to a hundredth of the signal, and 1 % lie beyond five deviations. Two limits the data set. Where nobody knows the
+    noise, what is left passes for it on less than 25 taxels, but for a single reading that stands out: beyond five
+    deviations lie then 14 % of such layers, 11 % of second loads of 5 to 10 %. And where the load hangs on one taxel,
+    on pads two depths apart, an error in it leaves a hundredth of itself elsewhere: below the noise it is not seen.
     """
 
     x: float = NAN
