@@ -87,13 +87,15 @@ class Field:
             at_once=method.name != "fft",
         )
 
-    def again(self, accuracy: float) -> "Field":
-        """The same, with what was computed of it; its values may be written into.
+    def again(self, accuracy: float, first: int, times: Floats) -> "Field":
+        """The same at some of its times, from frame ``first`` on, with what was computed; values may be written into.
 
         ``accuracy``: of what effects make of it, for which nothing is computed yet.
         """
-        made = replace(self, accuracy=accuracy)
-        made.__dict__.update(loads=self.loads, values=self.values.copy())
+        made = replace(self, accuracy=accuracy, first=first, times=times)
+        part = slice(first, first + len(times))
+        loads = self.loads if len(times) == len(self.times) else self.loads.of_frames(part)
+        made.__dict__.update(loads=loads, values=self.values[part].copy())
         return made
 
 

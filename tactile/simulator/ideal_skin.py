@@ -78,8 +78,8 @@ class IdealSkin:
         """The field for pieces (first frame, times), computed or kept."""
         kept = self._kept.get(finger)
         for first, piece in times:
-            if kept is not None and first == 0 and np.array_equal(kept.times, piece):
-                yield kept.again(self.accuracy)
+            if kept is not None and np.array_equal(kept.times[first : first + len(piece)], piece):
+                yield kept.again(self.accuracy, first, piece)
             else:
                 yield self.field(finger, piece, first)
 

@@ -25,7 +25,7 @@ RAISED = 4
 class Extremes:
     """``seen``, ``slopes``: bounds of the ideal readings and of how fast they change from place to place.
 
-    ``peaks``, ``where``: of every channel, with its frame; ``whole``: the field, where it is one piece; ``raised``:
+    ``peaks``, ``where``: of every channel, with its frame; ``whole``: the field of a short scene; ``raised``:
     the peaks where what shakes contacts raises them.
     """
 
@@ -104,10 +104,12 @@ def extremes(scene: Scene, finger: int, rises: Rises = ()) -> Extremes:
     channels = array.rows * array.cols * 3
     peaks, where, ends, last = np.zeros(channels), np.zeros(channels, np.int64), np.zeros(3), np.empty(0)
     whole, slopes, raised = None, None, RaisedPeaks(rises, channels)
-    if len(pieces := list(scene.skin.pieces(finger))) == 1:
-        whole = scene.skin.field(finger, pieces[0][1])
-        if points_alone(whole):
-            slopes = point_extremes(whole, peaks, where, ends)
+    pieces = list(scene.skin.pieces(finger))
+    every = scene.skin.field(finger, pieces[0][1] if len(pieces) == 1 else np.arange(scene.samples) / scene.rate)
+    if alone := points_alone(every):
+        slopes = point_extremes(every, peaks, where, ends)
+    if alone or len(pieces) == 1:
+        whole = every
     if slopes is None:
         near, fields = NearLoads(scene.skin.taxels(finger)), 0
         for field in [whole] if whole else scene.skin.fields(finger, pieces):

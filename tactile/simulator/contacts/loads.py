@@ -49,6 +49,16 @@ class Loads:
     discs: tuple[Disc, ...] = ()
     twists: tuple[Twist, ...] = ()
 
+    def of_frames(self, part: slice) -> "Loads":
+        """Those of some of the frames."""
+        return Loads(
+            self.totals[part],
+            self.points[part],
+            self.owner,
+            tuple(replace(one, loads=one.loads[part], radii=one.radii[part]) for one in self.discs),
+            tuple(replace(one, twists=one.twists[part], radii=one.radii[part]) for one in self.twists),
+        )
+
 
 def point_loads(rows: Floats) -> Loads:
     """One contact that acts at a point: ``rows`` (frames, 5)."""
