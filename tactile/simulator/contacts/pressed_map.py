@@ -21,6 +21,8 @@ MOST = 1 << 15
 """Cells at most on which a map is solved, unless it has more itself."""
 FINER = 4.0
 """Times, at most, by which cells get smaller at once: what is known of the contact is as coarse as its cells are."""
+SHALLOWEST = 1e-6
+"""Of a cell's width: the shallowest indentation that is looked for, well above the rounding of heights."""
 SEARCH = 60
 """Steps for the indentation under a force; half a dozen are usual."""
 
@@ -53,8 +55,8 @@ def press(heights: Floats, pitch: float, medium: Medium, most: float, by_depth: 
     surface, parts = HeightSurface(heights, pitch), 1
     deepest = max(most, 1e-9) * 1.05 if by_depth else pitch / 100
     while True:
-        if not by_depth:
-            deepest = _depth_of(surface, parts, medium, max(most, 1e-12), deepest)
+        if most > 0 and not by_depth:
+            deepest = _depth_of(surface, parts, medium, most, deepest)
         grid = surface.grid(deepest, parts)
         across = radius_in_cells(grid.contact(medium).pressed(deepest) > 0)
         finest = max(1, int(np.sqrt(MOST / grid.size) * parts))
@@ -84,7 +86,7 @@ def _depth_of(surface: HeightSurface, parts: int, medium: Medium, force: float, 
     deep, power, low, high = start, 1.5, (0.0, 0.0), np.inf
     for _ in range(SEARCH):
         got = surface.force(deep, parts, medium)
-        if force <= got <= 1.1 * force:
+        if force <= got <= 1.1 * force or (got > force and deep <= SHALLOWEST * surface.pitch):
             break
         if got < force and deep >= 0.999 * medium.thickness:
             deep = medium.thickness  # goes through, which is refused where it is pressed
@@ -98,7 +100,7 @@ def _depth_of(surface: HeightSurface, parts: int, medium: Medium, force: float, 
         after = deep * min(max((1.05 * force / max(got, 1e-300)) ** (1 / power), 0.25), 4.0)
         if np.isfinite(high) and not low[0] < after < high:
             after = np.sqrt(max(low[0], high / 16) * high)
-        deep = min(float(after), 0.999 * medium.thickness)
+        deep = min(max(float(after), SHALLOWEST * surface.pitch), 0.999 * medium.thickness)
     return deep
 
 

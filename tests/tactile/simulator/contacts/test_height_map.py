@@ -1,5 +1,7 @@
 """Bodies as height maps: against the exact laws of round bodies, on half-space and layer, and from STL files."""
 
+import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -7,14 +9,22 @@ import pytest
 from numpy.typing import NDArray
 
 from cnnsim.support import InputError
+from tactile.core.frame import TaxelArray
+from tactile.elastic.layer_loads import layered_load
 from tactile.elastic.medium import Medium
 from tactile.elastic.rough_contact import RoughContact
+from tactile.simulator.contacts.fewer_points import fewer_points
 from tactile.simulator.contacts.height_map import HeightMap
+from tactile.simulator.contacts.height_surface import refined
 from tactile.simulator.contacts.heights import cast_heights, read_heights, read_stl
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.rig import Rig
+from tactile.simulator.effects.finite_thickness import FiniteThickness
+from tactile.simulator.explain import explain
 from tactile.simulator.field import field_at
+from tactile.simulator.scene.model_range import out_of_range
+from tactile.simulator.scene.scene import Scene
 from tactile.simulator.scene_file.file import scene_from
 
 R, SIDE = 5e-3, 41
@@ -41,6 +51,104 @@ def test_a_ball_is_hertz_or_the_layers_law(thickness: float) -> None:
     smooth = MovingContact(0, ball, np.array(path)).loads(np.zeros(1), 1e-3, medium)
     felt, known = (field_at(at, 1e-3, loads, medium)[0] for loads in (mapped, smooth))
     assert np.abs(felt - known).max() < 5e-3 * np.abs(known).max()
+
+
+def paraboloid(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray((x**2 + y**2) / 2 / R)
+
+
+def hills(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(paraboloid(x, y) / 4 + 4e-5 * (1 - np.cos(2094 * x) * np.cos(1848 * (y + 3e-4))))
+
+
+def two_balls(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.minimum(paraboloid(x - 1.3e-3, y), paraboloid(x + 1.5e-3, y - 4e-4) + 2e-5)
+
+
+def cells(count: int, pitch: float, off: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    along = (np.arange(count) - (count - 1) / 2) * pitch
+    x, y = np.meshgrid(along + off * pitch, along - off * pitch)
+    return x, y
+
+
+@pytest.mark.parametrize("thickness", (np.inf, 1.2e-3))
+@pytest.mark.parametrize(("body", "parts", "bound"), ((paraboloid, 2, 5e-3), (hills, 4, 1e-2), (two_balls, 4, 5e-3)))
+def test_a_smooth_body_in_coarse_cells_is_what_it_is_in_fine_ones(
+    body: Callable[..., NDArray[np.float64]], parts: int, bound: float, thickness: float
+) -> None:
+    medium, depth, deep = Medium(2.4e6, thickness=thickness), 1e-3, 1e-4
+    at = np.stack(np.meshgrid(np.linspace(-3e-3, 3e-3, 7), np.linspace(-3e-3, 3e-3, 7)), axis=-1)
+    # cells that are each pressed as they are, a score in a contact's radius; the lowest place by a finer look
+    x, y = cells(160, 5.2e-3 / 160, 0.0)
+    lowest = float(body(*cells(1501, 5.2e-3 / 1501, 0.0)).min())
+    fine = RoughContact(body(x, y), 5.2e-3 / 160, medium, lowest).pressed(deep) * (5.2e-3 / 160) ** 2
+    force, on = float(fine.sum()), fine > 0
+    for off in (0.0, 0.25, 0.5):  # of a cell: its lowest place lies on a middle or between them
+        path = np.array([(0.0, off * depth / parts, -off * depth / parts, 0.2 * force, 0, deep)])
+        heights = body(*cells(8 * parts + 1, depth / parts, off))
+        by_depth = HeightMap(0, heights, depth / parts, path, None, True)
+        loads = by_depth.loads(np.zeros(1), depth, medium)
+        assert loads.totals[0, 0, 4] == pytest.approx(force, rel=bound)
+        by_force = HeightMap(0, heights, depth / parts, path * (1, 1, 1, 1, 1, force / deep))
+        known = np.stack([x[on], y[on], 0.2 * fine[on], 0 * fine[on], fine[on]], axis=-1)
+        felt = [field_at(at, depth, one.loads(np.zeros(1), depth, medium), medium)[0] for one in (by_depth, by_force)]
+        wanted = layered_load(at, depth, known, medium)
+        for one in felt:
+            assert np.abs(one - wanted).max() < bound * np.abs(wanted).max()
+
+
+def test_surfaces_are_parabolas_cones_and_walls_without_ridges() -> None:
+    x, y = cells(9, 1.0, 0.3)
+    fine = [one.reshape(9, 5, 9, 5)[4:5, :, 4:5].reshape(5, 5) for one in (refined(a, 5) for a in (x, y))]
+    for a, b, c in ((1.0, 2.0, 0.5), (-1.0, 0.3, 2.0)):
+        bent = refined(a * x**2 + b * y**2 + c * x * y + x, 5)
+        wanted = refined(x, 5) * (1 + a * refined(x, 5) + c * refined(y, 5)) + b * refined(y, 5) ** 2
+        assert bent == pytest.approx(wanted, abs=1e-12)
+    assert fine[0][0] == pytest.approx(0.3 + np.linspace(-0.4, 0.4, 5))
+    # a flat end with a slanting edge, and a flat end with a wall: no ridge below them, the wall half-way
+    slanting = refined(np.maximum(np.abs(x[:1]) - 2, 0.0), 8)
+    assert slanting.min() == 0
+    flat = refined(np.where(np.hypot(x, y) < 2.6, 0.01 * x, 7.0), 4)
+    assert sorted(np.unique(np.where(flat < 1, 0, flat)).tolist()) == [0.0, 7.0]
+    assert (flat < 1).sum() == 16 * (np.hypot(x, y) < 2.6).sum()
+
+
+def test_fewer_points_feel_the_same() -> None:
+    x, y = cells(41, 5e-5, 0.0)
+    inside = np.hypot(x, 2 * y) < 1e-3
+    places = np.stack([x[inside], y[inside]], axis=-1)
+    forces = np.sqrt(1 - np.hypot(x, 2 * y)[inside] ** 2 / 1e-6) * np.array([[0.5], [1.0]])
+    at = np.stack(np.meshgrid(np.linspace(-2e-3, 2e-3, 15), np.linspace(-2e-3, 2e-3, 15)), axis=-1)
+    fewer, carried = fewer_points(places, forces, 1e-3, Medium(2.4e6))
+    assert len(fewer) < len(places) / 8
+    for medium in (Medium(2.4e6), Medium(1e5, 0.4, thickness=1.1e-3)):
+        for pull in np.eye(3):
+            fields = []
+            for where, force in ((places, forces[1]), (fewer, carried[1])):
+                fields.append(layered_load(at, 1e-3, np.column_stack([where, force[:, None] * pull]), medium))
+            assert np.abs(fields[1] - fields[0]).max() < 1e-3 * np.abs(fields[0]).max()
+    same, all_of_them = fewer_points(places, forces, 1e-4, Medium(2.4e6))  # taxels so near that each cell is felt
+    assert same is places
+    assert all_of_them is forces
+
+
+def test_cells_that_do_not_tell_the_contact_are_told_of() -> None:
+    def lines(heights: NDArray[np.float64], pitch: float, push: float) -> list[str]:
+        body = HeightMap(0, heights, pitch, np.array([(0.0, 0, 0, 0, 0, push)]))
+        array = TaxelArray("pad", 2, 2, 1e-3, 1e-3)
+        return list(out_of_range(Scene("s", 10.0, 0.1, 2.4e6, (array,), (), (body,), (FiniteThickness(2e-3),))))
+
+    x, y = cells(17, 5e-4, 0.3)
+    assert lines(paraboloid(x, y), 5e-4, 0.3) == []
+    (line,) = lines(np.hypot(x, y) / 5, 5e-4, 0.05)  # a cone, whose tip lies between the cells
+    assert "mm wide on cells of 0.5 mm, which leave its force open by about" in line
+    assert "at most 2% wanted, by smaller cells" in line
+    (line,) = lines(np.where(np.hypot(x, y) < 1.6e-3, 0.0, 3e-3), 5e-4, 0.3)  # a flat end, whose wall does
+    assert "on cells of 0.5 mm, which leave its force open by" in line
+    x, y = cells(61, 7e-5, 0.3)
+    assert lines(np.where(np.hypot(x, y) < 1.6e-3, 0.0, 3e-3), 7e-5, 0.3) == []
+    line = lines(paraboloid(*cells(33, 2.5e-4, 0.0)), 2.5e-4, 20.0)[0]
+    assert "mm deep in a cover of 2 mm; at most 0.3 of it wanted" in line
 
 
 def test_a_height_map_moves_slips_lifts_and_is_held() -> None:
@@ -111,5 +219,14 @@ def test_a_scene_takes_a_height_map(tmp_path: Path) -> None:
     frames = list(scene_from(table, "here", tmp_path))
     assert len(frames) == 3
     assert frames[0].values[..., 2].max() < 0
+    told = explain(scene_from(table, "here", tmp_path))
+    width = re.match(r"height map on f: contact (.*) mm wide on cells of 0.0976 mm, its force known to", told.lines[1])
+    assert width
+    hertz = 2e3 * Indenter("sphere", R).contact_radius(np.array(0.2), Medium(2.4e6))
+    assert float(width[1]) == pytest.approx(hertz, rel=0.05)
+    np.save(tmp_path / "ball.npy", np.sqrt(np.arange(16) + np.arange(16)[:, None]))  # a corner that no cell shows
+    coarse = scene_from({**table, "contact": [{**contact, "pitch_mm": 0.5}]}, "here", tmp_path)
+    assert "leave its force open by" in coarse.range_notes[0]
+    assert explain(coarse).notes == coarse.range_notes
     with pytest.raises(InputError, match=r"contact 1: radius_mm of a height_map; file and pitch_mm wanted"):
         scene_from({**table, "contact": [{**contact, "radius_mm": 1.0}]}, "here", tmp_path)
