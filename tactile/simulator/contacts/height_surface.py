@@ -103,7 +103,7 @@ def refined(heights: Floats, parts: int) -> Floats:
 
     Along the columns, then along the rows: cubics through the cells' middles, of the fourth order where the surface is
     smooth, exact on parabolas, that do not swing beside kinks. Half-way between two cells with a wall between them, and
-    at the border, the surface ends as the parabola of its own side.
+    at the border, the surface ends as the parabola of its own side, level where that turns right there.
 
     Source: Huynh, Accurate Monotone Cubic Interpolation (1993), his M3-A, for the slopes.
     """
@@ -131,9 +131,12 @@ def _along(heights: Floats, parts: int) -> Floats:
     bend_before = np.concatenate([none, between], axis=-1)
     bend_after = np.concatenate([between, none], axis=-1)
     slope_before, slope_after = before + bend_before / 2, after - bend_after / 2
-    slope = np.where(ends_before, np.where(ends_after, 0.0, slope_after), slope_before)
+    # a surface that turns back and forth from cell to cell does not say how it goes on
+    inwards = np.where(ends_before, after * np.roll(after, -1, axis=-1), before * np.roll(before, 1, axis=-1))
+    steady = (inwards > 0) & ~(ends_before & ends_after)
+    slope = np.where(steady, np.where(ends_before, slope_after, slope_before), 0.0)
     slope = np.where(inner, _held(before, after, slope_before, slope_after, inner), slope)
-    going_on = np.where(ends_before, bend_after, bend_before)
+    going_on = np.where(steady, np.where(ends_before, bend_after, bend_before), 0.0)
     out = np.empty((*heights.shape, parts))
     for part, step in enumerate(((np.arange(parts) + 0.5) / parts - 0.5).tolist()):
         ends, other = (

@@ -59,7 +59,7 @@ def press(heights: Floats, pitch: float, medium: Medium, most: float, by_depth: 
             deepest = _depth_of(surface, parts, medium, most, deepest)
         grid = surface.grid(deepest, parts)
         across = radius_in_cells(grid.contact(medium).pressed(deepest) > 0)
-        finest = max(1, int(np.sqrt(MOST / grid.size) * parts))
+        finest = _finest(surface, deepest)
         if across >= ACROSS or parts >= finest:
             break
         parts = min(finest, int(np.ceil(parts * min(FINER, ACROSS / max(across, 1e-3)))))
@@ -112,7 +112,13 @@ def _between_cells(surface: HeightSurface, medium: Medium, deep: float, parts: i
     if min(surface.heights.shape) < 4:
         return 1.0
     halves = [HeightSurface(surface.heights[k::2, k::2], 2 * surface.pitch) for k in (0, 1)]
-    return max(abs(half.force(deep, 2 * parts, medium) / max(force, 1e-300) - 1) for half in halves) / 4
+    told = [half.force(deep, min(2 * parts, _finest(half, deep)), medium) for half in halves]
+    return min(max(abs(one / max(force, 1e-300) - 1) for one in told) / 4, 1.0)
+
+
+def _finest(surface: HeightSurface, deep: float) -> int:
+    """Into how many parts a cell may be cut so that where it can touch there are not too many."""
+    return max(1, int(np.sqrt(MOST / surface.grid(deep, 1).size)))
 
 
 def _at_walls(gap: Floats, pressed: Flags, deep: float) -> float:
