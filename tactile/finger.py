@@ -6,11 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim import InputError
-from cnnsim.library.folders import folder
-from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
-from cnnsim.program.program import Program
 from cnnsim.support import Flags, Floats
 from tactile.calibration.live_tare import LiveTare, TareNote
 from tactile.core.frame import Frame, TaxelArray
@@ -20,6 +16,7 @@ from tactile.events.code import Code, encode
 from tactile.events.comparators import BINARY, Comparators
 from tactile.events.detector import Detector, Happening
 from tactile.events.detector_file import shipped_detectors, users_detectors
+from tactile.events.hidden_contact import HiddenContact
 from tactile.events.planes import CODE, Moment, PlanePool
 from tactile.events.registry import SHIPPED
 from tactile.events.signals.signals import Signals
@@ -27,23 +24,14 @@ from tactile.events.travel import Travel
 from tactile.inverse.load import Load
 from tactile.inverse.localise import localise
 from tactile.inverse.point import NO_LOAD, OnePoint
+from tactile.inverse.program import inverse_program, newtons
 from tactile.inverse.summed import summed
-from tactile.inverse.validity import Validity
 from tactile.inverse.weights import weigh
 from tactile.settings import Settings
 from tactile.texture.figures import Texture, TextureFigures
 from tactile.thresholds.levels import levels
 from tactile.thresholds.threshold import CONTACT, SIGN
 
-HIDDEN = 6.0
-"""A located load is a contact from so many times the force on that a taxel right under it would feel.
-
-Loads of less lie nearer than a depth to some taxel of arrays that are less than 1.2 depths apart, which feels them.
-"""
-BEARING = 3
-"""Taxels that have to agree on it: one alone locates what its noise says."""
-FELT = 1 / 4
-"""Of a plane in the binary scale: on."""
 STILL = 0.6
 """[s] without any sign of sliding after which nothing slides."""
 APART = 0.1
@@ -75,14 +63,15 @@ class Finger:
         least = contact.dead_band if array.quantity == "force" else CONTACT["force"].dead_band
         self._texture = Texture(settings.window, least if settings.floor is None else settings.floor)
         self._felt: TextureFigures | None = None
-        self._machine, self._inverse = machine, _inverse(array, modulus, contact.dead_band)
+        self._machine, self._inverse = machine, inverse_program(array, modulus, contact.dead_band)
         if self._inverse is not None:
             machine.prepare(self._inverse, array.shape)
         alone = self._inverse is not None and machine.backend.name == "cpu" and self._radial is None
         self._point = OnePoint(array, modulus, contact.dead_band) if alone else None
         self._positions = array.positions()
         self._half = array.cols * array.pitch / 2, array.rows * array.pitch / 2
-        self._newtons = _newtons(array, modulus)
+        self._newtons = newtons(array, modulus)
+        self._hidden = None if self._inverse is None else HiddenContact(array, self._newtons)
         self._rails = Rails(array.shape)
         self._saturated: Flags | None = None
         self._nothing = np.full((1, 1, 3) if self._inverse is not None else (*array.shape, 3), np.nan)
@@ -90,9 +79,6 @@ class Finger:
         self._early: Floats | None = None
         self._offset: Floats | None = None
         self._per_sigma: Floats | None = None
-        from tactile.events.signals.step_numba import binary  # numba is slow to import
-
-        self._binary = binary
         self._slid = self._pressed = -np.inf
         self._travels, self._all_used = False, True
         self._set_noise()
@@ -126,8 +112,8 @@ class Finger:
         self._left_out: Flags = np.zeros(array.shape, bool) if noise is None else noise.left_out
         self._none_left_out = not self._left_out.any()
         self._floor = float(np.median(self.levels.off[..., 2]))
-        under = HIDDEN * self._newtons / (2 if array.quantity == "strain" else 1)  # 3 / (2 pi) F / (E z^2), eq. (1)
-        self._hidden = self._floor * under, float(np.median(self.levels.on[..., 2])) * under
+        if self._hidden is not None:
+            self._hidden.set_levels(self.levels)
         levels_of = None if noise is None else noise.levels
         known = None if levels_of is None or self._inverse is None else levels_of * self._newtons
         known = known if known is not None and (known > 0).all() else None
@@ -172,8 +158,8 @@ class Finger:
             self._whole.take_load(frame.t, load)
             self._signals.put_load(self._whole)
         planes = self._signals.planes
-        if self._inverse is not None and self._hidden[0] < load.F:
-            self._feel_hidden(load, planes[2], use)
+        if self._hidden is not None:
+            self._hidden.write(load, planes[2], use)
         array, pool = self.array, self._pool
         if self._signs:
             signs = encode(frame, array.quantity, SIGN, BINARY)
@@ -197,20 +183,6 @@ class Finger:
         if pool.black("in_contact"):
             self.tare.touched(frame.t)
         return found
-
-    def _feel_hidden(self, load: Load, pressing: Floats, use: Flags) -> None:
-        """Write contact into the plane ``pressing`` (rows, cols) where a firm load lies at which no taxel feels it.
-
-        sqrt(2) depths from a load the normal signal is 0, so one amid four taxels may press as hard as it likes; their
-        shear locates it all the same.
-        """
-        x, y = load.x - self.array.origin[0], load.y - self.array.origin[1]
-        amid = abs(x) <= self._half[0] and abs(y) <= self._half[1]
-        known = load.taxels >= BEARING and load.validity in (Validity.INSIDE, Validity.OUTSIDE)
-        if pressing.max() > FELT or not (amid and known and use.any()):
-            return
-        away = np.where(use, np.hypot(self._positions[..., 0] - load.x, self._positions[..., 1] - load.y), np.inf)
-        pressing.flat[int(away.argmin())] = self._binary(load.F, *self._hidden)
 
     def feel(self, frame: Frame, load: Load) -> TextureFigures:
         """Return the texture figures after this frame: of every taxel that measures force, else of the located load.
@@ -257,25 +229,3 @@ class Finger:
     def said(self) -> Mapping[str, Mapping[str, Any]]:
         """Return the outputs of users' programs that have changed with this frame."""
         return {one.file.name: one.outputs for one in self._own if one.changed}
-
-
-def _newtons(array: TaxelArray, modulus: float | None) -> float:
-    """Return what `localise` multiplies a signal with: eqs (1) and (10) in depths and newtons."""
-    if array.quantity == "strain":
-        return 4 * np.pi / 3 * (modulus or 1.0) * array.depth**2
-    return 2 * np.pi / 3 * array.depth**2
-
-
-def _inverse(array: TaxelArray, modulus: float | None, floor: float) -> Program | None:
-    if array.quantity == "force":
-        return None
-    programs = folder() / "programs"  # as they came: users' files of these names replace them nowhere
-    if array.quantity == "stress":
-        return load_program(programs / "locate-stress.toml", parameters={"depth": array.depth, "floor": floor})
-    if modulus is None:
-        raise InputError(
-            f"taxel array {array.name!r} measures strain; the cover's Young's modulus is wanted, none is given"
-        )
-    return load_program(
-        programs / "locate-strain.toml", parameters={"depth": array.depth, "modulus": modulus, "floor": floor}
-    )
