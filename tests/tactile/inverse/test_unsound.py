@@ -37,13 +37,15 @@ def beyond(load: Load, wanted: Floats = WANTED) -> float:
     return float(np.abs((np.array(as_row(load)) - wanted) / load.sigma).max())
 
 
-@pytest.mark.parametrize(("kind", "most"), [("dead", 3), ("turned", 2), ("clipped", 4), ("second", 1), ("layer", 2)])
-def test_deviations_cover_what_is_unexplained(kind: str, most: int) -> None:
-    """A few of the thousands of ``python -m tests.tactile.inverse.unsound``: of 60 a fifth to a half lay beyond."""
-    trials = [trial(kind, np.random.default_rng((33, KINDS.index(kind), n))) for n in range(60)]
+@pytest.mark.parametrize(
+    ("kind", "most"), [("dead", 0.04), ("turned", 0.04), ("clipped", 0.1), ("second", 0.02), ("layer", 0.04)]
+)
+def test_deviations_cover_what_is_unexplained(kind: str, most: float) -> None:
+    """Of the loads that are inside no larger share lies beyond 5 deviations; by noise alone 13 to 60 % do."""
+    trials = [trial(kind, np.random.default_rng((31, KINDS.index(kind), n))) for n in range(250)]
     sure = [one for one in trials if one.inside]
-    assert len(sure) >= 40
-    assert sum(one.sigmas.max() > 5 for one in sure) <= most
+    assert len(sure) >= 0.6 * len(trials)
+    assert np.mean([one.sigmas.max() > 5 for one in sure]) <= most
 
 
 def test_sound_loads_are_as_sure_as_noise_lets_them() -> None:
