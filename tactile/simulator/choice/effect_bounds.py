@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Floats, InputError
-from tactile.core.frame import NORMAL
 from tactile.simulator.choice.chain import Chain, Named, asked
 from tactile.simulator.choice.extremes import FOREMOST, Extremes, extremes
-from tactile.simulator.choice.finger_bounds import FIELD, SAFE, FingerBounds, LeftOut, largest
+from tactile.simulator.choice.finger_bounds import FIELD, SAFE, FingerBounds, LeftOut, behind, largest
 from tactile.simulator.choice.forces import highest_reading, unseen
 from tactile.simulator.choice.shaking import Shaking, rises
 from tactile.simulator.choice.trials import Trial, pays, pays_behind
@@ -21,7 +20,7 @@ from tactile.simulator.effect import sticks
 from tactile.simulator.field import Field
 from tactile.simulator.held_needle import Rises, pressed_by
 from tactile.simulator.scene.scene import Scene
-from tactile.simulator.seen import RARE, Seen
+from tactile.simulator.seen import RARE
 from tactile.simulator.taxels import FINEST
 
 SMALL, LARGE = 0.25, 5.0
@@ -189,7 +188,7 @@ class EffectBounds:
             self._reused or pays_behind(len(self._chain.on_frames), seen, trial.shaken, FOREMOST)
         )
         if found.terms or too_loose:
-            seen = _behind(seen, trial.still if found.terms else trial.first)
+            seen = behind(seen, trial.still if found.terms else trial.first)
         else:
             seen = seen.after(min(most, BEYOND * seen.largest), False)
         seen = seen.after(min(shaken, BEYOND * seen.largest), True)
@@ -250,12 +249,3 @@ class EffectBounds:
             return self._chain.change(name, effect, *fields())
         except InputError:
             return None
-
-
-def _behind(seen: Seen, now: Field) -> Seen:
-    """The bounds of the ideal field, behind effects on it, from the frames that tell most."""
-    scale = SAFE * largest(now.values) / seen.largest if seen.largest > 0 else 1.0
-    low, high = (end * scale for end in seen.normal)
-    normal = now.values[..., NORMAL]  # what sticks also pulls
-    low, high = min(low, SAFE * float(normal.min(initial=0))), max(high, SAFE * float(normal.max(initial=0)))
-    return seen._replace(largest=seen.largest * scale, normal=(low, high), change=seen.change * scale)

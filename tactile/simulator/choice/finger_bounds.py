@@ -7,7 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cnnsim.support import Floats
-from tactile.simulator.seen import RARE
+from tactile.core.frame import NORMAL
+from tactile.simulator.field import Field
+from tactile.simulator.seen import RARE, Seen
 
 FIELD = "accuracy of the field"
 """What stands for the field's own accuracy among the effects: to compute it roughly is to leave that out."""
@@ -72,3 +74,12 @@ class LeftOut(NamedTuple):
 def largest(values: Any) -> float:
     """The largest of absolute values, 0 of none."""
     return float(np.abs(values).max(initial=0))
+
+
+def behind(seen: Seen, now: Field) -> Seen:
+    """The bounds of the ideal field, behind effects on it, from the frames that tell most."""
+    scale = SAFE * largest(now.values) / seen.largest if seen.largest > 0 else 1.0
+    low, high = (end * scale for end in seen.normal)
+    normal = now.values[..., NORMAL]  # what sticks also pulls
+    low, high = min(low, SAFE * float(normal.min(initial=0))), max(high, SAFE * float(normal.max(initial=0)))
+    return seen._replace(largest=seen.largest * scale, normal=(low, high), change=seen.change * scale)

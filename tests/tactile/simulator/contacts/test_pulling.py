@@ -1,7 +1,6 @@
 """Contacts that are pulled: they lift off, or stick as Johnson, Kendall and Roberts have it."""
 
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 import pytest
@@ -14,8 +13,6 @@ from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.contacts.rig import Rig
 from tactile.simulator.effects.adhesion import Adhesion
-from tactile.simulator.effects.finite_thickness import FiniteThickness
-from tactile.simulator.effects.poisson_ratio import PoissonRatio
 from tactile.simulator.scene.model_range import out_of_range
 from tactile.simulator.scene.scene import ModelRangeWarning, Scene
 
@@ -77,70 +74,6 @@ def test_a_flat_end_is_held_by_its_rim_and_no_work_is_no_adhesion() -> None:
     weak = pressed(0.0, 0.01, 0.02, 0.0, friction=0.5).loads(TIMES, 1e-3, RUBBER, Rig(work=1e-12))
     dry = pressed(0.0, 0.01, 0.02, 0.0, friction=0.5).loads(TIMES, 1e-3, RUBBER)
     assert weak.totals == pytest.approx(dry.totals, abs=1e-8)
-
-
-def said(contact: MovingContact, *effects: object, depth: float = 1e-3) -> str:
-    array = TaxelArray("pad", 2, 2, 1e-3, depth)
-    return "\n".join(out_of_range(Scene("s", 100.0, 2.0, 2.4e6, (array,), (), (contact,), effects)))
-
-
-def test_a_scene_says_where_its_models_end() -> None:
-    assert said(pressed(0.0, 0.05, 0.0)) == ""
-    pulled = said(pressed(0.5, -0.5))
-    assert "contact 1, a sphere: pulled with 0.5 N; a dry contact cannot pull: it lifts off" in pulled
-    assert "pulled" not in said(pressed(0.05, -0.5), Adhesion())
-    assert "of a sphere of radius 5 mm; at most 0.5 of it wanted" in said(pressed(0.0, 50.0), depth=5e-3)
-    needle = MovingContact(0, Indenter("needle", 5e-5), np.array([(0.0, 0, 0, 0, 0, 1.5e-3)]), None, True)
-    assert "30 times its radius" in said(needle)
-    with pytest.raises(
-        InputError, match=r"6\.\d+ mm in radius of a sphere of radius 5 mm; at most the sphere's own wanted"
-    ):
-        said(pressed(0.0, 200.0), depth=5e-3)
-    point = np.array([(0.0, 5e-4, 5e-4, 0, 0, 1.0)])
-    assert "strains to 0." in said(MovingContact(0, Indenter(), point * [1, 1, 1, 0, 0, 4.0]))
-    with pytest.raises(InputError, match=r"strains to 3\.98; at most 1 wanted"):
-        said(MovingContact(0, Indenter(), point * [1, 1, 1, 0, 0, 20.0]))
-    layered = said(pressed(0.0, 5e-4, by_depth=True), FiniteThickness(1.2e-3))
-    assert "0.5 mm deep in a cover of 1.2 mm; at most 0.3 of it wanted" in layered
-
-
-@pytest.mark.parametrize("quantity", ("strain", "stress"))
-def test_strains_are_judged_whatever_the_taxels_feel(quantity: Literal["strain", "stress"]) -> None:
-    array = TaxelArray("pad", 3, 3, 1e-3, 1e-3, quantity=quantity)
-
-    def lines(load: MovingLoad | MovingContact, *effects: object) -> list[str]:
-        loads, contacts = ((load,), ()) if isinstance(load, MovingLoad) else ((), (load,))
-        return list(out_of_range(Scene("s", 100.0, 0.1, 2.4e6, (array,), loads, contacts, effects)))
-
-    # pulled aside at a place x depths off: u_xz = 3 (1 + nu) Q x^2 (1 + x^2)^-5/2 / (2 pi E z^2), most at x^2 = 2/3
-    for nu in (0.3, 0.5):
-        unit = 3 * (1 + nu) * (2 / 3) * (5 / 3) ** -2.5 / (2 * np.pi * 2.4)
-        little, much = (
-            lines(MovingLoad(0, [(0.0, np.sqrt(2 / 3) * 1e-3, 0, strain / unit, 0, 0)]), PoissonRatio(nu))
-            for strain in (0.29, 0.31)
-        )
-        assert little == []
-        assert much == ["pad: strains to 0.31; below 0.3 wanted: the cover is taken to be linear"]
-    # a wide ball on a thin cover, which cannot give way to its sides: stresses of 1.8 times the modulus, strains of 0.1
-    wide = MovingContact(0, Indenter("sphere", 0.1), np.array([(0.0, 0, 0, 0, 0, 400.0)]))
-    assert lines(wide, FiniteThickness(1.2e-3)) == []
-
-
-def test_a_scene_says_where_a_cylinder_ends() -> None:
-    def lying(force: float, radius: float, length: float) -> MovingContact:
-        return MovingContact(0, Indenter("cylinder", radius, length), np.array([(0.0, 0, 0, 0, 0, force)]))
-
-    # b = sqrt(4 P R / (pi E* L)): 0.69 mm
-    assert said(lying(0.6, 1e-2, 5e-3), depth=2e-3) == ""
-    assert "0.688 mm to either side of a cylinder of radius 1 mm; at most 0.5" in said(lying(5.95, 1e-3, 5e-3))
-    for layer in ((), (FiniteThickness(2e-3),)):
-        with pytest.raises(InputError, match=r"0\.\d+ mm to either side of a cylinder of radius 0\.3 mm; at most the"):
-            said(lying(20.0, 3e-4, 5e-3), *layer)
-    assert "1.38 mm wide and 1 mm long" in said(lying(1.19, 1e-3, 1e-3))
-    assert "times its radius; at most the radius wanted" in said(lying(200.0, 5e-3, 2e-2), depth=5e-3)
-    assert "mm deep in a cover of 2 mm; at most 0.3 of it wanted" in said(
-        lying(400.0, 5e-3, 2e-2), FiniteThickness(2e-3)
-    )
 
 
 def test_a_cylinder_wider_than_its_cover_is_thick_presses_by_the_layers_law() -> None:
