@@ -179,7 +179,8 @@ def make_task(
 
 def _is_grey(state: Array) -> bool:
     """Return whether some cells of a state are not saturated."""
-    return any(bool((np.abs(row) < 1).any()) for row in distinct(state).reshape(-1, state.shape[-1]))
+    values = distinct(state)
+    return any(bool((np.abs(row) < 1).any()) for row in values.reshape(-1, values.shape[-1]))
 
 
 def load(backend: Backend, value: Any) -> Any:

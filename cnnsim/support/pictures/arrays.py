@@ -1,6 +1,7 @@
 """Arrays of NumPy files (.npy, .npz) read as pictures: booleans, grey levels, colours, or CNN values."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +19,9 @@ SIXTEEN_BITS: Levels = (0.0, 65535.0)
 """Levels of whole numbers of 16 bits."""
 CNN_VALUES: Levels = (1.0, -1.0)
 """Levels of floats."""
-_STRIP = 1024
-"""Rows that are looked at before the next are read."""
+_BLOCK, _BLOCKS = 1 << 20, 512
+"""Numbers that are looked at before the next are read, and how often at most: of arrays on the disk that are larger
+than that, blocks spread over all of them."""
 
 
 def of_array(path: Path, reading: Reading, key: str) -> PictureSequence:
@@ -60,8 +62,8 @@ def of_array(path: Path, reading: Reading, key: str) -> PictureSequence:
 def check_array_levels(values: Any, name: str) -> None:
     """Refuse whole numbers that are only 0 and 1: grey levels, CNN values and labels look alike then.
 
-    So do zeros alone, but for bytes and 16 bits without a sign: they are grey levels, and that is black. Rows are read
-    in strips up to the first other number.
+    So do zeros alone, but for bytes and 16 bits without a sign: they are grey levels, and that is black. Parts are read
+    up to the first other number.
 
     Raises:
         InputError: so they are.
@@ -69,13 +71,27 @@ def check_array_levels(values: Any, name: str) -> None:
     if values.dtype.kind not in "iu" or not values.ndim or 0 in values.shape:
         return
     found: set[int] = set()
-    for first in range(0, values.shape[0], _STRIP):
-        part = np.asarray(values[first : first + _STRIP])
+    for part in _parts(values):
         found |= {int(part.min()), int(part.max())}
         if not found <= {0, 1}:
             return
     if found == {0, 1} or (found == {0} and values.dtype not in (np.uint8, np.uint16)):
         raise labels_error(name, zeros=found == {0})
+
+
+def _parts(values: Any) -> Iterator[Array]:
+    """Yield an array part by part: chunks as they are stored, else blocks of rows."""
+    chunks = getattr(values, "chunks", None) or (max(1, _BLOCK // math.prod(values.shape[1:])), *values.shape[1:])
+    counts = [-(-size // chunk) for size, chunk in zip(values.shape, chunks, strict=True)]
+    total = math.prod(counts)
+    for number in range(min(total, _BLOCKS)):
+        at, rest = [], number * total // min(total, _BLOCKS)
+        for count in reversed(counts):
+            rest, place = divmod(rest, count)
+            at.append(place)
+        yield np.asarray(
+            values[tuple(slice(k * size, (k + 1) * size) for k, size in zip(at[::-1], chunks, strict=True))]
+        )
 
 
 def cnn_values(values: Array, name: str) -> Levels:

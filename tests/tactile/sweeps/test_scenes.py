@@ -50,7 +50,7 @@ def test_a_case_tells_events_and_how_far_off_the_located_loads_are(scene: str) -
 
 
 def test_a_case_that_is_no_scene_is_refused_before_the_sweep(scene: str) -> None:
-    with pytest.raises(InputError, match="0 x 4 taxels"):
+    with pytest.raises(InputError, match="rows = 0, a whole number from 1 up wanted"):
         check({"scene": scene, "rows": 0})
     with pytest.raises(InputError, match="unknown key 'reed_noise'; did you mean 'read_noise'"):
         check({"scene": scene, "effects": {"reed_noise": {"rms": 0.1}}})

@@ -77,7 +77,7 @@ def test_grip_scene_is_in_time_order_and_its_loads_are_found() -> None:
         ({"finger": []}, "at least one"),
         (
             {"finger": [{"name": "left", "rows": 0, "cols": 2, "pitch_mm": 1, "depth_mm": 1}]},
-            "finger 1: taxel array 'left': 0 x 2 taxels",
+            "finger 1: rows = 0, a whole number from 1 up wanted",
         ),
     ],
 )
