@@ -51,7 +51,8 @@ def reach_of(plan: Plan) -> int:
     if plan.method == "closed form":
         return 0
     taps = ((tap.k, tap.l) for tap in plan.feedback_taps)
-    r = reach(taps) if plan.network is None else plan.network.radius
+    # loops over rows look one cell around, if by a weight of 0: what is no number there would spoil the cell
+    r = max(1, reach(taps)) if plan.network is None else plan.network.radius
     return r * (1 if plan.scheme is None else len(plan.scheme.b))
 
 

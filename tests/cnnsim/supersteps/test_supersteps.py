@@ -77,6 +77,9 @@ KINDS: dict[str, tuple[Any, dict[str, Any]]] = {
         {"state": np.sign(X), "input": U, "cell": "discrete-time"},
     ),
     "the closed form": (Template(2.0, [[0, 1, 0], [1, 1, 0], [0, 0, 0]], 0.1), {"state": X, "input": U}),
+    "no neighbours, by steps, to rest": (
+        Template(2.067), {"state": np.stack([X, U]), "scheme": "euler", "step": 0.1, "boundary": "periodic"},
+    ),
     "two stages": (MIXED, {"state": X, "input": U, "scheme": "heun", "step": 0.1, "duration": 1.0}),
     "full range": (MIXED, {"state": X, "input": U, "cell": "full-range", "duration": 1.0}),
     "two grids": (MIXED, {"state": np.stack([X, -X]), "input": np.stack([U, X]), "duration": 1.0}),
