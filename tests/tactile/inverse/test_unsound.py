@@ -42,7 +42,9 @@ def beyond(load: Load, wanted: Floats = WANTED) -> float:
 )
 def test_deviations_cover_what_is_unexplained(kind: str, most: float) -> None:
     """Of the loads that are inside no larger share lies beyond 5 deviations; by noise alone 13 to 60 % do."""
-    trials = [trial(kind, np.random.default_rng((31, KINDS.index(kind), n))) for n in range(250)]
+    trials = [
+        trial(kind, np.random.default_rng((31, KINDS.index(kind), n))) for n in range(100 if kind == "layer" else 250)
+    ]
     sure = [one for one in trials if one.inside]
     assert len(sure) >= 0.6 * len(trials)
     assert np.mean([one.sigmas.max() > 5 for one in sure]) <= most
