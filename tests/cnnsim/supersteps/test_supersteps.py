@@ -7,11 +7,11 @@ import pytest
 
 import cnnsim
 from cnnsim.backends.cpu import block
-from cnnsim.network import LayeredTemplate, Table, Template, Term
+from cnnsim.network import PERIODIC, LayeredTemplate, Table, Template, Term
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.plan import make_plan
 from cnnsim.supersteps import block_task, run
-from cnnsim.supersteps.block_plan import wants_small_blocks
+from cnnsim.supersteps.block_plan import reach_of, wants_small_blocks
 from cnnsim.supersteps.blocks import Blocks, runs
 from cnnsim.supersteps.engine import Engine
 from cnnsim.supersteps.store import GridStore
@@ -99,6 +99,13 @@ def holes() -> Array:
     picture = np.full((96, 96), -1.0)
     picture[30:70, 40:42] = picture[30:70, 60:62] = picture[30:32, 40:62] = picture[68:70, 40:62] = 1.0
     return picture
+
+
+def test_cells_without_neighbours_have_a_cell_around_their_blocks_all_the_same() -> None:
+    """Loops over rows multiply it by 0, which unwritten memory may make NaN: seldom, so it is asked for here."""
+    steps = make_plan(Template(2.067), (8, 9), PERIODIC, scheme="euler", step=0.1)
+    assert (steps.method, reach_of(steps)) == ("stepped", 1)
+    assert reach_of(make_plan(Template(2.067), (8, 9), PERIODIC)) == 0  # the closed form looks at none
 
 
 def test_blocks_that_sleep_are_left_out_and_catch_up_to_the_bit(monkeypatch: pytest.MonkeyPatch) -> None:
