@@ -6,7 +6,8 @@ import numpy as np
 
 from cnnsim.support import Floats
 from tactile.inverse.attempt import DOUBT, Attempt, Taxels
-from tactile.inverse.least_squares.fit import LEAST_FREE, SLIGHT, STEPS, SURELY, Fit, fitted
+from tactile.inverse.clipped import at_one_end, clipped
+from tactile.inverse.least_squares.fit import SLIGHT, STEPS, SURELY, Fit, fitted
 from tactile.inverse.several import APART, EXPLAINED, as_ranked, several, simplest
 
 POINT = 0.25
@@ -17,12 +18,6 @@ PATCH = 0.1
 """What leaves so much may be several loads."""
 SHARE = 0.25
 """A taxel that contradicts all others has so much of what is left, unless that is very much."""
-CLIPPED = 20.0
-"""How many times less of a variance is left without readings that are clipped."""
-HINT = 3.0
-"""To first order it is at least so many times less."""
-NEAR_END = 1e-3
-"""Readings that are so near to the largest one may be cut off at the same end."""
 FRICTION = 2.0
 """A load with more times its normal force in shear than skin holds is none, but a taxel that reads falsely."""
 TWO = 6
@@ -36,6 +31,7 @@ RIVALS = 4.0
 
 def explained(taxels: Taxels, one: Attempt) -> Attempt:
     """Return the attempt, or what explains the signals much better in its place; ambiguous where two do alike."""
+    one = at_one_end(one) or one
     if one.fit.excess > 0 or one.fit.misfit > SLIGHT:
         one = _mended(one)
         if (two := _second(one)) is not None:
@@ -51,14 +47,14 @@ def explained(taxels: Taxels, one: Attempt) -> Attempt:
     if one.fit.foreign is not None:
         suspects.add(one.fit.foreign)
     tried = [taxels.attempt(np.delete(one.order, k)) for k in sorted(suspects)]
-    best = min((_clipped(other) or other for other in tried), key=lambda other: other.left)
+    best = min((clipped(other) or other for other in tried), key=lambda other: other.left)
     ways = [one]
     if best.fit.misfit < POINT and simplest([one, best], POINT) is best:
         ways.append(best)
     if ways[-1].fit.misfit > (PATCH if len(ways) == 1 and one.fit.foreign is None else EXPLAINED):
         ways += several(taxels, one, POINT)
     found = simplest(ways, POINT)
-    found = _clipped(found) or found
+    found = clipped(found) or found
     return _or_a_load(taxels, one, found) if found.order.size < one.order.size else _or_a_taxel(found)
 
 
@@ -72,7 +68,7 @@ def _alone(one: Attempt) -> bool:
 
 def _mended(one: Attempt) -> Attempt:
     """Return the attempt without readings that are cut off, or without the one that is false, if that explains it."""
-    return _clipped(one) or _without_a_reading(one) or one
+    return clipped(one) or _without_a_reading(one) or one
 
 
 def _without_a_reading(one: Attempt) -> Attempt | None:
@@ -124,32 +120,6 @@ def _second(one: Attempt) -> Attempt | None:
     two = replace(one, fit=fitted(signals, both), ambiguous=False)
     told = not two.fit.excess > 0 or two.left * EVIDENT < one.left
     return as_ranked(two) if told and _presses(two.fit) else None
-
-
-def _clipped(one: Attempt) -> Attempt | None:
-    """Return the attempt without the largest readings, if they are cut off: larger ones explain all the others."""
-    from tactile.inverse.least_squares.doubt_numba import without_largest  # numba is slow to import
-
-    signals, loads = one.fit.signals, one.fit.loads
-    if one.clipped or one.false or one.fit.free <= LEAST_FREE:
-        return None
-    if len(loads) == 1:
-        parts = signals.seen, signals.felt, signals.scale, loads[0], signals.strain, signals.layer, signals.tie
-        chi, beyond, count = without_largest(*parts, NEAR_END)
-        if count == 1 and (chi * HINT > one.fit.chi or beyond < 1):
-            return None
-    raw = np.abs(signals.felt / signals.scale)
-    cut = raw >= raw.max() * (1 - NEAR_END)
-    if cut.all(axis=1).any():
-        return None
-    without = signals._replace(
-        felt=np.where(cut, 0.0, signals.felt), scale=np.where(cut, 0.0, signals.scale), lost=int(cut.sum())
-    )
-    fit = fitted(without, one.fit.loads)
-    found = replace(one, fit=fit, clipped=tuple(signals.cells[cut.any(axis=1)].tolist()))
-    if not found.left * CLIPPED < one.left:
-        return None
-    return found if (fit.made(signals)[cut] / signals.felt[cut] > 1).all() else None
 
 
 def _or_a_load(taxels: Taxels, one: Attempt, found: Attempt) -> Attempt:

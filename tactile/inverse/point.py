@@ -5,8 +5,9 @@ import numpy as np
 from cnnsim.support import Floats
 from tactile.core.frame import TaxelArray
 from tactile.elastic.layer_field import layer_field
-from tactile.inverse.alternatives import BESIDE, HINT, HINTED, NEAR_END, TWO
+from tactile.inverse.alternatives import BESIDE, HINTED, TWO
 from tactile.inverse.attempt import DOUBT, RIVAL, SEEDS, UNSURE, VOTERS
+from tactile.inverse.clipped import ALIKE, HINT, NEAR_END
 from tactile.inverse.least_squares.fit import (
     ALL,
     CHANCE,
@@ -30,7 +31,7 @@ FEWEST = 4
 OF_ATTEMPT = VOTERS, SEEDS, STEPS, REACH
 OF_FIT = FOREIGN[0], SURELY, FOREIGN[1], CHANCE, SURELY_NONE, SMALL, USUAL, MANY
 LIMITS = FEWEST, ALL, RIVAL, UNSURE, SLIGHT, DOUBT
-OF_CLIPPED = LEAST_FREE, NEAR_END, HINT
+OF_CLIPPED = LEAST_FREE, NEAR_END, HINT, ALIKE
 OF_SECOND = TWO, BESIDE, HINTED
 NO_LOAD = Load(validity=Validity.NO_LOAD)
 

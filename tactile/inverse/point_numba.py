@@ -11,7 +11,7 @@ import numpy as np
 from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.inverse.attempt_numba import one_load
 from tactile.inverse.consensus_numba import strongest
-from tactile.inverse.least_squares.doubt_numba import without_largest
+from tactile.inverse.least_squares.doubt_numba import alike_at_end, without_largest
 from tactile.inverse.least_squares.false_reading_numba import false_reading, is_false, may_be_false
 from tactile.inverse.least_squares.reliability_numba import unexplained
 from tactile.inverse.least_squares.second_numba import second_load
@@ -36,7 +36,8 @@ def one_point(  # type: ignore[no-untyped-def]  # numba types it
     energy below which nobody asks for noise, noise where none is known, from how many taxels on it is asked for;
     ``limits``: taxels at least and at most, how much worse a rival fits, how unsure a place may be, the misfit from
     which on a clipped reading may be to blame, and anything; ``of_clipped``: degrees of freedom that tell nothing of
-    it, how near to the largest reading others are clipped too, how many times less has to be left without it;
+    it, how near to the largest reading others are clipped too, how many times less has to be left without it, how near
+    to each other readings are the same;
     ``of_second``: taxels from which on a second load is told, how far from the first, the part that it explains.
     """
     rows, cols, _ = values.shape
@@ -45,7 +46,7 @@ def one_point(  # type: ignore[no-untyped-def]  # numba types it
     voters, seeds, steps, reach = of_attempt
     foreign_part, foreign_sigmas, foreign_times, chance, surely_none, small, usual, many = of_fit
     fewest, most, rival_times, unsure, slight, doubtful = limits
-    least_free, near_end, hint = of_clipped
+    least_free, near_end, hint, alike = of_clipped
     two, beside, hinted = of_second
     signals, quiet = np.empty((3, n)), True
     for i in range(rows):
@@ -104,6 +105,8 @@ def one_point(  # type: ignore[no-untyped-def]  # numba types it
         _, force, part = second_load(seen, felt, scaled, loads[0], strain, layer, tie, beside)
         if force > 0 and part > hinted:
             return NOT_SIMPLE
+    if free > least_free and alike_at_end(felt, scaled, alike) > 1:
+        return NOT_SIMPLE
     if misfit > slight and free > least_free:
         without, beyond, cut = without_largest(seen, felt, scaled, loads[0], strain, layer, tie, near_end)
         if cut != 1 or not (without * hint > chi or beyond < 1):

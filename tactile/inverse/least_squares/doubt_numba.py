@@ -1,4 +1,4 @@
-"""What speaks against a fit of one point load, compiled: signals far from it, and a reading that is cut off.
+"""What speaks against a fit of one point load, compiled: signals far from it, and readings that are cut off.
 
 Lengths and signals as in `half_space_numba`.
 """
@@ -28,6 +28,34 @@ def foreign(at, left, felt, loads, reach, least, times):  # type: ignore[no-unty
             if nearest > reach * reach:
                 worst, largest = i, size
     return worst
+
+
+@kept_njit(error_model="numpy")
+def alike_at_end(felt, scale, near):  # type: ignore[no-untyped-def]
+    """Return how many readings are the largest, but for a part ``near``, where no two others are alike; else 0.
+
+    Noisy readings are alike at the end of their range alone; a load amid the taxels of a pad without noise makes all
+    its readings alike in pairs, and so do coarse steps.
+    """
+    raw, count = np.empty(felt.size), 0
+    for i in range(len(felt)):
+        for m in range(3):
+            if scale[i, m] > 0 and felt[i, m] != 0:
+                raw[count] = abs(felt[i, m]) / scale[i, m]
+                count += 1
+    raw = raw[:count]
+    if count == 0:
+        return 0
+    end, alike = raw.max() * (1 - near), 0
+    for k in range(count):
+        alike += raw[k] >= end
+    if alike < 2:
+        return 0
+    raw.sort()
+    for k in range(count - alike - 1):
+        if raw[k] >= raw[k + 1] * (1 - near):
+            return 0
+    return alike
 
 
 @kept_njit(error_model="numpy")
