@@ -9,6 +9,7 @@ from tactile.inverse.attempt import DOUBT, Attempt, Taxels
 from tactile.inverse.clipped import at_one_end, clipped
 from tactile.inverse.least_squares.fit import SLIGHT, STEPS, SURELY, Fit, fitted
 from tactile.inverse.several import APART, EXPLAINED, as_ranked, several, simplest
+from tactile.inverse.wide_tip import left_by_a_tip
 
 POINT = 0.25
 """Loads that leave a larger share of the signals unexplained are not points: a tip of half a depth leaves 0.1."""
@@ -55,7 +56,9 @@ def explained(taxels: Taxels, one: Attempt) -> Attempt:
         ways += several(taxels, one, POINT)
     found = simplest(ways, POINT)
     found = clipped(found) or found
-    return _or_a_load(taxels, one, found) if found.order.size < one.order.size else _or_a_taxel(found)
+    if found.order.size < one.order.size:
+        return _or_a_tip(one, _or_a_load(taxels, one, found))
+    return _or_a_taxel(found)
 
 
 def _alone(one: Attempt) -> bool:
@@ -137,6 +140,16 @@ def _or_a_load(taxels: Taxels, one: Attempt, found: Attempt) -> Attempt:
         if _presses(fit) and (rival is None or other.left < rival.left):
             rival = other
     return found if rival is None else _surer(found, rival)
+
+
+def _or_a_tip(one: Attempt, found: Attempt) -> Attempt:
+    """Return what was found without a taxel, or the one load if a wide tip explains much better; ambiguous if alike."""
+    if len(one.fit.loads) > 1 or len(found.fit.loads) > 1 or one.fit.misfit > POINT:
+        return found
+    tip = left_by_a_tip(one)
+    if tip * RIVALS < found.left:
+        return one
+    return found if found.left * RIVALS < tip else replace(found, ambiguous=True)
 
 
 def _or_a_taxel(found: Attempt) -> Attempt:

@@ -1,0 +1,59 @@
+"""How far a load may be off because it is not a point but wide, compiled, to first order in its area.
+
+A wide tip, and any load on a cover that spreads it otherwise than is thought, changes the signals by the mean square
+radius times the curvature of a point load's. What of that the load has taken for its own is not seen; the part that is
+seen says how much it was. Lengths and signals as in `half_space_numba`.
+"""
+
+import math
+
+import numpy as np
+
+from cnnsim.support.compiling.kept_loops import kept_njit
+from tactile.inverse.least_squares.equations_numba import equations, rest
+from tactile.inverse.least_squares.fit_numba import solve
+
+RADIUS = 0.5
+"""The ring [depths] that stands for a width: of balls up to a depth, of which it has the area, half are wider."""
+AROUND = 6
+"""Places on it: what it adds has the curvature of a circle up to the fifth power of the radius."""
+
+
+@kept_njit(error_model="numpy")
+def width(at, felt, scale, load, strain, layer, tie, moved):  # type: ignore[no-untyped-def]  # numba types it
+    """Fill ``moved`` (5,): how far each number of the load is off if it is wide; return what that explains of chi^2.
+
+    With g what the ring adds to the signals, J the slopes, C = (J J^T)^-1, and g' = g - J^T C J g what of it is seen,
+    of the rest r the part a = g' r / g' g' is a width, by which the load is off by -a C J g.
+    """
+    ring, one = np.empty((AROUND + 1, 5)), np.empty((1, 5))
+    for m in range(5):
+        one[0, m] = load[m]
+        for k in range(AROUND + 1):
+            ring[k, m] = load[m] / AROUND if m > 1 else load[m]
+        ring[AROUND, m] = -load[m] if m > 1 else load[m]
+    for k in range(AROUND):
+        ring[k, 0] += RADIUS * math.cos(2 * math.pi * k / AROUND)
+        ring[k, 1] += RADIUS * math.sin(2 * math.pi * k / AROUND)
+    added = rest(at, np.zeros_like(felt), scale, ring, strain, layer)  # -g
+    left = rest(at, felt, scale, one, strain, layer)
+    matrix, vector, step, factor = np.empty((5, 5)), np.empty(5), np.empty(5), np.empty((5, 5))
+    size = equations(at, felt - left + added, scale, one, strain, layer, matrix, vector)
+    matrix[2, 2] += tie[0]
+    matrix[3, 2] += tie[1]
+    matrix[3, 3] += tie[2]
+    moved[:] = 0.0
+    if not solve(matrix, vector, 0.0, factor, step):
+        return 0.0
+    seen = size
+    for m in range(5):
+        seen -= vector[m] * step[m]
+    along = 0.0
+    for i in range(len(at)):
+        for k in range(3):
+            along += added[i, k] * left[i, k]
+    if not seen > 0:
+        return 0.0
+    for m in range(5):
+        moved[m] = step[m] * along / seen
+    return along * along / seen
