@@ -14,6 +14,7 @@ import numpy as np
 from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.inverse.least_squares.equations_numba import equations, slopes
 from tactile.inverse.least_squares.fit_numba import back, factored
+from tactile.inverse.least_squares.width_numba import width
 
 STRONGEST = 4
 """Of that many of the strongest taxels each reading is asked: no place hangs on one of the others."""
@@ -76,8 +77,12 @@ def unexplained(at, felt, scale, load, strain, layer, tie, noise, chi, excess, f
         return 0.0, 0.0
     moved = np.empty((3 * min(len(at), STRONGEST), 5))
     explained, taken = shifts(at, felt, scale, load, strain, layer, tie, moved)
+    wide = np.empty(5)
     if noise == 0:
-        least = chi * (1 - (BY_CHANCE / len(moved)) ** (2.0 / (free - 1)))
+        least = chi * (1 - (BY_CHANCE / (len(moved) + 1)) ** (2.0 / (free - 1)))
+    if width(at, felt, scale, load, strain, layer, tie, wide) > least:
+        for m in range(5):
+            more[m] += wide[m] * wide[m]
     most = 0.0
     for k in range(len(moved)):
         most = max(most, explained[k])
