@@ -28,10 +28,12 @@ class Load:
     Where the noise is known (a quiet second at the start, `LiveTare`) what is left beyond it counts in full, whatever
     it comes from: a false reading, a second load too weak or too near to be told, a cover thinner than is thought, a
     wide tip. Of layers of 1 to 2 depths read as a half-space all are noticed on 2 x 2 to 8 x 8 taxels with noise of up
-    to a hundredth of the signal, and 1 % lie beyond five deviations. Two limits the data set. Where nobody knows the
-    noise, what is left passes for it on less than 25 taxels, but for a single reading that stands out: beyond five
-    deviations lie then 14 % of such layers, 11 % of second loads of 5 to 10 %. And where the load hangs on one taxel,
-    on pads two depths apart, an error in it leaves a hundredth of itself elsewhere: below the noise it is not seen.
+    to a hundredth of the signal, and 1 % lie beyond five deviations; of balls up to a depth 3 %. Two limits the data
+    set. Where nobody knows the noise, what is left passes for it on less than 25 taxels, but for a reading that stands
+    out and for what looks like a width: beyond five deviations lie then 15 % of such layers, 9 % of second loads of 5
+    to 10 %. And where the load hangs on one taxel, on pads two depths apart, an error in it leaves a hundredth of
+    itself elsewhere: below the noise it is not seen. Taxels on a line tell F less R times the load's distance from the
+    line over their depth, R being the shear across: ``F`` holds for R = 0.
     """
 
     x: float = NAN

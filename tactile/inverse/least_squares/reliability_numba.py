@@ -3,11 +3,14 @@
 Noise is independent from signal to signal; a thin cover, a wide tip or another load is not: more taxels feel more of
 the same. What is left beyond the noise therefore counts once, not once for each degree of freedom, as if the part of it
 that the load has taken for its own were as large as the part that is seen. Of a reading that the load hangs on little
-is seen when it is false: it counts for as much as would hide so. Lengths and signals as in `half_space_numba`.
+is seen when it is false: it counts for as much as would hide so, and so does a width of the load (`width_numba`).
+Lengths and signals as in `half_space_numba`.
 
 Sources: R. T. Birge, Phys. Rev. 40 (1932) 207; W. Baarda, A testing procedure for use in geodetic networks (1968);
 J. G. MacKinnon, H. White, J. Econometrics 29 (1985) 305: the shifts squared are their third estimate.
 """
+
+import math
 
 import numpy as np
 
@@ -80,7 +83,8 @@ def unexplained(at, felt, scale, load, strain, layer, tie, noise, chi, excess, f
     wide = np.empty(5)
     if noise == 0:
         least = chi * (1 - (BY_CHANCE / (len(moved) + 1)) ** (2.0 / (free - 1)))
-    if width(at, felt, scale, load, strain, layer, tie, wide) > least:
+    in_doubt = noise == 0 or chi > noise * noise * (free + math.sqrt(2.0 * free))
+    if in_doubt and width(at, felt, scale, load, strain, layer, tie, wide) > least:
         for m in range(5):
             more[m] += wide[m] * wide[m]
     most = 0.0

@@ -15,8 +15,8 @@ from tactile.inverse.least_squares.fit_numba import solve
 
 RADIUS = 0.5
 """The ring [depths] that stands for a width: of balls up to a depth, of which it has the area, half are wider."""
-AROUND = 6
-"""Places on it: what it adds has the curvature of a circle up to the fifth power of the radius."""
+AROUND = 4
+"""Places on it: what it adds has the curvature of a circle up to the third power of the radius."""
 
 
 @kept_njit(error_model="numpy")

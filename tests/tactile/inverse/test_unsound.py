@@ -38,7 +38,8 @@ def beyond(load: Load, wanted: Floats = WANTED) -> float:
 
 
 @pytest.mark.parametrize(
-    ("kind", "most"), [("dead", 0.04), ("turned", 0.04), ("clipped", 0.1), ("second", 0.02), ("layer", 0.04)]
+    ("kind", "most"),
+    [("dead", 0.04), ("turned", 0.04), ("clipped", 0.04), ("second", 0.02), ("layer", 0.04), ("ball", 0.07)],
 )
 def test_deviations_cover_what_is_unexplained(kind: str, most: float) -> None:
     """Of the loads that are inside no larger share lies beyond 5 deviations; by noise alone 13 to 60 % do."""
@@ -94,6 +95,43 @@ def test_a_reading_that_is_cut_off_on_a_coarse_pad_is_told(stress: bool) -> None
     assert load.saturated == ((1, 0),)
     assert load.left_out == ()
     assert beyond(load, wanted) < 5
+
+
+@pytest.mark.parametrize("stress", [False, True])
+@pytest.mark.parametrize("known", [False, True])
+def test_two_readings_at_one_end_are_told_though_noise_hides_what_they_leave(stress: bool, known: bool) -> None:
+    """Two noisy readings are never the same number, but for the end of their range; without noise they may be."""
+    at = pad(4)
+    wanted = np.array([*at[1, 2] + (0.5 * DEPTH, 0.05 * DEPTH), 0.02, -0.03, 0.4])
+    signals = felt(at, [wanted], stress)
+    end = np.sort(np.abs(signals).ravel())[-2] * 0.7
+    load = located(at, signals, 0.02, stress, lambda read: np.clip(read, -end, end), known=known)
+    assert set(load.saturated) == {(1, 2), (1, 3)}
+    assert beyond(load, wanted) < 5
+    amid = found(at, felt(at, [(0.0, 0.0, 0.0, 0.0, 0.4)], stress), stress)
+    assert (amid.saturated, amid.taxels) == ((), 16)
+
+
+@pytest.mark.parametrize("stress", [False, True])
+def test_coarse_steps_are_no_end_of_a_range(stress: bool) -> None:
+    random, at = np.random.default_rng(8), pad(4)
+    for _ in range(100):
+        place = random.uniform(-1, 1, 2) * DEPTH
+        signals = felt(at, [(*place, 0.05, -0.03, 0.4)], stress)
+        step = float(np.abs(signals).max()) / 40
+        assert found(at, np.round(signals / step) * step, stress).saturated == ()
+
+
+@pytest.mark.parametrize("pitch", [1.0, 1.5])
+def test_a_ball_over_one_taxel_of_a_line_is_no_false_taxel(pitch: float) -> None:
+    """The others feel a point, the nearest one does not: it reads falsely, or the tip is wide."""
+    at = TaxelArray("line", 1, 9, pitch * DEPTH, DEPTH).positions()
+    for radius in (0.6, 0.75, 0.9):
+        wanted = np.array([0.1 * DEPTH, 0.3 * DEPTH, 0.2, 0.0, 0.9])
+        load = located(at, point_signals(at, ball(wanted, radius * DEPTH), False), 1e-3, False)
+        sure, told = load.validity is Validity.INSIDE, [0, 1, 2, 4]
+        assert not (sure and load.left_out)
+        assert not sure or (np.abs(np.array(as_row(load)) - wanted) / load.sigma)[told].max() < 5
 
 
 @pytest.mark.parametrize("stress", [False, True])
