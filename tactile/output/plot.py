@@ -98,8 +98,7 @@ def _signals(normal: Any, shear: Any, columns: Columns, array: TaxelArray) -> No
     if sheared:
         shear.legend(loc="lower right", bbox_to_anchor=(1, 0.98), ncols=2, fontsize=8, frameon=False)
     for axis, signals, which in ((normal, (pressing,), "normal"), (shear, (along_x, along_y), "shear")):
-        sure = np.concatenate([np.where(doubted, np.nan, signal) for signal in signals])
-        _heights(axis, sure if np.isfinite(sure).any() else np.concatenate(signals), least)
+        _heights(axis, _looked_at(np.concatenate(signals), np.tile(doubted, len(signals)), least), least)
         axis.set_ylabel(f"{which} [{unit}]\n{what}")
     shear.set_xlabel("time [s]")
     normal.tick_params(labelbottom=False)
@@ -114,6 +113,17 @@ def _signals(normal: Any, shear: Any, columns: Columns, array: TaxelArray) -> No
         shear.set_xticks([])
 
 
+def _looked_at(signal: Floats, doubted: Any, least: float) -> Floats:
+    """Return what is sure, and what is not but lies no further from it than it reaches: the rest may be anywhere."""
+    sure = signal[np.isfinite(signal) & ~doubted]
+    if not sure.size:
+        return signal
+    low, high = float(sure.min()), float(sure.max())
+    reach = max(high - low, max(abs(low), abs(high)), least)
+    near: Floats = signal[(signal >= low - reach) & (signal <= high + reach)]
+    return near
+
+
 def _line(axis: Any, t: Floats, signal: Floats, doubted: Any, colour: str, name: str) -> None:
     """Draw a signal, and as pale dots where it is not sure."""
     sure = np.where(doubted, np.nan, signal)
@@ -123,7 +133,7 @@ def _line(axis: Any, t: Floats, signal: Floats, doubted: Any, colour: str, name:
     if alone.any():  # a line needs two
         axis.plot(t[alone], sure[alone], ".", color=colour, markersize=5, clip_on=False)
     if doubted.any():
-        axis.plot(t[doubted], signal[doubted], ".", color=colour, alpha=0.25, markersize=3, markeredgewidth=0)
+        axis.plot(t[doubted], signal[doubted], ".", color=colour, alpha=0.4, markersize=3, markeredgewidth=0)
 
 
 def _heights(axis: Any, signal: Floats, least: float) -> None:

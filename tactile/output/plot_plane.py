@@ -78,7 +78,9 @@ def _track(axis: Any, columns: Columns, others: Floats) -> str:
             columns.x[doubted] * 1e3, columns.y[doubted] * 1e3, marker="x", s=10, color="0.7", linewidth=0.6, zorder=1
         )
         beyond = _beyond(axis, columns.x[doubted] * 1e3, columns.y[doubted] * 1e3)
-        words.append(f"crosses: not sure, {doubted.sum()} frames{f', {beyond} beyond the edge' if beyond else ''}")
+        count = int(doubted.sum())
+        edge = f", {beyond} beyond the edge" if beyond else ""
+        words.append(f"crosses: not sure, {count} frame{'s' * (count != 1)}{edge}")
     if sure.any():
         strongest = (column[sure] for column in (columns.t, columns.x, columns.y, columns.F))
         several = np.isin(others[:, 0], columns.t[sure])
@@ -91,7 +93,8 @@ def _track(axis: Any, columns: Columns, others: Floats) -> str:
             bar.set_ticks([t[0]])
         words.insert(0, f"located load, largest dot {most:.2g} N")
         if several.any():
-            words.append(f"several at once in {len(np.unique(others[several, 0]))} frames")
+            frames = len(np.unique(others[several, 0]))
+            words.append(f"several at once in {frames} frame{'s' * (frames != 1)}")
         beyond = _beyond(axis, x * 1e3, y * 1e3)
         words += [f"{beyond} dot{'s' * (beyond != 1)} beyond the edge"] if beyond else []
     return "\n".join(words) or "no load located"
