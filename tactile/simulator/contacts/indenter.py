@@ -33,6 +33,9 @@ FLAT = ("disc", "flat_punch")
 """Those whose circle is as wide under any force."""
 LAWS = ("sphere", "needle", "flat_punch")
 """Shapes with a law of force and indentation."""
+STEPS, SHARE = 60, 1e-3
+"""Far more than the five steps that a held cylinder takes, and the share of a force over which its slope is taken:
+each step leaves about so much of the error."""
 
 
 @spelled_class
@@ -192,17 +195,36 @@ class Indenter:
             return replace(self, shape="cylinder", radius=needle).held_factor(force, rise, medium, needle)
         deeper = self.indentation(force, medium) + rise
         pressing = force > 0
-        if self.shape == "cylinder":  # no closed form: by bisection
-            low, high = np.zeros_like(force), np.maximum(force, 1e-30)
-            while (self.indentation(high, medium) < deeper).any():
-                high = np.where(self.indentation(high, medium) < deeper, 2 * high, high)
-            for _ in range(60):
-                middle = (low + high) / 2
-                less = self.indentation(middle, medium) < deeper
-                low, high = np.where(less, middle, low), np.where(less, high, middle)
-            new = (low + high) / 2
+        if self.shape == "cylinder":
+            new = self._pressed_to(deeper, force, medium)
         else:
             law = replace(self, shape="flat_punch") if self.shape == "disc" else self
             new = law.force_at(deeper, medium)
         factor: Floats = np.where(pressing, new / np.where(pressing, force, 1.0), 1.0)
         return factor
+
+    def _pressed_to(self, deeper: Floats, force: Floats, medium: Medium) -> Floats:
+        """Force [N] of a cylinder at indentations [m], 0 where there is no contact, begun at forces that press.
+
+        There is no closed form; the indentation is nearly a power of the force, so Newton, in logarithms.
+
+        Raises:
+            InputError: as ``indentation``; deeper than one so short sinks in under any force.
+        """
+        touches = (deeper > 0) & (force > 0)
+        now, aim = force[touches], deeper[touches]
+        for _ in range(STEPS):
+            near, aside = self.indentation(now, medium), self.indentation(now * (1 - SHARE), medium)
+            with np.errstate(invalid="ignore"):
+                power = np.log(near / aside) / -np.log1p(-SHARE)
+            if not ((near > 0) & (power > 0) | (aim == near)).all():
+                raise InputError(
+                    f"a {self.shape} {self.length * 1e3:g} mm long held {aim.max() * 1e3:.4g} mm deep; less "
+                    "wanted: its contact would be far wider than it is long"
+                )
+            before, now = now, now * (aim / near) ** (1 / power)
+            if (np.abs(now - before) <= 1e-11 * now).all():  # a thousandth of it is left, see SHARE
+                break
+        new = np.zeros_like(force)
+        new[touches] = now
+        return new

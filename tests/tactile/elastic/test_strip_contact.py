@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from cnnsim.support import Floats
+from cnnsim.support import Floats, InputError
 from tactile.elastic.lines import cylinder_half_width, line_indentation
 from tactile.elastic.medium import Medium
-from tactile.elastic.strip_contact import strip_contact
+from tactile.elastic.strip_contact import WIDEST, strip_contact
 
 
 def compliance(k: Floats, nu: float) -> Floats:
@@ -45,6 +45,23 @@ def test_the_contact_is_that_of_many_strips(b: float, nu: float) -> None:
     found = law.shape(np.full(at.size, b), at) * 2 / (np.pi * b) * np.sqrt(1 - at**2) * force
     inner = np.abs(at) < 0.95
     assert np.abs(found - pressure)[inner].max() < 1e-3 * pressure.max()
+
+
+@pytest.mark.parametrize("nu", (0.5, 0.499, 0.3, 0.0))
+def test_a_width_is_where_its_force_is_from_the_narrowest_to_the_widest(nu: float) -> None:
+    law = strip_contact(nu)
+    b = np.concatenate([[0.0, 1e-150], np.geomspace(1e-12, WIDEST, 500), WIDEST * (1 - np.geomspace(1e-12, 0.1, 20))])
+    force = law.force(b)
+    assert (np.abs(law.width(force) - b) <= 1e-12 * b).all()
+    low, high = b * 0.9, np.minimum(b * 1.1, WIDEST)  # the force grows with the width: halving cannot miss it
+    for _ in range(60):
+        middle = (low + high) / 2
+        less = law.force(middle) < force
+        low, high = np.where(less, middle, low), np.where(less, high, middle)
+    assert law.width(force) == pytest.approx((low + high) / 2, rel=1e-12, abs=0)
+    assert law.width(np.array(-1.0)) == 0
+    with pytest.raises(InputError, match="over 40 thicknesses of the cover wide"):
+        law.width(np.array([0.0, force.max() * 1.001]))
 
 
 def test_layers_much_thinner_than_the_contact_is_wide() -> None:

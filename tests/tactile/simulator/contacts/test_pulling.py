@@ -1,5 +1,6 @@
 """Contacts that are pulled: they lift off, or stick as Johnson, Kendall and Roberts have it."""
 
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -142,6 +143,33 @@ def test_a_raised_cover_presses_by_the_laws_own_slope(body: Indenter, thickness:
     less, more = (float(law.indentation(force * (1 + part), layer)[0]) for part in (-1e-4, 1e-4))
     found = (body.held_factor(force, rise, layer, 50e-6) - 1) / rise
     assert found == pytest.approx(2e-4 / (more - less), rel=1e-3)
+
+
+@pytest.mark.parametrize("nu", (0.5, 0.3))
+@pytest.mark.parametrize("thickness", (np.inf, 2e-3, 1e-3))
+@pytest.mark.parametrize("body", (Indenter("cylinder", 2e-3, 8e-3), Indenter("cylinder", 5e-5, 2e-2)))
+def test_a_held_cylinder_is_pressed_until_it_sinks_in_as_deep(body: Indenter, thickness: float, nu: float) -> None:
+    """From every force to every other, up to where it goes through the layer."""
+    layer, force, deep = Medium(1e6, nu, thickness=thickness), np.geomspace(1e-9, 100, 60), np.empty(0)
+    for one in force:
+        with suppress(InputError):
+            deep = np.append(deep, body.indentation(np.array([one]), layer))
+    force = force[: len(deep)]
+    assert (np.isinf(thickness) and deep[-1] > 1e-3) or deep[-1] > 0.5 * thickness
+    rise = np.subtract.outer(deep, deep)  # [to, from]
+    start = np.broadcast_to(force, rise.shape)
+    found = body.held_factor(start.ravel(), rise.ravel(), layer, 50e-6).reshape(rise.shape) * start
+    sunk = body.indentation(found.ravel(), layer).reshape(rise.shape)
+    assert sunk == pytest.approx(np.broadcast_to(deep[:, None], rise.shape), rel=1e-11, abs=1e-15 * deep.max())
+
+
+def test_a_held_cylinder_that_is_raised_beyond_what_its_length_allows_is_refused() -> None:
+    short, force = Indenter("cylinder", 1e-2, 1e-3), np.array([0.1])
+    assert short.held_factor(force, np.array([1e-6]), RUBBER, 50e-6) > 1
+    with pytest.raises(
+        InputError, match=r"a cylinder 1 mm long held 0\.\d+ mm deep; less wanted.*wider than it is long"
+    ):
+        short.held_factor(force, np.array([3e-4]), RUBBER, 50e-6)
 
 
 @pytest.mark.parametrize("by_depth", (False, True))
