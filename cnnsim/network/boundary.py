@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -117,12 +118,21 @@ def virtual_index(cells: int, radius: int, boundary: Boundary) -> Integers:
 
 def pad(plane: Array, radius: int, boundary: Boundary, constant: float) -> Array:
     """Return the plane(s) (..., rows, cols) with ``radius`` virtual cells all round; ``constant`` is for fixed ones."""
-    rows = virtual_index(plane.shape[-2], radius, boundary)
-    cols = virtual_index(plane.shape[-1], radius, boundary)
-    padded = plane[..., rows[:, None], cols]
-    padded[..., rows < 0, :] = constant
-    padded[..., :, cols < 0] = constant
+    if boundary.kind != "fixed":
+        return plane[_around(plane.shape[-2], plane.shape[-1], radius, boundary)]
+    rows, cols = plane.shape[-2:]
+    padded = np.full((*plane.shape[:-2], rows + 2 * radius, cols + 2 * radius), constant, plane.dtype)
+    padded[..., radius : radius + rows, radius : radius + cols] = plane
     return padded
+
+
+@lru_cache(maxsize=64)
+def _around(rows: int, cols: int, radius: int, boundary: Boundary) -> tuple[Any, ...]:
+    """Return the index of the real cells that stand for all cells of a padded plane: of each step anew it took longer.
+
+    A boundary that repeats real cells.
+    """
+    return ..., virtual_index(rows, radius, boundary)[:, None], virtual_index(cols, radius, boundary)
 
 
 def correlate(plane: Array, taps: Sequence[Tap], boundary: Boundary, constant: float, start: Array) -> Array:

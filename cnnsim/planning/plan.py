@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Literal, get_args
 
 from cnnsim.network import (
@@ -68,7 +68,7 @@ class Plan:
             f"Plan({self.template.name!r}, {self.shape[0]} x {self.shape[1]}, {self.method}{scheme}, {self.duration})"
         )
 
-    @property
+    @cached_property
     def feedback_taps(self) -> tuple[Tap, ...]:
         """The taps of A that are summed: those that are not zero, unless sparse taps are switched off."""
         return self.template.feedback_taps if "sparse taps" in self.savings else all_taps(self.template.A)

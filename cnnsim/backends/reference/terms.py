@@ -1,4 +1,4 @@
-"""Terms, layers, delays and sequences: what drives each layer, every neighbour of every term looked up anew.
+"""Terms, layers, delays and sequences: what drives each layer, every neighbour of every term looked up by itself.
 
 Planes are seen as (n, layers, rows, cols).
 """
@@ -21,20 +21,28 @@ Lookup = Callable[[Quantity, int], Array]
 
 def add_term(total: Array, term: Term, own: int, lookup: Lookup, boundary: Boundary) -> None:
     """Add one term to the drive (n, rows, cols) of layer ``own``."""
+    if not term.taps:  # it may be of an input that is not there
+        return
     rows, cols = total.shape[-2:]
     r = term.radius
     other = own if term.layer is None else term.layer
 
-    def value(argument: Argument, k: int, l: int) -> Array:
+    def seen(argument: Argument) -> tuple[Array, Array | None]:
+        """The padded plane in which an argument finds all its neighbours, and what it takes off, if anything."""
         constant = boundary.u if argument.neighbour == "u" else boundary.y
         around = pad(lookup(argument.neighbour, other), r, boundary, constant)
-        there = around[..., r + k : r + k + rows, r + l : r + l + cols]
-        return there if argument.centre is None else there - lookup(argument.centre, own)
+        return around, None if argument.centre is None else lookup(argument.centre, own)
 
+    def value(plane: tuple[Array, Array | None], k: int, l: int) -> Array:
+        around, centre = plane
+        there = around[..., r + k : r + k + rows, r + l : r + l + cols]
+        return there if centre is None else there - centre
+
+    of, times = seen(term.of), None if term.times is None else seen(term.times)
     for k, l, weight in term.taps:
-        v = value(term.of, k, l)
+        v = value(of, k, l)
         f = v if term.table is None else term.table(v)
-        total += weight * (f if term.times is None else f * value(term.times, k, l))
+        total += weight * (f if times is None else f * value(times, k, l))
 
 
 class Network:
