@@ -10,10 +10,14 @@ from tests.kits.backends import TOLERANCE, build, variants
 HASTY = {
     "backends/conformance/": ("opencl-cpu-float64", "opencl-gpu-float32"),
     "backends/opencl/test_library.py": ("gpu",),
-    "backends/opencl/test_transient.py": ("gpu",),
+    "backends/opencl/test_memory.py": ("float64",),
+    "backends/opencl/test_stages.py": ("gpu",),
+    "backends/test_slices.py::test_slices_change_no_bit": ("gpu",),
+    "backends/opencl/test_transient.py": ("gpu", "periodic", "fixed"),
+    "backends/opencl/test_sleep.py": ("zero-flux", "periodic"),
 }
 """Variants whose kernels are built without the optimiser, which takes most of a small test's time: as float32 for CPUs
-all are optimised."""
+all are optimised, and of tests at several boundaries the first one."""
 
 
 @pytest.fixture(autouse=True)
