@@ -9,6 +9,11 @@ from tests.kits.backends import TOLERANCE, build, variants
 
 HASTY = {
     "backends/conformance/": ("opencl-cpu-float64", "opencl-gpu-float32"),
+    "backends/conformance/test_cases.py": ("opencl",),
+    "backends/conformance/test_recording.py": ("opencl",),
+    "backends/conformance/test_transient.py::test_hard_sizes": ("rk4",),
+    "backends/conformance/test_schemes.py": ("opencl",),
+    "backends/conformance/test_settled.py": ("opencl",),
     "backends/opencl/test_library.py": ("gpu",),
     "backends/opencl/test_memory.py": ("float64",),
     "backends/opencl/test_stages.py": ("gpu",),
@@ -17,7 +22,7 @@ HASTY = {
     "backends/opencl/test_sleep.py": ("zero-flux", "periodic"),
 }
 """Variants whose kernels are built without the optimiser, which takes most of a small test's time: as float32 for CPUs
-all are optimised, and of tests at several boundaries the first one."""
+random transients, terms and programs are optimised, and of tests at several boundaries the first one."""
 
 
 @pytest.fixture(autouse=True)
