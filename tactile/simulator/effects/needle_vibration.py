@@ -20,9 +20,12 @@ class NeedleVibration:
     """Every frame all contacts of a finger are displaced together, x and y by ``lateral`` and z by ``vertical`` [m].
 
     Statistics: the displacements are independent from frame to frame (vibration is faster than the frames), normal,
-    of mean 0 and of these standard deviations. The height changes the force of each contact by its own law of force and
-    indentation, (1 + z / delta)^1.5 for a sphere; loads at a point are held by a tip of ``tip_radius`` [m]: "a few
-    microns of dislocation in the loading needle causes huge changes in the force".
+    of mean 0 and of these standard deviations. The height z changes the force of each contact by its own law of force
+    and indentation delta on the cover as it is: on the half-space (1 + z / delta)^1.5 for a sphere, 1 + z / delta for a
+    flat end, Sneddon's law for a needle; a cylinder, and an edge of this ``tip_radius`` [m], go by
+    ``lines.line_indentation``; on a layer all are stiffer, by ``layer_contact``. Loads at a point are held by a tip of
+    ``tip_radius`` as by a sphere on the half-space whatever the cover: on one of ten contact radii that is some 10 %
+    too soft. "A few microns of dislocation in the loading needle causes huge changes in the force".
 
     Source: Vasarhelyi, Fodor, Roska, sect. 4.1.
     """

@@ -24,6 +24,9 @@ sphere and 10 % under a cylinder."""
 DEEP = 0.3
 """Indentation over thickness, and strain, from which linear rubber is off by about a third."""
 
+SQUEEZED = 0.85
+"""Of what a cylinder sinks in along its length, below which its middle sinks in less: the cover is squeezed out at its
+ends, and its stiffness is off by more than a tenth, by a third at 0.7."""
 DOUBT = 0.02
 """Share of its force that the cells of a height map may leave open. Of smooth bodies it is a cautious figure: they come
 out to 1 % where it is below."""
@@ -153,10 +156,17 @@ def _size(name: str, force: float, contact: MovingContact, medium: Medium) -> It
         wide, extent = float(body.contact_radius(push, medium)[0]), "in radius"
         yield from _width(name, wide, extent, body, "a paraboloid (shape = 'needle' is a sphere)")
     if body.shape == "cylinder":
-        from tactile.elastic.lines import cylinder_half_width  # only where called for
+        from tactile.elastic.lines import cylinder_half_width, line_indentation  # only where called for
 
-        wide, extent = float(cylinder_half_width(push, body.length, body.radius, medium)[0]), "to either side"
+        half = cylinder_half_width(push, body.length, body.radius, medium)
+        wide, extent = float(half[0]), "to either side"
         yield from _width(name, wide, extent, body, "a parabola across")
+        middle = float(line_indentation(push, body.length, half, medium, middle=True)[0])
+        if np.isfinite(medium.thickness) and middle < SQUEEZED * deep:
+            yield (
+                f"{name}: its middle sinks in {middle / deep:.2g} times as far as its mean, {SQUEEZED:g} or more "
+                f"wanted: so thin a cover is squeezed out at the ends of {body.length * 1e3:g} mm"
+            )
         if 2 * wide > body.length:
             yield (
                 f"{name}: a contact {2 * wide * 1e3:.3g} mm wide and {body.length * 1e3:g} mm long; at most as wide as "

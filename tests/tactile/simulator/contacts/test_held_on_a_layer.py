@@ -1,0 +1,62 @@
+"""Contacts that a rig holds over a thin cover: forces and stiffness against rigid bodies pressed onto a grid."""
+
+import numpy as np
+import pytest
+from scipy import fft
+
+from cnnsim.support import Floats
+from tactile.elastic.lines import cylinder_half_width
+from tactile.elastic.medium import Medium
+from tactile.simulator.contacts.indenter import Indenter
+from tests.oracles.elastic.bonded import PeriodicLayer
+
+
+def room(width: float, length: float, nu: float) -> tuple[PeriodicLayer, Floats, Floats]:
+    """A layer with room around a contact so wide (to either side) and long, and its cells' places."""
+    across, count = width / 14, max(20, int(np.ceil(length / min(0.15, width / 3))))
+    along = length / count
+    cols, rows = (fft.next_fast_len(int(size / step)) for size, step in ((2 * width + 6, across), (length + 6, along)))
+    x, y = (np.arange(cols) - cols // 2) * across, (np.arange(rows) - (count - 1) / 2) * along
+    return PeriodicLayer((rows, cols), (along, across), nu), x, y
+
+
+@pytest.mark.parametrize(
+    ("radius", "length", "nu"), [(1.0, 2.0, 0.3), (1.0, 2.0, 0.5), (0.4, 2.0, 0.4), (0.5, 4.0, 0.5), (2.0, 6.0, 0.5)]
+)
+def test_a_held_cylinder_is_as_stiff_as_a_rigid_one_of_its_length(radius: float, length: float, nu: float) -> None:
+    deep = 0.05
+    layer, x, y = room(1.1 * np.sqrt(2 * radius * deep), length, nu)
+    gap = np.where(np.abs(y[:, None]) < length / 2, x**2 / (2 * radius), 1e3)
+    found = [layer.pressed(gap, deep * by, 1e-4) for by in (0.97, 1.0, 1.03)]
+    forces = [float(one.sum()) * layer.cell for one in found]
+    body, medium = Indenter("cylinder", radius, length), Medium(1.0, nu, thickness=1.0)
+    # ends that are sharp press harder than the product's, which are a little rounded
+    assert float(body.indentation(np.array([forces[1]]), medium)[0]) == pytest.approx(deep, rel=0.02)
+    for rise, force in zip((-0.03 * deep, 0.03 * deep), forces[::2], strict=True):
+        held = float(body.held_factor(np.array([forces[1]]), np.array([rise]), medium, 50e-6)[0])
+        assert held - 1 == pytest.approx(force / forces[1] - 1, rel=0.04)
+    wide = float(np.count_nonzero(found[1][np.abs(y).argmin()])) * (x[1] - x[0]) / 2
+    assert float(cylinder_half_width(forces[1], length, radius, medium)) == pytest.approx(wide, rel=0.1)
+    edge = Indenter("edge", 0.0, length)  # as round as the rig's needle
+    assert edge.held_factor(np.array([forces[1]]), np.array([0.03 * deep]), medium, radius) == pytest.approx(held)
+
+
+@pytest.mark.parametrize("nu", (0.3, 0.5))
+@pytest.mark.parametrize(("shape", "wide"), [("sphere", 0.3), ("sphere", 1.0), ("sphere", 2.0), ("needle", 0.5),
+                                             ("flat_punch", 0.5)])  # fmt: skip
+def test_a_held_round_body_is_as_stiff_as_a_rigid_one(shape: str, wide: float, nu: float) -> None:
+    step = wide / 20
+    side = fft.next_fast_len(int((2 * wide + 7) / step))
+    layer, x = PeriodicLayer((side, side), (step, step), nu), (np.arange(side) - side // 2) * step
+    square, medium = x**2 + x[:, None] ** 2, Medium(1.0, nu, thickness=1.0)
+    radius = {"sphere": 50.0, "needle": 2 * wide, "flat_punch": wide}[shape]
+    body = Indenter(shape, radius)  # type: ignore[arg-type]  # one of its names
+    gap = np.minimum(square, radius**2)
+    gap = {"sphere": square / (2 * radius), "needle": radius - np.sqrt(radius**2 - gap),
+           "flat_punch": np.where(square < radius**2, 0.0, 1e3)}[shape]  # fmt: skip
+    deep = {"sphere": wide**2 / 50 * 0.9, "needle": wide / 4, "flat_punch": 1e-3}[shape]
+    forces = [float(layer.pressed(gap, deep * by, 1e-4).sum()) * layer.cell for by in (1.0, 1.05)]
+    held = float(body.held_factor(np.array([forces[0]]), np.array([0.05 * deep]), medium, 50e-6)[0])
+    # cells at the rim of a flat end make it a little wider or narrower
+    assert float(body.indentation(np.array([forces[0]]), medium)[0]) == pytest.approx(deep, rel=0.03)
+    assert held - 1 == pytest.approx(forces[1] / forces[0] - 1, rel=0.025)
