@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from cnnsim.support import Floats, InputError
+from cnnsim.support import Flags, Floats, InputError
 from tactile.core.frame import TaxelArray
 from tactile.core.loads import COLUMNS, PLACE
 from tactile.elastic.medium import Medium
@@ -25,9 +25,10 @@ ACCURACY = 1e-4
 """How far a field may be off, of its peak, unless a scene says."""
 TABLES = 1e-6
 """To finer accuracies circles are integrated one by one: their tables would take longer than most scenes."""
-WIDEST, WIDEST_FINE = 6.0, 2.1
-"""Radius in depths up to which tables are made of circles on the half-space, and that for accuracies finer than
-`FINE`, where those of wider ones would take as long as ten thousand circles that are integrated one by one."""
+WIDEST, WIDEST_FINE, WIDEST_ALONE = 6.0, 2.1, 12.0
+"""Radius in depths up to which tables are made of circles on the half-space, that for accuracies finer than `FINE`,
+where those of wider ones would take as long as ten thousand circles that are integrated one by one, and that of circles
+which need a table of one radius only. Wider ones are felt by harmonics."""
 FINE = 1e-5
 
 
@@ -172,13 +173,15 @@ def _add_spread(
         add_discs = device.add_discs
     from tactile.elastic.disc_table import disc_table, table_size  # the same
 
-    widest = (WIDEST_FINE if accuracy < FINE else WIDEST) * depth
     for disc in spread:
         rows, radii, profile, unit, lone = disc.loads, disc.radii, disc.profile, disc.unit, disc.flat
         pressing = (rows[..., PLACE.stop :] != 0).any(axis=-1)
+        widest = (WIDEST_ALONE if lone else WIDEST_FINE if accuracy < FINE else WIDEST) * depth
         alone = pressing & ((radii > widest) | (accuracy < TABLES))
         if alone.any():
-            _add_exact(values, at, depth, disc, np.where(alone[..., None], rows, 0), medium)
+            wide = _add_wide(values, at, depth, disc, alone, medium, accuracy) if accuracy >= TABLES else ~alone
+            if not wide.all():
+                _add_exact(values, at, depth, disc, np.where((alone & ~wide)[..., None], rows, 0), medium)
         size = table_size(radii, depth, profile, unit, lone)
         for whole, these in ((True, pressing & ~alone), (False, alone & layered)):
             for top in np.unique(size[these]).tolist():
@@ -187,6 +190,22 @@ def _add_spread(
                 kept = here.any(axis=0)  # most are of one size from the first frame to the last
                 part = np.where(here[:, kept, None], rows[:, kept], 0)
                 add_discs(values, at, depth, part, np.where(here, radii, 0)[:, kept], table, medium)
+
+
+def _add_wide(
+    values: Floats, at: Floats, depth: float, disc: Disc, these: Flags, medium: Medium, accuracy: float
+) -> Flags:
+    """The half-space's share of these of its loads by harmonics; return where that was, or where there is nothing."""
+    from tactile.elastic.wide_discs import add_wide, harmonics  # only where called for
+
+    radii = np.where(these, disc.radii, 0)
+    found, enough = harmonics(disc.profile, (radii / disc.unit)[these], radii[these] / depth, accuracy)
+    done = ~these
+    done[these] = enough
+    coefficients = np.zeros((*these.shape, found.shape[1]))
+    coefficients[these] = found
+    add_wide(values, at, depth, disc.loads, np.where(done, radii, 0), coefficients, medium)
+    return done
 
 
 def _add_exact(

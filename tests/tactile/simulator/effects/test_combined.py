@@ -156,6 +156,26 @@ def test_accuracy_is_a_choice() -> None:
     assert fine.medium == medium
 
 
+@pytest.mark.parametrize("thickness", (np.inf, 1.5 * Z))
+def test_circles_of_many_depths_are_not_integrated_one_by_one(
+    thickness: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ball = MovingContact(0, Indenter("sphere", 0.2), np.array([(0.0, 1e-4, 2e-4, 1.0, -0.5, 60.0, 1e-3)]), 0.5)
+    layer = [FiniteThickness(thickness)]
+    exact = affected(ball, *layer, accuracy=0.0)
+    assert exact.loads.discs[0].radii.max() > 6.5 * Z
+    wanted = exact.values
+
+    def integrated(*_given: Any, **_more: Any) -> Any:
+        raise AssertionError
+
+    monkeypatch.setattr("tactile.elastic.discs.disc_load", integrated)
+    monkeypatch.setattr("tactile.elastic.discs.twist_load", integrated)
+    for accuracy in (1e-3, 1e-4):
+        got = affected(ball, *layer, accuracy=accuracy).values
+        assert np.abs(got - wanted).max() < accuracy * np.abs(wanted).max()
+
+
 def test_a_wide_taxel_alone_keeps_the_accuracy_where_little_is_felt() -> None:
     chip = TaxelArray("chip", 1, 1, Z, Z)
     beside = MovingContact(0, Indenter(), np.array([(0.0, 0.0, 1e-4, 0.05, 0.0, 0.15)]))
