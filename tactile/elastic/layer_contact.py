@@ -49,13 +49,23 @@ def excess(turn: Floats, nu: float) -> Floats:
     return out
 
 
+def drag_excess(turn: Floats, nu: float) -> Floats:
+    """By what a drag moves the layer less than the half-space: the mean of waves along it and across it."""
+    kappa = 3 - 4 * nu
+    square, fall = 1 + kappa**2 + 4 * turn**2, np.exp(-2 * turn)
+    # (2 kappa sinh 2k + 4 k) / (2 kappa cosh 2k + 4 k^2 + 1 + kappa^2) along, tanh k across
+    along = (2 * kappa * fall**2 + (square - 4 * turn) * fall) / (kappa * (1 + fall**2) + square * fall)
+    out: Floats = ((1 - nu) * along + 2 * fall / (1 + fall)) / (2 - nu)
+    return out
+
+
 @lru_cache(maxsize=16)
-def _kernel(nu: float) -> CubicSpline:
-    """M(x), lengths in thicknesses."""
+def kernel(nu: float, dragged: bool) -> CubicSpline:
+    """M(x), lengths in thicknesses, against a push, or M' against a drag."""
     nodes, weights = gauss(16)
     edges = np.linspace(0, 24.0, 61 * 2)  # exp(-48) is left out; 16 nodes for 8 turns of the fastest wave
     k = (((edges[:-1] + edges[1:]) / 2)[:, None] + (edges[1] / 2) * nodes).ravel()
-    step = excess(k, nu) * np.tile(weights * edges[1] / 2, len(edges) - 1)
+    step = (drag_excess if dragged else excess)(k, nu) * np.tile(weights * edges[1] / 2, len(edges) - 1)
     x = np.concatenate([np.linspace(0, 8, 401), np.linspace(8, 2 * WIDEST, 401)[1:]])
     return CubicSpline(x, np.cos(np.outer(x, k)) @ step)
 
@@ -64,20 +74,22 @@ def _kernel(nu: float) -> CubicSpline:
 class LayerContact:
     """A body on a layer of unit thickness and contact modulus; ``size``: the radius of a sphere over the thickness.
 
-    Of a paraboloid all is counted for a radius of 1: indentations go with 1 / R, forces too.
+    Of a paraboloid all is counted for a radius of 1: indentations go with 1 / R, forces too. ``dragged``: by the
+    layer's compliance against a drag, see ``layer_slip``.
     """
 
     body: Body
     nu: float
     size: float = 1.0
+    dragged: bool = False
 
     @cached_property
     def _solved(self) -> tuple[Floats, Floats, Floats, Floats, Floats]:
         """Radii, and there: force, indentation, and the weight over the half-space's (radii, places)."""
         if self.nears_its_own:
-            radii = self.size * np.tanh(np.linspace(0, DEEPEST, 100))[1:]
+            radii = self.radius_at(np.linspace(0, DEEPEST, 100))[1:]
         else:
-            radii = np.sinh(np.linspace(0, np.arcsinh(4 * WIDEST), 120))[1:] / 4
+            radii = self.radius_at(np.linspace(0, np.arcsinh(4 * WIDEST), 120))[1:]
         force, depth, ratio = np.empty(len(radii)), np.empty(len(radii)), np.empty((len(radii), 33))
         places = np.linspace(0, RIM, 33)
         for n, a in enumerate(radii.tolist()):
@@ -85,39 +97,47 @@ class LayerContact:
         return radii, force, depth, ratio, places
 
     def _solve(self, a: float, places: Floats) -> tuple[float, float, Floats]:
-        nodes, weights = gauss(16 + int(4 * a))
-        t, step = a * (nodes + 1) / 2, a * weights / 2
-        kernel = _kernel(self.nu)
-
-        def spread(at: Floats) -> Floats:
-            both: Floats = (kernel(np.abs(at[:, None] - t)) + kernel(at[:, None] + t)) * step / np.pi
-            return both
-
-        rim = np.array([a])
-        sides = np.stack([np.ones_like(t), self._abel(t)], axis=-1)
-        solved = np.linalg.solve(np.eye(len(t)) - spread(t), sides)
-        at_rim = np.stack([np.ones(1), self._abel(rim)], axis=-1) + spread(rim) @ solved
-        depth = 1.0 if self.body == "flat" else float(at_rim[0, 1] / at_rim[0, 0])
-        weight = depth * solved[:, 0] - solved[:, 1]
+        t, step, weight, depth = self.weights(a)
         force = 2 * float(step @ weight)
-        here = a * places
-        found = depth - self._abel(here) + spread(here) @ weight
-        plain = self._abel(rim)[0] - self._abel(here) if self.body != "flat" else np.ones_like(here)
-        inside = 1 / a * 2 * float(step @ (self._abel(rim)[0] - self._abel(t))) if self.body != "flat" else 2.0
+        here, rim = a * places, np.array([a])
+        found = depth - self.abel(here) + self._spread(here, t, step) @ weight
+        plain = self.abel(rim)[0] - self.abel(here) if self.body != "flat" else np.ones_like(here)
+        inside = 1 / a * 2 * float(step @ (self.abel(rim)[0] - self.abel(t))) if self.body != "flat" else 2.0
         return force, depth, (found * a / force) / (plain / inside)
+
+    def weights(self, a: float) -> tuple[Floats, Floats, Floats, float]:
+        """Places t of 0 .. a, their quadrature weights, W there for a contact of radius a, and the indentation."""
+        nodes, weights = gauss(16 + int(4 * a))
+        t, step, rim = a * (nodes + 1) / 2, a * weights / 2, np.array([a])
+        sides = np.stack([np.ones_like(t), self.abel(t)], axis=-1)
+        solved = np.linalg.solve(np.eye(len(t)) - self._spread(t, t, step), sides)
+        at_rim = np.stack([np.ones(1), self.abel(rim)], axis=-1) + self._spread(rim, t, step) @ solved
+        depth = 1.0 if self.body == "flat" else float(at_rim[0, 1] / at_rim[0, 0])
+        return t, step, depth * solved[:, 0] - solved[:, 1], depth
+
+    def _spread(self, at: Floats, t: Floats, step: Floats) -> Floats:
+        felt = kernel(self.nu, self.dragged)
+        both: Floats = (felt(np.abs(at[:, None] - t)) + felt(at[:, None] + t)) * step / np.pi
+        return both
 
     @property
     def nears_its_own(self) -> bool:
         """Whether the body's own radius ends the tables, not the layer."""
         return self.body == "sphere" and self.size < WIDEST
 
-    def _at(self, radius: Floats) -> Floats:
+    def place(self, radius: Floats) -> Floats:
         """The tables' coordinate of a radius."""
         if self.nears_its_own:
             return np.arctanh(np.minimum(radius / self.size, 1 - 1e-15))
         return np.arcsinh(4 * radius)
 
-    def _abel(self, t: Floats) -> Floats:
+    def radius_at(self, place: Floats) -> Floats:
+        """The radius at the tables' coordinate."""
+        out: Floats = self.size * np.tanh(place) if self.nears_its_own else np.sinh(place) / 4
+        return out
+
+    def abel(self, t: Floats) -> Floats:
+        """Abel's transform of the body's shape."""
         if self.body == "flat":
             return np.zeros_like(t)
         shape: Floats = t**2 if self.body == "paraboloid" else t * np.arctanh(t / self.size)
@@ -127,12 +147,12 @@ class LayerContact:
     def _force(self) -> CubicSpline:
         """Force over the half-space's at the same radius."""
         radii, force, *_ = self._solved
-        return CubicSpline(self._at(np.append(0, radii)), np.append(1, force / self._plain(radii)[0]))
+        return CubicSpline(self.place(np.append(0, radii)), np.append(1, force / self._plain(radii)[0]))
 
     @cached_property
     def _depth(self) -> CubicSpline:
         radii, _, depth, *_ = self._solved
-        return CubicSpline(self._at(np.append(0, radii)), np.append(1, depth / self._plain(radii)[1]))
+        return CubicSpline(self.place(np.append(0, radii)), np.append(1, depth / self._plain(radii)[1]))
 
     def _plain(self, a: Floats) -> tuple[Floats, Floats]:
         """Force and indentation on the half-space at a radius."""
@@ -151,12 +171,12 @@ class LayerContact:
 
     def force(self, radius: Floats) -> Floats:
         """Force at a contact radius."""
-        out: Floats = self._force(self._at(radius)) * self._plain(radius)[0]
+        out: Floats = self._force(self.place(radius)) * self._plain(radius)[0]
         return out
 
     def indentation(self, radius: Floats) -> Floats:
         """Indentation at a contact radius; of a flat end 1."""
-        out: Floats = self._depth(self._at(radius)) * self._plain(radius)[1]
+        out: Floats = self._depth(self.place(radius)) * self._plain(radius)[1]
         return out
 
     def most(self, by: Literal["force", "indentation"]) -> float:
@@ -209,19 +229,19 @@ class LayerContact:
         for n, one in enumerate(square):
             end[n] = np.prod([(1 - other) / (one - other) for other in np.delete(square, n)])
         every = np.vstack([np.ones(len(places) + 1), np.column_stack([ratio, ratio[:, -4:] @ end])])
-        beside = RectBivariateSpline(self._at(np.append(0, radii)), np.append(places, 1.0), every)
+        beside = RectBivariateSpline(self.place(np.append(0, radii)), np.append(places, 1.0), every)
         plain = {"flat": FLAT_PUNCH, "paraboloid": HERTZ, "sphere": ROUND_TIP}[self.body]
         size = self.size if self.body == "sphere" else np.inf
 
         def weight(theta: Floats, lam: Floats) -> Floats:
             at, a = np.abs(np.sin(theta)), np.broadcast_to(lam, theta.shape)
-            out: Floats = plain.weight(theta, lam / size) * beside.ev(self._at(a), at)
+            out: Floats = plain.weight(theta, lam / size) * beside.ev(self.place(a), at)
             return out
 
         return Profile(f"{self.body} on a layer", weight, size)
 
 
 @lru_cache(maxsize=64)
-def layer_contact(body: Body, nu: float, size: float = 1.0) -> LayerContact:
+def layer_contact(body: Body, nu: float, size: float = 1.0, dragged: bool = False) -> LayerContact:
     """The tables of a body on a layer, made once."""
-    return LayerContact(body, nu, size)
+    return LayerContact(body, nu, size, dragged)

@@ -143,6 +143,19 @@ class Indenter:
             return layer.profile, medium.thickness
         return ROUND[self.shape], self.radius if self.shape == "needle" else np.inf
 
+    def sticking(self, force: Floats, stuck: Floats, medium: Medium) -> tuple[Floats, Profile] | None:
+        """Radii [m] of circles that stick and the shape of what a pull takes off there, None where it is a pressure.
+
+        As on a half-space and under a flat end, where it is the pressure under the force ``stuck`` [N], a part of the
+        contact's ``force`` [N].
+
+        Source: ``tactile.elastic.layer_slip``.
+        """
+        layer = self._on_layer(medium)
+        if layer is None or self.shape == "flat_punch":
+            return None
+        return layer.sticking(layer.radius(force), stuck / np.where(force > 0, force, 1.0))
+
     def indentation(self, force: Floats, medium: Medium) -> Floats:
         """Indentation [m] of a body under normal forces [N], 0 where nothing presses.
 
@@ -187,9 +200,8 @@ class Indenter:
         as that. What does not press (force 0 or pulling) stays as it is.
         """
         if self.shape == "point":
-            deep = replace(
-                medium, thickness=np.inf
-            )  # so narrow a tip hardly feels the base, and may go through a layer
+            # as on the half-space: a point may press through any layer, so that a law with an end would refuse scenes
+            deep = replace(medium, thickness=np.inf)
             return Indenter("sphere", needle).held_factor(force, rise, deep, needle)
         if self.shape == "edge":
             return replace(self, shape="cylinder", radius=needle).held_factor(force, rise, medium, needle)

@@ -183,13 +183,23 @@ class MovingContact:
     def _round(self, rows: Floats, slipped: tuple[Floats, Floats] | None, medium: Medium) -> Loads:
         spread = [rows[:, :COLUMNS]]
         normal_at = [rows[:, F]]
+        inner: tuple[Disc, ...] = ()
         if slipped is not None:
             spread[0] = rows[:, :COLUMNS] * (1, 1, 0, 0, 1)
             forces, terms = slipped
             shear = np.zeros((*forces.shape, COLUMNS))
             shear[..., PLACE], shear[..., SHEAR] = rows[:, None, PLACE], terms
-            spread += list(np.moveaxis(shear, 1, 0))
-            normal_at += list(forces.T)
+            whole = forces >= rows[:, F, None]  # the outermost ring, which slips under all of the pressure
+            taken = None
+            if not whole.all():
+                taken = self.indenter.sticking(rows[:, F, None], np.where(whole, 0, forces), medium)
+            if taken is None:
+                spread += list(np.moveaxis(shear, 1, 0))
+                normal_at += list(forces.T)
+            else:
+                spread[0][:, SHEAR] = np.where(whole[..., None], terms, 0).sum(axis=1)
+                shear[whole, Q:] = 0
+                inner = (Disc(shear, taken[0], taken[1], medium.thickness, np.zeros(shear.shape[1], np.int64)),)
         discs, forces = np.stack(spread, axis=1), np.stack(normal_at, axis=1)
         radii = self.indenter.contact_radius(forces, medium)
         profile, unit = self.indenter.profile(medium)
@@ -207,6 +217,6 @@ class MovingContact:
             totals,
             np.empty((len(rows), 0, COLUMNS)),
             owner[:0],
-            (Disc(discs, radii, profile, unit, owner, self.indenter.shape in FLAT),),
+            (Disc(discs, radii, profile, unit, owner, self.indenter.shape in FLAT), *inner),
             twists,
         )
