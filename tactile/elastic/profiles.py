@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.support import Floats, InputError
+from tactile.elastic.gauss import gauss
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,17 @@ class Profile:
     weight: Callable[[Floats, Floats], Floats]
     limit: float = np.inf
     waves: Callable[[Floats], Floats] | None = None
+
+    def mean_radius(self, lam: Floats) -> Floats:
+        """Mean distance from the middle at which the pressure acts, over the circle's radius, of lam (...).
+
+        pi times the integral of t w(t) from 0 to 1: 3 pi / 16 of Hertz' pressure, pi / 4 under a flat end.
+        """
+        nodes, weights = gauss(48)
+        theta, step = (nodes + 1) * np.pi / 4, weights * np.pi**2 / 4
+        at = np.broadcast_to(theta, (*np.shape(lam), len(theta)))
+        mean: Floats = self.weight(at, np.asarray(lam)[..., None]) @ (step * np.sin(theta))
+        return mean
 
 
 def _sphere_weight(theta: Floats, lam: Floats) -> Floats:

@@ -207,8 +207,9 @@ class MovingContact:
         twists: tuple[Twist, ...] = ()
         if rows[:, TORQUE].any():
             torque = rows[:, TORQUE]
-            if self.friction is not None:  # sliding torque of Hertz' pressure
-                limit = 3 * np.pi / 16 * self.friction * np.maximum(rows[:, F], 0) * radii[:, 0]
+            if self.friction is not None:  # sliding torque: friction under the pressure as it is
+                lever = profile.mean_radius(radii[:, 0] / unit) * radii[:, 0]
+                limit = self.friction * np.maximum(rows[:, F], 0) * lever
                 torque = np.clip(torque, -limit, limit)
             turned = np.stack([rows[:, X], rows[:, Y], torque], axis=-1)
             twists = (Twist(turned[:, None], radii[:, :1], np.zeros(1, np.int64)),)

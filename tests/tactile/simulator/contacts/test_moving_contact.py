@@ -147,3 +147,23 @@ def test_wrong_indenters_are_refused() -> None:
             Indenter(*wrong)
     with pytest.raises(InputError, match="at least 1"):
         TractionMap(0, np.empty((0, 5)), np.array([(0.0, 1.0)]))
+
+
+@pytest.mark.parametrize("shape", ("sphere", "flat_punch", "disc", "needle"))
+@pytest.mark.parametrize("thickness", (np.inf, 1e-3))
+def test_a_contact_slides_round_under_the_torque_of_its_own_pressure(shape: str, thickness: float) -> None:
+    medium, force, mu = Medium(2.4e6, thickness=thickness), 2.0, 0.4
+    body = Indenter(shape, 2e-2 if shape == "sphere" else 1e-3)  # type: ignore[arg-type]  # one of its names
+    contact = MovingContact(0, body, np.array([(0.0, 0, 0, 0, 0, force, 1.0)]), mu)
+    loads = contact.loads(np.zeros(1), 1e-3, medium)
+    (disc,), (twist,) = loads.discs, loads.twists
+    radius = float(disc.radii[0, 0])
+    # a pressure out of its line weight: that of flat ends of all radii t, which press at pi t / 4 in the mean
+    lam = np.full(20001, radius / disc.unit)
+    t = np.linspace(0, 1, 20001)
+    angle = np.arcsin(np.minimum(t, 1 - 1e-9))
+    line = disc.profile.weight(angle, lam) / np.cos(angle)
+    mean = np.pi / 2 * (line[-1] - np.trapezoid(t**2, line))
+    assert twist.twists[0, 0, 2] == pytest.approx(mu * force * mean * radius, rel=1e-3)
+    if shape == "sphere" and thickness < np.inf:
+        assert mean < 0.97 * 3 * np.pi / 16

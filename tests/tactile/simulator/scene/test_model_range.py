@@ -91,7 +91,7 @@ def test_a_cover_that_a_cylinder_squeezes_out_at_its_ends_is_told() -> None:
         return MovingContact(0, Indenter("cylinder", 2e-2, length), np.array([(0.0, 0, 0, 0, 0, force)]))
 
     thin = FiniteThickness(1e-3)
-    # over three thicknesses wide to either side: solved on a grid, the mean is 17 % too deep, the middle 18 % too little
+    # over three thicknesses to either side: solved on a grid, the mean is 17 % too deep, the middle 18 % too little
     assert "so thin a cover is squeezed out at the ends of 16 mm" in said(lying(1000.0, 16e-3), thin)
     assert "squeezed out" not in said(lying(5.0, 16e-3), thin)
     assert "squeezed out" not in said(lying(60.0, 16e-3), FiniteThickness(8e-3))
