@@ -9,7 +9,10 @@ transform of 1 - T'(k h), T' being the layer's compliance against a drag over th
 the constant so that W*(c) = 0. On the half-space this is Cattaneo's and Mindlin's answer, p* being the pressure of a
 contact of radius c; on a layer, which resists a drag otherwise than a push, it is another one: its weight is taken for
 that of the body's own shape dragged, which it is but for a part that changes over a thickness only, and c follows
-from the force that p* carries. As there, what moves across the pull is left out.
+from the force that p* carries. As there, what moves across the pull is left out. Against slip solved cell by cell what
+is felt of a first pull is off by 3 % of its largest where a = h, 6 % at 2 h and 9 % at 4 h at most (incompressible,
+taxels at a fifth of the thickness; the half-space's rings: 10, 28 and 35 %), and by 10 % at 2 h once it turns back.
+Where the normal force changes as well the rings are those of the half-space, kept by the force that they carry.
 
 Source: Cattaneo (1938), Mindlin (1949); ``layer_contact`` for the weights.
 """
