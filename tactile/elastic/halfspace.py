@@ -1,5 +1,7 @@
 """Strain and stress under point loads on an elastic half-space, by the formulas of Boussinesq and Cerruti."""
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -71,11 +73,11 @@ def point_scale(depth: float, medium: Medium) -> tuple[float, float]:
     Raises:
         InputError: a depth that is not positive, or so small that the reading is not a number any more.
     """
-    if not (np.isfinite(depth) and depth > 0):
+    if not 0 < depth < math.inf:
         raise InputError(f"depth {depth} m, a positive length wanted")
     factor, trace = medium.reading
-    scale = factor / (2 * np.pi) / depth / depth if depth > 1e-150 else np.inf
-    if not np.isfinite(scale):
+    scale = factor / (2 * math.pi) / depth / depth if depth > 1e-150 else math.inf
+    if not math.isfinite(scale):
         raise InputError(f"depth {depth} m: the reading under a load grows over all numbers, a larger depth wanted")
     return scale, 2 * trace
 

@@ -1,14 +1,14 @@
 """The elastic cover as numbers: stiffness, Poisson's ratio, and whether its taxels feel strain or stress."""
 
+import math
 from dataclasses import dataclass
 from typing import Literal, get_args
-
-import numpy as np
 
 from cnnsim.support import InputError
 
 Felt = Literal["strain", "stress"]
 """What a taxel inside the cover measures."""
+FELT = get_args(Felt)
 
 
 @dataclass(frozen=True)
@@ -27,17 +27,17 @@ class Medium:
     modulus: float
     nu: float = 0.5
     quantity: Felt = "strain"
-    thickness: float = np.inf
+    thickness: float = math.inf
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.modulus) and self.modulus > 0):
+        if not 0 < self.modulus < math.inf:
             raise InputError(f"Young's modulus {self.modulus} Pa, a positive number wanted")
         if not 0 <= self.nu <= 0.5:
             raise InputError(f"Poisson's ratio {self.nu}, a number from 0 to 0.5 wanted")
         if not self.thickness > 0:
             raise InputError(f"thickness {self.thickness} m of the cover, a positive length wanted")
-        if self.quantity not in get_args(Felt):
-            raise InputError(f"quantity {self.quantity!r}, one of {', '.join(get_args(Felt))} wanted")
+        if self.quantity not in FELT:
+            raise InputError(f"quantity {self.quantity!r}, one of {', '.join(FELT)} wanted")
 
     @property
     def shear_modulus(self) -> float:

@@ -8,6 +8,7 @@ so one even weight w(t), with integral 1, says all there is to say of a profile.
 here is smooth in theta. Source: Copson (1947); Johnson, Contact Mechanics, sect. 3.8; Sneddon (1965).
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.support import Floats, InputError
+from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.elastic.gauss import gauss
 
 
@@ -138,19 +140,29 @@ def _round_tip(force: ArrayLike, tip_radius: float, contact_modulus: float) -> t
     """a / R where it is shallow, and atanh(a / R)."""
     wanted = np.maximum(np.asarray(force, dtype=np.float64), 0) / contact_modulus / tip_radius**2
     shallow = np.cbrt(0.75 * wanted)
-    # the root lies below both: P / (E* R^2) >= 4/3 lam^3, and >= atanh(lam) - lam
-    high = np.where(shallow < 1, np.arctanh(np.minimum(shallow, 1 - 1e-15)), np.inf)
-    low, high = np.zeros_like(wanted), np.minimum(high, wanted + 1)
-    bend = high
-    for _ in range(STEPS):  # Newton's, inside the bracket
-        lam = np.tanh(bend)
-        off = (lam**2 + 1) * bend - lam - wanted
-        low, high = np.where(off < 0, bend, low), np.where(off < 0, high, bend)
-        with np.errstate(divide="ignore", invalid="ignore"):
+    bends = np.empty(wanted.size)
+    _bend(wanted.ravel(), shallow.ravel(), bends)
+    return shallow, bends.reshape(wanted.shape)
+
+
+@kept_njit(error_model="numpy")
+def _bend(wanted, shallow, bends):  # type: ignore[no-untyped-def]  # numba types it at the call
+    """Solve (lam^2 + 1) bend - lam = wanted, lam = tanh(bend), by Newton's method inside a bracket."""
+    for i in range(wanted.size):
+        # the root lies below both: P / (E* R^2) >= 4/3 lam^3, and >= atanh(lam) - lam
+        low, high = 0.0, wanted[i] + 1
+        if shallow[i] < 1:
+            high = min(math.atanh(min(shallow[i], 1 - 1e-15)), high)
+        bend = high
+        for _ in range(STEPS):
+            lam = math.tanh(bend)
+            off = (lam**2 + 1) * bend - lam - wanted[i]
+            low, high = (bend, high) if off < 0 else (low, bend)
             after = bend - off / (2 * lam * (bend * (1 - lam**2) + lam))
-        after = np.where((after >= low) & (after <= high), after, (low + high) / 2)
-        same = np.abs(after - bend) <= 1e-9 * bend  # the next step is below rounding
-        bend = after
-        if same.all():
-            break
-    return shallow, bend
+            if not low <= after <= high:
+                after = (low + high) / 2
+            same = abs(after - bend) <= 1e-9 * bend  # the next step is below rounding
+            bend = after
+            if same:
+                break
+        bends[i] = bend

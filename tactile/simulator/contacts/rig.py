@@ -9,6 +9,7 @@ from cnnsim.support import Floats
 from tactile.core.loads import COLUMNS, FORCE, PLACE, F
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import ROUND_TIP, round_tip_radius
+from tactile.simulator.altered import altered
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.loads import Disc, Loads, point_loads
 
@@ -37,7 +38,7 @@ class Rig:
 
     def with_move(self, move: Move, needle: float) -> "Rig":
         """The same with one more move."""
-        return replace(self, moves=(*self.moves, (move, needle)))
+        return altered(self, moves=(*self.moves, (move, needle)))
 
     def moved(self, rows: Floats, body: Indenter, medium: Medium) -> Floats:
         """Loads (frames, 5 or more) of one contact, displaced and pressed as its own law has it."""

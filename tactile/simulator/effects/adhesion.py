@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 
+from tactile.simulator.altered import altered
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
 from tactile.simulator.slopes import Slopes
@@ -34,4 +34,4 @@ class Adhesion:
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields with what sticks."""
         for field in stream:
-            yield replace(field, rig=replace(field.rig, work=self.work))
+            yield altered(field, rig=altered(field.rig, work=self.work))

@@ -1,10 +1,10 @@
 """Crosstalk: a taxel's channels mix with each other and with those of its neighbours."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
+from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen
@@ -48,4 +48,4 @@ class Crosstalk:
                 around[:, :, 1:] += values[:, :, :-1]
                 around[:, :, :-1] += values[:, :, 1:]
                 values = values + self.neighbour * around
-            yield replace(batch, values=values)
+            yield altered(batch, values=values)

@@ -1,10 +1,10 @@
 """Dead and stuck taxels: they read nothing, or always the same."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
+from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter, within
 from tactile.simulator.seen import RARE, Seen
@@ -45,4 +45,4 @@ class DeadTaxels:
             values = batch.values.copy()
             values[:, dead] = 0
             values[:, stuck] = level[stuck]
-            yield replace(batch, values=values)
+            yield altered(batch, values=values)

@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
+from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen, sigmas
@@ -44,4 +44,4 @@ class Drift:
                 walked, last = offset[-1].copy(), float(batch.t[-1])
             offset *= self.walk
             offset += self.rate * (batch.t - start)[:, None, None, None] * slope
-            yield replace(batch, values=batch.values + batch.full_scale * offset)
+            yield altered(batch, values=batch.values + batch.full_scale * offset)

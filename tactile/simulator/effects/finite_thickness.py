@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from tactile.core.frame import TaxelArray
+from tactile.simulator.altered import altered
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
 from tactile.simulator.slopes import Slopes
@@ -41,4 +42,4 @@ class FiniteThickness:
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields in the layer."""
         for field in stream:
-            yield replace(field, medium=replace(field.medium, thickness=self._of(field)))
+            yield altered(field, medium=replace(field.medium, thickness=self._of(field)))

@@ -1,11 +1,11 @@
 """Finite tip: the hemisphere at the needle's end spreads the load over a circle."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 
+from tactile.simulator.altered import altered
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
 from tactile.simulator.slopes import Slopes
@@ -37,4 +37,4 @@ class FiniteTip:
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields under tips."""
         for field in stream:
-            yield replace(field, rig=replace(field.rig, tip=self.radius))
+            yield altered(field, rig=altered(field.rig, tip=self.radius))

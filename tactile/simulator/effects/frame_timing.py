@@ -1,10 +1,10 @@
 """Frame timing: frames come early or late, twice, or not at all."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
+from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen, longest_run, sigmas
@@ -50,4 +50,4 @@ class FrameTiming:
             if count:
                 fresh_values, fresh_sequence = values[-1], int(sequence[-1])
             keep = ~lost
-            yield replace(batch, t=t[keep], sequence=sequence[keep], values=values[keep], valid=batch.valid[keep])
+            yield altered(batch, t=t[keep], sequence=sequence[keep], values=values[keep], valid=batch.valid[keep])

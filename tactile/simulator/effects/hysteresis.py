@@ -1,11 +1,11 @@
 """Hysteresis: readings depend on whether the load grows or falls."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
 from cnnsim.support.compiling.kept_loops import kept_njit
+from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen
@@ -42,7 +42,7 @@ class Hysteresis:
             out = np.empty_like(flat)
             radii = np.arange(1, PLAYS + 1) / PLAYS * self.width * batch.full_scale
             _follow(flat, plays, radii, self.weight, out)
-            yield replace(batch, values=out.reshape(batch.values.shape))
+            yield altered(batch, values=out.reshape(batch.values.shape))
 
 
 @kept_njit()

@@ -1,10 +1,10 @@
 """Motor noise: the stepper motor's magnetic field, bursts of a high-frequency tone in all channels."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
+from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen
@@ -49,4 +49,4 @@ class MotorNoise:
                     until += random.exponential(self.burst if running else pause) if self.duty < 1 or running else 0.0
                 gate[n] = running
             tone = gate * self.amplitude * batch.full_scale * np.sin(2 * np.pi * self.frequency * batch.t + phase)
-            yield replace(batch, values=batch.values + tone[:, None, None, None])
+            yield altered(batch, values=batch.values + tone[:, None, None, None])

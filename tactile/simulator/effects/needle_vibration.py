@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from cnnsim.support import Floats
+from tactile.simulator.altered import altered
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
 from tactile.simulator.held_needle import raised
@@ -38,7 +38,7 @@ class NeedleVibration:
         """Fields with the contacts where the rig has them."""
         for field in stream:
             moves = random.standard_normal((len(field.times), 3)) * (self.lateral, self.lateral, self.vertical)
-            yield replace(field, rig=field.rig.with_move(partial(_moved, moves), self.tip_radius))
+            yield altered(field, rig=field.rig.with_move(partial(_moved, moves), self.tip_radius))
 
     def strays(self, field: Field, slopes: Slopes, frames: int) -> float:
         """Bound of the change in so many frames, for the frames of a field.

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from tactile.simulator.altered import altered
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
 from tactile.simulator.slopes import Slopes
@@ -33,4 +34,4 @@ class PoissonRatio:
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields in the compressible cover."""
         for field in stream:
-            yield replace(field, medium=replace(field.medium, nu=self.nu))
+            yield altered(field, medium=replace(field.medium, nu=self.nu))

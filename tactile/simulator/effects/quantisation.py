@@ -1,10 +1,10 @@
 """Quantisation: the steps of the analogue-to-digital converter, and the end of its range."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
+from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen
@@ -35,4 +35,4 @@ class Quantisation:
         for batch in stream:
             half = 2.0 ** (self.bits - 1)
             step = self.span * batch.full_scale / half
-            yield replace(batch, values=np.clip(np.rint(batch.values / step), -half, half - 1) * step)
+            yield altered(batch, values=np.clip(np.rint(batch.values / step), -half, half - 1) * step)

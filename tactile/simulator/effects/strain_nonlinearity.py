@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
 from cnnsim.support import Floats
+from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen
@@ -45,7 +45,7 @@ class StrainNonlinearity:
             linear = batch.values[..., 2] / batch.unit
             values = batch.values.copy()
             values[..., 2] += self.strength * batch.unit * (stretch(linear) - 1 - linear)
-            yield replace(batch, values=values)
+            yield altered(batch, values=values)
 
 
 def stretch(linear: Floats) -> Floats:

@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
 from cnnsim.support import Floats
+from tactile.simulator.altered import altered
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
 from tactile.simulator.held_needle import raised
@@ -47,7 +47,7 @@ class SurfaceWaviness:
             return np.zeros_like(places), height
 
         for field in stream:
-            yield replace(field, rig=field.rig.with_move(move, self.tip_radius))
+            yield altered(field, rig=field.rig.with_move(move, self.tip_radius))
 
     def strays(self, field: Field, slopes: Slopes, frames: int) -> float:
         """Bound of the change on hills as high as there are under so many frames, for the frames of a field."""

@@ -1,11 +1,11 @@
 """Taxel area: a taxel feels the mean over its area."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 
+from tactile.simulator.altered import altered
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
 from tactile.simulator.slopes import Slopes
@@ -36,4 +36,4 @@ class TaxelArea:
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields as areas feel them."""
         for field in stream:
-            yield replace(field, taxels=replace(field.taxels, width=self.width))
+            yield altered(field, taxels=altered(field.taxels, width=self.width))

@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
 from cnnsim.support import InputError
 from cnnsim.support.compiling.kept_loops import kept_njit
+from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen
@@ -72,7 +72,7 @@ class Viscoelastic:
             out = np.empty_like(flat)
             recur(flat, before, inner, keep, take, shares, out)
             last = float(batch.t[-1]) if len(batch.t) else last
-            yield replace(batch, values=out.reshape(batch.values.shape))
+            yield altered(batch, values=out.reshape(batch.values.shape))
 
 
 @kept_njit()

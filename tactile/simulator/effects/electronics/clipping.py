@@ -1,10 +1,10 @@
 """Clipping: the amplifier's output ends at its rails."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
+from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen
@@ -33,4 +33,4 @@ class Clipping:
         """Frames between the rails."""
         for batch in stream:
             most = self.limit * batch.full_scale
-            yield replace(batch, values=np.clip(batch.values, -most, most))
+            yield altered(batch, values=np.clip(batch.values, -most, most))

@@ -1,10 +1,10 @@
 """Low pass: the anti-alias filter before the multiplexer."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
+from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.effects.viscoelastic import recur
@@ -40,4 +40,4 @@ class LowPass:
             late = np.empty_like(flat)
             recur(flat, before, lag, np.exp(-steps), grown, ALL, late)
             last = float(batch.t[-1]) if len(batch.t) else last
-            yield replace(batch, values=(flat - late).reshape(batch.values.shape))
+            yield altered(batch, values=(flat - late).reshape(batch.values.shape))

@@ -1,10 +1,10 @@
 """Multiplex skew: one converter reads the channels one after the other, not at once."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
+from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen
@@ -39,4 +39,4 @@ class MultiplexSkew:
             previous = np.concatenate([before[None], batch.values[:-1]])
             before, last = batch.values[-1], float(batch.t[-1])
             share = np.minimum(early, steps) / steps
-            yield replace(batch, values=batch.values + share * (previous - batch.values))
+            yield altered(batch, values=batch.values + share * (previous - batch.values))

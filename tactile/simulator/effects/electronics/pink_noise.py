@@ -1,11 +1,11 @@
 """Pink noise: the 1/f noise of amplifiers, as much in every octave."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
 from cnnsim.support.compiling.kept_loops import kept_njit
+from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter, within
 from tactile.simulator.gaussian import GaussianNoise
@@ -63,7 +63,7 @@ class PinkNoise:
                 noise.add(fresh, 1.0)
                 _relax(kept[here], np.sqrt(1 - kept[here] ** 2), fresh, now, scale, values[here])
             last = float(batch.t[-1]) if frames else last
-            yield replace(batch, values=values.reshape(batch.values.shape))
+            yield altered(batch, values=values.reshape(batch.values.shape))
 
 
 @kept_njit()

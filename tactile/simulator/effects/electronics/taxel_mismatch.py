@@ -1,11 +1,11 @@
 """Taxel mismatch: no two taxels have the same gain, zero and ratio of shear to normal."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
 from tactile.core.frame import NORMAL
+from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen, sigmas
@@ -45,4 +45,4 @@ class TaxelMismatch:
                 gain = np.repeat(1 + self.gain * random.standard_normal((*shape, 1)), 3, axis=-1)
                 gain[..., :NORMAL] *= 1 + self.beta_ns * random.standard_normal((*shape, 1))
                 offset = self.offset * batch.full_scale * random.standard_normal((*shape, 3))
-            yield replace(batch, values=batch.values * gain + offset)
+            yield altered(batch, values=batch.values * gain + offset)

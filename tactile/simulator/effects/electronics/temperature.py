@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
+from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen
@@ -45,4 +45,4 @@ class Temperature:
                 begin = float(batch.t[0])
             warm = self.start - self.change * np.expm1(-(batch.t - (begin or 0.0)) / self.time)
             warm = warm[:, None, None, None]
-            yield replace(batch, values=batch.values * (1 + self.gain * warm) + self.offset * batch.full_scale * warm)
+            yield altered(batch, values=batch.values * (1 + self.gain * warm) + self.offset * batch.full_scale * warm)

@@ -1,10 +1,10 @@
 """Cover error: the cover came out thicker or thinner than meant, and not evenly so."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
+from tactile.simulator.altered import altered
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
 from tactile.simulator.slopes import Slopes
@@ -33,4 +33,4 @@ class CoverError:
         for field in stream:
             x, y = np.moveaxis(field.taxels.places - field.array.origin, -1, 0)
             thicker = self.error + self.gradient_x * x + self.gradient_y * y
-            yield replace(field, taxels=field.taxels.raised(thicker))
+            yield altered(field, taxels=field.taxels.raised(thicker))

@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
+from tactile.simulator.altered import altered
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
 from tactile.simulator.slopes import Slopes
@@ -36,4 +36,4 @@ class CurvedFingertip:
         for field in stream:
             apart = field.taxels.places - field.array.origin
             taxels = field.taxels.raised(-(apart**2).sum(axis=-1) / (2 * self.radius))
-            yield replace(field, taxels=taxels, rig=replace(field.rig, curvature=1 / self.radius))
+            yield altered(field, taxels=taxels, rig=altered(field.rig, curvature=1 / self.radius))

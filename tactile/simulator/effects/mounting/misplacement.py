@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
+from tactile.simulator.altered import altered
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
 from tactile.simulator.slopes import Slopes
@@ -45,9 +45,9 @@ class Misplacement:
             c, s = np.cos(self.turn), np.sin(self.turn)
             x, y = c * apart[..., 0] - s * apart[..., 1], s * apart[..., 0] + c * apart[..., 1]
             centre = np.add(field.array.origin, (self.shift_x, self.shift_y))
-            taxels = replace(
+            taxels = altered(
                 field.taxels, places=np.stack([x, y], axis=-1) + centre, turn=field.taxels.turn + self.turn
             )
             if self.tilt_x or self.tilt_y:
                 taxels = taxels.raised(self.tilt_x * x + self.tilt_y * y)
-            yield replace(field, taxels=taxels)
+            yield altered(field, taxels=taxels)

@@ -1,5 +1,7 @@
 """Simulated sources: a scene samples the half-space."""
 
+import zlib
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -12,6 +14,7 @@ from tactile.elastic.halfspace import point_load_strain, point_load_stress
 from tactile.inverse.localise import localise
 from tactile.inverse.taxel import invert_strain
 from tactile.simulator.scene_file.file import read_scene, scene_from
+from tests.kits.touch.random_scenes import needle
 from tests.kits.touch.source import GRIP, parsed
 
 
@@ -93,3 +96,10 @@ def test_unreadable_scenes_are_refused(tmp_path: Path) -> None:
     (tmp_path / "bad.toml").write_text("title = ")
     with pytest.raises(InputError, match=r"bad\.toml: not TOML: Invalid value"):
         read_scene(tmp_path / "bad.toml")
+
+
+@pytest.mark.parametrize("seed", (0, 7, 2**32 - 1, 2**32, 2**70))
+def test_effects_draw_from_generators_of_seed_finger_and_name(seed: int) -> None:
+    scene = replace(needle(), seed=seed)
+    given = np.random.default_rng((seed, 3, zlib.crc32(b"read_noise")))
+    assert np.array_equal(scene.random("read_noise", 3).random(4), given.random(4))
