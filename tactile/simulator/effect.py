@@ -13,6 +13,8 @@ from cnnsim.support import InputError
 Kind = TypeVar("Kind")
 NEEDED = object()
 """The ``none`` of a parameter that is no strength."""
+ANSWERS = ("reach", "strays", "rises", "most", "saves", "passes", "behind", "grain")
+"""What a class may say so that ``effects = "auto"`` may leave it out: see ``effects``."""
 
 
 def parameter(
@@ -61,6 +63,7 @@ def effect(
         kind = dataclass(frozen=True)(kind)
         kind.STAGE, kind.RANDOM, kind.NORMAL, kind.ASSUMED = stage, random or normal, normal, assumed
         kind.KEYS = {one.metadata["key"] or one.name: (one.name, one.metadata["unit"]) for one in fields(kind)}
+        kind.SAYS = frozenset(name for name in ANSWERS if hasattr(kind, name))
         kind.NONE = {one.name: one.metadata["none"] for one in fields(kind) if one.metadata["none"] is not NEEDED}
         return given
 

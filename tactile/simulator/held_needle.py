@@ -24,11 +24,11 @@ def raised(field: Field, rises: Rises, before: Rises = ()) -> float:
     """
     if not any(rise for rise, _ in rises):
         return 0.0
-    values = np.ascontiguousarray(field.values).reshape(len(field.times), -1)
     if field.at_points:  # all by the law of the tip, at one go
         more, least = _lift(field.medium, rises), _lift(field.medium, before)
-        return float(_raised_points(field.loads.totals, values, least, least + more))
-    growth = np.abs(_growth(field, [*before, *rises]) - _growth(field, before)).max(axis=1, initial=0)
+        return float(_raised_points(*_tips(field), least, least + more))
+    values = np.ascontiguousarray(field.values).reshape(len(field.times), -1)
+    growth = np.abs(_growth(field, (*before, *rises)) - _growth(field, before)).max(axis=1, initial=0)
     return float((growth * np.abs(values).max(axis=1, initial=0)).max(initial=0))
 
 
@@ -75,21 +75,40 @@ def _everywhere(rise: float, places: Floats) -> tuple[Floats, Floats]:
     return np.zeros_like(places), np.full(len(places), rise)
 
 
+def _tips(field: Field) -> tuple[Floats, Floats, Floats]:
+    """Forces of points and their 2/3rd power (frames, n), and the largest reading (frames,): kept with the field."""
+    kept: tuple[Floats, Floats, Floats] | None = field.__dict__.get("_tips")
+    if kept is None:
+        values = np.ascontiguousarray(field.values).reshape(len(field.times), -1)
+        kept = field.__dict__["_tips"] = _pressed_points(field.loads.totals, values)
+    return kept
+
+
 @kept_njit()
-def _raised_points(rows, values, least, most):  # type: ignore[no-untyped-def]  # numba types it at the call
-    """The same of points, rows (frames, n, 5) and readings (frames, channels) of theirs, between two lifts."""
+def _pressed_points(rows, values):  # type: ignore[no-untyped-def]  # numba types it at the call
+    """The same of rows (frames, n, 5) and readings (frames, channels); what does not press has no force."""
+    frames, count = rows.shape[:2]
+    forces, deep, readings = np.zeros((frames, count)), np.zeros((frames, count)), np.zeros(frames)
+    for n in range(frames):
+        for m in range(count):
+            if rows[n, m, F] > 0:
+                forces[n, m], deep[n, m] = rows[n, m, F], rows[n, m, F] ** (2 / 3)
+        for c in range(values.shape[1]):
+            readings[n] = max(readings[n], abs(values[n, c]))
+    return forces, deep, readings
+
+
+@kept_njit()
+def _raised_points(forces, deep, readings, least, most):  # type: ignore[no-untyped-def]  # the same
+    """The largest change of readings between two lifts."""
     out = 0.0
-    for n in range(rows.shape[0]):
+    for n in range(forces.shape[0]):
         growth = 0.0
-        for m in range(rows.shape[1]):
-            force = rows[n, m, F]
+        for m in range(forces.shape[1]):
+            force = forces[n, m]
             if force > 0:
-                deep = force ** (2 / 3)
-                high, low = deep + most, deep + least
+                high, low = deep[n, m] + most, deep[n, m] + least
                 before = force if least == 0 else low * math.sqrt(low)
                 growth = max(growth, (high * math.sqrt(high) - before) / force)
-        reading = 0.0
-        for c in range(values.shape[1]):
-            reading = max(reading, abs(values[n, c]))
-        out = max(out, growth * reading)
+        out = max(out, growth * readings[n])
     return out

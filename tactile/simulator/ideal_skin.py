@@ -1,7 +1,6 @@
 """The skin of a scene without effects: what presses on every finger, and the field that it makes at the taxels."""
 
 from collections.abc import Iterable, Iterator
-from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal, cast
@@ -90,8 +89,8 @@ class IdealSkin:
 
     def to_accuracy(self, accuracy: float) -> "IdealSkin":
         """The same skin with fields of another accuracy; what was kept stays."""
-        made = copy(self)
-        made.__dict__["accuracy"] = accuracy
+        made: IdealSkin = object.__new__(type(self))
+        made.__dict__.update(self.__dict__, accuracy=accuracy)
         return made
 
     def pieces(self, finger: int) -> Iterator[tuple[int, Floats]]:

@@ -50,6 +50,14 @@ class Slopes:
     at_points: bool
     rises: tuple[tuple[float, float], ...] = ()
 
+    def pressed(self, hardest: float) -> "Slopes":
+        """The same where the hardest normal force is another [N]."""
+        return Slopes(self.array, self.medium, self.sums, hardest, self.largest, self.at_points, self.rises)
+
+    def raised(self, rises: tuple[tuple[float, float], ...]) -> "Slopes":
+        """The same where others raise the surface."""
+        return Slopes(self.array, self.medium, self.sums, self.hardest, self.largest, self.at_points, rises)
+
     @property
     def reach(self) -> tuple[float, float]:
         """How far taxels lie from the array's centre at most, along x and y [m]."""

@@ -1,6 +1,6 @@
 """Automatic choice of effects by size: ``effects = "auto"`` keeps what matters in a scene and says what it left out."""
 
-from collections.abc import Iterable
+from collections.abc import Container
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import Any
@@ -11,9 +11,10 @@ from cnnsim.support import Floats, InputError
 from tactile.core.loads import F
 from tactile.simulator.choice.chain import Named
 from tactile.simulator.choice.effect_bounds import EffectBounds
-from tactile.simulator.choice.finger_bounds import FIELD, LeftOut
+from tactile.simulator.choice.finger_bounds import FIELD
 from tactile.simulator.choice.forces import sinks_in
-from tactile.simulator.choice.prospects import may_pay
+from tactile.simulator.choice.leaving import negligible
+from tactile.simulator.choice.prospects import likely_coarse, may_pay
 from tactile.simulator.contacts.rig import Rig
 from tactile.simulator.effect import is_off
 from tactile.simulator.effects import ORDER, Effect, effect_class
@@ -60,26 +61,32 @@ def candidates(scene: Scene) -> list[Named]:
 
     Nor a typical one with which this scene has no meaning, such as a cover thinner than a contact sinks in.
     """
-    return _meaningful(scene, ORDER)
+    named = dict(scene.effects)
+    return _meaningful(scene, [(name, named.get(name, typical)) for name, typical in _typical()], named)
 
 
 def all_effects(scene: Scene) -> list[Named]:
     """The effects of a scene whose effects are all on: those that it describes, and what every skin has, typical."""
     named = dict(scene.effects)
-    return _meaningful(scene, [name for name in ORDER if name in named or _typical(name).ASSUMED])
+    return _meaningful(
+        scene,
+        [(name, named.get(name, typical)) for name, typical in _typical() if name in named or typical.ASSUMED],
+        named,
+    )
 
 
 @cache
-def _typical(name: str) -> Effect:
-    return effect_class(name)()
+def _typical() -> list[tuple[str, Any]]:
+    return [(name, effect_class(name)()) for name in ORDER]
 
 
-def _meaningful(scene: Scene, names: Iterable[str]) -> list[Named]:
-    named = dict(scene.effects)
-    effects: list[Named] = [(name, named[name] if name in named else _typical(name)) for name in names]
-    effects = [(name, effect) for name, effect in effects if scene.bumps is None or effect.STAGE != "field"]
+def _meaningful(scene: Scene, effects: list[Named], named: Container[str]) -> list[Named]:
+    if scene.bumps is not None:
+        effects = [(name, effect) for name, effect in effects if effect.STAGE != "field"]
+    if not scene.contacts:
+        return effects
     guessed = [one for one in effects if one[0] not in named and one[1].STAGE == "field" and not one[1].RANDOM]
-    if not scene.contacts or _has_meaning(scene, guessed):  # which holds nearly always
+    if _has_meaning(scene, guessed):  # which holds nearly always
         return effects
     absurd = {one[0] for one in guessed if not _has_meaning(scene, [one])}
     return [one for one in effects if one[0] not in absurd]
@@ -153,65 +160,17 @@ def choose(scene: Scene, tolerance: float, reused: bool = False) -> Choice:
         raise InputError(f"tolerance {tolerance}, a positive number wanted")
     effects = all_effects(scene)
     bounds = EffectBounds(scene, effects, tolerance=tolerance, reused=reused)
-    off, joint = set(bounds.zero), 0.0
+    off, joint = {name for name, effect in effects if effect.off}, 0.0
     # the ideal field of points is there in no time, and nearly always pays
     points = scene.bumps is None and not scene.contacts
-    tried = reused or points or may_pay(scene, effects, tolerance)
+    tried = reused or not (
+        likely_coarse(scene, effects, tolerance) if points else not may_pay(scene, effects, tolerance)
+    )
     if tried and not bounds.coarse:
         # the effects of a reused choice are kept, not how finely they were computed
         rough = not reused and scene.accuracy == ACCURACY < bounds.rough and scene.bumps is None
-        off, joint = _negligible(bounds, tolerance, rough)
+        off, joint = negligible(bounds, tolerance, rough)
     accuracy = bounds.rough if FIELD in off else None
     off.discard(FIELD)
     chosen = scene.with_effects([one for one in effects if one[0] not in off], accuracy)
     return Choice(chosen, tolerance, frozenset(off), joint, bounds, tried)
-
-
-def _negligible(bounds: EffectBounds, tolerance: float, rough: bool) -> tuple[set[str], float]:
-    """What can be left out, with ``FIELD`` if it may be the field's accuracy, and the bound of the error."""
-    sizes = bounds.sizes()
-    fields = {name for name, _ in bounds.on_fields}
-    order = sorted(sizes.keys() - bounds.zero, key=lambda name: (name not in fields, sizes[name], name))
-    if rough and bounds.on_fields:
-        sizes[FIELD] = 0.0
-        order.insert(0, FIELD)
-    off, joint = _left_out(bounds, order, fields, sizes, tolerance)
-    while bounds.bends(off):
-        joint = bounds.without(off).change(off)
-        if joint <= tolerance:
-            break
-        # it does more beside the others than alone, as Poisson's ratio at the bottom of a layer
-        order.remove(max(off & fields, key=lambda name: sizes[name]))
-        off, joint = _left_out(bounds, order, fields, sizes, tolerance)
-    return off, joint
-
-
-def _left_out(
-    bounds: EffectBounds, order: list[str], fields: set[str], sizes: dict[str, float], tolerance: float
-) -> tuple[set[str], float]:
-    """What can be left out of the effects in an order, and the bound of the error."""
-    off, joint, full = _greedy(bounds, order, sizes, tolerance)
-    # where a converter's steps are coarse nothing before it may be left out, or the converter itself
-    grains = {name for one in bounds.fingers for name in one.grains}
-    if not full or grains <= off:
-        return off, joint
-    more, change, _ = _greedy(bounds, sorted(order, key=lambda name: name not in grains), sizes, tolerance)
-    return max((off, joint), (more, change), key=lambda one: (len(one[0] & fields), len(one[0])))
-
-
-def _greedy(
-    bounds: EffectBounds, order: list[str], sizes: dict[str, float], tolerance: float
-) -> tuple[set[str], float, bool]:
-    """What can be left out in an order, the bound of the error, and whether one stays for the others' sake."""
-    left, joint, full = [LeftOut() for _ in bounds.fingers], 0.0, False
-    tried = {name for one in bounds.fingers for name in one.terms}
-    for name in order:
-        if sizes[name] > tolerance and name not in tried:
-            continue  # alone too large already; what was tried may cancel
-        more = bounds.leave(left, name)
-        change = bounds.largest(more)
-        if change <= tolerance:
-            left, joint = more, change
-        else:
-            full = True
-    return bounds.zero | left[0].names, joint, full

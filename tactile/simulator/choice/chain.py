@@ -52,16 +52,16 @@ class Chain:
         """Bound effects on frames, given bounds of the readings before the first of them, and what grows behind all."""
         passes: dict[str, float] = {}
         for name, effect in self.on_frames:
-            found.reach[name] = reach = asked(effect, "reach", math.inf, seen)
+            says = effect.SAYS
+            found.reach[name] = reach = float(effect.reach(seen)) if "reach" in says else math.inf
             if effect.NORMAL:
                 found.normal.add(name)
             if name in self.on:
-                if hasattr(effect, "passes"):
+                if "passes" in says:
                     passes[name] = float(effect.passes(seen))
-                if hasattr(effect, "grain") and (grain := float(effect.grain(seen))) > 0:
+                if "grain" in says and (grain := float(effect.grain(seen))) > 0:
                     found.grains[name] = grain, 3 * seen.taxels * seen.frames / grain
-                behind = getattr(effect, "behind", None)
-                seen = behind(seen) if behind else seen.after(min(reach, seen.largest), effect.RANDOM)
+                seen = effect.behind(seen) if "behind" in says else seen.after(min(reach, seen.largest), effect.RANDOM)
         growth = 1.0
         for name, _ in reversed(self.on_frames):
             found.growth[name] = growth

@@ -100,29 +100,28 @@ def extremes(scene: Scene, finger: int, rises: Rises = ()) -> Extremes:
 
     Arguments: ``rises``: by how much what shakes contacts raises them at most.
     """
-    array = scene.arrays[finger]
+    array, skin = scene.arrays[finger], scene.skin
     channels = array.rows * array.cols * 3
-    peaks, where, ends, last = np.zeros(channels), np.zeros(channels, np.int64), np.zeros(3), np.empty(0)
-    whole, slopes, raised = None, None, RaisedPeaks(rises, channels)
-    pieces = list(scene.skin.pieces(finger))
-    every = scene.skin.field(finger, pieces[0][1] if len(pieces) == 1 else np.arange(scene.samples) / scene.rate)
-    if alone := points_alone(every):
-        slopes = point_extremes(every, peaks, where, ends)
-    if alone or len(pieces) == 1:
-        whole = every
-    if slopes is None:
-        near, fields = NearLoads(scene.skin.taxels(finger)), 0
-        for field in [whole] if whole else scene.skin.fields(finger, pieces):
+    peaks, where, ends = np.zeros(channels), np.zeros(channels, np.int64), np.zeros(3)
+    raised, whole = RaisedPeaks(rises, channels), skin.field(finger, np.arange(scene.samples) / scene.rate)
+    kept: Field | None = whole
+    if points_alone(whole):
+        slopes = point_extremes(whole, peaks, where, ends)
+    else:
+        pieces = list(skin.pieces(finger))
+        near, last = NearLoads(skin.taxels(finger)), np.empty(0)
+        kept = whole if len(pieces) == 1 else None
+        for field in [whole] if kept else skin.fields(finger, pieces):
             values = np.ascontiguousarray(field.values).reshape(-1, channels)
-            scan(values, field.first, last if fields else values[0], peaks, where, ends)
+            scan(values, field.first, last if field.first else values[0], peaks, where, ends)
             near.add(field)
-            if whole is None:
+            if not kept:
                 raised.add(field)
-            last, fields = values[-1], fields + 1
-        slopes = near.slopes(array, scene.skin.medium(finger), float(peaks.max()))
+            last = values[-1]
+        slopes = near.slopes(array, skin.medium(finger), float(peaks.max()))
     low, high, change = ends.tolist()
     unit = scene.unit(finger)
     seen = Seen(array, unit, scene.full_scale * unit, scene.rate, scene.samples, slopes.largest, (low, high), change)
-    if whole is not None:
-        scene.skin.keep(finger, whole)
-    return Extremes(seen, slopes, peaks, where, whole, raised)
+    if kept is not None:
+        skin.keep(finger, kept)
+    return Extremes(seen, slopes, peaks, where, kept, raised)

@@ -34,10 +34,11 @@ class FingerBounds:
     grains: dict[str, tuple[float, float]] = field(default_factory=dict)
     whole: Floats = field(default_factory=lambda: np.zeros(1))
 
-    def size(self, name: str) -> float:
-        """What one effect changes."""
-        reach = largest(self.terms[name]) * SAFE if name in self.terms else self.reach[name]
-        return reach * self.growth[name]
+    def sizes(self) -> list[tuple[str, float]]:
+        """What each effect changes."""
+        growth = self.growth
+        tried = [(name, largest(change) * SAFE * growth[name]) for name, change in self.terms.items()]
+        return tried + [(name, reach * growth[name]) for name, reach in self.reach.items()]
 
     def without(self, left: "LeftOut", name: str) -> "LeftOut":
         """The same with one more effect left out."""
@@ -48,23 +49,25 @@ class FingerBounds:
             squares += (self.reach[name] * self.growth[name]) ** 2
         else:
             plain += self.reach[name] * self.growth[name]
-        return LeftOut(names | {name}, terms, growth, plain, squares)
+        return LeftOut((*names, name), terms, growth, plain, squares)
 
-    def change(self, left: "LeftOut") -> float:
-        """What leaving these out changes: the sum of what each does."""
-        fixed = SAFE * largest(left.terms) * left.growth if left.growth else 0.0
-        total = fixed + left.plain + math.sqrt(left.squares)
-        if not self.grains:
-            return total
-        return total + sum(
-            grain for name, (grain, chance) in self.grains.items() if name not in left.names and total * chance > RARE
-        )
+    def change(self, left: "LeftOut") -> tuple[float, float]:
+        """What leaving these out changes, the sum of what each does; and what steps make of it that stay behind."""
+        names, terms, growth, plain, squares = left
+        total = plain + math.sqrt(squares)
+        if growth:
+            total += SAFE * largest(terms) * growth
+        steps = 0.0
+        for name, (grain, chance) in self.grains.items():
+            if total * chance > RARE and name not in names:
+                steps += grain
+        return total, total + steps
 
 
 class LeftOut(NamedTuple):
     """Effects that are left out on one finger, and the sums of what they change: see ``FingerBounds``."""
 
-    names: frozenset[str] = frozenset()
+    names: tuple[str, ...] = ()
     terms: Floats = np.zeros(1)
     growth: float = 0.0
     plain: float = 0.0

@@ -1,4 +1,6 @@
-"""The ideal field of a short scene of point loads, with its extremes: computed in one call, for choices are short."""
+"""The ideal field of a scene of point loads, with its extremes: computed in one call, for choices are short."""
+
+from itertools import accumulate
 
 import numpy as np
 
@@ -31,34 +33,42 @@ def points_alone(field: Field) -> bool:
 def point_extremes(field: Field, peaks: Floats, where: Integers, ends: Floats) -> Slopes:
     """Compute a whole field of points and its loads; return its slopes, and put the readings' extremes in place."""
     contacts: tuple[MovingLoad, ...] = field.contacts  # type: ignore[assignment]  # told by `points_alone`
-    paths = [np.ascontiguousarray(one.path) for one in contacts]
-    count, frames, places, depth = len(paths), len(field.times), field.taxels.places, field.taxels.depth
-    at = places.reshape(-1, 2)
-    rows, values = np.empty((frames, count, COLUMNS)), np.empty((frames, len(at), 3))
-    gone, sums = np.empty(frames, np.bool_), np.zeros((frames, 4))
-    for m, path in enumerate(paths):
-        follow_path(path, field.times, rows[:, m], gone)
-        if path[0, 0] > field.times[0] or path[-1, 0] < field.times[-1]:
-            rows[gone, m, Q:] = 0
+    paths, places, depth = [one.path for one in contacts], field.taxels.places, field.taxels.depth
+    starts = np.array([0, *accumulate(map(len, paths))])
+    together = np.ascontiguousarray(paths[0]) if len(paths) == 1 else np.concatenate(paths)
     scale, trace = point_scale(depth, field.medium)
-    hardest = _point_extremes(rows, at, depth, trace, scale, values, peaks, where, ends, sums)
-    owner = np.zeros(1, np.int64) if count == 1 else np.arange(count)
-    loads = Loads(rows, rows, owner)
-    field.__dict__.update(loads=loads, values=values.reshape(frames, *places.shape[:-1], 3))
-    most = scale * depth**2 * sums.max(axis=0)
-    return Slopes(field.array, field.medium, most, hardest, float(peaks.max()), True)
+    sums = np.zeros(4)
+    rows, values, hardest, largest = _point_extremes(
+        together, starts, field.times, places.reshape(-1, 2), depth, trace, scale, peaks, where, ends, sums
+    )
+    loads = Loads(rows, rows, np.arange(len(paths)))
+    field.__dict__.update(loads=loads, values=values.reshape(-1, *places.shape[:-1], 3))
+    return Slopes(field.array, field.medium, sums, hardest, largest, True)
 
 
 @kept_njit(error_model="numpy")
-def _point_extremes(rows, at, depth, trace, scale, values, peaks, where, ends, sums):  # type: ignore[no-untyped-def]  # numba types it at the call
-    """Readings, their extremes and the near sums of the loads (frames, n, 5); return the hardest normal force."""
-    x, y = at[:, 0].copy(), at[:, 1].copy()
-    few_loads(x, y, rows, values, 0, rows.shape[0], 1 / depth, trace, scale)
-    flat = values.reshape(values.shape[0], peaks.size)
-    scan(flat, 0, flat[0], peaks, where, ends)
-    add_near(rows, np.zeros((1, 0)), at, depth, sums)
-    hardest = 0.0
-    for n in range(rows.shape[0]):
-        for m in range(rows.shape[1]):
+def _point_extremes(paths, starts, times, at, depth, trace, scale, peaks, where, ends, sums):  # type: ignore[no-untyped-def]  # numba types it at the call
+    """Loads (frames, n, 5) along paths that follow each other, their readings, the hardest push, the largest reading.
+
+    The readings' extremes, and the slopes' sums, are put in place.
+    """
+    frames, count = times.size, starts.size - 1
+    rows, values = np.empty((frames, count, COLUMNS)), np.empty((frames, at.shape[0], 3))
+    gone, near, hardest = np.empty(frames, np.bool_), np.zeros((frames, 4)), 0.0
+    for m in range(count):
+        follow_path(paths[starts[m] : starts[m + 1]], times, rows[:, m], gone)
+        for n in range(frames):
+            if gone[n]:
+                rows[n, m, Q:] = 0
             hardest = max(hardest, rows[n, m, F])
-    return hardest
+    x, y = at[:, 0].copy(), at[:, 1].copy()
+    few_loads(x, y, rows, values, 0, frames, 1 / depth, trace, scale)
+    flat = values.reshape(frames, peaks.size)
+    scan(flat, 0, flat[0], peaks, where, ends)
+    add_near(rows, np.zeros((1, 0)), at, depth, near)
+    for n in range(frames):
+        for k in range(4):
+            sums[k] = max(sums[k], near[n, k])
+    for k in range(4):
+        sums[k] *= scale * depth**2
+    return rows, values, hardest, peaks.max()

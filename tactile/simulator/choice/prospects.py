@@ -8,8 +8,8 @@ import numpy as np
 from tactile.core.loads import FORCE, F
 from tactile.elastic.halfspace import point_scale
 from tactile.simulator.choice.chain import Named
-from tactile.simulator.choice.effect_bounds import LARGE
 from tactile.simulator.choice.extremes import PEAKS, SPREAD
+from tactile.simulator.choice.field_bounds import LARGE
 from tactile.simulator.choice.forces import highest_reading, unseen
 from tactile.simulator.choice.trials import (
     CHANCE,
@@ -53,7 +53,7 @@ def may_pay(scene: Scene, effects: list[Named], tolerance: float) -> bool:
     enough = (_cost(scene) + CHOICE) / (FEW if few else CHANCE)
     acting = [effect for _, effect in effects if not effect.off]
     fixed = [effect for effect in acting if effect.STAGE == "field" and not effect.RANDOM]
-    if _likely_coarse(scene, acting, tolerance):
+    if likely_coarse(scene, effects, tolerance):
         return False
     layered = any(name == "finite_thickness" and not effect.off for name, effect in effects)
     fingers = [_saved(scene, finger, fixed, tolerance, layered) for finger in range(len(scene.arrays))]
@@ -66,13 +66,16 @@ def may_pay(scene: Scene, effects: list[Named], tolerance: float) -> bool:
     return saved > enough
 
 
-def _likely_coarse(scene: Scene, acting: list[Any], tolerance: float) -> bool:
-    """Whether a converter's steps are so coarse, for a usual peak, that nothing before it may be left out."""
-    converters, highest = [effect for effect in acting if hasattr(effect, "grain")], highest_reading(scene)
-    if not converters or not math.isfinite(highest):
+def likely_coarse(scene: Scene, effects: list[Named], tolerance: float) -> bool:
+    """Whether a converter's steps are so coarse, for a usual peak, that nothing before it may be left out.
+
+    By forces along paths alone.
+    """
+    converters = [effect for _, effect in effects if "grain" in effect.SAYS and not effect.off]
+    if not converters or not math.isfinite(highest := highest_reading(scene)):
         return False
     seen = [unseen(scene, finger, highest) for finger in range(len(scene.arrays))]
-    return max(effect.grain(one) for effect in converters for one in seen) > 2 * tolerance * USUAL * highest
+    return max([effect.grain(one) for effect in converters for one in seen]) > 2 * tolerance * USUAL * highest
 
 
 def _cost(scene: Scene) -> float:
@@ -106,8 +109,8 @@ def _saved(scene: Scene, finger: int, fixed: list[Any], tolerance: float, layere
     change = highest * min(1.0, JUMPS / scene.samples)
     seen = unseen(scene, finger, highest)._replace(change=change)
     points = bool(scene.loads)
-    shares = [effect.saves(points, layered) if hasattr(effect, "saves") else SAVED for effect in fixed]
-    sizes = [effect.most(slopes) / highest if hasattr(effect, "most") else math.inf for effect in fixed]
+    shares = [effect.saves(points, layered) if "saves" in effect.SAYS else SAVED for effect in fixed]
+    sizes = [effect.most(slopes) / highest if "most" in effect.SAYS else math.inf for effect in fixed]
     frame = frame_time(len(mine), seen.taxels, bodies) * min(1.0, sum(shares))
     saved, open_end = 0.0, bodies and math.inf in sizes
     few = bodies and scene.samples < FRAMES  # no trials, and bounds only where bodies press as on the ideal skin

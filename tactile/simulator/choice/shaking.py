@@ -12,10 +12,12 @@ from tactile.simulator.choice.trials import Trial
 from tactile.simulator.field import Field
 
 
-def rises(on_fields: Sequence[tuple[str, Any]], on: Container[str], frames: int) -> list[tuple[float, float]]:
-    """By how much [m] random effects that are on raise contacts at most, with the tip radius [m] of each."""
-    acting = [effect for name, effect in on_fields if name in on and hasattr(effect, "rises")]
-    return [(rise, effect.tip_radius) for effect in acting if (rise := effect.rises(frames)) > 0]
+def rises(
+    on_fields: Sequence[tuple[str, Any]], on: Container[str], frames: int, but: Any = None
+) -> tuple[tuple[float, float], ...]:
+    """By how much [m] random effects that are on, ``but`` one, raise contacts at most, with the tip radius of each."""
+    acting = [effect for name, effect in on_fields if effect is not but and "rises" in effect.SAYS and name in on]
+    return tuple([(rise, effect.tip_radius) for effect in acting if (rise := effect.rises(frames)) > 0])
 
 
 @dataclass(frozen=True)
@@ -50,14 +52,14 @@ class Shaking:
 
     def _strays(self, effect: Any, pressed: Any) -> float:
         frames = self.ideal.seen.frames
-        if not hasattr(effect, "strays"):
+        if "strays" not in effect.SAYS:
             return math.inf
-        others = rises([one for one in self.on_fields if one[1] is not effect], self.on, frames)
-        slopes = replace(self.ideal.slopes, rises=tuple(others)) if others else self.ideal.slopes
+        others = rises(self.on_fields, self.on, frames, effect)
+        slopes = self.ideal.slopes.raised(others) if others else self.ideal.slopes
         fields: list[Field]
         try:
             fields = pressed()
-            return max(float(effect.strays(field, slopes, frames)) for field in fields)
+            return max([float(effect.strays(field, slopes, frames)) for field in fields])
         except InputError:  # raised so far, a contact goes through the cover
             return math.inf
 
@@ -66,4 +68,4 @@ class Shaking:
         at_points = replace(self.ideal.slopes, at_points=True)
         acting = [one for name, one in self.on_fields if name in self.on and not one.RANDOM]
         acting = [one for one in acting if not getattr(one, "smooths", False)]
-        return sum(float(one.most(at_points)) if hasattr(one, "most") else math.inf for one in acting)
+        return sum(float(one.most(at_points)) if "most" in one.SAYS else math.inf for one in acting)

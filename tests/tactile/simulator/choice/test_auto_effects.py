@@ -101,6 +101,17 @@ def test_before_coarse_steps_nothing_is_left_out() -> None:
     assert "read_noise" in choice.together
 
 
+def test_a_converter_that_is_left_out_lets_others_be_left_out_whose_changes_its_steps_made_large() -> None:
+    # alone its steps are 1.5 tolerances, so that with it on nothing before it goes; half a step is what it does itself
+    small = ("strain_nonlinearity", StrainNonlinearity(0.02)), ("viscoelastic", Viscoelastic(((1e-4, 0.1),)))
+    scene = needle(*small, ("quantisation", Quantisation(8, 1.5)))
+    bounds = EffectBounds(scene, candidates(scene), tolerance=0.02)
+    ((step, _),) = bounds.fingers[0].grains.values()
+    choice = choose(scene, tolerance := step / bounds.peak / 1.5, reused=True)
+    assert {"quantisation", "strain_nonlinearity", "viscoelastic"} <= choice.off
+    assert error(choice.scene, everything(scene)) <= choice.bound <= tolerance
+
+
 def test_what_is_large_only_beside_another_effect_is_tried_with_it() -> None:
     # at the bottom of a layer an incompressible cover has no normal strain at all
     scene = needle(("poisson_ratio", PoissonRatio(0.495)), ("finite_thickness", FiniteThickness(2.02e-4)))
@@ -141,7 +152,7 @@ def test_a_short_scene_is_chosen_by_bounds_and_a_long_one_by_trials(monkeypatch:
     assert trials[20_000] > 0
     coarse = needle(("read_noise", ReadNoise(2e-4)), ("quantisation", Quantisation(4, 1.5)))
     computed[0] = 0
-    choose(coarse, 0.02)
+    assert not choose(coarse, 0.02).tried
     assert computed[0] == 0  # forces alone tell that all stays
 
 

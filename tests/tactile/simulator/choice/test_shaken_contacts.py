@@ -9,6 +9,7 @@ import pytest
 from tactile.core.frame import TaxelArray
 from tactile.simulator.choice.auto_effects import all_effects, choose
 from tactile.simulator.choice.effect_bounds import EffectBounds
+from tactile.simulator.choice.field_bounds import FieldBounds
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.effects.adhesion import Adhesion
@@ -95,7 +96,7 @@ def test_what_does_not_stick_is_not_tried_for_it(monkeypatch: pytest.MonkeyPatch
         raise AssertionError
 
     scene = replace(needle(("adhesion", Adhesion(0.05))), rate=3000.0)
-    monkeypatch.setattr(EffectBounds, "_try", tried)
+    monkeypatch.setattr(FieldBounds, "_try", tried)
     choice = choose(scene, 0.05, reused=True)
     assert "adhesion" in choice.off
     assert choice.sizes["adhesion"] == 0
