@@ -34,6 +34,7 @@ def seen_to_the_end(
         ridge = _NOWHERE
         if plan.template.self_feedback > 1:
             ridge = np.abs(backend.read(outcome.x, copy=False)) < 1
+            ridge = ridge if mask is None else ridge & ~backend.read(mask)
         return outcome, Ending(None, outcome.t, 0.0, ridge, "each cell has an exact solution")
     if (bound := contraction_bound(plan, outcome.rate)) <= promise:
         return outcome, Ending(None, outcome.t, bound, _NOWHERE, "A is a contraction: |dx/dt| / (1 - sum|A|)")

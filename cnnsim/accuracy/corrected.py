@@ -137,7 +137,7 @@ def by_corrected_steps(transient: Repeatable, where: Backend, wanted: Wanted) ->
         done = on_the_way <= APART and safe * estimate <= wanted.error
         goal = wanted.error / SAFE
         if wanted.signs:
-            unsure = _unsure(end, difference, ratio, floor, estimate)
+            unsure = transient.free(_unsure(end, difference, ratio, floor, estimate))
             done = done and not unsure.any()
             nearest = float(np.abs(end)[unsure].min(initial=estimate))
             goal = min(max(nearest, estimate / 64), estimate / 4) if unsure.any() else goal
@@ -149,7 +149,7 @@ def by_corrected_steps(transient: Repeatable, where: Backend, wanted: Wanted) ->
         number = math.ceil(number * ratio) if on_the_way <= APART else 2 * number
         before = end
     if not wanted.signs:
-        unsure = _unsure(end, difference, ratio, floor, estimate)
+        unsure = transient.free(_unsure(end, difference, ratio, floor, estimate))
     how = (
         f"rk4 with its kinks corrected, by steps of {', '.join(f'{duration / n:.3g}' for n in taken)}; "
         f"the last two runs differ by {apart:.2g}"

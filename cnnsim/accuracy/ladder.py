@@ -36,7 +36,7 @@ class Ladder:
     ``run`` (step) -> state, from ``start``; ``output`` of a state; ``longest`` step that is stable. Steps divide the
     ``duration``; where ``divides``, they divide ``longest`` by a power of two (of delays and sequences).
     ``highest`` order of the scheme; ``believed``: how many runs cannot agree by chance;
-    ``most`` runs.
+    ``most`` runs; ``held``: cells that keep their state, whose outputs nothing decides.
     """
 
     run: Callable[[float], Array]
@@ -49,6 +49,7 @@ class Ladder:
     highest: float = 4.0
     believed: int = 3
     most: int = _MOST_RUNS
+    held: Flags | None = None
     steps: list[float] = field(default_factory=list)
     ends: list[Array] = field(default_factory=list)
     differences: list[float] = field(default_factory=list)
@@ -127,7 +128,8 @@ class Ladder:
         last, before = self.ends[-1], self.ends[-2]
         y = self.output(last)
         moved = np.abs(last - before) * 2 / (self._ratio(min(self.order, self.highest, 2.0)) - 1) + 2 * self.floor
-        return (np.abs(y) <= moved) | (np.sign(y) != np.sign(self.output(before))) | ~np.isfinite(moved)
+        unsure: Flags = (np.abs(y) <= moved) | (np.sign(y) != np.sign(self.output(before))) | ~np.isfinite(moved)
+        return unsure if self.held is None else unsure & ~self.held
 
     def _fit(self, step: float) -> float:
         if self.divides:

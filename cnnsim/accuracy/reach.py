@@ -59,10 +59,11 @@ def reach(transient: Repeatable, backend: Backend, wanted: Wanted) -> Reached:
     else:
         found = _by_steps(transient, where, wanted)
     if jumps is not None:
-        edge = found.undecided & (jumps > 0) if plan.method == "closed form" else jumps > 0
+        edge = found.undecided & (jumps > 0) if plan.method == "closed form" else transient.free(jumps > 0)
         found = replace(found, undecided=found.undecided | edge)
         told += f"; at {int(edge.sum())} cells the last digit of the input decides"
-    return replace(found, how=f"accuracy {wanted}: {found.how}{told}")
+    how = f"accuracy {wanted}: {found.how}{told}"
+    return replace(found, undecided=transient.free(found.undecided), how=how)
 
 
 def _ladder(transient: Repeatable, where: Backend, plans: list[Plan], scheme: Scheme = RK4) -> Ladder:
@@ -83,7 +84,10 @@ def _ladder(transient: Repeatable, where: Backend, plans: list[Plan], scheme: Sc
 
     floor = float(np.finfo(where.dtype).eps) * max(1.0, largest(transient.planes[0])) * 4
     duration = float(plan.duration)
-    return Ladder(run, transient.planes[0], plan.output, duration, min(longest, duration), divides, floor, scheme.order)
+    return Ladder(
+        run, transient.planes[0], plan.output, duration, min(longest, duration), divides, floor, scheme.order,
+        held=transient.planes[3],
+    )  # fmt: skip
 
 
 def _by_steps(transient: Repeatable, where: Backend, wanted: Wanted) -> Reached:

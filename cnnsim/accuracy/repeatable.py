@@ -67,6 +67,11 @@ class Repeatable:
             bool(delays_of(network)) or any(isinstance(plane, Frames) for plane in self.planes)
         )
 
+    def free(self, cells: Flags) -> Flags:
+        """Return those of some cells that are not held: nothing decides about a state that is kept, be it 0."""
+        held = self.planes[3]
+        return cells if held is None else cells & ~held
+
     def once(self, where: Backend, how: str) -> Reached:
         """Run it by its own plan, which is exact."""
         outcome = self.start(where, self.plan)

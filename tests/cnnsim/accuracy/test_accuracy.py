@@ -16,6 +16,7 @@ from tests.benchmarks.accuracy.random_cases import Counting, by_hand, case
 from tests.kits.backends import build
 
 SEEDS = range(70_000, 70_008)
+HELD = [[0, 0.4, 0], [0.3, 1.6, -0.5], [0, 0.4, 0]]
 
 
 @pytest.mark.parametrize("accuracy", [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8])
@@ -172,6 +173,38 @@ def test_held_cells_keep_their_state_to_the_bit(shape: tuple[int, ...], terms: A
     found = run_transient(template, state=state, mask=mask, duration=2.0, accuracy=accuracy)
     assert np.array_equal(found.x[mask].astype(np.float32), state[mask])
     assert not np.array_equal(found.x[~mask], state[~mask])
+
+
+@pytest.mark.parametrize("accuracy", [None, 1e-2, "binary"])
+@pytest.mark.parametrize(
+    ("template", "more"),
+    [
+        (Template(HELD, 0.0, 0.1), {"duration": 2.0}),
+        (Template(HELD, 0.0, 0.1), {"duration": 2.0, "cell": "full-range"}),
+        (Template(HELD, 0.0, 0.1, terms=[Term([[0.1]], "y_kl", delay=0.5)]), {"duration": 2.0}),
+        (Template([[0, 0.25, 0], [0.25, 0, 0.25], [0, 0.25, 0]], 0.0, 0.1), {}),
+        (Template(2.0, 0.0, 0.1), {}),
+        (Template(2.0, 0.0, 0.1), {"duration": 2.0}),
+    ],
+    ids=["steps", "full-range", "delay", "rest", "closed form at rest", "closed form"],
+)
+def test_nothing_decides_about_held_cells(template: Template, more: Any, accuracy: Any) -> None:
+    """Their state stays as it is, so that 0, and what is next to 0, is in no doubt: both runs are the same."""
+    rng = np.random.default_rng(4)
+    state, mask = rng.uniform(-1, 1, (11, 12)), rng.random((11, 12)) < 0.3
+    for held in (0.0, 1e-9, 0.5):
+        found = run_transient(template, state=np.where(mask, held, state), mask=mask, accuracy=accuracy, **more)
+        assert not mask[tuple(found.undecided.T)].any(), found.how
+
+
+def test_held_cells_at_0_leave_the_quick_way_to_signs_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cnnsim.accuracy.reach.CELLS", 0)  # as on grids that are large
+    template = Template([[0, 0.1, 0], [0.1, 0.2, 0.1], [0, 0.1, 0]], 0.0, 1.0)
+    mask = np.random.default_rng(4).random((11, 12)) < 0.3
+    for held in (0.0, 0.9):
+        start = np.where(mask, held, 0.9)
+        found = run_transient(template, state=start, mask=mask, duration=2.0, accuracy="binary")
+        assert "the two runs differ by less than a third of any output" in found.how
 
 
 @pytest.mark.parametrize("backend", ["reference", "cpu"])
