@@ -1,6 +1,5 @@
 """Planes of a large grid, as arrays or as Zarr arrays, brought into a store block by block and told from others."""
 
-import zlib
 from dataclasses import fields, is_dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -11,14 +10,12 @@ import numpy as np
 from cnnsim.planning.plan import Plan
 from cnnsim.supersteps.block_task import Place
 from cnnsim.supersteps.blocks import Blocks
-from cnnsim.supersteps.pictures import TiledPicture
+from cnnsim.supersteps.identity import identity
 from cnnsim.supersteps.shards import can_be_read
 from cnnsim.supersteps.store import INPUT, MASK, STATE, STATES, GridStore, Record
 from cnnsim.support import Array, InputError
 from cnnsim.support.progress import watcher
 
-STRIP = 1024
-"""Rows of a plane that are read at a time for its checksum, whatever the blocks are."""
 Planes = dict[str, Any]
 """The planes by name: "state", and perhaps "input", "bias", "mask"; arrays, or Zarr arrays, of one shape."""
 
@@ -37,7 +34,7 @@ def run_digest(plan: Plan, planes: Planes, place: Place) -> str:
 
 
 def signature(values: Any, planes: Planes) -> str:
-    """Return what tells a run of a program from others: its values, and its planes, read so many rows at a time."""
+    """Return what tells a run of a program from others: its values, and its planes."""
     told = sha256()
     _add(told, values)
     _add_planes(told, planes)
@@ -48,7 +45,7 @@ def _add_planes(told: Any, planes: Planes) -> None:
     seen: dict[int, bytes] = {}
     for name, plane in sorted(planes.items()):
         if id(plane) not in seen:
-            seen[id(plane)] = _checksum(plane)
+            seen[id(plane)] = identity(plane)
         told.update(name.encode() + seen[id(plane)])
 
 
@@ -67,17 +64,6 @@ def _add(told: Any, value: Any) -> None:
         told.update(f"{value.__module__}.{value.__qualname__}".encode())
     else:
         told.update(repr(value).encode())
-
-
-def _checksum(plane: Any) -> bytes:
-    if hasattr(plane, "store_path"):
-        return repr((str(plane.store_path), plane.shape, str(plane.dtype))).encode()
-    if isinstance(plane, TiledPicture) and (told := plane.told()) is not None:
-        return told
-    total = 0
-    for r0 in range(0, plane.shape[-2], STRIP):
-        total = zlib.crc32(np.ascontiguousarray(plane[..., r0 : r0 + STRIP, :]).data.cast("B"), total)
-    return repr((plane.shape, np.dtype(plane.dtype).str, total)).encode()
 
 
 def write_planes(store: GridStore, planes: Planes, dtype: np.dtype[Any], *, link: bool) -> Record:

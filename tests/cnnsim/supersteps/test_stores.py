@@ -2,6 +2,8 @@
 
 import errno
 import json
+import os
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +13,7 @@ import pytest
 import cnnsim
 from cnnsim.network import Cell, Characteristic, Template, Term
 from cnnsim.network.characteristic import TANH
+from cnnsim.supersteps import identity
 from cnnsim.supersteps.engine import Engine
 from cnnsim.supersteps.store import GridStore
 from cnnsim.support import Array, InputError
@@ -131,3 +134,39 @@ def test_planes_on_the_disk_mean_what_arrays_do(tmp_path: Path) -> None:
     for name in ("state", "input", "bias"):
         with pytest.raises(InputError, match=f"{name} is a stored plane of int64; CNN values as floats, or truth"):
             cnnsim.run_transient(MIXED, **{"input": U, **task, name: levels}, engine=one())
+
+
+@pytest.mark.parametrize("chunk", [SHAPE, (16, 16)], ids=["read where it is", "copied"])
+@pytest.mark.parametrize("large", [False, True], ids=["small", "large"])
+def test_a_stored_plane_that_has_changed_is_another_run(
+    large: bool, chunk: tuple[int, int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    zarr = pytest.importorskip("zarr")
+    monkeypatch.setattr(identity, "READ", 0 if large else identity.READ)
+    bare = {"chunks": chunk, "compressors": None, "filters": None}
+    planes = {name: zarr.create_array(tmp_path / name, data=plane, **bare) for name, plane in (("x", X), ("u", U))}
+    task: dict[str, Any] = {"duration": 0.2, "dtype": "float64"}
+    whole = cnnsim.run_transient(MIXED, state=X, input=U, **task).x
+
+    def run() -> Array:
+        given: dict[str, Any] = {"state": planes["x"], "input": planes["u"], "store": tmp_path / "store"}
+        return np.asarray(cnnsim.run_transient(MIXED, **given, **task, engine=one(side=20)).x[...])
+
+    for _ in range(2):
+        assert run().tobytes() == whole.tobytes()
+    for plane in planes.values():
+        value = float(plane[3, 4])
+        plane[3, 4] = value + 0.5
+        with pytest.raises(InputError, match="has the store of another run"):
+            run()
+        plane[3, 4] = value
+    if large:
+        return  # written again: nothing but its time is looked at
+    assert run().tobytes() == whole.tobytes()
+    for file in (tmp_path / "u").rglob("*"):
+        os.utime(file, (1, 1))
+    assert run().tobytes() == whole.tobytes()
+    shutil.copytree(tmp_path / "u", tmp_path / "copy")  # a run may read it where it was
+    planes["u"] = zarr.open_array(tmp_path / "copy")
+    with pytest.raises(InputError, match="has the store of another run"):
+        run()
