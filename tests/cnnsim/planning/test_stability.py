@@ -7,7 +7,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cnnsim import PERIODIC, Boundary, InputError, LayeredTemplate, Template, Term, fixed, library, run_transient
+from cnnsim import (
+    PERIODIC,
+    ZERO_FLUX,
+    Boundary,
+    Cell,
+    InputError,
+    LayeredTemplate,
+    Template,
+    Term,
+    fixed,
+    library,
+    run_transient,
+)
+from cnnsim.network.characteristic import TANH
 from cnnsim.planning.plan import make_plan
 from cnnsim.planning.scheme import EULER, SCHEMES, Scheme
 from cnnsim.planning.stability import limit_of, step_limit
@@ -15,6 +28,10 @@ from cnnsim.support import Floats
 
 TURNING = [[0, 0, 0], [-3, 0, 3], [0, 0, 0]]
 """Not symmetric: the modes of a row are -1 + 6 i cos(...)."""
+GROWING_WEST = [[0, 0, 0], [1, 2, 2], [0, 0, 0]]
+"""Modes of a row are 1 + 2.8 cos(...); on an endless one waves travel west."""
+GROWING = [[0.5, 0.25, 0.5], [0.25, 1.6, 0.25], [0.5, 0.25, 0.5]]
+STRIPES = [[-0.5, 1.0, -0.5], [-0.5, 1.5, -0.5], [-0.5, 1.0, -0.5]]
 
 
 @cache
@@ -169,3 +186,45 @@ def test_a_short_step_that_is_asked_for_lets_the_cheaper_scheme_stand(kind: str)
         assert ours.plan.scheme is not None
         assert ours.plan.scheme.name == name
         assert np.abs(ours.x - end).max() < 0.07 * np.abs(end).max()
+
+
+def flow(A: list[list[float]], x: Floats, boundary: Boundary, duration: float) -> Floats:
+    """The classical Runge-Kutta scheme by steps of 1/50, with nothing of the emulator's."""
+    ways: dict[str, Any] = {"fixed": {"constant_values": boundary.y}, "zero-flux": {"mode": "edge"}}
+    (rows, cols), h = x.shape, 0.02
+
+    def rate(x: Floats) -> Floats:
+        y = np.pad(x.clip(-1, 1), 1, **ways.get(boundary.kind, {"mode": "wrap"}))
+        taps = [(weight, y[k : k + rows, l : l + cols]) for k, row in enumerate(A) for l, weight in enumerate(row)]
+        return sum((weight * part for weight, part in taps if weight), -x)
+
+    for _ in range(round(duration / h)):
+        k1 = rate(x)
+        k2 = rate(x + h / 2 * k1)
+        k3 = rate(x + h / 2 * k2)
+        x = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + rate(x + h * k3))
+    return x
+
+
+@pytest.mark.parametrize("boundary", [fixed(0), fixed(0.5), ZERO_FLUX, PERIODIC], ids=str)
+@pytest.mark.parametrize(
+    ("A", "amplitude"), [(GROWING_WEST, 1.0), (GROWING_WEST, 0.1), (GROWING, 1.0), (GROWING, 0.1), (STRIPES, 1.0)]
+)
+def test_what_grows_from_grey_saturates_the_right_way(
+    A: list[list[float]], amplitude: float, boundary: Boundary
+) -> None:
+    """Waves that grow as they travel and are no modes of a grid with edges; modes that do not turn at all."""
+    x = np.random.default_rng(0).uniform(-amplitude, amplitude, (16, 16))
+    exact = flow(A, x, boundary, 12.0)
+    found = run_transient(Template(A), state=x, boundary=boundary, duration=12.0, dtype="float64")
+    assert np.array_equal(found.x > 0, exact > 0), found.plan.explain()
+    assert np.abs(found.y - exact.clip(-1, 1)).max() < 0.02
+
+
+def test_one_rate_of_growth_lets_euler_settle() -> None:
+    """Cells that do not feel each other go their own ways, however late; at a given time they are to be on time."""
+    cell = Cell("chua-yang", TANH)
+    for duration, name in (("settled", "euler"), (3.0, "rk4")):
+        plan = make_plan(Template([[2.5]]), (8, 8), fixed(0), duration=duration, cell=cell, grey=lambda: True)  # type: ignore[arg-type]
+        assert plan.scheme is not None
+        assert plan.scheme.name == name
