@@ -11,8 +11,8 @@ from cnnsim.support import InputError
 from cnnsim.support.values import is_number
 
 DEFAULT_STEP = 0.1
-GROWTH_STEP = 0.2
-"""The longest for what grows and does not turn: there rk4 costs twice what Euler does."""
+GROWTH_STEP, SHORTEST = 0.2, 0.02
+"""The longest for what grows and does not turn, where rk4 costs twice what Euler does, and the shortest."""
 
 
 MOST_STEPS = 10**12
@@ -34,7 +34,10 @@ def usual_step(scheme: Scheme, longest: float, pace: Pace) -> tuple[float, str]:
     limit = f"the stability limit {longest:.4g} of this template"
     found = [(DEFAULT_STEP, "the default"), (longest / 2, f"half {limit}")]
     if scheme.order >= 4 and pace.growth and not pace.turning:
-        found = [(1 / pace.growth, f"what follows modes that grow at {pace.growth:.3g} a time constant"), found[1]]
+        found = [
+            (max(1 / pace.growth, SHORTEST), f"what follows modes that grow at {pace.growth:.3g} a time constant"),
+            found[1],
+        ]
         found.append((GROWTH_STEP, "the longest for modes that grow"))
     elif scheme.order >= 4:
         found[1] = longest / 6, f"a sixth of {limit}"
