@@ -18,7 +18,7 @@ from cnnsim.accuracy.to_rest import to_rest
 from cnnsim.accuracy.uncoupled.jumps import jumps_of_last_digits
 from cnnsim.accuracy.wanted import Wanted
 from cnnsim.backends import in_float64
-from cnnsim.backends.base import Backend
+from cnnsim.backends.base import Backend, check_finite
 from cnnsim.planning.general import delays_of
 from cnnsim.planning.plan import Plan
 from cnnsim.planning.scheme import EULER, RK4, Scheme
@@ -32,7 +32,7 @@ def reach(transient: Repeatable, backend: Backend, wanted: Wanted) -> Reached:
     """Run a transient to an accuracy on a backend, in float64 where float32 cannot give it.
 
     Raises:
-        InputError: a device without float64 where that is needed.
+        InputError: a device without float64 where that is needed; a state that comes out as no finite number.
     """
     where, told, plan = backend, "", transient.plan
     if wanted.dtype == "float64" and backend.dtype != "float64":
@@ -62,6 +62,7 @@ def reach(transient: Repeatable, backend: Backend, wanted: Wanted) -> Reached:
         edge = found.undecided & (jumps > 0) if plan.method == "closed form" else transient.free(jumps > 0)
         found = replace(found, undecided=found.undecided | edge)
         told += f"; at {int(edge.sum())} cells the last digit of the input decides"
+    check_finite(found.x, found.t)  # float32 may not hold what steps in float64 find
     how = f"accuracy {wanted}: {found.how}{told}"
     return replace(found, undecided=transient.free(found.undecided), how=how)
 

@@ -224,3 +224,13 @@ def test_weights_that_belong_to_places_take_no_sample(backend: str, monkeypatch:
     fine = run_transient(template, scheme="rk4", step=0.005, **task)
     assert np.abs(found.x - fine.x).max() <= 1e-2
     assert "chosen on" not in found.how
+
+
+@pytest.mark.filterwarnings("ignore:overflow encountered")
+@pytest.mark.parametrize("accuracy", [None, 1e-3, "binary"])
+def test_what_float32_cannot_hold_is_refused_by_any_way(accuracy: Any) -> None:
+    state = np.random.default_rng(0).uniform(-1, 1, (6, 7))
+    given: dict[str, Any] = {"state": state, "bias": np.full((6, 7), 1e39), "duration": 2.0, "accuracy": accuracy}
+    with pytest.raises(InputError, match="planes must hold finite numbers"):
+        run_transient(Template(HELD), **given)
+    assert np.isfinite(run_transient(Template(HELD), **given, dtype="float64").x).all()
