@@ -4,7 +4,9 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import prange
+from llvmlite import ir  # type: ignore[import-untyped]
+from numba import prange, types
+from numba.extending import intrinsic
 
 from cnnsim.backends.cpu.jit.compile import helper, twins
 from cnnsim.support import Array
@@ -31,18 +33,49 @@ def last_word(cols: int) -> Any:
     return ~np.uint64(0) >> np.uint64((64 - cols % 64) % 64)
 
 
+@intrinsic  # type: ignore[untyped-decorator]
+def word_of(_typing: Any, row: Array, first: int) -> Any:
+    """Return the word of the 64 values of a row that begin at ``first``, as one comparison of vectors.
+
+    A loop over bits is not seen for what it is: it shifts every bit on its own, in two to ten times the time.
+    """
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        kind, begin = (
+            signature.args[0].dtype,
+            context.make_array(signature.args[0])(context, builder, arguments[0]).data,
+        )
+        values = ir.VectorType(context.get_data_type(kind), 64)
+        at = builder.bitcast(builder.gep(begin, [arguments[1]]), values.as_pointer())
+        value, zero = (
+            builder.load(at, align=context.get_abi_sizeof(context.get_data_type(kind))),
+            ir.Constant(values, None),
+        )
+        if isinstance(kind, types.Float):
+            black = builder.fcmp_ordered(">", value, zero)
+        elif kind in types.signed_domain:
+            black = builder.icmp_signed(">", value, zero)
+        else:  # truth values as well
+            black = builder.icmp_unsigned(">", value, zero)
+        return builder.bitcast(black, ir.IntType(64))
+
+    return types.uint64(row, first), code
+
+
 @twins
 def pack(values: Array, words: Array) -> None:
     """Set a bit for every value above 0."""
     height, width = values.shape[1:]
+    whole = width // 64
     for line in prange(words.shape[0] * height):
         row, to = values[line // height, line % height], words[line // height, line % height]
-        for c in range(to.size):
-            word = np.uint64(0)
-            part = row[64 * c : min(64 * c + 64, width)]
+        for c in range(whole):
+            to[c] = word_of(row, 64 * c)
+        if whole < to.size:
+            word, part = np.uint64(0), row[64 * whole :]
             for b in range(part.size):
                 word |= np.uint64(part[b] > 0) << np.uint64(b)
-            to[c] = word
+            to[whole] = word
 
 
 @twins

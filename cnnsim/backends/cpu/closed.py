@@ -8,7 +8,8 @@ from numba import prange
 from cnnsim.backends.cpu.boundary import VirtualCells
 from cnnsim.backends.cpu.boundary import cell as cell_of
 from cnnsim.backends.cpu.drive import Control, control_row
-from cnnsim.backends.cpu.jit.compile import helper, twins
+from cnnsim.backends.cpu.jit.address import uncounted
+from cnnsim.backends.cpu.jit.compile import helper, reordered, twins
 from cnnsim.backends.cpu.planes import all_true, finite_row
 from cnnsim.support import Array
 
@@ -70,10 +71,16 @@ def are_square(taps: Array) -> bool:
     return square
 
 
+@reordered
+def in_any_order(total: float, value: float, weight: float) -> float:
+    """Add a value to a sum of ones."""
+    return total + value * weight
+
+
 @helper
 def rest_of_row(
     end: Array, x: Array, z: float, rows: tuple[Array, Array, Array], taps: Array, a: float, limited: bool
-) -> None:
+) -> bool:
     """Write the states that a row's cells come to, all but the first and the last, from three rows of the input.
 
     One loop: what drives a cell goes through no memory, and the sums keep their order.
@@ -88,6 +95,44 @@ def rest_of_row(
         drive = z + b0 * above[j] + b1 * above[j + 1] + b2 * above[j + 2] + b3 * here[j] + b4 * here[j + 1]
         drive = drive + b5 * here[j + 2] + b6 * below[j] + b7 * below[j + 1] + b8 * below[j + 2]
         to[j] = cell_at_rest(start[j], drive, a, one, limited)
+    return finite_row(to[: end.size - 2])
+
+
+@helper
+def rest_of_driven_row(end: Array, x: Array, z: float, rows: tuple[Array, Array, Array], taps: Array, a: float) -> bool:
+    """Do what `rest_of_row` does for cells that begin inside and drive themselves on, a >= 1, in half the operations.
+
+    Return whether all did begin inside, and are finite. One whose rate is not 0 comes to the saturation ahead:
+    (a - 1) + s has the sign of the rate, rounded or not.
+    """
+    above, here, below = rows
+    one, zero = x.dtype.type(1), x.dtype.type(0)
+    b0, b1, b2 = taps[0]["weight"], taps[1]["weight"], taps[2]["weight"]
+    b3, b4, b5 = taps[3]["weight"], taps[4]["weight"], taps[5]["weight"]
+    b6, b7, b8 = taps[6]["weight"], taps[7]["weight"], taps[8]["weight"]
+    to, start, others, lost = end[1:], x[1:], zero, zero
+    for j in range(end.size - 2):
+        drive = z + b0 * above[j] + b1 * above[j + 1] + b2 * above[j + 2] + b3 * here[j] + b4 * here[j + 1]
+        drive = drive + b5 * here[j + 2] + b6 * below[j] + b7 * below[j + 1] + b8 * below[j + 2]
+        rate = (a - one) * start[j] + drive
+        there = drive - a if rate < zero else a + drive
+        there = start[j] if rate == zero else there
+        to[j] = there
+        lost = in_any_order(lost, there, zero)
+        others = in_any_order(others, zero if abs(start[j]) <= one else one, one)
+    return others + lost == zero
+
+
+@helper
+def rest_of_inner_row(
+    end: Array, x: Array, z: float, rows: tuple[Array, Array, Array], taps: Array, a: float, limited: bool
+) -> bool:
+    """Do it the quick way, if it is one, and return whether all states are finite."""
+    one = x.dtype.type(1)
+    promising = a >= one and not limited and abs(x[x.size // 2]) <= one  # planes of saturated states lose no time
+    if promising and rest_of_driven_row(end, x, z, rows, taps, a):
+        return True
+    return rest_of_row(end, x, z, rows, taps, a, limited)
 
 
 @twins
@@ -109,15 +154,18 @@ def closed_form(
     quick = t == math.inf and not bias.size and not mask.size and width > 2 and are_square(taps)
     for line in prange(first, after):
         g, p = line // height, line % height
-        row, drive = x[g, p], end[g, p]
+        row, drive, inputs = uncounted(x)[g, p], uncounted(end)[g, p], uncounted(u)[g]
         if quick and 0 < p < height - 1:
-            rest_of_row(drive, row, z, (u[g, p - 1], u[g, p], u[g, p + 1]), taps, a, limited)
+            inside = rest_of_inner_row(
+                drive, row, z, (inputs[p - 1], inputs[p], inputs[p + 1]), uncounted(taps), a, limited
+            )
             for j in range(0, width, width - 1):
                 total = z
                 for tap in range(9):
-                    total += taps[tap]["weight"] * cell_of(u[g], p + tap // 3 - 1, j + tap % 3 - 1, virtual)
+                    total += taps[tap]["weight"] * cell_of(inputs, p + tap // 3 - 1, j + tap % 3 - 1, virtual)
                 drive[j] = cell_at_rest(row[j], total, a, one, limited)
-            fine[line - first] = finite_row(drive)
+                inside &= drive[j] - drive[j] == 0
+            fine[line - first] = inside
             continue
         if bias.size:  # which may lie where the states go
             for j in range(width):
@@ -125,7 +173,7 @@ def closed_form(
         else:
             for j in range(width):
                 drive[j] = z
-        control_row(drive, u[g], p, taps, virtual)
+        control_row(drive, inputs, p, taps, virtual)
         if t == math.inf:
             for j in range(width):
                 drive[j] = cell_at_rest(row[j], drive[j], a, one, limited)

@@ -69,6 +69,22 @@ def test_packing_logic_and_counting(backend: Backend, shape: tuple[int, ...], se
         np.testing.assert_array_equal(backend.count(got), REFERENCE.count(want))  # no stray bits beyond the last column
 
 
+@pytest.mark.parametrize("shape", [(3, 64), (2, 5, 200), (4, 63), (7, 129)])
+@pytest.mark.parametrize("dtype", ["bool", "int8", "uint8", "int64", "float32", "float64"])
+def test_numbers_of_any_kind_are_black_above_zero(backend: Backend, dtype: Any, shape: tuple[int, ...]) -> None:
+    rng = np.random.default_rng(9)
+    numbers = (rng.integers(0 if dtype in ("bool", "uint8") else -3, 4, shape) // 2).astype(dtype)
+    if dtype.startswith("float"):
+        numbers[..., ::7], numbers[..., 1::9], numbers[..., 2::11] = np.nan, np.inf, -0.0
+        numbers[..., 3::5] *= np.finfo(dtype).tiny
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+        planes = [backend.load(numbers, "llm"), backend.convert(backend.load(numbers, "lam"), "llm")]
+        wanted = [numbers > 0, numbers.astype(backend.dtype) > 0]
+    for plane, black in zip(planes, wanted, strict=True):
+        np.testing.assert_array_equal(backend.read(plane), black)
+        np.testing.assert_array_equal(backend.count(plane), black.sum((-2, -1)))
+
+
 def test_a_batch_is_counted_grid_by_grid(backend: Backend) -> None:
     p = np.array([[[True, True, False]], [[False, False, True]]])
     count = backend.count(backend.load(p, "llm"))

@@ -92,6 +92,23 @@ def test_the_drive_of_nine_taps_is_added_up_on_the_way_to_rest(boundary: Boundar
             same(quick, run(template, x, boundary, dtype, mask=np.full(shape, -1.0)))
 
 
+@pytest.mark.parametrize("a", [0.75, 1.0, 1.25, 3.5])
+@pytest.mark.parametrize("cell", ["chua-yang", "full-range"])
+@pytest.mark.parametrize("dtype", BACKENDS)
+def test_rows_that_begin_inside_and_drive_themselves_on_come_to_rest_as_any(a: float, cell: Any, dtype: str) -> None:
+    """Quarters: cells begin right on 1 and -1, and some have a rate of 0; of the rows some have a cell beyond."""
+    rng = np.random.default_rng(7)
+    template = Template(a, rng.integers(-3, 4, (3, 3)) / 4 + np.where(np.eye(3), 0.25, 0.0), 0.25, "quarters")
+    shape, widest = (2, 29, 83), 4
+    x, u = rng.integers(-widest, widest + 1, shape) / 4, rng.integers(-widest, widest + 1, shape) / 4
+    if cell == "chua-yang":
+        x[:, ::3, 5], x[:, 1::6, 41], x[1, ::4, -1] = 1.25, -7.0, 2.0  # 41 is in the middle, which is looked at first
+    task: dict[str, Any] = {"input": u, "boundary": ZERO_FLUX, "cell": cell, "backend": BACKENDS[dtype]}
+    quick = run_transient(template, state=x, **task)
+    same(quick, run_transient(template, state=x, mask=np.full(shape, -1.0), **task))
+    assert quick.rate == 0  # as only a closed form ends
+
+
 @pytest.mark.parametrize("boundary", BOUNDARIES, ids=str)
 @pytest.mark.parametrize("template", [CROSS, NINE, ISOTROPIC, HOLES, WIDE], ids=lambda t: t.name)
 @pytest.mark.parametrize("dtype", BACKENDS)

@@ -50,6 +50,11 @@ def fused(function: Kernel) -> Kernel:
     return _compiled(function, "_fused", fastmath={"contract"}, **_INNER)
 
 
+def reordered(function: Kernel) -> Kernel:
+    """Compile a helper whose one sum may be added up in any order: a loop then adds in vectors."""
+    return _compiled(function, "_reordered", fastmath={"reassoc", "contract"}, **_INNER)
+
+
 def kernel(function: Kernel) -> Kernel:
     """Compile a function for one core that Python calls."""
     return _compiled(function, "")
