@@ -86,6 +86,17 @@ def places_of(table: Table, dtype: np.dtype[Any]) -> list[float]:
     return np.nextafter(at, dtype.type(-np.inf)).tolist() if table.closed == "left" else at.tolist()
 
 
+def without_flat_ends(table: Table) -> Table:
+    """Return the same function without the places from which a linear table goes on as it does beyond its ends."""
+    at, values = list(table.at), list(table.values)
+    if table.kind == "linear":
+        while len(at) > 1 and values[0] == values[1]:
+            del at[0], values[0]
+        while len(at) > 1 and values[-1] == values[-2]:
+            del at[-1], values[-1]
+    return Table(table.kind, tuple(at), tuple(values), table.closed)
+
+
 def characteristic(plan: Plan, dtype: np.dtype[Any]) -> Function:
     """Return the plan's output characteristic as one function."""
     f = plan.characteristic
@@ -135,7 +146,8 @@ def tabulate(plan: Plan, found: Sequence[tuple[int, Term]], dtype: np.dtype[Any]
             taps.append((k, l, len(planes) if varies else NOTHING))
             weights.append(0.0 if varies else weight)
             planes += [weight] if varies else []
-        at, values = (places_of(term.table, dtype), term.table.values) if term.table else ([], ())
+        table = without_flat_ends(term.table) if term.table else None
+        at, values = (places_of(table, dtype), table.values) if table else ([], ())
         function = kind_of(term.table), len(at), len(numbers), len(numbers) + len(at)
         numbers += [*at, *values]
         channels_of_term = *pair(term.of, number, term), *pair(term.times, number, term)

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from cnnsim import LayeredTemplate, Table, Template, Term, run_transient
 from cnnsim.backends.base import Backend
-from cnnsim.network import AnyTemplate
+from cnnsim.network import ZERO_FLUX, AnyTemplate
+from cnnsim.network.table import lines
 from cnnsim.task import make_task
 from tests.kits.backends import COMPILING
 from tests.kits.networks import assert_like_the_reference, general_task, number_of_examples
@@ -91,3 +92,26 @@ def test_a_table_alone(backend: Backend, kind: Any, places: int) -> None:
         return Template(0, terms=[Term([[0.5]], of, table, times)])
 
     assert_exact(backend, [table], at_and_beside(table, backend.dtype), single)
+
+
+@pytest.mark.parametrize("points", [
+    [(-2, 0.5), (-0.25, 0.5), (0, 1), (0.25, 0.125), (2, 0.125)],  # a hat on two levels
+    [(-2, 0.5), (-1, 0.5), (-0.25, 0.5), (0.5, -1)],  # a ramp that begins late
+    [(-1, 0.25), (0, 0.25), (1, 0.25)],  # nothing but ends
+])  # fmt: skip
+def test_a_table_goes_on_as_it_ends(backend: Backend, points: Any) -> None:
+    """A linear table is held at its ends, and where it begins or ends flat nothing is looked up."""
+    differences = Template(0.5, terms=[Term(np.full((3, 3), 1 / 16), "y_kl - y_ij", lines(*points))])
+    squared = Template(0.5, terms=[Term(np.full((3, 3), 1 / 16), "x_kl - x_ij", lines(*points), times="x_kl - x_ij")])
+    state = np.random.default_rng(3).integers(-16, 17, (9, 70)) / 16
+    for template in (differences, squared):
+        task: dict[str, Any] = {
+            "state": state,
+            "boundary": ZERO_FLUX,
+            "duration": 0.25,
+            "scheme": "euler",
+            "step": 0.25,
+        }
+        ours = run_transient(template, **task, backend=backend).x
+        wanted = run_transient(template, **task, backend="reference").x
+        np.testing.assert_allclose(ours, wanted, rtol=0, atol=1e-5 if backend.dtype == np.float32 else 1e-13)

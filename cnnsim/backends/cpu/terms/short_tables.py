@@ -43,6 +43,21 @@ def _add_one_step(
 
 
 @helper
+def _add_two_lines(
+    total: Array, at_total: int, weight: float, v: Array, at_v: int, less: Array, at_less: int, n: int, squared: bool,
+    start: float, e0: float, e1: float, f0: float, f1: float, r0: float, r1: float, last: float, end: float,
+) -> None:  # fmt: skip
+    """Do what `_add_lines` does for the two lines of a hat or a ramp, which is what diffusion is told by."""
+    total, v, less = total[at_total : at_total + n], v[at_v : at_v + n], less[at_less : at_less + n]
+    for j in range(n):
+        p = v[j] - less[j]
+        f = f0 + r0 * (p - e0) if p > e0 else start
+        f = f1 + r1 * (p - e1) if p > e1 else f
+        f = end if p > last else f
+        total[j] += weight * (f * p if squared else f)
+
+
+@helper
 def _add_lines(
     total: Array, at_total: int, weight: float, v: Array, at_v: int, less: Array, at_less: int, n: int, squared: bool,
     start: float, e0: float, e1: float, e2: float, e3: float, f0: float, f1: float, f2: float, f3: float, r0: float,
@@ -84,7 +99,12 @@ def add_table(
         lines = places - 1  # beyond the last place is none
         e0, f0, r0 = line_from(lines, at, values, 0, numbers)
         e1, f1, r1 = line_from(lines, at, values, 1, numbers)
+        last, end = numbers[at + lines], numbers[values + lines]
+        if lines <= 2:
+            _add_two_lines(total, at_total, weight, v, at_v, less, at_less, n, squared, start, e0, e1, f0, f1, r0, r1,
+                           last, end)  # fmt: skip
+            return
         e2, f2, r2 = line_from(lines, at, values, 2, numbers)
         e3, f3, r3 = line_from(lines, at, values, 3, numbers)
         _add_lines(total, at_total, weight, v, at_v, less, at_less, n, squared, start, e0, e1, e2, e3, f0, f1, f2, f3,
-                   r0, r1, r2, r3, numbers[at + lines], numbers[values + lines])  # fmt: skip
+                   r0, r1, r2, r3, last, end)  # fmt: skip
