@@ -1,7 +1,8 @@
 """Taxel inverse, compiled: ``tactile.inverse.taxel`` operation for operation, a block of cells at a time.
 
-Written without branches, so that LLVM makes vector code of it. The results of a block go into one small array
-first: with four separate output planes LLVM would have to prove that none overlaps another, and gives up.
+Written without branches, so that LLVM makes vector code of it, and in several loops over a block: of one long chain of
+roots and divisions a processor has hardly two cells under way. What one loop hands to the next lies in one small array,
+and none writes more than two planes: with four LLVM would have to prove that none overlaps another, and gives up.
 """
 
 import math
@@ -16,6 +17,10 @@ from tactile.inverse.validity import FAR, Validity
 BLOCK = 256
 """Cells in a block. Memory takes four results of 1 KiB by turns as fast as one long one, but not of 4 KiB: with blocks
 of 1024 cells ten million taxels take half as long again."""
+X, Y, Z, LARGEST, ROOT, LENGTH = (row * BLOCK for row in range(6))
+"""Where rows of a block begin in what the loops hand on: the signals over the largest of them, that largest (-1: not
+finite), the root m, and what x and y are multiplied by (0: no answer)."""
+WORK = 6 * BLOCK
 SERIAL_BELOW = 8192
 """Fewer cells than this are done before the threads have woken up."""
 
@@ -41,29 +46,51 @@ def _scaled(x, y, z, tiny, zero, one):  # type: ignore[no-untyped-def]
     return x * over, y * over, z * over if some else -one, largest if some else zero, finite
 
 
+@kept_njit(error_model="numpy")
+def _scaled_block(x, y, z, work, tiny):  # type: ignore[no-untyped-def]
+    zero, one = x.dtype.type(0), x.dtype.type(1)
+    for i in range(x.size):
+        work[i + X], work[i + Y], work[i + Z], largest, finite = _scaled(x[i], y[i], z[i], tiny, zero, one)
+        work[i + LARGEST] = largest if finite else -one
+
+
 @njit(inline="always")
-def _answer(results, i, dx, dy, force, region, possible, loaded, zero, invalid):  # type: ignore[no-untyped-def]
+def _handed_on(work, i, zero):  # type: ignore[no-untyped-def]
+    largest = work[i + LARGEST]
+    finite = largest >= zero
+    return work[i + X], work[i + Y], work[i + Z], largest if finite else zero, finite
+
+
+@njit(inline="always")
+def _answer(work, i, length, force, region, possible, loaded, zero, invalid):  # type: ignore[no-untyped-def]
     answered = possible & loaded
-    results[i] = dx if answered else zero
-    results[i + BLOCK] = dy if answered else zero
-    results[i + 2 * BLOCK] = force if answered else zero
-    results[i + 3 * BLOCK] = (region if possible else invalid) if loaded else zero
+    work[i + LENGTH] = length if answered else zero
+    return force if answered else zero, (region if possible else invalid) if loaded else zero
 
 
 @kept_njit(error_model="numpy")
-def _strain_block(u_xz, u_yz, u_zz, results, scale, tiny, depth, floor, pressing):  # type: ignore[no-untyped-def]
-    number = u_xz.dtype.type
+def _roots(work, size):  # type: ignore[no-untyped-def]
+    number = work.dtype.type
+    three, eight, nine = number(3), number(8), number(9)
+    for i in range(size):
+        x, y, b = work[i + X], work[i + Y], abs(work[i + Z])
+        work[i + ROOT] = three * b + math.sqrt(nine * b * b + eight * (x * x + y * y))
+
+
+@kept_njit(error_model="numpy")
+def _strain_block(work, force, validity, scale, depth, floor, pressing):  # type: ignore[no-untyped-def]
+    number = work.dtype.type
     zero, one, two, three, four = number(0), number(1), number(2), number(3), number(4)
-    eight, nine, far2 = number(8), number(9), number(FAR * FAR)
+    far2 = number(FAR * FAR)
     in_code, out_code = number(INSIDE), number(OUTSIDE)
     unsure, invalid = number(AMBIGUOUS), number(INVALID)
     known = pressing != 0
     given = -one if pressing < 0 else one
-    for i in range(u_xz.size):
-        x, y, z, largest, finite = _scaled(u_xz[i], u_yz[i], u_zz[i], tiny, zero, one)
+    for i in range(force.size):
+        x, y, z, largest, finite = _handed_on(work, i, zero)
         a2 = x * x + y * y
         b = abs(z)
-        m = three * b + math.sqrt(nine * b * b + eight * a2)
+        m = work[i + ROOT]
         straight = a2 <= far2 * b * b
         sign = -one if (not known) & straight & (z > zero) else given
         inside = sign * z < zero
@@ -77,68 +104,70 @@ def _strain_block(u_xz, u_yz, u_zz, results, scale, tiny, depth, floor, pressing
         over_d = q * over
         reach = n * over_d
         t = a2 * reach * reach
-        force = (three * a2 * reach + abs(t - two) * b) * (p * math.sqrt(p) * over)
-        force = sign * force * (scale * largest)
-        length = sign * depth * reach
-        possible = finite & (inside | (not straight)) & _is_finite(force)
+        size = (three * a2 * reach + abs(t - two) * b) * (p * math.sqrt(p) * over)
+        size = sign * size * (scale * largest)
+        possible = finite & (inside | (not straight)) & _is_finite(size)
         loaded = (not finite) | (largest > floor)
         region = in_code if inside else out_code
         region = region if known | straight else unsure
-        _answer(results, i, length * x, length * y, force, region, possible, loaded, zero, invalid)
+        length = sign * depth * reach
+        force[i], validity[i] = _answer(work, i, length, size, region, possible, loaded, zero, invalid)
 
 
 @kept_njit(error_model="numpy")
-def _stress_block(s_xz, s_yz, s_zz, results, scale, tiny, depth, floor):  # type: ignore[no-untyped-def]
-    number = s_xz.dtype.type
+def _stress_block(work, force, validity, scale, depth, floor):  # type: ignore[no-untyped-def]
+    number = work.dtype.type
     zero, one, two, far = number(0), number(1), number(2), number(FAR)
     in_code, out_code, invalid = number(INSIDE), number(OUTSIDE), number(INVALID)
-    for i in range(s_xz.size):
-        x, y, z, largest, finite = _scaled(s_xz[i], s_yz[i], s_zz[i], tiny, zero, one)
+    for i in range(force.size):
+        x, y, z, largest, finite = _handed_on(work, i, zero)
         reachable = abs(z) > far
         over_z = one / (z if reachable else one)
         across = x * over_z
         along = y * over_z
         t = across * across + along * along
-        force = (t + one) * (t + one) * math.sqrt(t + one) * -z
-        force = force * (scale * largest)
-        possible = finite & reachable & _is_finite(force)
+        size = (t + one) * (t + one) * math.sqrt(t + one) * -z
+        size = size * (scale * largest)
+        possible = finite & reachable & _is_finite(size)
         loaded = (not finite) | (largest > floor)
         region = in_code if t < two else out_code
-        _answer(results, i, -depth * across, -depth * along, force, region, possible, loaded, zero, invalid)
+        work[i + X], work[i + Y] = across, along
+        force[i], validity[i] = _answer(work, i, -depth, size, region, possible, loaded, zero, invalid)
 
 
-@kept_njit()
-def _copy(source, target):  # type: ignore[no-untyped-def]
-    for i in range(target.size):
-        target[i] = source[i]
-
-
-@kept_njit()
-def _hand_out(results, dx, dy, force, validity):  # type: ignore[no-untyped-def]
-    _copy(results, dx)
-    _copy(results[BLOCK:], dy)
-    _copy(results[2 * BLOCK :], force)
-    _copy(results[3 * BLOCK :], validity)
+@kept_njit(error_model="numpy")
+def _places(work, dx, dy):  # type: ignore[no-untyped-def]
+    zero = work.dtype.type(0)
+    for i in range(dx.size):
+        length, x, y = work[i + LENGTH], work[i + X], work[i + Y]
+        x, y = length * x, length * y  # before the choice, so that it is none for the loads
+        dx[i] = x if length != zero else zero
+        dy[i] = y if length != zero else zero
 
 
 @kept_njit(error_model="numpy")
 def strain_blocks(x, y, z, dx, dy, force, validity, first, last, numbers):  # type: ignore[no-untyped-def]
     """Write the load of the strain taxels of the blocks from ``first`` on, before ``last``; planes of one dimension."""
-    results = np.empty(4 * BLOCK, x.dtype)
+    work = np.empty(WORK, x.dtype)
+    scale, tiny, depth, floor, pressing = numbers
     for start in range(first * BLOCK, min(last * BLOCK, x.size), BLOCK):
         cut = slice(start, min(start + BLOCK, x.size))
-        _strain_block(x[cut], y[cut], z[cut], results, *numbers)
-        _hand_out(results, dx[cut], dy[cut], force[cut], validity[cut])
+        _scaled_block(x[cut], y[cut], z[cut], work, tiny)
+        _roots(work, cut.stop - cut.start)
+        _strain_block(work, force[cut], validity[cut], scale, depth, floor, pressing)
+        _places(work, dx[cut], dy[cut])
 
 
 @kept_njit(error_model="numpy")
 def stress_blocks(x, y, z, dx, dy, force, validity, first, last, numbers):  # type: ignore[no-untyped-def]
     """Write the load of the stress taxels of the blocks from ``first`` on, before ``last``; planes of one dimension."""
-    results = np.empty(4 * BLOCK, x.dtype)
+    work = np.empty(WORK, x.dtype)
+    scale, tiny, depth, floor = numbers
     for start in range(first * BLOCK, min(last * BLOCK, x.size), BLOCK):
         cut = slice(start, min(start + BLOCK, x.size))
-        _stress_block(x[cut], y[cut], z[cut], results, *numbers)
-        _hand_out(results, dx[cut], dy[cut], force[cut], validity[cut])
+        _scaled_block(x[cut], y[cut], z[cut], work, tiny)
+        _stress_block(work, force[cut], validity[cut], scale, depth, floor)
+        _places(work, dx[cut], dy[cut])
 
 
 @kept_njit(parallel=True, error_model="numpy")
