@@ -6,13 +6,16 @@ Each begins with the digest of the rest, so that a damaged one is noticed; it is
 
 import os
 import pickle
+import sys
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache, cached_property
 from hashlib import sha256
+from importlib import import_module
 from itertools import takewhile
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numba
@@ -27,7 +30,24 @@ from cnnsim.support.compiling.private_folder import first_usable, is_private, us
 from cnnsim.support.stopping import listen_to_numba
 
 _BYTES = sha256().digest_size
+_BLAS = "scipy.linalg.cython_blas"
 
+
+def _load_without_blas() -> None:
+    """Load numba's arrays, as the first loop would, without scipy.linalg, which takes a quarter of a second.
+
+    Numba imports it there only to see that it is there, as it is wherever this package is installed. So an empty module
+    has its name meanwhile; a loop that multiplies matrices imports the real one when it is compiled.
+    """
+    if _BLAS not in sys.modules and "numba.np.arraymath" not in sys.modules:
+        sys.modules[_BLAS] = ModuleType(_BLAS)
+        try:
+            import_module("numba.np.arraymath")
+        finally:
+            del sys.modules[_BLAS]
+
+
+_load_without_blas()
 listen_to_numba()
 
 

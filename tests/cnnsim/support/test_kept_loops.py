@@ -224,3 +224,20 @@ def test_a_child_after_use_computes_or_names_spawn(backend: str, code: int) -> N
         env=env, capture_output=True, text=True, check=False, timeout=120,
     )  # fmt: skip
     assert done.stdout.split() == [str(code)], done.stderr
+
+
+def test_a_first_run_leaves_scipys_matrices_alone_until_a_loop_multiplies_some() -> None:
+    code = """
+import sys
+import numba
+import numpy as np
+from cnnsim import run
+run("edge", np.eye(8) * 2 - 1)
+assert "scipy.linalg" not in sys.modules
+product = numba.njit(lambda a, b: np.dot(a, b))
+square = np.arange(9.0).reshape(3, 3)
+assert np.array_equal(product(square, square), square @ square)
+print("scipy.linalg.cython_blas" in sys.modules, sys.modules["scipy.linalg.cython_blas"].__file__.endswith("py"))
+"""
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.stdout.split() == ["True", "False"], done.stderr  # the real one: compiled
