@@ -21,6 +21,16 @@ from cnnsim.task import load, make_task
 PLANES = ("state", "input", "bias", "mask")
 
 
+STRIP = 256
+"""Rows of a stored state that are looked at at a time."""
+
+
+def _is_grey(state: Any) -> bool:
+    """Return whether some cells of a stored state are not saturated; most grey ones are told by their first rows."""
+    strips = (np.asarray(state[..., r0 : r0 + STRIP, :]) for r0 in range(0, state.shape[-2], STRIP))
+    return any(bool((np.abs(strip) < 1).any()) for strip in strips if strip.dtype != bool)
+
+
 def run_on_engine(
     template: AnyTemplate, where: Backend, engine: str | Engine, store: str | Path | None, choices: dict[str, Any]
 ) -> Result:
@@ -35,6 +45,10 @@ def run_on_engine(
         stored_plane(name, stored[name])
     told = {name: np.broadcast_to(np.ones(1), plane.shape) for name, plane in stored.items()}  # its shape is checked
     task = make_task(template, **{**choices, **told})
+    if "state" in stored:
+        grey = make_task(template, **{**choices, **told, "state": np.broadcast_to(np.array([0.5]), task.state.shape)})
+        if (grey.plan.scheme, grey.plan.step) != (task.plan.scheme, task.plan.step) and _is_grey(stored["state"]):
+            task = grey
     if task.accuracy is not None:
         raise InputError("an accuracy on an engine: several runs are made; give scheme and step, or no engine")
     planes = {name: getattr(task, name) for name in PLANES if getattr(task, name) is not None} | stored

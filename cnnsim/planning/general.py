@@ -10,7 +10,7 @@ from cnnsim.network.characteristic import CLIP
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.network_modes import network_modes, step_bound
 from cnnsim.planning.scheme import ADAPTIVE, EULER, Scheme, find_scheme
-from cnnsim.planning.stability import pace_from, pace_of, usual_scheme
+from cnnsim.planning.stability import fastest_turning, turning_from, usual_scheme
 from cnnsim.planning.step import DEFAULT_STEP, allowed_step, check_whole_steps, divided, timed_step
 from cnnsim.support import InputError
 
@@ -64,12 +64,12 @@ def decide_general(
         return None, 1.0, [*decisions, ("adaptive", "DOP853 of scipy with relative tolerance 1e-10: a reference")]
     limit_of = partial(step_bound, network, cell.output, duration)
     modes = network_modes(network, cell.output)
-    pace = pace_from(partial(pace_of, modes, duration, allowed_step(step)), grey)
+    turning = turning_from(partial(fastest_turning, modes, duration, allowed_step(step)), grey)
     if scheme is None and not delays:
-        table = usual_scheme(limit_of, min(DEFAULT_STEP, allowed_step(step)), pace)
+        table = usual_scheme(limit_of, min(DEFAULT_STEP, allowed_step(step)), turning)
     else:
         table = EULER if scheme is None else find_scheme(scheme)
-    h, reason = timed_step(table, step, limit_of(table), duration, delays, periods, pace)
+    h, reason = timed_step(table, step, limit_of(table), duration, delays, periods, turning)
     h = h if timed else divided(duration, h)
     decisions.append((f"{table.name}, h = {h:.4g}", f"order {table.order}; the step is {reason}"))
     if jump := largest_jump(network, cell.output):

@@ -23,7 +23,7 @@ from cnnsim.planning.duration import Duration
 from cnnsim.planning.general import check_grid, decide_general, why_general
 from cnnsim.planning.savings import Saving, halo_of_a_step, stepped_savings, steps_a_pass
 from cnnsim.planning.scheme import ADAPTIVE, Scheme, find_scheme
-from cnnsim.planning.stability import pace_from, pace_of_linear, step_limit, usual_scheme
+from cnnsim.planning.stability import step_limit, turning_from, turning_of, usual_scheme
 from cnnsim.planning.step import DEFAULT_STEP, allowed_step, check_count, check_step, divided, usual_step
 from cnnsim.support import Array, InputError
 from cnnsim.support.values import is_number
@@ -133,8 +133,7 @@ def make_plan(
     tells whether the state holds cells that are not saturated, and is asked only where the scheme hangs on it.
 
     Without ``scheme`` and ``step`` the plan chooses: the closed form for uncoupled templates, else forward Euler with
-    h = 0.1 or half the stability limit, whichever is less, and rk4 where Euler would not follow what turns, or what
-    grows from a grey state. ``without`` names savings (see `Saving`) not to use.
+    h = 0.1 or half the stability limit, whichever is less. ``without`` names savings (see `Saving`) not to use.
 
     Raises:
         InputError: a step that cannot be stable (the message has the limit), a negative duration or limit, an unknown
@@ -182,13 +181,19 @@ def make_plan(
         decisions.append(("adaptive", "DOP853 of scipy with relative tolerance 1e-10: a reference, not a fast method"))
         return plan("adaptive", None, 1.0)
     limit_of = partial(step_limit, template, boundary, duration)
-    pace = pace_from(partial(pace_of_linear, template, boundary, duration, allowed_step(step)), grey)
+    turning = turning_from(partial(turning_of, template, boundary, duration, allowed_step(step)), grey)
     table = (
-        usual_scheme(limit_of, min(DEFAULT_STEP, allowed_step(step)), pace) if scheme is None else find_scheme(scheme)
+        usual_scheme(limit_of, min(DEFAULT_STEP, allowed_step(step)), turning)
+        if scheme is None
+        else find_scheme(scheme)
     )
     longest = limit_of(table)
     if step is None:
-        h, why = usual_step(table, longest, pace)
+        h = usual_step(table, longest, turning)
+        part = "a sixth of" if table.order >= 4 else "half"
+        why = "the default" if h == DEFAULT_STEP else f"{part} the stability limit {longest:.4g} of this template"
+        if turning and h == 0.5 / turning:
+            why = f"what follows modes that turn at {turning:.3g} a time constant"
     else:
         check_step(step, longest, table, "cannot be stable")
         h, why = step, f"as asked; stable below {longest:.4g}"

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,9 +29,6 @@ RUSHED = 0.4
 """
 ASTRAY = 0.05
 """Part of a mode by which steps may make it too large."""
-LATE = 0.005
-"""Part of an e-fold by which Euler's steps may hold a mode back less than the fastest: by 0.012 one cell in 250 of
-random templates went the wrong way."""
 
 
 def modes_of(template: Template, boundary: Boundary) -> Modes:
@@ -102,44 +98,27 @@ def limit_of(modes: Modes, duration: Duration, scheme: Scheme) -> float:
     return float(-np.log1p(-gain)) if gain < 1 else float("inf")
 
 
-class Pace(NamedTuple):
-    """What Euler's steps do not follow: the |omega| of the fastest mode that turns, the rate of the fastest that grows.
-
-    Per time constant; 0 where there is none.
-    """
-
-    turning: float = 0.0
-    growth: float = 0.0
-
-
-def pace_of(modes: Modes, duration: Duration, step: float, *, grey: bool = False) -> Pace:
-    """Return which modes Euler's steps do not follow.
+def fastest_turning(modes: Modes, duration: Duration, step: float, *, grey: bool = False) -> float:
+    """Return the |omega| of the fastest mode that Euler's steps do not follow, 0 if there is none.
 
     They make a mode that turns grow by h omega^2 / 2 a time constant too fast, until the run ends or the mode is e
     times smaller or larger. What grows at more than `RUSHED` of its frequency is saturated before that tells, unless
     the run begins from a ``grey`` state: whole groups of cells are linear then, and which way they saturate hangs on
     how far they turn meanwhile. Of what grows at ``rate`` Euler's steps are late by h omega rate a time constant.
-    They hold all that grows back, log(1 + h rate) / h for rate, and the fastest most: where modes meet that come late
-    to different parts, cells saturate the wrong way. Cells that do not feel each other have one rate.
     """
-    omega, rate, grows = np.abs(modes.imag), np.abs(modes.real), modes.real > 0
-    turning = (omega > _NEUTRAL * np.abs(modes)) & (omega > rate * np.where(grows, 0.0 if grey else 1 / RUSHED, 1.0))
+    modes = modes[modes.imag != 0]
+    omega, rate = np.abs(modes.imag), np.abs(modes.real)
+    grows = modes.real > 0
+    turning = omega > rate * np.where(grows, 0.0 if grey else 1 / RUSHED, 1.0)
     longest = np.inf if duration == "settled" else float(duration)
-    lasts = np.minimum(longest, 1 / np.maximum(rate, 1e-100))
-    late = np.maximum(omega / 2, np.where(grows & grey, rate, 0.0)) * lasts * omega * step
-    turn = float(omega[turning & (late > ASTRAY)].max(initial=0.0))
-    if not grey or not grows.any():
-        return Pace(turn)
-    rate, slower = rate[grows], np.log1p(step * rate[grows])
-    apart = float(np.abs(slower / slower.max() - rate / rate.max()).max())
-    return Pace(turn, float(rate.max()) if apart > LATE else 0.0)
+    lasts = np.minimum(longest, 1 / np.maximum(rate, 1e-300))
+    late = np.maximum(omega / 2, np.where(grows & grey, rate, 0.0)) * omega * step
+    return float(omega[turning & (late * lasts > ASTRAY)].max(initial=0.0))
 
 
 @lru_cache(maxsize=128)
-def pace_of_linear(
-    template: Template, boundary: Boundary, duration: Duration, step: float, *, grey: bool = False
-) -> Pace:
-    """Return which modes of a linear template Euler's steps do not follow.
+def turning_of(template: Template, boundary: Boundary, duration: Duration, step: float, *, grey: bool = False) -> float:
+    """Return the |omega| of the fastest mode of a linear template that Euler's steps do not follow.
 
     On a grid with edges waves that grow as they travel are no modes, but are there until they come to an edge: from a
     grey state they are followed as well.
@@ -148,21 +127,22 @@ def pace_of_linear(
     if grey and not template.symmetric:
         waves = _waves(template.feedback_taps, symmetric=False)
         modes = np.append(modes, waves[waves.real > 0])
-    return pace_of(modes, duration, step, grey=grey)
+    return fastest_turning(modes, duration, step, grey=grey)
 
 
-def pace_from(pace: Callable[..., Pace], grey: Callable[[], bool]) -> Pace:
-    """Return the pace that ``pace`` (with ``grey``, as `pace_of`) gives for the state of a run.
+def turning_from(turning: Callable[..., float], grey: Callable[[], bool]) -> float:
+    """Return the |omega| that ``turning`` (with ``grey``, as `fastest_turning`) gives for the state of a run.
 
     The state is looked at only where that makes a difference: it may be large.
     """
-    either, most = pace(grey=False), pace(grey=True)
-    return most if most != either and grey() else either
+    either, most = turning(grey=False), turning(grey=True)
+    return most if most > either and grey() else either
 
 
-def usual_scheme(limit: Callable[[Scheme], float], step: float, pace: Pace) -> Scheme:
-    """Return Euler, or RK4 where it does not follow, or where RK4 gets on better: a step of it costs four of Euler's.
+def usual_scheme(limit: Callable[[Scheme], float], step: float, turning: float) -> Scheme:
+    """Return Euler, or RK4 where modes turn so fast that it gets on better: a step of it costs four of Euler's.
 
-    Arguments: ``limit`` gives the longest step of a scheme; ``step`` is what accuracy allows [time constants].
+    Arguments: ``limit`` gives the longest step of a scheme; ``step`` is what accuracy allows [time constants];
+    ``turning`` as in `fastest_turning`.
     """
-    return RK4 if any(pace) or (limit(EULER) < 2 * step and limit(RK4) > 4 * limit(EULER)) else EULER
+    return RK4 if turning or (limit(EULER) < 2 * step and limit(RK4) > 4 * limit(EULER)) else EULER

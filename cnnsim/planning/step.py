@@ -6,13 +6,10 @@ from math import ceil, gcd, inf, lcm
 
 from cnnsim.planning.duration import Duration
 from cnnsim.planning.scheme import Scheme
-from cnnsim.planning.stability import Pace
 from cnnsim.support import InputError
 from cnnsim.support.values import is_number
 
 DEFAULT_STEP = 0.1
-GROWTH_STEP, SHORTEST = 0.2, 0.02
-"""The longest for what grows and does not turn, where rk4 costs twice what Euler does, and the shortest."""
 
 
 MOST_STEPS = 10**12
@@ -24,26 +21,15 @@ def allowed_step(step: float | None) -> float:
     return step if is_number(step) and 0 < step < inf else DEFAULT_STEP
 
 
-def usual_step(scheme: Scheme, longest: float, pace: Pace) -> tuple[float, str]:
-    """Return the step where none is asked for, and why: half of what is stable, a sixth with schemes of order 4.
+def usual_step(scheme: Scheme, longest: float, turning: float) -> float:
+    """Return the step where none is asked for: half of what is stable, a sixth with schemes of order 4.
 
     Those are taken for modes that turn: at h |omega| = 1/2 they are followed to three digits, at half the limit to one.
-    ``pace`` is what is to be followed, which the limit need not know. Where nothing turns, what grows is followed to
-    two digits at h rate = 1, and half of what is stable will do for what decays.
+    ``turning``: the |omega| of the fastest that is to be followed, which the limit need not know.
     """
-    limit = f"the stability limit {longest:.4g} of this template"
-    found = [(DEFAULT_STEP, "the default"), (longest / 2, f"half {limit}")]
-    if scheme.order >= 4 and pace.growth and not pace.turning:
-        found = [
-            (max(1 / pace.growth, SHORTEST), f"what follows modes that grow at {pace.growth:.3g} a time constant"),
-            found[1],
-        ]
-        found.append((GROWTH_STEP, "the longest for modes that grow"))
-    elif scheme.order >= 4:
-        found[1] = longest / 6, f"a sixth of {limit}"
-        if pace.turning:
-            found.append((0.5 / pace.turning, f"what follows modes that turn at {pace.turning:.3g} a time constant"))
-    return min(found, key=lambda one: one[0])
+    if scheme.order < 4:
+        return min(DEFAULT_STEP, longest / 2)
+    return min(DEFAULT_STEP, longest / 6, 0.5 / turning if turning else inf)
 
 
 def check_count(time: float, h: float) -> None:
@@ -71,12 +57,12 @@ def check_step(step: float, longest: float, scheme: Scheme, verdict: str) -> Non
 
 def timed_step(
     scheme: Scheme, step: float | None, longest: float, duration: Duration, delays: Sequence[float],
-    periods: Sequence[float], pace: Pace,
+    periods: Sequence[float], turning: float,
 ) -> tuple[float, str]:  # fmt: skip
     """Return the step of a network that may have delays and sequences, and why it is that one.
 
     All delays and the times that planes are held must be whole numbers of steps, so that nothing is interpolated.
-    ``pace`` as in `usual_step`.
+    ``turning`` as in `usual_step`.
 
     Raises:
         InputError: a step that may be unstable, or that does not divide a delay or a holding time; a scheme whose
@@ -90,7 +76,7 @@ def timed_step(
     if times and duration != "settled" and duration:
         times.append(duration)
     if step is None:
-        most, _ = usual_step(scheme, longest, pace)
+        most = usual_step(scheme, longest, turning)
         check_count(max(times, default=0.0), most)
         h = common_step(times, most) if times else most
         return h, f"at most {most:.4g}" + (" and divides all delays and holding times" if times else "")

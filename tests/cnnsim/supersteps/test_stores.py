@@ -170,3 +170,19 @@ def test_a_stored_plane_that_has_changed_is_another_run(
     planes["u"] = zarr.open_array(tmp_path / "copy")
     with pytest.raises(InputError, match="has the store of another run"):
         run()
+
+
+@pytest.mark.parametrize("grey", [False, True])
+def test_a_stored_state_is_followed_as_one_in_memory(grey: bool, tmp_path: Path) -> None:
+    """Waves that grow as they travel are followed by rk4 from a grey state alone, wherever that lies."""
+    zarr = pytest.importorskip("zarr")
+    x = X if grey else np.sign(X)
+    state = zarr.create_array(tmp_path / "x.zarr", data=x, chunks=(16, 16))
+    template = cnnsim.Template([[0, 0, 0], [1, 2, 2], [0, 0, 0]])
+    task: dict[str, Any] = {"duration": 2.0, "dtype": "float64"}
+    whole = cnnsim.run_transient(template, state=x, **task)
+    found = cnnsim.run_transient(template, state=state, engine=one(side=20), store=tmp_path / "store", **task)
+    for run in (whole, found):
+        assert run.plan.scheme is not None
+        assert run.plan.scheme.name == ("rk4" if grey else "euler")
+    assert np.asarray(found.x[...]).tobytes() == whole.x.tobytes()
