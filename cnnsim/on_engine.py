@@ -15,20 +15,10 @@ from cnnsim.supersteps.engine import Engine, parse_engine
 from cnnsim.supersteps.large import run_large
 from cnnsim.support import InputError
 from cnnsim.support.memory import LARGE
-from cnnsim.support.values import is_stored, stored_plane
+from cnnsim.support.values import is_grey, is_stored, stored_plane
 from cnnsim.task import load, make_task
 
 PLANES = ("state", "input", "bias", "mask")
-
-
-STRIP = 256
-"""Rows of a stored state that are looked at at a time."""
-
-
-def _is_grey(state: Any) -> bool:
-    """Return whether some cells of a stored state are not saturated; most grey ones are told by their first rows."""
-    strips = (np.asarray(state[..., r0 : r0 + STRIP, :]) for r0 in range(0, state.shape[-2], STRIP))
-    return any(bool((np.abs(strip) < 1).any()) for strip in strips if strip.dtype != bool)
 
 
 def run_on_engine(
@@ -47,7 +37,7 @@ def run_on_engine(
     task = make_task(template, **{**choices, **told})
     if "state" in stored:
         grey = make_task(template, **{**choices, **told, "state": np.broadcast_to(np.array([0.5]), task.state.shape)})
-        if (grey.plan.scheme, grey.plan.step) != (task.plan.scheme, task.plan.step) and _is_grey(stored["state"]):
+        if (grey.plan.scheme, grey.plan.step) != (task.plan.scheme, task.plan.step) and is_grey(stored["state"]):
             task = grey
     if task.accuracy is not None:
         raise InputError("an accuracy on an engine: several runs are made; give scheme and step, or no engine")

@@ -20,7 +20,7 @@ from cnnsim.recording import recorded
 from cnnsim.result import Result
 from cnnsim.support import Array, Flags, Floats, InputError
 from cnnsim.support.memory import LARGE, check_memory
-from cnnsim.support.values import as_numbers, distinct, largest
+from cnnsim.support.values import as_numbers, is_grey, largest
 from cnnsim.trajectories import CellIndex, Trajectory
 
 
@@ -168,19 +168,13 @@ def make_task(
     plan = make_plan(
         template, x.shape, parse_boundary(boundary), duration=duration, cell=cell, scheme=scheme, step=step,
         limit=limit, without=without, periods=[value.period for value in (u, w) if isinstance(value, Frames)],
-        grey=lambda: _is_grey(x),
+        grey=lambda: is_grey(x),
     )  # fmt: skip
     if plan.cell == "full-range" and largest(x) > 1:
         raise InputError(f"state reaches {largest(x):g}; the full-range model keeps it from -1 to 1")
     if wanted is not None:
         plan = replace(plan, decisions=(*plan.decisions, decided(plan, wanted, x.shape)))
     return Task(plan, x, u, w, None if mask is None else _plane("mask", mask, x.shape) > 0, wanted)
-
-
-def _is_grey(state: Array) -> bool:
-    """Return whether some cells of a state are not saturated."""
-    values = distinct(state)
-    return any(bool((np.abs(row) < 1).any()) for row in values.reshape(-1, values.shape[-1]))
 
 
 def load(backend: Backend, value: Any) -> Any:

@@ -157,6 +157,10 @@ def _unequal(values: Any) -> str:
     return f": entry 0 has shape {shapes[0]}, entry {other} {shapes[other]}; one shape wanted" if other else ""
 
 
+STRIP = 256
+"""Rows of a stored plane that are looked at at a time."""
+
+
 def distinct(array: Array) -> Array:
     """Return a view without the cells that only repeat others, as `numpy.broadcast_to` makes them."""
     return array[tuple(slice(None) if stride else slice(0, 1) for stride in array.strides)]
@@ -166,6 +170,14 @@ def largest(array: Array) -> float:
     """Return the largest absolute value, NaN if there is one, without a plane of absolute values in between."""
     values = distinct(array)
     return max(float(values.max()), -float(values.min())) if values.size else 0.0
+
+
+def is_grey(state: Any) -> bool:
+    """Return whether some cells of a state, in memory or stored, are not saturated; the first rows tell most."""
+    values = distinct(state) if isinstance(state, np.ndarray) else state
+    strips = (np.asarray(values[..., row : row + STRIP, :]) for row in range(0, values.shape[-2], STRIP))
+    rows = (row for strip in strips if strip.dtype != bool for row in strip.reshape(-1, strip.shape[-1]))
+    return any(bool((np.abs(row) < 1).any()) for row in rows)
 
 
 def has_zeros_for_white(array: Array) -> bool:

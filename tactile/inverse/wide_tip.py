@@ -15,7 +15,7 @@ from tactile.inverse.least_squares.fit import Signals, fitted, made
 RADII = np.array([0.15, 0.3, 0.5, 0.7, 0.9, 1.1])
 """Radii [depths] that are tried: smaller ones are points, larger ones no single load."""
 TURNS = 4
-"""Fits of a load to what the signals of its width leave: each is nearer by a factor of 5 or so."""
+"""Fits of a load to what the signals of its width leave: each is nearer by a factor of 3 to 10."""
 RING = math.sqrt(4 / 7)
 
 

@@ -14,7 +14,7 @@ from tactile.inverse.least_squares.equations_numba import equations, rest
 from tactile.inverse.least_squares.fit_numba import solve
 
 RADIUS = 0.5
-"""The ring [depths] that stands for a width: of balls up to a depth, of which it has the area, half are wider."""
+"""The ring [depths] that stands for a width: its mean square radius is that of a ball's contact of 0.8 depths."""
 AROUND = 4
 """Places on it: what it adds has the curvature of a circle up to the third power of the radius."""
 
