@@ -11,8 +11,11 @@ from cnnsim.library.catalogue import load
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.network import AnyTemplate, layered
 from cnnsim.planning.plan import Plan, lines_of
+from cnnsim.planning.scheme import EULER
+from cnnsim.planning.stability import ASTRAY, late_growth
 from cnnsim.support import Array, InputError
 from cnnsim.support.memory import free_memory, in_words
+from cnnsim.support.values import is_grey
 from cnnsim.task import Task, TaskOptions, make_task
 from cnnsim.theory.running_time import RunningTime
 
@@ -25,7 +28,7 @@ class Explanation:
     """A ``plan`` with its decisions, and the ``guaranteed`` running time; ``str`` has a line for each.
 
     ``cell_bytes`` of memory a cell are for float32 on the ``backend``, what is given and the result included, for so
-    many ``cells``, of all layers.
+    many ``cells``, of all layers; ``grey`` is whether the run begins from a state that is not black and white.
     """
 
     plan: Plan
@@ -33,6 +36,7 @@ class Explanation:
     cell_bytes: float
     cells: int
     backend: str = "cpu"
+    grey: bool = False
 
     @property
     def memory(self) -> str:
@@ -47,9 +51,22 @@ class Explanation:
         return words if size <= free else f"{words}, more than the {in_words(free)} that are free"
 
     @property
+    def growth(self) -> str:
+        """What Euler's steps lose of patterns that grow from a grey state, in words; empty where that is little."""
+        plan = self.plan
+        if not self.grey or plan.method != "stepped" or plan.template.uncoupled or plan.scheme != EULER:
+            return ""
+        rate, lost = late_growth(plan.template, plan.boundary, plan.step)
+        if lost <= ASTRAY:
+            return ""
+        words = f"patterns grow by up to {rate:.3g} a time constant, of which steps of {plan.step:g} lose {lost:.0%}"
+        return f"{words}: from grey states another of them may win; accuracy= follows them"
+
+    @property
     def lines(self) -> list[tuple[str, str]]:
         """What is decided and what it takes, each with its words."""
-        return [*self.plan.decisions, ("memory", self.memory), ("guaranteed time", str(self.guaranteed))]
+        growth = [("growth", self.growth)] if self.growth else []
+        return [*self.plan.decisions, *growth, ("memory", self.memory), ("guaranteed time", str(self.guaranteed))]
 
     def __str__(self) -> str:
         return lines_of(self.lines)
@@ -81,7 +98,7 @@ def _explained(task: Task, guaranteed: RunningTime, backend: str) -> Explanation
     if backend not in COUNTED:
         raise InputError(f"backend {backend!r}: its memory is not counted; one of {', '.join(COUNTED)} wanted")
     size = task.cell_bytes(np.dtype(np.float32).itemsize, backend)
-    return Explanation(task.plan, guaranteed, size, task.state.size, backend)
+    return Explanation(task.plan, guaranteed, size, task.state.size, backend, grey=is_grey(task.state))
 
 
 def blank(shape: Array) -> Array:
