@@ -1,12 +1,16 @@
 """What all tests share."""
 
+import gc
 import os
 from collections.abc import Iterator
+from contextlib import suppress
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 from tactile.bump import table
+from tests.kits.haste import in_haste
 
 os.environ.setdefault("CNNSIM_POCL_PROCESSOR", "auto")  # without it PoCL may build nothing
 
@@ -23,9 +27,38 @@ def bumps_are_kept_for_the_session_alone(tmp_path_factory: pytest.TempPathFactor
         yield
 
 
+def pytest_collection_finish() -> None:
+    """Leave what is there before the first test, millions of objects, out of all garbage collections."""
+    gc.collect()
+    gc.freeze()
+
+
+_in_haste = [False]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def most_kernels_are_built_in_haste() -> Iterator[None]:
+    """Leave out the optimiser of OpenCL programs: see `tests.kits.haste`."""
+    with pytest.MonkeyPatch.context() as patch:
+        with suppress(ImportError):
+            import pyopencl as cl
+
+            build = cl.Program.build
+
+            def built(program: Any, options: list[str], **others: Any) -> Any:
+                return build(program, [*options, "-cl-opt-disable"] if _in_haste[0] else options, **others)
+
+            patch.setattr(cl.Program, "build", built)
+        yield
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    _in_haste[0] = in_haste(item.nodeid)
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """OpenCL first: of two workers one then builds its programs, the other meanwhile compiles the numba kernels.
 
-    Of these first the backend's own: the others leave kernels behind that were built in haste, which are slow.
+    Of these first what is optimised: the others leave kernels behind that were built in haste.
     """
-    items.sort(key=lambda item: ("opencl" not in item.nodeid, "backends/opencl/" not in item.nodeid))
+    items.sort(key=lambda item: ("opencl" not in item.nodeid, in_haste(item.nodeid)))

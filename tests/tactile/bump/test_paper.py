@@ -30,20 +30,25 @@ NUMBERS = {
 }
 
 
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("drawn")
+
+
 @cache
-def claims(name: str) -> list[Claim]:
+def claims(name: str, folder: Path) -> list[Claim]:
+    """Compare, which takes seconds, and draw what is compared."""
     compare: Callable[[Path | None], list[Claim]] = importlib.import_module(f"examples.paper.{name}").compare
-    return compare(None)
+    return compare(folder)
 
 
 @pytest.mark.parametrize("name", VERDICTS)
-def test_verdicts(name: str, tmp_path: Path) -> None:
-    made = claims(name)
+def test_verdicts(name: str, folder: Path) -> None:
+    made = claims(name, folder)
     assert [claim.agrees for claim in made] == VERDICTS[name], made
     assert all(claim.figure == name[3:5] for claim in made)
     assert all(claim.why for claim in made if not claim.agrees)
-    importlib.import_module(f"examples.paper.{name}").compare(tmp_path)
-    (drawn,) = tmp_path.glob("*.png")
+    (drawn,) = folder.glob(f"fig{name[3:5]}*.png")
     with Image.open(drawn) as picture:
         grey = np.asarray(picture.convert("L"))
     assert grey.min() < 64
@@ -51,8 +56,8 @@ def test_verdicts(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("name", "index"), NUMBERS)
-def test_numbers(name: str, index: int) -> None:
-    said = [float(number) for number in re.findall(r"\d+(?:\.\d+)?", claims(name)[index].ours)]
+def test_numbers(name: str, index: int, folder: Path) -> None:
+    said = [float(number) for number in re.findall(r"\d+(?:\.\d+)?", claims(name, folder)[index].ours)]
     wanted = NUMBERS[name, index]
     assert said[: len(wanted)] == pytest.approx(wanted, rel=0.03)
 

@@ -1,0 +1,37 @@
+"""Which tests build OpenCL kernels with the device's optimiser: the others build them in haste, without.
+
+The optimiser takes two thirds of most tests of kernels, and turns over a program for each template, boundary and dtype.
+What it may make of the text (what is undefined shows there, and bits that depend on the order of sums) is tried where
+every kernel, scheme and kind of term comes by, and where kernels run for longer than it takes.
+"""
+
+OPTIMISED = {
+    "backends/conformance/": ("opencl-cpu-float32",),
+    "backends/opencl/": ("",),
+    "backends/test_slices.py": ("cpu", "heard", "told"),
+}
+"""Tests, by a part of their ids, and words of which one is in the name of the test or of its variant."""
+
+HASTY = {
+    "backends/conformance/test_cases.py": ("opencl",),
+    "backends/conformance/test_recording.py": ("opencl",),
+    "backends/conformance/test_transient.py::test_hard_sizes": ("rk4",),
+    "backends/conformance/test_schemes.py": ("opencl",),
+    "backends/conformance/test_settled.py": ("opencl",),
+    "backends/opencl/test_library.py": ("gpu",),
+    "backends/opencl/test_memory.py": ("float64",),
+    "backends/opencl/test_stages.py": ("gpu",),
+    "backends/opencl/test_transient.py": ("gpu", "periodic", "fixed"),
+    "backends/opencl/test_sleep.py": ("hole-filler-zero-flux", "hole-filler-periodic"),
+}
+"""Of these the ones that are built in haste all the same: of tests at several boundaries the first one is not."""
+
+
+def in_haste(test: str) -> bool:
+    """Return whether kernels are built without the optimiser in a test with this id."""
+    return not _among(OPTIMISED, test) or _among(HASTY, test)
+
+
+def _among(table: dict[str, tuple[str, ...]], test: str) -> bool:
+    name = test.rpartition("/")[2].partition("::")[2]
+    return any(where in test and any(word in name for word in words) for where, words in table.items())
