@@ -8,7 +8,7 @@ meet a kink cost anything, so the order is 3 for the work of the plain scheme, a
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 
 CHUNK = 512
 """Cells of which the rates are computed at once, in the nearest cache."""
@@ -16,14 +16,14 @@ NEAR = 1e-6
 """Of a step, to which a kink is located before the last move of Newton's; the integral feels the square of the rest."""
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def repeat_cells(y, virtual, source):  # type: ignore[no-untyped-def]  # numba types it at the call
     """Give the virtual cells the outputs of those that they stand for."""
     for n in range(virtual.size):
         y[virtual[n]] = y[source[n]]
 
 
-@kept_njit(error_model="numpy", fastmath={"contract"})
+@kept_helper(error_model="numpy", fastmath={"contract"})
 def add_taps(y, offsets, weights, at, to, total):  # type: ignore[no-untyped-def]
     """Add the weighted sum over the neighbours of a chunk of cells, three at once: sums wait for stores."""
     total = total[at:to]
@@ -42,7 +42,7 @@ def correlated(y, offsets, weights, first, last, total):  # type: ignore[no-unty
         add_taps(y, offsets, weights, at, min(at + CHUNK, last), total)
 
 
-@kept_njit(error_model="numpy", fastmath={"contract"})
+@kept_helper(error_model="numpy", fastmath={"contract"})
 def stage(y, x, drive, free, offsets, weights, at, to, k):  # type: ignore[no-untyped-def]
     """Write the rates of a chunk of cells."""
     for i in range(at, to):
@@ -52,7 +52,7 @@ def stage(y, x, drive, free, offsets, weights, at, to, k):  # type: ignore[no-un
         k[i] *= free[i]
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def onward(x, k, h, after, y):  # type: ignore[no-untyped-def]
     """Write x + h k and its output."""
     for i in range(x.size):
@@ -62,7 +62,7 @@ def onward(x, k, h, after, y):  # type: ignore[no-untyped-def]
         y[i] = v if v < 1.0 else 1.0
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def between(c0, c1, c2, c3, low, high):  # type: ignore[no-untyped-def]
     """Return the integral of a clipped cubic over times between which it turns nowhere."""
     a = ((c3 * low + c2) * low + c1) * low + c0
@@ -116,7 +116,7 @@ def clipped_integral(c0, c1, c2, c3):  # type: ignore[no-untyped-def]
     return total
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def add_to_neighbours(x, y, real, j, missed, offsets, weights):  # type: ignore[no-untyped-def]
     """Add what was missed of a cell's output to the cells that have it as a neighbour."""
     for n in range(offsets.size):
@@ -126,7 +126,7 @@ def add_to_neighbours(x, y, real, j, missed, offsets, weights):  # type: ignore[
             y[i] = min(max(x[i], -1.0), 1.0)
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def farthest(y, real, path, apart):  # type: ignore[no-untyped-def]
     """Return how far outputs are from those that were kept on the path, or what it was before if that is more."""
     for i in range(y.size):
@@ -159,25 +159,29 @@ def corrected_steps(  # type: ignore[no-untyped-def]
             to = min(at + CHUNK, last)
             stage(y1, x, drive, free, offsets, weights, at, to, k1)
             onward(x[at:to], k1[at:to], h / 2, inner[at:to], y2[at:to])
-            end[at:to] = x[at:to] + h / 6 * k1[at:to]
+            for i in range(at, to):  # by hand: an assignment of arrays takes seconds to compile
+                end[i] = x[i] + h / 6 * k1[i]
         repeat_cells(y2, virtual, source)
         for at in range(first, last, CHUNK):
             to = min(at + CHUNK, last)
             stage(y2, inner, drive, free, offsets, weights, at, to, k)
             onward(x[at:to], k[at:to], h / 2, inner[at:to], y3[at:to])
-            end[at:to] += h / 3 * k[at:to]
+            for i in range(at, to):
+                end[i] += h / 3 * k[i]
         repeat_cells(y3, virtual, source)
         for at in range(first, last, CHUNK):
             to = min(at + CHUNK, last)
             stage(y3, inner, drive, free, offsets, weights, at, to, k)
             onward(x[at:to], k[at:to], h, inner[at:to], y4[at:to])
-            end[at:to] += h / 3 * k[at:to]
+            for i in range(at, to):
+                end[i] += h / 3 * k[i]
         repeat_cells(y4, virtual, source)
         for at in range(first, last, CHUNK):
             to = min(at + CHUNK, last)
             stage(y4, inner, drive, free, offsets, weights, at, to, k4)
             onward(end[at:to], k4[at:to], h / 6, end[at:to], y5[at:to])
-        inner[first:last] = end[first:last]
+        for i in range(first, last):
+            inner[i] = end[i]
         for at in range(first, last, CHUNK):
             to = min(at + CHUNK, last)
             a, b, c, d, e = y1[at:to], y2[at:to], y3[at:to], y4[at:to], y5[at:to]
@@ -202,12 +206,14 @@ def corrected_steps(  # type: ignore[no-untyped-def]
                     copy = after[copy]
         repeat_cells(y5, virtual, source)
         if step < len(kept):
-            kept[step, first:last] = y5[first:last]
+            for i in range(first, last):
+                kept[step, i] = y5[i]
         place = (step + 1) // every - 1
         if (step + 1) % every == 0 and place < len(path):
             apart = farthest(y5[first:last], real[first:last], path[place, first:last], apart)
         x, end = end, x
         y1, y5 = y5, y1
     if steps % 2:
-        planes[0, first:last] = x[first:last]
+        for i in range(first, last):
+            planes[0, i] = x[i]
     return apart

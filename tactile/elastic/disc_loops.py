@@ -6,7 +6,7 @@ import numpy as np
 from numba import get_num_threads, prange
 
 from cnnsim.support import Floats
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 from tactile.core.loads import COLUMNS, F, Q, R, X, Y
 from tactile.elastic.disc_table import DiscTable
 from tactile.elastic.medium import Medium
@@ -41,7 +41,7 @@ def add_discs(out: Floats, positions: Floats, depth: float, loads: Floats, radii
         _add_parallel(x, y, rows, knots, out, get_num_threads(), *numbers)
 
 
-@kept_njit(error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
+@kept_helper(error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
 def _row_of(numbers, knot, row):  # type: ignore[no-untyped-def]  # numba types it at the call
     """The table's row at a radius, between its knots."""
     if numbers.shape[0] == 1:

@@ -16,7 +16,7 @@ from functools import lru_cache
 import numpy as np
 
 from cnnsim.support import Flags, Floats
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 from tactile.core.loads import COLUMNS, F, Q, R, X, Y
 from tactile.elastic.gauss import gauss
 from tactile.elastic.halfspace import point_scale
@@ -83,7 +83,7 @@ def add_wide(
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 
 
-@kept_njit(error_model="numpy", fastmath=FAST)
+@kept_helper(error_model="numpy", fastmath=FAST)
 def _second_kind(zeta, top, over, q):  # type: ignore[no-untyped-def]  # numba types it at the call
     """q_0 .. q_top (see above): upwards, or where that loses digits down from where they are nothing."""
     q[0] = math.atan2(1.0, zeta)
@@ -109,7 +109,7 @@ def _second_kind(zeta, top, over, q):  # type: ignore[no-untyped-def]  # numba t
         q[n] *= share
 
 
-@kept_njit(error_model="numpy", fastmath=FAST)
+@kept_helper(error_model="numpy", fastmath=FAST)
 def _potential(square, size, coefficients, over, q):  # type: ignore[no-untyped-def]  # the same
     """(V_rho / rho, V_z, V_rho_z / rho, (V_rho_rho - V_rho / rho) / rho^2) at depth 1, rho^2 and the radius given."""
     # s = zeta^2 - eta^2 and the root, each of the two by the sum that loses nothing

@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numba import njit
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 from tactile.inverse.least_squares.fit import TIED
 from tactile.inverse.validity import Validity
 
@@ -18,7 +18,7 @@ STRAIGHT = 1e-5
 across."""
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def gain(t, strain):  # type: ignore[no-untyped-def]  # numba types it at the call
     """Return the size of the signal for s / z = 1 at rho^2 / z^2 = t from the load, up to a constant: eqs (1), (10)."""
     if strain:
@@ -69,7 +69,7 @@ def _nearest(place, i, x, y):  # type: ignore[no-untyped-def]
     return chosen, nearest
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def candidates(at, planes, order, depth):  # type: ignore[no-untyped-def]
     """Return the places (families, taxels, 2) that the taxels' answers name, infinite where there is none."""
     place = np.full((len(planes), order.size, 2), np.inf)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numba import get_num_threads, njit, prange
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 from tactile.inverse.validity import FAR, Validity
 
 BLOCK = 256
@@ -46,7 +46,7 @@ def _scaled(x, y, z, tiny, zero, one):  # type: ignore[no-untyped-def]
     return x * over, y * over, z * over if some else -one, largest if some else zero, finite
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def _scaled_block(x, y, z, work, tiny):  # type: ignore[no-untyped-def]
     zero, one = x.dtype.type(0), x.dtype.type(1)
     for i in range(x.size):
@@ -68,7 +68,7 @@ def _answer(work, i, length, force, region, possible, loaded, zero, invalid):  #
     return force if answered else zero, (region if possible else invalid) if loaded else zero
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def _roots(work, size):  # type: ignore[no-untyped-def]
     number = work.dtype.type
     three, eight, nine = number(3), number(8), number(9)
@@ -77,7 +77,7 @@ def _roots(work, size):  # type: ignore[no-untyped-def]
         work[i + ROOT] = three * b + math.sqrt(nine * b * b + eight * (x * x + y * y))
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def _strain_block(work, force, validity, scale, depth, floor, pressing):  # type: ignore[no-untyped-def]
     number = work.dtype.type
     zero, one, two, three, four = number(0), number(1), number(2), number(3), number(4)
@@ -114,7 +114,7 @@ def _strain_block(work, force, validity, scale, depth, floor, pressing):  # type
         force[i], validity[i] = _answer(work, i, length, size, region, possible, loaded, zero, invalid)
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def _stress_block(work, force, validity, scale, depth, floor):  # type: ignore[no-untyped-def]
     number = work.dtype.type
     zero, one, two, far = number(0), number(1), number(2), number(FAR)
@@ -135,7 +135,7 @@ def _stress_block(work, force, validity, scale, depth, floor):  # type: ignore[n
         force[i], validity[i] = _answer(work, i, -depth, size, region, possible, loaded, zero, invalid)
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def _places(work, dx, dy):  # type: ignore[no-untyped-def]
     zero = work.dtype.type(0)
     for i in range(dx.size):

@@ -7,7 +7,7 @@ from numba import get_num_threads, prange
 from numpy.typing import NDArray
 
 from cnnsim.support import Floats
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 
 BITS = 13
 """The table has 2^13 quantiles: 32 KiB, the first-level cache."""
@@ -34,7 +34,7 @@ def _quantiles() -> NDArray[np.float32]:
     return scaled
 
 
-@kept_njit()
+@kept_helper()
 def _hash(pair, key):  # type: ignore[no-untyped-def]  # numba types it at the call
     """lowbias32 of the counter, then of the key: every bit depends on every bit."""
     h = np.uint32(pair)  # numba widens every operation of 32 bits, hence the casts

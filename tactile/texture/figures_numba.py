@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 
 
 @kept_njit(error_model="numpy")
@@ -42,7 +42,7 @@ def step(values, floor, streak, block, tails, grown, head, figures):  # type: ig
                 grown[0, i, j] = grown[1, i, j] = 0.0
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def _added(mean, squares, count, sample):  # type: ignore[no-untyped-def]
     """Add one sample to the mean and squares of ``count`` samples (Welford)."""
     away = sample - mean

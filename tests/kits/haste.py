@@ -8,7 +8,7 @@ every kernel, scheme and kind of term comes by, and where kernels run for longer
 OPTIMISED = {
     "backends/conformance/": ("opencl-cpu-float32",),
     "backends/opencl/": ("",),
-    "backends/test_slices.py": ("cpu", "heard", "told"),
+    "backends/test_slices.py": ("heard",),
 }
 """Tests, by a part of their ids, and words of which one is in the name of the test or of its variant."""
 
@@ -19,8 +19,8 @@ HASTY = {
     "backends/conformance/test_schemes.py": ("opencl",),
     "backends/conformance/test_settled.py": ("opencl",),
     "backends/opencl/test_library.py": ("gpu",),
-    "backends/opencl/test_memory.py": ("float64",),
-    "backends/opencl/test_stages.py": ("gpu",),
+    "backends/opencl/test_memory.py": ("",),
+    "backends/opencl/test_stages.py": ("gpu", "read_where_they_are"),
     "backends/opencl/test_transient.py": ("gpu", "periodic", "fixed"),
     "backends/opencl/test_sleep.py": ("hole-filler-zero-flux", "hole-filler-periodic"),
 }

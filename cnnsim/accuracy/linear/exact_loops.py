@@ -5,7 +5,7 @@ Coefficients are (terms, cells); a cell's ``piece`` is 0 where it is linear, els
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 
 TERMS = 26
 """Of the series, at most. With |J| s <= 2 the first one left out is 2^26 / 26! = 2e-19 of the state."""
@@ -23,7 +23,7 @@ TOGETHER = 1e-14
 """Kinks that are no farther apart in time are one."""
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def value(c, t):  # type: ignore[no-untyped-def]  # numba types it at the call
     """Return a polynomial's value."""
     total = 0.0
@@ -32,7 +32,7 @@ def value(c, t):  # type: ignore[no-untyped-def]  # numba types it at the call
     return total
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def slope(c, t):  # type: ignore[no-untyped-def]
     """Return a polynomial's derivative."""
     total = 0.0
@@ -41,7 +41,7 @@ def slope(c, t):  # type: ignore[no-untyped-def]
     return total
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def turn(c, low, high):  # type: ignore[no-untyped-def]
     """Return where between two times a polynomial whose slopes have two signs there turns round."""
     sign = slope(c, low)
@@ -54,7 +54,7 @@ def turn(c, low, high):  # type: ignore[no-untyped-def]
     return 0.5 * (low + high)
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def root(c, low, high):  # type: ignore[no-untyped-def]
     """Return where a polynomial that is positive at ``low`` and negative at ``high`` is 0: Newton within halves."""
     t = 0.5 * (low + high)
@@ -74,7 +74,7 @@ def root(c, low, high):  # type: ignore[no-untyped-def]
     return t
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def crossing(c, s):  # type: ignore[no-untyped-def]
     """Return the first time in (0, s] at which a gap becomes negative, 2 s if it does not; also between two looks."""
     step = s / PARTS
@@ -105,7 +105,7 @@ def crossing(c, s):  # type: ignore[no-untyped-def]
     return 2 * s
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def series_of(at, there, weight, drive, free, limited, piece, x, push, s, series, lean):  # type: ignore[no-untyped-def]
     """Write the Taylor coefficients of state and push about now; return how many."""
     cells = x.size
@@ -150,7 +150,7 @@ def series_of(at, there, weight, drive, free, limited, piece, x, push, s, series
     return TERMS
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def gap_of(at, there, weight, drive, limited, piece, series, terms, i, side, gap):  # type: ignore[no-untyped-def]
     """Write how far a cell is from the kink on one side as a polynomial of time; a stopped one: its rate in."""
     if limited and piece[i] != 0:

@@ -1,9 +1,9 @@
 """Sizes of the jumps of a table that inputs are near to, compiled."""
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def number_near(row, own, centre, edge, low, high):  # type: ignore[no-untyped-def]  # numba types it at the call
     """Return how many of a row are from low to high away from an edge, in vectors."""
     found = 0

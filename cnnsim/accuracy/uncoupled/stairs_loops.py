@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def rate_at(x, drive, a, places, jumps, closed, side):  # type: ignore[no-untyped-def]  # numba types it at the call
     """Return dx/dt right above x (``side`` 1), right below (-1), or at x itself (0), as the tables are closed."""
     rate = drive - x + a * min(max(x, -1.0), 1.0)
@@ -17,7 +17,7 @@ def rate_at(x, drive, a, places, jumps, closed, side):  # type: ignore[no-untype
     return rate
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def place_ahead(x, ahead, places):  # type: ignore[no-untyped-def]
     """Return the nearest place beyond x at which the rate jumps or bends, infinity if there is none."""
     nearest = ahead * np.inf
@@ -28,7 +28,7 @@ def place_ahead(x, ahead, places):  # type: ignore[no-untyped-def]
     return nearest
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def from_jump_to_jump(x, drive, a, t, places, jumps, closed):  # type: ignore[no-untyped-def]
     """Return the state after a time, how much it moves if the start is moved, and whether the start is on a ridge.
 

@@ -73,7 +73,8 @@ def go_through(
             virtual = (lines, columns, r, constants[by + 2])
             cell = (constants[by + 1], math.inf, flag != 0)
             control = (constants[by], no_plane, lam[q], taps[first:after])
-            if not _closed_form(lam[p], lam[to], no_mask, cell, control, virtual, 0, n * rows):
+            begin = np.int64(0)  # 0 itself has a type of its own, for which all would be compiled anew
+            if not _closed_form(lam[p], lam[to], no_mask, cell, control, virtual, begin, n * rows):
                 return at
         elif op == Op.CLIP:
             _clip(lam[p], lam[to])

@@ -181,6 +181,11 @@ def kept_njit(**options: Any) -> Callable[[Any], Any]:
     return wrapped
 
 
+def kept_helper(**options: Any) -> Callable[[Any], Any]:
+    """Compile like `kept_njit` what only compiled functions call: without the code for calls from Python, sooner."""
+    return kept_njit(**options, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+
+
 def kept_cfunc(signature: Any, **options: Any) -> Callable[[Any], Any]:
     """Compile like `numba.cfunc` with these options, with the cache of this module."""
 

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numba import prange
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 from tactile.core.loads import F, Q, R, X, Y
 
 BLOCK = 256
@@ -19,7 +19,7 @@ MANY = 24
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 
 
-@kept_njit(error_model="numpy", fastmath=FAST)
+@kept_helper(error_model="numpy", fastmath=FAST)
 def _add_load(x_of, y_of, sums, load, over_depth, trace):  # type: ignore[no-untyped-def]  # numba types it at the call
     x0, y0, q, r, f = load[X], load[Y], load[Q], load[R], load[F]
     for i in range(x_of.size):
@@ -33,7 +33,7 @@ def _add_load(x_of, y_of, sums, load, over_depth, trace):  # type: ignore[no-unt
         sums[i + 2 * BLOCK] += weight * trace + along
 
 
-@kept_njit(error_model="numpy", fastmath=FAST)
+@kept_helper(error_model="numpy", fastmath=FAST)
 def _sum_loads(at_x, at_y, columns, over_depth, trace):  # type: ignore[no-untyped-def]  # the same
     x_of, y_of, q_of, r_of, f_of = columns[X], columns[Y], columns[Q], columns[R], columns[F]
     a = b = c = 0.0

@@ -2,7 +2,7 @@
 
 import math
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 
 KEPT, EACH = 128, 0.004
 """Frames that are remembered, and the least time between two [s]: the last half second at 1000 Hz, more at less."""
@@ -66,7 +66,7 @@ def bend(t, drawn, slow, explained, times, past, state, series, hinges):  # type
     return t + _steepest_bend(series, hinges, count)
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def _steepest_bend(series, hinges, count):  # type: ignore[no-untyped-def]  # typed at the call
     """Return the time of the bend of a course (count,) that turns upwards most, of one or two; 0 where none does."""
     whole = _level(series[1], series[0], count)
@@ -91,7 +91,7 @@ def _steepest_bend(series, hinges, count):  # type: ignore[no-untyped-def]  # ty
     return steeper if two < BETTER * one else found
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def _level(values, t, count):  # type: ignore[no-untyped-def]  # typed at the call
     """Take a straight course over ``t`` off ``values`` (count,), least squares; return the squares that are left."""
     mt = mv = 0.0
@@ -108,7 +108,7 @@ def _level(values, t, count):  # type: ignore[no-untyped-def]  # typed at the ca
     return _product(values, values, count)
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def _product(one, other, count):  # type: ignore[no-untyped-def]  # typed at the call
     total = 0.0
     for m in range(count):

@@ -2,7 +2,7 @@
 
 import math
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 from tactile.events.signals.step_numba import binary
 
 BORNE = 0.2
@@ -114,7 +114,7 @@ def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, 
     _grow(now, math.sqrt(noise) / fw, dt, interval, taus, kept, rising, levels)
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def _rim(fast, use, noise_q, noise_n, x, y, ratio, most):  # type: ignore[no-untyped-def]
     """Return the ratio of shear to pressing that the rim of the contact carries, and its sigma over itself.
 
@@ -148,7 +148,7 @@ def _rim(fast, use, noise_q, noise_n, x, y, ratio, most):  # type: ignore[no-unt
     return rim, spread
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def _grow(now, noise, dt, interval, taus, kept, rising, levels):  # type: ignore[no-untyped-def]
     """Follow the growth of the ratio ``now`` of shear to normal load, whose white noise is ``noise``."""
     count = len(taus)
@@ -183,7 +183,7 @@ def _grow(now, noise, dt, interval, taus, kept, rising, levels):  # type: ignore
             return
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def _at_once(tau, most, interval, taus, kept):  # type: ignore[no-untyped-def]
     """Return 1 where the growth has just been as fast as ever, ``most``; 0 where it has become slow by and by."""
     count = len(taus)
@@ -196,7 +196,7 @@ def _at_once(tau, most, interval, taus, kept):  # type: ignore[no-untyped-def]
     return max(0.0, min(1.0, (left - SOFT) / (AT_ONCE - SOFT)))
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def _goes_on(fastest, noise, interval, taus, kept):  # type: ignore[no-untyped-def]
     """Return whether a growth that has become slow by and by goes on: what noise hides from a short mean."""
     count = len(taus)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 from tactile.inverse.least_squares.fit_numba import solve
 from tactile.inverse.least_squares.layer_numba import layer_forces
 
@@ -58,7 +58,7 @@ def components(seen, felt, scale, load, strain, layer, tie):  # type: ignore[no-
     load[2] = (table[0, 3] - table[0, 2] * load[4] - table[0, 1] * load[3]) / table[0, 0]
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def layer_components(seen, felt, scale, load, layer, tie):  # type: ignore[no-untyped-def]
     """Fill in (Q, R, F) of a load on a layer by least squares and return the chi^2 that is left."""
     matrix, vector, factor, answer = np.empty((3, 3)), np.empty(3), np.empty((3, 3)), np.empty(3)

@@ -6,7 +6,7 @@ and ``scale`` (n, 3) is what they were multiplied by.
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 from tactile.inverse.least_squares.half_space_numba import LOOSELY, half_space_rest, half_space_slopes, half_space_sums
 from tactile.inverse.least_squares.layer_numba import layer_rest, layer_slopes, layer_sums
 
@@ -20,7 +20,7 @@ def slopes(at, scale, load, strain, layer, rest, out):  # type: ignore[no-untype
         half_space_slopes(at, scale, load, strain, rest, out)
 
 
-@kept_njit(error_model="numpy", fastmath=LOOSELY)
+@kept_helper(error_model="numpy", fastmath=LOOSELY)
 def product(one, other):  # type: ignore[no-untyped-def]
     """Return the sum of the products of two rows of numbers."""
     total = 0.0
@@ -45,7 +45,7 @@ def equations(at, felt, scale, loads, strain, layer, matrix, vector):  # type: i
     return chi
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def _equations_of_several(at, felt, scale, loads, strain, layer, matrix, vector):  # type: ignore[no-untyped-def]
     out, left = np.empty((5 * len(loads), 3, len(at))), felt.T.copy()
     for k in range(len(loads)):

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 from tactile.inverse.least_squares.equations_numba import equations
 
 ENOUGH = 0.01
@@ -67,7 +67,7 @@ def fit(at, felt, scale, loads, strain, layer, tie, steps):  # type: ignore[no-u
     return chi, whole, spread
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def hold(matrix, vector, loads, tie):  # type: ignore[no-untyped-def]
     """Add to the normal equations what holds shear at zero where ``tie`` says so."""
     for k in range(len(loads)):
@@ -79,7 +79,7 @@ def hold(matrix, vector, loads, tie):  # type: ignore[no-untyped-def]
         vector[j + 3] -= tie[1] * q + tie[2] * r
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def solve(matrix, vector, damping, factor, answer):  # type: ignore[no-untyped-def]
     """Solve by Cholesky from the lower triangle, its diagonal times 1 + damping; False where it is not definite."""
     if not factored(matrix, damping, factor):
@@ -88,7 +88,7 @@ def solve(matrix, vector, damping, factor, answer):  # type: ignore[no-untyped-d
     return True
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def factored(matrix, damping, factor):  # type: ignore[no-untyped-def]
     """Fill in the factor of Cholesky, as `solve` has it, and return whether the matrix is definite."""
     for m in range(len(matrix)):
@@ -106,7 +106,7 @@ def factored(matrix, damping, factor):  # type: ignore[no-untyped-def]
     return True
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def back(factor, vector, answer):  # type: ignore[no-untyped-def]
     """Fill in the answer of the equations of which the factor is known."""
     size = len(vector)

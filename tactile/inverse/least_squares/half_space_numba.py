@@ -8,7 +8,7 @@ import math
 
 from numba import njit
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper
 
 LOOSELY = {"reassoc", "contract", "nsz", "arcp"}
 
@@ -24,7 +24,7 @@ def _parts(x, y, q, r, f, of_a, of_b, of_c, strain):  # type: ignore[no-untyped-
     return near, q * x + r * y + f, g, -lean * x * g * of_a, -lean * y * g * of_b, height * g * of_c
 
 
-@kept_njit(error_model="numpy", fastmath=LOOSELY)
+@kept_helper(error_model="numpy", fastmath=LOOSELY)
 def half_space_slopes(at, scale, load, strain, rest, out):  # type: ignore[no-untyped-def]
     """Take a load's signals from ``rest`` (3, n) and fill ``out`` (5, 3, n): their slopes along its five numbers."""
     x0, y0, q, r, f = load[0], load[1], load[2], load[3], load[4]
@@ -47,7 +47,7 @@ def half_space_slopes(at, scale, load, strain, rest, out):  # type: ignore[no-un
         out[4, 0, i], out[4, 1, i], out[4, 2, i] = a, b, c
 
 
-@kept_njit(error_model="numpy", fastmath=LOOSELY)
+@kept_helper(error_model="numpy", fastmath=LOOSELY)
 def half_space_sums(at, felt, scale, load, strain):  # type: ignore[no-untyped-def]
     """Return chi^2 of one load and the sums of its normal equations, which the compiler takes several taxels at a time.
 
@@ -93,7 +93,7 @@ def half_space_sums(at, felt, scale, load, strain):  # type: ignore[no-untyped-d
     return chi, (xx, xy, yy, xq, yq, qq, xr, yr, qr, rr, xf, yf, qf, rf, ff), (vx, vy, vq, vr, vf)
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def half_space_rest(at, felt, scale, loads, strain):  # type: ignore[no-untyped-def]
     """Return the signals (n, 3) that the loads do not explain."""
     left = felt.copy()

@@ -7,7 +7,7 @@ import math
 
 from numba import njit
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper
 from tactile.inverse.least_squares.half_space_numba import LOOSELY
 
 
@@ -57,7 +57,7 @@ def _dot(one, other):  # type: ignore[no-untyped-def]
     return one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
 
 
-@kept_njit(error_model="numpy", fastmath=LOOSELY)
+@kept_helper(error_model="numpy", fastmath=LOOSELY)
 def layer_slopes(at, scale, load, layer, rest, out):  # type: ignore[no-untyped-def]
     """Take a load's signals from ``rest`` (3, n) and fill ``out`` (5, 3, n): their slopes along its five numbers."""
     x0, y0, q, r, f = load[0], load[1], load[2], load[3], load[4]
@@ -72,7 +72,7 @@ def layer_slopes(at, scale, load, layer, rest, out):  # type: ignore[no-untyped-
             )  # fmt: skip
 
 
-@kept_njit(error_model="numpy", fastmath=LOOSELY)
+@kept_helper(error_model="numpy", fastmath=LOOSELY)
 def layer_sums(at, felt, scale, load, layer):  # type: ignore[no-untyped-def]
     """Return chi^2 of one load and the sums of its normal equations: numbers of their own, which stay in registers."""
     x0, y0, q, r, f = load[0], load[1], load[2], load[3], load[4]
@@ -107,7 +107,7 @@ def layer_sums(at, felt, scale, load, layer):  # type: ignore[no-untyped-def]
     return chi, (xx, xy, yy, xq, yq, qq, xr, yr, qr, rr, xf, yf, qf, rf, ff), (vx, vy, vq, vr, vf)
 
 
-@kept_njit(error_model="numpy", fastmath=LOOSELY)
+@kept_helper(error_model="numpy", fastmath=LOOSELY)
 def layer_rest(at, felt, scale, loads, layer):  # type: ignore[no-untyped-def]
     """Return the signals (n, 3) that the loads do not explain."""
     left = felt.copy()
@@ -123,7 +123,7 @@ def layer_rest(at, felt, scale, loads, layer):  # type: ignore[no-untyped-def]
     return left
 
 
-@kept_njit(error_model="numpy", fastmath=LOOSELY)
+@kept_helper(error_model="numpy", fastmath=LOOSELY)
 def layer_forces(at, felt, scale, place, layer, matrix, vector):  # type: ignore[no-untyped-def]
     """Fill the normal equations (3, 3) of the forces of a load at a place and return chi^2 of no load."""
     chi = qq = qr = rr = qf = rf = ff = vq = vr = vf = 0.0

@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 from tactile.inverse.least_squares.equations_numba import equations, slopes
 from tactile.inverse.least_squares.fit_numba import back, factored
 from tactile.inverse.least_squares.width_numba import width
@@ -29,7 +29,7 @@ BY_CHANCE = 0.02
 """... or, where nobody knows the noise, where chance would make one of them fit so badly in that part of all frames."""
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def shifts(at, felt, scale, load, strain, layer, tie, moved):  # type: ignore[no-untyped-def]  # numba types it
     """Fill ``moved`` (readings, 5): how far each number of the load is off if that reading of the strongest is false.
 

@@ -29,7 +29,9 @@ def second_load(at, felt, scale, load, strain, layer, tie, apart):  # type: igno
     along, of_trial = np.empty((8, 3, len(at))), np.empty((5, 3, len(at)))
     slopes(at, scale, load, strain, layer, nothing, along[:5])
     slopes(at, scale, trial, strain, layer, nothing, of_trial)
-    along[5:7], along[7] = of_trial[:2], of_trial[4]
+    for i in range(len(at)):  # by hand: an assignment of arrays takes seconds to compile
+        for k in range(3):
+            along[5, k, i], along[6, k, i], along[7, k, i] = of_trial[0, k, i], of_trial[1, k, i], of_trial[4, k, i]
     table, signals = along.reshape((8, felt.size)), left.T.copy().reshape(felt.size)
     matrix, vector, step, factor = np.empty((8, 8)), np.empty(8), np.empty(8), np.empty((8, 8))
     for m in range(8):

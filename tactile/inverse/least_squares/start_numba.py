@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 from tactile.inverse.least_squares.components_numba import layer_components
 from tactile.inverse.least_squares.fit_numba import fit
 
@@ -69,7 +69,7 @@ def layer_place(seen, felt, scale, tried, strain, layer, tie, noise, steps):  # 
     return starts, first, second
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def ranked(seen, felt, scale, places, layer, tie):  # type: ignore[no-untyped-def]
     """Fill in what a load at each of the places (x, y, chi^2) leaves; places that are infinite stay so."""
     load = np.empty(5)
@@ -79,7 +79,7 @@ def ranked(seen, felt, scale, places, layer, tie):  # type: ignore[no-untyped-de
             places[k, 2] = layer_components(seen, felt, scale, load, layer, tie)
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def _fitted(seen, felt, scale, place, load, strain, layer, tie, steps):  # type: ignore[no-untyped-def]
     load[0, 0], load[0, 1] = place[0], place[1]
     layer_components(seen, felt, scale, load[0], layer, tie)
@@ -87,7 +87,7 @@ def _fitted(seen, felt, scale, place, load, strain, layer, tie, steps):  # type:
     return chi
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def _two_best(places):  # type: ignore[no-untyped-def]
     """Return which place leaves least, and which of those apart from it; the same where there is none."""
     first = 0

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper
 from tactile.inverse.least_squares.equations_numba import equations, rest
 from tactile.inverse.least_squares.fit_numba import solve
 
@@ -19,7 +19,7 @@ AROUND = 4
 """Places on it: what it adds has the curvature of a circle up to the third power of the radius."""
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def width(at, felt, scale, load, strain, layer, tie, moved):  # type: ignore[no-untyped-def]  # numba types it
     """Fill ``moved`` (5,): how far each number of the load is off if it is wide; return what that explains of chi^2.
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 
 MEMORY = 12
 """Rings remembered; older, inner ones are merged beyond that."""
@@ -12,7 +12,7 @@ ROOM = MEMORY + 2
 """Rings in the arrays: one step adds at most two before they are merged."""
 
 
-@kept_njit(error_model="numpy")
+@kept_helper(error_model="numpy")
 def _merged(ends, shares, count):  # type: ignore[no-untyped-def]  # numba types it at the call
     """Rings that slipped the same way are one ring, and there are no more than MEMORY of them."""
     kept = 0

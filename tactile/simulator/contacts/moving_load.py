@@ -40,7 +40,8 @@ def follow_path(path, times, rows, gone):  # type: ignore[no-untyped-def]  # num
             else:
                 high = middle - 1
         if k == last or t <= path[k, 0]:
-            rows[n] = path[k, 1:]
+            for c in range(rows.shape[1]):  # by hand: an assignment of arrays takes seconds to compile
+                rows[n, c] = path[k, c + 1]
             continue
         for c in range(rows.shape[1]):
             slope = (path[k + 1, c + 1] - path[k, c + 1]) / (path[k + 1, 0] - path[k, 0])

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numba
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 
 Kernel = Callable[..., Any]
 
@@ -33,13 +33,9 @@ def threads_for(cells: int) -> int:
     return numba.get_num_threads() if cells >= THREADS_PAY_FROM else 1
 
 
-_INNER = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""Python never calls these: without the code for it they compile in less time."""
-
-
 def helper(function: Kernel) -> Kernel:
     """Compile a function that is only called from other compiled ones."""
-    return _compiled(function, "", **_INNER)
+    return _compiled(function, "", kept_helper)
 
 
 def fused(function: Kernel) -> Kernel:
@@ -47,12 +43,12 @@ def fused(function: Kernel) -> Kernel:
 
     Nothing else of "fast" arithmetic is allowed: sums keep their order, and NaN stays NaN.
     """
-    return _compiled(function, "_fused", fastmath={"contract"}, **_INNER)
+    return _compiled(function, "_fused", kept_helper, fastmath={"contract"})
 
 
 def reordered(function: Kernel) -> Kernel:
     """Compile a helper whose one sum may be added up in any order: a loop then adds in vectors."""
-    return _compiled(function, "_reordered", fastmath={"reassoc", "contract"}, **_INNER)
+    return _compiled(function, "_reordered", kept_helper, fastmath={"reassoc", "contract"})
 
 
 def kernel(function: Kernel) -> Kernel:
@@ -65,8 +61,8 @@ def twins(function: Kernel) -> Twins:
     return Twins(_compiled(function, ""), _compiled(function, "_threaded", parallel=True))
 
 
-def _compiled(function: Kernel, kind: str, **options: Any) -> Kernel:
-    jitted: Kernel = kept_njit(error_model="numpy", **options)(named(function, kind))
+def _compiled(function: Kernel, kind: str, how: Callable[..., Any] = kept_njit, **options: Any) -> Kernel:
+    jitted: Kernel = how(error_model="numpy", **options)(named(function, kind))
     return jitted
 
 
