@@ -1,5 +1,7 @@
 """A body of finite elements: its out-of-balance forces and their derivative, displacement with or without pressure."""
 
+from functools import cached_property
+
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
@@ -72,6 +74,11 @@ class Body:
     def stiffness(self, gradient: Floats, pressure: Floats) -> sparse.csc_matrix:
         """Derivative of the forces by the state, at deformation gradients and pressures as ``at_points`` gives them."""
         return self.both(gradient, pressure)[1]
+
+    @cached_property
+    def at_rest(self) -> sparse.csc_matrix:
+        """``stiffness`` where nothing is deformed: that of small strain."""
+        return self.stiffness(*self.rest())
 
     def rest(self) -> tuple[Floats, Floats]:
         """``at_points`` where nothing is deformed."""

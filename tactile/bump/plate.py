@@ -55,11 +55,11 @@ def plate_constraint(body: Body, shape: Shape, push: Push, contact: float | None
 
 def respond(body: Body, constraint: Constraint, rest: tuple[Floats, Floats] | None = None) -> Floats:
     """The state per metre that the plate moves, at small strain, about ``rest`` (nothing deformed unless given)."""
-    matrix = body.stiffness(*(body.rest() if rest is None else rest))
+    matrix = body.at_rest if rest is None else body.stiffness(*rest)
     return solve(matrix, np.zeros(body.size), constraint.fixed, constraint.state(1.0))
 
 
 def stiffness(body: Body, constraint: Constraint, state: Floats) -> float:
     """Force over displacement [N/m] of a small-strain response, four quarters counted where the body is one."""
-    force = constraint.force(body.stiffness(*body.rest()) @ state)
+    force = constraint.force(body.at_rest @ state)
     return 4 * force if body.kinematics is SOLID else force

@@ -44,7 +44,7 @@ def small_strain(shape: Shape, medium: Medium, depth: float, radii: Floats, fine
         body = Body(mesh, kinematics, Mixed(medium))
         constraint = plate_constraint(body, shape, "press" if kinematics is PRESSED else "shift")
         state = respond(body, constraint)
-        force = constraint.force(body.stiffness(*body.rest()) @ state)
+        force = constraint.force(body.at_rest @ state)
         probe = Probe(body, points)
         read = probe.strain(state) if medium.quantity == "strain" else probe.stress(state)
         felt.append(read / force)

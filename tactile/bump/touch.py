@@ -41,7 +41,7 @@ def lower(body: Body, shape: Shape, indentations: Iterable[float], finite: bool)
     """
     nodes = _Nodes(body, shape)
     sticking, anchor = nodes.on_axis.copy(), np.zeros(nodes.x.size)
-    linear = None if finite else body.stiffness(*body.rest())
+    linear = None if finite else body.at_rest
     state, reached = np.zeros(body.size), 0.0
     for wanted in indentations:
         if not (np.isfinite(wanted) and wanted >= reached):
