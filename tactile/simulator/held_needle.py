@@ -11,6 +11,7 @@ from cnnsim.support import Floats
 from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.core.loads import F
 from tactile.elastic.medium import Medium
+from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.field import Field
 
 Rises = Sequence[tuple[float, float]]
@@ -24,7 +25,7 @@ def raised(field: Field, rises: Rises, before: Rises = ()) -> float:
     """
     if not any(rise for rise, _ in rises):
         return 0.0
-    if field.at_points:  # all by the law of the tip, at one go
+    if _by_tips(field):  # at one go
         more, least = _lift(field.medium, rises), _lift(field.medium, before)
         return float(_raised_points(*_tips(field), least, least + more))
     values = np.ascontiguousarray(field.values).reshape(len(field.times), -1)
@@ -34,7 +35,7 @@ def raised(field: Field, rises: Rises, before: Rises = ()) -> float:
 
 def grown(field: Field, rises: Rises) -> Floats:
     """By what the force of the contact that grows most does in every frame (frames,) when the surface rises."""
-    if not field.at_points:
+    if not _by_tips(field):
         return np.asarray(_growth(field, rises).max(axis=1, initial=1.0))
     deep = np.maximum(field.loads.totals[..., F], 0.0) ** (2 / 3)
     growth = np.divide(deep + _lift(field.medium, rises), deep, out=np.ones_like(deep), where=deep > 0)
@@ -51,7 +52,17 @@ def lifted(field: Field, rises: Rises) -> Field:
 
 def pressed_by(force: float, medium: Medium, rises: Rises) -> float:
     """The normal force [N] of a contact at a point, held by its tip, when the surface rises."""
+    if np.isfinite(medium.thickness):
+        pressed = np.array([force])
+        for rise, tip in rises:
+            pressed = pressed * Indenter().held_factor(pressed, np.array([rise]), medium, tip)
+        return float(max(pressed[0], 0.0))
     return float((max(force, 0.0) ** (2 / 3) + _lift(medium, rises)) ** 1.5)
+
+
+def _by_tips(field: Field) -> bool:
+    """Whether all forces follow the half-space's law of a tip, which adds what rises do."""
+    return field.at_points and bool(np.isinf(field.medium.thickness))
 
 
 def _lift(medium: Medium, rises: Rises) -> float:

@@ -23,6 +23,8 @@ SURE = 2.0
 """What changes so many tolerances on the first frames tried stays: others could hardly make up for it."""
 FAR = 2.0
 """Share of the peak from which bounds of all effects on fields together are too loose for what acts behind them."""
+THICKNESS = "finite_thickness"
+"""The effect that makes a layer of the cover."""
 BEYOND = 1e6
 """Share of the peak at which a bound ends: it tells as little as one without an end, and is a number."""
 
@@ -55,6 +57,8 @@ class FieldBounds:
         if shaken:
             for name in fixed:  # what they do grows with what presses
                 found.reach[name] *= 1 + shaken / (seen.largest or 1.0)
+            if THICKNESS in found.reach:  # on the half-space contacts are held less stiffly
+                found.reach[THICKNESS] += shaken
         too_loose = together > FAR * seen.largest and (
             self.reused
             or (seen.frames >= FRAMES and pays_behind(len(chain.on_frames), seen, self.trial.shaken, FOREMOST))
@@ -72,7 +76,8 @@ class FieldBounds:
         together = grown = 0.0
         unsure, slopes = not self.most or self._forces_change(), self.ideal.slopes
         if self.rises:  # tips sink in deeper
-            slopes = slopes.pressed(pressed_by(slopes.hardest, slopes.medium, self.rises))
+            medium = self.trial.still.medium if slopes.at_points and self._layered else slopes.medium
+            slopes = slopes.pressed(pressed_by(slopes.hardest, medium, self.rises))
         for name, effect in self.chain.on_fields:
             if effect.RANDOM:
                 continue
@@ -90,7 +95,9 @@ class FieldBounds:
             return 0.0
         known = bool(found.terms) or self.reused or not self.most
         small = any(reach <= self.most for reach in found.reach.values())
-        bounds = Shaking(self.chain.on_fields, self.chain.on, self.trial, self.ideal).bounds(known, grown, small)
+        bounds = Shaking(self.chain.on_fields, self.chain.on, self.trial, self.ideal, self._layered).bounds(
+            known, grown, small
+        )
         found.reach.update(bounds)
         return math.hypot(*[reach for name, reach in bounds.items() if name in self.chain.on])
 
@@ -133,7 +140,7 @@ class FieldBounds:
 
     @property
     def _layered(self) -> bool:
-        return any(name == "finite_thickness" and name in self.chain.on for name, _ in self.chain.on_fields)
+        return any(name == THICKNESS and name in self.chain.on for name, _ in self.chain.on_fields)
 
     def _tried(self, name: str, effect: Any, fields: Callable[[], tuple[Field, Field]]) -> Floats | None:
         """What an effect changes in a trial, None where contacts that are raised so far go through the cover."""

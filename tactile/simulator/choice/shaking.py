@@ -25,13 +25,14 @@ class Shaking:
     """What random ones of the effects ``on_fields`` may change, those named in ``on`` acting, on one finger.
 
     A contact on a layer is stiffer, and shakes its readings more, than on the half-space; all shakes grow with what
-    fixed effects add to the readings.
+    fixed effects add to the readings. ``layered``: the cover is a layer.
     """
 
     on_fields: Sequence[tuple[str, Any]]
     on: Container[str]
     trial: Trial
     ideal: Extremes
+    layered: bool
 
     def bounds(self, known: bool, grown: float, small: bool) -> dict[str, float]:
         """The bound of each.
@@ -40,12 +41,14 @@ class Shaking:
         readings at most, by their own bounds; ``small``: whether one of these could be left out.
         """
         random = [one for one in self.on_fields if one[1].RANDOM]
-        pressed, more = (lambda: [self.trial.shaken, self.trial.still]), 1.0
+        points, more = self.ideal.slopes.at_points, 1.0
+        tips = points and self.layered
+        pressed = lambda: [self.trial.pressed if tips else self.trial.shaken, self.trial.still]  # noqa: E731 - as below
         if not known:
-            by_law = not self.ideal.slopes.at_points and math.isinf(grown)
+            by_law = not points and math.isinf(grown)
             if by_law and not small:  # nothing is to be gained
                 return {name: math.inf for name, _ in random}
-            pressed = (lambda: [self.trial.pressed]) if by_law else (lambda: [self.trial.shaken])
+            pressed = lambda: [self.trial.pressed if by_law or tips else self.trial.shaken]  # noqa: E731 - lazy
             more = SAFE if by_law else 1.0
             more *= 1 + (self._as_points() if by_law else grown) / (self.ideal.seen.largest or 1.0)
         return {name: self._strays(effect, pressed) * more for name, effect in random}

@@ -90,8 +90,8 @@ class Trial:
     @cached_property
     def pressed(self) -> Field:
         """What presses with all effects, and the readings without: no table of a layer is made for them."""
-        with_all = self._acted(self._given)
-        with_all.__dict__["values"] = self._given.values
+        with_all = self._acted(self.shaken)
+        with_all.__dict__["values"] = self.shaken.values
         return with_all
 
     @cached_property

@@ -200,9 +200,11 @@ class Indenter:
         as that. What does not press (force 0 or pulling) stays as it is.
         """
         if self.shape == "point":
-            # as on the half-space: a point may press through any layer, so that a law with an end would refuse scenes
-            deep = replace(medium, thickness=np.inf)
-            return Indenter("sphere", needle).held_factor(force, rise, deep, needle)
+            if np.isfinite(medium.thickness):
+                from tactile.simulator.contacts import tip  # only where called for
+
+                return tip.held_factor(force, rise, needle, medium)
+            return Indenter("sphere", needle).held_factor(force, rise, medium, needle)
         if self.shape == "edge":
             return replace(self, shape="cylinder", radius=needle).held_factor(force, rise, medium, needle)
         deeper = self.indentation(force, medium) + rise

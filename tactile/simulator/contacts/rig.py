@@ -61,7 +61,13 @@ def at_a_point(rows: Floats, medium: Medium, rig: Rig) -> Loads:
     held = rig.moved(rows, POINT, medium)
     if rig.tip == 0:
         return point_loads(held)
-    radii = round_tip_radius(held[:, None, F], rig.tip, medium.contact_modulus)
+    force, profile, unit = held[:, None, F], ROUND_TIP, rig.tip
+    if np.isfinite(medium.thickness):
+        from tactile.simulator.contacts.tip import circle  # only where called for
+
+        radii, profile, unit = circle(force, rig.tip, medium)
+    else:
+        radii = round_tip_radius(force, rig.tip, medium.contact_modulus)
     owner = np.zeros(1, np.int64)
-    spread = Disc(held[:, None], radii, ROUND_TIP, rig.tip, owner)
+    spread = Disc(held[:, None], radii, profile, unit, owner)
     return Loads(held[:, None], np.empty((len(held), 0, COLUMNS)), owner[:0], (spread,))

@@ -15,8 +15,8 @@ from tactile.simulator.slopes import Slopes
 class FiniteTip:
     """Point loads are pressed by a rigid hemisphere of ``radius`` [m]; 0 leaves them points.
 
-    Every contact that acts at one point is spread like the pressure under the tip. Contacts with a shape of their own
-    stay as they are.
+    Every contact that acts at one point is spread like the pressure under the tip, on the cover as it is. Contacts with
+    a shape of their own stay as they are.
 
     Source: Sneddon (1965); Vasarhelyi, Fodor, Roska, sects 4 and 4.1 (a needle of 100 um).
     """

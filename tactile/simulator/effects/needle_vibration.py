@@ -24,8 +24,8 @@ class NeedleVibration:
     and indentation delta on the cover as it is: on the half-space (1 + z / delta)^1.5 for a sphere, 1 + z / delta for a
     flat end, Sneddon's law for a needle; a cylinder, and an edge of this ``tip_radius`` [m], go by
     ``lines.line_indentation``; on a layer all are stiffer, by ``layer_contact``. Loads at a point are held by a tip of
-    ``tip_radius`` as by a sphere on the half-space whatever the cover: on one of ten contact radii that is some 10 %
-    too soft. "A few microns of dislocation in the loading needle causes huge changes in the force".
+    ``tip_radius`` as by a sphere, under any force. "A few microns of dislocation in the loading needle causes huge
+    changes in the force".
 
     Source: Vasarhelyi, Fodor, Roska, sect. 4.1.
     """

@@ -25,8 +25,8 @@ class SurfaceWaviness:
     presses by h deeper, which its own law of force and indentation delta, on the cover as it is, turns into force:
     on the half-space (1 + h / delta)^1.5 times as hard for a sphere, 1 + h / delta for a flat end, Sneddon's law for a
     needle; a cylinder, and an edge of this ``tip_radius`` [m], go by ``lines.line_indentation``; on a layer all are
-    stiffer, by ``layer_contact``. Loads at a point are held by a tip of ``tip_radius`` as by a sphere on the half-space
-    whatever the cover: on one of ten contact radii that is some 10 % too soft. Slopes are too small to turn the force.
+    stiffer, by ``layer_contact``. Loads at a point are held by a tip of ``tip_radius`` as by a sphere, under any force.
+    Slopes are too small to turn the force.
 
     Source: Vasarhelyi, Fodor, Roska, sect. 4.1.
     """

@@ -53,6 +53,21 @@ def test_a_layer_that_does_little_at_rest_is_tried_under_what_trembles() -> None
     assert trembling > 2 * calm
 
 
+@pytest.mark.parametrize("tolerance", (0.0, 0.5))
+def test_tremors_of_a_point_are_bounded_on_the_layer_as_it_is(tolerance: float) -> None:
+    # held by a wide tip over a thin cover it is three times as stiff as on the half-space
+    shakes = ("needle_vibration", NeedleVibration(0.0, 1e-7, 2e-3))
+    scene = needle(("finite_thickness", FiniteThickness(2.2e-4)), shakes)
+    bounds = EffectBounds(scene, scene.effects, tolerance=tolerance)
+    sizes = bounds.sizes()
+    still = scene.with_effects([one for one in scene.effects if one[0] != shakes[0]])
+    soft = error_of_seeds(*(one.with_effects([shakes] if one is scene else []) for one in (still, scene)), range(6))
+    seen = error_of_seeds(still, scene, range(6))
+    assert 2 * soft < seen <= sizes["needle_vibration"]
+    thick = scene.with_effects([shakes])
+    assert error_of_seeds(thick, scene, range(6)) <= sizes["finite_thickness"]
+
+
 @pytest.mark.parametrize("wavy", (False, True))
 @pytest.mark.parametrize("shape", ("disc", "flat_punch", "sphere"))
 def test_tremors_are_bounded_on_the_layer_as_it_is(shape: Any, wavy: bool) -> None:

@@ -5,9 +5,12 @@ import pytest
 from scipy import fft
 
 from cnnsim.support import Floats
+from tactile.core.loads import F
+from tactile.elastic.layer_contact import layer_contact
 from tactile.elastic.lines import cylinder_half_width
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.indenter import Indenter
+from tactile.simulator.contacts.rig import Rig, at_a_point
 from tests.oracles.elastic.bonded import PeriodicLayer
 
 
@@ -60,3 +63,37 @@ def test_a_held_round_body_is_as_stiff_as_a_rigid_one(shape: str, wide: float, n
     # cells at the rim of a flat end make it a little wider or narrower
     assert float(body.indentation(np.array([forces[0]]), medium)[0]) == pytest.approx(deep, rel=0.03)
     assert held - 1 == pytest.approx(forces[1] / forces[0] - 1, rel=0.025)
+    if shape == "sphere":  # so is the tip that holds a contact at a point
+        tip = Indenter().held_factor(np.array([forces[0]]), np.array([0.05 * deep]), medium, radius)
+        assert float(tip[0]) == pytest.approx(held, rel=1e-6)
+
+
+def test_a_tip_holds_any_force_and_lets_go() -> None:
+    layer, point = Medium(1.0, 0.5, thickness=1.0), Indenter()
+    # F ~ delta^1.5 where the layer is not felt; nearly delta^3, past the tables, too, where it is thin
+    law = layer_contact("paraboloid", 0.5)
+    for wide, power, off in ((1e-3, 1.5, 1e-2), (law.widest, 3.0, 6e-2)):
+        force, deep = (float(of(np.array(wide))) for of in (law.force, law.indentation))
+        for by in (1.0, 4.0):
+            given = np.array([by**power * force / 0.75]), np.array([by * deep])
+            assert float(point.held_factor(*given, layer, 1.0)[0]) == pytest.approx(2**power, rel=off)
+    forces, rises = np.array([0.1, 0.1, 0.1, 0.0, -0.1]), np.array([0.0, -1e3, 1e-9, 1.0, 1.0])
+    still, off, slightly, light, pulled = point.held_factor(forces, rises, layer, 1.0).tolist()
+    assert (still, off, light, pulled) == (1.0, 0.0, 1.0, 1.0)
+    assert 0 < slightly - 1 < 1e-7
+
+
+@pytest.mark.parametrize(("radius", "nu"), [(0.6, 0.5), (2.0, 0.4)])
+def test_a_tip_spreads_a_point_as_a_needle_does(radius: float, nu: float) -> None:
+    layer, force = Medium(1.0, nu, thickness=1.0), np.array([[0.0], [0.05], [1.0]]) * radius**2
+    rows = np.zeros((3, 5))
+    rows[:, F] = force[:, 0]
+    (spread,) = at_a_point(rows, layer, Rig(tip=radius)).discs
+    body = Indenter("needle", radius)
+    assert spread.radii == pytest.approx(body.contact_radius(force, layer), rel=1e-9)
+    assert (spread.profile, spread.unit) == body.profile(layer)
+    # under any force, and no wider than itself
+    rows[:, F] = 1e6
+    (spread,) = at_a_point(rows, layer, Rig(tip=radius)).discs
+    assert (0.99 * radius < spread.radii).all()
+    assert (spread.radii <= radius).all()
