@@ -60,11 +60,11 @@ def test_tremors_of_a_point_are_bounded_on_the_layer_as_it_is(tolerance: float) 
     scene = needle(("finite_thickness", FiniteThickness(2.2e-4)), shakes)
     bounds = EffectBounds(scene, scene.effects, tolerance=tolerance)
     sizes = bounds.sizes()
-    still = scene.with_effects([one for one in scene.effects if one[0] != shakes[0]])
-    soft = error_of_seeds(*(one.with_effects([shakes] if one is scene else []) for one in (still, scene)), range(6))
+    still, thick = (
+        scene.with_effects([one for one in scene.effects if one[0] != gone]) for gone in (shakes[0], LAYER[0])
+    )
     seen = error_of_seeds(still, scene, range(6))
-    assert 2 * soft < seen <= sizes["needle_vibration"]
-    thick = scene.with_effects([shakes])
+    assert 2 * error_of_seeds(scene.with_effects([]), thick, range(6)) < seen <= sizes["needle_vibration"]
     assert error_of_seeds(thick, scene, range(6)) <= sizes["finite_thickness"]
 
 
