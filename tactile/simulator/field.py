@@ -30,6 +30,9 @@ WIDEST, WIDEST_FINE, WIDEST_ALONE = 6.0, 2.1, 12.0
 where those of wider ones would take as long as ten thousand circles that are integrated one by one, and that of circles
 which need a table of one radius only. Wider ones are felt by harmonics."""
 FINE = 1e-5
+PAIRS = 60
+"""What a layer adds under circles wider than `WIDEST` is integrated one by one where tables would take longer: for
+accuracies finer than `FINE` minutes; else for fewer readings of loads than so many times the squared radius in depths."""
 
 
 class Contact(Protocol):
@@ -182,8 +185,15 @@ def _add_spread(
             wide = _add_wide(values, at, depth, disc, alone, medium, accuracy) if accuracy >= TABLES else ~alone
             if not wide.all():
                 _add_exact(values, at, depth, disc, np.where((alone & ~wide)[..., None], rows, 0), medium)
+        added = alone & (radii > WIDEST * depth) & (layered and not (lone and accuracy >= FINE))
+        if accuracy >= FINE:
+            added &= np.count_nonzero(added) * len(at) < PAIRS * (radii / depth) ** 2
+        if added.any():
+            from tactile.elastic.layer_discs import add_layer  # only where called for
+
+            add_layer(values, at, depth, np.where(added[..., None], rows, 0), radii, profile, unit, medium)
         size = table_size(radii, depth, profile, unit, lone)
-        for whole, these in ((True, pressing & ~alone), (False, alone & layered)):
+        for whole, these in ((True, pressing & ~alone), (False, alone & ~added & layered)):
             for top in np.unique(size[these]).tolist():
                 here = these & (size == top)
                 table = disc_table(depth, top, profile, unit, medium, max(accuracy, FINEST), whole, lone)
