@@ -32,7 +32,7 @@ which need a table of one radius only. Wider ones are felt by harmonics."""
 FINE = 1e-5
 PAIRS = 60
 """What a layer adds under circles wider than `WIDEST` is integrated one by one where tables would take longer: for
-accuracies finer than `FINE` minutes; else for fewer readings of loads than so many times the squared radius in depths."""
+accuracies finer than `FINE`, minutes; else where loads times taxels are fewer than so many squared radii in depths."""
 
 
 class Contact(Protocol):
