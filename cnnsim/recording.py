@@ -49,6 +49,16 @@ def parse_record(record: Record, shape: tuple[int, ...]) -> tuple[CellIndex, ...
     return times
 
 
+def check_times(plan: Plan, times: Floats) -> None:
+    """Refuse times, in ascending order, after the end of a fixed duration.
+
+    Raises:
+        InputError: both times.
+    """
+    if plan.duration != "settled" and times[-1] > plan.duration * (1 + 1e-9):
+        raise InputError(f"record: time {times[-1]:g} after the end of the run; 0 to {plan.duration:g} wanted")
+
+
 def _neither(record: Any) -> InputError:
     return InputError(f"record = {record!r}; times such as [0, 0.5, 1], or cells such as [(3, 4)], wanted")
 
@@ -68,9 +78,9 @@ def recorded(
     Raises:
         InputError: a time after the end of a fixed duration.
     """
-    if plan.duration != "settled" and isinstance(wanted, np.ndarray) and wanted[-1] > plan.duration * (1 + 1e-9):
-        raise InputError(f"record: time {wanted[-1]:g} after the end of the run; 0 to {plan.duration:g} wanted")
     cells, asked = (None, wanted) if isinstance(wanted, np.ndarray) else (wanted, None)
+    if asked is not None:
+        check_times(plan, asked)
     rows, cols = ([place[axis] for place in cells or ()] for axis in (0, 1))
 
     def kept(x: Array) -> Array:

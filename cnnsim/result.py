@@ -22,8 +22,9 @@ class Result:
     False. ``rate`` is the largest |dx/dt| at the end, NaN if it was not computed. ``trajectory`` has what was recorded.
     ``distance`` is how far an output of a settled network may still be from its end, NaN of one that has not settled,
     and ``how`` says from what that is known. ``undecided`` (n, 2), or more columns for layers and batches, has the
-    cells whose output is decided by the smallest push. ``error`` is that of the state by the run's own estimate, where
-    an accuracy was asked for, else NaN.
+    cells whose output is decided by the smallest push: all of them where an accuracy was asked for, else those that are
+    seen on a ridge at the end, not those that rounding has thrown off it. ``error`` is that of the state by the run's
+    own estimate, where an accuracy was asked for, else NaN.
     """
 
     x: Array

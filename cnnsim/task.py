@@ -7,7 +7,9 @@ from typing import Any, Literal, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cnnsim.accuracy.over_time import reached_at
 from cnnsim.accuracy.reach import decided
+from cnnsim.accuracy.repeatable import Repeatable
 from cnnsim.accuracy.wanted import Accuracy, Wanted, parse_accuracy
 from cnnsim.backends.base import Backend, Outcome
 from cnnsim.backends.memory import cell_bytes
@@ -81,6 +83,11 @@ class Task:
             None if self.mask is None else backend.load(self.mask, "llm"),
         )
 
+    def repeatable(self) -> Repeatable:
+        """Return the transient as what can be run again, by other steps or on a part of its grid."""
+        given = self.state, self.input, self.bias, self.mask
+        return Repeatable(self.plan, lambda backend, plan, state=None, /: self.start(backend, state, plan), given)
+
     def recorded(self, backend: Backend, wanted: tuple[CellIndex, ...] | Floats, result: Result) -> Trajectory:
         """Return states at times, or of cells at every step, of a run that ended as ``result``."""
 
@@ -92,8 +99,16 @@ class Task:
         return recorded(self.plan, first, end, wanted, result.t, result.y, sequences=sequences)
 
     def states(self, backend: Backend, until: float, frames: int, *, first: int = 0) -> Iterator[tuple[float, Array]]:
-        """Yield (t, x) at ``frames`` evenly spaced times up to ``until``; with terms after ``first`` steps or more."""
+        """Yield (t, x) at ``frames`` evenly spaced times up to ``until``; with terms after ``first`` steps or more.
+
+        With an accuracy each state is within it, by runs of its own.
+        """
         old, x = self.plan, self.state
+        if self.accuracy is not None:
+            for frame in range(1, frames + 1):
+                t, found = reached_at(self.repeatable(), backend, self.accuracy, frame * until / frames)
+                yield t, found.x
+            return
         if old.method == "general":  # with delays and sequences a run cannot be cut in two, so each state has its own
             for frame in range(1, frames + 1):
                 t = max(first, round(frame * until / frames / old.step)) * old.step

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Unpack
 from numpy.typing import ArrayLike
 
 from cnnsim import backends
-from cnnsim.accuracy.repeatable import Repeatable
+from cnnsim.accuracy.over_time import recorded_within
 from cnnsim.backends.base import Backend
 from cnnsim.ended import ended, reached
 from cnnsim.network import AnyTemplate
@@ -42,7 +42,8 @@ def run_transient(
     Arguments: ``choices`` are input, bias, mask, boundary, duration, cell, scheme, step, limit, without, accuracy, as
     in `make_task`; ``backend`` a name or a backend; ``dtype`` the numbers it computes with, None for its own;
     ``threads`` of the cpu backend, None for as many as pay; ``record`` times [time constants], or cells (row, column)
-    to be kept at every step: the result then has them as its ``trajectory``, by the steps of the run itself;
+    to be kept at every step: the result then has them as its ``trajectory``, by the steps of the run itself, or with an
+    accuracy (times only) each within it, by runs of its own;
     ``engine`` for grids that are larger than the memory, or for other machines: "processes", "dask", "dask=ADDRESS" or
     an `Engine`, with the folder of its ``store``. Planes may be Zarr arrays then, and so is the result of such a state.
 
@@ -58,15 +59,13 @@ def run_transient(
         where = backends.chosen(backend, dtype, threads)
         return run_on_engine(template, where, engine or "processes", store, {**choices, "state": state})
     task = make_task(template, state=state, **choices)
-    if task.accuracy is not None:
-        if record is not None:
-            raise InputError("record with an accuracy: several runs are made; give scheme and step to record one")
-        where = backends.chosen(backend, dtype, threads)
-        given = task.state, task.input, task.bias, task.mask
-        again = Repeatable(task.plan, lambda backend, plan, state=None, /: task.start(backend, state, plan), given)
-        return reached(again, where, task.accuracy)
     wanted = None if record is None else parse_record(record, task.state.shape)
     where = backends.chosen(backend, dtype, threads)
+    if task.accuracy is not None:
+        again = task.repeatable()
+        path, error = (None, 0.0) if wanted is None else recorded_within(again, where, task.accuracy, wanted)
+        result = reached(again, where, task.accuracy)
+        return replace(result, trajectory=path, error=max(result.error, error))
     outcome = task.start(where)
     result = Result(where.read(outcome.x, copy=False), outcome.t, outcome.settled, outcome.rate, task.plan)
     if wanted is not None:

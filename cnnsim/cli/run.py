@@ -133,10 +133,9 @@ def run(
         if output is not None:
             write_planes(error.result.y, output, film=film, name=name)
         raise
-    written = [] if output is None else write_planes(result.y, output, film=film, name=name)
+    written: list[Path] = [] if output is None else write_planes(result.y, output, film=film, name=name)
     if trajectory is not None:
         end = result.t if np.isfinite(result.t) else 10.0
-        task.pop("accuracy", None)  # a film shows the plan's own steps
         over_time = run_over_time(entry.network, **task, until=max(end, 1.0), frames=60, backend=where)
         times, frames = zip(*watched(over_time, "film", 61), strict=True)
         write_film(frames, trajectory, times=times)

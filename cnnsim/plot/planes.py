@@ -37,9 +37,13 @@ def plane(values: ArrayLike, axes: "Axes | None" = None, *, title: str = "") -> 
 
 
 def sheet(planes: Sequence[Array], titles: Sequence[str], axes: "Axes | None" = None) -> "Axes":
-    """Draw planes (rows, cols) of one shape in a row of one pair of axes, each under its title."""
+    """Draw planes of one shape in a row of one pair of axes, each under its title.
+
+    Planes are (rows, cols); of several, (layers, rows, cols), each stands over its number.
+    """
     pictures, axes = [side_by_side(values) for values in planes], given_or_new(axes)
     rows, cols = pictures[0].shape
+    several = list(np.ndindex(planes[0].shape[:-2])) if planes[0].ndim > 2 else []
     gap = max(1.0, 0.08 * cols)
     for number, (picture, title) in enumerate(zip(pictures, titles, strict=True)):
         left = number * (cols + gap)
@@ -47,6 +51,10 @@ def sheet(planes: Sequence[Array], titles: Sequence[str], axes: "Axes | None" = 
                     extent=(left, left + cols, rows, 0))  # fmt: skip
         axes.plot([left, left + cols, left + cols, left, left], [0, 0, rows, rows, 0], color="black", linewidth=0.8)
         axes.text(left + cols / 2, -0.03 * rows, title, ha="center", va="bottom", fontsize=9)
+        for place, index in enumerate(several):
+            x0, wide = left + place * cols / len(several), cols / len(several)
+            axes.text(x0 + wide / 2, 1.03 * rows, ", ".join(map(str, index)), ha="center", va="top", fontsize=8)
+            axes.plot([x0, x0], [0, rows], color=COLOURS[0] if place else "black", linewidth=0.8)
     axes.set_xlim(-0.02 * cols, len(pictures) * (cols + gap) - gap + 0.02 * cols)
     axes.set_ylim(1.02 * rows, -0.02 * rows)
     axes.set_axis_off()

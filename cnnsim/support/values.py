@@ -43,7 +43,7 @@ def from_gray(levels: ArrayLike, top: float = 255.0) -> Floats:
     """Return grey levels from 0 (black) to ``top`` (white) as CNN values, 1 - 2 g / top.
 
     Raises:
-        InputError: levels outside that range; fractions of 1 where ``top`` is 255; what is no array of numbers.
+        InputError: levels outside that range; floats up to 1 where ``top`` is 255; what is no array of numbers.
     """
     return 1.0 - _checked_levels("grey levels", levels, top) * (2.0 / top)
 
@@ -72,7 +72,7 @@ def _checked_levels(name: str, levels: ArrayLike, top: float) -> Floats:
     least, most = given.min(initial=0.0), given.max(initial=0.0)
     if not 0 <= least <= most <= top:
         raise InputError(f"{name} from {given.min():g} to {given.max():g}; 0 to {top:g} wanted, or another top")
-    if given.dtype.kind == "f" and top == 255 and 0 < most < 1:
+    if given.dtype.kind == "f" and top == 255 and 0 < most <= 1:
         raise InputError(
             f"{name} up to {most:g} of {top:g}, nearly all black; a top, as of from_gray(values, 1), wanted"
         )

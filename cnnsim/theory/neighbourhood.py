@@ -11,6 +11,8 @@ Pair = tuple[float, float]
 
 MOST = 1 << 18
 """Different sums beyond which an enumeration is given up."""
+DIGITS = 9
+"""Digits after the point of a sum of weights: the others are rounding, and a tie is 0."""
 
 
 def pairs_of(input: str | float, initial_state: str | float) -> list[Pair] | str:  # noqa: A002 - the field's word for u
@@ -32,13 +34,13 @@ def pairs_of(input: str | float, initial_state: str | float) -> list[Pair] | str
 def weighted_sums(options: Sequence[Sequence[tuple[float, ...]]]) -> Floats | None:
     """Return all different sums of one vector from each list, as rows; None if there are more than `MOST`.
 
-    Sums that differ by less than 1e-9 count as one.
+    Sums count by their first `DIGITS` digits after the point.
     """
     width = len(options[0][0]) if options else 1
     sums = np.zeros((1, width))
     for choices in options:
         sums = (sums[:, None, :] + np.array(sorted(set(choices)))[None, :, :]).reshape(-1, width)
-        sums = np.unique(np.round(sums, 9), axis=0)
+        sums = np.unique(np.round(sums, DIGITS), axis=0)
         if len(sums) > MOST:
             return None
     return sums

@@ -7,7 +7,7 @@ import numpy as np
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.network import Template
 from cnnsim.support import Floats
-from cnnsim.theory.neighbourhood import pairs_of, too_many, weighted_sums
+from cnnsim.theory.neighbourhood import DIGITS, pairs_of, too_many, weighted_sums
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def _uncoupled(entry: LibraryEntry) -> Margin:
     smallest, tolerated = np.inf, np.inf
     for x0, u in found:
         s = sums[:, 0] + centre * u + template.z
-        q = s + (0.0 if arbitrary else max(a - 1, 0.0) * x0)
+        q = np.round(s + (0.0 if arbitrary else max(a - 1, 0.0) * x0), DIGITS)
         size = abs(template.z) + abs(u) * (abs(centre) + float(np.abs(others).sum()))
         colour = np.sign(q)
         smallest = min(smallest, float(np.abs(q).min()))
@@ -119,7 +119,7 @@ def _coupled(entry: LibraryEntry) -> Margin:
     sums = weighted_sums([[(weight,), (-weight,)] for weight in weights])
     if sums is None:
         return _none(too_many(len(weights)))
-    value = float(np.abs(sums + template.z).min())
+    value = float(np.abs(np.round(sums + template.z, DIGITS)).min())
     size = abs(template.z) + float(np.abs(template.A).sum() + np.abs(template.B).sum())
     why = "the smallest drive over all combinations of its taps, also those that never occur"
     return Margin(value, value / size, False, why)

@@ -24,6 +24,8 @@ _WIDE = 256
 """Pixels to which a small picture is enlarged."""
 STRIP = 16
 """Pixels of the strip with a caption."""
+BETWEEN = 3
+"""Pixels between layers."""
 _PAUSE = 1000
 """Milliseconds for which the last picture of a GIF stands before it begins anew."""
 
@@ -32,7 +34,10 @@ class AddPicture(Protocol):
     """Adds a picture to a film."""
 
     def __call__(self, values: Array, caption: str = "") -> None:
-        """Add CNN values (rows, cols); a ``caption`` stands in a white strip below the cells, in all or in none."""
+        """Add CNN values (rows, cols), or of layers (layers, rows, cols).
+
+        A ``caption`` stands in a white strip below the cells, in all pictures or in none.
+        """
 
 
 def is_film(path: str | Path) -> bool:
@@ -44,7 +49,8 @@ def is_film(path: str | Path) -> bool:
 def filming(path: str | Path, rate: float) -> Iterator[AddPicture]:
     """Give a function that adds a picture (rows, cols) of CNN values to a film of ``rate`` pictures a second.
 
-    Small pictures are enlarged. A GIF shows equal pictures that follow one another as one that stands longer.
+    Small pictures are enlarged, layers side by side and numbered. A GIF shows equal pictures that follow one another
+    as one that stands longer.
 
     Raises:
         InputError: an ending of no film, a video without PyAV, or the file cannot be written.
@@ -119,14 +125,33 @@ def _video(path: Path, rate: float) -> Iterator[AddPicture]:
 
 
 def _drawn(values: Array, caption: str) -> Image.Image:
-    """Return a picture, enlarged if it is small, with a line of text below it, outside of the cells."""
-    image = to_image(values, max(1, _WIDE // max(values.shape)))
-    if not caption:
+    """Return a picture, enlarged if it is small, with lines of text below it, outside of the cells.
+
+    Layers (layers, rows, cols) lie side by side, a double line between them, each over its number.
+    """
+    scale = max(1, _WIDE // max(values.shape))
+    if values.ndim == 2:
+        return _lettered(to_image(values, scale), caption)
+    layers = [_lettered(to_image(plane, scale), f"layer {number}") for number, plane in enumerate(values)]
+    width, height = layers[0].size
+    whole = Image.new("L", (len(layers) * (width + BETWEEN) - BETWEEN, height), 255)
+    draw = ImageDraw.Draw(whole)
+    for number, layer in enumerate(layers):
+        left = number * (width + BETWEEN)
+        whole.paste(layer, (left, 0))
+        if number:  # dark between light lines is seen beside any grey
+            draw.line((left - BETWEEN // 2 - 1, 0, left - BETWEEN // 2 - 1, height), fill=0)
+    return _lettered(whole, caption)
+
+
+def _lettered(image: Image.Image, text: str) -> Image.Image:
+    """Return a picture with a line of text in a white strip below it; as it is without a text."""
+    if not text:
         return image
-    width = max(image.width, 8 * len(caption))
+    width = max(image.width, 8 * len(text))
     whole = Image.new("L", (width, image.height + STRIP), 255)
     whole.paste(image, (0, 0))
     draw = ImageDraw.Draw(whole)
     draw.line((0, image.height, width, image.height), fill=128)
-    draw.text((3, image.height + 2), caption, fill=0, font=ImageFont.load_default(11))
+    draw.text((3, image.height + 2), text, fill=0, font=ImageFont.load_default(11))
     return whole

@@ -9,6 +9,7 @@ from PIL import Image
 
 from cnnsim import write_picture
 from cnnsim.cli.group import main
+from cnnsim.support.pictures.film import BETWEEN, STRIP
 from cnnsim.support.toml_file import check_keys
 from tests.kits.paths import ROOT
 
@@ -90,7 +91,8 @@ def test_a_film_of_two_layers_shows_them_side_by_side(folder: Path) -> None:
     done = CliRunner().invoke(main, ["run", "autowave", "one.png", "--trajectory", "film.gif"])
     assert done.exit_code == 0, done.output
     with Image.open(folder / "film.gif") as film:
-        assert film.width == 2 * (film.height - 16)  # below the cells the time
+        side = film.height - 2 * STRIP  # below the cells the layer, below that the time
+        assert film.width == 2 * side + BETWEEN
 
 
 def test_all_that_is_wrong_with_a_table_is_told_at_once() -> None:

@@ -88,7 +88,7 @@ def test_colours() -> None:
         to_planes([[1, 2]])
 
 
-@pytest.mark.parametrize("wrong", [SQUARE, [[0.0, 0.5]], [[True]], [["a"]], [[1], [1, 2]]])
+@pytest.mark.parametrize("wrong", [SQUARE, [[0.0, 0.5]], [[0.0, 0.5, 1.0]], [[True]], [["a"]], [[1], [1, 2]]])
 def test_what_is_no_grey_level(wrong: Any) -> None:
     """Booleans would be two shades of black, fractions of 1 nearly so."""
     with pytest.raises(InputError, match=r"True is black|a top, as of|numbers wanted|no rectangular"):

@@ -16,7 +16,7 @@ from cnnsim.network.cell import output, uncoupled_state
 from cnnsim.prototyping.trace.plot import draw_trace, given_pictures
 from cnnsim.prototyping.trace.trace import parse_cell_index, record, representative_cells, watching_time
 from cnnsim.support import InputError
-from cnnsim.support.pictures.film import STRIP, write_film
+from cnnsim.support.pictures.film import BETWEEN, STRIP, write_film
 from cnnsim.task import Task, make_task
 from cnnsim.trajectories import SHEET, Trajectory, sheet_frames
 from cnnsim.transient import run_transient
@@ -192,3 +192,19 @@ def test_a_film_has_its_times_below_the_cells(tmp_path: Path) -> None:
         assert len(np.unique(picture[:-STRIP])) == 1  # nothing is written onto the cells
     strips = [picture[-STRIP + 1 :].tobytes() for picture in pictures]
     assert len(set(strips)) == 3
+
+
+def test_a_film_of_layers_names_each_below_its_own_cells(tmp_path: Path) -> None:
+    """Also where a layer is narrower than its name; between layers of one grey a line is seen."""
+    for shape in ((2, 8, 16), (3, 300, 2)):
+        frames = [np.full(shape, 1.0), np.full(shape, -1.0)]
+        write_film(frames, tmp_path / "film.gif", times=[0, 1])
+        with Image.open(tmp_path / "film.gif") as film:
+            film.seek(1)
+            white = np.asarray(film.convert("L")) < 100
+        width = (white.shape[1] + BETWEEN) // shape[0]
+        for layer in range(shape[0]):
+            name = white[-2 * STRIP + 1 : -STRIP, layer * width : (layer + 1) * width - BETWEEN]
+            assert name.any()
+            assert not white[: -2 * STRIP, layer * width : (layer + 1) * width - BETWEEN].any()  # nothing on cells
+            assert layer == 0 or white[: -2 * STRIP, layer * width - BETWEEN : layer * width].any()
