@@ -108,6 +108,7 @@ class CommandGroup(click.Group):
             echo("stopped", err=True)
             if Stopping.foreign:
                 sys.stdout.flush()
+                _let_go()
                 leave()
             ctx.exit(STOPPED)
         except InputError as error:
@@ -120,6 +121,12 @@ class CommandGroup(click.Group):
             raise _Mistake(f"too large: {str(error) or type(error).__name__}") from error
         finally:
             Notices.tell = told_before
+
+
+def _let_go() -> None:
+    """Let go of the semaphores of worker processes, as an orderly end does: their keeper tells of what is left."""
+    if (multiprocessing := sys.modules.get("multiprocessing.util")) is not None:
+        multiprocessing._run_finalizers()
 
 
 def _refused(error: OSError) -> str:

@@ -59,6 +59,16 @@ def foreign_call() -> Iterator[None]:
         Stopping.foreign -= 1
 
 
+@contextmanager
+def held_back() -> Iterator[None]:
+    """Hold Ctrl-C back in a block that it must not cut in two, and raise it at the end."""
+    Stopping.compiling(1)
+    try:
+        yield
+    finally:
+        Stopping.compiling(-1)
+
+
 def listen_to_numba() -> None:
     """Have numba tell when it compiles."""
     from numba.core import event  # slow to import, and there by now

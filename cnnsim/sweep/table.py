@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ from cnnsim.support import InputError
 from cnnsim.support.bounds import one_line
 from cnnsim.support.extras import install_line
 from cnnsim.support.files import make_folder, telling_nobody, writing
+from cnnsim.support.stopping import foreign_call
 from cnnsim.sweep.kind import Row
 
 NUMBER = "case"
@@ -46,8 +48,12 @@ class SweepTable:
         self._next = 1 + max((int(name) for name in known), default=-1)
 
     def prepare(self) -> None:
-        """Have imported what pyarrow imports for its first table: a quarter of a second, for which all would wait."""
-        self._arrow.table({NUMBER: self._arrow.array([0])})
+        """Have imported what pyarrow imports for its first table: a quarter of a second, for which all would wait.
+
+        In a thread: a process that is stopped does not wait for it; where one ends otherwise the import may be refused.
+        """
+        with foreign_call(), suppress(RuntimeError):
+            self._arrow.table({NUMBER: self._arrow.array([0])})
 
     def done(self) -> set[int]:
         """Return the numbers of the cases that have a row."""

@@ -1,12 +1,18 @@
 """Workers as processes of this machine: joblib's, which are started afresh when one of them was killed."""
 
+import signal
+import threading
+import warnings
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from functools import cache
+from multiprocessing import resource_tracker
 from typing import Any, TypeVar
 
 from cnnsim.support import InputError
 from cnnsim.support.extras import install_line
 from cnnsim.support.memory import free_memory
+from cnnsim.support.stopping import held_back
 from cnnsim.workers.base import Lost, Workers
 
 KEPT = 0.25
@@ -48,7 +54,7 @@ class LocalWorkers(Workers):
 
     def _alone(self, function: Callable[[Task], Outcome], task: Task) -> Outcome | Lost:
         try:
-            return next(iter(self._run(function, [(0, task)])))[1]
+            return next(self._run(function, [(0, task)]))[1]
         except self._died():
             return Lost(task)
 
@@ -59,12 +65,20 @@ class LocalWorkers(Workers):
             drawn[number] = task  # before it is handed out: what was drawn and not handed back is run again
             yield number, task
 
-    def _run(self, function: Callable[[Task], Outcome], tasks: Iterable[tuple[int, Task]]) -> Iterable[Any]:
+    def _run(self, function: Callable[[Task], Outcome], tasks: Iterable[tuple[int, Task]]) -> Iterator[Any]:
         parallel = self._joblib.Parallel(
             n_jobs=self.count, return_as="generator_unordered", batch_size=1, pre_dispatch=2 * self.count,
             max_nbytes=None,
         )  # fmt: skip
-        return parallel(self._joblib.delayed(_with_number)(function, *task) for task in tasks)
+        outcomes: Any = (nothing for nothing in ())
+        try:
+            with _unheard_by_children():
+                outcomes = parallel(self._joblib.delayed(_with_number)(function, *task) for task in tasks)
+            yield from outcomes
+        except BaseException:
+            with _in_silence():
+                outcomes.close()
+            raise
 
     @staticmethod
     def _died() -> type[Exception]:
@@ -73,6 +87,36 @@ class LocalWorkers(Workers):
         )
 
         return TerminatedWorkerError
+
+
+@contextmanager
+def _in_silence() -> Iterator[None]:
+    """Keep off stderr what joblib says of tasks that are given up, and what its own thread then misses."""
+    before, threading.excepthook = threading.excepthook, lambda _: None
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        threading.excepthook = before
+
+
+@contextmanager
+def _unheard_by_children() -> Iterator[None]:
+    """Hold Ctrl-C back in a block in which processes start, which inherit that it is blocked.
+
+    A terminal sends it to all of them, and each would end in a traceback of its own; who started them ends them.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    resource_tracker.ensure_running()  # as it starts it unblocks the signal, whether it was blocked or not
+    with held_back():
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            yield
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _with_number(function: Callable[[Task], Outcome], number: int, task: Task) -> tuple[int, Outcome]:
