@@ -70,14 +70,15 @@ class LocalWorkers(Workers):
             n_jobs=self.count, return_as="generator_unordered", batch_size=1, pre_dispatch=2 * self.count,
             max_nbytes=None,
         )  # fmt: skip
-        outcomes: Any = (nothing for nothing in ())
+        outcomes: Any = None
         try:
             with _unheard_by_children():
                 outcomes = parallel(self._joblib.delayed(_with_number)(function, *task) for task in tasks)
             yield from outcomes
         except BaseException:
-            with _in_silence():
-                outcomes.close()
+            if outcomes is not None:
+                with _in_silence():
+                    outcomes.close()
             raise
 
     @staticmethod

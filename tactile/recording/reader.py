@@ -6,6 +6,7 @@ import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,8 @@ from tactile.wire.source import DAMAGED, Chunk, WireSource
 
 FRAMES = "frames"
 """The entry of the metadata with the header of frames that were not on a wire."""
+FIRST = 4
+"""Frames a finger that are held against the head as a recording is opened: fingers take turns."""
 
 
 @dataclass
@@ -112,7 +115,11 @@ class Recorded:
 
 
 class StoredSource:
-    """The stored frames of a recording without bytes, as a ``Source``; ``notes``: what is wrong with it, in words."""
+    """The stored frames of a recording without bytes, as a ``Source``; ``notes``: what is wrong with it, in words.
+
+    Raises:
+        InputError: its head describes other arrays than its first frames are of; so does going through the others.
+    """
 
     notes: tuple[str, ...] = ()
 
@@ -124,12 +131,21 @@ class StoredSource:
             header = read_header(recorded.made[FRAMES], str(recorded.path), "metadata frames")
         self.title, self.modulus, self.arrays, self.provenance = header
         self.frames: int | None = sum(n for topic, n in recorded.messages.items() if topic.startswith("/frames/"))
+        for _ in islice(self, FIRST * len(self.arrays)):  # before anybody makes room for what the head says
+            pass
 
     def __repr__(self) -> str:
         return f"StoredSource({self.title!r}, {len(self.arrays)} fingers, {self.frames} frames)"
 
     def __iter__(self) -> Iterator[Frame]:
-        return self._recorded.stored_frames()
+        path, shapes = self._recorded.path, [array.shape for array in self.arrays]
+        for frame in self._recorded.stored_frames():
+            if frame.finger >= len(shapes):
+                raise InputError(f"{path}: damaged: a frame of finger {frame.finger}; its head has {len(shapes)}")
+            if frame.valid.shape != shapes[frame.finger]:
+                there, told = (" x ".join(map(str, shape)) for shape in (frame.valid.shape, shapes[frame.finger]))
+                raise InputError(f"{path}: damaged: a frame of {there} taxels, of which its head says {told}")
+            yield frame
 
 
 @contextmanager

@@ -128,13 +128,26 @@ def pack_frame(frame: Frame) -> bytes:
 
 
 def unpack_frame(message: bytes) -> Frame:
-    """Return the frame that a Frame message holds."""
+    """Return the frame that a Frame message holds.
+
+    Raises:
+        ValueError: it says that it has more or fewer taxels than are in it.
+    """
     body = message[len(HEAD) :]
     t, t_device, sequence, finger, flags, rows, cols = FIXED.unpack_from(body)
-    at = FIXED.size + COUNT.size
+    at, wanted = FIXED.size + COUNT.size, _frame_bytes(rows * cols)
+    if len(message) != wanted:
+        raise ValueError(f"a frame of {len(message)} bytes says {rows} x {cols} taxels, which take {wanted}")
     valid = np.frombuffer(body, np.uint8, rows * cols, at).astype(bool).reshape(rows, cols)
     at += rows * cols
     at += -at % 4 + COUNT.size
     at += -at % 8
     values = np.frombuffer(body, "<f8", rows * cols * 3, at).astype(np.float64).reshape(rows, cols, 3)
     return Frame(finger, t, sequence, values, valid, t_device, flags)
+
+
+def _frame_bytes(taxels: int) -> int:
+    """Return the length of a Frame message of so many taxels."""
+    at = FIXED.size + COUNT.size + taxels
+    at += -at % 4 + COUNT.size
+    return len(HEAD) + at + -at % 8 + taxels * 3 * 8

@@ -24,6 +24,7 @@ import numpy as np
 
 from cnnsim.support import InputError
 from cnnsim.support.bounds import TABLE, check_file, one_line
+from cnnsim.support.errors import SHOWN, cut
 from tactile.core.frame import MOST_FLAGS, Frame, TaxelArray
 from tactile.core.header import header_text, read_header
 from tactile.core.source import FrameStream, Source
@@ -51,10 +52,13 @@ def _read(path: Path, lines: list[str]) -> FrameStream:
     rows = csv.reader(lines[head:])
     names = next(rows, None)
     fixed = FIXED_COLUMNS if names is None or "flags" in names else FIXED_COLUMNS[:-1]
-    wanted = _columns(arrays, fixed)
-    if names != wanted:
-        got = lines[head] if head < len(lines) else "the end of the file"
-        raise InputError(f"{path}, line {head + 1}: {got!r}, the column names {','.join(wanted)!r} wanted")
+    most = max(array.rows * array.cols for array in arrays)
+    count = len(fixed) + 3 * most
+    if names is None or len(names) != count or names != _columns(most, fixed):
+        got = cut(lines[head]) if head < len(lines) else "the end of the file"
+        wanted = cut(",".join(_columns(min(most, SHOWN), fixed)))
+        many = "" if names is None or len(names) == count else f": {count}, not {len(names)}"
+        raise InputError(f"{path}, line {head + 1}: {got!r}, the column names {wanted!r} wanted{many}")
     frames: list[Frame] = []
     for row in rows:
         where = f"{path}, line {head + rows.line_num}"
@@ -81,16 +85,15 @@ def write_csv(path: Path, source: Source) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
         file.writelines(f"# {line}\n" for line in header)
         out = csv.writer(file, lineterminator="\n")
-        out.writerow(_columns(source.arrays))
+        out.writerow(_columns(max(array.rows * array.cols for array in source.arrays)))
         for frame in source:
             values = np.where(frame.valid[..., None], frame.values, np.nan).ravel().tolist()
             cells = [_cell(value) for value in (frame.t, frame.t_device, *values)]
             out.writerow([*cells[:2], names[frame.finger], frame.sequence, frame.flags, *cells[2:]])
 
 
-def _columns(arrays: tuple[TaxelArray, ...], fixed: tuple[str, ...] = FIXED_COLUMNS) -> list[str]:
-    most = max(array.rows * array.cols for array in arrays)
-    return [*fixed, *(f"{axis}{taxel}" for taxel in range(most) for axis in "xyn")]
+def _columns(taxels: int, fixed: tuple[str, ...] = FIXED_COLUMNS) -> list[str]:
+    return [*fixed, *(f"{axis}{taxel}" for taxel in range(taxels) for axis in "xyn")]
 
 
 def _cell(value: float) -> str:
@@ -113,7 +116,7 @@ def _read_frame(row: list[str], arrays: tuple[TaxelArray, ...], fixed: tuple[str
         flags = _whole(row[4], f"{where}: flags")
         if not 0 <= flags <= MOST_FLAGS:
             raise InputError(f"{where}: flags {flags}, from 0 to {MOST_FLAGS} wanted")
-    columns = _columns((array,), fixed)
+    columns = _columns(array.rows * array.cols, fixed)
     t, t_device, *flat = (_number(row[i], f"{where}: {columns[i]}") for i in (0, 1, *range(len(fixed), count)))
     if not np.isfinite(t):
         raise InputError(f"{where}: t_s = {row[0]!r}, a finite time wanted")

@@ -6,6 +6,7 @@ a taxel) and ``flags`` of the device (`tactile.core.frame.FLAGS`; may be missing
 """
 
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,8 @@ from tactile.recording.parquet_rows import ParquetRows
 KEY = b"tactile"
 BATCH = 4096
 """Rows read at once."""
+FIRST = 4
+"""Rows a finger that are held against the header as a file is opened: fingers take turns."""
 COLUMNS = {
     "t_s": float, "t_device_s": float, "finger": str, "sequence": int, "values": list[float], "valid": list[bool],
     "flags": int,
@@ -42,10 +45,14 @@ class ParquetReplay:
         return f"ParquetReplay({self.title!r}, {len(self.arrays)} fingers, {self.frames} frames)"
 
     def __iter__(self) -> Iterator[Frame]:
+        return self.read(BATCH)
+
+    def read(self, batch_rows: int) -> Iterator[Frame]:
+        """Yield the frames, so many rows of the file read at once."""
         fingers = {array.name: number for number, array in enumerate(self.arrays)}
         row = 0
         with one_line(self._path, "a Parquet recording"), parquet.ParquetFile(self._path) as file:
-            for batch in file.iter_batches(BATCH):
+            for batch in file.iter_batches(batch_rows):
                 for one in batch.to_pylist():
                     row += 1
                     with one_line(self._path, f"a frame in row {row}"):
@@ -55,6 +62,12 @@ class ParquetReplay:
     def _frame(self, row: dict[str, Any], fingers: dict[str, int]) -> Frame:
         finger = fingers[row["finger"]]
         shape = self.arrays[finger].shape
+        given, wanted = (len(row["values"]), len(row["valid"])), (3 * shape[0] * shape[1], shape[0] * shape[1])
+        if given != wanted:
+            told = " x ".join(map(str, shape))
+            raise ValueError(
+                f"{given[0]} values and {given[1]} flags, {wanted[0]} and {wanted[1]} of {told} taxels wanted"
+            )
         values = np.array(row["values"], dtype=np.float64).reshape(*shape, 3)
         valid = np.array(row["valid"], dtype=bool).reshape(shape)
         t, device, flags = float(row["t_s"]), float(row["t_device_s"]), int(row.get("flags") or 0)
@@ -67,7 +80,7 @@ def read_parquet(path: Path) -> ParquetReplay:
     """Open a Parquet recording.
 
     Raises:
-        InputError: no Parquet file, no header in it or a wrong one, other columns.
+        InputError: no Parquet file, no header in it or a wrong one, other columns, first rows of other arrays.
     """
     check_plain(path, "recording")
     with one_line(path, "a Parquet recording"), parquet.ParquetFile(path) as file:
@@ -80,7 +93,11 @@ def read_parquet(path: Path) -> ParquetReplay:
             f"{path}: columns {', '.join(schema.names)}, {'a' if text is not None else 'no'} header; columns"
             f" {', '.join(COLUMNS)} and a header {KEY.decode()!r} in the metadata wanted"
         )
-    return ParquetReplay(path, read_header(text.decode(errors="replace"), str(path), "metadata tactile"), rows)
+    replay = ParquetReplay(path, read_header(text.decode(errors="replace"), str(path), "metadata tactile"), rows)
+    first = FIRST * len(replay.arrays)
+    for _ in islice(replay.read(first), first):  # before anybody makes room for what the header says
+        pass
+    return replay
 
 
 def write_parquet(path: Path, source: Source) -> None:
