@@ -51,7 +51,9 @@ def run_on_engine(
         return result
     if end.x.size <= LARGE:
         x = where.load(np.asarray(end.x[...]), "lam")
-        u, bias, mask = (None if name not in planes else planes[name][...] for name in PLANES[1:])
+        u, bias, mask = (
+            None if name not in planes else np.broadcast_to(planes[name][...], end.x.shape) for name in PLANES[1:]
+        )
         outcome = Outcome(x, end.t, end.settled, end.rate)
         held = None if mask is None else where.load(np.asarray(mask), "llm")
         return ended(result, where, outcome, load(where, u), load(where, bias), held)

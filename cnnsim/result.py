@@ -8,6 +8,7 @@ import numpy as np
 
 from cnnsim.planning.plan import Plan
 from cnnsim.support import Array, Integers
+from cnnsim.support.values import is_stored
 from cnnsim.trajectories import Trajectory
 
 if TYPE_CHECKING:
@@ -67,11 +68,10 @@ class Result:
         away = "" if not self.distance > 0 else f", within {self.distance:.2g} of its end"
         away += "" if np.isnan(self.error) else f", error {self.error:.2g}"
         away += f", {len(self.undecided)} undecided" if len(self.undecided) else ""
-        y = self.y
-        return (
-            f"{self.plan.template.name!r}, {self._ended()}{rate}{away}, {size} {self.x.dtype}, x {self.x.min():.3g} to "
-            f"{self.x.max():.3g}, {int((y > 0).sum())} black"
-        )
+        words = f"{self.plan.template.name!r}, {self._ended()}{rate}{away}, {size} {self.x.dtype}"
+        if is_stored(self.x):  # it may be larger than the memory
+            return f"{words}, on the disk"
+        return f"{words}, x {self.x.min():.3g} to {self.x.max():.3g}, {int((self.y > 0).sum())} black"
 
     def _repr_png_(self) -> bytes:
         from cnnsim.support.pictures.picture import to_png
@@ -82,4 +82,5 @@ class Result:
         from cnnsim.plot.html import heading, image
 
         shown = "" if self.trajectory is None else self.trajectory._repr_html_()
-        return heading("Result", self._words()) + image(self._repr_png_()) + shown
+        picture = "" if is_stored(self.x) else image(self._repr_png_())
+        return heading("Result", self._words()) + picture + shown

@@ -84,8 +84,18 @@ class Task:
         )
 
     def repeatable(self) -> Repeatable:
-        """Return the transient as what can be run again, by other steps or on a part of its grid."""
-        given = self.state, self.input, self.bias, self.mask
+        """Return the transient as what can be run again, by other steps or on a part of its grid.
+
+        What is found out about its planes is to be as exact as the accuracy, whatever numbers they were given in.
+        """
+        finely = self.accuracy is not None and (self.accuracy.dtype == "float64" or self.state.size < LARGE)
+
+        def fine(value: Any) -> Any:
+            if isinstance(value, Frames):
+                return value.map(fine)
+            return value if value is None or not finely else value.astype(np.float64, copy=False)
+
+        given = fine(self.state), fine(self.input), fine(self.bias), self.mask
         return Repeatable(self.plan, lambda backend, plan, state=None, /: self.start(backend, state, plan), given)
 
     def recorded(self, backend: Backend, wanted: tuple[CellIndex, ...] | Floats, result: Result) -> Trajectory:

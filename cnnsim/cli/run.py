@@ -7,6 +7,7 @@ import click
 import numpy as np
 
 from cnnsim import backends, library
+from cnnsim.accuracy.wanted import parse_accuracy
 from cnnsim.backends.base import Backend
 from cnnsim.cli.large import block_option, check_engine_options, engine_option, run_large, store_option, workers_option
 from cnnsim.cli.pictures import (
@@ -118,7 +119,9 @@ def run(
         chosen = {"engine": engine, "store": store, "workers": workers, "side": block}
         run_large(entry, pictures, where, output, as_json, binary, levels, given, beside, chosen)
         return
-    reading = Reading(binary, levels, where.dtype)
+    accuracy = given.get("accuracy", entry.accuracy)
+    finely = accuracy is not None and parse_accuracy(accuracy).dtype == "float64"
+    reading = Reading(binary, levels, np.dtype(np.float64) if finely else where.dtype)
     shown = read_for(entry, pictures, reading, batch=True)
     where = find_backend(backend, where.dtype, device, threads, shown.size)
     task = entry.changed(entry.task(shown, read_beside(state, "--state", shown, reading)), given)
@@ -139,6 +142,7 @@ def run(
         over_time = run_over_time(entry.network, **task, until=max(end, 1.0), frames=60, backend=where)
         times, frames = zip(*watched(over_time, "film", 61), strict=True)
         write_film(frames, trajectory, times=times)
+        written = [*written, trajectory]
     black = int((result.y > 0).sum())
     size = " x ".join(str(n) for n in result.y.shape)
     if as_json:

@@ -79,14 +79,16 @@ def write_planes(store: GridStore, planes: Planes, dtype: np.dtype[Any], *, link
     for name, plane in planes.items():
         if name == STATE and shared:
             continue
-        if link and name != MASK and hasattr(plane, "store_path") and can_be_read(plane, dtype):
+        whole = tuple(plane.shape) == tuple(state.shape)  # else a plane (rows, cols) stands for all layers or grids
+        if link and whole and name != MASK and hasattr(plane, "store_path") and can_be_read(plane, dtype):
             linked[name] = str((Path(plane.store.root) / plane.path).absolute())
             continue
         target = STATES[0] if name == STATE else name
         store.add(target, state.shape, bool if name == MASK else dtype)
         for block in range(len(blocks)):
             (r0, r1), (c0, c1) = area = blocks.area(block)
-            store.write(target, area, _values(name, plane[..., r0:r1, c0:c1], dtype, area))
+            values = _values(name, plane[..., r0:r1, c0:c1], dtype, area)
+            store.write(target, area, np.broadcast_to(values, (*state.shape[:-2], *values.shape[-2:])))
             if (told := watcher()) is not None:
                 told((block + 1) / len(blocks), f"{name} to {store.folder}")
     first = INPUT if shared else STATE if STATE in linked else STATES[0]

@@ -1,5 +1,7 @@
 """States over time to an accuracy, against a wave on a torus that decays by a known exponential."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -49,3 +51,18 @@ def test_cells_have_no_steps_in_common() -> None:
         run_transient(HEAT, state=WAVE, duration=1.0, accuracy=1e-3, record=[(0, 0)])
     with pytest.raises(InputError, match="time 3 after the end of the run; 0 to 1 wanted"):
         run_transient(HEAT, state=WAVE, duration=1.0, accuracy=1e-3, record=[3.0])
+
+
+@pytest.mark.parametrize("duration", [2.0, "settled"])
+def test_numbers_given_in_float32_are_computed_with_as_finely(duration: Any) -> None:
+    """The drive B*u + z of such planes is no sum in float32: 0.1 has no number there."""
+    rng = np.random.default_rng(5)
+    planes: dict[str, Any] = {
+        name: rng.uniform(-1, 1, (9, 11)).astype(np.float32) for name in ("state", "input", "bias")
+    }
+    template = Template(
+        [[0.1, 0.6, -0.2], [-0.4, 1.6, 0.8], [0.3, -0.5, 0.2]], [[0, 0.3, 0], [1, -0.2, 0.4], [0] * 3], 0.1
+    )
+    finely: dict[str, Any] = {name: plane.astype(np.float64) for name, plane in planes.items()}
+    short, long = (run_transient(template, **of, duration=duration, accuracy=1e-9) for of in (planes, finely))
+    assert np.array_equal(short.x, long.x)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import cnnsim
-from cnnsim.network import Cell, Characteristic, Template, Term
+from cnnsim.network import Cell, Characteristic, LayeredTemplate, Template, Term
 from cnnsim.network.characteristic import TANH
 from cnnsim.supersteps import identity
 from cnnsim.supersteps.engine import Engine
@@ -121,6 +121,22 @@ def test_planes_may_be_zarr_arrays_and_so_is_the_result_then(tmp_path: Path) -> 
     assert type(found.x).__module__.startswith("zarr")
     assert found.x[...].tobytes() == whole.x.tobytes()
     assert found.y.tobytes() == whole.y.tobytes()
+
+
+def test_a_stored_plane_of_one_layer_stands_for_all(tmp_path: Path) -> None:
+    zarr = pytest.importorskip("zarr")
+    layers = LayeredTemplate([MIXED, Template([[0.5]], terms=[Term([[0.3]], "y_kl", layer=0)])])
+    planes: dict[str, Any] = {"state": np.stack([X, U]), "input": np.stack([U, X]), "bias": 0.1 * X, "mask": U > 0.8}
+    task: dict[str, Any] = {"duration": 1.0, "dtype": "float64"}
+    whole = cnnsim.run_transient(layers, **planes, **task)
+    stored: dict[str, Any] = {
+        name: zarr.create_array(tmp_path / name, data=plane, chunks=(2, 16, 16)[3 - plane.ndim :])
+        for name, plane in planes.items()
+    }
+    found = cnnsim.run_transient(layers, **stored, **task, engine=one(side=20, depth=5, store=tmp_path / "store"))
+    assert np.array_equal(np.asarray(found.x[...]), whole.x)
+    assert "on the disk" in repr(found)
+    assert "on the disk" in found._repr_html_()
 
 
 def test_planes_on_the_disk_mean_what_arrays_do(tmp_path: Path) -> None:
