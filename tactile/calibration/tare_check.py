@@ -44,6 +44,7 @@ class TareCheck:
     moving: bool
     loaded: bool
     below: float = 0.0
+    late: float = 0.0
 
     @property
     def words(self) -> str:
@@ -66,7 +67,11 @@ class TareCheck:
             found.append("loaded meanwhile, or an offset of that size")
         if self.moving:
             found.append(f"moving meanwhile, a taxel by {self._measure(self.moved)}")
-        return f"{' and '.join(found)}: {CURE}" if found else ""
+        told = f"{' and '.join(found)}: {CURE}" if found else ""
+        if not self.late:
+            return told
+        before = f"taken only after {self.late:.3g} s, before which there are no readings, nor events"
+        return f"{before}; {told}" if told else f"{before}: {CURE}"
 
     def _measure(self, value: float) -> str:
         return measure(value, self.quantity)

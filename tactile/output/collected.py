@@ -1,6 +1,7 @@
 """A run kept in memory: its events, the figures of every frame as named columns, and the firmest frame."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +14,8 @@ from tactile.events.event import Event, EventLog
 from tactile.output.truth import Truth
 from tactile.pipeline import FrameReport
 
+LATE = 2
+"""Times as many frames as a tare takes may go by before the first reading until that is told."""
 SMOOTH = 10
 """Frames that are averaged before readings are said to fall below the tare."""
 
@@ -126,11 +129,15 @@ class Collected:
         return np.array(self._errors.get(finger, []), dtype=np.float64).reshape(-1, 2)
 
     def tare(self, array: TaxelArray) -> TareCheck | None:
-        """Return what the tare took away from a finger, judged by the later readings too; None without a tare."""
+        """Return what the tare took away from a finger, judged by the other readings too; None without a tare."""
         check = self._tares.get(array.name)
         if check is None:
             return None
-        normal = self.columns(array.name).normal[check.frames :]
+        columns = self.columns(array.name)
+        known = np.flatnonzero(np.isfinite(columns.normal))
+        if known.size and known[0] > LATE * check.frames:
+            check = replace(check, late=float(columns.t[known[0]] - columns.t[0]))
+        normal = columns.normal[check.frames :]
         normal = normal[np.isfinite(normal)]
         if normal.size < SMOOTH:
             return check

@@ -7,11 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tactile import Settings, run
 from tactile.calibration.gains import Gains
 from tactile.calibration.tare import Tare
 from tactile.calibration.tare_check import TareCheck
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream, Provenance
+from tactile.output.collected import Collected
 from tactile.sources.replay_npz import write_npz
 from tests.kits.serial import call
 
@@ -96,3 +98,17 @@ def test_a_run_says_it_in_table_json_and_record(tmp_path: Path) -> None:
     short = recorded(tmp_path / "s.npz", [*readings(0.0, frames=15)])
     assert "pad: no tare in 15 frames (too few); --tare N takes the first N" in call("run", short, "--json").stderr
     assert "pad: tare over 100 frames, 15 there" in call("run", short, "--json", "--tare", "100").stderr
+
+
+@pytest.mark.parametrize("pressed", [0.0, 1.5])
+def test_a_tare_that_comes_late_says_what_has_no_readings(pressed: float) -> None:
+    """A finger that is pressed from its first frame on, ever firmer, is tared once it is let go."""
+    noise, times = readings(frames=300), 0.01 * np.arange(300)
+    noise[:, 1, 1, 2] += np.where(times < pressed, 1 + 2 * times, 0)
+    frames = [Frame(0, t, n, one, np.ones((3, 3), bool)) for n, (t, one) in enumerate(zip(times, noise, strict=True))]
+    collected = Collected()
+    run(FrameStream("pad", (PAD,), None, 300, frames), Settings(tare="auto"), [collected])
+    check = collected.tare(PAD)
+    assert check is not None
+    assert ("before which there are no readings, nor events" in check.warning) is (pressed > 0)
+    assert pressed <= check.late <= pressed + (0.5 if pressed else 0)
