@@ -9,6 +9,8 @@ from tactile.calibration.from_load import depth_from_speed, gains_from_load
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection, radial_from_scan
 from tactile.calibration.sensitivity import beta_from_scan
+from tactile.core.loads import COLUMNS, PLACE, F
+from tactile.elastic.halfspace import point_load_strain
 from tactile.inverse.taxel import invert_strain
 
 RELIABLE, REACH = 0.75, 1.25
@@ -34,7 +36,7 @@ def calibrate(
     """Return the calibration from a needle that slides straight over a taxel, at a known speed, with a known load.
 
     In this order: beta_ns from the extrema (eq. (18)); the depth with which the needle moves at its speed; the gains
-    with which it presses with its load; how far it was when it was located at each radius.
+    with which all readings near the taxel fit to its load; how far it was when it was located at each radius.
 
     Arguments: ``times`` (n,) [s]; ``readings`` (n, 3) T_x, T_y, S_n less their tare; ``speed`` [m/s]; ``load`` [N];
     ``depth`` z [m], nominal; ``modulus`` E [Pa]; ``toward``: direction of the slide in the array's
@@ -84,6 +86,7 @@ def calibrate(
             f"the scan passes {aside * 1e6:.3g} um beside the taxel, at most {ASIDE * deeper * 1e6:.3g} um wanted"
         )
     true = (middle @ way + since * speed)[:, None] * way + aside * np.array([-way[1], way[0]])
+    gains = _fitted(gains, read[near], true[near], load, deeper, modulus)
     reach = np.hypot(*true.T) <= REACH * depth
     places, forces = _located(read[reach], gains, deeper, modulus)
     radial = _radial(places, true[reach], forces, load)
@@ -95,6 +98,18 @@ def calibrate(
         float(abs(gains.shear) * np.hypot(share, own)), float(abs(gains.normal) * share), float(deeper * error)
     )  # fmt: skip
     return Calibration(gains, deeper, radial, sigma)
+
+
+def _fitted(gains: Gains, readings: Floats, places: Floats, load: float, depth: float, modulus: float) -> Gains:
+    """Return the gains with which all readings (n, 3) fit best to those under the load at its places (n, 2) [m].
+
+    Located forces, each from three readings alone, are larger on the mean for their noise: by 1.3 % at 3 %.
+    """
+    rows = np.zeros((len(places), 1, COLUMNS))
+    rows[:, 0, PLACE], rows[:, 0, F] = places, load
+    true = point_load_strain((0.0, 0.0), depth, rows, modulus)
+    factor = float((true * true).sum() / (gains(readings) * true).sum())
+    return Gains(gains.shear * factor, gains.normal * factor)
 
 
 def _way(shear: Floats, top: int) -> Floats:

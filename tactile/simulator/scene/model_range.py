@@ -31,8 +31,9 @@ ends. Against rigid cylinders of 2 to 50 thicknesses solved on a grid its force 
 SQUEEZED_BY = 1.5
 """Power of that share which is less than what is left of the force in all of these."""
 SLIPS = 1.5
-"""Contact radius over thickness from which what is felt of a pull that partly slips is off by more than 5 % of its
-largest: on an incompressible cover by 6 % at 2 under a first pull and 10 % once that turns back, 9 % at 4."""
+"""Contact radius over thickness from which what is felt of a pull that partly slips is off by more than 5 % of what is
+felt when all slides. Against slip solved cell by cell, on an incompressible cover: by 6 % at 2 under a first pull, 10 %
+where it grows with the force, 12 % where it turns back; by 6 to 9, 13 and 17 % at 4."""
 DOUBT = 0.02
 """Share of its force that the cells of a height map may leave open. Of smooth bodies it is a cautious figure: they come
 out to 1 % where it is below."""
@@ -163,7 +164,8 @@ def _size(name: str, force: float, contact: MovingContact, medium: Medium) -> It
         if over > SLIPS:
             yield (
                 f"{name}: slips from its rim inwards over {over:.2g} thicknesses of the cover in radius; at most "
-                f"{SLIPS:g} wanted: what is felt of a pull is off by 5 to 10 % of its largest until all of it slides"
+                f"{SLIPS:g} wanted: until all of it slides what is felt of a pull is off by 6 % and more, 12 % where "
+                "it turns back"
             )
     if body.shape == "sphere":
         wide, extent = float(body.contact_radius(push, medium)[0]), "in radius"
