@@ -31,9 +31,11 @@ def parameter(
 
 @dataclass_transform(frozen_default=True)
 def effect(
-    stage: str, random: bool = False, normal: bool = False, assumed: bool = True
+    stage: str, random: bool = False, normal: bool = False, assumed: bool = True, *, price: tuple[float, float]
 ) -> Callable[[type[Kind]], type[Kind]]:
     """Make a class an effect: a frozen dataclass of parameters with what ``effects.Effect`` says of them.
+
+    Arguments: ``price``: time of a run [us], however short, and of every reading [ns], at its typical strength alone.
 
     Its parameters are refused outside their ranges, and infinite where that is not strength zero, before its own
     ``__post_init__``. Where all strengths are zero its
@@ -62,6 +64,7 @@ def effect(
         kind.__post_init__, kind.__call__ = check, call
         kind = dataclass(frozen=True)(kind)
         kind.STAGE, kind.RANDOM, kind.NORMAL, kind.ASSUMED = stage, random or normal, normal, assumed
+        kind.PRICE = price[0] * 1e-6, price[1] * 1e-9
         kind.KEYS = {one.metadata["key"] or one.name: (one.name, one.metadata["unit"]) for one in fields(kind)}
         kind.SAYS = frozenset(name for name in ANSWERS if hasattr(kind, name))
         kind.NONE = {one.name: one.metadata["none"] for one in fields(kind) if one.metadata["none"] is not NEEDED}

@@ -14,7 +14,7 @@ from tactile.simulator.choice.effect_bounds import EffectBounds
 from tactile.simulator.choice.finger_bounds import FIELD
 from tactile.simulator.choice.forces import sinks_in
 from tactile.simulator.choice.leaving import negligible
-from tactile.simulator.choice.prospects import likely_coarse, may_pay
+from tactile.simulator.choice.prospects import may_pay, points_may_pay
 from tactile.simulator.contacts.rig import Rig
 from tactile.simulator.effect import is_off
 from tactile.simulator.effects import ORDER, Effect, effect_class
@@ -161,16 +161,17 @@ def choose(scene: Scene, tolerance: float, reused: bool = False) -> Choice:
     effects = all_effects(scene)
     bounds = EffectBounds(scene, effects, tolerance=tolerance, reused=reused)
     off, joint = {name for name, effect in effects if effect.off}, 0.0
-    # the ideal field of points is there in no time, and nearly always pays
     points = scene.bumps is None and not scene.contacts
-    tried = reused or not (
-        likely_coarse(scene, effects, tolerance) if points else not may_pay(scene, effects, tolerance)
+    tried = reused or (
+        points_may_pay(scene, bounds, tolerance) if points else may_pay(scene, effects, tolerance)
     )
     if tried and not bounds.coarse:
         # the effects of a reused choice are kept, not how finely they were computed
         rough = not reused and scene.accuracy == ACCURACY < bounds.rough and scene.bumps is None
         off, joint = negligible(bounds, tolerance, rough)
-    accuracy = bounds.rough if FIELD in off else None
-    off.discard(FIELD)
+    accuracy = None
+    if FIELD in off:
+        off.remove(FIELD)
+        accuracy, joint = bounds.rougher(joint)
     chosen = scene.with_effects([one for one in effects if one[0] not in off], accuracy)
     return Choice(chosen, tolerance, frozenset(off), joint, bounds, tried)

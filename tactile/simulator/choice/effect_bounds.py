@@ -3,7 +3,7 @@
 from collections.abc import Container, Iterable
 from copy import copy
 from dataclasses import replace
-from functools import cached_property, partial, reduce
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from cnnsim.support import Floats
 from tactile.simulator.choice.chain import Chain, Named
 from tactile.simulator.choice.extremes import Extremes, extremes
 from tactile.simulator.choice.field_bounds import FieldBounds
-from tactile.simulator.choice.finger_bounds import FingerBounds, LeftOut
+from tactile.simulator.choice.finger_bounds import FIELD, NOTHING_OUT, FingerBounds
 from tactile.simulator.choice.forces import highest_reading, unseen
 from tactile.simulator.choice.shaking import rises
 from tactile.simulator.choice.trials import Trial
@@ -23,7 +23,9 @@ from tactile.simulator.seen import RARE
 from tactile.simulator.taxels import FINEST
 
 COARSEST, PART = 1e-3, 0.05
-"""Accuracy of the field at most, in trials and in a run, and the part of the tolerance that it may take."""
+"""Accuracy of the field at most, in trials, and the part of the tolerance that it may take."""
+ROUGHER = 5.0, 2.0
+"""By what it may be rougher in a run where the tolerance has so much left."""
 
 
 class EffectBounds:
@@ -93,29 +95,52 @@ class EffectBounds:
         """How far the field may be off, of its peak, where it takes but a small part of the tolerance."""
         return max(self._scene.accuracy, min(self._tolerance * PART, COARSEST))
 
+    def rougher(self, joint: float) -> tuple[float, float]:
+        """How far the field may be off where all that is left out, it among them, changes so much; and the bound then.
+
+        It takes no more than half of what is left of the tolerance, and goes by steps, for tables are made for each.
+        """
+        growth = max([finger.reach[FIELD] * finger.growth[FIELD] for finger in self.fingers]) / self.peak
+        for more in ROUGHER:
+            if (change := growth * (more - 1)) <= (self._tolerance - joint) / 2:
+                return self.rough * more, joint + change
+        return self.rough, joint
+
+    @property
+    def on_frames(self) -> list[Named]:
+        """Those that act on frames."""
+        return self._chain.on_frames
+
+    @cached_property
+    def highest(self) -> float:
+        """How large readings may be, as forces alone say."""
+        return highest_reading(self._scene)
+
+    @cached_property
+    def step(self) -> float:
+        """The largest step of the converters that are on, 0 without one."""
+        step, chain, fingers = 0.0, self._chain, range(len(self._scene.arrays))
+        for name, effect in chain.on_frames:
+            if "grain" in effect.SAYS and name in chain.on:
+                step = max(step, *[effect.grain(unseen(self._scene, finger, self.highest)) for finger in fingers])
+        return step
+
     @property
     def coarse(self) -> bool:
         """Whether a converter's steps are so coarse that it is on, and nothing before it may be left out.
 
         Often the forces say so before the field is computed.
         """
-        converters = [
-            effect for name, effect in self._chain.on_frames if name in self._chain.on and "grain" in effect.SAYS
-        ]
-        if not converters:
-            return False
-        highest = highest_reading(self._scene)
-        seen = [unseen(self._scene, finger, highest) for finger in range(len(self._scene.arrays))]
-        step = max(effect.grain(one) for effect in converters for one in seen)
-        return step > 2 * self._tolerance * highest > 0 or step > 2 * self._tolerance * self.peak
+        fine = 2 * self._tolerance
+        return self.step > 0 and (self.step > fine * self.highest > 0 or self.step > fine * self.peak)
 
     def sizes(self) -> dict[str, float]:
         """The bound of every effect relative to the peak."""
         fingers, peak, sizes = self.fingers, self.peak, dict.fromkeys([name for name, _ in self.effects], 0.0)
         for finger in fingers:
-            for name, size in finger.sizes():
-                if name in sizes:  # not the field's accuracy
-                    sizes[name] = max(sizes[name], size / peak)
+            for name, size in finger.sizes().items():
+                sizes[name] = max(sizes[name], size / peak) if name in sizes else size / peak
+        sizes.pop(FIELD)
         return sizes
 
     @property
@@ -141,8 +166,10 @@ class EffectBounds:
         """What leaving these out changes at most, relative to the peak."""
         most = 0.0
         for finger in self.fingers:
-            gone = reduce(finger.without, [name for name in off if name not in self.zero], LeftOut())
-            most = max(most, finger.change(gone)[1])
+            gone, out = NOTHING_OUT, [name for name in off if name not in self.zero]
+            for name in out:
+                gone = finger.without(gone, name, out)
+            most = max(most, gone[-1])
         return most / self.peak
 
     def without(self, off: Container[str]) -> "EffectBounds":

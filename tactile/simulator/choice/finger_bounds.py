@@ -1,8 +1,9 @@
 """Bounds of what effects change in the readings of one finger, one by one and left out together."""
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +16,12 @@ FIELD = "accuracy of the field"
 """What stands for the field's own accuracy among the effects: to compute it roughly is to leave that out."""
 SAFE = 1.25
 """What is found on the frames that tell most may be so many times larger on another one."""
+
+
+LeftOut = tuple[Floats, float, float, float, float, float]
+"""What effects that are left out on one finger change: terms with their growth, the sum of others and that of squares;
+the change of all of them, the sum of what each does, and what steps that stay behind make of it."""
+NOTHING_OUT: LeftOut = np.zeros(1), 0.0, 0.0, 0.0, 0.0, 0.0
 
 
 @dataclass
@@ -34,44 +41,31 @@ class FingerBounds:
     grains: dict[str, tuple[float, float]] = field(default_factory=dict)
     whole: Floats = field(default_factory=lambda: np.zeros(1))
 
-    def sizes(self) -> list[tuple[str, float]]:
+    def sizes(self) -> dict[str, float]:
         """What each effect changes."""
         growth = self.growth
-        tried = [(name, largest(change) * SAFE * growth[name]) for name, change in self.terms.items()]
-        return tried + [(name, reach * growth[name]) for name, reach in self.reach.items()]
+        sizes = {name: reach * growth[name] for name, reach in self.reach.items()}
+        for name, change in self.terms.items():
+            sizes[name] = largest(change) * SAFE * growth[name]
+        return sizes
 
-    def without(self, left: "LeftOut", name: str) -> "LeftOut":
-        """The same with one more effect left out."""
-        names, terms, growth, plain, squares = left
+    def without(self, left: LeftOut, name: str, off: Collection[str]) -> LeftOut:
+        """The same with one more effect left out beside those that are ``off``."""
+        terms, growth, plain, squares, _, _ = left
         if name in self.terms:
             terms, growth = terms + self.terms[name], max(growth, self.growth[name])
         elif name in self.normal:
             squares += (self.reach[name] * self.growth[name]) ** 2
         else:
             plain += self.reach[name] * self.growth[name]
-        return LeftOut((*names, name), terms, growth, plain, squares)
-
-    def change(self, left: "LeftOut") -> tuple[float, float]:
-        """What leaving these out changes, the sum of what each does; and what steps make of it that stay behind."""
-        names, terms, growth, plain, squares = left
-        total = plain + math.sqrt(squares)
+        change = plain + math.sqrt(squares)
         if growth:
-            total += SAFE * largest(terms) * growth
-        steps = 0.0
-        for name, (grain, chance) in self.grains.items():
-            if total * chance > RARE and name not in names:
-                steps += grain
-        return total, total + steps
-
-
-class LeftOut(NamedTuple):
-    """Effects that are left out on one finger, and the sums of what they change: see ``FingerBounds``."""
-
-    names: tuple[str, ...] = ()
-    terms: Floats = np.zeros(1)
-    growth: float = 0.0
-    plain: float = 0.0
-    squares: float = 0.0
+            change += SAFE * largest(terms) * growth
+        stepped = change
+        for one, (grain, chance) in self.grains.items():
+            if change * chance > RARE and one != name and one not in off:
+                stepped += grain
+        return terms, growth, plain, squares, change, stepped
 
 
 def largest(values: Any) -> float:

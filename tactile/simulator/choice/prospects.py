@@ -8,9 +8,10 @@ import numpy as np
 from tactile.core.loads import FORCE, F
 from tactile.elastic.halfspace import point_scale
 from tactile.simulator.choice.chain import Named
+from tactile.simulator.choice.effect_bounds import EffectBounds
 from tactile.simulator.choice.extremes import PEAKS, SPREAD
 from tactile.simulator.choice.field_bounds import LARGE
-from tactile.simulator.choice.forces import highest_reading, unseen
+from tactile.simulator.choice.forces import unseen
 from tactile.simulator.choice.trials import (
     CHANCE,
     EFFECT,
@@ -32,6 +33,10 @@ from tactile.simulator.slopes import VALUE, Slopes
 
 CHOICE = 600e-6
 """Time of a choice [s] by bounds, however few frames there are."""
+CHOICE_POINTS, IDEAL_POINT = 200e-6, 7e-9
+"""The same where points alone press, and for every load on every reading."""
+LIKELY = 0.5
+"""Of the time that effects take, about so much is saved where points press and all of the tolerance is left for it."""
 IDEAL, IDEAL_BODY, IDEAL_LINE = 0.5e-6, 4e-6, 25e-6
 """Time of a frame of the skin without effects [s], for every load, body, and line or map."""
 IDEAL_PAIR = 12e-9
@@ -53,8 +58,6 @@ def may_pay(scene: Scene, effects: list[Named], tolerance: float) -> bool:
     enough = (_cost(scene) + CHOICE) / (FEW if few else CHANCE)
     acting = [effect for _, effect in effects if not effect.off]
     fixed = [effect for effect in acting if effect.STAGE == "field" and not effect.RANDOM]
-    if likely_coarse(scene, effects, tolerance):
-        return False
     layered = any(name == "finite_thickness" and not effect.off for name, effect in effects)
     fingers = [_saved(scene, finger, fixed, tolerance, layered) for finger in range(len(scene.arrays))]
     saved = sum(one for one, _ in fingers)
@@ -66,16 +69,26 @@ def may_pay(scene: Scene, effects: list[Named], tolerance: float) -> bool:
     return saved > enough
 
 
-def likely_coarse(scene: Scene, effects: list[Named], tolerance: float) -> bool:
-    """Whether a converter's steps are so coarse, for a usual peak, that nothing before it may be left out.
+def points_may_pay(scene: Scene, bounds: EffectBounds, tolerance: float) -> bool:
+    """The same where points alone press: by what the effects take, and what of the tolerance is left for them.
 
-    By forces along paths alone.
+    A converter that is left out takes half a step of it, and one whose steps are so coarse, for a usual peak, that it
+    stays lets nothing before it be left out. That is told by the forces along paths alone.
     """
-    converters = [effect for _, effect in effects if "grain" in effect.SAYS and not effect.off]
-    if not converters or not math.isfinite(highest := highest_reading(scene)):
-        return False
-    seen = [unseen(scene, finger, highest) for finger in range(len(scene.arrays))]
-    return max([effect.grain(one) for effect in converters for one in seen]) > 2 * tolerance * USUAL * highest
+    left = 1.0
+    if bounds.step:
+        usual = 2 * tolerance * USUAL * bounds.highest
+        if bounds.step >= usual:
+            return False
+        left -= bounds.step / usual
+    fingers = len(scene.arrays)
+    readings = 3 * scene.samples * sum([array.rows * array.cols for array in scene.arrays])
+    price = 0.0
+    for _, effect in (*bounds.on_fields, *bounds.on_frames):
+        each, reading = effect.PRICE
+        price += each * fingers + reading * readings
+    cost = CHOICE_POINTS * fingers + IDEAL_POINT * len(scene.loads) * readings / fingers
+    return LIKELY * left * price > cost
 
 
 def _cost(scene: Scene) -> float:

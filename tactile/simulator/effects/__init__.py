@@ -9,6 +9,7 @@ nothing. Its class says
     ASSUMED whether ``effects = "auto"`` takes a scene to have it that does not describe it; not so the faults of a
             single array, which nobody can guess
     NORMAL  whether what it changes is normally distributed, or nearly: such changes add up by their squares
+    PRICE   about what it takes in a run: time of a finger's recording [s], however short, and of every reading
     KEYS    the keys of its table in a scene: name -> (attribute, factor to SI units)
     NONE    the attributes that make its strength zero, and their values then
 
@@ -84,6 +85,7 @@ class Effect(Protocol):
     RANDOM: ClassVar[bool]
     NORMAL: ClassVar[bool]
     ASSUMED: ClassVar[bool]
+    PRICE: ClassVar[tuple[float, float]]
     KEYS: ClassVar[Mapping[str, tuple[str, float]]]
     NONE: ClassVar[Mapping[str, Any]]
 

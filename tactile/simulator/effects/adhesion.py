@@ -12,7 +12,7 @@ from tactile.simulator.field import Field
 from tactile.simulator.slopes import Slopes
 
 
-@effect("field", assumed=False)
+@effect("field", assumed=False, price=(2, 0))
 class Adhesion:
     """Spheres, needles and flat punches stick, with ``work`` [J/m^2] of adhesion.
 

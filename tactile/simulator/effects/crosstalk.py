@@ -10,7 +10,7 @@ from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen
 
 
-@effect("frames")
+@effect("frames", price=(20, 8.6))
 class Crosstalk:
     """Components gain ``cross_axis`` times the taxel's two others, then ``neighbour`` times the four neighbours'.
 

@@ -10,7 +10,7 @@ from tactile.simulator.effect import effect, parameter, within
 from tactile.simulator.seen import RARE, Seen
 
 
-@effect("frames", random=True)
+@effect("frames", random=True, price=(19, 0.3))
 class DeadTaxels:
     """Each taxel is dead with probability ``dead`` (reads 0) or stuck with probability ``stuck``.
 

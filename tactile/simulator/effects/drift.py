@@ -11,7 +11,7 @@ from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen, sigmas
 
 
-@effect("frames", normal=True)
+@effect("frames", normal=True, price=(20, 20))
 class Drift:
     """Adds full scale * (``rate`` * s_c * t + ``walk`` * W_c(t)) to channel c, t from the first frame.
 

@@ -12,7 +12,7 @@ from tactile.simulator.field import Field
 from tactile.simulator.slopes import Slopes
 
 
-@effect("field")
+@effect("field", price=(60, 8.5))
 class FiniteThickness:
     """The cover is a layer ``thickness`` [m] thick, infinite for the half-space; None: twice the taxels' depth.
 

@@ -11,7 +11,7 @@ from tactile.simulator.field import Field
 from tactile.simulator.slopes import Slopes
 
 
-@effect("field")
+@effect("field", price=(140, 9.5))
 class FiniteTip:
     """Point loads are pressed by a rigid hemisphere of ``radius`` [m]; 0 leaves them points.
 

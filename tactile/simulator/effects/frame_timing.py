@@ -10,7 +10,7 @@ from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen, longest_run, sigmas
 
 
-@effect("frames", random=True)
+@effect("frames", random=True, price=(48, 0.7))
 class FrameTiming:
     """Host times are off by a normal ``jitter`` [s]; frames repeat the one before, or get lost, at random.
 

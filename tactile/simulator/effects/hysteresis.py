@@ -13,7 +13,7 @@ from tactile.simulator.seen import Seen
 PLAYS = 4
 
 
-@effect("frames")
+@effect("frames", price=(5, 2.8))
 class Hysteresis:
     """y = x + weight (mean of p_k - x), p_k a play of half-width k ``width`` / 4 of full scale, k = 1 .. 4.
 

@@ -10,7 +10,7 @@ from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen
 
 
-@effect("frames", random=True)
+@effect("frames", random=True, price=(30, 0.8))
 class MotorNoise:
     """A tone of ``frequency`` [Hz] and ``amplitude`` (of full scale) that comes and goes in bursts.
 

@@ -15,7 +15,7 @@ from tactile.simulator.seen import longest
 from tactile.simulator.slopes import Slopes
 
 
-@effect("field", normal=True)
+@effect("field", normal=True, price=(45, 0.4))
 class NeedleVibration:
     """Every frame all contacts of a finger are displaced together, x and y by ``lateral`` and z by ``vertical`` [m].
 

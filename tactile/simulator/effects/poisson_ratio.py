@@ -11,7 +11,7 @@ from tactile.simulator.field import Field
 from tactile.simulator.slopes import Slopes
 
 
-@effect("field")
+@effect("field", price=(2, 0))
 class PoissonRatio:
     """The cover's Poisson's ratio ``nu``; 1/2 is the paper's model and changes nothing.
 

@@ -10,7 +10,7 @@ from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen
 
 
-@effect("frames")
+@effect("frames", price=(5, 0.8))
 class Quantisation:
     """Readings become whole numbers of steps of 2 ``span`` / 2^``bits`` of full scale.
 

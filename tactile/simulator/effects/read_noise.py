@@ -10,7 +10,7 @@ from tactile.simulator.gaussian import LARGEST, GaussianNoise
 from tactile.simulator.seen import Seen, sigmas
 
 
-@effect("frames", normal=True)
+@effect("frames", normal=True, price=(12, 0.6))
 class ReadNoise:
     """Adds normal noise of standard deviation ``rms`` (of full scale) to every reading.
 

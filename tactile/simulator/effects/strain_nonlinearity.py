@@ -12,7 +12,7 @@ from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen
 
 
-@effect("frames")
+@effect("frames", price=(40, 9))
 class StrainNonlinearity:
     """Normal readings follow neo-Hookean rubber in uniaxial load, by ``strength`` from 0 (linear) to 1.
 

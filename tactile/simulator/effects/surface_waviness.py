@@ -16,7 +16,7 @@ from tactile.simulator.slopes import Slopes
 WAVES = 32
 
 
-@effect("field", normal=True)
+@effect("field", normal=True, price=(120, 1.8))
 class SurfaceWaviness:
     """A random surface of standard deviation ``rms`` [m] over hills ``wavelength`` [m] apart.
 

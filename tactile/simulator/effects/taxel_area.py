@@ -11,7 +11,7 @@ from tactile.simulator.field import Field
 from tactile.simulator.slopes import Slopes
 
 
-@effect("field")
+@effect("field", price=(90, 43))
 class TaxelArea:
     """Square taxels ``width`` [m] wide that average over their area; 0 for points.
 

@@ -13,7 +13,7 @@ from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen
 
 
-@effect("frames")
+@effect("frames", price=(28, 0.7))
 class Viscoelastic:
     """Relaxation y = x - sum of g_i (x - h_i), or creep y = x + the same sum.
 

@@ -10,7 +10,7 @@ from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen
 
 
-@effect("frames", assumed=False)
+@effect("frames", assumed=False, price=(3, 0.2))
 class Clipping:
     """Readings beyond +- ``limit`` of full scale are ``limit``; infinite for an amplifier without end.
 

@@ -13,7 +13,7 @@ from tactile.simulator.seen import Seen
 ALL = np.ones(1)
 
 
-@effect("frames", assumed=False)
+@effect("frames", assumed=False, price=(20, 0.9))
 class LowPass:
     """A filter of first order with the time constant ``time`` [s] in every channel; 0 for none.
 

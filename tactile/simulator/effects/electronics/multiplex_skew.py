@@ -10,7 +10,7 @@ from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen
 
 
-@effect("frames", assumed=False)
+@effect("frames", assumed=False, price=(20, 4.2))
 class MultiplexSkew:
     """Channel k of n is read (n - 1 - k) ``slot`` [s] before the frame's time, at which the last one is; 0 for at once.
 

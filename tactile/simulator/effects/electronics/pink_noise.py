@@ -17,7 +17,7 @@ AT_ONCE = 1 << 15
 """Random numbers drawn at once: they stay in the second-level cache."""
 
 
-@effect("frames", normal=True, assumed=False)
+@effect("frames", normal=True, assumed=False, price=(50, 10))
 class PinkNoise:
     """Adds to every channel noise of the spectrum ``rms``^2 / (f ln(``high`` / ``low``)) between two frequencies [Hz].
 

@@ -11,7 +11,7 @@ from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen, sigmas
 
 
-@effect("frames", normal=True, assumed=False)
+@effect("frames", normal=True, assumed=False, price=(24, 0.7))
 class TaxelMismatch:
     """A taxel reads (1 + g) x + o in its normal component and (1 + g) (1 + b) x + o in its shears.
 

@@ -11,7 +11,7 @@ from tactile.simulator.effect import effect, parameter
 from tactile.simulator.seen import Seen
 
 
-@effect("frames", assumed=False)
+@effect("frames", assumed=False, price=(8, 0.8))
 class Temperature:
     """Readings become (1 + ``gain`` T) x + ``offset`` T, T = ``start`` + ``change`` (1 - exp(-t / ``time``)) [K].
 

@@ -10,7 +10,7 @@ from tactile.simulator.field import Field
 from tactile.simulator.slopes import Slopes
 
 
-@effect("field", assumed=False)
+@effect("field", assumed=False, price=(75, 14))
 class CoverError:
     """The cover is thicker by ``error`` [m] over the array's centre, and by a gradient along x and y.
 

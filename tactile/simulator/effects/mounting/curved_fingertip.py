@@ -11,7 +11,7 @@ from tactile.simulator.field import Field
 from tactile.simulator.slopes import Slopes
 
 
-@effect("field", assumed=False)
+@effect("field", assumed=False, price=(25, 13))
 class CurvedFingertip:
     """The cover's surface is a dome of ``radius`` [m] whose crown lies over the array's centre; infinite for a plane.
 

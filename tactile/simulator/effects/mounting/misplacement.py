@@ -11,7 +11,7 @@ from tactile.simulator.field import Field
 from tactile.simulator.slopes import Slopes
 
 
-@effect("field", assumed=False)
+@effect("field", assumed=False, price=(80, 18))
 class Misplacement:
     """The array is displaced by (``shift_x``, ``shift_y``) [m], turned by ``turn`` [rad] and tilted.
 
