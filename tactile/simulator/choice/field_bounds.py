@@ -68,7 +68,8 @@ class FieldBounds:
         else:
             seen = seen.after(min(together, BEYOND * seen.largest), False)
         seen = seen.after(min(shaken, BEYOND * seen.largest), True)
-        found.reach[FIELD] = self.rough * seen.largest
+        # the peak of which the field is off: what smooths it makes no larger one
+        found.reach[FIELD] = self.rough * min(seen.largest, self.ideal.seen.largest + grown + shaken)
         return seen
 
     def _fixed(self, found: FingerBounds) -> tuple[float, float]:

@@ -35,6 +35,8 @@ CHOICE = 600e-6
 """Time of a choice [s] by bounds, however few frames there are."""
 CHOICE_POINTS, IDEAL_POINT = 200e-6, 7e-9
 """The same where points alone press, and for every load on every reading."""
+MANY = 1000
+"""Frames from which that is some hundredths of a run with all effects on."""
 LIKELY = 0.5
 """Of the time that effects take, about so much is saved where points press and all of the tolerance is left for it."""
 IDEAL, IDEAL_BODY, IDEAL_LINE = 0.5e-6, 4e-6, 25e-6
@@ -81,6 +83,8 @@ def points_may_pay(scene: Scene, bounds: EffectBounds, tolerance: float) -> bool
         if bounds.step >= usual:
             return False
         left -= bounds.step / usual
+    if scene.samples >= MANY:
+        return True
     fingers = len(scene.arrays)
     readings = 3 * scene.samples * sum([array.rows * array.cols for array in scene.arrays])
     price = 0.0

@@ -13,7 +13,7 @@ from tactile.elastic.medium import Medium
 from tactile.simulator.choice.auto_effects import all_effects, candidates, choose
 from tactile.simulator.choice.effect_bounds import EffectBounds
 from tactile.simulator.choice.forces import highest_reading, sinks_in, unseen
-from tactile.simulator.choice.prospects import may_pay
+from tactile.simulator.choice.prospects import may_pay, points_may_pay
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.rig import Rig
@@ -25,6 +25,7 @@ from tactile.simulator.effects.finite_tip import FiniteTip
 from tactile.simulator.effects.mounting.curved_fingertip import CurvedFingertip
 from tactile.simulator.effects.poisson_ratio import PoissonRatio
 from tactile.simulator.effects.quantisation import Quantisation
+from tactile.simulator.effects.surface_waviness import SurfaceWaviness
 from tactile.simulator.effects.taxel_area import TaxelArea
 from tactile.simulator.field import Field
 from tactile.simulator.scene.scene import Scene
@@ -149,10 +150,24 @@ def test_where_steps_are_likely_coarse_nothing_is_chosen() -> None:
     scene = needle(
         ("quantisation", Quantisation(6, 1.5)), ("finite_tip", FiniteTip(1e-6)), ("taxel_area", TaxelArea(1e-6))
     )
-    effects, step = all_effects(scene), Quantisation(6, 1.5).grain(unseen(scene, 0, 1.0))
-    highest, long = highest_reading(scene), replace(scene, rate=1e4)
-    assert may_pay(long, effects, 1.1 * step / highest)
-    assert not may_pay(long, effects, 0.9 * step / highest)
+    step, highest = Quantisation(6, 1.5).grain(unseen(scene, 0, 1.0)), highest_reading(scene)
+    long = replace(scene, rate=1e4)
+    for share, pays in ((1.1, True), (0.9, False)):
+        tolerance = share * step / highest
+        bounds = EffectBounds(long, all_effects(long), tolerance=tolerance)
+        assert points_may_pay(long, bounds, tolerance) == pays
+
+
+def test_where_effects_take_little_points_are_not_judged() -> None:
+    # a dear effect that is small is left out of few frames; cheap ones, as small, are left on
+    few = {"poisson_ratio": PoissonRatio(0.4999), "quantisation": Quantisation(16, 1.5)}
+    dear = {"taxel_area": TaxelArea(3e-6), "finite_tip": FiniteTip(2e-6), "surface_waviness": SurfaceWaviness(1e-10)}
+    for effects, frames, off in ((few, 200, set()), (few | dear, 200, dear.keys()), (few, 100_000, few.keys())):
+        scene = replace(needle(*effects.items()), rate=float(frames))
+        choice = choose(scene, 0.02)
+        assert choice.tried == bool(off)
+        assert off <= choice.off
+        assert error(choice.scene, everything(scene)) <= choice.bound <= 0.02
 
 
 def test_a_tip_on_a_layer_saves_nothing() -> None:
