@@ -86,6 +86,10 @@ def explain(scene: Scene, choice: Choice | None = None) -> SceneExplanation:
             )
         if choice.tried and choice.together:
             notes.append(f"on although small, for what is left out adds up: {', '.join(choice.together)}")
+        if choice.tried and choice.untried:
+            notes.append(
+                f"on, for a trial that could tell them smaller costs more than it may save: {', '.join(choice.untried)}"
+            )
         if choice.tried and choice.left_out:
             bounds = ", ".join(f"{name} {size:.2g}" for name, size in choice.left_out.items())
             notes.append(f"left out, with the bound of their size: {bounds}")

@@ -55,6 +55,17 @@ class Choice:
         """Effects smaller than the tolerance that are on because with them what is left out would exceed it."""
         return tuple(name for name, size in self.sizes.items() if name not in self.off and size <= self.tolerance)
 
+    @property
+    def untried(self) -> tuple[str, ...]:
+        """Effects that are on because only a trial could tell that they are small: it costs more than it may save.
+
+        None before steps so coarse that it would tell nothing.
+        """
+        if self.bounds.coarse:
+            return ()
+        doubted = {name for finger in self.bounds.fingers for name in finger.untried}
+        return tuple(name for name in self.sizes if name in doubted and name not in (*self.off, *self.together))
+
 
 def candidates(scene: Scene) -> list[Named]:
     """Every effect there is: as the scene describes it, or typical; on bumps not those of a flat cover.
@@ -162,9 +173,7 @@ def choose(scene: Scene, tolerance: float, reused: bool = False) -> Choice:
     bounds = EffectBounds(scene, effects, tolerance=tolerance, reused=reused)
     off, joint = {name for name, effect in effects if effect.off}, 0.0
     points = scene.bumps is None and not scene.contacts
-    tried = reused or (
-        points_may_pay(scene, bounds, tolerance) if points else may_pay(scene, effects, tolerance)
-    )
+    tried = reused or (points_may_pay(scene, bounds, tolerance) if points else may_pay(scene, effects, tolerance))
     if tried and not bounds.coarse:
         # the effects of a reused choice are kept, not how finely they were computed
         rough = not reused and scene.accuracy == ACCURACY < bounds.rough and scene.bumps is None

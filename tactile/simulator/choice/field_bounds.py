@@ -126,6 +126,7 @@ class FieldBounds:
                 frames < FRAMES
                 or not pays(effect, trial.shaken, frames, trial.frames, len(found.terms) + 1, self._layered)
             ):
+                found.untried.add(name)
                 return
             if self.rough < FINEST * trial.growth:  # it could not tell
                 return

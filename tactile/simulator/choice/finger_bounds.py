@@ -31,12 +31,13 @@ class FingerBounds:
     ``terms``: name -> what a fixed effect on fields changes in the frames tried; ``reach``: name -> what any other
     effect changes at its place in the chain, those in ``normal`` adding up by their squares; ``growth``: name -> by
     what that may grow behind it; ``grains``: name -> what the smallest change before it may become, and the chance of
-    that per unit of change.
+    that per unit of change; ``untried``: of which a trial could tell more, but costs more than it may save.
     """
 
     terms: dict[str, Floats] = field(default_factory=dict)
     reach: dict[str, float] = field(default_factory=dict)
     normal: set[str] = field(default_factory=set)
+    untried: set[str] = field(default_factory=set)
     growth: dict[str, float] = field(default_factory=dict)
     grains: dict[str, tuple[float, float]] = field(default_factory=dict)
     whole: Floats = field(default_factory=lambda: np.zeros(1))

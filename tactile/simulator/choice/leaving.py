@@ -27,9 +27,7 @@ def negligible(bounds: EffectBounds, tolerance: float, rough: bool) -> tuple[set
     return off, joint
 
 
-def _left_out(
-    bounds: EffectBounds, order: list[str], fields: set[str], tolerance: float
-) -> tuple[set[str], float]:
+def _left_out(bounds: EffectBounds, order: list[str], fields: set[str], tolerance: float) -> tuple[set[str], float]:
     """What can be left out of the effects in an order, and the bound of the error."""
     off, joint, stepped = _greedy(bounds, order, tolerance)
     if not stepped:

@@ -132,9 +132,10 @@ large as the signal:
 {parts}
 
 **Random scenes**, {cases} of them, {samples} frames each, with any effect at any strength and seeds that were never
-looked at before, at a tolerance of {tolerance:g}. A choice for one run is made by bounds, under bodies only where it
-may pay, told by the forces and the sizes of the arrays alone, and else leaves all on; unless the scene says another
-accuracy than the usual one it also computes the field to a twentieth of the tolerance, 1e-3 at most. One that is reused
+looked at before, at a tolerance of {tolerance:g}. A choice for one run is made by bounds, and only where it may pay, told
+by the forces, the sizes of the arrays and what the effects take alone, and else leaves all on; unless the scene says
+another accuracy than the usual one it also computes the field to a twentieth of the tolerance, 1e-3 at most, or two or
+five times as roughly where so much of the tolerance is left. One that is reused
 (`tactile explain SCENE --write FILE`) is always made, with trials of the effects in doubt. Errors are the largest over the scene's own seed and two
 others; times are relative to those of all effects on, by turns.
 

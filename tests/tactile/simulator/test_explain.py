@@ -12,6 +12,7 @@ from tactile.cli.explain import explain as command
 from tactile.cli.group import main
 from tactile.core.frame import TaxelArray
 from tactile.simulator.batch import Batch
+from tactile.simulator.choice.auto_effects import choose
 from tactile.simulator.choice.estimate import Sample, sizes_in
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effects import ORDER
@@ -22,6 +23,7 @@ from tactile.simulator.effects.motor_noise import MotorNoise
 from tactile.simulator.effects.poisson_ratio import PoissonRatio
 from tactile.simulator.effects.quantisation import Quantisation
 from tactile.simulator.effects.read_noise import ReadNoise
+from tactile.simulator.effects.taxel_area import TaxelArea
 from tactile.simulator.explain import explain, explain_file
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.scene_file.file import read_scene
@@ -133,6 +135,18 @@ def test_an_effect_without_meaning_in_a_scene_is_named_and_the_rest_is_explained
     assert "adhesion" in told.notes[-1]
     assert "adhesion" not in {part.name for part in told.parts}
     assert {"taxel_area", "low_pass"} <= {part.name for part in told.parts}
+
+
+def test_what_is_left_on_for_a_trial_would_cost_too_much_is_named() -> None:
+    # by its bound a tip changes more than the tolerance, by a trial less
+    scene = replace(needle(("finite_tip", FiniteTip(2e-5)), ("taxel_area", TaxelArea(3e-5))), rate=1500.0)
+    assert choose(scene, 0.02, reused=True).sizes["finite_tip"] < 0.02 < choose(scene, 0.02).sizes["finite_tip"]
+    told = explain(scene, choose(scene, 0.02)).notes
+    assert any(note.startswith("on, for a trial") and note.endswith(": finite_tip") for note in told)
+    kept = explain(scene, choose(scene, 0.02, reused=True)).notes
+    assert not any(note.startswith("on, for a trial") for note in kept)
+    few = replace(scene, rate=50.0)
+    assert any("in 50 frames choosing would cost" in note for note in explain(few, choose(few, 0.02)).notes)
 
 
 def test_a_scene_without_load_is_explained_too() -> None:
