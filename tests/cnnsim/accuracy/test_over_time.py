@@ -61,7 +61,9 @@ def test_numbers_given_in_float32_are_computed_with_as_finely(duration: Any) -> 
         name: rng.uniform(-1, 1, (9, 11)).astype(np.float32) for name in ("state", "input", "bias")
     }
     template = Template(
-        [[0.1, 0.6, -0.2], [-0.4, 1.6, 0.8], [0.3, -0.5, 0.2]], [[0, 0.3, 0], [1, -0.2, 0.4], [0, 0, 0]], 0.1
+        [[0.1, 0.6, -0.2], [-0.4, 1.6, 0.8], [0.3, -0.5, 0.2]],
+        [[0.0, 0.3, 0.0], [1.0, -0.2, 0.4], [0.0, 0.0, 0.0]],
+        0.1,
     )
     finely: dict[str, Any] = {name: plane.astype(np.float64) for name, plane in planes.items()}
     short, long = (run_transient(template, **of, duration=duration, accuracy=1e-9) for of in (planes, finely))
