@@ -12,9 +12,10 @@ from cnnsim.support.echo import echo, say
 from tactile.calibration.live_tare import TareMode
 from tactile.cli.opened import RunChoices, gains_of, open_for_run
 from tactile.cli.options import TareChoice, check_thresholds, detection
-from tactile.core.source import FrameStream, provenance
+from tactile.core.source import FrameStream, Source, provenance
 from tactile.settings import PipelineOptions
 from tactile.sources.folder import is_folder_of_recordings
+from tactile.wire.base import Counts
 
 
 @click.command(
@@ -100,7 +101,7 @@ def run(
         print_json(run_data(collected, frames.arrays, settings))
     else:
         tables(collected, frames.arrays)
-    for line in unread.lines:
+    for line in [*_left_on_the_wire(frames), *unread.lines]:
         echo(line, err=True)
     for array in frames.arrays if mode not in ("off", 0) else ():
         check = collected.tare(array)
@@ -126,3 +127,12 @@ def run(
         draw(collected, frames.arrays, frames.title, output / "touch.png")
         also = f", {output / 'frames.parquet'}" if parquet else ""
         echo(f"wrote {output / 'frames.csv'}, {output / 'events.json'}, {output / 'touch.png'}{also}", err=as_json)
+
+
+def _left_on_the_wire(source: Source) -> list[str]:
+    """Say of a recording's bytes what made no frames, where that is all of them or they fit the description badly."""
+    counts: Counts | None = getattr(source, "counts", None)
+    if counts is None or not (counts.unfit or not counts.good):
+        return []
+    shapes = ", ".join(f"{array.name} {array.rows} x {array.cols}" for array in source.arrays)
+    return [f"bytes of the wire: {counts}; described are {shapes}"]

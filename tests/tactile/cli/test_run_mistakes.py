@@ -5,11 +5,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tactile.core.epoch import Epoch
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream
+from tactile.recording.writer import Recording
 from tactile.sources import open_source
 from tactile.sources.replay_csv import write_csv
-from tests.kits.serial import GRIP, call
+from tactile.wire.description_file import parse_description
+from tactile.wire.source import Chunk
+from tests.kits.serial import GRIP, call, sent
 from tests.kits.touch.one_finger import run_command, write_scene
 
 
@@ -90,3 +94,21 @@ def test_numbers_that_are_none_are_refused(arguments: tuple[object, ...]) -> Non
     result = call(*arguments)
     assert result.exit_code == 2
     assert "a finite number wanted" in result.stderr or "not in the range" in result.stderr
+
+
+def test_a_recording_by_the_wrong_description_says_what_fits_it_badly(tmp_path: Path) -> None:
+    """Without a word it would be a recording in which nothing happens."""
+    described, stream = sent("native", 0.3)
+    for cols, said in ((2, ""), (3, "unfit")):
+        text = described.text.replace("cols = 2", f"cols = {cols}")
+        path = tmp_path / f"{cols}.mcap"
+        recording = Recording(path, parse_description(text, "array.toml"), {}, Epoch.now())
+        for t, data in stream:
+            recording.chunk(Chunk(round(t * 1e9), data))
+            recording.push()
+        recording.close({})
+        done = run_command(path)
+        assert done.exit_code == 0, done.output
+        assert ("bytes of the wire: 0 good" in done.stderr) is bool(said)
+        assert said in done.stderr
+        assert f"left 2 x {cols}, right 2 x {cols}" in done.stderr or not said
