@@ -21,7 +21,7 @@ from cnnsim.backends import in_float64
 from cnnsim.backends.base import Backend, check_finite
 from cnnsim.planning.general import delays_of
 from cnnsim.planning.plan import Plan
-from cnnsim.planning.scheme import EULER, RK4, Scheme
+from cnnsim.planning.scheme import HEUN, RK4, Scheme
 from cnnsim.support import Array, Flags, InputError
 
 _CHEAP = 3.0
@@ -68,9 +68,9 @@ def reach(transient: Repeatable, backend: Backend, wanted: Wanted) -> Reached:
 
 
 def _ladder(transient: Repeatable, where: Backend, plans: list[Plan], scheme: Scheme = RK4) -> Ladder:
-    """Return the runs of a transient by a scheme (with delays by Euler); each appends its plan."""
+    """Return the runs of a transient by a scheme (with delays by Heun); each appends its plan."""
     plan, divides = transient.plan, transient.timed
-    scheme = EULER if divides and delays_of(plan.network) else scheme  # type: ignore[arg-type]  # timed plans have one
+    scheme = HEUN if divides and delays_of(plan.network) else scheme  # type: ignore[arg-type]  # timed plans have one
     longest = plan.step if divides else longest_step(plan, scheme)
 
     def run(step: float) -> Array:
