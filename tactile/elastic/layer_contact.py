@@ -123,7 +123,7 @@ class LayerContact:
     @property
     def nears_its_own(self) -> bool:
         """Whether the body's own radius ends the tables, not the layer."""
-        return self.body == "sphere" and self.size < WIDEST
+        return self.body == "sphere" and self.size <= WIDEST
 
     def place(self, radius: Floats) -> Floats:
         """The tables' coordinate of a radius."""

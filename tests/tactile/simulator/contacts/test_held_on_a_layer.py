@@ -83,7 +83,7 @@ def test_a_tip_holds_any_force_and_lets_go() -> None:
     assert 0 < slightly - 1 < 1e-7
 
 
-@pytest.mark.parametrize(("radius", "nu"), [(0.6, 0.5), (2.0, 0.4)])
+@pytest.mark.parametrize(("radius", "nu"), [(0.6, 0.5), (2.0, 0.4), (20.0, 0.5)])
 def test_a_tip_spreads_a_point_as_a_needle_does(radius: float, nu: float) -> None:
     layer, force = Medium(1.0, nu, thickness=1.0), np.array([[0.0], [0.05], [1.0]]) * radius**2
     rows = np.zeros((3, 5))
