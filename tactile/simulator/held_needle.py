@@ -11,7 +11,7 @@ from cnnsim.support import Floats
 from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.core.loads import F
 from tactile.elastic.medium import Medium
-from tactile.simulator.contacts.indenter import Indenter
+from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.field import Field
 
 Rises = Sequence[tuple[float, float]]
@@ -27,7 +27,12 @@ def raised(field: Field, rises: Rises, before: Rises = ()) -> float:
         return 0.0
     if _by_tips(field):  # at one go
         more, least = _lift(field.medium, rises), _lift(field.medium, before)
-        return float(_raised_points(*_tips(field), least, least + more))
+        return float(_raised_points(*pushes(field), least, least + more))
+    if all(type(one) is MovingLoad for one in field.contacts):  # the same on a layer
+        forces, _, readings = pushes(field)
+        least = _most_pressed(forces, field.medium, before)
+        grown_by = (_most_pressed(least, field.medium, rises) - least) / np.where(forces > 0, forces, 1.0)
+        return float((grown_by.max(axis=1, initial=0) * readings).max(initial=0))
     values = np.ascontiguousarray(field.values).reshape(len(field.times), -1)
     growth = np.abs(_growth(field, (*before, *rises)) - _growth(field, before)).max(axis=1, initial=0)
     return float((growth * np.abs(values).max(axis=1, initial=0)).max(initial=0))
@@ -53,11 +58,17 @@ def lifted(field: Field, rises: Rises) -> Field:
 def pressed_by(force: float, medium: Medium, rises: Rises) -> float:
     """The normal force [N] of a contact at a point, held by its tip, when the surface rises."""
     if np.isfinite(medium.thickness):
-        pressed = np.array([force])
-        for rise, tip in rises:
-            pressed = pressed * Indenter().held_factor(pressed, np.array([rise]), medium, tip)
-        return float(max(pressed[0], 0.0))
+        return float(_most_pressed(np.array([max(force, 0.0)]), medium, rises)[0])
     return float((max(force, 0.0) ** (2 / 3) + _lift(medium, rises)) ** 1.5)
+
+
+def _most_pressed(forces: Floats, medium: Medium, rises: Rises) -> Floats:
+    """Bound of the forces [N] of contacts at points on a layer, held by their tips, when the surface rises."""
+    from tactile.simulator.contacts.tip import most_factor  # only where called for
+
+    for rise, tip in rises:
+        forces = forces * most_factor(forces, rise, tip, medium)
+    return forces
 
 
 def _by_tips(field: Field) -> bool:
@@ -86,12 +97,12 @@ def _everywhere(rise: float, places: Floats) -> tuple[Floats, Floats]:
     return np.zeros_like(places), np.full(len(places), rise)
 
 
-def _tips(field: Field) -> tuple[Floats, Floats, Floats]:
+def pushes(field: Field) -> tuple[Floats, Floats, Floats]:
     """Forces of points and their 2/3rd power (frames, n), and the largest reading (frames,): kept with the field."""
-    kept: tuple[Floats, Floats, Floats] | None = field.__dict__.get("_tips")
+    kept: tuple[Floats, Floats, Floats] | None = field.__dict__.get("_pushes")
     if kept is None:
         values = np.ascontiguousarray(field.values).reshape(len(field.times), -1)
-        kept = field.__dict__["_tips"] = _pressed_points(field.loads.totals, values)
+        kept = field.__dict__["_pushes"] = _pressed_points(field.loads.totals, values)
     return kept
 
 

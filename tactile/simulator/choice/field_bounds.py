@@ -77,7 +77,7 @@ class FieldBounds:
         together = grown = 0.0
         unsure, slopes = not self.most or self._forces_change(), self.ideal.slopes
         if self.rises:  # tips sink in deeper
-            medium = self.trial.still.medium if slopes.at_points and self._layered else slopes.medium
+            medium = self.trial.pressed.medium if slopes.at_points and self._layered else slopes.medium
             slopes = slopes.pressed(pressed_by(slopes.hardest, medium, self.rises))
         for name, effect in self.chain.on_fields:
             if effect.RANDOM:

@@ -13,7 +13,7 @@ from tactile.simulator.choice.extremes import PEAKS, RAISED, SPREAD, Extremes
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.field import Field
-from tactile.simulator.held_needle import Rises, lifted
+from tactile.simulator.held_needle import Rises, lifted, pushes
 from tactile.simulator.ideal_skin import CHUNK
 from tactile.simulator.seen import Seen
 
@@ -92,6 +92,8 @@ class Trial:
         """What presses with all effects, and the readings without: no table of a layer is made for them."""
         with_all = self._acted(self.shaken)
         with_all.__dict__["values"] = self.shaken.values
+        if self._ideal.slopes.at_points:  # forces, whatever the cover
+            with_all.__dict__["_pushes"] = pushes(self.shaken)
         return with_all
 
     @cached_property

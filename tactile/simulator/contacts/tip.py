@@ -17,6 +17,10 @@ THINNEST = 1e-4
 """Contact radius, over the widest in the tables, below which a layer is a half-space: its force is off by 0.3 %."""
 STEPS = 4
 """Steps of Newton's from the nearest places in a table, after which nothing is left but rounding."""
+FAR = 60.0
+"""By what logarithms of indentations go beyond a table, whose ends are powers."""
+STEEPER = 1.02
+"""Slopes between two places of it are at most so many times the line's."""
 SMALL = 0.25
 """Tip radius over thickness up to which circles are as on the half-space: what is felt is off by 4e-4 at most."""
 
@@ -56,6 +60,24 @@ def held_factor(force: Floats, rise: Floats, radius: float, medium: Medium) -> F
     grown = _force(np.log(np.where(touches, deeper, 1.0)), law)[0] - _force(deep, law)[0]
     factor: Floats = np.where(touches, np.exp(np.where(touches, grown, 0.0)), np.where(pressing, 0.0, 1.0))
     return factor
+
+
+@lru_cache(maxsize=16)
+def _lines(nu: float) -> tuple[Floats, Floats]:
+    """Logarithms of indentations and of the forces there, both ends of them on the powers that go on beyond."""
+    law = _stiffer(nu)
+    deep = np.array([law.x[0] - FAR, *law.x, law.x[-1] + FAR])
+    return deep, _force(deep, law)[0]
+
+
+def most_factor(force: Floats, rise: float, radius: float, medium: Medium) -> Floats:
+    """Bound of `held_factor`, of a tenth of its time: by straight lines between the places of the table."""
+    (deep, known), h = _lines(medium.nu), medium.thickness
+    pressing = force > 0
+    wanted = np.log(np.where(pressing, force, 1.0) * radius / (medium.contact_modulus * h**3))
+    deeper = np.exp(np.interp(wanted, known, deep)) + rise * radius / h**2
+    more = np.expm1(np.interp(np.log(deeper), deep, known) - wanted)
+    return np.where(pressing, 1 + STEEPER * more, 1.0)
 
 
 def circle(force: Floats, radius: float, medium: Medium) -> tuple[Floats, Profile, float]:

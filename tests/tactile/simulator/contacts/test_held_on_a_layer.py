@@ -1,5 +1,7 @@
 """Contacts that a rig holds over a thin cover: forces and stiffness against rigid bodies pressed onto a grid."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from scipy import fft
@@ -9,6 +11,7 @@ from tactile.core.loads import F
 from tactile.elastic.layer_contact import layer_contact
 from tactile.elastic.lines import cylinder_half_width
 from tactile.elastic.medium import Medium
+from tactile.simulator.contacts import tip
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.rig import Rig, at_a_point
 from tests.oracles.elastic.bonded import PeriodicLayer
@@ -97,3 +100,16 @@ def test_a_tip_spreads_a_point_as_a_needle_does(radius: float, nu: float) -> Non
     (spread,) = at_a_point(rows, layer, Rig(tip=radius)).discs
     assert (0.99 * radius < spread.radii).all()
     assert (spread.radii <= radius).all()
+
+
+@pytest.mark.parametrize("nu", (0.0, 0.45, 0.5))
+def test_what_a_rise_adds_under_a_tip_on_a_layer_is_bounded_closely(nu: float) -> None:
+    force = np.geomspace(1e-8, 10, 300)
+    for thickness, radius, rise in product((2e-4, 1e-2), (5e-6, 1e-3), (1e-8, 1e-5)):
+        medium = Medium(2.4e6, nu, thickness=thickness)
+        added = tip.held_factor(force, np.full(300, rise), radius, medium) - 1
+        told = (added > 1e-9).nonzero()
+        most = tip.most_factor(force, rise, radius, medium) - 1
+        assert (added[told] <= most[told]).all()
+        assert (most[told] <= 1.03 * added[told]).all()
+    assert tip.most_factor(np.array([0.0, -1.0]), 1e-6, 1e-4, Medium(2.4e6, nu, thickness=1e-3)).tolist() == [1, 1]
