@@ -28,7 +28,8 @@ def raised(field: Field, rises: Rises, before: Rises = ()) -> float:
     if _by_tips(field):  # at one go
         more, least = _lift(field.medium, rises), _lift(field.medium, before)
         return float(_raised_points(*pushes(field), least, least + more))
-    if all(type(one) is MovingLoad for one in field.contacts):  # the same on a layer
+    layered = bool(np.isfinite(field.medium.thickness))
+    if layered and all(type(one) is MovingLoad for one in field.contacts):  # the same on a layer
         forces, _, readings = pushes(field)
         least = _most_pressed(forces, field.medium, before)
         grown_by = (_most_pressed(least, field.medium, rises) - least) / np.where(forces > 0, forces, 1.0)
