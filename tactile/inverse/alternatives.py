@@ -7,9 +7,10 @@ import numpy as np
 from cnnsim.support import Floats
 from tactile.inverse.attempt import DOUBT, Attempt, Taxels
 from tactile.inverse.clipped import at_one_end, clipped
-from tactile.inverse.least_squares.fit import SLIGHT, STEPS, SURELY, Fit, fitted
+from tactile.inverse.false_reading import dead, without_a_reading
+from tactile.inverse.least_squares.fit import SLIGHT, SURELY, Fit, fitted
 from tactile.inverse.several import APART, EXPLAINED, as_ranked, several, simplest
-from tactile.inverse.wide_tip import left_by_a_tip
+from tactile.inverse.wide_tip import left_by_a_tip, may_be_a_tip
 
 POINT = 0.25
 """Loads that leave a larger share of the signals unexplained are not points: a tip of half a depth leaves 0.1."""
@@ -32,7 +33,7 @@ RIVALS = 4.0
 
 def explained(taxels: Taxels, one: Attempt) -> Attempt:
     """Return the attempt, or what explains the signals much better in its place; ambiguous where two do alike."""
-    one = at_one_end(one) or one
+    first, one = one, _sure(one)
     if one.fit.excess > 0 or one.fit.misfit > SLIGHT:
         one = _mended(one)
         if (two := _second(one)) is not None:
@@ -41,7 +42,7 @@ def explained(taxels: Taxels, one: Attempt) -> Attempt:
         return one
     if one.fit.misfit > POINT or one.order.size <= FEW:
         again = taxels.attempt(one.order, thorough=True)
-        one = again if again.fit.chi == one.fit.chi else _mended(again)
+        one = one if again.fit.chi == first.fit.chi else _mended(_sure(again))
     if (one.fit.misfit <= DOUBT or not _alone(one)) and one.fit.foreign is None:
         return one
     suspects = {0, *one.fit.contrary[:3].tolist()} if one.order.size > 4 else set(range(4))
@@ -69,35 +70,20 @@ def _alone(one: Attempt) -> bool:
     return bool((worst @ worst) > SHARE * one.fit.chi) or one.fit.misfit > PATCH
 
 
+def _sure(one: Attempt) -> Attempt:
+    """Return the attempt without the readings that surely are false, whatever they leave."""
+    return dead(one) or at_one_end(one) or one
+
+
 def _mended(one: Attempt) -> Attempt:
-    """Return the attempt without readings that are cut off, or without the one that is false, if that explains it."""
-    return clipped(one) or _without_a_reading(one) or one
+    """Return the attempt without readings that are cut off, or without the one that is false, if that explains it.
 
-
-def _without_a_reading(one: Attempt) -> Attempt | None:
-    """Return the attempt without one reading of the strongest taxels if all others say that it is false."""
-    from tactile.inverse.least_squares import false_reading_numba  # numba is slow to import
-
-    fit, signals = one.fit, one.fit.signals
-    if len(fit.loads) > 1 or one.clipped or one.false or not false_reading_numba.may_be_false(
-        fit.chi, fit.excess, fit.free, signals.noise or 0.0, fit.misfit, *fit.unexplained[1:]
-    ):  # fmt: skip
-        return None
-    load, parts = np.empty((1, 5)), (signals.seen, signals.felt, signals.scale)
-    body = signals.strain, signals.layer, signals.tie
-    k, left, second = false_reading_numba.false_reading(*parts, fit.loads[0], *body, fit.chi, STEPS, load[0])
-    if not false_reading_numba.is_false(fit.chi, left, second, fit.free, signals.noise or 0.0):
-        return None
-    i, axis = divmod(int(k), 3)
-    felt, scale = signals.felt.copy(), signals.scale.copy()
-    felt[i, axis] = scale[i, axis] = 0.0
-    found = fitted(signals._replace(felt=felt, scale=scale, lost=signals.lost + 1), load)
-    cut = found.made(signals)[i, axis] / signals.felt[i, axis] > 1 if signals.felt[i, axis] else False
-    raw = np.abs(signals.felt / np.where(signals.scale > 0, signals.scale, np.inf))
-    cell = (int(signals.cells[i]),)
-    if cut and raw[i, axis] >= raw.max():
-        return replace(one, fit=found, ambiguous=False, clipped=cell)
-    return replace(one, fit=found, ambiguous=False, false=cell)
+    A wide tip above few taxels may explain it, too.
+    """
+    found = clipped(one) or without_a_reading(one)
+    if found is None:
+        return one
+    return _or_a_tip(one, found) if may_be_a_tip(one) else found
 
 
 def _second(one: Attempt) -> Attempt | None:

@@ -7,7 +7,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnnsim.support import Floats
-from tactile.inverse.least_squares.fit import ALL, FOREIGN, REACH, STEPS, TIED, Fit, Signals, fitted, least_foreign
+from tactile.inverse.least_squares.fit import (
+    ALL,
+    FOREIGN,
+    REACH,
+    SAME,
+    STEPS,
+    TIED,
+    Fit,
+    Signals,
+    fitted,
+    least_foreign,
+)
 from tactile.inverse.validity import Validity
 from tactile.inverse.weights import Weights
 
@@ -25,8 +36,6 @@ DOUBT = 0.05
 """From this share on loads do not explain the signals well."""
 UNTOLD = 0.2
 """Shear that is not known to that part of the normal force is not told."""
-SAME = 0.1
-"""Places nearer than so many depths are one place."""
 
 
 @dataclass(frozen=True)

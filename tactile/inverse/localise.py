@@ -14,7 +14,7 @@ from cnnsim.operations.cellwise import Planes
 from cnnsim.support import Flags, Floats, InputError
 from tactile.elastic.layer_field import layer_field
 from tactile.inverse.alternatives import POINT, explained
-from tactile.inverse.attempt import DOUBT, Attempt, Taxels
+from tactile.inverse.attempt import DOUBT, UNSURE, Attempt, Taxels
 from tactile.inverse.load import INF, NAN, Load
 from tactile.inverse.steadiness import unsteady
 from tactile.inverse.validity import Validity
@@ -73,6 +73,8 @@ def localise(
     if windows is None:
         windows = [Window(taxels, explained(taxels, found) if taxels.order.size >= 4 else found, (0, 0))]
     loads = [load for window in windows for load in _loads(window)]
+    if (planes[:, 3] == Validity.INVALID).any():
+        loads = [_less_unread(load, taxels, railed) for load in loads]
     load = loads[0]
     if len(loads) > 1:
         load = _strongest_first(loads)
@@ -95,6 +97,17 @@ def _strongest_first(loads: list[Load]) -> Load:
     )
     out = tuple(sorted({taxel for load in loads for taxel in load.left_out}))
     return replace(rank[0], others=tuple(rank[1:]), left_out=out)
+
+
+def _less_unread(load: Load, taxels: Taxels, railed: Flags | None) -> Load:
+    """Return the load with the taxels under it that have no answer as left out, but those at the end of their range."""
+    from tactile.inverse.least_squares.doubt_numba import unread  # numba is slow to import
+
+    cells = np.empty(len(taxels.at))
+    count = unread(taxels.at, taxels.planes, load.x, load.y, taxels.depth, cells)
+    under = cells[:count].astype(int).tolist()
+    some = {divmod(cell, taxels.shape[1]) for cell in under if railed is None or not railed[cell]}
+    return replace(load, left_out=tuple(sorted({*load.left_out, *some}))) if some else load
 
 
 def _named(taxels: Flags) -> tuple[tuple[int, int], ...]:
@@ -146,7 +159,7 @@ def _loads(window: Window) -> list[Load]:
 
         deviation *= few(fit.free)
     loads = []
-    more, _, _ = fit.unexplained
+    more = fit.unexplained[0]
     for (x, y, q, r, f), spread, beyond in zip(fit.loads.tolist(), fit.spread.tolist(), more.tolist(), strict=True):
         dx, dy, dq, dr, df = (
             INF if unit == INF else deviation * math.sqrt(one) * unit for one, unit in zip(spread, units, strict=True)
@@ -158,7 +171,7 @@ def _loads(window: Window) -> list[Load]:
         )
         q, r = q * to_q if to_q < INF else NAN, r * to_r if to_r < INF else NAN
         place = x0 + (x - x1) * depth, y0 + (y - y1) * depth
-        validity = _validity(found, x, y, in_doubt)
+        validity = _validity(found, x, y, in_doubt or sx > UNSURE * depth or sy > UNSURE * depth)
         sigma, count = (sx, sy, sq, sr, sf), len(found.order)
         loads.append(Load(*place, q, r, f * top, sigma, fit.misfit, count, validity, out, scatter=scatter))
     return loads

@@ -7,7 +7,7 @@ from tactile.core.frame import TaxelArray
 from tactile.elastic.layer_field import layer_field
 from tactile.inverse.alternatives import BESIDE, HINTED, TWO
 from tactile.inverse.attempt import DOUBT, RIVAL, SEEDS, UNSURE, VOTERS
-from tactile.inverse.clipped import ALIKE, HINT, NEAR_END
+from tactile.inverse.clipped import ALIKE, HINT, NEAR_END, TOLD
 from tactile.inverse.least_squares.fit import (
     ALL,
     CHANCE,
@@ -31,7 +31,7 @@ FEWEST = 4
 OF_ATTEMPT = VOTERS, SEEDS, STEPS, REACH
 OF_FIT = FOREIGN[0], SURELY, FOREIGN[1], CHANCE, SURELY_NONE, SMALL, USUAL, MANY
 LIMITS = FEWEST, ALL, RIVAL, UNSURE, SLIGHT, DOUBT
-OF_CLIPPED = LEAST_FREE, NEAR_END, HINT, ALIKE
+OF_CLIPPED = LEAST_FREE, NEAR_END, HINT, TOLD, ALIKE
 OF_SECOND = TWO, BESIDE, HINTED
 NO_LOAD = Load(validity=Validity.NO_LOAD)
 
@@ -52,7 +52,7 @@ class OnePoint:
         self._layer = layer_field(array.thickness, depth, self._strain)
         size = 4 * np.pi / 3 * (modulus or 1.0) * depth * depth if self._strain else 2 * np.pi / 3 * depth * depth
         self._numbers = size, depth, float(floor)
-        self._answer = np.empty(18)
+        self._answer, self._cols = np.empty(19 + len(self._at)), array.cols
 
     def __call__(self, values: Floats, weights: Weights) -> Load | None:
         """Return the load that the readings (rows, cols, 3) say without doubt."""
@@ -63,7 +63,12 @@ class OnePoint:
             return None
         if said != self._found:
             return NO_LOAD
-        x, y, q, r, f, dx, dy, dq, dr, df, sx, sy, sq, sr, sf, misfit, taxels, inside = self._answer.tolist()
+        x, y, q, r, f, dx, dy, dq, dr, df, sx, sy, sq, sr, sf, misfit, taxels, inside, unread = self._answer[
+            :19
+        ].tolist()
         validity = Validity.INSIDE if inside else Validity.OUTSIDE
         sigma, scatter = (dx, dy, dq, dr, df), (sx, sy, sq, sr, sf)
-        return Load(x, y, q, r, f, sigma, misfit, int(taxels), validity, scatter=scatter)
+        out: tuple[tuple[int, int], ...] = ()
+        if unread:
+            out = tuple(divmod(int(cell), self._cols) for cell in self._answer[19 : 19 + int(unread)])
+        return Load(x, y, q, r, f, sigma, misfit, int(taxels), validity, out, scatter=scatter)

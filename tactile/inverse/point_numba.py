@@ -11,8 +11,8 @@ import numpy as np
 from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.inverse.attempt_numba import one_load
 from tactile.inverse.consensus_numba import strongest
-from tactile.inverse.least_squares.doubt_numba import alike_at_end, without_largest
-from tactile.inverse.least_squares.false_reading_numba import false_reading, is_false, may_be_false
+from tactile.inverse.least_squares.doubt_numba import alike_at_end, may_be_cut, reads_nothing, unread, without_largest
+from tactile.inverse.least_squares.false_reading_numba import NONE, false_reading, may_be_false, verdict
 from tactile.inverse.least_squares.reliability_numba import unexplained
 from tactile.inverse.least_squares.second_numba import second_load
 from tactile.inverse.least_squares.student_numba import few
@@ -26,8 +26,8 @@ NOT_SIMPLE, NOTHING, FOUND = 0, 1, 2
 def one_point(  # type: ignore[no-untyped-def]  # numba types it
     values, at, scale, trust, strain, layer, numbers, noise, of_attempt, of_fit, limits, of_clipped, of_second, answer
 ):
-    """Fill ``answer`` (18,) with a load and return `FOUND`: x, y [m], Q, R, F [N], their standard deviations, those
-    from frame to frame, misfit, taxels, whether it is inside.
+    """Fill ``answer`` (19 + n,) with a load and return `FOUND`: x, y [m], Q, R, F [N], their standard deviations, those
+    from frame to frame, misfit, taxels, whether it is inside, how many taxels under it cannot be read, and which.
 
     ``values`` (rows, cols, 3); ``at`` (n, 2) [m]; ``layer``: table of `layer_field`; ``scale``, ``trust`` and ``noise``
     [N] (0 where none is known) as `Weights`; ``numbers``: the inverse's scale [N], depth [m] and floor; ``of_attempt``:
@@ -36,8 +36,8 @@ def one_point(  # type: ignore[no-untyped-def]  # numba types it
     energy below which nobody asks for noise, noise where none is known, from how many taxels on it is asked for;
     ``limits``: taxels at least and at most, how much worse a rival fits, how unsure a place may be, the misfit from
     which on a clipped reading may be to blame, and anything; ``of_clipped``: degrees of freedom that tell nothing of
-    it, how near to the largest reading others are clipped too, how many times less has to be left without it, how near
-    to each other readings are the same;
+    it, how near to the largest reading others are clipped too, how many times less has to be left without it or less by
+    how many standard deviations squared, how near to each other readings are the same;
     ``of_second``: taxels from which on a second load is told, how far from the first, the part that it explains.
     """
     rows, cols, _ = values.shape
@@ -46,7 +46,7 @@ def one_point(  # type: ignore[no-untyped-def]  # numba types it
     voters, seeds, steps, reach = of_attempt
     foreign_part, foreign_sigmas, foreign_times, chance, surely_none, small, usual, many = of_fit
     fewest, most, rival_times, unsure, slight, doubtful = limits
-    least_free, near_end, hint, alike = of_clipped
+    least_free, near_end, hint, told, alike = of_clipped
     two, beside, hinted = of_second
     signals, quiet = np.empty((3, n)), True
     for i in range(rows):
@@ -93,28 +93,34 @@ def one_point(  # type: ignore[no-untyped-def]  # numba types it
     deviation = math.sqrt(variance)
     doubt = max(deviation, usual) if noise == 0 else deviation
     more = np.empty(5)
-    explains, taken = unexplained(
-        seen, felt, scaled, loads[0], strain, layer, tie, one, chi, excess, free, spread[0], more
+    explains, taken, worst = unexplained(
+        seen, felt, scaled, loads[0], strain, layer, tie, one, chi, excess, free, spread[0], steps, more
     )
     if may_be_false(chi, excess, free, one, misfit, explains, taken):
-        found = np.empty(5)
-        k, without, next_best = false_reading(seen, felt, scaled, loads[0], strain, layer, tie, chi, steps, found)
-        if k >= 0 and is_false(chi, without, next_best, free, one):
+        found = np.empty((2, 5))
+        k, without, next_best = false_reading(
+            seen, felt, scaled, loads[0], strain, layer, tie, chi, steps, worst, found
+        )
+        if k >= 0 and verdict(chi, without, next_best, free, one, found) != NONE:
             return NOT_SIMPLE
     if noise > 0 and excess > 0 and misfit > slight and len(seen) >= two:
         _, force, part = second_load(seen, felt, scaled, loads[0], strain, layer, tie, beside)
         if force > 0 and part > hinted:
             return NOT_SIMPLE
-    if free > least_free and alike_at_end(felt, scaled, alike) > 1:
+    if reads_nothing(felt, scaled, alike) >= 0 or alike_at_end(felt, scaled, alike) > 1:
         return NOT_SIMPLE
-    if misfit > slight and free > least_free:
+    if (misfit > slight or excess > 0) and free > least_free:
         without, beyond, cut = without_largest(seen, felt, scaled, loads[0], strain, layer, tie, near_end)
-        if cut != 1 or not (without * hint > chi or beyond < 1):
+        if may_be_cut(chi, one, without, beyond, cut, hint, told):
             return NOT_SIMPLE
     if not (misfit <= doubtful and doubt * math.sqrt(max(spread[0, 0], spread[0, 1])) <= unsure):
         return NOT_SIMPLE
     if noise == 0:
         deviation *= few(free)
+    if deviation * deviation * spread[0, 0] + more[0] > unsure * unsure:
+        return NOT_SIMPLE
+    if deviation * deviation * spread[0, 1] + more[1] > unsure * unsure:
+        return NOT_SIMPLE
     x, y, nearest = loads[0, 0], loads[0, 1], np.inf
     for i in range(len(seen)):
         dx, dy = seen[i, 0] - x, seen[i, 1] - y
@@ -129,4 +135,5 @@ def one_point(  # type: ignore[no-untyped-def]  # numba types it
         if more[k] > 0:
             answer[5 + k] = math.sqrt(deviation * deviation * spread[0, k] + more[k]) * unit
     answer[15], answer[16], answer[17] = misfit, order.size, nearest < 2
+    answer[18] = 0 if order.size == n else unread(at, planes, answer[0], answer[1], depth, answer[19:])
     return FOUND

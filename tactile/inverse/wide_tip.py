@@ -17,6 +17,22 @@ RADII = np.array([0.15, 0.3, 0.5, 0.7, 0.9, 1.1])
 TURNS = 4
 """Fits of a load to what the signals of its width leave: each is nearer by a factor of 3 to 10."""
 RING = math.sqrt(4 / 7)
+PART = 0.5
+"""A tip that explains so small a part to first order explains no more."""
+
+
+def may_be_a_tip(one: Attempt) -> bool:
+    """Whether a tip that is wide explains much of what is left beyond the noise, to first order in its area."""
+    from tactile.inverse.least_squares.reliability_numba import normal  # numba is slow to import
+    from tactile.inverse.least_squares.width_numba import width
+
+    signals, work = one.fit.signals, np.empty((12, 5))
+    parts = signals.seen, signals.felt, signals.scale, one.fit.loads[0], signals.strain, signals.layer, signals.tie
+    factor = work[:5]
+    if len(one.fit.loads) > 1 or not normal(*parts, work[5:10], work[10], factor):
+        return False
+    along, seen = width(*parts, factor, work[11])
+    return along > 0 and along * along > PART * seen * (one.fit.chi - one.fit.random)
 
 
 def left_by_a_tip(one: Attempt) -> float:

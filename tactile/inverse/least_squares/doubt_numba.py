@@ -8,6 +8,9 @@ import numpy as np
 from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 from tactile.inverse.least_squares.equations_numba import equations, slopes
 from tactile.inverse.least_squares.fit_numba import solve
+from tactile.inverse.validity import Validity
+
+INVALID = float(Validity.INVALID)
 
 
 @kept_njit(error_model="numpy")
@@ -28,6 +31,23 @@ def foreign(at, left, felt, loads, reach, least, times):  # type: ignore[no-unty
             if nearest > reach * reach:
                 worst, largest = i, size
     return worst
+
+
+@kept_njit(error_model="numpy")
+def unread(at, planes, x, y, depth, cells):  # type: ignore[no-untyped-def]
+    """Fill ``cells`` with the taxels, places ``at`` (n, 2) [m], that have no answer to a load inside at (x, y) [m].
+
+    Return how many; ``planes`` (families, 4, n) as the inverse gives them.
+    """
+    count = 0
+    for n in range(len(at)):
+        answers = 0
+        for f in range(len(planes)):
+            answers += planes[f, 3, n] != INVALID
+        if answers == 0 and (at[n, 0] - x) ** 2 + (at[n, 1] - y) ** 2 < 2 * depth * depth:
+            cells[count] = n
+            count += 1
+    return count
 
 
 @kept_njit(error_model="numpy")
@@ -73,6 +93,37 @@ def _sort(numbers):  # type: ignore[no-untyped-def]
 
 
 @kept_njit(error_model="numpy")
+def reads_nothing(felt, scale, near):  # type: ignore[no-untyped-def]
+    """Return the only reading (3 taxel + axis) that is nothing, but for a part ``near`` of the largest; -1 if none is.
+
+    -1 too where two others are alike: a load that lies on a line with taxels makes such readings, and so do coarse
+    steps.
+    """
+    largest, lone, count = 0.0, -1, 0
+    for i in range(len(felt)):
+        for m in range(3):
+            largest = max(largest, abs(felt[i, m]))
+    for i in range(len(felt)):
+        for m in range(3):
+            if abs(felt[i, m]) <= near * largest and scale[i, m] > 0:
+                lone, count = 3 * i + m, count + 1
+    if count != 1:
+        return -1
+    raw, count = np.empty(felt.size), 0
+    for i in range(len(felt)):
+        for m in range(3):
+            if scale[i, m] > 0 and 3 * i + m != lone:
+                raw[count] = abs(felt[i, m]) / scale[i, m]
+                count += 1
+    raw = raw[:count]
+    raw.sort()
+    for k in range(count - 1):
+        if raw[k] >= raw[k + 1] * (1 - near):
+            return -1
+    return lone
+
+
+@kept_njit(error_model="numpy")
 def without_largest(at, felt, scale, load, strain, layer, tie, near):  # type: ignore[no-untyped-def]
     """Return chi^2 without the largest reading and by how many times it would then be larger, and how many are so near.
 
@@ -105,3 +156,15 @@ def without_largest(at, felt, scale, load, strain, layer, tie, near):  # type: i
     off = felt[worst, k] + left[k, 0]
     free = max(1 - share, 1e-9)
     return max(chi - off * off / free, 0.0), 1 - off / free / felt[worst, k], count
+
+
+@kept_njit(error_model="numpy")
+def may_be_cut(chi, noise, without, beyond, count, hint, told):  # type: ignore[no-untyped-def]
+    """Whether a fit without the largest reading is worth its time, from what `without_largest` says of it.
+
+    chi^2 has to be ``hint`` times less or, where the noise is known, less by ``told`` deviations squared; to first
+    order by half of that.
+    """
+    if count != 1:
+        return True
+    return beyond >= 1 and (without * hint <= chi or 0 < told * told * noise * noise < 2 * (chi - without))

@@ -8,9 +8,8 @@ import math
 import numpy as np
 
 from cnnsim.support.compiling.kept_loops import kept_njit
-from tactile.inverse.least_squares.fit import HUNG_ON, LEAST_FREE, SLIGHT
+from tactile.inverse.least_squares.fit import HUNG_ON, LEAST_FREE, SAME, SLIGHT
 from tactile.inverse.least_squares.fit_numba import fit
-from tactile.inverse.least_squares.reliability_numba import STRONGEST, shifts
 
 PART = 0.5
 """Fits are tried where one reading explains so much of what is left, to first order."""
@@ -19,6 +18,8 @@ AT_NOISE, TOLD = 3.0, 6.0
 standard deviations of one reading, squared."""
 FEW_TIMES = 20.0
 """Where what is left is not known noise it has to be so many times less of a variance."""
+NONE, FALSE, ONE_OF_TWO = 0, 1, 2
+"""What is said of a reading: it is none that is false; it is; it or another one is, and their loads differ."""
 
 
 @kept_njit(error_model="numpy")
@@ -30,21 +31,16 @@ def may_be_false(chi, excess, free, noise, misfit, most, taken):  # type: ignore
 
 
 @kept_njit(error_model="numpy")
-def false_reading(at, felt, scale, load, strain, layer, tie, chi, steps, found):  # type: ignore[no-untyped-def]
+def false_reading(at, felt, scale, load, strain, layer, tie, chi, steps, first, found):  # type: ignore[no-untyped-def]
     """Return which reading (3 taxel + axis) leaves least if it is not used, chi^2 then and without the next best one.
 
-    ``found`` (5,) becomes the load. Tried are the one that explains most to first order, from the load that is there,
-    and those of the strongest taxel from the load that the other taxels feel.
+    ``found`` (2, 5) becomes the loads of both. Tried are the ``first`` one, which explains most to first order, from
+    the load that is there, and those of the strongest taxel from the load that the other taxels feel.
     """
-    moved = np.empty((3 * min(len(at), STRONGEST), 5))
-    explained, _ = shifts(at, felt, scale, load, strain, layer, tie, moved)
     felt, scale, place = felt.copy(), scale.copy(), np.empty((1, 5))
     best, least, second = -1, np.inf, np.inf
     for m in range(5):
         place[0, m] = load[m]
-    first = 0
-    for k in range(len(explained)):
-        first = k if explained[k] > explained[first] else first
     apart = place.copy()
     fit(at[1:], felt[1:], scale[1:], apart, strain, layer, tie, steps)
     for turn in range(4):
@@ -59,22 +55,36 @@ def false_reading(at, felt, scale, load, strain, layer, tie, chi, steps, found):
         left, _, _ = fit(at, felt, scale, place, strain, layer, tie, steps)
         felt[i, axis], scale[i, axis] = was, by
         if left < least:
-            second = second if k == best else least
+            if k != best:
+                second = least
+                for m in range(5):
+                    found[1, m] = found[0, m]
             best, least = k, left
             for m in range(5):
-                found[m] = place[0, m]
-        elif k != best:
-            second = min(second, left)
+                found[0, m] = place[0, m]
+        elif k != best and left < second:
+            second = left
+            for m in range(5):
+                found[1, m] = place[0, m]
     return best, least, second
 
 
 @kept_njit(error_model="numpy")
-def is_false(chi, left, second, free, noise):  # type: ignore[no-untyped-def]
-    """Whether a reading without which ``left`` remains of chi^2 is false, and not the ``second`` best one."""
-    if noise > 0:
-        rest, one = max(free - 1, 0), noise * noise
-        is_noise = left <= one * (rest + AT_NOISE * math.sqrt(2.0 * rest))
-        if is_noise and chi - left > TOLD * TOLD * one and second - left > TOLD * TOLD * one:
-            return free > 1
-    far = free > LEAST_FREE and left * FEW_TIMES * free < chi * (free - 1)
-    return far and left * FEW_TIMES < second
+def verdict(chi, left, second, free, noise, found):  # type: ignore[no-untyped-def]
+    """Return whether a reading without which ``left`` remains of chi^2 is `FALSE`.
+
+    Where the ``second`` best one explains about as much it is `ONE_OF_TWO` if the loads ``found`` (2, 5) differ.
+    """
+    rest, one, alone = max(free - 1, 0), noise * noise, False
+    if noise > 0 and left <= one * (rest + AT_NOISE * math.sqrt(2.0 * rest)) and chi - left > TOLD * TOLD * one:
+        if free <= 1:
+            return NONE
+        alone = second - left > TOLD * TOLD * one
+    elif free > LEAST_FREE and left * FEW_TIMES * free < chi * (free - 1):
+        alone = left * FEW_TIMES < second
+    else:
+        return NONE
+    if alone:
+        return FALSE
+    away = (found[0, 0] - found[1, 0]) ** 2 + (found[0, 1] - found[1, 1]) ** 2
+    return ONE_OF_TWO if away > SAME * SAME else NONE

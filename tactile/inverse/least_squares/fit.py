@@ -42,6 +42,8 @@ LEAST_FREE = 6
 """So few degrees of freedom let chance explain all the rest, where nobody knows the noise."""
 HUNG_ON = 0.9
 """Of so large a part of an error in one reading, which the load takes for its own, the first order says little."""
+SAME = 0.1
+"""Places nearer than so many depths are one place."""
 REACH, ALL = 4.0, 100
 """Of more than so many taxels those within so many depths are fitted: the others feel a hundredth at most."""
 
@@ -158,7 +160,7 @@ class Fit:
         return max(self.chi - noise * noise * (self.free + SURELY_NONE * math.sqrt(2.0 * self.free)), 0.0)
 
     @cached_property
-    def unexplained(self) -> tuple[Floats, float, float]:
+    def unexplained(self) -> tuple[Floats, float, float, int]:
         """Variances (k, 5) of the loads, in depths and as signals are, for what is left beyond the noise.
 
         Beside them what `reliability_numba.unexplained` says of single readings: of one load alone it is asked.
@@ -167,13 +169,13 @@ class Fit:
 
         signals, excess = self.signals, self.excess
         if len(self.loads) > 1:
-            return excess * self.spread, 0.0, 0.0
+            return excess * self.spread, 0.0, 0.0, 0
         more = np.empty((1, 5))
-        most, taken = reliability_numba.unexplained(
+        said = reliability_numba.unexplained(
             signals.seen, signals.felt, signals.scale, self.loads[0], signals.strain, signals.layer, signals.tie,
-            signals.noise or 0.0, self.chi, excess, self.free, self.spread[0], more[0],
+            signals.noise or 0.0, self.chi, excess, self.free, self.spread[0], STEPS, more[0],
         )  # fmt: skip
-        return more, most, taken
+        return more, *said
 
     @property
     def unsure(self) -> float:
@@ -182,6 +184,11 @@ class Fit:
         if self.signals.noise is None and not deviation > USUAL:
             deviation = USUAL
         return deviation * math.sqrt(max(self.spread[0, :2].tolist()))
+
+    def off(self, k: int) -> float:
+        """Standard deviation of the k-th load's place in depths, with what the loads leave unexplained."""
+        chance, left = self.variance * self.spread[k, :2], self.unexplained[0][k, :2]
+        return math.sqrt(float((chance + np.maximum(left, 0.0)).max()))
 
     @cached_property
     def contrary(self) -> NDArray[np.intp]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from cnnsim.support.compiling.kept_loops import kept_helper
 from tactile.inverse.least_squares.equations_numba import equations, rest
-from tactile.inverse.least_squares.fit_numba import solve
+from tactile.inverse.least_squares.fit_numba import back
 
 RADIUS = 0.5
 """The ring [depths] that stands for a width: its mean square radius is that of a ball's contact of 0.8 depths."""
@@ -20,13 +20,14 @@ AROUND = 4
 
 
 @kept_helper(error_model="numpy")
-def width(at, felt, scale, load, strain, layer, tie, moved):  # type: ignore[no-untyped-def]  # numba types it
-    """Fill ``moved`` (5,): how far each number of the load is off if it is wide; return what that explains of chi^2.
+def width(at, felt, scale, load, strain, layer, tie, factor, moved):  # type: ignore[no-untyped-def]  # numba types it
+    """Fill ``moved`` (5,): how far each number of the load is off for the ring's width; return g' r and g' g'.
 
     With g what the ring adds to the signals, J the slopes, C = (J J^T)^-1, and g' = g - J^T C J g what of it is seen,
-    of the rest r the part a = g' r / g' g' is a width, by which the load is off by -a C J g.
+    of the rest r the part a = g' r / g' g' is a width, by which the load is off by -a C J g. ``factor``: of J J^T.
     """
-    ring, one = np.empty((AROUND + 1, 5)), np.empty((1, 5))
+    work, nothing = np.empty((2 * AROUND + 5, 5)), np.zeros((len(at), 3))
+    ring, one, matrix, vector = work[: AROUND + 1], work[AROUND + 1 : AROUND + 2], work[AROUND + 3 :], work[AROUND + 2]
     for m in range(5):
         one[0, m] = load[m]
         for k in range(AROUND + 1):
@@ -35,25 +36,15 @@ def width(at, felt, scale, load, strain, layer, tie, moved):  # type: ignore[no-
     for k in range(AROUND):
         ring[k, 0] += RADIUS * math.cos(2 * math.pi * k / AROUND)
         ring[k, 1] += RADIUS * math.sin(2 * math.pi * k / AROUND)
-    added = rest(at, np.zeros_like(felt), scale, ring, strain, layer)  # -g
+    added = rest(at, nothing, scale, ring, strain, layer)  # -g
     left = rest(at, felt, scale, one, strain, layer)
-    matrix, vector, step, factor = np.empty((5, 5)), np.empty(5), np.empty(5), np.empty((5, 5))
-    size = equations(at, felt - left + added, scale, one, strain, layer, matrix, vector)
-    matrix[2, 2] += tie[0]
-    matrix[3, 2] += tie[1]
-    matrix[3, 3] += tie[2]
-    moved[:] = 0.0
-    if not solve(matrix, vector, 0.0, factor, step):
-        return 0.0
-    seen = size
-    for m in range(5):
-        seen -= vector[m] * step[m]
     along = 0.0
     for i in range(len(at)):
         for k in range(3):
-            along += added[i, k] * left[i, k]
-    if not seen > 0:
-        return 0.0
+            along -= added[i, k] * left[i, k]
+            left[i, k] = felt[i, k] - left[i, k] + added[i, k]  # of which the load leaves -g
+    seen = equations(at, left, scale, one, strain, layer, matrix, vector)
+    back(factor, vector, moved)
     for m in range(5):
-        moved[m] = step[m] * along / seen
-    return along * along / seen
+        seen -= vector[m] * moved[m]
+    return along, seen

@@ -39,7 +39,15 @@ def beyond(load: Load, wanted: Floats = WANTED) -> float:
 
 @pytest.mark.parametrize(
     ("kind", "most"),
-    [("dead", 0.04), ("turned", 0.04), ("clipped", 0.04), ("second", 0.02), ("layer", 0.04), ("ball", 0.07)],
+    [
+        ("dead", 0.02),
+        ("turned", 0.02),
+        ("clipped", 0.02),
+        ("stuck", 0.02),
+        ("second", 0.02),
+        ("layer", 0.04),
+        ("ball", 0.03),
+    ],
 )
 def test_deviations_cover_what_is_unexplained(kind: str, most: float) -> None:
     """Of the loads that are inside no larger share lies beyond 5 deviations; by noise alone 13 to 60 % do."""
@@ -79,7 +87,7 @@ def test_one_false_reading_is_named_and_the_others_of_its_taxel_are_used(
 
     load = located(at, signals, 1e-4, stress, spoil, known=known)
     unread = stress and axis == 2 and factor == 0  # a taxel of which the normal stress alone is nothing says no place
-    assert load.left_out == (() if unread else ((row, col),))
+    assert load.left_out == ((row, col),)
     assert (load.taxels + unread, load.saturated, load.others, load.validity) == (side * side, (), (), Validity.INSIDE)
     assert np.abs(np.array(as_row(load))[:2] - place).max() < 2e-3 * DEPTH
     assert beyond(load, wanted) < 5

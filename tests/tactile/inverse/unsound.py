@@ -1,11 +1,13 @@
 """Trials of loads that no point load on a half-space explains: ``python -m tests.tactile.inverse.unsound [--count N]``.
 
-Of the strongest taxel one channel is dead or turned round, a reading is cut off at an end that nobody knows, a second
-load of 0.05 to 0.1 of the first presses 2 to 3 depths away, the body is a layer of 1 to 2 depths, the contact is a ball
-of up to a depth; and nothing of that for comparison. Pads of 2 x 2 to 16 x 16 taxels, half a depth to two depths apart,
-strain and stress. Printed of the loads that are told to be inside: how many lie beyond 5 of their own standard
-deviations, by place and by any of the five numbers; the median share of an error in its deviation; errors over the
-depth and over the force. Signals are summed here, by eqs (1) and (10), not by what the project sums them with.
+Of the strongest taxel one channel is dead or turned round, or all three say something else; readings are cut off at an
+end that nobody knows, a second load of 0.05 to 0.1 of the first presses 2 to 3 depths away, the body is a layer of 1 to
+2 depths, the contact is a ball of up to a depth; and nothing of that for comparison. Pads of 2 x 2 to 16 x 16 taxels,
+half a depth to two depths apart, or with ``--lines`` lines of 4 to 12; strain and stress. Printed of the loads that are
+told to be inside: how many lie beyond 5 of their own standard deviations, by place and by any of the numbers that are
+told; the median share of an error in its deviation; errors over the depth and over the force. ``named``: of dead,
+turned and stuck taxels those that are, of clipped loads those of which all that are clipped are. Signals are summed
+here, by eqs (1) and (10), not by what the project sums them with.
 """
 
 import argparse
@@ -24,8 +26,9 @@ from tests.kits.touch.pads import DEPTH, MODULUS, as_row, found
 from tests.oracles.elastic.layer import layer_load
 
 SHAPES = ((2, 2), (2, 3), (3, 3), (4, 4), (5, 5), (8, 8), (16, 16))
+LINES = ((1, 4), (1, 5), (1, 6), (1, 8), (8, 1), (1, 12), (6, 1))
 PITCHES = (0.5, 1.0, 1.0, 1.5, 2.0)
-KINDS = ("sound", "dead", "turned", "clipped", "second", "layer", "ball")
+KINDS = ("sound", "dead", "turned", "clipped", "second", "layer", "ball", "stuck")
 
 
 @dataclass(frozen=True)
@@ -50,10 +53,15 @@ class Trial:
 
     @property
     def off(self) -> Floats:
-        """Errors (5,) of the answer that is nearest to the first load."""
+        """Errors (5,) of the answer that is nearest to the first load, 0 of a shear that a line cannot tell."""
         answers = np.array([as_row(one) for one in (self.load, *self.load.others)])
         near = answers[np.hypot(*(answers[:, :2] - self.loads[0, :2]).T).argmin()]
-        return near - self.loads[0]
+        x, y, q, r, f = self.loads[0]
+        if self.shape[0] == 1:  # lines lie on an axis: F of a load without the shear across, which feels alike
+            near[3], f, r = 0.0, f - r * y / DEPTH, 0.0
+        if self.shape[1] == 1:
+            near[2], f, q = 0.0, f - q * x / DEPTH, 0.0
+        return near - (x, y, q, r, f)
 
     @property
     def sigmas(self) -> Floats:
@@ -61,6 +69,11 @@ class Trial:
         answers = (self.load, *self.load.others)
         k = np.argmin([np.hypot(one.x - self.loads[0, 0], one.y - self.loads[0, 1]) for one in answers])
         return np.abs(self.off) / np.array(answers[k].sigma)
+
+    @property
+    def beyond(self) -> bool:
+        """Whether the answer is told to be inside, and lies beyond 5 of its deviations."""
+        return self.inside and bool(self.sigmas.max() > 5)
 
 
 def point_signals(at: Floats, loads: Floats, stress: bool) -> Floats:
@@ -91,9 +104,9 @@ def ball(load: Floats, radius: float) -> Floats:
     return parts
 
 
-def trial(kind: str, random: np.random.Generator) -> Trial:
+def trial(kind: str, random: np.random.Generator, shapes: tuple[tuple[int, int], ...] = SHAPES) -> Trial:
     """Draw and locate one."""
-    shape = SHAPES[random.integers(len(SHAPES))]
+    shape = shapes[random.integers(len(shapes))]
     pitch, stress, known = float(random.choice(PITCHES)), bool(random.integers(2)), bool(random.integers(2))
     at = TaxelArray("pad", *shape, pitch * DEPTH, DEPTH).positions()
     half = np.array([shape[1], shape[0]]) * pitch * DEPTH / 2
@@ -121,19 +134,23 @@ def trial(kind: str, random: np.random.Generator) -> Trial:
         signals = point_signals(at, ball(loads[0], more * DEPTH), stress)
     else:
         signals = point_signals(at, loads, stress)
-    peak, named = float(np.abs(signals).max()), False
+    peak, bad = float(np.abs(signals).max()), np.zeros(shape, bool)
     read = signals + random.normal(size=signals.shape) * level * peak
-    if kind in ("dead", "turned"):
+    if kind in ("dead", "turned", "stuck"):
         worst = np.unravel_index(np.abs(signals).max(axis=-1).argmax(), shape)
         channel = int(random.integers(3))
-        read[worst][channel] *= 0.0 if kind == "dead" else -1.0
-        bad = {tuple(int(k) for k in worst)}
+        if kind == "stuck":
+            read[worst] = random.normal(size=3) * peak * random.choice([0.3, 1, 3])
+        else:
+            read[worst][channel] *= 0.0 if kind == "dead" else -1.0
+        bad[worst] = True
     if kind == "clipped":
         end = random.uniform(0.5, 0.9) * peak
+        bad[:] = (np.abs(read) > end).any(axis=-1)
         read = np.clip(read, -end, end)
     load = found(at, read, stress, level * peak if known else None)
-    if kind in ("dead", "turned"):
-        named = bad <= {*load.left_out, *load.saturated}
+    blamed = {*load.saturated} if kind == "clipped" else {*load.left_out, *load.saturated}
+    named = bool(bad.any()) and set(map(tuple, np.argwhere(bad).tolist())) <= blamed
     return Trial(kind, shape, stress, pitch, level, known, loads, load, more, named)
 
 
@@ -163,11 +180,15 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=300)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--kind", nargs="*", default=KINDS)
+    parser.add_argument("--lines", action="store_true", help="lines of taxels, not pads")
     parser.add_argument("--split", action="store_true", help="a line for each shape, quantity and knowledge, too")
     given = parser.parse_args()
     for kind in given.kind:
-        trials = [trial(kind, np.random.default_rng((given.seed, KINDS.index(kind), n))) for n in range(given.count)]
+        shapes, number = LINES if given.lines else SHAPES, KINDS.index(kind)
+        trials = [trial(kind, np.random.default_rng((given.seed, number, n)), shapes) for n in range(given.count)]
         print(line(kind, trials))
+        for known in (True, False) if not given.split and any(not one.known for one in trials) else ():
+            print(line(f"    {'' if known else 'un'}known noise", [one for one in trials if one.known is known]))
         if given.split:
             groups: dict[Any, list[Trial]] = defaultdict(list)
             for one in trials:

@@ -1,0 +1,138 @@
+"""Loads beside which another one fits as well, if a reading is false: both are counted, or the load is ambiguous."""
+
+import numpy as np
+import pytest
+
+from cnnsim.support import Floats
+from tactile.core.frame import TaxelArray
+from tactile.inverse.load import Load
+from tactile.inverse.validity import Validity
+from tests.kits.touch.pads import DEPTH, SCALE, as_row, felt, found
+from tests.oracles.elastic.localise import bound, nearest
+from tests.tactile.inverse.unsound import KINDS, LINES, trial
+
+
+def scene(
+    random: np.random.Generator, shape: tuple[int, int], pitch: float, level: float, stress: bool
+) -> tuple[Floats, Floats, Floats, float]:
+    """Return the places of a pad's taxels, a load, what they read of it with noise, and that noise."""
+    at = TaxelArray("pad", *shape, pitch * DEPTH, DEPTH).positions()
+    half = np.array([shape[1], shape[0]]) * pitch * DEPTH / 2
+    load = np.array([*random.uniform(-1, 1, 2) * half, *random.uniform(-0.1, 0.1, 2), 0.4])
+    signals = felt(at, [load], stress)
+    noise = level * float(np.abs(signals).max())
+    return at, load, signals + random.normal(size=signals.shape) * noise, noise
+
+
+def beyond(load: Load, wanted: Floats) -> float:
+    return float(np.abs((np.array(as_row(load)) - wanted) / load.sigma).max())
+
+
+@pytest.mark.parametrize("stress", [False, True])
+@pytest.mark.parametrize(("side", "pitch"), [(2, 2.0), (3, 1.5), (4, 2.0)])
+def test_a_reading_that_is_nothing_is_named_though_the_load_hides_it(side: int, pitch: float, stress: bool) -> None:
+    """Noise is never exactly nothing: in half of these the load takes the false reading for its own, within noise."""
+    random = np.random.default_rng((side, stress))
+    for n in range(30):
+        at, load, read, noise = scene(random, (side, side), pitch, 2e-2, stress)
+        row, col = (int(k) for k in np.unravel_index(np.abs(read).max(axis=-1).argmax(), (side, side)))
+        read[row, col, n % 2] = 0.0
+        answer = found(at, read, stress, noise)
+        assert (row, col) in answer.left_out
+        assert answer.validity is not Validity.INSIDE or beyond(answer, load) < 5
+
+
+@pytest.mark.parametrize("stress", [False, True])
+def test_nothing_that_a_load_makes_or_coarse_steps_make_is_not_false(stress: bool) -> None:
+    line = TaxelArray("line", 1, 6, DEPTH, DEPTH).positions()
+    beside = np.array([line[0, 4, 0], 0.4 * DEPTH, 0.03, 0.0, 0.4])
+    read = felt(line, [beside], stress)
+    assert np.count_nonzero(np.abs(read) < 1e-12 * np.abs(read).max()) == 1
+    assert found(line, read, stress).left_out == ()
+    random = np.random.default_rng(8)
+    for _ in range(50):
+        at, _, read, noise = scene(random, (4, 4), 1.0, 1e-3, stress)
+        step = float(np.abs(read).max()) / 40
+        assert found(at, np.round(read / step) * step, stress, noise + step).left_out == ()
+
+
+def test_a_taxel_under_the_load_that_cannot_be_read_is_named() -> None:
+    at, load, read, noise = scene(np.random.default_rng(1), (4, 4), 1.0, 1e-3, True)
+    near = np.hypot(*np.moveaxis(at - load[:2], -1, 0))
+    first, last = (tuple(int(k) for k in np.unravel_index(n, (4, 4))) for n in (near.argmin(), near.argmax()))
+    read[first], read[last] = np.nan, np.nan
+    assert found(at, read, True, noise).left_out == (first,)
+    railed = np.zeros((4, 4), bool)
+    railed[first] = True
+    answer = found(at, read, True, noise, railed)
+    assert (answer.left_out, answer.saturated) == ((), (first,))
+
+
+@pytest.mark.parametrize("stress", [False, True])
+def test_a_load_that_fits_as_well_with_one_reading_turned_round_is_counted(stress: bool) -> None:
+    """The other loads by SciPy: from where the reading's sign leads to first order, on pads two depths apart."""
+    random, others = np.random.default_rng(3), 0
+    for _ in range(15):
+        at, load, read, noise = scene(random, (2, 2), 2.0, 2e-2, stress)
+
+        def made(loads: Floats, at: Floats = at) -> Floats:
+            return felt(at, loads, stress)
+
+        here = nearest(made, read, load[None], SCALE)
+        chi = ((made(here) - read) ** 2).sum() / noise**2
+        answer, least = found(at, read, stress, noise), bound(made, here[0], noise, SCALE)
+        worst = np.unravel_index(np.abs(read).max(axis=-1).argmax(), (2, 2))
+        for channel in range(2):
+            turned = read.copy()
+            turned[worst][channel] *= -1
+            there = nearest(made, turned, here, SCALE)
+            off = np.abs(there - here)[0]
+            if ((made(there) - turned) ** 2).sum() / noise**2 < chi + 0.9 and (off > 3.5 * least).any():
+                others += 1
+                assert (np.array(answer.sigma) > 0.9 * off).all()
+    assert others >= 2
+
+
+@pytest.mark.parametrize("stress", [False, True])
+def test_readings_at_one_end_are_told_whatever_the_load_makes_of_them(stress: bool) -> None:
+    """Also where noise lets the load make less of one of them than the end: two noisy readings are never alike."""
+    random, count = np.random.default_rng(5), 0
+    for _ in range(60):
+        at, load, read, noise = scene(random, (3, 3), 2.0, 1e-2, stress)
+        end = 0.6 * float(np.abs(read).max())
+        false = np.abs(read) > end
+        if not 2 <= false.sum() <= 4:
+            continue
+        answer = found(at, np.clip(read, -end, end), stress, noise)
+        assert set(answer.saturated) == set(map(tuple, np.argwhere(false.any(axis=-1)).tolist()))
+        assert answer.validity is not Validity.INSIDE or beyond(answer, load) < 5
+        count += 1
+    assert count >= 10
+
+
+def test_one_of_two_false_readings_leaves_the_load_ambiguous() -> None:
+    """On a line either of two readings may be turned round: each explains all, with loads half a depth apart."""
+    for n in (107, 228):
+        one = trial("turned", np.random.default_rng((41, KINDS.index("turned"), n)), LINES)
+        assert one.load.validity is Validity.AMBIGUOUS
+
+
+def test_a_place_that_is_not_known_to_half_a_depth_is_ambiguous() -> None:
+    for n in range(100):
+        one = trial("turned", np.random.default_rng((35, KINDS.index("turned"), n)), LINES)
+        assert not one.inside or max(one.load.sigma[:2]) <= 0.5 * DEPTH
+
+
+@pytest.mark.parametrize(
+    ("kind", "most"), [("dead", 0.02), ("turned", 0.02), ("clipped", 0.02), ("stuck", 0.03), ("ball", 0.03)]
+)
+def test_lines_say_where_their_readings_do_not_suffice(kind: str, most: float) -> None:
+    trials = [trial(kind, np.random.default_rng((34, KINDS.index(kind), n)), LINES) for n in range(200)]
+    assert sum(one.inside for one in trials) >= 0.65 * len(trials)
+    assert sum(one.beyond for one in trials if one.known) <= most * sum(one.inside for one in trials if one.known)
+
+
+def test_sound_loads_on_lines_are_not_lost() -> None:
+    trials = [trial("sound", np.random.default_rng((33, n)), LINES) for n in range(150)]
+    assert sum(one.inside for one in trials) >= 0.98 * len(trials)
+    assert not any(one.load.left_out or one.load.saturated for one in trials)
