@@ -7,8 +7,9 @@ is seen when it is false: it counts for as much as would hide so, and so does a 
 
 Of all readings of the strongest taxels some error always explains something, so much has to speak for it. There is but
 one largest reading, it is cut off to one side, and by no more than itself; there is one width, it is none below zero
-and no more than a depth: less has to. A reading that is turned round has no size to choose: where the load fits as well
-with the opposite sign, both are possible, and how far they are apart counts.
+and no more than a depth: less has to. A dead channel reads noise: where a reading is no more and the others let it be
+much, chance seldom has it. A reading that is turned round has no size to choose: where the load fits as well with the
+opposite sign, both are possible, and how far they are apart counts.
 Lengths and signals as in `half_space_numba`.
 
 Sources: R. T. Birge, Phys. Rev. 40 (1932) 207; W. Baarda, A testing procedure for use in geodetic networks (1968);
@@ -35,7 +36,8 @@ NOTICED = 3.5
 BY_CHANCE = 0.02
 """... or, where nobody knows the noise, where chance would make one of them fit so badly in that part of all frames."""
 LIKELY = 0.5
-"""The largest reading counts as cut off, and a load as wide, if that is so many times as likely as that it is not."""
+"""The largest reading counts as cut off, a load as wide, and any of the readings asked as dead, each of them so much
+less, if that is so many times as likely as that it is not."""
 WIDEST = 1.6
 """Largest width that is likely, over that of the ring of `width`: a ball's contact of one depth."""
 AS_WELL = 1.0
@@ -76,7 +78,7 @@ def unexplained(  # type: ignore[no-untyped-def]
         for k in range(3):
             if scale[i, k] > 0:
                 largest = max(largest, abs(felt[i, k]) / scale[i, k])
-    most, taken, worst = -1.0, 0.0, 0
+    most, taken, worst, of_many = -1.0, 0.0, 0, 2 * math.log(LIKELY * 3 * count)
     loose = max(spread[0], spread[1])
     for i in range(count):
         for k in range(3):
@@ -88,7 +90,12 @@ def unexplained(  # type: ignore[no-untyped-def]
             if explained > most:
                 most, worst = explained, 3 * i + k
             cut = off * read < 0 and abs(read) >= largest * scale[i, k]
-            if explained > least or (cut and as_likely(explained, read * read * seen, variance, noise, chi, free)):
+            dead = explained - read * read > variance * (math.log(seen) + of_many)
+            if (
+                dead
+                or explained > least
+                or (cut and as_likely(explained, read * read * seen, variance, noise, chi, free))
+            ):
                 back(factor, vector, step)
                 for m in range(5):
                     more[m] += step[m] ** 2 * (explained + variance) / seen

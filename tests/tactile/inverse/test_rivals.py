@@ -124,7 +124,8 @@ def test_a_place_that_is_not_known_to_half_a_depth_is_ambiguous() -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "most"), [("dead", 0.02), ("turned", 0.02), ("clipped", 0.02), ("stuck", 0.03), ("ball", 0.03)]
+    ("kind", "most"),
+    [("dead", 0.02), ("silent", 0.02), ("turned", 0.02), ("clipped", 0.02), ("stuck", 0.03), ("ball", 0.03)],
 )
 def test_lines_say_where_their_readings_do_not_suffice(kind: str, most: float) -> None:
     trials = [trial(kind, np.random.default_rng((34, KINDS.index(kind), n)), LINES) for n in range(200)]

@@ -41,6 +41,7 @@ def beyond(load: Load, wanted: Floats = WANTED) -> float:
     ("kind", "most"),
     [
         ("dead", 0.02),
+        ("silent", 0.02),
         ("turned", 0.02),
         ("clipped", 0.02),
         ("stuck", 0.02),

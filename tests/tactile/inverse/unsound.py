@@ -1,13 +1,13 @@
 """Trials of loads that no point load on a half-space explains: ``python -m tests.tactile.inverse.unsound [--count N]``.
 
-Of the strongest taxel one channel is dead or turned round, or all three say something else; readings are cut off at an
-end that nobody knows, a second load of 0.05 to 0.1 of the first presses 2 to 3 depths away, the body is a layer of 1 to
-2 depths, the contact is a ball of up to a depth; and nothing of that for comparison. Pads of 2 x 2 to 16 x 16 taxels,
-half a depth to two depths apart, or with ``--lines`` lines of 4 to 12; strain and stress. Printed of the loads that are
-told to be inside: how many lie beyond 5 of their own standard deviations, by place and by any of the numbers that are
-told; the median share of an error in its deviation; errors over the depth and over the force. ``named``: of dead,
-turned and stuck taxels those that are, of clipped loads those of which all that are clipped are. Signals are summed
-here, by eqs (1) and (10), not by what the project sums them with.
+Of the strongest taxel one channel is dead, has only its noise left (silent) or is turned round, or all three say
+something else; readings are cut off at an end that nobody knows, a second load of 0.05 to 0.1 of the first presses 2 to
+3 depths away, the body is a layer of 1 to 2 depths, the contact is a ball of up to a depth; and nothing of that for
+comparison. Pads of 2 x 2 to 16 x 16 taxels, half a depth to two depths apart, or with ``--lines`` lines of 4 to 12;
+strain and stress. Printed of the loads that are told to be inside: how many lie beyond 5 of their own standard
+deviations, by place and by any of the numbers that are told; the median share of an error in its deviation; errors over
+the depth and over the force. ``named``: of dead, turned and stuck taxels those that are, of clipped loads those of
+which all that are clipped are. Signals are summed here, by eqs (1) and (10), not by what the project sums them with.
 """
 
 import argparse
@@ -28,7 +28,7 @@ from tests.oracles.elastic.layer import layer_load
 SHAPES = ((2, 2), (2, 3), (3, 3), (4, 4), (5, 5), (8, 8), (16, 16))
 LINES = ((1, 4), (1, 5), (1, 6), (1, 8), (8, 1), (1, 12), (6, 1))
 PITCHES = (0.5, 1.0, 1.0, 1.5, 2.0)
-KINDS = ("sound", "dead", "turned", "clipped", "second", "layer", "ball", "stuck")
+KINDS = ("sound", "dead", "turned", "clipped", "second", "layer", "ball", "stuck", "silent")
 
 
 @dataclass(frozen=True)
@@ -136,11 +136,13 @@ def trial(kind: str, random: np.random.Generator, shapes: tuple[tuple[int, int],
         signals = point_signals(at, loads, stress)
     peak, bad = float(np.abs(signals).max()), np.zeros(shape, bool)
     read = signals + random.normal(size=signals.shape) * level * peak
-    if kind in ("dead", "turned", "stuck"):
+    if kind in ("dead", "turned", "stuck", "silent"):
         worst = np.unravel_index(np.abs(signals).max(axis=-1).argmax(), shape)
         channel = int(random.integers(3))
         if kind == "stuck":
             read[worst] = random.normal(size=3) * peak * random.choice([0.3, 1, 3])
+        elif kind == "silent":
+            read[worst][channel] -= signals[worst][channel]
         else:
             read[worst][channel] *= 0.0 if kind == "dead" else -1.0
         bad[worst] = True
