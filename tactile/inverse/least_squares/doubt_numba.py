@@ -116,7 +116,7 @@ def reads_nothing(felt, scale, near):  # type: ignore[no-untyped-def]
                 raw[count] = abs(felt[i, m]) / scale[i, m]
                 count += 1
     raw = raw[:count]
-    raw.sort()
+    _sort(raw)
     for k in range(count - 1):
         if raw[k] >= raw[k + 1] * (1 - near):
             return -1

@@ -21,7 +21,7 @@ import math
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_helper
+from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 from tactile.inverse.least_squares.equations_numba import equations, slopes
 from tactile.inverse.least_squares.fit import HUNG_ON
 from tactile.inverse.least_squares.fit_numba import back, factored, fit
@@ -48,7 +48,7 @@ BENT = 50.0
 """To first order chi^2 may be larger by so many variances, where the other load is far away."""
 
 
-@kept_helper(error_model="numpy")
+@kept_njit(error_model="numpy")
 def unexplained(  # type: ignore[no-untyped-def]
     at, felt, scale, load, strain, layer, tie, noise, chi, excess, free, spread, steps, more
 ):
@@ -146,7 +146,7 @@ def _add_turned(  # type: ignore[no-untyped-def]
             more[m] += (other[0, m] - load[m]) ** 2
 
 
-@kept_helper(error_model="numpy")
+@kept_njit(error_model="numpy")
 def normal(at, felt, scale, load, strain, layer, tie, matrix, vector, factor):  # type: ignore[no-untyped-def]
     """Fill the normal matrix (5, 5) of one load and its factor of Cholesky; False where it is not definite."""
     equations(at, felt, scale, load.reshape((1, 5)), strain, layer, matrix, vector)

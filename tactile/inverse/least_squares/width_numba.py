@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_helper
+from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.inverse.least_squares.equations_numba import equations, rest
 from tactile.inverse.least_squares.fit_numba import back
 
@@ -19,7 +19,7 @@ AROUND = 4
 """Places on it: what it adds has the curvature of a circle up to the third power of the radius."""
 
 
-@kept_helper(error_model="numpy")
+@kept_njit(error_model="numpy")
 def width(at, felt, scale, load, strain, layer, tie, factor, moved):  # type: ignore[no-untyped-def]  # numba types it
     """Fill ``moved`` (5,): how far each number of the load is off for the ring's width; return g' r and g' g'.
 
