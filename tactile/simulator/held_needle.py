@@ -31,8 +31,8 @@ def raised(field: Field, rises: Rises, before: Rises = ()) -> float:
     layered = bool(np.isfinite(field.medium.thickness))
     if layered and all(type(one) is MovingLoad for one in field.contacts):  # the same on a layer
         forces, _, readings = pushes(field)
-        pressed = _most_pressed(forces, field.medium, before)
-        grown_by = (_most_pressed(pressed, field.medium, rises) - pressed) / np.where(forces > 0, forces, 1.0)
+        already = _most_pressed(forces, field.medium, before)
+        grown_by = (_most_pressed(already, field.medium, rises) - already) / np.where(forces > 0, forces, 1.0)
         return float((grown_by.max(axis=1, initial=0) * readings).max(initial=0))
     values = np.ascontiguousarray(field.values).reshape(len(field.times), -1)
     growth = np.abs(_growth(field, (*before, *rises)) - _growth(field, before)).max(axis=1, initial=0)
