@@ -30,10 +30,10 @@ def raised(field: Field, rises: Rises, before: Rises = ()) -> float:
         return float(_raised_points(*pushes(field), least, least + more))
     layered = bool(np.isfinite(field.medium.thickness))
     if layered and all(type(one) is MovingLoad for one in field.contacts):  # the same on a layer
+        from tactile.simulator.contacts.tip import most_raised  # only where called for
+
         forces, _, readings = pushes(field)
-        already = _most_pressed(forces, field.medium, before)
-        grown_by = (_most_pressed(already, field.medium, rises) - already) / np.where(forces > 0, forces, 1.0)
-        return float((grown_by.max(axis=1, initial=0) * readings).max(initial=0))
+        return most_raised(forces, readings, before, rises, field.medium)
     values = np.ascontiguousarray(field.values).reshape(len(field.times), -1)
     growth = np.abs(_growth(field, (*before, *rises)) - _growth(field, before)).max(axis=1, initial=0)
     return float((growth * np.abs(values).max(axis=1, initial=0)).max(initial=0))
@@ -59,17 +59,10 @@ def lifted(field: Field, rises: Rises) -> Field:
 def pressed_by(force: float, medium: Medium, rises: Rises) -> float:
     """The normal force [N] of a contact at a point, held by its tip, when the surface rises."""
     if np.isfinite(medium.thickness):
-        return float(_most_pressed(np.array([max(force, 0.0)]), medium, rises)[0])
+        from tactile.simulator.contacts.tip import most_pressed  # only where called for
+
+        return most_pressed(force, rises, medium)
     return float((max(force, 0.0) ** (2 / 3) + _lift(medium, rises)) ** 1.5)
-
-
-def _most_pressed(forces: Floats, medium: Medium, rises: Rises) -> Floats:
-    """Bound of the forces [N] of contacts at points on a layer, held by their tips, when the surface rises."""
-    from tactile.simulator.contacts.tip import most_factor  # only where called for
-
-    for rise, tip in rises:
-        forces = forces * most_factor(forces, rise, tip, medium)
-    return forces
 
 
 def _by_tips(field: Field) -> bool:

@@ -3,6 +3,7 @@
 A point is a force, and may press through any layer: neither law has an end, where a body's would refuse the scene.
 """
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -12,6 +13,10 @@ from cnnsim.support import Floats
 from tactile.elastic.layer_contact import layer_contact
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import ROUND_TIP, Profile, round_tip_radius
+from tactile.simulator.contacts import tip_numba
+
+Rises = Sequence[tuple[float, float]]
+"""By how much [m] the surface rises, one after the other, each with the tip's radius [m] of contacts at a point."""
 
 THINNEST = 1e-4
 """Contact radius, over the widest in the tables, below which a layer is a half-space: its force is off by 0.3 %."""
@@ -19,8 +24,6 @@ STEPS = 4
 """Steps of Newton's from the nearest places in a table, after which nothing is left but rounding."""
 FAR = 60.0
 """By what logarithms of indentations go beyond a table, whose ends are powers."""
-STEEPER = 1.02
-"""Slopes between two places of it are at most so many times the line's."""
 SMALL = 0.25
 """Tip radius over thickness up to which circles are as on the half-space: what is felt is off by 4e-4 at most."""
 
@@ -70,14 +73,20 @@ def _lines(nu: float) -> tuple[Floats, Floats]:
     return deep, _force(deep, law)[0]
 
 
-def most_factor(force: Floats, rise: float, radius: float, medium: Medium) -> Floats:
-    """Bound of `held_factor`, of a tenth of its time: by straight lines between the places of the table."""
-    (deep, known), h = _lines(medium.nu), medium.thickness
-    pressing = force > 0
-    wanted = np.log(np.where(pressing, force, 1.0) * radius / (medium.contact_modulus * h**3))
-    deeper = np.exp(np.interp(wanted, known, deep)) + rise * radius / h**2
-    more = np.expm1(np.interp(np.log(deeper), deep, known) - wanted)
-    return np.where(pressing, 1 + STEEPER * more, 1.0)
+def most_pressed(force: float, rises: Rises, medium: Medium) -> float:
+    """Bound of a normal force [N] that a tip holds when a layer rises: by straight lines between a table's places."""
+    return float(tip_numba.most_pressed(force, _in_units(rises, medium), *_lines(medium.nu))) if force > 0 else 0.0
+
+
+def most_raised(forces: Floats, readings: Floats, before: Rises, rises: Rises, medium: Medium) -> float:
+    """Bound of the change of ``readings`` (frames,) under ``forces`` [N] (frames, n) when a layer rises further."""
+    units = _in_units(before, medium), _in_units(rises, medium)
+    return float(tip_numba.most_raised(forces, readings, *units, *_lines(medium.nu)))
+
+
+def _in_units(rises: Rises, medium: Medium) -> Floats:
+    h, modulus = medium.thickness, medium.contact_modulus
+    return np.array([(rise * radius / h**2, modulus * h**3 / radius) for rise, radius in rises]).reshape(-1, 2)
 
 
 def circle(force: Floats, radius: float, medium: Medium) -> tuple[Floats, Profile, float]:
