@@ -56,7 +56,7 @@ class Explanation:
         plan = self.plan
         if not self.grey or plan.method != "stepped" or plan.template.uncoupled or plan.scheme != EULER:
             return ""
-        rate, lost = late_growth(plan.template, plan.boundary, plan.step)
+        rate, lost = late_growth(plan.template, plan.step)
         if lost <= ASTRAY:
             return ""
         words = f"patterns grow by up to {rate:.3g} a time constant, of which steps of {plan.step:g} lose {lost:.0%}"

@@ -130,14 +130,13 @@ def turning_of(template: Template, boundary: Boundary, duration: Duration, step:
     return fastest_turning(modes, duration, step, grey=grey)
 
 
-def late_growth(template: Template, boundary: Boundary, step: float) -> tuple[float, float]:
+def late_growth(template: Template, step: float) -> tuple[float, float]:
     """Return the rate g at which the fastest pattern grows [1 / time constant], and the part of it Euler's steps lose.
 
     In a step they make of exp(h g) only 1 + h g, so they grow at log(1 + h g) / h, which favours the slower of two
     patterns that compete; which of them wins hangs on that where the run begins from a grey state.
     """
-    modes = np.append(modes_of(template, boundary), _waves(template.feedback_taps, symmetric=template.symmetric))
-    rate = max(0.0, float(modes.real.max()))
+    rate = max(0.0, float(_waves(template.feedback_taps, symmetric=template.symmetric).real.max()))
     return rate, 1 - float(np.log1p(step * rate)) / (step * rate) if rate else 0.0
 
 

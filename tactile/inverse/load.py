@@ -30,14 +30,14 @@ class Load:
     Where the noise is known (a quiet second at the start, `LiveTare`) what is left beyond it counts in full, whatever
     it comes from: a false reading, a second load too weak or too near to be told, a cover thinner than is thought, a
     wide tip. Of layers of 1 to 2 depths read as a half-space all are noticed on 2 x 2 to 8 x 8 taxels with noise of up
-    to a hundredth of the signal, and 1 % lie beyond five deviations; so do at most 1 % of balls up to a depth, and of
+    to a hundredth of the signal, and 1 % lie beyond five deviations; so do about 1 % of balls up to a depth, and of
     loads with a channel that is dead (one that reads nothing at all is named), turned round or cut off, or with a stuck
     taxel under them; on lines of taxels as many, of balls 4 %. What is left of cut off readings no data tell: the load
     that takes the reading for true and the one without it leave sums of squares that differ by less than two variances,
     0.0 to 1.1 in most, so the one is as likely as the other. One sound load in 20, on lines in 12, has wider deviations
     for a rival that fits as well, and one in 200, on lines in 100, is ambiguous for it. Two limits more the data set.
     Where nobody knows the noise, what is left passes for it on less than 25 taxels, but for a reading that stands out
-    and for what looks like a width: beyond five deviations lie then 15 % of such layers, 9 % of second loads of 5 to 10
+    and for what looks like a width: beyond five deviations lie then 7 % of such layers, 9 % of second loads of 5 to 10
     %. And where the load hangs on one taxel, on pads two depths apart, an error in it leaves a hundredth of itself
     elsewhere: below the noise it is not seen. Taxels on a line tell F less R times the load's distance from the line
     over their depth, R being the shear across: ``F`` holds for R = 0.

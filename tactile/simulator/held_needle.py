@@ -1,7 +1,6 @@
 """Readings under contacts that a rig holds at a height, when the surface rises."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -12,10 +11,8 @@ from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.core.loads import F
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.moving_load import MovingLoad
+from tactile.simulator.contacts.rig import Rises
 from tactile.simulator.field import Field
-
-Rises = Sequence[tuple[float, float]]
-"""By how much [m] the surface rises, one after the other, each with the tip's radius [m] of contacts at a point."""
 
 
 def raised(field: Field, rises: Rises, before: Rises = ()) -> float:

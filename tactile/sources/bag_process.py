@@ -32,7 +32,7 @@ def main(path: Path) -> None:
         _tell(path)
     except BrokenPipeError:
         return
-    except Exception as error:
+    except Exception as error:  # whatever a library raises on a broken bag: the reader makes one line of it
         said = " ".join(str(error).split()) or type(error).__name__
         sys.stderr.write(said[:CUT])
         sys.exit(2)

@@ -11,13 +11,13 @@ from cnnsim.support import Floats
 from tactile.simulator.choice.chain import Chain, Named
 from tactile.simulator.choice.extremes import Extremes, extremes
 from tactile.simulator.choice.field_bounds import FieldBounds
-from tactile.simulator.choice.finger_bounds import FIELD, NOTHING_OUT, FingerBounds
+from tactile.simulator.choice.finger_bounds import FIELD, FingerBounds, LeftOut
 from tactile.simulator.choice.forces import highest_reading, unseen
 from tactile.simulator.choice.shaking import rises
 from tactile.simulator.choice.trials import Trial
+from tactile.simulator.contacts.rig import Rises
 from tactile.simulator.effect import sticks
 from tactile.simulator.field import Field
-from tactile.simulator.held_needle import Rises
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.seen import RARE
 from tactile.simulator.taxels import FINEST
@@ -166,10 +166,10 @@ class EffectBounds:
         """What leaving these out changes at most, relative to the peak."""
         most = 0.0
         for finger in self.fingers:
-            gone, out = NOTHING_OUT, [name for name in off if name not in self.zero]
+            gone, out = LeftOut(), [name for name in off if name not in self.zero]
             for name in out:
                 gone = finger.without(gone, name, out)
-            most = max(most, gone[-1])
+            most = max(most, gone.stepped)
         return most / self.peak
 
     def without(self, off: Container[str]) -> "EffectBounds":

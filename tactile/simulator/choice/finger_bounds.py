@@ -3,7 +3,7 @@
 import math
 from collections.abc import Collection
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,10 +18,18 @@ SAFE = 1.25
 """What is found on the frames that tell most may be so many times larger on another one."""
 
 
-LeftOut = tuple[Floats, float, float, float, float, float]
-"""What effects that are left out on one finger change: terms with their growth, the sum of others and that of squares;
-the change of all of them, the sum of what each does, and what steps that stay behind make of it."""
-NOTHING_OUT: LeftOut = np.zeros(1), 0.0, 0.0, 0.0, 0.0, 0.0
+class LeftOut(NamedTuple):
+    """What effects that are left out on one finger change: terms with their growth, sums of others and of squares.
+
+    ``change`` is that of all of them, ``stepped`` what steps that stay behind make of it.
+    """
+
+    terms: Floats = np.zeros(1)
+    growth: float = 0.0
+    plain: float = 0.0
+    squares: float = 0.0
+    change: float = 0.0
+    stepped: float = 0.0
 
 
 @dataclass
@@ -52,7 +60,7 @@ class FingerBounds:
 
     def without(self, left: LeftOut, name: str, off: Collection[str]) -> LeftOut:
         """The same with one more effect left out beside those that are ``off``."""
-        terms, growth, plain, squares, _, _ = left
+        terms, growth, plain, squares, *_ = left
         if name in self.terms:
             terms, growth = terms + self.terms[name], max(growth, self.growth[name])
         elif name in self.normal:
@@ -66,7 +74,7 @@ class FingerBounds:
         for one, (grain, chance) in self.grains.items():
             if change * chance > RARE and one != name and one not in off:
                 stepped += grain
-        return terms, growth, plain, squares, change, stepped
+        return LeftOut(terms, growth, plain, squares, change, stepped)
 
 
 def largest(values: Any) -> float:

@@ -1,7 +1,7 @@
 """What can be left out: effects in an order, the dear ones first, as long as their bounds together stay small."""
 
 from tactile.simulator.choice.effect_bounds import EffectBounds
-from tactile.simulator.choice.finger_bounds import FIELD, NOTHING_OUT
+from tactile.simulator.choice.finger_bounds import FIELD, LeftOut
 
 
 def negligible(bounds: EffectBounds, tolerance: float, rough: bool) -> tuple[set[str], float]:
@@ -41,10 +41,10 @@ def _left_out(bounds: EffectBounds, order: list[str], fields: set[str], toleranc
 def _greedy(bounds: EffectBounds, order: list[str], tolerance: float) -> tuple[set[str], float, bool]:
     """What can be left out in an order, the bound of the error, and whether steps behind it let one stay."""
     fingers, most, joint, stepped = bounds.fingers, tolerance * bounds.peak, 0.0, False
-    left, off = [NOTHING_OUT] * len(fingers), set(bounds.zero)
+    left, off = [LeftOut()] * len(fingers), set(bounds.zero)
     for name in order:
         more = [one.without(gone, name, off) for one, gone in zip(fingers, left, strict=True)]
-        smooth, change = more[0][-2:] if len(more) == 1 else map(max, zip(*[one[-2:] for one in more], strict=True))
+        change, smooth = max([one.stepped for one in more]), max([one.change for one in more])
         if change <= most:
             left, joint = more, change
             off.add(name)

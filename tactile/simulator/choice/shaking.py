@@ -9,7 +9,6 @@ from cnnsim.support import InputError
 from tactile.simulator.choice.extremes import Extremes
 from tactile.simulator.choice.finger_bounds import SAFE
 from tactile.simulator.choice.trials import Trial
-from tactile.simulator.field import Field
 
 
 def rises(
@@ -43,26 +42,25 @@ class Shaking:
         random = [one for one in self.on_fields if one[1].RANDOM]
         points, more = self.ideal.slopes.at_points, 1.0
         tips = points and self.layered
-        pressed = lambda: [self.trial.pressed if tips else self.trial.shaken, self.trial.still]  # noqa: E731 - as below
+        fields = ["pressed" if tips else "shaken", "still"]
         if not known:
             by_law = not points and math.isinf(grown)
             if by_law and not small:  # nothing is to be gained
                 return {name: math.inf for name, _ in random}
-            pressed = lambda: [self.trial.pressed if by_law or tips else self.trial.shaken]  # noqa: E731 - lazy
+            fields = ["pressed" if by_law or tips else "shaken"]
             more = SAFE if by_law else 1.0
             more *= 1 + (self._as_points() if by_law else grown) / (self.ideal.seen.largest or 1.0)
-        return {name: self._strays(effect, pressed) * more for name, effect in random}
+        return {name: self._strays(effect, fields) * more for name, effect in random}
 
-    def _strays(self, effect: Any, pressed: Any) -> float:
+    def _strays(self, effect: Any, fields: Sequence[str]) -> float:
+        """Bound of what one effect changes in the trial's fields of these names, which are made only when asked for."""
         frames = self.ideal.seen.frames
         if "strays" not in effect.SAYS:
             return math.inf
         others = rises(self.on_fields, self.on, frames, effect)
         slopes = self.ideal.slopes.raised(others) if others else self.ideal.slopes
-        fields: list[Field]
         try:
-            fields = pressed()
-            return max([float(effect.strays(field, slopes, frames)) for field in fields])
+            return max([float(effect.strays(getattr(self.trial, name), slopes, frames)) for name in fields])
         except InputError:  # raised so far, a contact goes through the cover
             return math.inf
 

@@ -1,6 +1,6 @@
 """How contacts are held over the cover: by what a rig displaces and raises them, and what they do at its surface."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,6 +15,8 @@ from tactile.simulator.contacts.loads import Disc, Loads, point_loads
 
 Move = Callable[[Floats], tuple[Floats, Floats]]
 """From places (frames, 2) [m] to the displacement (frames, 2) [m] and by what the cover rises (frames,) [m]."""
+Rises = Sequence[tuple[float, float]]
+"""By how much [m] the surface rises, one after the other, each with the tip's radius [m] of contacts at a point."""
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 A point is a force, and may press through any layer: neither law has an end, where a body's would refuse the scene.
 """
 
-from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -14,9 +13,7 @@ from tactile.elastic.layer_contact import layer_contact
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import ROUND_TIP, Profile, round_tip_radius
 from tactile.simulator.contacts import tip_numba
-
-Rises = Sequence[tuple[float, float]]
-"""By how much [m] the surface rises, one after the other, each with the tip's radius [m] of contacts at a point."""
+from tactile.simulator.contacts.rig import Rises
 
 THINNEST = 1e-4
 """Contact radius, over the widest in the tables, below which a layer is a half-space: its force is off by 0.3 %."""

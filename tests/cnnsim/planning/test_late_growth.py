@@ -12,7 +12,7 @@ STRIPES = Template([[0, -0.5, 0], [0.75, 1.2, 0.75], [0, -0.5, 0]])
 
 def test_growth_is_that_of_a_pattern_as_it_grows() -> None:
     x = np.where(np.arange(8) % 2, 1e-9, -1e-9)[:, None] * np.ones(8)
-    rate, lost = late_growth(STRIPES, PERIODIC, 0.1)
+    rate, lost = late_growth(STRIPES, 0.1)
     grown = run_transient(STRIPES, state=x, boundary=PERIODIC, duration=2.0, step=0.1, scheme="euler", dtype="float64")
     assert rate == pytest.approx(2.7)
     assert np.log(np.abs(grown.x).max() / 1e-9) == pytest.approx(2 * rate * (1 - lost), rel=1e-9)
