@@ -10,9 +10,11 @@ from cnnsim.support import Floats
 from cnnsim.support.compiling.kept_loops import kept_njit
 from tactile.core.loads import F
 from tactile.elastic.medium import Medium
+from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.contacts.rig import Rises
-from tactile.simulator.field import Field
+from tactile.simulator.contacts.sliding_texture import SlidingTexture
+from tactile.simulator.field import Contact, Field
 
 
 def raised(field: Field, rises: Rises, before: Rises = ()) -> float:
@@ -20,13 +22,12 @@ def raised(field: Field, rises: Rises, before: Rises = ()) -> float:
 
     Readings grow with the forces, at most like the one that grows most: the lighter a contact, the more it does.
     """
-    if not any(rise for rise, _ in rises):
+    if not any([rise for rise, _ in rises]):
         return 0.0
     if _by_tips(field):  # at one go
         more, least = _lift(field.medium, rises), _lift(field.medium, before)
         return float(_raised_points(*pushes(field), least, least + more))
-    layered = bool(np.isfinite(field.medium.thickness))
-    if layered and all(type(one) is MovingLoad for one in field.contacts):  # the same on a layer
+    if field.medium.thickness < math.inf and all(map(is_point, field.contacts)):  # the same on a layer
         from tactile.simulator.contacts.tip import most_raised  # only where called for
 
         forces, _, readings = pushes(field)
@@ -55,16 +56,23 @@ def lifted(field: Field, rises: Rises) -> Field:
 
 def pressed_by(force: float, medium: Medium, rises: Rises) -> float:
     """The normal force [N] of a contact at a point, held by its tip, when the surface rises."""
-    if np.isfinite(medium.thickness):
+    if medium.thickness < math.inf:
         from tactile.simulator.contacts.tip import most_pressed  # only where called for
 
         return most_pressed(force, rises, medium)
     return float((max(force, 0.0) ** (2 / 3) + _lift(medium, rises)) ** 1.5)
 
 
+def is_point(contact: Contact) -> bool:
+    """Whether what presses does so at one point, which a tip holds: a force, whatever the cover."""
+    if isinstance(contact, MovingContact):
+        return contact.indenter.shape == "point"
+    return isinstance(contact, MovingLoad | SlidingTexture)
+
+
 def _by_tips(field: Field) -> bool:
     """Whether all forces follow the half-space's law of a tip, which adds what rises do."""
-    return field.at_points and bool(np.isinf(field.medium.thickness))
+    return field.at_points and field.medium.thickness == math.inf
 
 
 def _lift(medium: Medium, rises: Rises) -> float:

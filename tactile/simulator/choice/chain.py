@@ -50,27 +50,30 @@ class Chain:
 
     def bound_frames(self, found: FingerBounds, seen: Seen) -> None:
         """Bound effects on frames, given bounds of the readings before the first of them, and what grows behind all."""
-        passes: dict[str, float] = {}
+        reaches, growth, grown = found.reach, 1.0, []
         for name, effect in self.on_frames:
             says = effect.SAYS
-            found.reach[name] = reach = float(effect.reach(seen)) if "reach" in says else math.inf
+            reach = effect.reach(seen) if "reach" in says else math.inf
+            passes = 1.0
             if effect.NORMAL:
                 found.normal.add(name)
             if name in self.on:
                 if "passes" in says:
-                    passes[name] = float(effect.passes(seen))
-                if "grain" in says and (grain := float(effect.grain(seen))) > 0:
+                    passes = effect.passes(seen)
+                if "grain" in says and (grain := effect.grain(seen)) > 0:
                     found.grains[name] = grain, 3 * seen.taxels * seen.frames / grain
                 seen = effect.behind(seen) if "behind" in says else seen.after(min(reach, seen.largest), effect.RANDOM)
-        growth = 1.0
-        for name, _ in reversed(self.on_frames):
-            found.growth[name] = growth
-            growth *= passes.get(name, 1.0)
-        found.growth[FIELD] = growth
+            grown.append((name, reach, passes))
+        for name, reach, passes in reversed(grown):
+            reaches[name] = reach * growth
+            growth *= passes
+        found.growth = growth
         for name, effect in self.on_fields:
-            found.growth[name] = growth
             if effect.NORMAL:
                 found.normal.add(name)
+            if name in reaches:
+                reaches[name] *= growth
+        reaches[FIELD] *= growth
 
 
 def asked(effect: Any, what: str, else_: float, *given: Any) -> float:

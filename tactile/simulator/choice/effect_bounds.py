@@ -100,7 +100,7 @@ class EffectBounds:
 
         It takes no more than half of what is left of the tolerance, and goes by steps, for tables are made for each.
         """
-        growth = max([finger.reach[FIELD] * finger.growth[FIELD] for finger in self.fingers]) / self.peak
+        growth = max([finger.reach[FIELD] for finger in self.fingers]) / self.peak
         for more in ROUGHER:
             if (change := growth * (more - 1)) <= (self._tolerance - joint) / 2:
                 return self.rough * more, joint + change

@@ -16,6 +16,8 @@ FIELD = "accuracy of the field"
 """What stands for the field's own accuracy among the effects: to compute it roughly is to leave that out."""
 SAFE = 1.25
 """What is found on the frames that tell most may be so many times larger on another one."""
+ZERO: Floats = np.zeros(1)
+"""What nothing changes."""
 
 
 class LeftOut(NamedTuple):
@@ -24,7 +26,7 @@ class LeftOut(NamedTuple):
     ``change`` is that of all of them, ``stepped`` what steps that stay behind make of it.
     """
 
-    terms: Floats = np.zeros(1)
+    terms: Floats = ZERO
     growth: float = 0.0
     plain: float = 0.0
     squares: float = 0.0
@@ -37,36 +39,35 @@ class FingerBounds:
     """What the effects change in the readings of one finger, at most.
 
     ``terms``: name -> what a fixed effect on fields changes in the frames tried; ``reach``: name -> what any other
-    effect changes at its place in the chain, those in ``normal`` adding up by their squares; ``growth``: name -> by
-    what that may grow behind it; ``grains``: name -> what the smallest change before it may become, and the chance of
-    that per unit of change; ``untried``: of which a trial could tell more, but costs more than it may save.
+    effect changes behind all that follow it, those in ``normal`` adding up by their squares; ``growth``: by what
+    changes of the field may grow behind it; ``grains``: name -> what the smallest change before it may become, and the
+    chance of that per unit of change; ``untried``: of which a trial could tell more, but costs more than it may save.
     """
 
     terms: dict[str, Floats] = field(default_factory=dict)
     reach: dict[str, float] = field(default_factory=dict)
     normal: set[str] = field(default_factory=set)
     untried: set[str] = field(default_factory=set)
-    growth: dict[str, float] = field(default_factory=dict)
+    growth: float = 1.0
     grains: dict[str, tuple[float, float]] = field(default_factory=dict)
-    whole: Floats = field(default_factory=lambda: np.zeros(1))
+    whole: Floats = field(default_factory=lambda: ZERO)
 
     def sizes(self) -> dict[str, float]:
         """What each effect changes."""
-        growth = self.growth
-        sizes = {name: reach * growth[name] for name, reach in self.reach.items()}
+        sizes = self.reach.copy()
         for name, change in self.terms.items():
-            sizes[name] = largest(change) * SAFE * growth[name]
+            sizes[name] = largest(change) * SAFE * self.growth
         return sizes
 
     def without(self, left: LeftOut, name: str, off: Collection[str]) -> LeftOut:
         """The same with one more effect left out beside those that are ``off``."""
-        terms, growth, plain, squares, *_ = left
+        terms, growth, plain, squares, _, _ = left
         if name in self.terms:
-            terms, growth = terms + self.terms[name], max(growth, self.growth[name])
+            terms, growth = terms + self.terms[name], self.growth
         elif name in self.normal:
-            squares += (self.reach[name] * self.growth[name]) ** 2
+            squares += self.reach[name] ** 2
         else:
-            plain += self.reach[name] * self.growth[name]
+            plain += self.reach[name]
         change = plain + math.sqrt(squares)
         if growth:
             change += SAFE * largest(terms) * growth

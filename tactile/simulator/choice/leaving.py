@@ -43,8 +43,11 @@ def _greedy(bounds: EffectBounds, order: list[str], tolerance: float) -> tuple[s
     fingers, most, joint, stepped = bounds.fingers, tolerance * bounds.peak, 0.0, False
     left, off = [LeftOut()] * len(fingers), set(bounds.zero)
     for name in order:
-        more = [one.without(gone, name, off) for one, gone in zip(fingers, left, strict=True)]
-        change, smooth = max([one.stepped for one in more]), max([one.change for one in more])
+        more, change, smooth = [], 0.0, 0.0
+        for finger, gone in zip(fingers, left, strict=True):
+            one = finger.without(gone, name, off)
+            more.append(one)
+            change, smooth = max(change, one.stepped), max(smooth, one.change)
         if change <= most:
             left, joint = more, change
             off.add(name)
