@@ -22,7 +22,7 @@ def raised(field: Field, rises: Rises, before: Rises = ()) -> float:
 
     Readings grow with the forces, at most like the one that grows most: the lighter a contact, the more it does.
     """
-    if not any([rise for rise, _ in rises]):
+    if not any(rise for rise, _ in rises):
         return 0.0
     if _by_tips(field):  # at one go
         more, least = _lift(field.medium, rises), _lift(field.medium, before)

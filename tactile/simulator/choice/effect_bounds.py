@@ -164,12 +164,12 @@ class EffectBounds:
 
     def change(self, off: Iterable[str]) -> float:
         """What leaving these out changes at most, relative to the peak."""
-        most = 0.0
+        most, out = 0.0, {name for name in off if name not in self.zero}
         for finger in self.fingers:
-            gone, out = LeftOut(), [name for name in off if name not in self.zero]
+            left = LeftOut(finger)
             for name in out:
-                gone = finger.without(gone, name, out)
-            most = max(most, gone.stepped)
+                left.add(name)
+            most = max(most, left.change(out)[1])
         return most / self.peak
 
     def without(self, off: Container[str]) -> "EffectBounds":

@@ -22,12 +22,12 @@ RAISED = 4
 """The same where what shakes contacts raises readings highest, and by most: under light contacts."""
 
 
-@dataclass(frozen=True)
+@dataclass
 class Extremes:
     """``seen``, ``slopes``: bounds of the ideal readings and of how fast they change from place to place.
 
-    ``peaks``, ``where``: of every channel, with its frame; ``whole``: the field of a short scene; ``raised``:
-    the peaks where what shakes contacts raises them.
+    ``peaks``, ``where``: of every channel, with its frame; ``whole``: the field of a short scene; ``rises``: by how
+    much what shakes contacts raises them at most; ``raised``: the peaks there of a long one.
     """
 
     seen: Seen
@@ -35,7 +35,8 @@ class Extremes:
     peaks: Floats
     where: Integers
     whole: Field | None
-    raised: "RaisedPeaks"
+    rises: Rises
+    raised: "RaisedPeaks | None"
 
     @cached_property
     def times(self) -> Floats:
@@ -64,9 +65,12 @@ class Extremes:
 
     @cached_property
     def _raised(self) -> "RaisedPeaks":
-        if self.whole is not None:  # not before it is asked for
-            self.raised.add(self.whole)
-        return self.raised
+        if self.raised is not None:
+            return self.raised
+        raised = RaisedPeaks(self.rises, len(self.peaks))
+        if self.whole is not None:
+            raised.add(self.whole)
+        return raised
 
 
 class RaisedPeaks:
@@ -104,19 +108,20 @@ def extremes(scene: Scene, finger: int, rises: Rises = ()) -> Extremes:
     array, skin = scene.arrays[finger], scene.skin
     channels = array.rows * array.cols * 3
     peaks, where, ends = np.zeros(channels), np.zeros(channels, np.int64), np.zeros(3)
-    raised, whole = RaisedPeaks(rises, channels), skin.field(finger, np.arange(scene.samples) / scene.rate)
+    whole, raised = skin.field(finger, np.arange(scene.samples) / scene.rate), None
     kept: Field | None = whole
     if points_alone(whole):
         slopes = point_extremes(whole, peaks, where, ends)
     else:
         pieces = list(skin.pieces(finger))
         near, last = NearLoads(skin.taxels(finger)), np.empty(0)
-        kept = whole if len(pieces) == 1 else None
+        if len(pieces) > 1:
+            kept, raised = None, RaisedPeaks(rises, channels)
         for field in [whole] if kept else skin.fields(finger, pieces):
             values = np.ascontiguousarray(field.values).reshape(-1, channels)
             scan(values, field.first, last if field.first else values[0], peaks, where, ends)
             near.add(field)
-            if not kept:
+            if raised:
                 raised.add(field)
             last = values[-1]
         slopes = near.slopes(array, skin.medium(finger), float(peaks.max()))
@@ -125,4 +130,4 @@ def extremes(scene: Scene, finger: int, rises: Rises = ()) -> Extremes:
     seen = Seen(array, unit, scene.full_scale * unit, scene.rate, scene.samples, slopes.largest, (low, high), change)
     if kept is not None:
         skin.keep(finger, kept)
-    return Extremes(seen, slopes, peaks, where, kept, raised)
+    return Extremes(seen, slopes, peaks, where, kept, rises, raised)

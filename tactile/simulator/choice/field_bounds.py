@@ -30,7 +30,7 @@ BEYOND = 1e6
 """Share of the peak at which a bound ends: it tells as little as one without an end, and is a number."""
 
 
-@dataclass(frozen=True)
+@dataclass
 class FieldBounds:
     """How the effects of a chain that act on the field of one finger are bound.
 
@@ -143,7 +143,7 @@ class FieldBounds:
 
     @property
     def _layered(self) -> bool:
-        return any(name == THICKNESS and name in self.chain.on for name, _ in self.chain.on_fields)
+        return THICKNESS in self.chain.on
 
     def _tried(self, name: str, effect: Any, fields: Callable[[], tuple[Field, Field]]) -> Floats | None:
         """What an effect changes in a trial, None where contacts that are raised so far go through the cover."""

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Collection
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -18,20 +18,6 @@ SAFE = 1.25
 """What is found on the frames that tell most may be so many times larger on another one."""
 ZERO: Floats = np.zeros(1)
 """What nothing changes."""
-
-
-class LeftOut(NamedTuple):
-    """What effects that are left out on one finger change: terms with their growth, sums of others and of squares.
-
-    ``change`` is that of all of them, ``stepped`` what steps that stay behind make of it.
-    """
-
-    terms: Floats = ZERO
-    growth: float = 0.0
-    plain: float = 0.0
-    squares: float = 0.0
-    change: float = 0.0
-    stepped: float = 0.0
 
 
 @dataclass
@@ -59,23 +45,42 @@ class FingerBounds:
             sizes[name] = largest(change) * SAFE * self.growth
         return sizes
 
-    def without(self, left: LeftOut, name: str, off: Collection[str]) -> LeftOut:
-        """The same with one more effect left out beside those that are ``off``."""
-        terms, growth, plain, squares, _, _ = left
-        if name in self.terms:
-            terms, growth = terms + self.terms[name], self.growth
-        elif name in self.normal:
-            squares += self.reach[name] ** 2
+
+class LeftOut:
+    """Effects that are left out on one finger, and what they change together."""
+
+    def __init__(self, found: FingerBounds) -> None:
+        self._found, self._terms = found, ZERO
+        self._plain = self._squares = self._growth = 0.0
+
+    def change(self, off: Collection[str], more: str = "") -> tuple[float, float]:
+        """What they change at most, one ``more`` among them, and what steps of all but those ``off`` make of it."""
+        plain, squares, found = self._plain, self._squares, self._found
+        if more in found.terms:
+            change = plain + math.sqrt(squares) + SAFE * largest(self._terms + found.terms[more]) * found.growth
         else:
-            plain += self.reach[name]
-        change = plain + math.sqrt(squares)
-        if growth:
-            change += SAFE * largest(terms) * growth
+            if more in found.normal:
+                squares += found.reach[more] ** 2
+            elif more:
+                plain += found.reach[more]
+            change = plain + math.sqrt(squares)
+            if self._growth:
+                change += SAFE * largest(self._terms) * self._growth
         stepped = change
-        for one, (grain, chance) in self.grains.items():
-            if change * chance > RARE and one != name and one not in off:
+        for one, (grain, chance) in found.grains.items():
+            if change * chance > RARE and one != more and one not in off:
                 stepped += grain
-        return LeftOut(terms, growth, plain, squares, change, stepped)
+        return change, stepped
+
+    def add(self, name: str) -> None:
+        """Leave out one more."""
+        found = self._found
+        if name in found.terms:
+            self._terms, self._growth = self._terms + found.terms[name], found.growth
+        elif name in found.normal:
+            self._squares += found.reach[name] ** 2
+        else:
+            self._plain += found.reach[name]
 
 
 def largest(values: Any) -> float:

@@ -19,7 +19,7 @@ def rises(
     return tuple([(rise, effect.tip_radius) for effect in acting if (rise := effect.rises(frames)) > 0])
 
 
-@dataclass(frozen=True)
+@dataclass
 class Shaking:
     """What random ones of the effects ``on_fields`` may change, those named in ``on`` acting, on one finger.
 

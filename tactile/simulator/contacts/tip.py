@@ -24,6 +24,9 @@ FAR = 60.0
 SMALL = 0.25
 """Tip radius over thickness up to which circles are as on the half-space: what is felt is off by 4e-4 at most."""
 
+NOTHING: Floats = np.empty((0, 2))
+"""No rises at all."""
+
 
 @lru_cache(maxsize=16)
 def _stiffer(nu: float) -> CubicSpline:
@@ -72,18 +75,20 @@ def _lines(nu: float) -> tuple[Floats, Floats]:
 
 def most_pressed(force: float, rises: Rises, medium: Medium) -> float:
     """Bound of a normal force [N] that a tip holds when a layer rises: by straight lines between a table's places."""
-    return float(tip_numba.most_pressed(force, _in_units(rises, medium), *_lines(medium.nu))) if force > 0 else 0.0
+    return float(tip_numba.most_pressed(force, _pairs(rises), *_layer(medium))) if force > 0 else 0.0
 
 
 def most_raised(forces: Floats, readings: Floats, before: Rises, rises: Rises, medium: Medium) -> float:
     """Bound of the change of ``readings`` (frames,) under ``forces`` [N] (frames, n) when a layer rises further."""
-    units = _in_units(before, medium), _in_units(rises, medium)
-    return float(tip_numba.most_raised(forces, readings, *units, *_lines(medium.nu)))
+    return float(tip_numba.most_raised(forces, readings, _pairs(before), _pairs(rises), *_layer(medium)))
 
 
-def _in_units(rises: Rises, medium: Medium) -> Floats:
-    h, modulus = medium.thickness, medium.contact_modulus
-    return np.array([(rise * radius / h**2, modulus * h**3 / radius) for rise, radius in rises]).reshape(-1, 2)
+def _pairs(rises: Rises) -> Floats:
+    return np.array(rises) if rises else NOTHING
+
+
+def _layer(medium: Medium) -> tuple[float, float, Floats, Floats]:
+    return medium.thickness, medium.contact_modulus, *_lines(medium.nu)
 
 
 def circle(force: Floats, radius: float, medium: Medium) -> tuple[Floats, Profile, float]:

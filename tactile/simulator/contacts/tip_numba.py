@@ -19,21 +19,21 @@ def _between(at, places, values):  # type: ignore[no-untyped-def]  # numba types
 
 
 @kept_njit(error_model="numpy")
-def most_pressed(force, rises, deep, known):  # type: ignore[no-untyped-def]  # the same
-    """Bound of a force > 0 after rises (n, 2): each over the unit of indentations, and that of its forces.
+def most_pressed(force, rises, thickness, modulus, deep, known):  # type: ignore[no-untyped-def]  # the same
+    """Bound of a force > 0 after rises (n, 2), each with the radius R of its tip, of a layer h thick.
 
-    Arguments: ``deep``, ``known``: logarithms of indentations and of the forces there, in units.
+    Arguments: ``deep``, ``known``: logarithms of indentations over h^2 / R, and of the forces there over E* h^3 / R.
     """
     for k in range(rises.shape[0]):
-        rise, unit = rises[k, 0], rises[k, 1]
-        pressed = math.log(force / unit)
-        deeper = math.log(math.exp(_between(pressed, known, deep)) + rise)
+        rise, radius = rises[k, 0], rises[k, 1]
+        pressed = math.log(force * radius / (modulus * thickness**3))
+        deeper = math.log(math.exp(_between(pressed, known, deep)) + rise * radius / thickness**2)
         force *= 1 + STEEPER * math.expm1(_between(deeper, deep, known) - pressed)
     return force
 
 
 @kept_njit(error_model="numpy")
-def most_raised(forces, readings, before, rises, deep, known):  # type: ignore[no-untyped-def]  # the same
+def most_raised(forces, readings, before, rises, thickness, modulus, deep, known):  # type: ignore[no-untyped-def]  # the same
     """Bound of the change of readings (frames,) under forces (frames, n) when rises come after those before.
 
     A larger force grows by more, and by a smaller part of itself: of most frames that tells that they change by less
@@ -45,8 +45,8 @@ def most_raised(forces, readings, before, rises, deep, known):  # type: ignore[n
         for m in range(forces.shape[1]):
             force = forces[frame, m]
             if force > 0 and (growth if force >= hard else added / force) * readings[frame] > out:
-                least = most_pressed(force, before, deep, known)
-                more = most_pressed(least, rises, deep, known) - least
+                least = most_pressed(force, before, thickness, modulus, deep, known)
+                more = most_pressed(least, rises, thickness, modulus, deep, known) - least
                 if more / force * readings[frame] > out:
                     out, added, growth, hard = more / force * readings[frame], more, more / force, force
     return out
