@@ -35,10 +35,9 @@ CHOICE = 600e-6
 """Time of a choice [s] by bounds, however few frames there are."""
 CHOICE_POINTS, IDEAL_POINT = 200e-6, 7e-9
 """The same where points alone press, and for every load on every reading."""
-MANY = 1000
-"""Frames from which that is some hundredths of a run with all effects on."""
-LIKELY = 0.5
-"""Of the time that effects take, about so much is saved where points press and all of the tolerance is left for it."""
+LIKELY, HALF = 0.5, 0.07
+"""Where points press and all of the tolerance is left for it, the share of the time of effects that a scene describes
+which is saved, about; and the tolerance where half of what typical ones take is: they change hundredths of the peak."""
 IDEAL, IDEAL_BODY, IDEAL_LINE = 0.5e-6, 4e-6, 25e-6
 """Time of a frame of the skin without effects [s], for every load, body, and line or map."""
 IDEAL_PAIR = 12e-9
@@ -83,16 +82,14 @@ def points_may_pay(scene: Scene, bounds: EffectBounds, tolerance: float) -> bool
         if bounds.step >= usual:
             return False
         left -= bounds.step / usual
-    if scene.samples >= MANY:
-        return True
-    fingers = len(scene.arrays)
+    fingers, named = len(scene.arrays), {name for name, _ in scene.effects}
+    typical = tolerance / (tolerance + HALF)
     readings = 3 * scene.samples * sum([array.rows * array.cols for array in scene.arrays])
-    price = 0.0
-    for _, effect in (*bounds.on_fields, *bounds.on_frames):
+    saved = 0.0
+    for name, effect in (*bounds.on_fields, *bounds.on_frames):
         each, reading = effect.PRICE
-        price += each * fingers + reading * readings
-    cost = CHOICE_POINTS * fingers + IDEAL_POINT * len(scene.loads) * readings / fingers
-    return LIKELY * left * price > cost
+        saved += (LIKELY if name in named else typical) * (each * fingers + reading * readings)
+    return left * saved > CHOICE_POINTS * fingers + IDEAL_POINT * len(scene.loads) * readings / fingers
 
 
 def _cost(scene: Scene) -> float:

@@ -87,9 +87,11 @@ def _judged(scene: Scene, whole: Scene, reused: bool) -> dict[str, float]:
     """Error of a choice, over the scene's own seed and two others, and times over that of all effects on."""
     every = choosing = run = np.inf
     _computed(choose(replace(scene), TOLERANCE, reused).scene)  # its tables, too
-    # by turns, for other work comes and goes; a copy of a scene knows nothing yet, and what a choice finds out is there
-    # for the one run after it
+    # by turns, for other work comes and goes, and both runs after a choice, for its code and theirs do not fit into the
+    # processor's first cache; a copy of a scene knows nothing yet, and what a choice finds out is there for the one run
+    # after it
     for _ in range(ROUNDS):
+        choose(replace(scene), TOLERANCE, reused)
         every = min(every, _time(lambda: _computed(replace(whole)))[0])
         spent, choice = _time(lambda: choose(replace(scene), TOLERANCE, reused))
         choosing, run = min(choosing, spent), min(run, _time(partial(_computed, choice.scene))[0])
