@@ -108,7 +108,7 @@ class Bumps:
             table = self.response(array, medium.quantity)
             self.memory[key] = table, _matrix(table, array)
         table, matrix = self.memory[key]
-        forces = shared(np.concatenate([loads.points, *(disc.loads for disc in loads.discs)], axis=1), array)
+        forces = shared(np.concatenate([loads.with_patterns, *(disc.loads for disc in loads.discs)], axis=1), array)
         scale = 1.0 if medium.quantity == "stress" else 1 / medium.modulus
         features = forces * scale if table.linear else _features(forces, medium.modulus, table)
         out: Floats = features.reshape(len(features), -1) @ matrix

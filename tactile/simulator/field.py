@@ -20,6 +20,7 @@ from tactile.simulator.taxels import FINEST, Taxels
 if TYPE_CHECKING:
     from tactile.elastic.sums.device_sum import DeviceSum
     from tactile.simulator.bump_cover import Bumps
+    from tactile.simulator.contacts.load_pattern import PatternLoads
 
 ACCURACY = 1e-4
 """How far a field may be off, of its peak, unless a scene says."""
@@ -29,6 +30,8 @@ WIDEST, WIDEST_FINE, WIDEST_ALONE = 6.0, 2.1, 12.0
 """Radius in depths up to which tables are made of circles on the half-space, that for accuracies finer than `FINE`,
 where those of wider ones would take as long as ten thousand circles that are integrated one by one, and that of circles
 which need a table of one radius only. Wider ones are felt by harmonics."""
+AT_ONCE = 1 << 20
+"""Loads, times taxels and frames, that are summed at once."""
 FINE = 1e-5
 PAIRS = 60
 """What a layer adds under circles wider than `WIDEST` is integrated one by one where tables would take longer: for
@@ -115,9 +118,9 @@ def field_at(
 ) -> Floats:
     """What taxels at ``positions`` (..., 2) feel of all loads: (frames, ..., 3).
 
-    Points are summed by the method; in a layer where it is direct, and circles and twists, from tables as fine as the
-    accuracy asks for, or by quadrature below 1e-7; in a ``trial`` on the half-space by a rough quadrature, since a
-    table for a few frames does not pay. What is not there is not imported.
+    Points are summed by the method; in a layer where it is direct, and circles, twists and patterns, from tables as
+    fine as the accuracy asks for, or one by one below `TABLES`; in a ``trial`` on the half-space circles by a rough
+    quadrature, since a table for a few frames does not pay. What is not there is not imported.
 
     Raises:
         InputError: taxels below the cover.
@@ -135,8 +138,9 @@ def field_at(
     else:
         if device is not None and directly:
             values = np.zeros((len(loads.points), *positions.shape[:-1], 3))
-            flat = values.reshape(len(values), -1, 3), positions.reshape(-1, 2)
-            device.add_points(*flat, depth, loads.points, medium)
+            device.add_points(
+                values.reshape(len(values), -1, 3), positions.reshape(-1, 2), depth, loads.points, medium
+            )
         else:
             values = sum_loads(method, positions, depth, loads.points, medium)
         if layered and directly and loads.points.shape[1]:
@@ -144,14 +148,19 @@ def field_at(
 
             rows = loads.points.reshape(len(values), *(1,) * (positions.ndim - 1), *loads.points.shape[1:])
             values += layer_term(positions, depth, rows, medium.thickness, medium)
+    at = positions.reshape(-1, 2)
+    flat = values.reshape(len(values), len(at), 3), at
+    for pattern in loads.patterns:
+        if accuracy >= TABLES and pattern.pattern.fits(depth, medium, accuracy):
+            pattern.add(*flat, depth, medium, accuracy)
+        else:
+            _add_cells(*flat, depth, pattern, medium, device)
     spread = [*loads.discs]
     spread += [Disc(_as_sixth(twist.twists), twist.radii, HERTZ, np.inf, twist.owner) for twist in loads.twists]
     if by_table and loads.points.shape[1]:
         spread.append(Disc(loads.points, np.zeros(loads.points.shape[:2]), HERTZ, np.inf, loads.owner))
     if spread:
-        _add_spread(
-            values.reshape(len(values), -1, 3), positions.reshape(-1, 2), depth, spread, medium, accuracy, device, trial
-        )
+        _add_spread(*flat, depth, spread, medium, accuracy, device, trial)
     return values
 
 
@@ -159,6 +168,24 @@ def _as_sixth(twists: Floats) -> Floats:
     rows = np.zeros((*twists.shape[:2], COLUMNS + 1))
     rows[..., [0, 1, COLUMNS]] = twists
     return rows
+
+
+def _add_cells(
+    values: Floats, at: Floats, depth: float, pattern: "PatternLoads", medium: Medium, device: "DeviceSum | None"
+) -> None:
+    """All cells of a pattern as point loads."""
+    step = max(1, AT_ONCE // (len(at) * len(pattern.pattern.places)))
+    for start in range(0, len(values), step):
+        part = slice(start, start + step)
+        points = pattern.of_frames(part).points()
+        if device is not None:
+            device.add_points(values[part], at, depth, points, medium)
+        else:
+            values[part] += sum_loads(DIRECT, at, depth, points, medium)
+        if np.isfinite(medium.thickness):
+            from tactile.elastic.layer_loads import layer_term  # only where called for
+
+            values[part] += layer_term(at, depth, points[:, None], medium.thickness, medium)
 
 
 def _add_spread(

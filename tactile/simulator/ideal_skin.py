@@ -124,8 +124,7 @@ class IdealSkin:
     @cached_property
     def _load_counts(self) -> list[int]:
         return [
-            FEW if one is None else one.points.shape[1] + sum(disc.radii.shape[1] for disc in one.discs)
-            for one in self._sampled
+            FEW if one is None else one.count for one in self._sampled
         ]
 
     @cached_property

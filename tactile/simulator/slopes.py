@@ -108,8 +108,9 @@ class NearLoads:
         """Count the loads of a field without effects."""
         loads = field.loads
         sums = np.zeros((len(field.times), 4))
-        if loads.points.shape[1]:
-            add_near(np.ascontiguousarray(loads.points), np.zeros((1, 0)), *self._at, sums)
+        points = loads.with_patterns
+        if points.shape[1]:
+            add_near(np.ascontiguousarray(points), np.zeros((1, 0)), *self._at, sums)
         for disc in loads.discs:
             add_near(np.ascontiguousarray(disc.loads), np.ascontiguousarray(disc.radii), *self._at, sums)
         for twist in loads.twists:  # its tractions, 3 M r / (4 pi a^3 sqrt(a^2 - r^2)), add up to 3 pi M / 8 a

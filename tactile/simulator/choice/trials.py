@@ -186,8 +186,7 @@ def pays(effect: Any, field: Field, samples: int, tried: int, trials: int, layer
         return False
     bodies = any(map(is_body, field.contacts))
     loads = field.loads
-    count = loads.points.shape[1] + sum(disc.radii.shape[1] for disc in loads.discs)
-    frame = frame_time(count, field.taxels.places[..., 0].size, bodies)
+    frame = frame_time(loads.count, field.taxels.places[..., 0].size, bodies)
     saves = getattr(effect, "saves", None)
     share = SAVED if saves is None else float(saves(bool(loads.points.shape[1]), layered))
     return trial_pays(share, frame, samples, tried, trials)

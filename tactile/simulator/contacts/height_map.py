@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.support import Floats, InputError
+from cnnsim.support import Floats, InputError, Integers
 from tactile.core.loads import COLUMNS, FORCE, PLACE, SHEAR, F
 from tactile.elastic.medium import Medium
-from tactile.simulator.contacts.fewer_points import fewer_points
+from tactile.simulator.contacts.load_pattern import LoadPattern, PatternLoads
 from tactile.simulator.contacts.loads import Loads
 from tactile.simulator.contacts.moving_load import along_path, checked_path, span
 from tactile.simulator.contacts.pressed_map import BETWEEN, PressedMap, press
@@ -54,7 +54,6 @@ class HeightMap:
         rows[gone, PLACE.stop :] = 0
         solved = self.pressed(medium)
         deep, force = solved.deep, solved.force
-        places, pressures = self._felt(medium, depth)
         if self.given_depth:
             rows[rows[:, F] < 0, SHEAR] = 0
             rows[:, F] = np.interp(rows[:, F], deep, force)
@@ -68,15 +67,10 @@ class HeightMap:
         if self.friction is not None:
             pull, most = np.hypot(*rows[:, SHEAR].T), self.friction * rows[:, F]
             rows[:, SHEAR] *= np.where(pull > most, most / np.where(pull > 0, pull, 1), 1)[:, None]
-        share = np.empty((len(rows), len(places)))
-        for cell, column in zip(share.T, pressures.T, strict=True):
-            cell[:] = np.interp(rows[:, F], force[::BETWEEN], column)
-        total = share.sum(axis=1, keepdims=True)
-        share = np.where(total > 0, share / np.where(total > 0, total, 1), 1 / len(places))
-        points = np.empty((len(rows), len(places), COLUMNS))
-        points[..., PLACE] = rows[:, None, PLACE] + places
-        points[..., FORCE] = rows[:, None, FORCE] * share[..., None]
-        return Loads(rows[:, None], points, np.zeros(len(places), np.int64))
+        first, weights = _levels(rows[:, F], force[::BETWEEN])
+        owner = np.zeros(1, np.int64)
+        spread = PatternLoads(self._pattern(medium, depth), rows, first, weights, owner)
+        return Loads(rows[:, None], np.empty((len(rows), 0, COLUMNS)), owner[:0], patterns=(spread,))
 
     def pressed(self, medium: Medium) -> PressedMap:
         """How it presses on the medium: pressures up to the deepest that its path asks for, solved once.
@@ -91,17 +85,22 @@ class HeightMap:
         known: PressedMap = self.memory[key]
         return known
 
-    def _felt(self, medium: Medium, depth: float) -> tuple[Floats, Floats]:
-        """Places (n, 2) and forces (levels, n) that taxels at a depth [m] cannot tell from those of all cells."""
+    def _pattern(self, medium: Medium, depth: float) -> LoadPattern:
+        """The pressures at all levels but the first, of no force, each as shares of their sum."""
         key = replace(medium, quantity="strain"), depth
         if key not in self.memory:
             solved = self.pressed(medium)
-            self.memory[key] = fewer_points(solved.places, solved.forces, depth, medium)
-        known: tuple[Floats, Floats] = self.memory[key]
+            shares = solved.forces[1:].copy()
+            for level in range(len(shares) - 1, -1, -1):  # where nothing presses yet, as it does next
+                total = shares[level].sum()
+                after = shares[level + 1] if level + 1 < len(shares) else np.full(shares.shape[1], 1 / shares.shape[1])
+                shares[level] = shares[level] / total if total > 0 else after
+            self.memory[key] = LoadPattern(solved.places, shares, solved.pitch, depth, medium)
+        known: LoadPattern = self.memory[key]
         return known
 
     def described(self, medium: Medium, depth: float) -> str:
-        """On what cells its deepest contact is given and solved, how well its force is known, and of how many loads.
+        """On what cells its deepest contact is given and solved, and how well its force is known.
 
         Raises:
             InputError: as ``pressed``.
@@ -109,8 +108,7 @@ class HeightMap:
         solved = self.pressed(medium)
         return (
             f"contact {solved.width * 1e3:.3g} mm wide on cells of {self.pitch * 1e3:.3g} mm, its force known to about "
-            f"{max(solved.doubt, 1e-3):.1%}; solved on cells of {solved.pitch * 1e3:.2g} mm, felt as "
-            f"{len(self._felt(medium, depth)[0])} loads"
+            f"{max(solved.doubt, 1e-3):.1%}; solved and felt on {len(solved.places)} cells of {solved.pitch * 1e3:.2g} mm"
         )
 
     def deepest(self, medium: Medium) -> float:
@@ -124,3 +122,19 @@ class HeightMap:
             return max(most, 0.0)
         solved = self.pressed(medium)
         return float(np.interp(most, solved.force, solved.deep))
+
+
+def _levels(push: Floats, force: Floats) -> tuple[Integers, Floats]:
+    """Under forces (frames,) [N] the lower of two levels but the first, and the shares of both (frames, 2).
+
+    Pressures are straight in the force between those of levels' forces (levels,), of which the first is 0.
+    """
+    level = np.interp(push, force, np.arange(len(force)))
+    low = np.clip(level.astype(np.int64), 0, len(force) - 2)
+    part = level - low
+    upper = part * force[low + 1]
+    whole = (1 - part) * force[low] + upper
+    upper = np.where(whole > 0, upper / np.where(whole > 0, whole, 1), 1.0)
+    weights = np.stack([1 - upper, upper], axis=-1)
+    weights[low == 0] = 1.0, 0.0
+    return np.maximum(low - 1, 0), weights

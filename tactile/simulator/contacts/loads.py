@@ -2,12 +2,16 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cnnsim.support import Floats, Integers
 from tactile.core.loads import COLUMNS
 from tactile.elastic.profiles import Profile
+
+if TYPE_CHECKING:
+    from tactile.simulator.contacts.load_pattern import PatternLoads
 
 
 @dataclass(frozen=True)
@@ -40,7 +44,8 @@ class Loads:
     """All loads on one finger over some frames.
 
     ``totals`` (frames, contacts, 5): one row (x, y, Q, R, F) a contact, its resultant; ``points`` (frames, n, 5):
-    what acts at points, with the contact it belongs to in ``owner`` (n,); ``discs``, ``twists``: what is spread.
+    what acts at points, with the contact it belongs to in ``owner`` (n,); ``discs``, ``twists``: what is spread over
+    circles, ``patterns``: over cells of bodies of any shape.
     """
 
     totals: Floats
@@ -48,6 +53,19 @@ class Loads:
     owner: Integers
     discs: tuple[Disc, ...] = ()
     twists: tuple[Twist, ...] = ()
+    patterns: "tuple[PatternLoads, ...]" = ()
+
+    @property
+    def count(self) -> int:
+        """How many there are in a frame; a pattern is one."""
+        return self.points.shape[1] + sum(disc.radii.shape[1] for disc in self.discs) + len(self.patterns)
+
+    @property
+    def with_patterns(self) -> Floats:
+        """The points, and those that feel like the patterns: (frames, n, 5)."""
+        if not self.patterns:
+            return self.points
+        return np.concatenate([self.points, *(one.points(fewer=True) for one in self.patterns)], axis=1)
 
     def of_frames(self, part: slice) -> "Loads":
         """Those of some of the frames."""
@@ -57,6 +75,7 @@ class Loads:
             self.owner,
             tuple(replace(one, loads=one.loads[part], radii=one.radii[part]) for one in self.discs),
             tuple(replace(one, twists=one.twists[part], radii=one.radii[part]) for one in self.twists),
+            tuple(one.of_frames(part) for one in self.patterns),
         )
 
 
@@ -71,7 +90,7 @@ def together(parts: Iterable[Loads], frames: int) -> Loads:
     if len(given) == 1:
         return given[0]
     none = np.empty((frames, 0, COLUMNS))
-    totals, points, owner, discs, twists = [none], [none], [], [], []
+    totals, points, owner, discs, twists, patterns = [none], [none], [], [], [], []
     count = 0
     for part in given:
         totals.append(part.totals)
@@ -79,6 +98,7 @@ def together(parts: Iterable[Loads], frames: int) -> Loads:
         owner.append(part.owner + count)
         discs += [replace(disc, owner=disc.owner + count) for disc in part.discs]
         twists += [replace(twist, owner=twist.owner + count) for twist in part.twists]
+        patterns += [replace(one, owner=one.owner + count) for one in part.patterns]
         count += part.totals.shape[1]
     return Loads(
         np.concatenate(totals, axis=1),
@@ -86,4 +106,5 @@ def together(parts: Iterable[Loads], frames: int) -> Loads:
         np.concatenate([np.empty(0, np.int64), *owner]),
         tuple(discs),
         tuple(twists),
+        tuple(patterns),
     )

@@ -1,0 +1,158 @@
+"""Tables of what a rigid pattern of loads makes taxels feel, by where they lie from it: made once, read in each frame.
+
+A finger's field under loads that move together is a function of the offset alone. It is kept on nested grids, each
+twice as coarse as the one before and reaching twice as far beyond the pattern, and is a cubic B-spline in between.
+"""
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from scipy import fft
+
+from cnnsim.support import Floats
+from tactile.elastic.layer_loads import REACH, layered_load
+from tactile.elastic.medium import Felt, Medium
+
+MARGIN = 2.0
+"""Depths by which the finest grid reaches beyond the pattern; the next are as much coarser as they begin farther out,
+where a field, which falls off with the distance, bends less."""
+BEND = 384
+"""A cubic spline on even knots is off by at most its step's fourth power times the fourth derivative over this:
+(1/4!) of the largest difference of the Bernoulli polynomial, t^2 (1 - t)^2, of all powers above that vanish."""
+SHARE = 0.5
+"""Of the accuracy that a single load's spline may take along x and y together."""
+NEAR, FAR = 12, 8
+"""Grid points that a load between them is taken to, so that fields of up to that order stay: on the finest grid, whose
+step is at most `COARSEST`, to some 1e-4 of it; on the others, whose loads are far off."""
+COARSEST = 0.2
+"""Depths, at most, between the points of the finest grid."""
+FALL = 0.27
+"""By so much a knot what is beyond a grid's end counts less for its spline."""
+LARGEST = 1 << 21
+"""Numbers of the finest grid, at most: 16 MiB, of which a body may need one for each level of its force."""
+WIDTH = 3, 8
+"""Columns of a table: readings (x, y, z) under a normal force, and those under shear: (x, y = y's x, y, z's x and y)."""
+
+
+class PatternTable:
+    """What taxels feel of a pattern of loads on cells of one pitch, to about an accuracy of its peak.
+
+    Arguments: ``shares`` (rows, cols) of the cells, sum 1; ``middle`` (x, y) of theirs, from where the pattern is said
+    to be, and their ``pitch``, both in depths; ``ratio``: depth over the layer's thickness, 0 for the half-space;
+    ``nu``; ``quantity``; ``accuracy``; ``columns``: of `WIDTH`.
+
+    ``numbers``: the coefficients of all grids in a row, in units of 1 / depth^2 and for stress or modulus times strain;
+    ``grids`` (n, 9): the middle x and y, how far the grid is taken along both, one over its step, its middle's number
+    of knot along both, its knots in a row, and where its coefficients begin.
+    """
+
+    def __init__(
+        self, shares: Floats, middle: tuple[float, float], pitch: float, ratio: float, nu: float, quantity: Felt,
+        accuracy: float, columns: int,
+    ) -> None:  # fmt: skip
+        self.shares, self.middle, self.pitch, self.columns = shares, middle, pitch, columns
+        self._cover, self._accuracy = (ratio, nu, quantity), accuracy
+        self.step = step_of(ratio, nu, quantity, accuracy)
+        self.numbers, self.grids, self._peaks = np.empty(0), np.empty((0, 9)), np.empty(0)
+
+    def reach(self, offset: float) -> None:
+        """Make it reach as far from the pattern's place as this, in depths: beyond, nothing is there on a layer."""
+        wanted = min(offset, REACH / self._cover[0] if self._cover[0] else np.inf)
+        while not len(self.grids) or self.grids[-1, 2:4].min() < wanted + np.hypot(*self.middle):
+            self._add_grid(len(self.grids))
+
+    def _add_grid(self, k: int) -> None:
+        step, order = self.step * 2.0**k, NEAR if k == 0 else FAR
+        extent = [(n - 1) * self.pitch for n in self.shares.shape]
+        sources = [int(np.ceil(long / step)) + order for long in extent]
+        half = [long / 2 + MARGIN * 2**k for long in extent]
+        spare = _spare(self._accuracy)
+        lead = [max(0, int(np.ceil(h / step + spare - (n - 1) / 2))) for h, n in zip(half, sources, strict=True)]
+        knots = [n + 2 * more for n, more in zip(sources, lead, strict=True)]
+        size = [fft.next_fast_len(n + m - 1, real=True) for n, m in zip(knots, sources, strict=True)]
+        taken = (_taken(n, self.pitch / step, m, order) for n, m in zip(self.shares.shape, sources, strict=True))
+        rows, cols = taken
+        waves = fft.rfft2(rows @ self.shares @ cols.T, s=size)
+        felt = _waves(*self._cover, step, k, *sources, *lead, *size, self.columns) * waves
+        found = fft.irfft2(felt, s=size, overwrite_x=True)[:, : knots[0], : knots[1]]
+        grid = (
+            *self.middle, half[1], half[0], 1 / step, (knots[1] - 1) / 2, (knots[0] - 1) / 2, knots[1],
+            self.numbers.size,
+        )  # fmt: skip
+        self.grids = np.concatenate([self.grids, np.array(grid)[None]])
+        self.numbers = np.concatenate([self.numbers, np.ascontiguousarray(np.moveaxis(found, 0, -1)).ravel()])
+
+
+def _taken(cells: int, pitch: float, points: int, order: int) -> Floats:
+    """Shares (points, cells) of even points that stand for loads between them, by Lagrange's polynomials."""
+    at = (np.arange(cells) - (cells - 1) / 2) * pitch + (points - 1) / 2
+    first = np.clip(np.floor(at).astype(int) - order // 2 + 1, 0, points - order)
+    beside, out = at - first, np.zeros((points, cells))
+    for m in range(order):
+        others = np.delete(np.arange(order), m)
+        out[first + m, np.arange(cells)] = np.prod((beside[:, None] - others) / (m - others), axis=1)
+    return out
+
+
+def _point(ratio: float, nu: float, quantity: Felt, x: Floats, y: Floats) -> Floats:
+    """Columns (8, ...) of what is felt of unit loads, lengths in depths."""
+    medium = Medium(1.0, nu, quantity, 1 / ratio if ratio else np.inf)
+    units = np.zeros((3, 1, 5))
+    units[:, 0, 2:] = np.eye(3)
+    at = np.stack(np.broadcast_arrays(x, y), axis=-1)[..., None, :]
+    q, r, f = np.moveaxis(layered_load(at, 1.0, units, medium), (-2, -1), (0, 1))
+    return np.stack([*f, q[0], q[1], r[1], q[2], r[2]])
+
+
+ODD_X, ODD_Y = np.array([1, 0, 0, 0, 1, 0, 1, 0], bool), np.array([0, 1, 0, 0, 1, 0, 0, 1], bool)
+"""Which of them change their sign with x, and with y."""
+
+
+@lru_cache(maxsize=32)
+def _waves(
+    ratio: float, nu: float, quantity: Felt, step: float, k: int, rows: int, cols: int, lead_y: int, lead_x: int,
+    size_y: int, size_x: int, columns: int,
+) -> Floats:  # fmt: skip
+    """The transform of what is felt of a load on each point of a grid, as coefficients of splines."""
+    along = [np.arange(n + lead) * step for n, lead in ((rows, lead_y), (cols, lead_x))]
+    x, y = np.meshgrid(along[1], along[0])
+    if k:  # what is nearer is felt by finer grids: held so that it is no peak between the points
+        wide = np.maximum(0.4 * 2.0**k / np.maximum(np.maximum(x, y), step), 1.0)
+        x, y = x * wide, y * wide
+    quarter = _point(ratio, nu, quantity, x, y)[:columns]
+    index, signs, spline = [], [], []
+    for n, lead, size in ((rows, lead_y, size_y), (cols, lead_x, size_x)):
+        number = np.arange(size)
+        number = np.where(number < n + 2 * lead, number, number - size) - lead
+        index.append(np.minimum(np.abs(number), n + lead - 1))
+        signs.append(np.sign(number))
+        spline.append((2 + np.cos(2 * np.pi * np.arange(size) / size)) / 3)
+    kernel = quarter[:, index[0][:, None], index[1]]
+    kernel[ODD_Y[:columns]] *= signs[0][:, None]
+    kernel[ODD_X[:columns]] *= signs[1]
+    waves = fft.rfft2(kernel) / (spline[0][:, None] * spline[1][: size_x // 2 + 1])
+    return np.asarray(waves)
+
+
+def table_size(wide: float, high: float, ratio: float, nu: float, quantity: Felt, accuracy: float) -> float:
+    """Numbers of the finest grid about a pattern so wide and high in depths, from middle to middle of its cells."""
+    step = step_of(ratio, nu, quantity, accuracy)
+    return WIDTH[-1] * float(np.prod([(long + 2 * MARGIN) / step + 2 * _spare(accuracy) for long in (wide, high)]))
+
+
+def _spare(accuracy: float) -> int:
+    """Knots beyond what is read of a grid: what wraps around in its transform is not felt through so many."""
+    return int(np.ceil(np.log(accuracy / 10) / np.log(FALL)))
+
+
+@lru_cache(maxsize=64)
+def step_of(ratio: float, nu: float, quantity: Felt, accuracy: float) -> float:
+    """Depths between the points of the finest grid, with which what is felt of one load is as accurate as is asked."""
+    tried, steps = 0.1, np.arange(60)
+    x, y = np.meshgrid((steps - 12) * tried, (steps - 12) * tried)
+    felt = _point(ratio, nu, quantity, x, y)
+    bent: Any = np.abs(np.diff(felt, 4, axis=1)).max(axis=(1, 2)) + np.abs(np.diff(felt, 4, axis=2)).max(axis=(1, 2))
+    peak = np.abs(felt).max(axis=(1, 2))
+    worst = max(bent[kind].max() / peak[kind].max() for kind in (slice(0, 3), slice(3, 8))) / tried**4
+    return float(min((SHARE * accuracy * BEND / worst) ** 0.25, COARSEST))
