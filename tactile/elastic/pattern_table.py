@@ -14,9 +14,12 @@ from cnnsim.support import Floats
 from tactile.elastic.layer_loads import REACH, layered_load
 from tactile.elastic.medium import Felt, Medium
 
-MARGIN = 2.0
-"""Depths by which the finest grid reaches beyond the pattern; the next are as much coarser as they begin farther out,
-where a field, which falls off with the distance, bends less."""
+MARGIN = 4.0
+"""Depths by which the finest grid reaches beyond the pattern. There a field bends (fourth derivative) 1 / (1 + 4^2)^2 as
+much of itself as in the middle, and the next grid's step to the fourth power is 16 times as large: taxels beside what
+presses are as accurate as below it. Each grid begins twice as far out as the one before, and the same holds."""
+HELD = MARGIN / 5
+"""Depths within which finer grids feel, times their coarseness: well inside what the loads' own spread leaves."""
 BEND = 384
 """A cubic spline on even knots is off by at most its step's fourth power times the fourth derivative over this:
 (1/4!) of the largest difference of the Bernoulli polynomial, t^2 (1 - t)^2, of all powers above that vanish."""
@@ -27,6 +30,8 @@ NEAR, FAR = 12, 8
 step is at most `COARSEST`, to some 1e-4 of it; on the others, whose loads are far off."""
 COARSEST = 0.2
 """Depths, at most, between the points of the finest grid."""
+SPREAD = 3.0
+"""Depths across from which a pattern is tried with twice the step: it mostly bends less than a single load."""
 FALL = 0.27
 """By so much a knot what is beyond a grid's end counts less for its spline."""
 LARGEST = 1 << 21
@@ -54,7 +59,7 @@ class PatternTable:
         self.shares, self.middle, self.pitch, self.columns = shares, middle, pitch, columns
         self._cover, self._accuracy = (ratio, nu, quantity), accuracy
         self.step = step_of(ratio, nu, quantity, accuracy)
-        self.numbers, self.grids, self._peaks = np.empty(0), np.empty((0, 9)), np.empty(0)
+        self.numbers, self.grids = np.empty(0), np.empty((0, 9))
 
     def reach(self, offset: float) -> None:
         """Make it reach as far from the pattern's place as this, in depths: beyond, nothing is there on a layer."""
@@ -63,7 +68,20 @@ class PatternTable:
             self._add_grid(len(self.grids))
 
     def _add_grid(self, k: int) -> None:
-        step, order = self.step * 2.0**k, NEAR if k == 0 else FAR
+        step = self.step * 2.0**k
+        if k == 0 and (min(self.shares.shape) - 1) * self.pitch > SPREAD and 2 * step < COARSEST:
+            found, grid = self._grid(k, 2 * step)
+            share = SHARE * self._accuracy / self._off(found, grid)
+            if share < 1:
+                found, grid = self._grid(k, step * (2**0.5 if share > 1 / 4 else 1))
+        else:
+            found, grid = self._grid(k, step)
+        self.grids = np.concatenate([self.grids, np.array([*grid, self.numbers.size])[None]])
+        self.numbers = np.concatenate([self.numbers, found.ravel()])
+
+    def _grid(self, k: int, step: float) -> tuple[Floats, tuple[float, ...]]:
+        """Coefficients (rows, cols, columns) of a grid, and how it lies."""
+        order = NEAR if k == 0 else FAR
         extent = [(n - 1) * self.pitch for n in self.shares.shape]
         sources = [int(np.ceil(long / step)) + order for long in extent]
         half = [long / 2 + MARGIN * 2**k for long in extent]
@@ -76,12 +94,24 @@ class PatternTable:
         waves = fft.rfft2(rows @ self.shares @ cols.T, s=size)
         felt = _waves(*self._cover, step, k, *sources, *lead, *size, self.columns) * waves
         found = fft.irfft2(felt, s=size, overwrite_x=True)[:, : knots[0], : knots[1]]
-        grid = (
-            *self.middle, half[1], half[0], 1 / step, (knots[1] - 1) / 2, (knots[0] - 1) / 2, knots[1],
-            self.numbers.size,
-        )  # fmt: skip
-        self.grids = np.concatenate([self.grids, np.array(grid)[None]])
-        self.numbers = np.concatenate([self.numbers, np.ascontiguousarray(np.moveaxis(found, 0, -1)).ravel()])
+        middle = (knots[1] - 1) / 2, (knots[0] - 1) / 2
+        return np.moveaxis(found, 0, -1).copy(), (*self.middle, half[1], half[0], 1 / step, *middle, knots[1])
+
+    def _off(self, found: Floats, grid: tuple[float, ...]) -> float:
+        """About how far the spline is off, of the peak below the pattern and of that beside it, whichever is more."""
+        _, _, *half, per_depth, x, y, _ = grid
+        wide, high = int(half[0] * per_depth), int(half[1] * per_depth)
+        read = found[int(y) - high : int(y) + high + 2, int(x) - wide : int(x) + wide + 2]
+        bent = np.abs(np.diff(read, 4, axis=0))[:, 2:-2] + np.abs(np.diff(read, 4, axis=1))[2:-2]
+        size, worst = np.abs(read[2:-2, 2:-2]), 0.0
+        beside = int(MARGIN / 2 * per_depth)
+        for aside in (False, True):
+            if aside:
+                bent[beside:-beside, beside:-beside] = size[beside:-beside, beside:-beside] = 0.0
+            for kind in (slice(0, 3), slice(3, self.columns)):
+                if kind.start < self.columns:
+                    worst = max(worst, float(bent[..., kind].max() / size[..., kind].max()) / BEND)
+        return worst
 
 
 def _taken(cells: int, pitch: float, points: int, order: int) -> Floats:
@@ -118,7 +148,7 @@ def _waves(
     along = [np.arange(n + lead) * step for n, lead in ((rows, lead_y), (cols, lead_x))]
     x, y = np.meshgrid(along[1], along[0])
     if k:  # what is nearer is felt by finer grids: held so that it is no peak between the points
-        wide = np.maximum(0.4 * 2.0**k / np.maximum(np.maximum(x, y), step), 1.0)
+        wide = np.maximum(HELD * 2.0**k / np.maximum(np.maximum(x, y), step), 1.0)
         x, y = x * wide, y * wide
     quarter = _point(ratio, nu, quantity, x, y)[:columns]
     index, signs, spline = [], [], []
