@@ -4,6 +4,7 @@ A finger's field under loads that move together is a function of the offset alon
 twice as coarse as the one before and reaching twice as far beyond the pattern, and is a cubic B-spline in between.
 """
 
+import math
 from functools import lru_cache
 from typing import Any
 
@@ -23,7 +24,7 @@ HELD = MARGIN / 5
 BEND = 384
 """A cubic spline on even knots is off by at most its step's fourth power times the fourth derivative over this:
 (1/4!) of the largest difference of the Bernoulli polynomial, t^2 (1 - t)^2, of all powers above that vanish."""
-SHARE = 0.5
+SHARE = 0.75
 """Of the accuracy that a single load's spline may take along x and y together."""
 NEAR, FAR = 12, 8
 """Grid points that a load between them is taken to, so that fields of up to that order stay: on the finest grid, whose
@@ -118,10 +119,12 @@ def _taken(cells: int, pitch: float, points: int, order: int) -> Floats:
     """Shares (points, cells) of even points that stand for loads between them, by Lagrange's polynomials."""
     at = (np.arange(cells) - (cells - 1) / 2) * pitch + (points - 1) / 2
     first = np.clip(np.floor(at).astype(int) - order // 2 + 1, 0, points - order)
-    beside, out = at - first, np.zeros((points, cells))
-    for m in range(order):
-        others = np.delete(np.arange(order), m)
-        out[first + m, np.arange(cells)] = np.prod((beside[:, None] - others) / (m - others), axis=1)
+    numbers, gaps, one = np.arange(order), (at - first)[:, None] - np.arange(order), np.ones((cells, 1))
+    before = np.concatenate([one, gaps[:, :-1].cumprod(axis=1)], axis=1)
+    after = np.concatenate([gaps[:, :0:-1].cumprod(axis=1)[:, ::-1], one], axis=1)
+    whole = [math.factorial(m) * math.factorial(order - 1 - m) * (-1) ** (order - 1 - m) for m in range(order)]
+    out = np.zeros((points, cells))
+    out[first[:, None] + numbers, np.arange(cells)[:, None]] = before * after / np.array(whole, dtype=np.float64)
     return out
 
 

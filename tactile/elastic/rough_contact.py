@@ -16,6 +16,9 @@ STEPS = 1000
 """Steps of the solver at most; a contact of 128 x 128 cells takes some dozens."""
 TOLERANCE = 1e-6
 """What is left of the gap, over the indentation."""
+ACROSS = 3
+"""Gauss points across a cell, over which what the base takes away is averaged: a thin, incompressible cover yields by
+what is left of two large displacements."""
 REACH = 40.0
 """Thicknesses beyond which the layer's surface does not move: less than 1e-6 of its largest displacement."""
 
@@ -39,9 +42,25 @@ class RoughContact:
         if heights.ndim != 2 or not heights.size or not np.isfinite(heights).all() or not pitch > 0:
             raise InputError(f"heights of shape {heights.shape} {pitch} m apart; finite (rows, cols), a pitch wanted")
         self.gap, self.pitch, self.medium = heights - (heights.min() if lowest is None else lowest), pitch, medium
-        self._size = [fft.next_fast_len(2 * n - 1, real=True) for n in heights.shape]
-        steps = [np.minimum(np.arange(n), n - np.arange(n)) * pitch for n in self._size]
-        self._transfer = fft.rfft2(_displacement(steps[1][None, :], steps[0][:, None], pitch, medium))
+        rows, cols = (np.arange(n) * pitch for n in heights.shape)
+        self._moved = _displacement(cols[None, :], rows[:, None], pitch, medium)
+        self._transform()
+
+    def _transform(self) -> None:
+        self._size = [fft.next_fast_len(2 * n - 1, real=True) for n in self.gap.shape]
+        # where none of them is so far from another nothing is asked for
+        rows, cols = (
+            np.minimum(np.minimum(np.arange(n), n - np.arange(n)), m - 1)
+            for n, m in zip(self._size, self.gap.shape, strict=True)
+        )
+        self._transfer = fft.rfft2(self._moved[rows[:, None], cols])
+
+    def part(self, box: tuple[slice, slice]) -> "RoughContact":
+        """The same on these rows and columns of its cells alone."""
+        made: RoughContact = object.__new__(RoughContact)
+        made.gap, made.pitch, made.medium, made._moved = self.gap[box], self.pitch, self.medium, self._moved
+        made._transform()
+        return made
 
     def sunk(self, pressure: Floats) -> Floats:
         """Displacement (rows, cols) [m] of the surface under pressures [Pa]."""
@@ -66,18 +85,28 @@ class RoughContact:
         if indentation <= 0:
             return np.zeros_like(wanted)
         way, last, touching = np.zeros_like(wanted), 1.0, pressure > 0
+        left, summed = wanted - self.sunk(pressure), True  # above 0 where the body is still in the way
         for _ in range(STEPS):
-            left = wanted - self.sunk(pressure)  # above 0 where the body is still in the way
             now = (pressure > 0) | (left > 0)
             rest = np.where(now, left, 0.0)
             if np.abs(rest).max() <= TOLERANCE * indentation:
-                return pressure
+                if summed:
+                    return pressure
+                left, summed = wanted - self.sunk(pressure), True
+                continue
             size = float((rest * rest).sum())
             fresh = bool((now != touching).any())
             way = rest if fresh else rest + size / last * way
             last, touching = size, now
-            along = np.where(now, self.sunk(way), 0.0)
-            pressure = np.maximum(pressure + float((rest * way).sum()) / float((way * along).sum()) * way, 0.0)
+            under = self.sunk(way)
+            step = float((rest * way).sum()) / float((way * under)[now].sum())
+            pressure = pressure + step * way
+            summed = bool((pressure < 0).any())
+            if summed:
+                pressure = np.maximum(pressure, 0.0)
+                left = wanted - self.sunk(pressure)
+            else:  # what is linear need not be summed anew
+                left = left - step * under
         raise InputError(
             f"no pressures found for an indentation of {indentation * 1e3:.4g} mm in {STEPS} steps; less wanted"
         )
@@ -94,9 +123,13 @@ def _displacement(x: Floats, y: Floats, pitch: float, medium: Medium) -> Floats:
     out /= np.pi * medium.contact_modulus
     if np.isfinite(medium.thickness):
         h = medium.thickness
-        rho = np.hypot(x, y) / h
-        taken = taken_away(medium.nu)(np.minimum(rho, REACH))
-        out -= np.where(rho < REACH, taken * pitch**2 / (np.pi * medium.contact_modulus * h), out)
+        taken, (nodes, weights) = np.zeros_like(out), gauss(ACROSS)
+        for a, along in zip((nodes * pitch / 2).tolist(), weights.tolist(), strict=True):
+            for b, across in zip((nodes * pitch / 2).tolist(), weights.tolist(), strict=True):
+                rho = np.minimum(np.hypot(x + a, y + b) / h, REACH)
+                taken += along * across / 4 * taken_away(medium.nu)(rho)
+        far = np.hypot(x, y) >= REACH * h
+        out -= np.where(far, out, taken * pitch**2 / (np.pi * medium.contact_modulus * h))
     return out
 
 

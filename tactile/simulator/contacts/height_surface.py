@@ -39,19 +39,41 @@ class HeightSurface:
         box = max(row - 1, 0), min(row + 2, self.heights.shape[0]), max(col - 1, 0), min(col + 2, self.heights.shape[1])
         return min(float(self._least.min()), float(SurfaceGrid(self, 8 * PARTS, *box).heights.min()))
 
-    def grid(self, deep: float, parts: int) -> "SurfaceGrid":
-        """Where it can touch at an indentation [m], in so many parts a cell along each axis."""
-        touches, ends = self._least - self.lowest < deep, []
-        for axis, count in zip((1, 0), self.heights.shape, strict=True):
-            at = np.flatnonzero(touches.any(axis=axis))
-            # a layer bulges beside a contact, into what is there: a cell more to each side
-            ends += [max(int(at[0]) - 1, 0), min(int(at[-1]) + 2, count)] if at.size else [0, count]
-        return SurfaceGrid(self, parts, *ends)
+    def grid(self, deep: float, parts: int, more: int = 1) -> "SurfaceGrid":
+        """Where it can touch at an indentation [m] and ``more`` cells around, in so many parts a cell along each axis.
+
+        A layer bulges beside a contact, into what is there.
+        """
+        ends = touching(self._least - self.lowest < deep, more)
+        return SurfaceGrid(self, parts, *(end for one in ends for end in (one.start, one.stop)))
+
+    def pressed(self, deep: float, parts: int, medium: Medium) -> tuple["SurfaceGrid", RoughContact, Floats]:
+        """Pressures [Pa] at an indentation [m] on cells cut into so many parts, on a grid that holds the contact."""
+        more = 1
+        while True:
+            grid = self.grid(deep, parts, more)
+            contact = grid.contact(medium)
+            pressure = contact.pressed(deep)
+            if not grid.cuts(pressure > 0):
+                return grid, contact, pressure
+            more *= 2
 
     def force(self, deep: float, parts: int, medium: Medium) -> float:
         """The force [N] at an indentation [m], on cells cut into so many parts."""
-        grid = self.grid(deep, parts)
-        return float(grid.contact(medium).pressed(deep).sum()) * grid.pitch**2
+        grid, _, pressure = self.pressed(deep, parts, medium)
+        return float(pressure.sum()) * grid.pitch**2
+
+
+def touching(touches: Flags, more: int) -> tuple[slice, slice]:
+    """Rows and columns of cells that can touch, and so many more to each side, all where there are none."""
+    rows, cols = (np.flatnonzero(touches.any(axis=axis)) for axis in (1, 0))
+    if not rows.size:
+        return slice(0, touches.shape[0]), slice(0, touches.shape[1])
+    first, second = (
+        slice(max(int(at[0]) - more, 0), min(int(at[-1]) + 1 + more, count))
+        for at, count in zip((rows, cols), touches.shape, strict=True)
+    )
+    return first, second
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +111,13 @@ class SurfaceGrid:
     def contact(self, medium: Medium) -> RoughContact:
         """What there is of the surface, to be pressed."""
         return RoughContact(self.heights, self.pitch, medium, self.surface.lowest)
+
+    def cuts(self, pressed: Flags) -> bool:
+        """Whether a contact reaches an edge of it beyond which the map goes on."""
+        rows, cols = self.surface.heights.shape
+        ends = self.top > 0, self.bottom < rows, self.left > 0, self.right < cols
+        sides = pressed[0], pressed[-1], pressed[:, 0], pressed[:, -1]
+        return any(open_ and side.any() for open_, side in zip(ends, sides, strict=True))
 
     def places(self, pressed: Flags) -> Floats:
         """Middles (n, 2) [m] of these of its cells, from the map's middle."""

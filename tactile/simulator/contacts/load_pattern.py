@@ -96,7 +96,11 @@ class PatternLoads:
         rows[:, PLACE] /= depth
         rows[:, FORCE] /= depth**2 if medium.quantity == "stress" else medium.modulus * depth**2
         at, pressing = positions / depth, self.rows[:, FORCE].any(axis=1)
-        farthest = float(np.ptp(np.concatenate([at, rows[pressing, PLACE]]), axis=0).max()) if pressing.any() else 0.0
+        if not pressing.any() or not len(at):
+            return
+        places = rows[pressing, PLACE]
+        ends = at.max(axis=0) - places.min(axis=0), places.max(axis=0) - at.min(axis=0)
+        farthest = float(np.max(ends))
         for level in np.unique([self.first, self.first + 1]).tolist():
             lower, upper = self.first == level, self.first + 1 == level
             weights = np.where(lower, self.weights[:, 0], np.where(upper, self.weights[:, 1], 0.0))

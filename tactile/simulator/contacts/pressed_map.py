@@ -7,7 +7,7 @@ from scipy.interpolate import PchipInterpolator
 
 from cnnsim.support import Flags, Floats
 from tactile.elastic.medium import Medium
-from tactile.simulator.contacts.height_surface import HeightSurface
+from tactile.simulator.contacts.height_surface import HeightSurface, touching
 
 LEVELS = 17
 """Indentations at which pressures are solved, closer where the contact begins; in between they are straight in the
@@ -57,16 +57,20 @@ def press(heights: Floats, pitch: float, medium: Medium, most: float, by_depth: 
     while True:
         if most > 0 and not by_depth:
             deepest = _depth_of(surface, parts, medium, most, deepest)
-        grid = surface.grid(deepest, parts)
-        across = radius_in_cells(grid.contact(medium).pressed(deepest) > 0)
+        grid, contact, last = surface.pressed(deepest, parts, medium)
+        across = radius_in_cells(last > 0)
         finest = _finest(surface, deepest)
         if across >= ACROSS or parts >= finest:
             break
         parts = min(finest, int(np.ceil(parts * min(FINER, ACROSS / max(across, 1e-3)))))
-    contact, deep = grid.contact(medium), deepest * np.linspace(0, 1, LEVELS) ** 2
-    levels: list[Floats] = []
-    for one in deep.tolist():
-        levels.append(contact.pressed(one, levels[-1] if levels else None))
+    deep, levels = deepest * np.linspace(0, 1, LEVELS) ** 2, [np.zeros_like(last)] * 2
+    for n in range(1, LEVELS - 1):  # begun at what the two before lead on to
+        ahead = 0.0 if n == 1 else (deep[n] - deep[n - 1]) / (deep[n - 1] - deep[n - 2])
+        start = np.maximum(levels[-1] + ahead * (levels[-1] - levels[-2]), 0.0)
+        box, level = touching(contact.gap < deep[n], parts), np.zeros_like(last)
+        level[box] = contact.part(box).pressed(float(deep[n]), start[box])
+        levels.append(contact.pressed(float(deep[n]), level))  # at once where none beyond the box is touched
+    levels = [*levels[1:], last]
     forces = np.stack(levels) * grid.pitch**2
     pressed = np.asarray(forces.any(axis=0))
     if not pressed.any():
