@@ -16,9 +16,10 @@ from tactile.elastic.layer_loads import REACH, layered_load
 from tactile.elastic.medium import Felt, Medium
 
 MARGIN = 4.0
-"""Depths by which the finest grid reaches beyond the pattern. There a field bends (fourth derivative) 1 / (1 + 4^2)^2 as
-much of itself as in the middle, and the next grid's step to the fourth power is 16 times as large: taxels beside what
-presses are as accurate as below it. Each grid begins twice as far out as the one before, and the same holds."""
+"""Depths by which the finest grid reaches beyond the pattern. There a field's fourth
+derivative is 1 / (1 + 4^2)^2 as much of the field as in the middle, and the next grid's step to the fourth power is 16
+times as large: taxels beside what presses are as accurate as below it. Each grid begins twice as far out as the one
+before, and the same holds."""
 HELD = MARGIN / 5
 """Depths within which finer grids feel, times their coarseness: well inside what the loads' own spread leaves."""
 BEND = 384
@@ -38,7 +39,8 @@ FALL = 0.27
 LARGEST = 1 << 21
 """Numbers of the finest grid, at most: 16 MiB, of which a body may need one for each level of its force."""
 WIDTH = 3, 8
-"""Columns of a table: readings (x, y, z) under a normal force, and those under shear: (x, y = y's x, y, z's x and y)."""
+"""Columns of a table: readings x, y, z under a normal force; with pulls Q along x and R along y also x of Q, y of Q and
+x of R, which are the same, y of R, z of Q, z of R."""
 
 
 class PatternTable:
@@ -151,7 +153,8 @@ def _waves(
     along = [np.arange(n + lead) * step for n, lead in ((rows, lead_y), (cols, lead_x))]
     x, y = np.meshgrid(along[1], along[0])
     if k:  # what is nearer is felt by finer grids: held so that it is no peak between the points
-        wide = np.maximum(HELD * 2.0**k / np.maximum(np.maximum(x, y), step), 1.0)
+        x[0, 0] = step
+        wide = np.maximum(HELD * 2.0**k / np.maximum(x, y), 1.0)
         x, y = x * wide, y * wide
     quarter = _point(ratio, nu, quantity, x, y)[:columns]
     index, signs, spline = [], [], []

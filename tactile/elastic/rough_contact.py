@@ -42,7 +42,7 @@ class RoughContact:
         if heights.ndim != 2 or not heights.size or not np.isfinite(heights).all() or not pitch > 0:
             raise InputError(f"heights of shape {heights.shape} {pitch} m apart; finite (rows, cols), a pitch wanted")
         self.gap, self.pitch, self.medium = heights - (heights.min() if lowest is None else lowest), pitch, medium
-        rows, cols = (np.arange(n) * pitch for n in heights.shape)
+        rows, cols = (np.arange(n, dtype=np.float64) * pitch for n in heights.shape)
         self._moved = _displacement(cols[None, :], rows[:, None], pitch, medium)
         self._transform()
 

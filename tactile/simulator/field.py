@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -20,7 +20,6 @@ from tactile.simulator.taxels import FINEST, Taxels
 if TYPE_CHECKING:
     from tactile.elastic.sums.device_sum import DeviceSum
     from tactile.simulator.bump_cover import Bumps
-    from tactile.simulator.contacts.load_pattern import PatternLoads
 
 ACCURACY = 1e-4
 """How far a field may be off, of its peak, unless a scene says."""
@@ -30,8 +29,6 @@ WIDEST, WIDEST_FINE, WIDEST_ALONE = 6.0, 2.1, 12.0
 """Radius in depths up to which tables are made of circles on the half-space, that for accuracies finer than `FINE`,
 where those of wider ones would take as long as ten thousand circles that are integrated one by one, and that of circles
 which need a table of one radius only. Wider ones are felt by harmonics."""
-AT_ONCE = 1 << 20
-"""Loads, times taxels and frames, that are summed at once."""
 FINE = 1e-5
 PAIRS = 60
 """What a layer adds under circles wider than `WIDEST` is integrated one by one where tables would take longer: for
@@ -138,9 +135,7 @@ def field_at(
     else:
         if device is not None and directly:
             values = np.zeros((len(loads.points), *positions.shape[:-1], 3))
-            device.add_points(
-                values.reshape(len(values), -1, 3), positions.reshape(-1, 2), depth, loads.points, medium
-            )
+            device.add_points(values.reshape(len(values), -1, 3), positions.reshape(-1, 2), depth, loads.points, medium)
         else:
             values = sum_loads(method, positions, depth, loads.points, medium)
         if layered and directly and loads.points.shape[1]:
@@ -150,11 +145,14 @@ def field_at(
             values += layer_term(positions, depth, rows, medium.thickness, medium)
     at = positions.reshape(-1, 2)
     flat = values.reshape(len(values), len(at), 3), at
-    for pattern in loads.patterns:
-        if accuracy >= TABLES and pattern.pattern.fits(depth, medium, accuracy):
-            pattern.add(*flat, depth, medium, accuracy)
+    for pressed in loads.patterns:
+        from tactile.simulator.contacts.load_pattern import add_cells, add_tabled  # only where called for
+
+        if accuracy >= TABLES and pressed.pattern.fits(depth, medium, accuracy):
+            feel = partial(add_tabled, positions=at, depth=depth, medium=medium, accuracy=accuracy)
         else:
-            _add_cells(*flat, depth, pattern, medium, device)
+            feel = partial(add_cells, summed=partial(_points, at, depth, medium, device))
+        pressed.add(flat[0], feel, (at.tobytes(), depth, medium, accuracy))
     spread = [*loads.discs]
     spread += [Disc(_as_sixth(twist.twists), twist.radii, HERTZ, np.inf, twist.owner) for twist in loads.twists]
     if by_table and loads.points.shape[1]:
@@ -170,22 +168,18 @@ def _as_sixth(twists: Floats) -> Floats:
     return rows
 
 
-def _add_cells(
-    values: Floats, at: Floats, depth: float, pattern: "PatternLoads", medium: Medium, device: "DeviceSum | None"
-) -> None:
-    """All cells of a pattern as point loads."""
-    step = max(1, AT_ONCE // (len(at) * len(pattern.pattern.places)))
-    for start in range(0, len(values), step):
-        part = slice(start, start + step)
-        points = pattern.of_frames(part).points()
-        if device is not None:
-            device.add_points(values[part], at, depth, points, medium)
-        else:
-            values[part] += sum_loads(DIRECT, at, depth, points, medium)
-        if np.isfinite(medium.thickness):
-            from tactile.elastic.layer_loads import layer_term  # only where called for
+def _points(at: Floats, depth: float, medium: Medium, device: "DeviceSum | None", points: Floats) -> Floats:
+    """What taxels feel of point loads (frames, n, 5), load by load."""
+    if device is None:
+        values = sum_loads(DIRECT, at, depth, points, medium)
+    else:
+        values = np.zeros((len(points), len(at), 3))
+        device.add_points(values, at, depth, points, medium)
+    if np.isfinite(medium.thickness):
+        from tactile.elastic.layer_loads import layer_term  # only where called for
 
-            values[part] += layer_term(at, depth, points[:, None], medium.thickness, medium)
+        values += layer_term(at, depth, points[:, None], medium.thickness, medium)
+    return values
 
 
 def _add_spread(

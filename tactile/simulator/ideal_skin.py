@@ -1,7 +1,7 @@
 """The skin of a scene without effects: what presses on every finger, and the field that it makes at the taxels."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal, cast
 
@@ -11,6 +11,7 @@ from cnnsim.support import Floats
 from tactile.core.frame import TaxelArray
 from tactile.core.loads import COLUMNS
 from tactile.elastic.medium import Felt, Medium
+from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.loads import Loads
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.field import Contact, Field
@@ -123,21 +124,22 @@ class IdealSkin:
 
     @cached_property
     def _load_counts(self) -> list[int]:
-        return [
-            FEW if one is None else one.count for one in self._sampled
-        ]
+        return [FEW if one is None else one.count for one in self._sampled]
 
     @cached_property
     def _sampled(self) -> list[Loads | None]:
-        """What presses on every finger at a few moments, None of fewer than ``FEW`` point loads: those are summed.
+        """What presses at points of every finger at a few moments, None of fewer than ``FEW`` loads: those are summed.
 
-        Moments show whether loads move; a load that moves only between them is caught on the way.
+        Moments show whether loads move; a load that moves only between them is caught on the way. Height maps, which
+        press on cells, take long to be pressed and are felt by tables, are left out.
         """
         found: list[Loads | None] = []
         for finger, (mine, _, _) in enumerate(self._fingers):
-            few = len(mine) < FEW and all(type(one) is MovingLoad for one in mine)
+            asked = tuple(one for one in mine if not isinstance(one, HeightMap))
+            few = len(asked) < FEW and all(type(one) is MovingLoad for one in asked)
             moments = np.zeros(0) if few else np.linspace(0, (self.samples - 1) / self.rate, min(self.samples, 5))
-            found.append(None if few else self.loads(finger, moments))
+            sampled = replace(self.field(finger, moments, method=DIRECT), contacts=asked)
+            found.append(None if few else sampled.loads)
         return found
 
     @cached_property

@@ -108,7 +108,7 @@ class HeightMap:
         solved = self.pressed(medium)
         return (
             f"contact {solved.width * 1e3:.3g} mm wide on cells of {self.pitch * 1e3:.3g} mm, its force known to about "
-            f"{max(solved.doubt, 1e-3):.1%}; solved and felt on {len(solved.places)} cells of {solved.pitch * 1e3:.2g} mm"
+            f"{max(solved.doubt, 1e-3):.1%}; solved and felt on cells of {solved.pitch * 1e3:.2g} mm"
         )
 
     def deepest(self, medium: Medium) -> float:

@@ -1,5 +1,6 @@
 """Pressures that move with a rigid body: fields of them from tables by where they lie, or of all their cells."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -7,11 +8,16 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Floats, Integers
-from tactile.core.loads import COLUMNS, FORCE, PLACE, SHEAR
+from tactile.core.loads import COLUMNS, FORCE, PLACE, SHEAR, F, Q, R
 from tactile.elastic.disc_table import DEEPEST
 from tactile.elastic.medium import Medium
 from tactile.elastic.pattern_table import LARGEST, WIDTH, PatternTable, table_size
 from tactile.simulator.contacts.fewer_points import fewer_points
+
+STAYS = 2
+"""Frames for each level and kind of force, more than which a body that stays in place gives: else each is felt."""
+AT_ONCE = 1 << 20
+"""Loads, times taxels and frames, that are summed at once."""
 
 
 def _ratio(depth: float, medium: Medium) -> float:
@@ -87,25 +93,69 @@ class PatternLoads:
         out[..., FORCE] = self.rows[:, None, FORCE] * share[..., None]
         return out
 
-    def add(self, out: Floats, positions: Floats, depth: float, medium: Medium, accuracy: float) -> None:
-        """Add to ``out`` (frames, taxels, 3) what taxels at ``positions`` (taxels, 2) [m] feel, from tables."""
-        from tactile.elastic.pattern_loops import add_pattern  # compiled only where called for
+    def add(self, out: Floats, feel: "Feel", of: Any) -> None:
+        """Add to ``out`` (frames, taxels, 3) what they feel, as ``feel`` adds it, which depends on ``of`` besides.
 
-        columns = WIDTH[int(self.rows[:, SHEAR].any())]
-        rows = self.rows.copy()
-        rows[:, PLACE] /= depth
-        rows[:, FORCE] /= depth**2 if medium.quantity == "stress" else medium.modulus * depth**2
-        at, pressing = positions / depth, self.rows[:, FORCE].any(axis=1)
-        if not pressing.any() or not len(at):
+        Of a body that stays in place once for each level and kind of force, not for each frame, and kept.
+        """
+        both = np.concatenate([np.column_stack([self.rows[:, PLACE], self.first + k]) for k in (0, 1)])
+        units, which = np.unique(both, axis=0, return_inverse=True)
+        kinds = [F] if not self.rows[:, SHEAR].any() else [Q, R, F]
+        if STAYS * len(kinds) * len(units) >= len(out):
+            feel(self, out)
             return
-        places = rows[pressing, PLACE]
-        ends = at.max(axis=0) - places.min(axis=0), places.max(axis=0) - at.min(axis=0)
-        farthest = float(np.max(ends))
-        for level in np.unique([self.first, self.first + 1]).tolist():
-            lower, upper = self.first == level, self.first + 1 == level
-            weights = np.where(lower, self.weights[:, 0], np.where(upper, self.weights[:, 1], 0.0))
-            frames = np.flatnonzero(pressing & (weights > 0))
-            if frames.size:
-                table = self.pattern.table(level, depth, medium, accuracy, columns)
-                table.reach(farthest)
-                add_pattern(out, at, rows, frames, weights[frames], table.numbers, table.grids, columns)
+        now: dict[bytes, Floats] = {}
+        known, felt = self.pattern.memory.get(of, {}), np.empty((len(units), len(kinds), *out.shape[1:]))
+        for unit, one in zip(units, felt, strict=True):
+            key = np.append(unit, len(kinds)).tobytes()
+            if key not in known:
+                known[key] = np.zeros_like(one)
+                feel(self._alone(unit, kinds), known[key])
+            one[:] = now[key] = known[key]
+        # of one that moves on what was found is not kept
+        self.pattern.memory[of] = known if len(known) * felt[0].size <= LARGEST else now
+        for k, index in enumerate(which.reshape(2, -1)):
+            out += np.einsum("fd,fd...->f...", self.weights[:, k, None] * self.rows[:, kinds], felt[index])
+
+    def _alone(self, unit: Floats, kinds: list[int]) -> "PatternLoads":
+        """Frames of 1 N each of these kinds of force, the pattern at one place and level (x, y, level)."""
+        rows, count, level = np.zeros((len(kinds), COLUMNS)), len(kinds), int(unit[2])
+        rows[:, PLACE], rows[range(count), kinds] = unit[:2], 1.0
+        first = min(level, len(self.pattern.shares) - 2)
+        weights = np.tile((first + 1.0 - level, level - 1.0 * first), (count, 1))
+        return replace(self, rows=rows, first=np.full(count, first), weights=weights)
+
+
+Feel = Callable[[PatternLoads, Floats], None]
+"""Adds what taxels feel of loads to an array (frames, taxels, 3)."""
+
+
+def add_cells(loads: PatternLoads, out: Floats, summed: Callable[[Floats], Floats]) -> None:
+    """Add what taxels feel of all cells, load by load: ``summed`` of point loads (frames, n, 5)."""
+    step = max(1, AT_ONCE // (out.shape[1] * len(loads.pattern.places)))
+    for start in range(0, len(out), step):
+        part = slice(start, start + step)
+        out[part] += summed(loads.of_frames(part).points())
+
+
+def add_tabled(
+    loads: PatternLoads, out: Floats, positions: Floats, depth: float, medium: Medium, accuracy: float
+) -> None:
+    """Add what taxels at ``positions`` (taxels, 2) [m] and a depth [m] feel, from tables."""
+    from tactile.elastic.pattern_loops import add_pattern  # compiled only where called for
+
+    at, rows, pressing = positions / depth, loads.rows.copy(), loads.rows[:, FORCE].any(axis=1)
+    if not pressing.any() or not len(at):
+        return
+    rows[:, PLACE] /= depth
+    rows[:, FORCE] /= depth**2 if medium.quantity == "stress" else medium.modulus * depth**2
+    columns, places = WIDTH[int(rows[:, SHEAR].any())], rows[pressing, PLACE]
+    farthest = float(np.max([at.max(axis=0) - places.min(axis=0), places.max(axis=0) - at.min(axis=0)]))
+    for level in np.unique([loads.first, loads.first + 1]).tolist():
+        lower, upper = loads.first == level, loads.first + 1 == level
+        weights = np.where(lower, loads.weights[:, 0], np.where(upper, loads.weights[:, 1], 0.0))
+        frames = np.flatnonzero(pressing & (weights > 0))
+        if frames.size:
+            table = loads.pattern.table(level, depth, medium, accuracy, columns)
+            table.reach(farthest)
+            add_pattern(out, at, rows, frames, weights[frames], table.numbers, table.grids, columns)

@@ -19,6 +19,7 @@ from tactile.simulator.contacts.height_surface import refined
 from tactile.simulator.contacts.heights import cast_heights, read_heights, read_stl
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
+from tactile.simulator.contacts.pressed_map import press
 from tactile.simulator.contacts.rig import Rig
 from tactile.simulator.effects.finite_thickness import FiniteThickness
 from tactile.simulator.explain import explain
@@ -51,6 +52,24 @@ def test_a_ball_is_hertz_or_the_layers_law(thickness: float) -> None:
     smooth = MovingContact(0, ball, np.array(path)).loads(np.zeros(1), 1e-3, medium)
     felt, known = (field_at(at, 1e-3, loads, medium)[0] for loads in (mapped, smooth))
     assert np.abs(felt - known).max() < 5e-3 * np.abs(known).max()
+
+
+@pytest.mark.parametrize(("thickness", "deep"), ((1e-3, 1e-4), (5e-4, 1e-4), (3e-4, 3e-5)))
+def test_a_ball_on_a_thin_cover_is_the_layers_law(thickness: float, deep: float) -> None:
+    """Over incompressible covers of a sixth to a third of the contact's radius, which bulge beside it."""
+    medium, radius, pitch = Medium(1e6, thickness=thickness), 30e-3, 1.4e-4
+    along = (np.arange(81) - 40) * pitch
+    solved = press((along**2 + along[:, None] ** 2) / 2 / radius, pitch, medium, deep, True)
+    law = Indenter("sphere", radius)
+    for depth, bound in (
+        (deep / 4, 1e-2),
+        (deep / 2, 6e-3),
+        (deep, 6e-3),
+    ):  # half as many cells in a radius in the first
+        wanted = law.force_at(np.array([depth]), medium)[0]
+        assert np.interp(depth, solved.deep, solved.force) == pytest.approx(wanted, rel=bound)
+    spread = np.linalg.norm(solved.places[solved.forces[-1] > 0], axis=1).max()
+    assert spread == pytest.approx(law.contact_radius(np.array([solved.force[-1]]), medium)[0], abs=1.5 * pitch)
 
 
 def paraboloid(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -159,7 +178,7 @@ def test_forces_of_nothing_and_maps_of_a_cell_or_two_are_pressed() -> None:
             body = HeightMap(0, heights, 4e-4, np.array([(0.0, 0, 0, 0, 0, push)]))
             loads = body.loads(np.zeros(1), 1e-3, Medium(2.4e6, thickness=1.2e-3))
             assert loads.totals[0, 0, 4] == pytest.approx(max(push, 0.0), abs=1e-15)
-            assert loads.points[..., 4].sum() == pytest.approx(max(push, 0.0), abs=1e-15)
+            assert loads.patterns[0].points()[..., 4].sum() == pytest.approx(max(push, 0.0), abs=1e-15)
 
 
 def test_a_height_map_moves_slips_lifts_and_is_held() -> None:

@@ -1,0 +1,79 @@
+"""Pressures of height maps over frames: from tables, cell by cell, moving and at rest, against all cells as loads."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tactile.core.frame import TaxelArray
+from tactile.elastic.layer_loads import layered_load
+from tactile.elastic.medium import Medium
+from tactile.simulator.contacts.height_map import HeightMap
+from tactile.simulator.contacts.pressed_map import BETWEEN
+from tactile.simulator.effects.finite_thickness import FiniteThickness
+from tactile.simulator.effects.taxel_area import TaxelArea
+from tactile.simulator.field import field_at
+from tactile.simulator.scene.scene import Scene
+
+DEPTH, PITCH = 1e-3, 1.5e-4
+X, Y = np.meshgrid((np.arange(23) - 11) * PITCH, (np.arange(19) - 9) * PITCH)
+DENTED = (X**2 + 2 * Y**2) / 0.05 + 3e-5 * np.exp(-((X - 2e-4) ** 2 + Y**2) / (4e-4) ** 2)
+AT = np.stack(np.meshgrid((np.arange(4) - 1.5) * 8e-4, (np.arange(3) - 1) * 8e-4), axis=-1)
+
+
+def body(moves: bool, pull: float = 0.05, friction: float | None = None) -> HeightMap:
+    away = 2e-3 if moves else 0.0
+    path = [(0.0, -away, 0, pull, 0, -1e-5), (1.0, away, away / 3, 0, pull, 8e-5), (1.9, 0, 0, 0, -pull, 4e-5)]
+    return HeightMap(0, DENTED, PITCH, np.array(path), friction, True)
+
+
+@pytest.mark.parametrize("thickness", (np.inf, 2e-3))
+@pytest.mark.parametrize(("moves", "pull", "frames"), ((True, 0.05, 40), (False, 0.05, 400), (False, 0.0, 90)))
+def test_tables_and_cells_are_what_all_cells_press(moves: bool, pull: float, frames: int, thickness: float) -> None:
+    medium, times = Medium(2e6, 0.45, thickness=thickness), np.linspace(0, 2, frames)
+    one = body(moves, pull)
+    loads, solved = one.loads(times, DEPTH, medium), one.pressed(medium)
+    totals = loads.totals[:, 0]
+    wanted = []
+    for x, y, q, r, force in totals[:: frames // 20]:  # pressures straight in the force between those of two levels
+        cells = np.array([np.interp(force, solved.force[::BETWEEN], column) for column in solved.forces.T])
+        share = cells / cells.sum() if force > 0 else np.zeros(len(cells))
+        rows = np.column_stack([solved.places + np.array([x, y]), share[:, None] * (q, r, force)])
+        wanted.append(layered_load(AT, DEPTH, rows, medium))
+    peak = np.abs(wanted).max()
+    assert totals[:, 4].min() == 0 < totals[:, 4].max()
+    for accuracy, bound in ((1e-3, 1e-3), (1e-4, 1e-4), (0.0, 1e-12)):
+        felt = field_at(AT, DEPTH, loads, medium, accuracy=accuracy)[:: frames // 20]
+        assert np.abs(felt - wanted).max() <= bound * peak
+        again = field_at(AT, DEPTH, loads, medium, accuracy=accuracy)[:: frames // 20]  # from what was kept
+        assert (again == felt).all()
+    stress = replace(medium, quantity="stress", modulus=2e6)  # other tables, of the same pressures
+    felt = field_at(AT, DEPTH, loads, stress)
+    assert np.abs(felt - field_at(AT, DEPTH, loads, stress, accuracy=0.0)).max() <= 1e-4 * np.abs(felt).max()
+
+
+def test_a_scene_of_a_height_map_is_the_same_in_pieces_and_to_its_accuracy() -> None:
+    array = TaxelArray("f", 4, 4, 8e-4, DEPTH)
+    effects = FiniteThickness(2e-3), TaxelArea(4e-4)
+    scenes = [
+        Scene("s", 600.0, 1.5, 2e6, (array,), (), (body(True, 0.05, 0.4),), effects, accuracy=accuracy)
+        for accuracy in (1e-4, 1e-6)
+    ]
+    rough, fine = (np.concatenate([batch.values for batch in scene.batches(0)]) for scene in scenes)
+    assert len(rough) == 900  # two pieces
+    assert np.abs(rough - fine).max() <= 1.5e-4 * np.abs(fine).max()
+    (alone,) = scenes[0].affected([scenes[0].skin.field(0, np.array([0.9]))], "field", scenes[0].effects, 0)
+    assert alone.values[0] == pytest.approx(rough[540], abs=1e-12 * np.abs(rough).max())
+
+
+def test_fewer_points_stand_for_a_pattern_where_points_are_asked_for() -> None:
+    medium, times = Medium(2e6, thickness=2e-3), np.linspace(0.1, 1.8, 4)
+    loads = body(True).loads(times, DEPTH, medium)
+    (pattern,) = loads.patterns
+    few, cells = loads.with_patterns, pattern.points()
+    assert few.shape[1] < cells.shape[1] / 2
+    assert few[..., 2:].sum(axis=1) == pytest.approx(loads.totals[:, 0, 2:], abs=1e-12)
+    felt = field_at(AT, DEPTH, loads, medium, accuracy=0.0)
+    assert np.abs(layered_load(AT, DEPTH, few[:, None, None], medium) - felt).max() < 2e-3 * np.abs(felt).max()
+    part = loads.of_frames(slice(1, 3)).patterns[0].points()
+    assert (part == cells[1:3]).all()
