@@ -93,12 +93,15 @@ class PatternTable:
         knots = [n + 2 * more for n, more in zip(sources, lead, strict=True)]
         size = [fft.next_fast_len(n + m - 1, real=True) for n, m in zip(knots, sources, strict=True)]
         taken = (_taken(n, self.pitch / step, m, order) for n, m in zip(self.shares.shape, sources, strict=True))
-        rows, cols = taken
-        waves = fft.rfft2(rows @ self.shares @ cols.T, s=size)
+        up, across = taken
+        waves = fft.rfft2(up @ self.shares @ across.T, s=size)
         felt = _waves(*self._cover, step, k, *sources, *lead, *size, self.columns) * waves
-        found = fft.irfft2(felt, s=size, overwrite_x=True)[:, : knots[0], : knots[1]]
-        middle = (knots[1] - 1) / 2, (knots[0] - 1) / 2
-        return np.moveaxis(found, 0, -1).copy(), (*self.middle, half[1], half[0], 1 / step, *middle, knots[1])
+        found = fft.irfft2(felt, s=size, overwrite_x=True)
+        cut = [max(0, int((n - 1) / 2 - h / step) - 2) for h, n in zip(half, knots, strict=True)]  # the spare ones
+        kept = found[:, cut[0] : knots[0] - cut[0], cut[1] : knots[1] - cut[1]]
+        rows, cols = kept.shape[1:]
+        middle = (cols - 1) / 2, (rows - 1) / 2
+        return np.moveaxis(kept, 0, -1).copy(), (*self.middle, half[1], half[0], 1 / step, *middle, cols)
 
     def _off(self, found: Floats, grid: tuple[float, ...]) -> float:
         """About how far the spline is off, of the peak below the pattern and of that beside it, whichever is more."""
@@ -144,7 +147,7 @@ ODD_X, ODD_Y = np.array([1, 0, 0, 0, 1, 0, 1, 0], bool), np.array([0, 1, 0, 0, 1
 """Which of them change their sign with x, and with y."""
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=12)
 def _waves(
     ratio: float, nu: float, quantity: Felt, step: float, k: int, rows: int, cols: int, lead_y: int, lead_x: int,
     size_y: int, size_x: int, columns: int,
