@@ -23,8 +23,7 @@ def add_pattern(
 
 @kept_njit(error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
 def _add(x_of, y_of, rows, frames, weights, numbers, grids, columns, out):  # type: ignore[no-untyped-def]  # numba types it at the call
-    last = grids.shape[0] - 1
-    felt = np.empty(8)
+    last, long, line = grids.shape[0] - 1, 4 * columns, np.empty(32)
     for m in range(frames.size):
         n = frames[m]
         x0, y0 = rows[n, X], rows[n, Y]
@@ -38,43 +37,34 @@ def _add(x_of, y_of, rows, frames, weights, numbers, grids, columns, out):  # ty
                 continue
             u = (x - grids[k, 0]) * grids[k, 4] + grids[k, 5]
             v = (y - grids[k, 1]) * grids[k, 4] + grids[k, 6]
-            wide, base = int(grids[k, 7]), int(grids[k, 8])
             a, b = int(u), int(v)
-            t, w = u - a, v - b
+            t = u - a
             s = 1 - t
             u0, u3 = s * s * s / 6, t * t * t / 6
             u1 = (3 * t * t * t - 6 * t * t + 4) / 6
             u2 = 1 - u0 - u1 - u3
-            s = 1 - w
-            v0, v3 = s * s * s / 6, w * w * w / 6
-            v1 = (3 * w * w * w - 6 * w * w + 4) / 6
+            t = v - b
+            s = 1 - t
+            v0, v3 = s * s * s / 6, t * t * t / 6
+            v1 = (3 * t * t * t - 6 * t * t + 4) / 6
             v2 = 1 - v0 - v1 - v3
-            step = wide * columns
-            p0 = base + ((b - 1) * wide + a - 1) * columns
-            p1, p2, p3 = p0 + step, p0 + 2 * step, p0 + 3 * step
-            if columns == 3:
-                for c in range(3):
-                    felt[c] = 0.0
-                for j in range(4):
-                    along = u0 if j == 0 else u1 if j == 1 else u2 if j == 2 else u3
-                    for c in range(3):
-                        felt[c] += along * (
-                            v0 * numbers[p0 + c] + v1 * numbers[p1 + c] + v2 * numbers[p2 + c] + v3 * numbers[p3 + c]
-                        )
-                    p0, p1, p2, p3 = p0 + 3, p1 + 3, p2 + 3, p3 + 3
-                out[n, i, 0] += f * felt[0]
-                out[n, i, 1] += f * felt[1]
-                out[n, i, 2] += f * felt[2]
-            else:
-                for c in range(8):
-                    felt[c] = 0.0
-                for j in range(4):
-                    along = u0 if j == 0 else u1 if j == 1 else u2 if j == 2 else u3
-                    for c in range(8):
-                        felt[c] += along * (
-                            v0 * numbers[p0 + c] + v1 * numbers[p1 + c] + v2 * numbers[p2 + c] + v3 * numbers[p3 + c]
-                        )
-                    p0, p1, p2, p3 = p0 + 8, p1 + 8, p2 + 8, p3 + 8
-                out[n, i, 0] += f * felt[0] + q * felt[3] + r * felt[4]
-                out[n, i, 1] += f * felt[1] + q * felt[4] + r * felt[5]
-                out[n, i, 2] += f * felt[2] + q * felt[6] + r * felt[7]
+            step = int(grids[k, 7]) * columns
+            first = int(grids[k, 8]) + (b - 1) * step + (a - 1) * columns
+            row0, row1 = numbers[first : first + long], numbers[first + step : first + step + long]
+            first += 2 * step
+            row2, row3 = numbers[first : first + long], numbers[first + step : first + step + long]
+            # over the rows first, whose four knots lie side by side: a loop that LLVM makes vector code of, as long as
+            # it does not know how long it is
+            for c in range(long):
+                line[c] = v0 * row0[c] + v1 * row1[c] + v2 * row2[c] + v3 * row3[c]
+            for c in range(columns):
+                line[c] = (
+                    u0 * line[c] + u1 * line[c + columns] + u2 * line[c + 2 * columns] + u3 * line[c + 3 * columns]
+                )
+            out[n, i, 0] += f * line[0]
+            out[n, i, 1] += f * line[1]
+            out[n, i, 2] += f * line[2]
+            if columns > 3:
+                out[n, i, 0] += q * line[3] + r * line[4]
+                out[n, i, 1] += q * line[4] + r * line[5]
+                out[n, i, 2] += q * line[6] + r * line[7]
