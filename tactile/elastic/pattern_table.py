@@ -34,6 +34,8 @@ COARSEST = 0.2
 """Depths, at most, between the points of the finest grid."""
 SPREAD = 3.0
 """Depths across from which a pattern is tried with twice the step: it mostly bends less than a single load."""
+DEEPEST = 1e8
+"""A layer of more depths than this is the half-space to rounding."""
 FALL = 0.27
 """By so much a knot what is beyond a grid's end counts less for its spline."""
 LARGEST = 1 << 21
@@ -172,6 +174,11 @@ def _waves(
     kernel[ODD_X[:columns]] *= signs[1]
     waves = fft.rfft2(kernel) / (spline[0][:, None] * spline[1][: size_x // 2 + 1])
     return np.asarray(waves)
+
+
+def depth_ratio(depth: float, medium: Medium) -> float:
+    """A depth [m] over the medium's thickness, 0 where that is the half-space to rounding."""
+    return round(depth / medium.thickness, 12) if medium.thickness < DEEPEST * depth else 0.0
 
 
 def table_size(wide: float, high: float, ratio: float, nu: float, quantity: Felt, accuracy: float) -> float:

@@ -9,19 +9,14 @@ import numpy as np
 
 from cnnsim.support import Floats, Integers
 from tactile.core.loads import COLUMNS, FORCE, PLACE, SHEAR, F, Q, R
-from tactile.elastic.disc_table import DEEPEST
 from tactile.elastic.medium import Medium
-from tactile.elastic.pattern_table import LARGEST, WIDTH, PatternTable, table_size
+from tactile.elastic.pattern_table import LARGEST, WIDTH, PatternTable, depth_ratio, table_size
 from tactile.simulator.contacts.fewer_points import fewer_points
 
 STAYS = 2
 """Frames for each level and kind of force, more than which a body that stays in place gives: else each is felt."""
 AT_ONCE = 1 << 20
 """Loads, times taxels and frames, that are summed at once."""
-
-
-def _ratio(depth: float, medium: Medium) -> float:
-    return round(depth / medium.thickness, 12) if medium.thickness < DEEPEST * depth else 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +43,7 @@ class LoadPattern:
     def fits(self, depth: float, medium: Medium, accuracy: float) -> bool:
         """Whether there are tables so fine for taxels at a depth [m]: not of a contact many depths wide."""
         wide, high = (np.ptp(self.places, axis=0) / depth).tolist()
-        return table_size(wide, high, _ratio(depth, medium), medium.nu, medium.quantity, accuracy) <= LARGEST
+        return table_size(wide, high, depth_ratio(depth, medium), medium.nu, medium.quantity, accuracy) <= LARGEST
 
     def table(self, level: int, depth: float, medium: Medium, accuracy: float, columns: int) -> PatternTable:
         """The table of one level, made once."""
@@ -59,7 +54,7 @@ class LoadPattern:
             image = np.zeros((row.max() + 1, col.max() + 1))
             image[row, col] = self.shares[level]
             x, y = ((low + np.array(image.shape[::-1]) * self.pitch / 2 - self.pitch / 2) / depth).tolist()
-            cover = _ratio(depth, medium), medium.nu, medium.quantity
+            cover = depth_ratio(depth, medium), medium.nu, medium.quantity
             self.memory[key] = PatternTable(image, (x, y), self.pitch / depth, *cover, accuracy, columns)
         made: PatternTable = self.memory[key]
         return made
