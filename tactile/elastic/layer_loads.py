@@ -50,7 +50,7 @@ def layer_term(positions: ArrayLike, depth: float, loads: ArrayLike, thickness: 
     rho = np.hypot(x, y)
     c, s = np.where(rho > 0, x, 1) / np.where(rho > 0, rho, 1), y / np.where(rho > 0, rho, 1)
     unit = 1.0 if medium.quantity == "stress" else 1 / medium.modulus
-    table = _table(depth / thickness, medium.nu, medium.quantity)
+    table = layer_table(depth / thickness, medium.nu, medium.quantity)
     near, reached = rho < REACH * thickness, np.minimum(rho / thickness / REACH, 1)
     normal, normal_shear, shear_normal, even, odd = np.moveaxis(table(np.sqrt(reached)) * (unit / thickness**2), -1, 0)
     q, r, f = rows[..., Q], rows[..., R], rows[..., F]
@@ -95,7 +95,7 @@ def waves_of(depth: float, medium: Medium) -> tuple[Floats, ...]:
 
 
 @lru_cache(maxsize=64)
-def _table(depth: float, nu: float, quantity: Felt) -> CubicSpline:
+def layer_table(depth: float, nu: float, quantity: Felt) -> CubicSpline:
     """The five integrals over sqrt(rho / REACH), for thickness 1 and modulus 1."""
     k, normal, normal_shear, shear_normal, shear, across = waves_of(depth, Medium(1.0, nu, quantity))
     root = np.linspace(0, 1, POINTS)

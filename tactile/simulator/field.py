@@ -139,10 +139,10 @@ def field_at(
         else:
             values = sum_loads(method, positions, depth, loads.points, medium)
         if layered and directly and loads.points.shape[1]:
-            from tactile.elastic.layer_loads import layer_term  # only where called for
+            from tactile.elastic.sums.layer_sum import add_layer_term  # only where called for
 
-            rows = loads.points.reshape(len(values), *(1,) * (positions.ndim - 1), *loads.points.shape[1:])
-            values += layer_term(positions, depth, rows, medium.thickness, medium)
+            at = positions.reshape(-1, 2)
+            add_layer_term(values.reshape(len(values), len(at), 3), at, depth, loads.points, medium)
     at = positions.reshape(-1, 2)
     flat = values.reshape(len(values), len(at), 3), at
     for pressed in loads.patterns:
@@ -176,9 +176,9 @@ def _points(at: Floats, depth: float, medium: Medium, device: "DeviceSum | None"
         values = np.zeros((len(points), len(at), 3))
         device.add_points(values, at, depth, points, medium)
     if np.isfinite(medium.thickness):
-        from tactile.elastic.layer_loads import layer_term  # only where called for
+        from tactile.elastic.sums.layer_sum import add_layer_term  # only where called for
 
-        values += layer_term(at, depth, points[:, None], medium.thickness, medium)
+        add_layer_term(values, at, depth, points, medium)
     return values
 
 
