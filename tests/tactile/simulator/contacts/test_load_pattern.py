@@ -77,3 +77,9 @@ def test_fewer_points_stand_for_a_pattern_where_points_are_asked_for() -> None:
     assert np.abs(layered_load(AT, DEPTH, few[:, None, None], medium) - felt).max() < 2e-3 * np.abs(felt).max()
     part = loads.of_frames(slice(1, 3)).patterns[0].points()
     assert (part == cells[1:3]).all()
+
+
+def test_very_wide_contacts_have_no_tables() -> None:
+    (pattern,) = body(True).loads(np.zeros(1), DEPTH, Medium(2e6)).patterns
+    sizes = [pattern.pattern.fits(depth, Medium(2e6), accuracy) for depth, accuracy in ((DEPTH, 1e-6), (1e-5, 1e-4))]
+    assert sizes == [True, False]
