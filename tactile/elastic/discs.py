@@ -57,14 +57,22 @@ def disc_load(
     return scale * np.stack([t_x.sum(-1), t_y.sum(-1), t_z.sum(-1)], axis=-1)
 
 
-def twist_load(positions: ArrayLike, depth: float, twists: ArrayLike, radii: ArrayLike, medium: Medium) -> Floats:
+def twist_load(
+    positions: ArrayLike,
+    depth: float,
+    twists: ArrayLike,
+    radii: ArrayLike,
+    medium: Medium,
+    profile: Profile = HERTZ,
+    lam: ArrayLike = 0.0,
+) -> Floats:
     """Strain or stress under a circle that sticks and is twisted about its axis.
 
     The traction q = 3 M r / (4 pi a^3 sqrt(a^2 - r^2)) is -M/2 times the slope of Hertz' pressure of unit force, so
     that with V the potential of that pressure (sigma_xz, sigma_yz) = -(M / 4 pi) d2V/(d rho dz) (-y, x) / rho.
 
-    Arguments: ``twists`` (..., n, 3) rows (x, y, M) [m, m, N m], M from x to y; ``radii`` (..., n) [m]; the others
-    as ``disc_load``.
+    Arguments: ``twists`` (..., n, 3) rows (x, y, M) [m, m, N m], M from x to y; ``radii`` (..., n) [m]; another
+    ``profile`` than Hertz' where the traction is the slope of that; the others as ``disc_load``.
 
     Raises:
         InputError: as ``disc_load``.
@@ -78,7 +86,7 @@ def twist_load(positions: ArrayLike, depth: float, twists: ArrayLike, radii: Arr
     x = (at[..., 0, None] - rows[..., 0]) / depth
     y = (at[..., 1, None] - rows[..., 1]) / depth
     size = np.asarray(radii, dtype=np.float64) / depth
-    around = potential(np.hypot(x, y), size, HERTZ, np.zeros(()), rows[..., 2] != 0)[2]
+    around = potential(np.hypot(x, y), size, profile, np.asarray(lam), rows[..., 2] != 0)[2]
     swirl = scale / (2 * depth) * rows[..., 2] * around
     return np.stack([(swirl * y).sum(-1), -(swirl * x).sum(-1), np.zeros(swirl.shape[:-1])], axis=-1)
 

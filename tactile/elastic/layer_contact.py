@@ -12,6 +12,7 @@ al.'s series, which is cut at the fourth power of sqrt(R delta) / h, agrees for 
 Source: Lebedev and Ufliand (1958); Johnson, Contact Mechanics, sect. 5.8; for T Nogi and Kato (1997).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Literal
@@ -49,39 +50,49 @@ def excess(turn: Floats, nu: float) -> Floats:
     return out
 
 
-def drag_excess(turn: Floats, nu: float) -> Floats:
-    """By what a drag moves the layer less than the half-space: the mean of waves along it and across it."""
+def along_excess(turn: Floats, nu: float) -> Floats:
+    """By what a wave that drags along itself moves the layer less than the half-space."""
     kappa = 3 - 4 * nu
     square, fall = 1 + kappa**2 + 4 * turn**2, np.exp(-2 * turn)
-    # (2 kappa sinh 2k + 4 k) / (2 kappa cosh 2k + 4 k^2 + 1 + kappa^2) along, tanh k across
-    along = (2 * kappa * fall**2 + (square - 4 * turn) * fall) / (kappa * (1 + fall**2) + square * fall)
-    out: Floats = ((1 - nu) * along + 2 * fall / (1 + fall)) / (2 - nu)
+    # 1 - (2 kappa sinh 2k + 4 k) / (2 kappa cosh 2k + 4 k^2 + 1 + kappa^2)
+    out: Floats = (2 * kappa * fall**2 + (square - 4 * turn) * fall) / (kappa * (1 + fall**2) + square * fall)
     return out
 
 
-@lru_cache(maxsize=16)
-def kernel(nu: float, dragged: bool) -> CubicSpline:
-    """M(x), lengths in thicknesses, against a push, or M' against a drag."""
+def across_excess(turn: Floats, nu: float = 0.5) -> Floats:
+    """By what a wave that drags across itself does: 1 - tanh(k h), whatever Poisson's ratio."""
+    fall = np.exp(-2 * turn)
+    out: Floats = 2 * fall / (1 + fall)
+    return out
+
+
+@lru_cache(maxsize=32)
+def cosine_transform(of: Callable[[Floats, float], Floats], nu: float = 0.5) -> CubicSpline:
+    """M(x), lengths in thicknesses, of one of the above."""
     nodes, weights = gauss(16)
     edges = np.linspace(0, 24.0, 61 * 2)  # exp(-48) is left out; 16 nodes for 8 turns of the fastest wave
     k = (((edges[:-1] + edges[1:]) / 2)[:, None] + (edges[1] / 2) * nodes).ravel()
-    step = (drag_excess if dragged else excess)(k, nu) * np.tile(weights * edges[1] / 2, len(edges) - 1)
+    step = of(k, nu) * np.tile(weights * edges[1] / 2, len(edges) - 1)
     x = np.concatenate([np.linspace(0, 8, 401), np.linspace(8, 2 * WIDEST, 401)[1:]])
     return CubicSpline(x, np.cos(np.outer(x, k)) @ step)
+
+
+def spread(felt: CubicSpline, at: Floats, t: Floats, step: Floats) -> Floats:
+    """(1 / pi) integral of M(at - s) W(s) over an even W, as a matrix of W at the nodes t > 0 of these weights."""
+    both: Floats = (felt(np.abs(at[:, None] - t)) + felt(at[:, None] + t)) * step / np.pi
+    return both
 
 
 @dataclass(frozen=True)
 class LayerContact:
     """A body on a layer of unit thickness and contact modulus; ``size``: the radius of a sphere over the thickness.
 
-    Of a paraboloid all is counted for a radius of 1: indentations go with 1 / R, forces too. ``dragged``: by the
-    layer's compliance against a drag, see ``layer_slip``.
+    Of a paraboloid all is counted for a radius of 1: indentations go with 1 / R, forces too.
     """
 
     body: Body
     nu: float
     size: float = 1.0
-    dragged: bool = False
 
     @cached_property
     def _solved(self) -> tuple[Floats, Floats, Floats, Floats, Floats]:
@@ -116,9 +127,7 @@ class LayerContact:
         return t, step, depth * solved[:, 0] - solved[:, 1], depth
 
     def _spread(self, at: Floats, t: Floats, step: Floats) -> Floats:
-        felt = kernel(self.nu, self.dragged)
-        both: Floats = (felt(np.abs(at[:, None] - t)) + felt(at[:, None] + t)) * step / np.pi
-        return both
+        return spread(cosine_transform(excess, self.nu), at, t, step)
 
     @property
     def nears_its_own(self) -> bool:
@@ -242,6 +251,6 @@ class LayerContact:
 
 
 @lru_cache(maxsize=64)
-def layer_contact(body: Body, nu: float, size: float = 1.0, dragged: bool = False) -> LayerContact:
+def layer_contact(body: Body, nu: float, size: float = 1.0) -> LayerContact:
     """The tables of a body on a layer, made once."""
-    return LayerContact(body, nu, size, dragged)
+    return LayerContact(body, nu, size)

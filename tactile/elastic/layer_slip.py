@@ -1,34 +1,51 @@
 """Slip under a round body on a layer: where it still sticks, and what is taken off the tractions of full sliding there.
 
 Under a pull that grows for the first time the traction is q = mu (p - p*): full sliding, less p* on the circle that
-sticks, whose surface moves as one. With W, W* the line weights of p and p* (see ``profiles``) and M' the cosine
-transform of 1 - T'(k h), T' being the layer's compliance against a drag over the half-space's,
+sticks, whose surface moves as one. A layer moves under waves along a drag by other shares of the half-space than under
+those across it, so that p* is q0(r) along the pull and q2(r) (cos 2 phi, sin 2 phi). With W of p, W0 and W2 their line
+weights (see ``profiles``; the transform of q2 is that of W2, whose integral is 0), X = W0 + W2 and Y = W0 - W2 part:
 
-    W*(t) - (1 / pi) integral over s = -c .. c of  M'(t - s) W*(s) ds  =  the same of W, over -a .. a,  - a constant,
+    X(t) - (1 / pi) integral over s = -c .. c of  M_along(t - s) X(s) ds  =  the same of W, over -a .. a,  - a constant
 
-the constant so that W*(c) = 0. On the half-space this is Cattaneo's and Mindlin's answer, p* being the pressure of a
-contact of radius c; on a layer, which resists a drag otherwise than a push, it is another one: its weight is taken for
-that of the body's own shape dragged, which it is but for a part that changes over a thickness only, and c follows
-from the force that p* carries. As there, what moves across the pull is left out. Against slip solved cell by cell what
-is felt of a first pull is off by 3 % of its largest where a = h, 6 % at 2 h and 9 % at 4 h at most (incompressible,
-taxels at a fifth of the thickness; the half-space's rings: 10, 28 and 35 %), and by 10 % at 2 h once it turns back.
-Where the normal force changes as well the rings are those of the half-space, kept by the force that they carry.
+and alike Y with M_across, M being the cosine transforms of 1 - T(k h), T the layer's compliance over the half-space's.
+The two constants make the integral of X - Y and W0(c) vanish. On the half-space this is Cattaneo's and Mindlin's
+answer, p* being the pressure of a contact of radius c, and W2 = 0. On a layer it is put together, by its force, from
+two shapes that depend on the circle that sticks alone, so that tables of one radius do: the pressure of a contact of
+radius c, and p* under one wider by a quarter. As there, slip is taken to lie along the pull: what lies across is left
+out, which is 2.5 % of the largest that is felt on the half-space (nu = 1/2) and no more on a layer.
 
 Source: Cattaneo (1938), Mindlin (1949); ``layer_contact`` for the weights.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator, RectBivariateSpline
+from scipy.interpolate import BarycentricInterpolator, PchipInterpolator, RectBivariateSpline
 
 from cnnsim.support import Floats
-from tactile.elastic.layer_contact import LayerContact, kernel, layer_contact
+from tactile.elastic.gauss import gauss
+from tactile.elastic.layer_contact import (
+    LayerContact,
+    across_excess,
+    along_excess,
+    cosine_transform,
+    excess,
+    spread,
+)
 from tactile.elastic.profiles import Profile
 
-CONTACTS, CIRCLES, SHARES = 40, 24, 33
+CONTACTS, CIRCLES, SHARES = 32, 20, 33
 """Contact radii in a table; circles that stick in each; roots of the share of the force that they carry."""
+RADII, ANGLES = 64, 33
+"""Of the table of the shape under a wider contact."""
+WIDER = 1.25
+"""Contact over circle of that shape: of 1.25 to 5, the one nearest to the rings of light pulls, which are hardest."""
+ALIKE = 3e-4
+"""Shapes that differ by less are the same."""
+Stuck = tuple[Floats, Floats]
+"""W0 and W2 at places from 0 to 1 of the circle's radius, for a force of 1, times that radius."""
 
 
 @dataclass(frozen=True)
@@ -37,59 +54,116 @@ class LayerSlip:
 
     law: LayerContact
 
-    @property
+    @cached_property
     def profile(self) -> Profile:
-        """Shape of what is taken off; its lam is the radius of the circle that sticks over the thickness."""
-        return layer_contact(self.law.body, self.law.nu, self.law.size, True).profile
+        """p* under a contact ``WIDER``; its lam is the radius of the circle that sticks over the thickness."""
+        law = self.law
+        places = np.linspace(0, float(law.place(np.array([law.widest]))[0]), RADII)
+        angles = np.linspace(0, np.pi / 2, ANGLES)
+        at = np.sin(angles[:-1])
+        along, turned = np.empty((2, RADII, ANGLES))
+        along[0], turned[0] = 0.75 * np.cos(angles) ** 2, 0.0
+        for n, c in enumerate(law.radius_at(places[1:]).tolist(), 1):
+            (w0, w2), _ = _Under(law, min(WIDER * c, law.widest)).stuck(c, np.append(at, 1.0))
+            along[n], turned[n] = w0, w2
+        tables = [RectBivariateSpline(places, angles, table) for table in (along, turned)]
+
+        def weight(of: RectBivariateSpline) -> Callable[[Floats, Floats], Floats]:
+            def read(theta: Floats, lam: Floats) -> Floats:
+                out: Floats = np.cos(theta) * of.ev(law.place(np.broadcast_to(lam, theta.shape)), np.abs(theta))
+                return out
+
+            return read
+
+        size = law.size if law.body == "sphere" else np.inf
+        return Profile(f"drag under a {law.body} on a layer", weight(tables[0]), size, turned=weight(tables[1]))
 
     def radius(self, contact: Floats, share: Floats) -> Floats:
         """Radius of the circle on which p* carries a share, 0 to 1, of the force of a contact of this radius."""
-        at, root = np.broadcast_arrays(self.law.place(contact), np.cbrt(np.clip(share, 0, 1)))
-        out: Floats = contact * root * self._table.ev(at, root)
+        at, root = self._at(contact, share)
+        out: Floats = contact * root * self._tables[0].ev(at, root)
         return out
 
+    def pressed(self, contact: Floats, share: Floats) -> Floats:
+        """What of p* is shaped like the pressure of a contact as wide as that circle; the rest like ``profile``."""
+        out: Floats = self._tables[1].ev(*self._at(contact, share))
+        return out
+
+    def _at(self, contact: Floats, share: Floats) -> Stuck:
+        at, root = np.broadcast_arrays(self.law.place(contact), np.cbrt(np.clip(share, 0, 1)))
+        return at, root
+
     @cached_property
-    def _table(self) -> RectBivariateSpline:
-        """c / a over the third root of the share, which is 1 on the half-space."""
-        ends = self.law.place(np.array([self.law.widest]))
-        at, roots = np.linspace(0, float(ends[0]), CONTACTS), np.linspace(0, 1, SHARES)
-        found = np.ones((CONTACTS, SHARES))
-        for n, a in enumerate(self.law.radius_at(at[1:]).tolist(), 1):
-            circles = np.concatenate([[0.0], a * (np.arange(1, CIRCLES + 1) / CIRCLES)])
-            share = np.cbrt(self._shares(a, circles[1:-1]))
-            known = PchipInterpolator(np.concatenate([[0.0], share, [1.0]]), circles / a)
-            found[n, 1:] = known(roots[1:]) / roots[1:]
+    def _tables(self) -> tuple[RectBivariateSpline, RectBivariateSpline]:
+        """c / a over the third root of the share, which is 1 on the half-space; what is shaped like a pressure."""
+        law = self.law
+        at = np.linspace(0, float(law.place(np.array([law.widest]))[0]), CONTACTS)
+        roots, nodes = np.linspace(0, 1, SHARES), (gauss(24)[0] + 1) / 2
+        found, pressed = np.ones((2, CONTACTS, SHARES))
+        for n, a in enumerate(law.radius_at(at[1:]).tolist(), 1):
+            circles = a * np.sin(np.linspace(0, np.pi / 2, CIRCLES + 1))
+            under, shares, mixed = _Under(law, a), np.ones(CIRCLES + 1), np.ones(CIRCLES + 1)
+            shares[0] = 0.0
+            for m, c in enumerate(circles[1:-1].tolist(), 1):
+                here, shares[m] = under.stuck(c, nodes)
+                mixed[m] = self._mixed(c, here, nodes)
+            mixed[0] = mixed[1]
+            root = np.maximum.accumulate(np.cbrt(np.clip(shares, 0, 1))) + np.arange(CIRCLES + 1) * 1e-12
+            found[n, 1:] = PchipInterpolator(root, circles / a)(roots[1:]) / roots[1:]
             found[n, 0] = 2 * found[n, 1] - found[n, 2]
-        return RectBivariateSpline(at, roots, found)
+            pressed[n] = PchipInterpolator(root, mixed)(roots)
+        return RectBivariateSpline(at, roots, found), RectBivariateSpline(at, roots, pressed)
 
-    def _shares(self, a: float, circles: Floats) -> Floats:
-        """What p* carries of the force when circles of these radii stick."""
-        push, drag = kernel(self.law.nu, False), kernel(self.law.nu, True)
-        t, step, weight, depth = self.law.weights(a)
+    def _mixed(self, circle: float, here: Stuck, nodes: Floats) -> float:
+        """The share by which the two shapes come nearest."""
+        theta, lam, step = np.arcsin(nodes), np.full(len(nodes), circle), gauss(24)[1]
+        narrow = np.concatenate([self.law.profile.weight(theta, lam) / np.cos(theta), 0 * nodes])
+        turned = self.profile.turned
+        assert turned is not None
+        wide = np.concatenate([of(theta, lam) / np.cos(theta) for of in (self.profile.weight, turned)])
+        both, gap = np.tile(step, 2), narrow - wide
+        # where they hardly differ it is the pressure
+        rest = ALIKE**2 * float(both @ narrow**2)
+        return float((both @ ((np.concatenate(here) - wide) * gap) + rest) / (both @ gap**2 + rest))
 
-        def spread(at: Floats, of: Floats, width: Floats) -> Floats:
-            both: Floats = (drag(np.abs(at[:, None] - of)) + drag(at[:, None] + of)) * width / np.pi
-            return both
 
-        def wanted(at: Floats) -> Floats:
-            """The right side: W less what the dragged layer makes of it, W being known from the push."""
-            pushed = (push(np.abs(at[:, None] - t)) + push(at[:, None] + t)) * step / np.pi
-            out: Floats = depth - self.law.abel(at) + (pushed - spread(at, t, step)) @ weight
-            return out
+class _Under:
+    """What sticks under a contact of one radius."""
 
-        out = np.empty(len(circles))
-        for n, c in enumerate(circles.tolist()):
-            at, width, rim = t * c / a, step * c / a, np.array([c])
-            dragged = spread(at, at, width)
-            sides = np.stack([np.ones_like(at), wanted(at)], axis=-1)
-            solved = np.linalg.solve(np.eye(len(at)) - dragged, sides)
-            level, given = (np.array([[1.0, wanted(rim)[0]]]) + spread(rim, at, width) @ solved)[0]
-            out[n] = width @ (solved[:, 1] - given / level * solved[:, 0])
-        found: Floats = np.clip(out / float(step @ weight), 0, 1)
-        return np.maximum.accumulate(found) + np.arange(len(found)) * 1e-12
+    def __init__(self, law: LayerContact, radius: float) -> None:
+        self.law, self.radius = law, radius
+        self.t, self.step, self.weight, self.depth = law.weights(radius)
+        self.push = cosine_transform(excess, law.nu)
+        self.drags = cosine_transform(along_excess, law.nu), cosine_transform(across_excess)
+
+    def stuck(self, circle: float, at: Floats) -> tuple[Stuck, float]:
+        """W0 and W2 at places 0 to 1 on a circle, and what it carries of the force."""
+        nodes, weights = gauss(16 + int(4 * circle))
+        t, step, rim = circle * (nodes + 1) / 2, circle * weights / 2, np.array([circle])
+        every = np.concatenate([t, rim])
+        here = self.depth - self.law.abel(every) + spread(self.push, every, self.t, self.step) @ self.weight
+        solved, ends = [], []
+        for drag in self.drags:
+            wanted = np.stack([here - spread(drag, every, self.t, self.step) @ self.weight, np.ones(len(every))], -1)
+            own = spread(drag, every, t, step)
+            found = np.linalg.solve(np.eye(len(t)) - own[:-1], wanted[:-1])
+            solved.append(found)
+            ends.append(wanted[-1] + own[-1] @ found)
+        (x, y), (x_end, y_end) = solved, ends
+        sides = np.array([[step @ x[:, 1], -step @ y[:, 1]], [x_end[1], y_end[1]]])
+        levels = np.linalg.solve(sides, [step @ (x[:, 0] - y[:, 0]), x_end[0] + y_end[0]])
+        along, across = x @ (1, -levels[0]), y @ (1, -levels[1])
+        force = float(step @ (along + across))  # of both halves
+        last = x_end @ (1, -levels[0])
+        known = BarycentricInterpolator(
+            np.append(t, circle) / circle,
+            np.stack([np.append((along + across) / 2, 0.0), np.append((along - across) / 2, last)], -1),
+        )
+        w0, w2 = known(at).T * (circle / force)
+        return (w0, w2), force / (2 * float(self.step @ self.weight))
 
 
 @lru_cache(maxsize=16)
 def layer_slip(law: LayerContact) -> LayerSlip:
-    """The table of a body, made once."""
+    """The tables of a body, made once."""
     return LayerSlip(law)

@@ -26,13 +26,15 @@ class Profile:
 
     ``lam`` is the contact radius over the length that the shape depends on (the tip's radius, a layer's thickness), 0
     elsewhere; ``limit``: the largest lam, which the shape nears without end; ``waves``: its Hankel transform by k a,
-    where that has a closed form.
+    where that has a closed form; ``turned``: of a tangential load on a layer the weight of a part that lies along
+    (cos 2 phi, sin 2 phi) where the load is along x, integral 0.
     """
 
     name: str
     weight: Callable[[Floats, Floats], Floats]
     limit: float = np.inf
     waves: Callable[[Floats], Floats] | None = None
+    turned: Callable[[Floats, Floats], Floats] | None = None
 
     def mean_radius(self, lam: Floats) -> Floats:
         """Mean distance from the middle at which the pressure acts, over the circle's radius, of lam (...).

@@ -9,6 +9,8 @@ give
 Lengths are counted in depths of the taxel, forces in units of 1 / (the medium's reading).
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.special import j0, j1
 
@@ -20,8 +22,11 @@ from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import Profile
 
 ZZ, ZR, RZ, EVEN, ODD, TWIST = range(6)
+Weight = Callable[[Floats, Floats], Floats]
 PANEL = 14.0
 """Phase of the fastest wave over one panel of 16 Gauss nodes: good to 1e-10."""
+SMOOTHED = 12.0
+"""A turned part ends in a singular rim, for what sticks under it is not quite a circle: that is smoothed over."""
 PANEL_WIDTH = 2.5
 """Waves (times the thickness) in one panel at most: the transfer functions have poles beside the axis at about 2, so
 that wider ones lose digits however slow the wave is, 1e-5 at 14."""
@@ -49,7 +54,8 @@ def layer(
     """What a bonded layer adds to the half-space's six functions, (radii, distances, 6).
 
     The integral over the waves k of k N(k) w(k a) J_m(k rho) / 2 pi, where N is the difference of the transfer
-    functions and w the transform of the profile, w(k) = integral of its line weight times cos(k sin(theta)).
+    functions and w the transform of the profile, w(k) = integral of its line weight times cos(k sin(theta)). What is
+    ``turned`` of the profile is added as a whole, smoothed over a thickness over ``SMOOTHED``.
 
     Arguments: ``depth`` of the taxel over the layer's thickness; ``rho``, ``radius`` in thicknesses here; ``fall``: the
     waves end where the difference, which falls off like exp(-k (2 - depth)), has fallen by exp(-fall).
@@ -57,32 +63,54 @@ def layer(
     Source: Sneddon, Fourier Transforms (1951), ch. 10, for layers under axisymmetric loads.
     """
     unit = Medium(1.0, medium.nu, medium.quantity)
-    top = fall / (2 - depth)
-    widest = float(rho.max() + radius.max())
-    edges = np.linspace(0, top, int(np.ceil(top * max(widest / PANEL, 1 / PANEL_WIDTH))) + 1)
-    nodes, weights = gauss(16)
-    k = (((edges[:-1] + edges[1:]) / 2)[:, None] + (edges[1] / 2) * nodes).ravel()
-    step = k * np.tile(weights * edges[1] / 2, len(edges) - 1) / (2 * np.pi)
+    k, step = _waves(fall / (2 - depth), rho, radius)
     bonded, endless = transfer(k, depth, 1.0, unit), transfer(k, depth, np.inf, unit)
     zz, zr, rz, shear, across = (
         (getattr(bonded, name) - getattr(endless, name)) * step
         for name in ("normal", "normal_shear", "shear_normal", "shear", "across")
     )
-    phase = k * rho[:, None]
-    zeroth, first = j0(phase), j1(phase)
-    second = np.where(phase > 1e-3, 2 * first / np.maximum(phase, 1e-3) - zeroth, phase**2 / 8)
-    spread = profile_waves(k, radius, profile, lam)
+    zeroth, first, second = _bessel(k, rho)
+    spread = profile_waves(k, radius, profile.weight, lam, profile.waves)
     columns = (
         (zeroth, zz), (first, zr), (first, rz), (zeroth, (shear + across) / 2),
         (second, (shear - across) / 2), (first, -k * across / 2),
     )  # fmt: skip
-    return np.stack([(spread * part) @ wave.T for wave, part in columns], axis=-1)
+    out = np.stack([(spread * part) @ wave.T for wave, part in columns], axis=-1)
+    if profile.turned is not None:
+        # along (cos 2 phi, sin 2 phi) waves of one azimuth turn into those of another: even and odd change places
+        k, step = _waves(min(fall / depth, SMOOTHED * np.sqrt(fall)), rho, radius)
+        bonded = transfer(k, depth, 1.0, unit)
+        zeroth, first, second = _bessel(k, rho)
+        spread = profile_waves(k, radius, profile.turned, lam) * (step * np.exp(-((k / SMOOTHED) ** 2)))
+        spread[radius == 0] = 0
+        out[..., ZR] += (spread * bonded.normal_shear) @ first.T
+        out[..., EVEN] += (spread * (bonded.shear - bonded.across) / 2) @ zeroth.T
+        out[..., ODD] += (spread * (bonded.shear + bonded.across) / 2) @ second.T
+    return out
 
 
-def profile_waves(k: Floats, radius: Floats, profile: Profile, lam: Floats) -> Floats:
-    """Hankel transform (radii, waves) of a profile's density over circles."""
-    if profile.waves is not None:
-        return profile.waves(np.multiply.outer(radius, k))
+def _waves(top: float, rho: Floats, radius: Floats) -> tuple[Floats, Floats]:
+    """Waves from 0 to ``top``, and k dk / 2 pi."""
+    widest = float(rho.max() + radius.max())
+    edges = np.linspace(0, top, int(np.ceil(top * max(widest / PANEL, 1 / PANEL_WIDTH))) + 1)
+    nodes, weights = gauss(16)
+    k = (((edges[:-1] + edges[1:]) / 2)[:, None] + (edges[1] / 2) * nodes).ravel()
+    return k, k * np.tile(weights * edges[1] / 2, len(edges) - 1) / (2 * np.pi)
+
+
+def _bessel(k: Floats, rho: Floats) -> tuple[Floats, Floats, Floats]:
+    """J0, J1 and J2 of k rho, (distances, waves)."""
+    phase = k * rho[:, None]
+    zeroth, first = j0(phase), j1(phase)
+    return zeroth, first, np.where(phase > 1e-3, 2 * first / np.maximum(phase, 1e-3) - zeroth, phase**2 / 8)
+
+
+def profile_waves(
+    k: Floats, radius: Floats, weight: Weight, lam: Floats, closed: Callable[[Floats], Floats] | None = None
+) -> Floats:
+    """Hankel transform (radii, waves) of a profile's density over circles, in closed form or from its weight."""
+    if closed is not None:
+        return closed(np.multiply.outer(radius, k))
     out = np.empty((len(radius), len(k)))
     for row, a, shape in zip(out, radius.tolist(), lam.tolist(), strict=True):
         if a == 0:
@@ -92,6 +120,6 @@ def profile_waves(k: Floats, radius: Floats, profile: Profile, lam: Floats) -> F
         nodes, weights = gauss(20 + int(0.7 * float(k[-1]) * a))
         theta = (nodes + 1) * np.pi / 4
         row[:] = np.cos(np.outer(k, a * np.sin(theta))) @ (
-            weights * np.pi / 2 * profile.weight(theta, np.full(len(theta), shape))
+            weights * np.pi / 2 * weight(theta, np.full(len(theta), shape))
         )
     return out

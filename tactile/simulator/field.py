@@ -154,7 +154,9 @@ def field_at(
             feel = partial(add_cells, summed=partial(_points, at, depth, medium, device))
         pressed.add(flat[0], feel, (at.tobytes(), depth, medium, accuracy))
     spread = [*loads.discs]
-    spread += [Disc(_as_sixth(twist.twists), twist.radii, HERTZ, np.inf, twist.owner) for twist in loads.twists]
+    spread += [
+        Disc(_as_sixth(twist.twists), twist.radii, twist.profile, twist.unit, twist.owner) for twist in loads.twists
+    ]
     if by_table and loads.points.shape[1]:
         spread.append(Disc(loads.points, np.zeros(loads.points.shape[:2]), HERTZ, np.inf, loads.owner))
     if spread:
@@ -249,4 +251,5 @@ def _add_exact(
     if rows.shape[-1] == COLUMNS:
         values += disc_load(at, depth, rows[:, None], radii, disc.profile, medium, radii / disc.unit, rough)
     else:
-        values += twist_load(at, depth, rows[:, None][..., [0, 1, COLUMNS]], radii, medium)
+        twists = rows[:, None][..., [0, 1, COLUMNS]]
+        values += twist_load(at, depth, twists, radii, medium, disc.profile, radii / disc.unit)

@@ -113,11 +113,12 @@ class NearLoads:
             add_near(np.ascontiguousarray(points), np.zeros((1, 0)), *self._at, sums)
         for disc in loads.discs:
             add_near(np.ascontiguousarray(disc.loads), np.ascontiguousarray(disc.radii), *self._at, sums)
-        for twist in loads.twists:  # its tractions, 3 M r / (4 pi a^3 sqrt(a^2 - r^2)), add up to 3 pi M / 8 a
+        for twist in loads.twists:  # its tractions add up to pi M W(0) / 2, on the half-space to 3 pi M / 8 a
             rows = np.zeros((*twist.radii.shape, COLUMNS))
             rows[..., :2] = twist.twists[..., :2]
             wide = np.where(twist.radii > 0, twist.radii, 1.0)
-            rows[..., F] = np.where(twist.radii > 0, 3 * np.pi / 8 * twist.twists[..., 2] / wide, 0.0)
+            middle = twist.profile.weight(np.zeros_like(wide), wide / twist.unit)
+            rows[..., F] = np.where(twist.radii > 0, np.pi / 2 * middle * twist.twists[..., 2] / wide, 0.0)
             add_near(rows, np.ascontiguousarray(twist.radii), *self._at, sums)
         self.most = np.maximum(self.most, sums.max(axis=0))
         self.hardest = max(self.hardest, float(loads.totals[..., F].max(initial=0.0)))

@@ -143,8 +143,10 @@ class Indenter:
             return layer.profile, medium.thickness
         return ROUND[self.shape], self.radius if self.shape == "needle" else np.inf
 
-    def sticking(self, force: Floats, stuck: Floats, medium: Medium) -> tuple[Floats, Profile] | None:
-        """Radii [m] of circles that stick and the shape of what a pull takes off there, None where it is a pressure.
+    def sticking(self, force: Floats, stuck: Floats, medium: Medium) -> tuple[Floats, Floats, Profile] | None:
+        """Radii [m] of circles that stick, what of a pull is taken off there like a pressure, and the rest's shape.
+
+        None where all of it is a pressure.
 
         As on a half-space and under a flat end, where it is the pressure under the force ``stuck`` [N], a part of the
         contact's ``force`` [N].

@@ -8,7 +8,7 @@ import numpy as np
 
 from cnnsim.support import Floats, Integers
 from tactile.core.loads import COLUMNS
-from tactile.elastic.profiles import Profile
+from tactile.elastic.profiles import HERTZ, Profile
 
 if TYPE_CHECKING:
     from tactile.simulator.contacts.load_pattern import PatternLoads
@@ -32,11 +32,16 @@ class Disc:
 
 @dataclass(frozen=True)
 class Twist:
-    """Twisted circles: ``twists`` (frames, k, 3) rows (x, y, M) [m, m, N m], ``radii`` (frames, k) [m]."""
+    """Twisted circles: ``twists`` (frames, k, 3) rows (x, y, M) [m, m, N m], ``radii`` (frames, k) [m].
+
+    ``profile``: the pressure of which the traction is the slope; ``unit`` [m] as of a `Disc`.
+    """
 
     twists: Floats
     radii: Floats
     owner: Integers
+    profile: Profile = HERTZ
+    unit: float = np.inf
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from cnnsim.support.keywords import spelled
 from cnnsim.support.values import is_number
 from tactile.core.loads import COLUMNS, FORCE, PLACE, SHEAR, F, Q, R, X, Y
 from tactile.elastic.medium import Medium
+from tactile.elastic.profiles import HERTZ, Profile
 from tactile.simulator.contacts.friction import FrictionState, follow, load_to, untouched
 from tactile.simulator.contacts.indenter import FLAT, LAWS, ROUND, Indenter
 from tactile.simulator.contacts.loads import Disc, Loads, Twist
@@ -190,18 +191,20 @@ class MovingContact:
             shear = np.zeros((*forces.shape, COLUMNS))
             shear[..., PLACE], shear[..., SHEAR] = rows[:, None, PLACE], terms
             whole = forces >= rows[:, F, None]  # the outermost ring, which slips under all of the pressure
-            taken = None
-            if not whole.all():
-                taken = self.indenter.sticking(rows[:, F, None], np.where(whole, 0, forces), medium)
-            if taken is None:
-                spread += list(np.moveaxis(shear, 1, 0))
-                normal_at += list(forces.T)
-            else:
+            taken = None if whole.all() else self.indenter.sticking(rows[:, F, None], forces, medium)
+            if taken is not None:
+                circles, pressed, shape = taken
                 spread[0][:, SHEAR] = np.where(whole[..., None], terms, 0).sum(axis=1)
                 shear[whole, Q:] = 0
-                inner = (Disc(shear, taken[0], taken[1], medium.thickness, np.zeros(shear.shape[1], np.int64)),)
+                rest = shear * np.where(np.arange(COLUMNS) < Q, 1, 1 - pressed[..., None])
+                inner = (Disc(rest, circles, shape, medium.thickness, np.zeros(shear.shape[1], np.int64)),)
+                shear[..., SHEAR] *= pressed[..., None]
+            spread += list(np.moveaxis(shear, 1, 0))
+            normal_at += list(forces.T)
         discs, forces = np.stack(spread, axis=1), np.stack(normal_at, axis=1)
         radii = self.indenter.contact_radius(forces, medium)
+        if inner:
+            radii[:, 1:] = inner[0].radii
         profile, unit = self.indenter.profile(medium)
         owner = np.zeros(discs.shape[1], np.int64)
         twists: tuple[Twist, ...] = ()
@@ -212,7 +215,7 @@ class MovingContact:
                 limit = self.friction * np.maximum(rows[:, F], 0) * lever
                 torque = np.clip(torque, -limit, limit)
             turned = np.stack([rows[:, X], rows[:, Y], torque], axis=-1)
-            twists = (Twist(turned[:, None], radii[:, :1], np.zeros(1, np.int64)),)
+            twists = (Twist(turned[:, None], radii[:, :1], np.zeros(1, np.int64), *_twisted(radii[:, :1], medium)),)
         totals = rows[:, None, :COLUMNS]
         return Loads(
             totals,
@@ -221,3 +224,18 @@ class MovingContact:
             (Disc(discs, radii, profile, unit, owner, self.indenter.shape in FLAT), *inner),
             twists,
         )
+
+
+def _twisted(radii: Floats, medium: Medium) -> tuple[Profile, float]:
+    """The pressure of which a twist's traction is the slope, and the length [m] by which radii become its lam."""
+    if np.isinf(medium.thickness):
+        return HERTZ, np.inf
+    from tactile.elastic.layer_contact import WIDEST  # only where a layer asks for it
+    from tactile.elastic.layer_twist import layer_twist  # the same
+
+    if (radii > WIDEST * medium.thickness).any():
+        raise InputError(
+            f"a twisted contact {radii.max() * 1e3:.4g} mm in radius on a cover of {medium.thickness * 1e3:g} mm; at "
+            f"most {WIDEST:g} thicknesses wanted"
+        )
+    return layer_twist(), medium.thickness

@@ -35,15 +35,18 @@ class PressedLayer:
         """The pressure; its lam is the contact radius over the thickness."""
         return self.law.profile
 
-    def sticking(self, contact: Floats, share: Floats) -> tuple[Floats, Profile]:
-        """Radius [m] of the circle that sticks, and the shape of what is taken off the tractions of sliding there.
+    def sticking(self, contact: Floats, share: Floats) -> tuple[Floats, Floats, Profile]:
+        """Radius [m] of the circle that sticks, and of what is taken off the tractions of sliding there two shapes.
+
+        The share that is spread like the pressure of a contact as wide as that circle, and the profile of the rest.
 
         Arguments: ``contact``: radius [m]; ``share`` of the force that this carries, see ``layer_slip``.
         """
         from tactile.elastic.layer_slip import layer_slip  # only where friction asks for it
 
         slip = layer_slip(self.law)
-        return slip.radius(contact / self.medium.thickness, share) * self.medium.thickness, slip.profile
+        wide = contact / self.medium.thickness
+        return slip.radius(wide, share) * self.medium.thickness, slip.pressed(wide, share), slip.profile
 
     @property
     def _units(self) -> tuple[float, float]:

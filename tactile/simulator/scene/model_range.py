@@ -12,7 +12,7 @@ from tactile.core.loads import F, Q, R
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.indenter import LAWS, Indenter
-from tactile.simulator.contacts.moving_contact import TORQUE, MovingContact
+from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.field import Contact, Field
 from tactile.simulator.ideal_skin import IdealSkin
 
@@ -31,10 +31,8 @@ ends. Against rigid cylinders of 2 to 50 thicknesses solved on a grid its force 
 SQUEEZED_BY = 1.5
 """Power of that share which is less than what is left of the force in all of these."""
 SLIPS = 1.5
-"""Contact radius over thickness from which what is felt of a pull that partly slips is off by more than 5 % of what is
-felt when all slides. Against slip solved cell by cell, on an incompressible cover: by 6 % at 2 under a first pull, 10 %
-where it grows with the force, 12 % where it turns back; by 6 to 9, 13 and 17 % at 4. Of a twist that sticks, against
-its tractions solved on a grid, by 7 to 10 % at 2 and 15 to 20 % at 4."""
+"""Contact radius over thickness from which what is felt of a pull that changes together with the force is off by more
+than 5 % of what is felt when all slides."""
 DOUBT = 0.02
 """Share of its force that the cells of a height map may leave open. Of smooth bodies it is a cautious figure: they come
 out to 1 % where it is below."""
@@ -199,11 +197,6 @@ def _dragged(name: str, contact: MovingContact) -> Iterator[str]:
         yield (
             f"{name}, slips from its rim inwards; at most {SLIPS:g} wanted: until all of it slides what is felt of a "
             "pull is off by 6 % and more, 12 % where it turns back"
-        )
-    if contact.path[:, 1 + TORQUE].any():
-        yield (
-            f"{name}, is twisted; at most {SLIPS:g} wanted: the twist is spread as on a half-space, and what is felt "
-            "of it is off by 7 to 10 % at 2 and 15 to 20 % at 4"
         )
 
 

@@ -17,6 +17,8 @@ from tactile.simulator.field import field_at
 from tests.oracles.elastic.bonded import PeriodicLayer
 
 MU, R = 0.5, 200.0
+MARGIN = 8.0
+"""Thicknesses to the next image, which adds 1 % of what is felt over the base at 6."""
 
 
 class Pressed:
@@ -24,7 +26,7 @@ class Pressed:
 
     def __init__(self, wide: float, nu: float, cells: int = 10) -> None:
         step = wide / cells
-        side = fft.next_fast_len(int(np.ceil((2 * wide + 6) / step)))
+        side = fft.next_fast_len(int(np.ceil((2 * wide + MARGIN) / step)))
         self.layer = PeriodicLayer((side, side), (step, step), nu)
         self.x = (np.arange(side) - side // 2) * step
         self.medium, self.wide = Medium(1.0, nu, thickness=1.0), wide
@@ -34,9 +36,9 @@ class Pressed:
         self.force = float(self.pressure.sum()) * self.layer.cell
 
     @cached_property
-    def pulled(self) -> Floats:
-        """Tractions after a pull that leaves about a third of the force to what sticks."""
-        return self.moved(0.5 * self.slides())[0]
+    def pulled(self) -> dict[float, Floats]:
+        """Tractions after it is moved by a part of what would have all of it slide."""
+        return {part: self.moved(part * self.slides())[0] for part in (0.25, 0.5)}
 
     def slides(self) -> float:
         """How far the surface is dragged along where all of it slides."""
@@ -71,14 +73,14 @@ class Pressed:
 @pytest.mark.parametrize("depth", (0.3, 0.7, 1.0))
 @pytest.mark.parametrize(
     ("wide", "nu", "most"),
-    [(0.4, 0.5, 0.03), (1.0, 0.3, 0.03), (1.0, 0.5, 0.04), (2.0, 0.3, 0.04), (2.0, 0.4, 0.05), (2.0, 0.5, 0.06)],
+    [(0.4, 0.5, 0.02), (1.0, 0.3, 0.015), (1.0, 0.5, 0.02), (2.0, 0.3, 0.02), (2.0, 0.5, 0.03), (4.0, 0.5, 0.03)],
 )
 def test_a_pull_is_felt_as_the_layer_slips(wide: float, nu: float, most: float, depth: float) -> None:
     pressed = solved(wide, nu)
-    shear = pressed.pulled
-    share = pressed.carried(shear) / (MU * pressed.force)
-    assert 0.4 < share < 0.85
-    assert pressed.off(shear, [pressed.carried(shear)], depth)[0] < most
+    for shear in pressed.pulled.values():  # the lighter one leaves half the force and more to what sticks
+        share = pressed.carried(shear) / (MU * pressed.force)
+        assert 0.3 < share < 0.8
+        assert pressed.off(shear, [pressed.carried(shear)], depth)[0] < most
 
 
 def solved(wide: float, nu: float, known: dict[tuple[float, float], Pressed] = {}) -> Pressed:  # noqa: B006 - kept
@@ -87,7 +89,7 @@ def solved(wide: float, nu: float, known: dict[tuple[float, float], Pressed] = {
     return known[wide, nu]
 
 
-@pytest.mark.parametrize(("wide", "nu", "most"), [(1.0, 0.5, 0.04), (2.0, 0.3, 0.06), (2.0, 0.5, 0.1)])
+@pytest.mark.parametrize(("wide", "nu", "most"), [(1.0, 0.5, 0.02), (2.0, 0.3, 0.02), (2.0, 0.5, 0.02)])
 def test_a_pull_that_turns_back_is_felt_as_the_layer_slips_back(wide: float, nu: float, most: float) -> None:
     pressed = solved(wide, nu)
     far = pressed.slides()
@@ -108,6 +110,8 @@ def test_what_sticks_on_a_layer_is_the_half_spaces_where_the_contact_is_narrow()
         theta = np.linspace(0, 1.5, 9)
         plain = HERTZ.weight(theta, np.zeros(9))
         assert slip.profile.weight(theta, np.full(9, 0.01)) == pytest.approx(plain, rel=1e-4, abs=1e-6)
+        assert slip.profile.turned is not None
+        assert slip.profile.turned(theta, np.full(9, 0.01)) == pytest.approx(0, abs=1e-5)
         wide = slip.radius(np.full(4, 2.0), share) / 2.0
         assert (wide[:3] < 0.996 * np.cbrt(share[:3])).all()
         assert wide[3] == pytest.approx(1.0, abs=1e-6)
