@@ -84,6 +84,12 @@ class LayerSlip:
         out: Floats = contact * root * self._tables[0].ev(at, root)
         return out
 
+    def share(self, contact: Floats, circle: Floats) -> Floats:
+        """The share of the force that p* carries on a circle: the inverse of ``radius``."""
+        part = np.clip(circle / np.where(contact > 0, contact, 1.0), 0, 1)
+        out: Floats = (part * self._tables[2].ev(*np.broadcast_arrays(self.law.place(contact), part))) ** 3
+        return np.clip(out, 0, 1)
+
     def pressed(self, contact: Floats, share: Floats) -> Floats:
         """What of p* is shaped like the pressure of a contact as wide as that circle; the rest like ``profile``."""
         out: Floats = self._tables[1].ev(*self._at(contact, share))
@@ -94,12 +100,15 @@ class LayerSlip:
         return at, root
 
     @cached_property
-    def _tables(self) -> tuple[RectBivariateSpline, RectBivariateSpline]:
-        """c / a over the third root of the share, which is 1 on the half-space; what is shaped like a pressure."""
+    def _tables(self) -> tuple[RectBivariateSpline, RectBivariateSpline, RectBivariateSpline]:
+        """c / a over the third root of the share, which is 1 on the half-space; what is shaped like a pressure.
+
+        And that root over c / a.
+        """
         law = self.law
         at = np.linspace(0, float(law.place(np.array([law.widest]))[0]), CONTACTS)
         roots, nodes = np.linspace(0, 1, SHARES), (gauss(24)[0] + 1) / 2
-        found, pressed = np.ones((2, CONTACTS, SHARES))
+        found, pressed, carried = np.ones((3, CONTACTS, SHARES))
         for n, a in enumerate(law.radius_at(at[1:]).tolist(), 1):
             circles = a * np.sin(np.linspace(0, np.pi / 2, CIRCLES + 1))
             under, shares, mixed = _Under(law, a), np.ones(CIRCLES + 1), np.ones(CIRCLES + 1)
@@ -112,7 +121,10 @@ class LayerSlip:
             found[n, 1:] = PchipInterpolator(root, circles / a)(roots[1:]) / roots[1:]
             found[n, 0] = 2 * found[n, 1] - found[n, 2]
             pressed[n] = PchipInterpolator(root, mixed)(roots)
-        return RectBivariateSpline(at, roots, found), RectBivariateSpline(at, roots, pressed)
+            carried[n, 1:] = PchipInterpolator(circles / a, root)(roots[1:]) / roots[1:]
+            carried[n, 0] = 2 * carried[n, 1] - carried[n, 2]
+        one, two, three = (RectBivariateSpline(at, roots, table) for table in (found, pressed, carried))
+        return one, two, three
 
     def _mixed(self, circle: float, here: Stuck, nodes: Floats) -> float:
         """The share by which the two shapes come nearest."""

@@ -1,6 +1,6 @@
 """Coulomb friction on a round contact that slips from its rim inwards, with its memory of past loads."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +8,8 @@ import numpy as np
 from cnnsim.support import Floats, InputError, Integers
 
 Vector = Floats
+Carry = Callable[[Floats, Floats, Floats], tuple[Floats, Floats]]
+"""Rings (n, k) and shares (n, k, 2) of before, in terms of normal forces (n,) that press now."""
 
 
 @dataclass(frozen=True)
@@ -54,24 +56,29 @@ def untouched(friction: float) -> FrictionState:
     return FrictionState(friction, np.zeros(0), np.zeros((0, 2)))
 
 
-def load_to(before: FrictionState, normal: float, tangential: Vector) -> FrictionState:
+def load_to(before: FrictionState, normal: float, tangential: Vector, carry: Carry | None = None) -> FrictionState:
     """The contact after the normal force went to ``normal`` and the tangential one to ``tangential`` (2,) [N].
 
     First the circle grows or shrinks; a new ring takes what share of the change it can. The rest is carried by
     slip: from the rim inwards everything takes the full share in the direction that is missing, down to the circle
-    that sticks. Beyond friction * normal all of it slides and carries just that.
+    that sticks. Beyond friction * normal all of it slides and carries just that. ``carry``: what becomes of rings when
+    the normal force changes, where they do not stay as they are.
     """
     from tactile.simulator.contacts.friction_loops import rooms, step  # compiled, so only where called for
 
     (ends,), (shares,) = rooms(1)
     count = before.ends.size
     ends[:count], shares[:count] = before.ends, before.shares
+    if carry is not None and count:
+        (ends,), (shares,) = carry(ends[None], shares[None], np.array([float(normal)]))
     pull = float(tangential[0]), float(tangential[1])
     count, sticks, slipping = step(float(before.friction), ends, shares, count, float(normal), *pull)
     return FrictionState(before.friction, ends[:count].copy(), shares[:count].copy(), sticks, slipping)
 
 
-def follow(states: Sequence[FrictionState], which: Integers, loads: Floats) -> tuple[Vector, Vector]:
+def follow(
+    states: Sequence[FrictionState], which: Integers, loads: Floats, carry: Carry | None = None
+) -> tuple[Vector, Vector]:
     """What ``load_to`` and ``terms`` give for many loads (n, 3), rows (Q, R, F), each from one of the states.
 
     Returns normal forces (n, k) and tangential forces (n, k, 2) [N], spread like p(s_k), 0 where there is no ring.
@@ -82,6 +89,9 @@ def follow(states: Sequence[FrictionState], which: Integers, loads: Floats) -> t
     for row, share, state in zip(known, shared, states, strict=True):
         row[: state.ends.size], share[: state.ends.size] = state.ends, state.shares
     sizes = np.array([state.ends.size for state in states])
+    if carry is not None and sizes.any():
+        known, shared = carry(known[which], shared[which], loads[:, 2])
+        sizes, which = sizes[which], np.arange(len(loads))
     ends, shares = rooms(len(loads))
     counts, mu = np.zeros(len(loads), np.int64), float(states[0].friction)
     steps(mu, known, shared, sizes, np.ascontiguousarray(which), np.ascontiguousarray(loads), ends, shares, counts)

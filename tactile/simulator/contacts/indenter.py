@@ -24,6 +24,7 @@ from tactile.elastic.profiles import (
 )
 
 if TYPE_CHECKING:
+    from tactile.simulator.contacts.friction import Carry
     from tactile.simulator.contacts.pressed_layer import PressedLayer
 
 ShapeName = Literal["point", "disc", "flat_punch", "sphere", "needle", "edge", "cylinder"]
@@ -157,6 +158,14 @@ class Indenter:
         if layer is None or self.shape == "flat_punch":
             return None
         return layer.sticking(layer.radius(force), stuck / np.where(force > 0, force, 1.0))
+
+    def carrying(self, medium: Medium) -> "Carry | None":
+        """What becomes of the rings of friction when the normal force changes, None where they stay as they are.
+
+        Source: ``PressedLayer.carried_over``.
+        """
+        layer = self._on_layer(medium)
+        return None if layer is None or self.shape == "flat_punch" else layer.carried_over
 
     def indentation(self, force: Floats, medium: Medium) -> Floats:
         """Indentation [m] of a body under normal forces [N], 0 where nothing presses.

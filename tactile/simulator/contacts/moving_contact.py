@@ -107,14 +107,14 @@ class MovingContact:
             reaching = partial(table, self.indenter, medium, rig.work, pushes, self.given_depth)
             pull = moved(rows, pull, reaching, rig)
         keys = held(self.path[:, 0], self.path[:, 1:].copy())[1]
-        loads = self._slipping(times, rows, medium, self._walked(keys))
+        loads = self._slipping(times, rows, medium, self._walked(keys, medium))
         return with_pull(loads, rows, rows[:, F] + pull, self.indenter, medium)
 
     def _slipping(self, times: Floats, rows: Floats, medium: Medium, at_keys: list[FrictionState]) -> Loads:
         if self.friction is None:
             return self._round(rows, None, medium)
         which = np.searchsorted(self.path[:, 0], times, side="right")
-        ends, terms = follow(at_keys, which, rows[:, FORCE])
+        ends, terms = follow(at_keys, which, rows[:, FORCE], self.indenter.carrying(medium))
         rows[:, SHEAR] = terms.sum(axis=1)
         return self._round(rows, (ends, terms), medium)
 
@@ -124,7 +124,7 @@ class MovingContact:
         Raises:
             InputError: a contact without friction.
         """
-        return self._states(times, self._at(times, medium), self._histories(medium))
+        return self._states(times, self._at(times, medium), self._histories(medium), medium)
 
     def _at(self, times: Floats, medium: Medium) -> Floats:
         """Rows (x, y, Q, R, F, M) at the times, without force where the contact is absent."""
@@ -139,21 +139,22 @@ class MovingContact:
             rows[:, F] = self.indenter.force_at(rows[:, F], medium)
         return rows
 
-    def _states(self, times: Floats, rows: Floats, at_keys: list[FrictionState]) -> list[FrictionState]:
+    def _states(self, times: Floats, rows: Floats, at_keys: list[FrictionState], medium: Medium) -> list[FrictionState]:
         # the state at the last keyframe before, then one step: a straight way of loading needs no more
         last = np.searchsorted(self.path[:, 0], times, side="right")
-        return [load_to(at_keys[k], row[F], row[SHEAR]) for k, row in zip(last.tolist(), rows, strict=True)]
+        carry = self.indenter.carrying(medium)
+        return [load_to(at_keys[k], row[F], row[SHEAR], carry) for k, row in zip(last.tolist(), rows, strict=True)]
 
     def _histories(self, medium: Medium) -> list[FrictionState]:
         if medium not in self._history:
-            self._history[medium] = self._walked(self._forces(self.path[:, 1:], medium))
+            self._history[medium] = self._walked(self._forces(self.path[:, 1:], medium), medium)
         return self._history[medium]
 
-    def _walked(self, rows: Floats) -> list[FrictionState]:
+    def _walked(self, rows: Floats, medium: Medium) -> list[FrictionState]:
         """The states of friction from keyframe to keyframe."""
         states = [untouched(self.friction or 0.0)]
         for row in rows:
-            states.append(load_to(states[-1], row[F], row[SHEAR]))
+            states.append(load_to(states[-1], row[F], row[SHEAR], self.indenter.carrying(medium)))
         return states
 
     @cached_property

@@ -48,6 +48,34 @@ class PressedLayer:
         wide = contact / self.medium.thickness
         return slip.radius(wide, share) * self.medium.thickness, slip.pressed(wide, share), slip.profile
 
+    def carried_over(self, ends: Floats, shares: Floats, force: Floats) -> tuple[Floats, Floats]:
+        """Rings of friction (n, k) and their shares (n, k, 2), as of `FrictionState`, once the normal force is another.
+
+        A ring keeps its place and its traction, but for what the contact has left. Only on the half-space does it then
+        also keep the force within: on a layer the pressure there grows or falls with all that presses around it.
+
+        Arguments: ``force`` (n,) [N] that presses now; rings end at that of before, or at 0 beyond the last.
+        """
+        from tactile.elastic.layer_slip import layer_slip  # only where friction asks for it
+
+        slip, h = layer_slip(self.law), self.medium.thickness
+        before = ends.max(axis=1, keepdims=True)
+        kept = (before[:, 0] > 0) & (force > 0) & (before[:, 0] != force)
+        ends, shares = ends.copy(), shares.copy()
+        if not kept.any():
+            return ends, shares
+        old, now = before[kept], force[kept, None]
+        rings = np.where(ends[kept] > 0, ends[kept], old)  # beyond the last there is nothing
+        was, wide = self.radius(old) / h, self.radius(now) / h
+        circle = np.minimum(slip.radius(was, rings / old), wide)
+        within = np.diff(old * np.where(circle < was, slip.share(was, circle), 1), axis=1, prepend=0)
+        after = now * np.where(circle < wide, slip.share(wide, circle), 1)
+        room = np.diff(after, axis=1, prepend=0)
+        share = shares[kept] * np.where(room > 0, within / np.where(room > 0, room, 1), 0)[..., None]
+        ends[kept] = np.where(ends[kept] > 0, after, 0)
+        shares[kept] = share / np.maximum(np.hypot(share[..., 0], share[..., 1]), 1)[..., None]
+        return ends, shares
+
     @property
     def _units(self) -> tuple[float, float]:
         """Of force [N] and indentation [m] in the tables."""
