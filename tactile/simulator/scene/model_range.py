@@ -193,7 +193,7 @@ def _size(name: str, force: float, contact: MovingContact, medium: Medium) -> It
 
 def _dragged(name: str, over: float, contact: MovingContact) -> Iterator[str]:
     """What slips from its rim inwards over a cover thinner than that was tried on."""
-    pulls = contact.path[:, [1 + Q, 1 + R]].any(axis=1)
+    pulls = np.hypot(contact.path[:, 1 + Q], contact.path[:, 1 + R]) > 0
     if not contact.friction or contact.indenter.shape == "flat_punch" or not pulls.any():
         return
     changes = (np.diff(contact.path[:, 1 + F]) != 0) & (pulls[1:] | pulls[:-1])

@@ -126,7 +126,7 @@ def test_a_pull_that_turns_back_is_felt_as_the_layer_slips_back(wide: float, nu:
 @pytest.mark.parametrize(
     "ways",
     [
-        [(0.3, 0.1), (0.6, 0.2), (0.8, 0.3), (1.0, 0.4)],  # pulled and pressed at once
+        [(0.3 + 0.1 * n, 0.05 * (n + 1)) for n in range(8)],  # pulled and pressed at once, in small steps
         [(0.6, 0.15), (0.8, 0.15), (1.0, 0.15)],  # pulled, then pressed harder
         [(0.6, 0.3), (1.0, 0.3), (1.0, 0.7)],  # and pulled again
         [(1.0, 0.2), (0.95, 0.2), (0.9, 0.2), (0.85, 0.2)],  # let go of a little
