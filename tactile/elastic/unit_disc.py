@@ -27,6 +27,8 @@ PANEL = 14.0
 """Phase of the fastest wave over one panel of 16 Gauss nodes: good to 1e-10."""
 SMOOTHED = 12.0
 """A turned part ends in a singular rim, for what sticks under it is not quite a circle: that is smoothed over."""
+TURNED_REACH = 14.0
+"""Thicknesses from a circle beyond which nothing is felt of a turned part: exp(-pi / 2 14) is 3e-10."""
 PANEL_WIDTH = 2.5
 """Waves (times the thickness) in one panel at most: the transfer functions have poles beside the axis at about 2, so
 that wider ones lose digits however slow the wave is, 1e-5 at 14."""
@@ -78,14 +80,15 @@ def layer(
     out = np.stack([(spread * part) @ wave.T for wave, part in columns], axis=-1)
     if profile.turned is not None:
         # along (cos 2 phi, sin 2 phi) waves of one azimuth turn into those of another: even and odd change places
-        k, step = _waves(min(fall / depth, SMOOTHED * np.sqrt(fall)), rho, radius)
+        near = rho < radius.max() + TURNED_REACH
+        k, step = _waves(min(fall / depth, SMOOTHED * np.sqrt(fall)), np.append(rho[near], 0), radius)
         bonded = transfer(k, depth, 1.0, unit)
-        zeroth, first, second = _bessel(k, rho)
+        zeroth, first, second = _bessel(k, rho[near])
         spread = profile_waves(k, radius, profile.turned, lam) * (step * np.exp(-((k / SMOOTHED) ** 2)))
         spread[radius == 0] = 0
-        out[..., ZR] += (spread * bonded.normal_shear) @ first.T
-        out[..., EVEN] += (spread * (bonded.shear - bonded.across) / 2) @ zeroth.T
-        out[..., ODD] += (spread * (bonded.shear + bonded.across) / 2) @ second.T
+        out[:, near, ZR] += (spread * bonded.normal_shear) @ first.T
+        out[:, near, EVEN] += (spread * (bonded.shear - bonded.across) / 2) @ zeroth.T
+        out[:, near, ODD] += (spread * (bonded.shear + bonded.across) / 2) @ second.T
     return out
 
 
