@@ -106,6 +106,13 @@ def test_partial_slip_over_a_thin_cover_is_told() -> None:
         assert "slips" not in said(pulled(friction, wide, pull, grows), thin)
 
 
+def test_a_flat_end_that_sticks_to_a_thin_cover_and_is_pulled_is_told() -> None:
+    told = "sticks while it is pulled; at most 0.5 wanted: the pull is spread like its pressure"
+    for pull, thickness, wanted in ((0.1, 1e-3, True), (0.0, 1e-3, False), (0.1, 5e-3, False)):
+        body = MovingContact(0, Indenter("flat_punch", 2e-3), [(0.0, 0, 0, pull, 0, 1.0)], 0.5)
+        assert (told in said(body, FiniteThickness(thickness))) == wanted
+
+
 def test_a_cover_that_a_cylinder_squeezes_out_at_its_ends_is_told() -> None:
     def lying(force: float, length: float) -> MovingContact:
         return MovingContact(0, Indenter("cylinder", 2e-2, length), np.array([(0.0, 0, 0, 0, 0, force)]))
