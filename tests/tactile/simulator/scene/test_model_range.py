@@ -89,7 +89,7 @@ def test_a_scene_says_where_a_cylinder_ends() -> None:
 
 
 def test_partial_slip_over_a_thin_cover_is_told() -> None:
-    # the ball touches over 5 or 3 mm
+    # the ball touches over 5, 4 or 3 mm
     def pulled(friction: float | None, wide: float, pull: float = 0.1, grows: bool = False) -> MovingContact:
         force = float(Indenter("sphere", 0.2).force_on(np.array(wide), Medium(2.4e6, thickness=1e-3)))
         first = (0.0, 0, 0, 0.0, 0, force / 2 if grows else force)
@@ -98,10 +98,9 @@ def test_partial_slip_over_a_thin_cover_is_told() -> None:
     thin = FiniteThickness(1e-3)
     told = "5 thicknesses of the cover in radius, slips from its rim inwards under a pull; at most 4.1 wanted"
     assert told in said(pulled(0.5, 5e-3), thin)
-    grown = "3 thicknesses of the cover in radius, slips from its rim inwards while its force changes under a pull"
-    assert grown in said(pulled(0.5, 3e-3, grows=True), thin)
+    assert told in said(pulled(0.5, 5e-3, grows=True), thin)
     for friction, wide, pull, grows in (
-        (None, 5e-3, 0.1, False), (0.5, 5e-3, 0.0, True), (0.5, 3e-3, 0.1, False), (0.5, 2e-3, 0.1, True),
+        (None, 5e-3, 0.1, False), (0.5, 5e-3, 0.0, True), (0.5, 3e-3, 0.1, False), (0.5, 4e-3, 0.1, True),
     ):  # fmt: skip
         assert "slips" not in said(pulled(friction, wide, pull, grows), thin)
 
