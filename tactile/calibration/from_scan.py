@@ -1,21 +1,26 @@
 """Calibration from one straight scan over one taxel: beta_ns, thickness constant, gains and radial correction."""
 
+import math
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.support import Floats, InputError
 from tactile.calibration.file import Calibration
-from tactile.calibration.from_load import depth_from_speed, gains_from_load
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection, radial_from_scan
-from tactile.calibration.sensitivity import beta_from_scan
+from tactile.calibration.scan_fit import ASIDE, DEPTH, MIDDLE, curves, fit_scan
+from tactile.calibration.sensitivity import SURE, extrema, scaled, sensitivity
 from tactile.core.loads import COLUMNS, PLACE, F
 from tactile.elastic.halfspace import point_load_strain
 from tactile.inverse.taxel import invert_strain
 
 RELIABLE, REACH = 0.75, 1.25
 """Depths from the taxel within which speed and load are compared (150 um of the paper's 200), radii measured."""
-ASIDE = 0.1
+PLACES = 101
+"""Places within them at which they are."""
+BESIDE = 0.1
 """A scan that passes the taxel by more than so many depths is not along y = 0: eq. (18) does not hold for it."""
 CUT = 4
 """A smooth peak, rounded to counts so that 3 samples or more share its top, falls by so many counts beside them or by
@@ -35,8 +40,9 @@ def calibrate(
 ) -> Calibration:
     """Return the calibration from a needle that slides straight over a taxel, at a known speed, with a known load.
 
-    In this order: beta_ns from the extrema (eq. (18)); the depth with which the needle moves at its speed; the gains
-    with which all readings near the taxel fit to its load; how far it was when it was located at each radius.
+    Of smooth curves through all samples (`tactile.calibration.scan_fit`), in this order: beta_ns from the extrema
+    (eq. (18)); the depth with which the needle moves at its speed; the gains with which it fits to its load near the
+    taxel; how far it was when it was located at each radius. Their standard deviations follow from those of the curves.
 
     Arguments: ``times`` (n,) [s]; ``readings`` (n, 3) T_x, T_y, S_n less their tare; ``speed`` [m/s]; ``load`` [N];
     ``depth`` z [m], nominal; ``modulus`` E [Pa]; ``toward``: direction of the slide in the array's
@@ -65,51 +71,74 @@ def calibrate(
         raise InputError(f"direction {toward}, a direction on the surface wanted")
     else:
         axis = np.divide(toward, np.hypot(*toward))
+    shear, normal = scaled(read[:, :2] @ axis, read[:, 2])
+    step = float(np.median(np.diff(t)))
+    if not step > 0:
+        raise InputError(f"times from {t[0]} s to {t[-1]} s do not grow; a scan that goes on wanted")
+    at, units = (t - t[0]) / step, np.array([shear, shear, normal])
+    fit = fit_scan(at, read.T / units[:, None], math.atan2(axis[1], axis[0]))
+    fit = fit.sided if toward is None else fit
+    sensitivity(fit, float(at[-1]), normal / shear)
     inward = 1.0 if read[top, 2] < 0 else -1.0  # strain is negative under a load, CONVENTIONS.md
-    beta = beta_from_scan(read[:, :2] @ axis, read[:, 2])
-    gains = Gains(abs(beta.beta) if toward is None else beta.beta, inward)
-
-    places, _ = _located(read, gains, depth, modulus)
-    near = np.abs(t - t[top]) * speed <= RELIABLE * depth
-    deeper = depth_from_speed(t[near], places[near], speed, depth)
-    places, forces = _located(read, gains, deeper, modulus)
-    gains = gains_from_load(gains, forces[near], load)
-    places_near, pressed = places[near], forces[near]
-
-    since = t - t[near].mean()
-    slope = since[near] @ places[near] / (since[near] @ since[near])
-    way = slope / np.hypot(*slope)
-    middle = places[near].mean(axis=0)
-    aside = float(way[0] * middle[1] - way[1] * middle[0])
-    if abs(aside) > ASIDE * deeper:
+    bench = _Bench(speed * step, load, depth, modulus, units, (at[0], at[-1]), inward)
+    told, sigma = bench.told(fit.parameters), fit.spread(bench.told)
+    gains, deeper = Gains(*told[:2].tolist()), float(told[2])
+    if not deeper > SURE * sigma[2]:
         raise InputError(
-            f"the scan passes {aside * 1e6:.3g} um beside the taxel, at most {ASIDE * deeper * 1e6:.3g} um wanted"
+            f"the depth is {deeper:.3g} +- {sigma[2]:.3g} m: a motion above {SURE:g} standard errors wanted"
         )
-    true = (middle @ way + since * speed)[:, None] * way + aside * np.array([-way[1], way[0]])
-    gains = _fitted(gains, read[near], true[near], load, deeper, modulus)
-    reach = np.hypot(*true.T) <= REACH * depth
-    places, forces = _located(read[reach], gains, deeper, modulus)
-    radial = _radial(places, true[reach], forces, load)
-    rest = places_near - places_near.mean(axis=0) - since[near][:, None] * slope
-    error = np.sqrt((rest**2).sum() / (near.sum() - 2) / (since[near] @ since[near])) / np.hypot(*slope)
-    own = beta.sigma / abs(beta.beta)
-    share = np.sqrt(np.var(pressed / pressed.mean(), ddof=1) / pressed.size + 4 * error**2 + own**2)  # forces go as z^2
-    sigma = (
-        float(abs(gains.shear) * np.hypot(share, own)), float(abs(gains.normal) * share), float(deeper * error)
-    )  # fmt: skip
-    return Calibration(gains, deeper, radial, sigma)
+    aside = bench.aside(fit.parameters)
+    if abs(aside) > BESIDE * deeper:
+        raise InputError(
+            f"the scan passes {aside * 1e6:.3g} um beside the taxel, at most {BESIDE * deeper * 1e6:.3g} um wanted"
+        )
+    x = (at - fit.parameters[MIDDLE]) * bench.way
+    x = x[np.hypot(x, aside) <= REACH * depth]
+    places, forces = _located(bench.readings(fit.parameters, x), gains, deeper, modulus)
+    radial = _radial(places, np.stack([x, np.full(x.size, aside)], axis=-1), forces, load)
+    return Calibration(gains, deeper, radial, (float(sigma[0]), float(sigma[1]), float(sigma[2])))
 
 
-def _fitted(gains: Gains, readings: Floats, places: Floats, load: float, depth: float, modulus: float) -> Gains:
-    """Return the gains with which all readings (n, 3) fit best to those under the load at its places (n, 2) [m].
-
-    Located forces, each from three readings alone, are larger on the mean for their noise: by 1.3 % at 3 %.
+class _Bench(NamedTuple):
+    """What is known of a scan: the needle's way [m] from sample to sample, its load [N], the skin's nominal depth [m]
+    and modulus [Pa], the units (3,) of the fitted readings, where the scan begins and ends, which sign presses.
     """
-    rows = np.zeros((len(places), 1, COLUMNS))
-    rows[:, 0, PLACE], rows[:, 0, F] = places, load
-    true = point_load_strain((0.0, 0.0), depth, rows, modulus)
-    factor = float((true * true).sum() / (gains(readings) * true).sum())
-    return Gains(gains.shear * factor, gains.normal * factor)
+
+    way: float
+    load: float
+    depth: float
+    modulus: float
+    units: Floats
+    ends: tuple[float, float]
+    inward: float
+
+    def aside(self, parameters: Floats) -> float:
+        """Return how far [m] the scan passes beside the taxel."""
+        return float(parameters[ASIDE] * parameters[DEPTH]) * self.way
+
+    def readings(self, parameters: Floats, x: Floats) -> Floats:
+        """Return the readings (n, 3) along the scan, across it and normal, with the load at x (n,) [m] along it."""
+        return curves(parameters, x / (parameters[DEPTH] * self.way)).T * self.units
+
+    def told(self, parameters: Floats) -> Floats:
+        """Return the gains of shear and normal, and the depth [m], that these curves tell.
+
+        A located length is proportional to the depth that the inverse was given. Gains follow from the curves, which
+        have little noise: forces located from three noisy readings each are larger on the mean.
+        """
+        _, _, normal = self.units
+        gains = Gains(extrema(parameters) * normal / self.units[0], self.inward)
+        first, last = ((end - float(parameters[MIDDLE])) * self.way for end in self.ends)
+        x = np.linspace(max(-RELIABLE * self.depth, first), min(RELIABLE * self.depth, last), PLACES)
+        readings = self.readings(parameters, x)
+        places, _ = _located(readings, gains, self.depth, self.modulus)
+        since = x - x.mean()
+        deeper = self.depth * float(since @ since) / float(since @ places[:, 0])
+        rows = np.zeros((x.size, 1, COLUMNS))
+        rows[:, 0, PLACE], rows[:, 0, F] = np.stack([x, np.full(x.size, self.aside(parameters))], axis=-1), self.load
+        true = point_load_strain((0.0, 0.0), deeper, rows, self.modulus)
+        factor = float((true * true).sum() / (gains(readings) * true).sum())
+        return np.array([gains.shear * factor, gains.normal * factor, deeper])
 
 
 def _way(shear: Floats, top: int) -> Floats:

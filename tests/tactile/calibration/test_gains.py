@@ -61,14 +61,18 @@ def test_shear_that_is_wired_the_other_way_round_is_told() -> None:
 
 @pytest.mark.parametrize("level", [0.01, 0.03])
 @pytest.mark.parametrize("count", [121, 1001])
-def test_noise_does_not_bias_beta_and_is_known(count: int, level: float) -> None:
-    random, found = np.random.default_rng(count), []
+@pytest.mark.parametrize("stress", [False, True])
+def test_noise_does_not_bias_beta_and_is_known(count: int, level: float, stress: bool) -> None:
+    random, found, wanted = np.random.default_rng(count), [], 1.5 if stress else 1.0  # the extrema of eq. (10)
     for _ in range(60):
-        strain = scan(np.linspace(-4, 4, count) + random.uniform(-0.1, 0.1))
+        places = np.linspace(-4, 4, count) + random.uniform(-0.1, 0.1)
+        strain = scan(places)
+        if stress:
+            strain = np.stack([places, 0 * places, -np.ones(count)], axis=-1) * (1 + places**2)[:, None] ** -2.5
         noisy = strain + random.normal(size=strain.shape) * level * np.abs(strain).max(axis=0)
         found.append(beta_from_scan(noisy[:, 0] / 1.46, noisy[:, 2]))
-    error = np.array([one.beta for one in found]) / 1.46 - 1
-    sigma = np.array([one.sigma for one in found]) / 1.46
+    error = np.array([one.beta for one in found]) / 1.46 / wanted - 1
+    sigma = np.array([one.sigma for one in found]) / 1.46 / wanted
     assert abs(error.mean()) < 0.002 + 3 * error.std() / np.sqrt(error.size)
     assert 0.75 < error.std() / sigma.mean() < 1.3
 
