@@ -15,11 +15,15 @@ from tactile.inverse.wide_tip import left_by_a_tip, may_be_a_tip
 POINT = 0.25
 """Loads that leave a larger share of the signals unexplained are not points: a tip of half a depth leaves 0.1."""
 FEW = 16
-"""With so few taxels every place is tried in doubt."""
+"""With so few taxels every place is tried in doubt, ..."""
+NO_LESS = 0.1
+"""... and counts if it leaves so much of a variance less: fits that end at one place differ by a hundredth."""
 PATCH = 0.1
 """What leaves so much may be several loads."""
+ALONE = 8
+"""Of so few taxels any may be to blame for what is left, ..."""
 SHARE = 0.25
-"""A taxel that contradicts all others has so much of what is left, unless that is very much."""
+"""... of more one that contradicts all others: it has so much of what is left, unless that is very much."""
 FRICTION = 2.0
 """A load with more times its normal force in shear than skin holds is none, but a taxel that reads falsely."""
 TWO = 6
@@ -42,7 +46,8 @@ def explained(taxels: Taxels, one: Attempt) -> Attempt:
         return one
     if one.fit.misfit > POINT or one.order.size <= FEW:
         again = taxels.attempt(one.order, thorough=True)
-        one = one if again.fit.chi == first.fit.chi else _mended(_sure(again))
+        less = (first.fit.chi - again.fit.chi) * first.fit.free > NO_LESS * first.fit.chi
+        one = _mended(_sure(again)) if less else one
     if (one.fit.misfit <= DOUBT or not _alone(one)) and one.fit.foreign is None:
         return one
     suspects = {0, *one.fit.contrary[:3].tolist()} if one.order.size > 4 else set(range(4))
@@ -64,7 +69,7 @@ def explained(taxels: Taxels, one: Attempt) -> Attempt:
 
 def _alone(one: Attempt) -> bool:
     """Whether one taxel may be to blame for what is left: it has much of it, or so few taxels hide it."""
-    if one.order.size <= 8:
+    if one.order.size <= ALONE:
         return True
     worst = one.fit.rest[one.fit.contrary[0]]
     return bool((worst @ worst) > SHARE * one.fit.chi) or one.fit.misfit > PATCH

@@ -16,6 +16,7 @@ from tactile.elastic.layer_field import layer_field
 from tactile.inverse.alternatives import POINT, explained
 from tactile.inverse.attempt import DOUBT, UNSURE, Attempt, Taxels
 from tactile.inverse.load import INF, NAN, Load
+from tactile.inverse.point import of_answers
 from tactile.inverse.steadiness import unsteady
 from tactile.inverse.validity import Validity
 from tactile.inverse.weights import Weights, weigh
@@ -63,7 +64,18 @@ def localise(
     if railed is not None:
         planes[:, 3, railed] = Validity.INVALID
     layer = layer_field(thickness, depth, strain)
-    taxels = Taxels(at, planes, depth, strain, weights, layer)
+    load = of_answers(at.reshape(-1, 2), planes, depth, strain, weights, layer, positions.shape[:2])
+    if load is not None and railed is None:
+        return load
+    if load is not None and saturated is not None:
+        under = tuple(taxel for taxel in load.left_out if not saturated[taxel])
+        return replace(load, left_out=under, saturated=_named(saturated))
+    return _at_length(Taxels(at, planes, depth, strain, weights, layer), at, saturated)
+
+
+def _at_length(taxels: Taxels, at: Floats, saturated: Flags | None) -> Load:
+    """Return the load, or the few, that the taxels at places (rows, cols, 2) [m] feel, whatever is in doubt."""
+    planes, railed = taxels.planes, None if saturated is None or not saturated.any() else saturated.ravel()
     if not taxels.order.size:
         marked = (planes[:, 3] == Validity.INVALID).any()
         named = () if saturated is None else _named(saturated)
@@ -84,7 +96,7 @@ def localise(
                for cell in window.found.clipped]  # fmt: skip
     if not clipped and railed is None:
         return load
-    at_end = np.zeros(positions.shape[:2], bool) if saturated is None else saturated.copy()
+    at_end = np.zeros(taxels.shape, bool) if saturated is None else saturated.copy()
     for (row, col), (i, j) in clipped:
         at_end[row + i, col + j] = True
     return replace(load, saturated=_named(at_end))

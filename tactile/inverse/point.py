@@ -1,4 +1,7 @@
-"""One point load from the readings of a frame at one go: what `localise` says where nothing is in doubt, sooner."""
+"""One point load at one go, from the readings of a frame or the taxels' answers, where nothing is in doubt.
+
+Where something is, `tactile.inverse.localise` goes its long way, which would say the same of what is told here.
+"""
 
 import numpy as np
 
@@ -29,7 +32,7 @@ from tactile.inverse.weights import Weights
 FEWEST = 4
 """Fewer taxels are never without doubt."""
 OF_ATTEMPT = VOTERS, SEEDS, STEPS, REACH
-OF_FIT = FOREIGN[0], SURELY, FOREIGN[1], CHANCE, SURELY_NONE, SMALL, USUAL, MANY
+OF_FIT = FOREIGN[0], SURELY, *FOREIGN[1:], CHANCE, SURELY_NONE, SMALL, USUAL, MANY
 LIMITS = FEWEST, ALL, RIVAL, UNSURE, SLIGHT, DOUBT
 OF_CLIPPED = LEAST_FREE, NEAR_END, HINT, TOLD, ALIKE
 OF_SECOND = TWO, BESIDE, HINTED
@@ -44,9 +47,9 @@ class OnePoint:
     """
 
     def __init__(self, array: TaxelArray, modulus: float | None, floor: float) -> None:
-        from tactile.inverse.point_numba import FOUND, NOT_SIMPLE, one_point  # numba is slow to import
+        from tactile.inverse.point_numba import one_point  # numba is slow to import
 
-        self._loop, self._not_simple, self._found = one_point, NOT_SIMPLE, FOUND
+        self._loop = one_point
         self._at = np.ascontiguousarray(array.positions().reshape(-1, 2), np.float64)
         self._strain, depth = array.quantity == "strain", array.depth
         self._layer = layer_field(array.thickness, depth, self._strain)
@@ -59,16 +62,35 @@ class OnePoint:
         known = weights.scale, weights.trust, self._strain, self._layer, self._numbers, weights.noise or 0.0
         read = np.ascontiguousarray(values, np.float64)
         said = self._loop(read, self._at, *known, OF_ATTEMPT, OF_FIT, LIMITS, OF_CLIPPED, OF_SECOND, self._answer)
-        if said == self._not_simple:
-            return None
-        if said != self._found:
-            return NO_LOAD
-        x, y, q, r, f, dx, dy, dq, dr, df, sx, sy, sq, sr, sf, misfit, taxels, inside, unread = self._answer[
-            :19
-        ].tolist()
-        validity = Validity.INSIDE if inside else Validity.OUTSIDE
-        sigma, scatter = (dx, dy, dq, dr, df), (sx, sy, sq, sr, sf)
-        out: tuple[tuple[int, int], ...] = ()
-        if unread:
-            out = tuple(divmod(int(cell), self._cols) for cell in self._answer[19 : 19 + int(unread)])
-        return Load(x, y, q, r, f, sigma, misfit, int(taxels), validity, out, scatter=scatter)
+        return _load(said, self._answer, self._cols)
+
+
+def of_answers(
+    at: Floats, planes: Floats, depth: float, strain: bool, weights: Weights, layer: Floats, shape: tuple[int, int]
+) -> Load | None:
+    """Return the load that the taxels' answers (families, 4, n) at places (n, 2) [m] say without doubt, else None."""
+    from tactile.inverse.answers_numba import answers_point  # numba is slow to import
+
+    answer = np.empty(19 + len(at))
+    known = weights.scale, weights.trust, strain, layer, depth, weights.noise or 0.0
+    said = answers_point(
+        planes, at, *shape, *known, OF_ATTEMPT, OF_FIT, LIMITS, OF_CLIPPED, OF_SECOND, answer
+    )  # fmt: skip
+    return _load(said, answer, shape[1])
+
+
+def _load(said: int, answer: Floats, cols: int) -> Load | None:
+    """Return what the compiled loops have said and filled in."""
+    from tactile.inverse.answers_numba import FOUND, NOT_SIMPLE  # numba is slow to import
+
+    if said == NOT_SIMPLE:
+        return None
+    if said != FOUND:
+        return NO_LOAD
+    x, y, q, r, f, dx, dy, dq, dr, df, sx, sy, sq, sr, sf, misfit, taxels, inside, unread = answer[:19].tolist()
+    validity = Validity.INSIDE if inside else Validity.OUTSIDE
+    sigma, scatter = (dx, dy, dq, dr, df), (sx, sy, sq, sr, sf)
+    out: tuple[tuple[int, int], ...] = ()
+    if unread:
+        out = tuple(divmod(int(cell), cols) for cell in answer[19 : 19 + int(unread)])
+    return Load(x, y, q, r, f, sigma, misfit, int(taxels), validity, out, scatter=scatter)

@@ -23,12 +23,6 @@ CHANCE = 2.0
 """Standard deviations of a sum of squares that are chance."""
 SURELY_NONE = 3.0
 """Standard deviations of a sum of squares above which it is no noise: chance goes so far in one frame of 100 to 300."""
-LOOSE = 12.0
-"""Twice the error of a variance from a tenth's quantile of n numbers, times the root of n."""
-NORMAL = {0.5: 0.6745, 0.1: 0.1257}
-"""Quantiles of |x| for normal x of variance 1. What is left of a wide patch is no noise: where nothing presses the
-signals themselves are not larger than the noise."""
-
 
 FOREIGN = 0.01, 2.0, 30.0
 """What is left at a taxel out of reach is of another load if it is so large a part of the largest signal, so many times
@@ -120,30 +114,22 @@ class Fit:
             worst = doubt_numba.foreign(signals.seen, self.rest, signals.felt, self.loads, REACH, least, times)
         if worst < 0:
             return None
-        squares = (self.rest**2).sum(axis=1)
-        return worst if squares[worst] > median * np.median(squares) else None
+        from tactile.inverse.least_squares.noise_numba import stands_out  # as above
+
+        return worst if stands_out(self.rest, worst, median) else None
 
     @cached_property
     def random(self) -> float:
         """The part of chi that is noise, with what chance may add to it."""
-        size = self.signals.felt.size
         noise = self.signals.noise
         if noise is None and (self.chi < SMALL * self.whole or len(self.signals.seen) < MANY):
             return 0.0
         if noise is None:
-            noise = min(_quantile(self.rest, 0.5), _quantile(self.signals.felt, 0.1))
-            return min(noise**2 * (size + LOOSE * math.sqrt(size)), self.chi * (1 - self._likeness()))
-        return noise * noise * (self.free + CHANCE * math.sqrt(2 * self.free))
+            from tactile.inverse.least_squares.noise_numba import read_noise  # as above
 
-    def _likeness(self) -> float:
-        """Return how like its neighbours' is what a taxel leaves unexplained: 0 for noise, 1 for a smooth field."""
-        rows, cols = self.signals.shape
-        flat = np.zeros((rows * cols, 3))
-        flat[self.signals.cells] = self.rest
-        grid = flat.reshape(rows, cols, 3)
-        alike = float(np.vdot(grid[1:], grid[:-1]) + np.vdot(grid[:, 1:], grid[:, :-1]))
-        pairs = (rows - 1) * cols + rows * (cols - 1)
-        return min(max(alike / pairs * rows * cols / self.chi - CHANCE / math.sqrt(3 * pairs), 0.0), 1.0)
+            rows, cols = self.signals.shape
+            return float(read_noise(self.rest, self.signals.felt, self.signals.cells, rows, cols, self.chi, CHANCE))
+        return noise * noise * (self.free + CHANCE * math.sqrt(2 * self.free))
 
     @cached_property
     def misfit(self) -> float:
@@ -230,10 +216,3 @@ def made(signals: Signals, loads: Floats) -> Floats:
 def least_foreign(noise: float | None) -> float:
     """Return what a taxel out of reach feels at least of another load."""
     return max(FOREIGN[0], SURELY * (noise or 0.0))
-
-
-def _quantile(values: Floats, part: float) -> float:
-    """Return the standard deviation that normal numbers with this quantile of their sizes have."""
-    size = np.abs(values).ravel()
-    k = int(part * size.size)
-    return float(np.partition(size, k)[k]) / NORMAL[part]
