@@ -39,10 +39,11 @@ def answers_point(  # type: ignore[no-untyped-def]  # numba types it
     make there and in squares what the median taxel leaves, standard deviations that are chance and those that surely
     are not, share of the energy below which nobody asks for noise, noise where none is known, from how many taxels on
     it is asked for;
-    ``limits``: taxels at least and at most, how much worse a rival fits, how unsure a place may be, the misfit from
-    which on a clipped reading may be to blame, and anything; ``of_clipped``: degrees of freedom that tell nothing of
-    it, how near to the largest reading others are clipped too, how many times less has to be left without it or less by
-    how many standard deviations squared, how near to each other readings are the same;
+    ``limits``: taxels at least, and from how many on those near the load are fitted, how much worse a rival fits, how
+    unsure a place may be, the misfit from which on a clipped reading may be to blame, and anything; ``of_clipped``:
+    degrees of freedom that tell nothing of it, how near to the largest reading others are clipped too, how many times
+    less has to be left without it or less by how many standard deviations squared, how near to each other readings are
+    the same;
     ``of_second``: taxels from which on a second load is told, how far from the first, the part that it explains.
     """
     voters, seeds, steps, reach = of_attempt
@@ -51,13 +52,13 @@ def answers_point(  # type: ignore[no-untyped-def]  # numba types it
     least_free, near_end, hint, told, alike = of_clipped
     two, beside, hinted = of_second
     signal, peak, order = strongest(planes, trust, depth, strain, voters)
-    if not fewest <= order.size <= most:
+    if order.size < fewest:
         return NOT_SIMPLE
     top = peak[order[0]]
     one = noise / top
     tried, first, second, seen, felt, scaled, tie, loads, chi, whole, spread, stranger = one_load(
         at, planes, signal, trust, scale, order, depth, strain, layer, top, one, voters, seeds, steps, reach,
-        max(foreign_part, foreign_sigmas * one), foreign_times,
+        max(foreign_part, foreign_sigmas * one), foreign_times, most, many,
     )  # fmt: skip
     rivals = second != first and tried[second, 2] < rival_times * tried[first, 2]
     if tie[0] > 0 or tie[2] > 0 or rivals:
@@ -107,7 +108,7 @@ def answers_point(  # type: ignore[no-untyped-def]  # numba types it
         return NOT_SIMPLE
     if misfit > doubtful and not holds(
         seen, felt, scaled, tie, loads, chi, misfit, remains, tried, first, at, planes, scale, order, depth, strain,
-        layer, top, steps,
+        layer, top, steps, reach, most, many,
     ):  # fmt: skip
         return NOT_SIMPLE
     if noise == 0:

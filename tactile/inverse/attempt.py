@@ -10,6 +10,7 @@ from cnnsim.support import Floats
 from tactile.inverse.least_squares.fit import (
     ALL,
     FOREIGN,
+    MANY,
     REACH,
     SAME,
     STEPS,
@@ -79,23 +80,7 @@ class Taxels:
 
         ``thorough``: from every place that was tried, not only from that where most agree.
         """
-        if len(order) <= ALL:
-            tried, first, second, fit = self._at_one_go(order)
-        else:
-            from tactile.inverse import consensus_numba as loops  # as above
-
-            voters = order[:VOTERS]
-            tried, first, second = loops.consensus(
-                self.at, self.planes, self.signal, self.trust, voters, self.depth, SEEDS
-            )
-            signals = self.felt(order, tried[first])
-            if len(self.layer):
-                from tactile.inverse.least_squares.start_numba import layer_place  # as above
-
-                parts = signals.seen[:VOTERS], signals.felt[:VOTERS], signals.scale[:VOTERS]
-                noise = signals.noise or 0.0
-                tried, first, second = layer_place(*parts, tried, self.strain, self.layer, signals.tie, noise, STEPS)
-            fit = fitted(signals, tried[None, first, :2])
+        tried, first, second, fit = self._at_one_go(order)
         rival = tried[second]
         if thorough:
             places = [place for place in tried if np.isfinite(place[2])]
@@ -148,7 +133,7 @@ class Taxels:
         noise, top = self._noise(order)
         tried, first, second, seen, felt, scale, tie, *rest = one_load(
             self.at, self.planes, self.signal, self.trust, self.scale, order, self.depth, self.strain, self.layer,
-            top, noise or 0.0, VOTERS, SEEDS, STEPS, REACH, least_foreign(noise), FOREIGN[1],
+            top, noise or 0.0, VOTERS, SEEDS, STEPS, REACH, least_foreign(noise), FOREIGN[1], ALL, MANY,
         )  # fmt: skip
         signals = Signals(seen, felt, scale, self.strain, self.layer, tie, order, self.shape, noise)
         return tried, first, second, Fit(signals, *rest)

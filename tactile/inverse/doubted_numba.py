@@ -11,7 +11,7 @@ from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 from tactile.inverse.alternatives import ALONE, FEW, NO_LESS, PATCH, SHARE
 from tactile.inverse.consensus_numba import signals
 from tactile.inverse.least_squares.components_numba import components
-from tactile.inverse.least_squares.fit_numba import fit
+from tactile.inverse.least_squares.fit_numba import fit, near
 from tactile.inverse.steadiness import DIFFERS, LEANT_ON, MOVES
 from tactile.inverse.windows import COARSE, LARGE, LEAST, NOISE
 
@@ -34,12 +34,12 @@ def may_be_another(remains, at, rows, cols, depth, chi, free):  # type: ignore[n
 @kept_njit(error_model="numpy")
 def holds(  # type: ignore[no-untyped-def]
     seen, felt, scale, tie, loads, chi, misfit, remains, tried, first, at, planes, weights, order, depth, strain, layer,
-    top, steps,
+    top, steps, reach, most, enough,
 ):  # fmt: skip
     """Whether no taxel is to blame for what is left, no place explains more, and the load's own is steady.
 
     ``seen``, ``felt``, ``scale`` and ``tie`` as `consensus_numba.signals` has them for the place ``first`` of those
-    that were ``tried``; ``remains`` (n, 3) of them.
+    that were ``tried``; ``remains`` (n, 3) of them; ``reach``, ``most`` and ``enough`` as `fit_numba.near` has them.
     """
     n, worst = len(seen), 0.0
     for i in range(n):
@@ -60,7 +60,8 @@ def holds(  # type: ignore[no-untyped-def]
     part, weight = felt.copy(), scale.copy()
     for i in range(n):
         part[i, 2] = weight[i, 2] = 0.0
-    if _moved(seen, part, weight, loads, load, strain, layer, tie, steps) > DIFFERS:
+    asked, part, weight = near(seen, part, weight, loads, reach, most, enough)
+    if _moved(asked, part, weight, loads, load, strain, layer, tie, steps) > DIFFERS:
         return False
     if n > FEW:
         return True

@@ -186,16 +186,13 @@ def fitted(signals: Signals, start: Floats) -> Fit:
     """Return the fit from a start on: loads (k, 5), or the place (1, 2) of one, whose forces the signals tell there."""
     from tactile.inverse.least_squares import components_numba, doubt_numba, equations_numba, fit_numba  # as above
 
-    parts = signals.seen, signals.felt, signals.scale
-    use = fit_numba.within(signals.seen, start, REACH) if len(signals.seen) > ALL else None
-    if many := use is not None and use.size >= MANY * len(start):
-        parts = signals.seen[use], signals.felt[use], signals.scale[use]
     loads = np.zeros((len(start), 5))
     loads[:, : start.shape[1]] = start
+    parts = fit_numba.near(signals.seen, signals.felt, signals.scale, loads, REACH, ALL, MANY)
     if start.shape[1] == 2:
         components_numba.components(*parts, loads[0], signals.strain, signals.layer, signals.tie)
     chi, whole, spread = fit_numba.fit(*parts, loads, signals.strain, signals.layer, signals.tie, STEPS)
-    if not many:
+    if len(parts[0]) == len(signals.seen):
         return Fit(signals, loads, chi, whole, spread)
     seen, felt, least = signals.seen, signals.felt, least_foreign(signals.noise)
     rest = equations_numba.rest(seen, felt, signals.scale, loads, signals.strain, signals.layer)

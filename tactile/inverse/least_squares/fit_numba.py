@@ -123,13 +123,25 @@ def back(factor, vector, answer):  # type: ignore[no-untyped-def]
 
 
 @kept_njit(error_model="numpy")
-def within(at, loads, reach):  # type: ignore[no-untyped-def]
-    """Return which places (n, 2) are nearer than ``reach`` to one of the loads."""
-    found, count = np.empty(len(at), np.int64), 0
+def near(at, felt, scale, loads, reach, most, least):  # type: ignore[no-untyped-def]
+    """Return the taxels that a fit asks: of more than ``most`` those nearer than ``reach`` to one of the loads.
+
+    All of them where those are fewer than ``least`` for each load.
+    """
+    if len(at) <= most:
+        return at, felt, scale
+    use, count = np.empty(len(at), np.int64), 0
     for i in range(len(at)):
         for k in range(len(loads)):
             if (at[i, 0] - loads[k, 0]) ** 2 + (at[i, 1] - loads[k, 1]) ** 2 < reach * reach:
-                found[count] = i
+                use[count] = i
                 count += 1
                 break
-    return found[:count]
+    if count < least * len(loads):
+        return at, felt, scale
+    some, part, weight = np.empty((count, 2)), np.empty((count, 3)), np.empty((count, 3))
+    for i in range(count):
+        some[i, 0], some[i, 1] = at[use[i], 0], at[use[i], 1]
+        for m in range(3):
+            part[i, m], weight[i, m] = felt[use[i], m], scale[use[i], m]
+    return some, part, weight
