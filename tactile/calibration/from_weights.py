@@ -32,10 +32,12 @@ def calibrate_loads(
     """Return the gains with which the taxels read what known loads make of them.
 
     Force:            sum over the taxels of M_n r_n = (Q, R, F)
-    Strain, stress:   M_n r_n = u_n, that of the half-space under the load (eqs (1), (10))
+    Strain, stress:   r_n = M_n^-1 u_n, that of the half-space under the load (eqs (1), (10))
 
-    each by least squares over the loads, component by component; the deviations from what is left. ``model``: M free,
-    diagonal, or free and the same for all taxels.
+    each by least squares over the loads, component by component; the deviations from what is left. Of strain and stress
+    the loads say what every taxel feels, so that noise of the readings leaves no bias; of forces they say the sum
+    alone, and noise of the readings shrinks the gains by its share of their squares. ``model``: M free, diagonal, or
+    free and the same for all taxels.
 
     Arguments: ``readings`` (n, rows, cols, 3) less their tare under each load; ``modulus`` E [Pa] of a strain array.
 
@@ -52,21 +54,16 @@ def calibrate_loads(
         raise InputError("readings or loads that are not finite, finite ones wanted")
     taxels = rows * cols
     read = readings.reshape(-1, taxels, 3)
-    matrix, sigma = np.zeros((taxels, 3, 3)), np.zeros((taxels, 3, 3))
-    for axis in range(3):
-        used = [axis] if model == "gains" else [0, 1, 2]
-        if array.quantity == "force":
-            parts = read[..., used].sum(axis=1) if model == "common" else read[..., used].reshape(len(read), -1)
-            found, error = _solved(parts, loads.forces[:, axis], NAMES[axis])
-            matrix[:, axis, used], sigma[:, axis, used] = (part.reshape(-1, len(used)) for part in (found, error))
-        elif model == "common":
-            felt = _felt(loads, array, modulus)[..., axis]
-            matrix[:, axis], sigma[:, axis] = _solved(read.reshape(-1, 3), felt.ravel(), NAMES[axis])
-        else:
-            felt = _felt(loads, array, modulus)[..., axis]
-            for n in range(taxels):
-                name = f"taxel {divmod(n, cols)}: {NAMES[axis]}"
-                matrix[n, axis, used], sigma[n, axis, used] = _solved(read[:, n][:, used], felt[:, n], name)
+    if array.quantity == "force":
+        matrix, sigma = _of_forces(read, loads.forces, model)
+    elif model == "common":
+        felt = _felt(loads, array, modulus)
+        same = _of_taxel(read.reshape(-1, 3), felt.reshape(-1, 3), model, "")
+        matrix, sigma = (np.repeat(part[None], taxels, axis=0) for part in same)
+    else:
+        felt = _felt(loads, array, modulus)
+        each = [_of_taxel(read[:, n], felt[:, n], model, f"taxel {divmod(n, cols)}: ") for n in range(taxels)]
+        matrix, sigma = (np.array([one[part] for one in each]) for part in (0, 1))
     for n, axis in np.ndindex(taxels, 3):
         gain, error = matrix[n, axis, axis], sigma[n, axis, axis]
         if not abs(gain) > SURE * error:
@@ -76,6 +73,38 @@ def calibrate_loads(
             )
     shape = rows, cols, 3, 3
     return TaxelGains(matrix.reshape(shape), sigma.reshape(shape), array.quantity)
+
+
+def _of_forces(read: Floats, forces: Floats, model: Model) -> tuple[Floats, Floats]:
+    """Return the matrices (taxels, 3, 3) by which readings (n, taxels, 3) add up to forces (n, 3), and deviations."""
+    matrix, sigma = np.zeros((read.shape[1], 3, 3)), np.zeros((read.shape[1], 3, 3))
+    for axis in range(3):
+        used = [axis] if model == "gains" else [0, 1, 2]
+        parts = read[..., used].sum(axis=1) if model == "common" else read[..., used].reshape(len(read), -1)
+        found, error = _solved(parts, forces[:, axis], NAMES[axis])
+        matrix[:, axis, used], sigma[:, axis, used] = (part.reshape(-1, len(used)) for part in (found, error))
+    return matrix, sigma
+
+
+def _of_taxel(read: Floats, felt: Floats, model: Model, taxel: str) -> tuple[Floats, Floats]:
+    """Return the matrix (3, 3) from readings (n, 3) to what is felt (n, 3), and its deviations.
+
+    The readings are fitted to what is felt, which is known: r = K u, M = K^-1, dM = -M dK M.
+    """
+    made, error = np.zeros((3, 3)), np.zeros((3, 3))
+    for axis in range(3):
+        used = [axis] if model == "gains" else [0, 1, 2]
+        made[axis, used], error[axis, used] = _solved(felt[:, used], read[:, axis], taxel + NAMES[axis])
+    try:
+        matrix = np.asarray(np.linalg.inv(made), np.float64)
+    except np.linalg.LinAlgError:
+        raise InputError(f"{taxel}readings {made.tolist()} of what is felt: a taxel that reads nothing") from None
+    if model == "gains":
+        return matrix, matrix**2 * error
+    spread = np.linalg.inv(felt.T @ felt)  # a row of K varies by this times what is left
+    left = error[:, 0] ** 2 / spread[0, 0]
+    variance: Floats = np.outer(matrix**2 @ left, np.einsum("jb,jk,kb->b", matrix, spread, matrix))
+    return matrix, np.sqrt(variance)
 
 
 def _felt(loads: KnownLoads, array: TaxelArray, modulus: float | None) -> Floats:
