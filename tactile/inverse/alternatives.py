@@ -24,6 +24,9 @@ ALONE = 8
 """Of so few taxels any may be to blame for what is left, ..."""
 SHARE = 0.25
 """... of more one that contradicts all others: it has so much of what is left, unless that is very much."""
+WORST = 13.5
+"""Variances that noise alone leaves at the worst of 9 to 25 taxels in one frame of 20: one that has no more of what is
+left, where nobody knows the noise, contradicts nothing."""
 FRICTION = 2.0
 """A load with more times its normal force in shear than skin holds is none, but a taxel that reads falsely."""
 TWO = 6
@@ -71,8 +74,9 @@ def _alone(one: Attempt) -> bool:
     """Whether one taxel may be to blame for what is left: it has much of it, or so few taxels hide it."""
     if one.order.size <= ALONE:
         return True
-    worst = one.fit.rest[one.fit.contrary[0]]
-    return bool((worst @ worst) > SHARE * one.fit.chi) or one.fit.misfit > PATCH
+    fit = one.fit
+    worst, share = fit.rest[fit.contrary[0]], SHARE if fit.signals.noise is not None else max(SHARE, WORST / fit.free)
+    return bool((worst @ worst) > share * fit.chi) or fit.misfit > PATCH
 
 
 def _sure(one: Attempt) -> Attempt:

@@ -108,7 +108,7 @@ def answers_point(  # type: ignore[no-untyped-def]  # numba types it
         return NOT_SIMPLE
     if misfit > doubtful and not holds(
         seen, felt, scaled, tie, loads, chi, misfit, remains, tried, first, at, planes, scale, order, depth, strain,
-        layer, top, steps, reach, most, many,
+        layer, top, steps, reach, most, many, noise > 0,
     ):  # fmt: skip
         return NOT_SIMPLE
     if noise == 0:

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
-from tactile.inverse.alternatives import ALONE, FEW, NO_LESS, PATCH, SHARE
+from tactile.inverse.alternatives import ALONE, FEW, NO_LESS, PATCH, SHARE, WORST
 from tactile.inverse.consensus_numba import signals
 from tactile.inverse.least_squares.components_numba import components
 from tactile.inverse.least_squares.fit_numba import fit, near
@@ -34,17 +34,19 @@ def may_be_another(remains, at, rows, cols, depth, chi, free):  # type: ignore[n
 @kept_njit(error_model="numpy")
 def holds(  # type: ignore[no-untyped-def]
     seen, felt, scale, tie, loads, chi, misfit, remains, tried, first, at, planes, weights, order, depth, strain, layer,
-    top, steps, reach, most, enough,
+    top, steps, reach, most, enough, known,
 ):  # fmt: skip
     """Whether no taxel is to blame for what is left, no place explains more, and the load's own is steady.
 
     ``seen``, ``felt``, ``scale`` and ``tie`` as `consensus_numba.signals` has them for the place ``first`` of those
-    that were ``tried``; ``remains`` (n, 3) of them; ``reach``, ``most`` and ``enough`` as `fit_numba.near` has them.
+    that were ``tried``; ``remains`` (n, 3) of them; ``reach``, ``most`` and ``enough`` as `fit_numba.near` has them;
+    ``known``: whether the noise is.
     """
     n, worst = len(seen), 0.0
     for i in range(n):
         worst = max(worst, remains[i, 0] ** 2 + remains[i, 1] ** 2 + remains[i, 2] ** 2)
-    if n <= ALONE or worst > SHARE * chi or misfit > PATCH:
+    share = SHARE if known else max(SHARE, WORST / (3 * n - 5))
+    if n <= ALONE or worst > share * chi or misfit > PATCH:
         return False
     load = np.empty((1, 5))
     if n <= FEW:

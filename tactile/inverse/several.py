@@ -19,6 +19,9 @@ FEWER_TAXELS, MORE_LOADS, INSTEAD = 10.0, 4.0, 2.0
 has one load more, or one load more in the place of a taxel left out."""
 EXPLAINED = 0.01
 """Where no more is left unexplained nobody looks further."""
+LESS = 0.75
+"""One load more that leaves more of what was left explains noise alone, and yet another will no better: of four equal
+loads the second explains a third."""
 SURE = 3.0
 """A load counts if it is so many standard deviations large."""
 
@@ -35,6 +38,7 @@ def several(taxels: Taxels, one: Attempt, most: float) -> list[Attempt]:
             break
         ways = sorted(combinations(range(len(starts)), count), key=lambda ranks: (sum(ranks), ranks))[:TRIES]
         best: list[Fit | None] = [None, None]
+        left = before.chi
         for start in [_with_one_more(before), *(np.array([starts[k] for k in ranks]) for ranks in ways)]:
             fit = fitted(one.fit.signals, start)
             if fit.chi < before.chi:
@@ -46,7 +50,7 @@ def several(taxels: Taxels, one: Attempt, most: float) -> list[Attempt]:
             if any(fit is not None and fit.misfit <= EXPLAINED for fit in best):
                 break
         found += [_attempt(fit, one.top) for fit in best if fit is not None]
-        if any(attempt.fit.misfit <= EXPLAINED for attempt in found):
+        if any(attempt.fit.misfit <= EXPLAINED for attempt in found) or before.chi > LESS * left:
             break
     return found
 
