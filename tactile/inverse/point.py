@@ -37,6 +37,7 @@ LIMITS = FEWEST, ALL, RIVAL, UNSURE, SLIGHT, DOUBT
 OF_CLIPPED = LEAST_FREE, NEAR_END, HINT, TOLD, ALIKE
 OF_SECOND = TWO, BESIDE, HINTED
 NO_LOAD = Load(validity=Validity.NO_LOAD)
+NO_PLANES = np.empty((0, 4, 0))
 
 
 class OnePoint:
@@ -61,7 +62,9 @@ class OnePoint:
         """Return the load that the readings (rows, cols, 3) say without doubt."""
         known = weights.scale, weights.trust, self._strain, self._layer, self._numbers, weights.noise or 0.0
         read = np.ascontiguousarray(values, np.float64)
-        said = self._loop(read, self._at, *known, OF_ATTEMPT, OF_FIT, LIMITS, OF_CLIPPED, OF_SECOND, self._answer)
+        said = self._loop(
+            read, NO_PLANES, self._at, *known, OF_ATTEMPT, OF_FIT, LIMITS, OF_CLIPPED, OF_SECOND, self._answer
+        )
         return _load(said, self._answer, self._cols)
 
 
@@ -69,19 +72,17 @@ def of_answers(
     at: Floats, planes: Floats, depth: float, strain: bool, weights: Weights, layer: Floats, shape: tuple[int, int]
 ) -> Load | None:
     """Return the load that the taxels' answers (families, 4, n) at places (n, 2) [m] say without doubt, else None."""
-    from tactile.inverse.answers_numba import answers_point  # numba is slow to import
+    from tactile.inverse.point_numba import one_point  # numba is slow to import
 
-    answer = np.empty(19 + len(at))
-    known = weights.scale, weights.trust, strain, layer, depth, weights.noise or 0.0
-    said = answers_point(
-        planes, at, *shape, *known, OF_ATTEMPT, OF_FIT, LIMITS, OF_CLIPPED, OF_SECOND, answer
-    )  # fmt: skip
+    answer, read = np.empty(19 + len(at)), np.empty((*shape, 0))
+    known = weights.scale, weights.trust, strain, layer, (0.0, depth, 0.0), weights.noise or 0.0
+    said = one_point(read, planes, at, *known, OF_ATTEMPT, OF_FIT, LIMITS, OF_CLIPPED, OF_SECOND, answer)
     return _load(said, answer, shape[1])
 
 
 def _load(said: int, answer: Floats, cols: int) -> Load | None:
     """Return what the compiled loops have said and filled in."""
-    from tactile.inverse.answers_numba import FOUND, NOT_SIMPLE  # numba is slow to import
+    from tactile.inverse.point_numba import FOUND, NOT_SIMPLE  # numba is slow to import
 
     if said == NOT_SIMPLE:
         return None
