@@ -5,14 +5,17 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.support import Floats, InputError, Integers
+from cnnsim.support import Flags, Floats, InputError, Integers
 from tactile.core.loads import COLUMNS, FORCE, PLACE, SHEAR, F
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.load_pattern import LoadPattern, PatternLoads
 from tactile.simulator.contacts.loads import Loads
 from tactile.simulator.contacts.moving_load import along_path, checked_path, span
 from tactile.simulator.contacts.pressed_map import BETWEEN, PressedMap, press
-from tactile.simulator.contacts.rig import STILL, Rig
+from tactile.simulator.contacts.rig import STILL, Rig, sum_of
+
+LAST = 0.9
+"""Share of a layer's thickness up to which deeper solutions are looked for by doubling."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)  # arrays are not compared
@@ -52,44 +55,88 @@ class HeightMap:
             )
         rows, gone = along_path(self.path, times)
         rows[gone, PLACE.stop :] = 0
-        solved = self.pressed(medium)
-        deep, force = solved.deep, solved.force
         if self.given_depth:
             rows[rows[:, F] < 0, SHEAR] = 0
-            rows[:, F] = np.interp(rows[:, F], deep, force)
-        for move, _ in rig.moves:
-            shift, rise = move(rows[:, PLACE])
-            rows[:, PLACE] += shift
-            moved = np.interp(np.interp(rows[:, F], force, deep) + rise, deep, force)
-            pressing = rows[:, F] > 0
-            rows[:, FORCE] *= np.where(pressing, moved / np.where(pressing, rows[:, F], 1), 1)[:, None]
+        rows, told = self._held(rows, medium, rig)
         rows[rows[:, F] < 0, PLACE.stop :] = 0
         if self.friction is not None:
             pull, most = np.hypot(*rows[:, SHEAR].T), self.friction * rows[:, F]
             rows[:, SHEAR] *= np.where(pull > most, most / np.where(pull > 0, pull, 1), 1)[:, None]
-        first, weights = _levels(rows[:, F], force[::BETWEEN])
         owner = np.zeros(1, np.int64)
-        spread = PatternLoads(self._pattern(medium, depth), rows, first, weights, owner)
-        return Loads(rows[:, None], np.empty((len(rows), 0, COLUMNS)), owner[:0], patterns=(spread,))
+        spread = tuple(self._spread(rows, here, medium, depth, most, owner) for most, here in told)
+        return Loads(rows[:, None], np.empty((len(rows), 0, COLUMNS)), owner[:0], patterns=spread)
 
-    def pressed(self, medium: Medium) -> PressedMap:
+    def _held(self, rows: Floats, medium: Medium, rig: Rig) -> tuple[Floats, list[tuple[float | None, Flags]]]:
+        """Rows (frames, 5) as the rig holds the body, with forces; and which frames which solution tells (`pressed`).
+
+        What is raised beyond what the path asks for is told by one of twice, four times, ... that indentation, frame by
+        frame: the same however the frames are cut.
+        """
+        rows, rises = rig.displaced(rows)
+        if not rises:
+            return self._forces(rows, 0.0, self.pressed(medium)), [(None, np.ones(len(rows), bool))]
+        rise, most, held = sum_of(rises), None, np.empty_like(rows)
+        told: list[tuple[float | None, Flags]] = []
+        left = np.ones(len(rows), bool)
+        while True:
+            solved = self.pressed(medium, most)
+            end = float(solved.deep[-1])
+            deeper = self._depths(rows[:, F], solved) + rise
+            here = left & ~((rows[:, F] > 0) & (deeper > end))
+            held[here] = self._forces(rows[here], rise[here], solved)
+            told.append((most, here))
+            left &= ~here
+            if not left.any():
+                return held, told
+            wanted = float(deeper[left].max())
+            most = max(2 * end, wanted) if wanted > LAST * medium.thickness else min(2 * end, LAST * medium.thickness)
+
+    def _depths(self, pushes: Floats, solved: PressedMap) -> Floats:
+        """Indentations [m] of what the path gives."""
+        return pushes if self.given_depth else np.interp(pushes, solved.force, solved.deep)
+
+    def _forces(self, rows: Floats, rise: Floats | float, solved: PressedMap) -> Floats:
+        """Rows with the forces [N] under what the cover has risen by; pulls are left as they are."""
+        deep, rows = self._depths(rows[:, F], solved), rows.copy()
+        before = np.interp(deep, solved.deep, solved.force) if self.given_depth else rows[:, F].copy()
+        pressing = before > 0
+        after = np.interp(deep + rise, solved.deep, solved.force)
+        rows[:, F] = before
+        rows[:, FORCE] *= np.where(pressing, after / np.where(pressing, before, 1), 1)[:, None]
+        return rows
+
+    def _spread(
+        self, rows: Floats, here: Flags, medium: Medium, depth: float, most: float | None, owner: Integers
+    ) -> PatternLoads:
+        """The loads of these frames, spread as one solution says; none in the others."""
+        levels = _levels(rows[:, F], self.pressed(medium, most).force[::BETWEEN])
+        if not here.all():
+            rows = rows.copy()
+            rows[~here, FORCE] = 0
+        return PatternLoads(self._pattern(medium, depth, most), rows, *levels, owner)
+
+    def pressed(self, medium: Medium, most: float | None = None) -> PressedMap:
         """How it presses on the medium: pressures up to the deepest that its path asks for, solved once.
+
+        Or up to another indentation ``most`` [m], where the cover rises under it.
 
         Raises:
             InputError: as ``rough_contact.RoughContact.pressed``.
         """
-        key = replace(medium, quantity="strain")
+        key = replace(medium, quantity="strain"), most
         if key not in self.memory:
-            most = float(self.path[:, 1 + F].max())
-            self.memory[key] = press(self.heights, self.pitch, medium, most, self.given_depth)
+            push, by_depth = float(self.path[:, 1 + F].max()), self.given_depth
+            if most is not None:
+                push, by_depth = most, True
+            self.memory[key] = press(self.heights, self.pitch, medium, push, by_depth)
         known: PressedMap = self.memory[key]
         return known
 
-    def _pattern(self, medium: Medium, depth: float) -> LoadPattern:
+    def _pattern(self, medium: Medium, depth: float, most: float | None) -> LoadPattern:
         """The pressures at all levels but the first, of no force, each as shares of their sum."""
-        key = replace(medium, quantity="strain"), depth
+        key = replace(medium, quantity="strain"), most, depth
         if key not in self.memory:
-            solved = self.pressed(medium)
+            solved = self.pressed(medium, most)
             shares = solved.forces[1:].copy()
             for level in range(len(shares) - 1, -1, -1):  # where nothing presses yet, as it does next
                 total = shares[level].sum()

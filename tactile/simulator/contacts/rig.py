@@ -17,6 +17,8 @@ Move = Callable[[Floats], tuple[Floats, Floats]]
 """From places (frames, 2) [m] to the displacement (frames, 2) [m] and by what the cover rises (frames,) [m]."""
 Rises = Sequence[tuple[float, float]]
 """By how much [m] the surface rises, one after the other, each with the tip's radius [m] of contacts at a point."""
+BY_TIP = ("point", "edge")
+"""Shapes that are held by the tip of a move, for they have no radius of their own."""
 
 
 @dataclass(frozen=True)
@@ -44,13 +46,35 @@ class Rig:
 
     def moved(self, rows: Floats, body: Indenter, medium: Medium) -> Floats:
         """Loads (frames, 5 or more) of one contact, displaced and pressed as its own law has it."""
-        for move, needle in self.moves:
-            shift, rise = move(rows[:, PLACE])
-            rows = rows.copy()
-            rows[:, PLACE] += shift
+        if not self.moves:
+            return rows
+        rows, rises = self.displaced(rows)
+        if body.shape not in BY_TIP:  # its law is the same for all of them
+            rises = [(sum_of(rises), 0.0)]
+        for rise, needle in rises:
             if rise.any():
                 rows[:, FORCE] *= body.held_factor(rows[:, F], rise, medium, needle)[:, None]
         return rows
+
+    def displaced(self, rows: Floats) -> tuple[Floats, list[tuple[Floats, float]]]:
+        """A copy of loads (frames, 5 or more) at their displaced places, and by what the cover rises under them [m].
+
+        Each (frames,) with a tip radius: that of moves with the same tip is one, for what one of them lifts off another
+        may press on again.
+        """
+        rows, rises = rows.copy(), list[tuple[Floats, float]]()
+        for move, needle in self.moves:
+            shift, rise = move(rows[:, PLACE])
+            rows[:, PLACE] += shift
+            if rises and rises[-1][1] == needle:
+                rise = rises.pop()[0] + rise
+            rises.append((rise, needle))
+        return rows, rises
+
+
+def sum_of(rises: Sequence[tuple[Floats, float]]) -> Floats:
+    """By what all of them raise the cover [m], whatever the tips."""
+    return np.asarray(sum(rise for rise, _ in rises))
 
 
 STILL = Rig()

@@ -11,7 +11,7 @@ from tactile.elastic.adhesion import Adhesion, adhesion, flat_adhesion
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.loads import Disc, Loads
-from tactile.simulator.contacts.rig import Rig
+from tactile.simulator.contacts.rig import Rig, sum_of
 
 REACH = 1.5
 """Times the largest dry force that a law reaches."""
@@ -56,19 +56,17 @@ def moved(rows: Floats, pull: Floats, reaching: Callable[[float], Adhesion], rig
     Arguments: ``rows`` (frames, 5 or more), written to; ``reaching``: the law up to so many times the dry force.
     """
     law, reach = reaching(REACH), REACH
-    for move, _ in rig.moves:
-        shift, rise = move(rows[:, PLACE])
-        rows[:, PLACE] += shift
-        pressed = rows[:, F].copy()
-        touching, pressing = pressed != 0, pressed > 0
-        deep = np.interp(pressed, law.pressed, law.indentation) + rise
-        while deep.max(initial=0, where=touching) > law.indentation[-1]:
-            reach *= 2
-            law = reaching(reach)
-        force, after = law.at(deep, True)
-        pull = np.where(touching, force - after, pull)
-        rows[:, F] = np.where(touching, after, pressed)
-        rows[:, SHEAR] *= np.where(pressing, rows[:, F] / np.where(pressing, pressed, 1), 1)[:, None]
+    rows[:], rises = rig.displaced(rows)
+    pressed = rows[:, F].copy()
+    touching, pressing = pressed != 0, pressed > 0
+    deep = np.interp(pressed, law.pressed, law.indentation) + sum_of(rises)
+    while deep.max(initial=0, where=touching) > law.indentation[-1]:
+        reach *= 2
+        law = reaching(reach)
+    force, after = law.at(deep, True)
+    pull = np.where(touching, force - after, pull)
+    rows[:, F] = np.where(touching, after, pressed)
+    rows[:, SHEAR] *= np.where(pressing, rows[:, F] / np.where(pressing, pressed, 1), 1)[:, None]
     return pull
 
 
