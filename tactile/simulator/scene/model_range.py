@@ -1,29 +1,22 @@
 """Where a scene leaves the range of its models: contacts that pull, sink in or spread too far, strains too large."""
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
-from typing import Any, Protocol
+import itertools
+from collections.abc import Iterator
 
 import numpy as np
 
-from cnnsim.support import Floats, InputError
-from tactile.core.frame import TaxelArray
+from cnnsim.support import InputError
 from tactile.core.loads import F, Q, R
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.indenter import LAWS, Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
-from tactile.simulator.field import Contact, Field
-from tactile.simulator.ideal_skin import IdealSkin
+from tactile.simulator.field import Field
+from tactile.simulator.scene.reached import DEEP, Reached, TheScene, looked_at, may_reach_more, reached
 
-MOMENTS = 64
-"""Frames looked at, beside those at the keyframes."""
 WIDE = 0.5
 """Contact over body radius from which a parabola is no circle: at that width Hertz' force is 11 % too small under a
 sphere and 10 % under a cylinder."""
-DEEP = 0.3
-"""Indentation over thickness, and strain, from which linear rubber is off by about a third."""
-
 SQUEEZED = 0.95
 """Of what a cylinder sinks in along its length, below which its middle sinks in less: the cover is squeezed out at its
 ends. Against rigid cylinders of 2 to 50 thicknesses solved on a grid its force at a depth was too small by 1 to 4 % at
@@ -43,29 +36,7 @@ DOUBT = 0.02
 out to 1 % where it is below."""
 
 
-class _Scene(Protocol):
-    """What is asked of a scene here, which asks for these notes itself."""
-
-    @property
-    def arrays(self) -> Sequence[TaxelArray]: ...
-    @property
-    def contacts(self) -> Sequence[Contact]: ...
-    @property
-    def effects(self) -> Sequence[tuple[str, Any]]: ...
-    @property
-    def bumps(self) -> object: ...
-    @property
-    def rate(self) -> float: ...
-    @property
-    def samples(self) -> int: ...
-    @property
-    def skin(self) -> IdealSkin: ...
-    def affected(
-        self, stream: Iterable[Field], stage: str, effects: Iterable[tuple[str, Any]], finger: int
-    ) -> Iterator[Field]: ...
-
-
-def out_of_range(scene: _Scene) -> Iterator[str]:
+def out_of_range(scene: TheScene) -> Iterator[str]:
     """Say, a line each, where a scene's model is out of its range; it is computed all the same.
 
     A contact that goes through the cover is an error where it is computed.
@@ -74,54 +45,44 @@ def out_of_range(scene: _Scene) -> Iterator[str]:
         InputError: what has no meaning at all: strains above 1, a contact wider than the sphere that makes it.
     """
     numbered = dict(enumerate((one for one in scene.contacts if isinstance(one, MovingContact)), 1))
-    sure = [(name, effect) for name, effect in scene.effects if not effect.RANDOM]
-    for finger, array in enumerate(scene.arrays):
-        mine = {n: one for n, one in numbered.items() if one.finger == finger}
-        times = _moments(scene, list(mine.values()))
-        fields = scene.affected(scene.skin.fields(finger, [(0, times)]), "field", sure, finger)
-        field = next(fields)
-        if scene.bumps is None:
-            for number, contact in mine.items():
-                yield from _contact(contact, f"contact {number}, a {contact.indenter.shape}", times, field)
-            for one in scene.contacts:
-                if isinstance(one, HeightMap) and one.finger == finger:
-                    yield from _map(one, field.medium)
-        strain = _strain(field)
-        if strain > 1:
-            raise InputError(
-                f"{array.name}: strains to {strain:.3g}; at most 1 wanted, beyond which nothing is left of the cover, "
-                f"and below {DEEP:g} for linear rubber"
-            )
-        if strain > DEEP:
-            yield f"{array.name}: strains to {strain:.3g}; below {DEEP:g} wanted: the cover is taken to be linear"
+    for finger in range(len(scene.arrays)):
+        yield from _of_finger(scene, finger, {n: one for n, one in numbered.items() if one.finger == finger})
 
 
-def _strain(field: Field) -> float:
-    """The largest strain (u_xz, u_yz, u_zz) where the taxels lie, whatever they feel.
+def _of_finger(scene: TheScene, finger: int, mine: dict[int, MovingContact]) -> list[str]:
+    """What is to be said of one finger; where what shakes contacts may change that, of every frame."""
+    field = looked_at(scene, finger)
 
-    From the loads, as no normal strain follows from the stresses that are felt: what presses from the sides is missing.
-    Under bumps, of which only the stress is known, that is left out: a bump is free to its sides.
-    """
-    medium = field.medium
-    if medium.quantity == "stress" and field.bumps is None:
-        felt = replace(field, medium=replace(medium, quantity="strain"))
-        felt.__dict__["loads"] = field.loads  # they do not depend on what is felt
-        return float(np.abs(felt.values).max(initial=0))
-    size = np.abs(field.values).max(axis=(0, 1, 2), initial=0)
-    if medium.quantity == "stress":
-        size = size / (2 * medium.shear_modulus, 2 * medium.shear_modulus, medium.modulus)
-    return float(size.max())
+    def lines(found: Reached) -> list[str]:
+        return list(_lines(found, mine, field))
+
+    told = lines(reached([field]))
+    if not may_reach_more(scene, field, lambda more: lines(more) != told):
+        return told
+    every = scene.affected(scene.skin.fields(finger, scene.skin.pieces(finger)), "field", scene.effects, finger)
+    return lines(reached(itertools.chain([field], every)))
 
 
-def _moments(scene: _Scene, contacts: list[MovingContact]) -> Floats:
-    last = (scene.samples - 1) / scene.rate
-    keys = [contact.path[:, 0] for contact in contacts]
-    times = np.unique(np.concatenate([np.linspace(0, last, min(MOMENTS, scene.samples)), *keys]))
-    return np.asarray(times[(times >= 0) & (times <= last)])
+def _lines(found: Reached, mine: dict[int, MovingContact], field: Field) -> Iterator[str]:
+    """What is to be said of one finger, given what its contacts and taxels reach."""
+    if field.bumps is None:
+        for number, contact in mine.items():
+            yield from _contact(contact, number, found, field)
+        for one in field.contacts:
+            if isinstance(one, HeightMap):
+                yield from _map(one, field.medium)
+    strain = found.strain
+    if strain > 1:
+        raise InputError(
+            f"{field.array.name}: strains to {strain:.3g}; at most 1 wanted, beyond which nothing is left of the cover,"
+            f" and below {DEEP:g} for linear rubber"
+        )
+    if strain > DEEP:
+        yield f"{field.array.name}: strains to {strain:.3g}; below {DEEP:g} wanted: the cover is taken to be linear"
 
 
-def _contact(contact: MovingContact, name: str, times: Floats, field: Field) -> Iterator[str]:
-    body, medium = contact.indenter, field.medium
+def _contact(contact: MovingContact, number: int, found: Reached, field: Field) -> Iterator[str]:
+    body, name = field.rig.touching(contact.indenter), f"contact {number}, a {contact.indenter.shape}"
     push = contact.path[:, 1 + F]
     sticks = field.rig.work > 0 and body.shape in LAWS
     if push.min() < 0 and not contact.given_depth and not sticks and body.shape != "point":
@@ -131,8 +92,11 @@ def _contact(contact: MovingContact, name: str, times: Floats, field: Field) -> 
         )
     if body.shape not in (*LAWS, "cylinder"):
         return
-    force = contact.loads(times, field.taxels.depth, medium, field.rig).totals[:, 0, F]
-    yield from _size(name, float(force.max(initial=0)), contact, medium)
+    if body is not contact.indenter:
+        name += f" on a curved cover, like one of radius {body.radius * 1e3:.3g} mm"
+    index = field.contacts.index(contact)
+    force, wide = float(found.forces[index]), float(found.wide[index])
+    yield from _size(name, force, wide, body, contact, field.medium)
 
 
 def _map(body: HeightMap, medium: Medium) -> Iterator[str]:
@@ -160,20 +124,24 @@ def _sunk(name: str, deep: float, medium: Medium) -> Iterator[str]:
         )
 
 
-def _size(name: str, force: float, contact: MovingContact, medium: Medium) -> Iterator[str]:
-    body, push = contact.indenter, np.array([force])
-    deep = float(contact.path[:, 1 + F].max() if contact.given_depth else body.indentation(push, medium)[0])
+def _size(
+    name: str, force: float, wide: float, body: Indenter, contact: MovingContact, medium: Medium
+) -> Iterator[str]:
+    """What is to be said of a body under so much force [N], a round contact ``wide`` [m]."""
+    push = np.array([force])
+    deep = float(body.indentation(push, medium)[0])
+    if contact.given_depth:
+        deep = max(deep, float(contact.path[:, 1 + F].max()))
     if body.shape in LAWS:
-        yield from _dragged(name, float(body.contact_radius(push, medium)[0]) / medium.thickness, contact)
+        yield from _dragged(name, wide / medium.thickness, contact)
     if body.shape == "sphere":
-        wide, extent = float(body.contact_radius(push, medium)[0]), "in radius"
-        yield from _width(name, wide, extent, body, "a paraboloid (shape = 'needle' is a sphere)")
+        yield from _width(name, wide, "in radius", body, "a paraboloid (shape = 'needle' is a sphere)")
     if body.shape == "cylinder":
         from tactile.elastic.lines import cylinder_half_width, line_indentation  # only where called for
 
         half = cylinder_half_width(push, body.length, body.radius, medium)
-        wide, extent = float(half[0]), "to either side"
-        yield from _width(name, wide, extent, body, "a parabola across")
+        wide = float(half[0])
+        yield from _width(name, wide, "to either side", body, "a parabola across")
         middle = float(line_indentation(push, body.length, half, medium, middle=True)[0])
         if np.isfinite(medium.thickness) and middle < SQUEEZED * deep:
             yield (

@@ -14,6 +14,7 @@ from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effects.adhesion import Adhesion
 from tactile.simulator.effects.finite_thickness import FiniteThickness
+from tactile.simulator.effects.mounting.curved_fingertip import CurvedFingertip
 from tactile.simulator.effects.poisson_ratio import PoissonRatio
 from tactile.simulator.scene.model_range import out_of_range
 from tactile.simulator.scene.scene import Scene
@@ -86,6 +87,27 @@ def test_a_scene_says_where_a_cylinder_ends() -> None:
     assert "mm deep in a cover of 2 mm; at most 0.3 of it wanted" in said(
         lying(400.0, 5e-3, 2e-2), FiniteThickness(2e-3)
     )
+
+
+def test_a_body_on_a_dome_is_as_wide_as_it_touches_there() -> None:
+    # 1 / R = 1 / 10 mm + 1 / 1 mm: under 8 N wider than that sphere, on a plane a quarter as wide as its own
+    ball, dome = MovingContact(0, Indenter("sphere", 1e-2), np.array([(0.0, 0, 0, 0, 0, 8.0)])), CurvedFingertip(1e-3)
+    chip = TaxelArray("chip", 2, 2, 4e-4, 2e-3)
+    flat, curved = (Scene("s", 100.0, 1.0, 2.4e6, (chip,), (), (ball,), effects) for effects in ((), (dome,)))
+    assert flat.range_notes == ()
+    wide = np.cbrt(0.75 * 8.0 / (1 / 1e-2 + 1 / 1e-3) / Medium(2.4e6).contact_modulus) * 1e3
+    with pytest.raises(InputError, match=rf"like one of radius 0\.909 mm: a contact {wide:.3g} mm in radius.*at most"):
+        _ = curved.range_notes
+
+
+def test_what_sticks_is_as_wide_as_it_is_drawn_in() -> None:
+    # Johnson, Kendall and Roberts, without a force: a = cbrt(9 pi w R^2 / 2 E*)
+    ball = MovingContact(0, Indenter("sphere", 5e-5), np.array([(0.0, 0, 0, 0, 0, 0.0)]))
+    wide = np.cbrt(4.5 * np.pi * 5.0 * 5e-5**2 / Medium(2.4e6).contact_modulus) * 1e3
+    assert f"a contact {wide:.3g} mm in radius of a sphere of radius 0.05 mm; at most 0.5" in said(ball, Adhesion(5.0))
+    with pytest.raises(InputError, match=r"mm in radius of a sphere of radius 0\.05 mm; at most the sphere's own"):
+        said(ball, Adhesion(20.0))
+    assert said(ball, Adhesion(0.05)) == ""
 
 
 def test_partial_slip_over_a_thin_cover_is_told() -> None:
