@@ -1,5 +1,6 @@
 """Batches of frames of one finger, which the effects on frames take and give."""
 
+import math
 from dataclasses import dataclass
 
 from cnnsim.support import Flags, Floats, Integers
@@ -22,3 +23,8 @@ class Batch:
     sequence: Integers
     values: Floats
     valid: Flags
+
+    @property
+    def flat(self) -> Floats:
+        """The values as (n, channels), of no frames too."""
+        return self.values.reshape(len(self.t), math.prod(self.values.shape[1:]))

@@ -33,15 +33,17 @@ class Drift:
         slope, walked, start, last = np.zeros(0), np.zeros(0), 0.0, 0.0
         for batch in stream:
             shape = batch.values.shape[1:]
-            if not slope.size and len(batch.t):
+            if not len(batch.t):
+                yield batch
+                continue
+            if not slope.size:
                 slope, walked = random.standard_normal(shape), np.zeros(shape)
                 start = last = float(batch.t[0])
             steps = np.sqrt(np.maximum(np.diff(batch.t, prepend=last), 0))
             offset = random.standard_normal(batch.values.shape) * steps[:, None, None, None]
             offset[:1] += walked
             np.cumsum(offset, axis=0, out=offset)
-            if len(batch.t):
-                walked, last = offset[-1].copy(), float(batch.t[-1])
+            walked, last = offset[-1].copy(), float(batch.t[-1])
             offset *= self.walk
             offset += self.rate * (batch.t - start)[:, None, None, None] * slope
             yield altered(batch, values=batch.values + batch.full_scale * offset)

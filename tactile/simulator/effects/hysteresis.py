@@ -36,7 +36,7 @@ class Hysteresis:
         """Frames that lag."""
         plays = np.zeros((0, 0))
         for batch in stream:
-            flat = batch.values.reshape(len(batch.t), -1)
+            flat = batch.flat
             if not plays.size:
                 plays = np.zeros((PLAYS, flat.shape[1]))
             out = np.empty_like(flat)

@@ -62,10 +62,10 @@ class Viscoelastic:
         shares = -shares if self.creep else shares
         before, inner, last = np.zeros(0), np.zeros((0, 0)), 0.0
         for batch in stream:
-            flat = batch.values.reshape(len(batch.t), -1)
-            if not inner.size:
+            flat = batch.flat
+            if not inner.size and len(flat):
                 before, inner = np.zeros(flat.shape[1]), np.zeros((len(times), flat.shape[1]))
-                last = float(batch.t[0]) if len(batch.t) else 0.0
+                last = float(batch.t[0])
             steps = np.maximum(np.diff(batch.t, prepend=last), 0)[:, None] / times
             keep = np.exp(-steps)
             take = np.where(steps > 0, -np.expm1(-steps) / np.where(steps > 0, steps, 1), 1.0)

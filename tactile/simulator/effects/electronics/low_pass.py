@@ -31,7 +31,7 @@ class LowPass:
         """Smoothed frames."""
         before, lag, last = np.zeros(0), np.zeros((0, 0)), 0.0
         for batch in stream:
-            flat = batch.values.reshape(len(batch.t), -1)
+            flat = batch.flat
             if not before.size and len(flat):
                 before, lag, last = flat[0].copy(), np.zeros((1, flat.shape[1])), float(batch.t[0])
             steps = np.maximum(np.diff(batch.t, prepend=last), 0)[:, None] / self.time
