@@ -16,7 +16,7 @@ ON_FRAMES = [name for name in ORDER if effect_class(name).STAGE == "frames"]
 SHAPES = [(1, 1), (1, 5), (5, 1), (2, 2), (8, 8), (32, 32)]
 
 
-def pieces(values: NDArray[np.float64], t: NDArray[np.float64], cuts: Iterable[int]) -> Iterator[Batch]:
+def pieces(values: NDArray[np.float64], t: Any, cuts: Iterable[int]) -> Iterator[Batch]:
     array = TaxelArray("a", values.shape[1], values.shape[2], 1e-3, 1e-3)
     for number in np.split(np.arange(len(t)), list(cuts)):
         part = values[number].copy()
