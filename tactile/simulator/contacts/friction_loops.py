@@ -7,24 +7,35 @@ import numpy as np
 from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
 
 MEMORY = 12
-"""Rings remembered; older, inner ones are merged beyond that."""
+"""Rings remembered; beyond that neighbours are merged whose traction changes least by it."""
+ALIKE = 1e-9
+"""Difference of what two rings slip by at which they are one: many small steps leave so much of rounding."""
 ROOM = MEMORY + 2
 """Rings in the arrays: one step adds at most two before they are merged."""
 
 
 @kept_helper(error_model="numpy")
 def _merged(ends, shares, count):  # type: ignore[no-untyped-def]  # numba types it at the call
-    """Rings that slipped the same way are one ring, and there are no more than MEMORY of them."""
+    """Rings that slipped alike are one ring, and there are no more than MEMORY of them."""
     kept = 0
     for k in range(count):
         last = k == count - 1
-        if last or max(abs(shares[k + 1, 0] - shares[k, 0]), abs(shares[k + 1, 1] - shares[k, 1])) > 1e-12:
+        if last or max(abs(shares[k + 1, 0] - shares[k, 0]), abs(shares[k + 1, 1] - shares[k, 1])) > ALIKE:
             ends[kept], shares[kept, 0], shares[kept, 1] = ends[k], shares[k, 0], shares[k, 1]
             kept += 1
-    while kept > MEMORY:  # the two innermost rings become one that carries the same
-        for axis in range(2):
-            shares[1, axis] = (ends[0] * shares[0, axis] + (ends[1] - ends[0]) * shares[1, axis]) / ends[1]
+    while kept > MEMORY:  # two rings become one that carries the same
+        best, least, low = 1, np.inf, 0.0
         for k in range(1, kept):
+            inner, outer = ends[k - 1] - low, ends[k] - ends[k - 1]
+            apart = math.hypot(shares[k, 0] - shares[k - 1, 0], shares[k, 1] - shares[k - 1, 1])
+            if apart * min(inner, outer) < least:
+                best, least = k, apart * min(inner, outer)
+            low = ends[k - 1]
+        low = ends[best - 2] if best > 1 else 0.0
+        inner = (ends[best - 1] - low) / (ends[best] - low)
+        for axis in range(2):
+            shares[best, axis] = inner * shares[best - 1, axis] + (1 - inner) * shares[best, axis]
+        for k in range(best, kept):
             ends[k - 1], shares[k - 1, 0], shares[k - 1, 1] = ends[k], shares[k, 0], shares[k, 1]
         kept -= 1
     return kept

@@ -1,5 +1,6 @@
 """Indenters that move over a finger, pressed by force or by depth, with friction or without."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
@@ -11,10 +12,11 @@ from cnnsim.support import Floats, InputError
 from cnnsim.support.errors import shown
 from cnnsim.support.keywords import spelled
 from cnnsim.support.values import is_number
-from tactile.core.loads import COLUMNS, FORCE, PLACE, SHEAR, F, Q, R, X, Y
+from tactile.core.loads import COLUMNS, PLACE, SHEAR, F, Q, R, X, Y
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import HERTZ, Profile
-from tactile.simulator.contacts.friction import FrictionState, follow, load_to, untouched
+from tactile.simulator.contacts.friction import FrictionState
+from tactile.simulator.contacts.friction_history import FrictionHistory, history
 from tactile.simulator.contacts.indenter import FLAT, LAWS, ROUND, Indenter
 from tactile.simulator.contacts.loads import Disc, Loads, Twist
 from tactile.simulator.contacts.moving_load import along_path, checked_path, path_array, span
@@ -82,7 +84,7 @@ class MovingContact:
         rows[rows[:, F] < 0, PLACE.stop :] = 0
         if self.indenter.shape not in ROUND:
             return self._line(rows, depth, medium)
-        return self._slipping(times, rows, medium, self._histories(medium))
+        return self._slipping(times, rows, medium, self._dry_history(medium))
 
     def _sticking(self, times: Floats, medium: Medium, rig: Rig) -> Loads:
         from tactile.simulator.contacts.sticking import attached, moved, table, with_pull  # only where called for
@@ -106,15 +108,14 @@ class MovingContact:
         if rig.moves:
             reaching = partial(table, self.indenter, medium, rig.work, pushes, self.given_depth)
             pull = moved(rows, pull, reaching, rig)
-        keys = held(self.path[:, 0], self.path[:, 1:].copy())[1]
-        loads = self._slipping(times, rows, medium, self._walked(keys, medium))
+        slips = self._history_of(medium, rig.work, lambda t: held(t, along_path(self.path, t)[0])[1])
+        loads = self._slipping(times, rows, medium, slips)
         return with_pull(loads, rows, rows[:, F] + pull, self.indenter, medium)
 
-    def _slipping(self, times: Floats, rows: Floats, medium: Medium, at_keys: list[FrictionState]) -> Loads:
-        if self.friction is None:
+    def _slipping(self, times: Floats, rows: Floats, medium: Medium, slips: FrictionHistory | None) -> Loads:
+        if slips is None:
             return self._round(rows, None, medium)
-        which = np.searchsorted(self.path[:, 0], times, side="right")
-        ends, terms = follow(at_keys, which, rows[:, FORCE], self.indenter.carrying(medium))
+        ends, terms = slips.terms(times, rows)
         rows[:, SHEAR] = terms.sum(axis=1)
         return self._round(rows, (ends, terms), medium)
 
@@ -124,7 +125,10 @@ class MovingContact:
         Raises:
             InputError: a contact without friction.
         """
-        return self._states(times, self._at(times, medium), self._histories(medium), medium)
+        known = self._dry_history(medium)
+        if known is None:
+            raise InputError(f"a {self.indenter.shape} without friction; a coefficient wanted")
+        return known.at(times, self._at(times, medium))
 
     def _at(self, times: Floats, medium: Medium) -> Floats:
         """Rows (x, y, Q, R, F, M) at the times, without force where the contact is absent."""
@@ -139,26 +143,20 @@ class MovingContact:
             rows[:, F] = self.indenter.force_at(rows[:, F], medium)
         return rows
 
-    def _states(self, times: Floats, rows: Floats, at_keys: list[FrictionState], medium: Medium) -> list[FrictionState]:
-        # the state at the last keyframe before, then one step: a straight way of loading needs no more
-        last = np.searchsorted(self.path[:, 0], times, side="right")
-        carry = self.indenter.carrying(medium)
-        return [load_to(at_keys[k], row[F], row[SHEAR], carry) for k, row in zip(last.tolist(), rows, strict=True)]
+    def _dry_history(self, medium: Medium) -> FrictionHistory | None:
+        return self._history_of(medium, 0.0, partial(self._at, medium=medium))
 
-    def _histories(self, medium: Medium) -> list[FrictionState]:
-        if medium not in self._history:
-            self._history[medium] = self._walked(self._forces(self.path[:, 1:], medium), medium)
-        return self._history[medium]
-
-    def _walked(self, rows: Floats, medium: Medium) -> list[FrictionState]:
-        """The states of friction from keyframe to keyframe."""
-        states = [untouched(self.friction or 0.0)]
-        for row in rows:
-            states.append(load_to(states[-1], row[F], row[SHEAR], self.indenter.carrying(medium)))
-        return states
+    def _history_of(self, medium: Medium, work: float, rows_at: Callable[[Floats], Floats]) -> FrictionHistory | None:
+        """On a medium with that work of adhesion, with its loads at any times; None without friction."""
+        if self.friction is None:
+            return None
+        if (medium, work) not in self._known:
+            carry = self.indenter.carrying(medium)
+            self._known[medium, work] = history(self.path[:, 0], rows_at, self.friction, carry)
+        return self._known[medium, work]
 
     @cached_property
-    def _history(self) -> dict[Medium, list[FrictionState]]:
+    def _known(self) -> dict[tuple[Medium, float], FrictionHistory]:
         return {}
 
     @cached_property
