@@ -173,5 +173,6 @@ def _lines(scene: Scene) -> list[str]:
         if maps and scene.bumps is None:
             sure = [(name, effect) for name, effect in scene.effects if not effect.RANDOM]
             (field,) = scene.affected([scene.skin.field(finger, np.zeros(1))], "field", sure, finger)
-            lines += [f"height map on {array.name}: {one.described(field.medium, field.taxels.depth)}" for one in maps]
+            depth, bodies = field.taxels.depth, [one.on_dome(field.rig.curvature) for one in maps]
+            lines += [f"height map on {array.name}: {one.described(field.medium, depth)}" for one in bodies]
     return lines

@@ -48,6 +48,8 @@ class HeightMap:
         Raises:
             InputError: cells wider than half the depth; as ``rough_contact.RoughContact.pressed``.
         """
+        if rig.curvature:
+            return self.on_dome(rig.curvature).loads(times, depth, medium, replace(rig, curvature=0.0))
         if self.pitch > depth / 2 * (1 + 1e-9):
             raise InputError(
                 f"a height map of cells {self.pitch * 1e3:g} mm wide over taxels {depth * 1e3:g} mm deep; at most half"
@@ -65,6 +67,17 @@ class HeightMap:
         owner = np.zeros(1, np.int64)
         spread = tuple(self._spread(rows, here, medium, depth, most, owner) for most, here in told)
         return Loads(rows[:, None], np.empty((len(rows), 0, COLUMNS)), owner[:0], patterns=spread)
+
+    def on_dome(self, curvature: float) -> "HeightMap":
+        """The map that touches a plane as this one touches a cover so curved [1/m], whose crown is under its middle."""
+        if curvature == 0:
+            return self
+        if ("dome", curvature) not in self.memory:
+            y, x = ((np.arange(count) - (count - 1) / 2) * self.pitch for count in self.heights.shape)
+            higher = self.heights + curvature / 2 * (x**2 + y[:, None] ** 2)
+            self.memory["dome", curvature] = replace(self, heights=higher, memory={})
+        curved: HeightMap = self.memory["dome", curvature]
+        return curved
 
     def _held(self, rows: Floats, medium: Medium, rig: Rig) -> tuple[Floats, list[tuple[float | None, Flags]]]:
         """Rows (frames, 5) as the rig holds the body, with forces; and which frames which solution tells (`pressed`).

@@ -17,6 +17,8 @@ Move = Callable[[Floats], tuple[Floats, Floats]]
 """From places (frames, 2) [m] to the displacement (frames, 2) [m] and by what the cover rises (frames,) [m]."""
 Rises = Sequence[tuple[float, float]]
 """By how much [m] the surface rises, one after the other, each with the tip's radius [m] of contacts at a point."""
+CURVED = ("sphere", "needle", "cylinder")
+"""Shapes whose radius at the contact a curved cover makes smaller."""
 BY_TIP = ("point", "edge")
 """Shapes that are held by the tip of a move, for they have no radius of their own."""
 
@@ -36,7 +38,7 @@ class Rig:
 
     def touching(self, body: Indenter) -> Indenter:
         """The body that touches a plane as this one touches the curved cover: 1 / R grows by its curvature."""
-        if self.curvature == 0 or body.shape not in ("sphere", "cylinder"):
+        if self.curvature == 0 or body.shape not in CURVED:
             return body
         return replace(body, radius=1 / (1 / body.radius + self.curvature))
 

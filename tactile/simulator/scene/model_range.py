@@ -31,6 +31,8 @@ STICKS = 0.5
 """Contact radius over thickness from which a pull that a flat end sticks under is off by more than 2 %, being spread
 like the pressure. Against the traction that drags the circle as one, nu = 1/2, taxels at 0.3 of the thickness: 0.5 % at
 0.3, 13 % at 1, 38 % at 2 and half at 4; at nu = 0.3 it is 7, 20 and 18 % at 1, 2 and 4."""
+FLAT = 0.1
+"""Share of the indentation by which a curved cover may fall away from a flat end: about so much of its pressure."""
 DOUBT = 0.02
 """Share of its force that the cells of a height map may leave open. Of smooth bodies it is a cautious figure: they come
 out to 1 % where it is below."""
@@ -70,7 +72,7 @@ def _lines(found: Reached, mine: dict[int, MovingContact], field: Field) -> Iter
             yield from _contact(contact, number, found, field)
         for one in field.contacts:
             if isinstance(one, HeightMap):
-                yield from _map(one, field.medium)
+                yield from _map(one.on_dome(field.rig.curvature), field.medium)
     strain = found.strain
     if strain > 1:
         raise InputError(
@@ -97,6 +99,8 @@ def _contact(contact: MovingContact, number: int, found: Reached, field: Field) 
     index = field.contacts.index(contact)
     force, wide = float(found.forces[index]), float(found.wide[index])
     yield from _size(name, force, wide, body, contact, field.medium)
+    if field.rig.curvature and force > 0:
+        yield from _fallen(name, body, force, field)
 
 
 def _map(body: HeightMap, medium: Medium) -> Iterator[str]:
@@ -160,6 +164,17 @@ def _size(
             "the cover is taken to be linear"
         )
     yield from _sunk(name, deep, medium)
+
+
+def _fallen(name: str, body: Indenter, force: float, field: Field) -> Iterator[str]:
+    """A curved cover that falls away from what is taken to be flat: an end, or a cylinder along its length."""
+    flat, where = {"flat_punch": (body.radius, "rim"), "cylinder": (body.length / 2, "ends")}.get(body.shape, (0.0, ""))
+    falls, deep = field.rig.curvature * flat**2 / 2, float(body.indentation(np.array([force]), field.medium)[0])
+    if falls > FLAT * deep:
+        yield (
+            f"{name}: the curved cover falls away by {falls * 1e3:.2g} mm under its {where}, {falls / deep:.2g} of its "
+            f"indentation; at most {FLAT:g} wanted: it is taken to be flat there"
+        )
 
 
 def _dragged(name: str, over: float, contact: MovingContact) -> Iterator[str]:

@@ -15,9 +15,10 @@ from tactile.simulator.slopes import Slopes
 class CurvedFingertip:
     """The cover's surface is a dome of ``radius`` [m] whose crown lies over the array's centre; infinite for a plane.
 
-    To first order in 1 / radius: at a distance r from the crown the cover is thinner by r^2 / (2 radius), and a sphere
-    or cylinder of radius R touches it like one of 1 / (1 / R + 1 / radius) a plane. The surface's slope, r / radius, is
-    left out: loads stay upright.
+    To first order in 1 / radius: at a distance r from the crown the cover is thinner by r^2 / (2 radius), and a sphere,
+    needle or cylinder of radius R touches it like one of 1 / (1 / R + 1 / radius) a plane; a height map, like one that
+    is higher by r^2 / (2 radius), r from its middle. Flat ends stay on all of their area, edges and cylinders on all of
+    their length. The surface's slope, r / radius, is left out: loads stay upright.
 
     Source: Johnson, Contact Mechanics, eq. (4.17), for the radius.
     """

@@ -11,6 +11,8 @@ from cnnsim.support import InputError
 from tactile.core.frame import TaxelArray
 from tactile.elastic.halfspace import point_load
 from tactile.elastic.medium import Medium
+from tactile.elastic.rough_contact import RoughContact
+from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.moving_load import MovingLoad
@@ -89,3 +91,41 @@ def test_a_ball_on_a_dome_touches_like_a_smaller_one() -> None:
     pressed = replace(ball, given_depth=True, path=np.array([(0.0, 0, 0, 0, 0, 1e-4)]))
     force = under(CurvedFingertip(0.02), contact=pressed).loads.totals[0, 0, 4]
     assert force == pytest.approx(4 / 3 * 3.2e6 * np.sqrt(4e-3) * 1e-6)
+
+
+@pytest.mark.parametrize("thickness", (np.inf, 3e-3))
+def test_a_needle_and_a_height_map_on_a_dome_touch_as_what_lies_between_them(thickness: float) -> None:
+    # the gap to the dome, pressed onto a flat cover cell by cell: r^2 / 2 radius more than to a plane
+    radius, deep, layer = 2e-3, 1e-4, [FiniteThickness(thickness)] if np.isfinite(thickness) else []
+    steps = (np.arange(65) - 32) * 4e-5
+    square = steps**2 + steps[:, None] ** 2
+    sphere = radius - np.sqrt(radius**2 - square)
+    path = np.array([(0.0, 0, 0, 0, 0, deep)])
+    needle = MovingContact(0, Indenter("needle", radius), path, None, True)
+    mapped = HeightMap(0, sphere, 4e-5, path, None, True)
+    flat = [under(*layer, contact=one).loads.totals[0, 0, 4] for one in (needle, mapped)]
+    for dome in (0.02, 0.004):
+        cells = RoughContact(sphere + square / (2 * dome), 4e-5, replace(RUBBER, thickness=thickness))
+        wanted = float(cells.pressed(deep).sum()) * 4e-5**2
+        found = [under(CurvedFingertip(dome), *layer, contact=one).loads.totals[0, 0, 4] for one in (needle, mapped)]
+        assert found == pytest.approx([wanted] * 2, rel=0.012)
+        assert min(flat) > 1.04 * wanted
+    (said,) = Scene("s", 10.0, 0.1, 2.4e6, (ARRAY,), (), (mapped,), (CurvedFingertip(0.004),)).range_notes or ("",)
+    assert said == ""
+    assert mapped.on_dome(0.0) is mapped
+
+
+def test_flat_ends_and_lying_cylinders_from_which_a_dome_falls_away_are_told_of() -> None:
+    end = MovingContact(0, Indenter("flat_punch", 1e-3), np.array([(0.0, 0, 0, 0, 0, 0.3)]))
+    lying = MovingContact(0, Indenter("cylinder", 2e-3, 4e-3), np.array([(0.0, 0, 0, 0, 0, 0.3)]))
+
+    def said(body: MovingContact, *effects: Any) -> str:
+        return "\n".join(Scene("s", 10.0, 0.1, 2.4e6, (ARRAY,), (), (body,), effects).range_notes)
+
+    # F = 2 E* a delta: 0.0469 mm deep, and the dome falls by a^2 / 2 radius under the rim
+    share = 1e-6 / (2 * 0.05) / (0.3 / (2 * 3.2e6 * 1e-3))
+    told = said(end, CurvedFingertip(0.05))
+    assert f"a flat_punch: the curved cover falls away by 0.01 mm under its rim, {share:.2g} of its indentation" in told
+    assert "the curved cover falls away by 0.04 mm under its ends" in said(lying, CurvedFingertip(0.05))
+    for body in (end, lying):
+        assert said(body) == said(body, CurvedFingertip(1.0)) == ""
