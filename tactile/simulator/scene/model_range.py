@@ -118,6 +118,11 @@ def _map(body: HeightMap, medium: Medium) -> Iterator[str]:
             f"height map: a contact {solved.width * 1e3:.3g} mm wide on cells of {body.pitch * 1e3:g} mm, which leave "
             f"its force open by about {solved.doubt:.1%}; at most {DOUBT:.0%} wanted, by smaller cells"
         )
+    elif deep > solved.width / 2:  # as a ball is that is pressed in by more than its radius
+        yield (
+            f"height map: {deep * 1e3:.3g} mm deep, {2 * deep / solved.width:.3g} times the half width of its contact; "
+            "at most that wanted: the cover is taken to be linear"
+        )
 
 
 def _sunk(name: str, deep: float, medium: Medium) -> Iterator[str]:

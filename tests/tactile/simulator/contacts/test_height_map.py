@@ -172,6 +172,24 @@ def test_cells_that_do_not_tell_the_contact_are_told_of() -> None:
     assert "mm deep in a cover of 2 mm; at most 0.3 of it wanted" in line
 
 
+def test_a_height_map_pressed_in_deeper_than_its_contact_is_wide_is_told_of() -> None:
+    """As a ball is that goes in by more than its radius, where a = R, and a flat end by more than its own."""
+
+    def told(heights: NDArray[np.float64], pitch: float, deep: float) -> str:
+        body = HeightMap(0, heights, pitch, np.array([(0.0, 0, 0, 0, 0, deep)]), None, True)
+        array = TaxelArray("pad", 2, 2, 5e-3, 5e-3)
+        return "\n".join(out_of_range(Scene("s", 10.0, 0.1, 2.4e5, (array,), (), (body,))))
+
+    pitch, radius = 6e-5, 1e-3
+    steps = (np.arange(51) - 25) * pitch
+    square = steps**2 + steps[:, None] ** 2
+    assert told(square / 2 / radius, pitch, 0.9 * radius) == ""
+    assert "1.1 mm deep, 1.0" in told(square / 2 / radius, pitch, 1.1 * radius)
+    end = np.where(square < radius**2, 0.0, 1.0)
+    assert told(end, pitch, 0.5 * radius) == ""
+    assert "30 mm deep" in told(end, pitch, 30 * radius)
+
+
 def test_forces_of_nothing_and_maps_of_a_cell_or_two_are_pressed() -> None:
     for heights in (np.zeros((1, 1)), np.arange(9.0)[None] * 1e-5, np.add.outer(np.arange(6), np.arange(6)) * 1e-5):
         for push in (-1.0, 0.0, 1e-9, 0.1):
