@@ -73,8 +73,9 @@ class MovingContact:
                 that goes through the cover.
         """
         if rig.curvature:
-            curved = replace(self, indenter=rig.touching(self.indenter))
-            return curved.loads(times, depth, medium, replace(rig, curvature=0.0))
+            if rig.curvature not in self._on_domes:  # with its laws and history
+                self._on_domes[rig.curvature] = replace(self, indenter=rig.touching(self.indenter))
+            return self._on_domes[rig.curvature].loads(times, depth, medium, replace(rig, curvature=0.0))
         if rig.work > 0 and self.indenter.shape in LAWS:
             return self._sticking(times, medium, rig)
         rows = self._at(times, medium)
@@ -154,6 +155,10 @@ class MovingContact:
             carry = self.indenter.carrying(medium)
             self._known[medium, work] = history(self.path[:, 0], rows_at, self.friction, carry)
         return self._known[medium, work]
+
+    @cached_property
+    def _on_domes(self) -> dict[float, "MovingContact"]:
+        return {}
 
     @cached_property
     def _known(self) -> dict[tuple[Medium, float], FrictionHistory]:

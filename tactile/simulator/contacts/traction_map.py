@@ -16,7 +16,7 @@ from tactile.simulator.contacts.rig import STILL, Rig
 
 @dataclass(frozen=True, eq=False)  # arrays are not compared
 class TractionMap:
-    """A map that keeps its shape and place and changes in strength.
+    """A map that keeps its shape and place and changes in strength; its tractions are given, and may pull.
 
     Arguments: ``cells`` (n, 5) rows (x, y, Q, R, F) [m, N] of its cells at strength 1; ``path`` (n, 2) rows
     (t, strength) [s, 1].

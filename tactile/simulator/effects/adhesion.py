@@ -18,8 +18,8 @@ class Adhesion:
 
     A sphere of radius R on the half-space is pulled off by 1.5 pi w R, whatever that is made of; at no force its
     contact is already cbrt(4.5 pi w R^2 / E*) wide. A contact is made where it touches (a push of 0 or more) and holds
-    until it snaps off. Without this effect a body that is pulled has lifted off. Points, edges and cylinders do not
-    stick; slip is limited by friction times the force that the dry body would have at this radius.
+    until it snaps off. Without this effect a body that is pulled has lifted off. Points, discs, edges, cylinders and
+    height maps do not stick; slip is limited by friction times the force that the dry body would have at this radius.
 
     Source: Johnson, Kendall, Roberts (1971); about 0.05 J/m^2 for silicone rubber on a clean smooth body.
     """

@@ -90,7 +90,7 @@ def _contact(contact: MovingContact, number: int, found: Reached, field: Field) 
     if push.min() < 0 and not contact.given_depth and not sticks and body.shape != "point":
         yield (
             f"{name}: pulled with {-push.min():.3g} N; a dry contact cannot pull: it lifts off and carries nothing"
-            " ([effect.adhesion] lets it stick)"
+            + " ([effect.adhesion] lets it stick)" * (body.shape in LAWS)
         )
     if body.shape not in (*LAWS, "cylinder"):
         return

@@ -34,7 +34,12 @@ def test_a_scene_says_where_its_models_end() -> None:
     assert said(pressed(0.0, 0.05, 0.0)) == ""
     pulled = said(pressed(0.5, -0.5))
     assert "contact 1, a sphere: pulled with 0.5 N; a dry contact cannot pull: it lifts off" in pulled
+    assert "([effect.adhesion] lets it stick)" in pulled
     assert "pulled" not in said(pressed(0.05, -0.5), Adhesion())
+    for shape in (Indenter("disc", 1e-3), Indenter("cylinder", 2e-2, 8e-3), Indenter("edge", 0.0, 8e-3)):
+        for effects in ((), (Adhesion(),)):  # which does not hold these
+            held = MovingContact(0, shape, np.array([(0.0, 0, 0, 0, 0, 0.05), (1, 0, 0, 0, 0, -0.5)]))
+            assert said(held, *effects).endswith("it lifts off and carries nothing")
     assert "of a sphere of radius 5 mm; at most 0.5 of it wanted" in said(pressed(0.0, 50.0), depth=5e-3)
     needle = MovingContact(0, Indenter("needle", 5e-5), np.array([(0.0, 0, 0, 0, 0, 1.5e-3)]), None, True)
     assert "30 times its radius" in said(needle)
