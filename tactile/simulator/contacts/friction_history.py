@@ -11,8 +11,8 @@ from tactile.simulator.contacts.friction import Carry, FrictionState, follow, lo
 
 LOOKS = 33
 """Places in each stretch between keyframes that are looked at, closer where it begins: contacts begin there."""
-HALVINGS = 24
-"""Of such a stretch, after which 1e-8 of it is left."""
+HALVINGS = 40
+"""Of such a stretch, after which 1e-12 of it is left."""
 
 
 class FrictionHistory(NamedTuple):

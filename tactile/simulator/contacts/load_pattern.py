@@ -74,6 +74,12 @@ class PatternLoads:
     weights: Floats
     owner: Integers
 
+    def spread(self, frame: int) -> float:
+        """The mean square [m^2] of how far from the body's middle its load acts in a frame."""
+        level = self.first[frame]
+        squares = self.pattern.shares[level : level + 2] @ (self.pattern.places**2).sum(axis=1)
+        return float(self.weights[frame, : len(squares)] @ squares)
+
     def of_frames(self, part: slice) -> "PatternLoads":
         """Those of some of the frames."""
         return replace(self, rows=self.rows[part], first=self.first[part], weights=self.weights[part])

@@ -62,12 +62,14 @@ def hardest_frames(field: Field, frames: int, rate: float) -> Floats:
 def _hardest(field: Field) -> Floats:
     """The largest |P| [N] of every contact, of all that it presses, pulls and twists with one by one."""
     loads = field.loads
-    if not (loads.discs or loads.twists) and loads.points is loads.totals:
+    if not (loads.discs or loads.twists or loads.patterns) and loads.points is loads.totals:
         return np.asarray(_sizes(loads.totals[..., FORCE]).max(axis=0, initial=0.0))
     sums = np.zeros((loads.totals.shape[1], len(field.times)))
     np.add.at(sums, loads.owner, _sizes(loads.points[..., FORCE]).T)
     for disc in loads.discs:
         np.add.at(sums, disc.owner, _sizes(disc.loads[..., FORCE]).T)
+    for pattern in loads.patterns:
+        np.add.at(sums, pattern.owner, _sizes(pattern.rows[..., FORCE]))
     for twist in loads.twists:  # its tractions, 3 M r / (4 pi a^3 sqrt(a^2 - r^2)), add up to 3 pi M / 8 a
         wide = np.where(twist.radii > 0, twist.radii, np.inf)
         np.add.at(sums, twist.owner, (3 * np.pi / 8 * np.abs(twist.twists[..., 2]) / wide).T)
@@ -80,6 +82,10 @@ def _spread(field: Field) -> Floats:
     hard = np.abs(loads.totals[..., F]).argmax(axis=0)
     for disc in loads.discs:
         np.maximum.at(square, disc.owner, disc.radii[hard[disc.owner], np.arange(len(disc.owner))] ** 2 / 2)
+    for pattern in loads.patterns:
+        (index,) = pattern.owner
+        if pattern.rows[hard[index], FORCE].any():
+            square[index] = pattern.spread(hard[index])
     for index, at in enumerate(hard.tolist()):
         points = loads.points[at, loads.owner == index]
         if len(points) > 1 and (weight := np.abs(points[:, F])).any():
