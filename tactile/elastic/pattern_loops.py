@@ -15,7 +15,7 @@ def add_pattern(
 
     Arguments: ``positions`` (taxels, 2) [m]; ``rows`` (frames, 5) (x, y, Q, R, F) [m, N]; ``frames``, ``weights``
     (n,): in which, and which share of the load has this pattern; ``numbers``: all its grids' coefficients in a row,
-    ``grids`` (grids, 7) as `pattern_table.PatternTable` has them; ``columns``: 3 without shear, else 8.
+    ``grids`` (grids, 9) as `pattern_table.PatternTable` has them; ``columns``: 3 without shear, else 8.
     """
     x, y = (np.ascontiguousarray(positions[:, axis]) for axis in (0, 1))
     _add(x, y, rows, frames, weights, numbers, grids, columns, out)

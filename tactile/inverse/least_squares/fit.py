@@ -75,11 +75,11 @@ class Fit:
     ``chi``: sum of the squares that they leave of ``whole``; ``spread`` (k, 5): variances for signals of variance 1;
     ``free``: degrees of freedom, signals less what was fitted to them; ``variance`` of a signal: that of the noise
     where it is known, more where the residual says more, NaN without. ``stranger``: the taxel out of reach of the loads
-    where they leave most, -1 for none; None: not looked for yet.
+    where they leave most, -1 for none.
     """
 
     def __init__(
-        self, signals: Signals, loads: Floats, chi: float, whole: float, spread: Floats, stranger: int | None = None
+        self, signals: Signals, loads: Floats, chi: float, whole: float, spread: Floats, stranger: int
     ) -> None:
         self.signals, self.loads, self.chi, self.whole, self.spread = signals, loads, chi, whole, spread
         self._stranger = stranger
@@ -106,17 +106,11 @@ class Fit:
     @cached_property
     def foreign(self) -> int | None:
         """The taxel out of reach that feels most of what none of the loads makes, None where none does."""
-        from tactile.inverse.least_squares import doubt_numba  # as above
-
-        signals, worst, (_, times, median) = self.signals, self._stranger, FOREIGN
-        if worst is None:
-            least = least_foreign(signals.noise)
-            worst = doubt_numba.foreign(signals.seen, self.rest, signals.felt, self.loads, REACH, least, times)
-        if worst < 0:
+        if self._stranger < 0:
             return None
         from tactile.inverse.least_squares.noise_numba import stands_out  # as above
 
-        return worst if stands_out(self.rest, worst, median) else None
+        return self._stranger if stands_out(self.rest, self._stranger, FOREIGN[2]) else None
 
     @cached_property
     def random(self) -> float:
@@ -192,12 +186,12 @@ def fitted(signals: Signals, start: Floats) -> Fit:
     if start.shape[1] == 2:
         components_numba.components(*parts, loads[0], signals.strain, signals.layer, signals.tie)
     chi, whole, spread = fit_numba.fit(*parts, loads, signals.strain, signals.layer, signals.tie, STEPS)
-    if len(parts[0]) == len(signals.seen):
-        return Fit(signals, loads, chi, whole, spread)
     seen, felt, least = signals.seen, signals.felt, least_foreign(signals.noise)
     rest = equations_numba.rest(seen, felt, signals.scale, loads, signals.strain, signals.layer)
     stranger = doubt_numba.foreign(seen, rest, felt, loads, REACH, least, FOREIGN[1])
-    found = Fit(signals, loads, equations_numba.energy(rest), equations_numba.energy(felt), spread, stranger)
+    if len(parts[0]) < len(seen):
+        chi, whole = equations_numba.energy(rest), equations_numba.energy(felt)
+    found = Fit(signals, loads, chi, whole, spread, stranger)
     found.__dict__["rest"] = rest  # as `cached_property` keeps it
     return found
 
