@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Floats, InputError
-from tactile.core.loads import F
+from tactile.core.loads import COLUMNS, F
 from tactile.simulator.choice.chain import Named
 from tactile.simulator.choice.effect_bounds import EffectBounds
 from tactile.simulator.choice.finger_bounds import FIELD
@@ -146,7 +146,7 @@ def _hardest_moments(scene: Scene, finger: int) -> Floats:
         if contact.finger != finger:
             continue
         path = getattr(contact, "path", None)
-        if path is None:
+        if path is None or path.shape[1] <= COLUMNS:  # a map's strength, which tells no force
             times.append(np.linspace(0, last, min(scene.samples, MOMENTS)))
         else:  # pushes change linearly between keyframes and the end
             keys = np.clip(path[:, 0], 0, last)

@@ -62,7 +62,10 @@ class Chain:
                     passes = effect.passes(seen)
                 if "grain" in says and (grain := effect.grain(seen)) > 0:
                     found.grains[name] = grain, 3 * seen.taxels * seen.frames / grain
-                seen = effect.behind(seen) if "behind" in says else seen.after(min(reach, seen.largest), effect.RANDOM)
+                if "behind" in says:
+                    seen = effect.behind(seen)
+                else:  # noise may be larger than the readings
+                    seen = seen.after(reach if reach < math.inf else seen.largest, effect.RANDOM)
             grown.append((name, reach, passes))
         for name, reach, passes in reversed(grown):
             reaches[name] = reach * growth

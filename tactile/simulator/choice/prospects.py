@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from tactile.core.loads import FORCE, F
+from tactile.core.loads import COLUMNS, FORCE, F
 from tactile.elastic.halfspace import point_scale
 from tactile.simulator.choice.chain import Named
 from tactile.simulator.choice.effect_bounds import EffectBounds
@@ -144,7 +144,7 @@ def _hardest(contact: Any, medium: Any) -> float:
             return math.inf
         return float(contact.indenter.force_at(np.array([contact.path[:, 1 + F].max()]), medium)[0])
     path = getattr(contact, "path", None)
-    if path is None:
+    if path is None or path.shape[1] <= COLUMNS:  # a map's strength
         return math.inf
     forces = path[:, 1:][:, FORCE]
     return math.sqrt(float(np.einsum("nc,nc->n", forces, forces).max()))

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.support import Floats, InputError
-from tactile.core.loads import FORCE
+from cnnsim.support import Floats, InputError, Integers
+from tactile.core.loads import FORCE, F
 from tactile.simulator.choice.extremes import PEAKS, RAISED, SPREAD, Extremes
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.moving_contact import MovingContact
@@ -19,7 +19,8 @@ from tactile.simulator.ideal_skin import CHUNK
 from tactile.simulator.seen import Seen
 
 APART = 4
-"""Frames more where bodies stick or are shaken: those where the effects change the forces most."""
+"""Frames more where bodies stick or are shaken: those where the effects change the forces most, and as many of those
+where bodies press with the effects alone."""
 CHANCE = 0.5
 """Of effects that are tried, about so many can be left out."""
 BEGIN = 300e-6
@@ -61,7 +62,7 @@ class Trial:
     @property
     def frames(self) -> int:
         """How many frames every trial has."""
-        count = PEAKS + SPREAD + APART * self._bends
+        count = PEAKS + SPREAD + 2 * APART * self._bends
         return (count + 2 * RAISED) * 3 if self._rises else count
 
     @property
@@ -129,21 +130,25 @@ class Trial:
     def _apart(self) -> Floats:
         """Times [s] at which bodies press most otherwise with the effects, at rest or raised, the first of them most.
 
-        Such as what pulls instead of lifting off, or is held so lightly that its law says how hard it presses.
+        Such as what is held so lightly that its law says how hard it presses; and apart from these what presses with
+        the effects alone, such as what pulls instead of lifting off.
         """
-        seen, most, found = self._ideal.seen, np.empty(0), np.empty(0)
+        seen, most, found = self._ideal.seen, np.empty((2, 0)), np.empty(0)
         for start in range(0, seen.frames if self._bends else 0, CHUNK):
             given = self._field(np.arange(start, min(start + CHUNK, seen.frames)) / seen.rate)
-            apart = np.zeros(len(given.times))
+            apart = np.zeros((2, len(given.times)))
             for rises in ((), self._rises) if self._rises else ((),):
                 try:
                     with_all, without = (lifted(one, rises).loads.totals for one in (self._acted(given), given))
                 except InputError:  # raised so far, one goes through the cover: its frame is one of the peaks
                     continue
-                apart = np.maximum(apart, np.abs((with_all - without)[..., FORCE]).sum(axis=(1, 2)))
-            most, found = np.append(most, apart), np.append(found, given.times)
-            best = np.argsort(-most, kind="stable")[:APART]
-            most, found = most[best], found[best]
+                change = np.abs((with_all - without)[..., FORCE]).sum(axis=2)
+                alone = np.where(without[..., F] == 0, change, 0.0)
+                apart = np.maximum(apart, [change.sum(axis=1), alone.sum(axis=1)])
+            most, found = np.append(most, apart, axis=1), np.append(found, given.times)
+            best = np.concatenate([_foremost(kind) for kind in most])
+            best = best[np.sort(np.unique(best, return_index=True)[1])]
+            most, found = most[:, best], found[best]
         return found
 
     def _raised(self, given: Field) -> Field:
@@ -152,6 +157,12 @@ class Trial:
             heights = np.repeat((0.0, rise, -rise), count)
             rig = rig.with_move(partial(_lifted, heights), tip)
         return replace(given, times=np.tile(given.times, 3), rig=rig)
+
+
+def _foremost(changes: Floats) -> Integers:
+    """The frames of the largest changes, the first of them most."""
+    order = np.argsort(-changes, kind="stable")[:APART]
+    return order[changes[order] > 0]
 
 
 def _lifted(heights: Floats, places: Floats) -> tuple[Floats, Floats]:
