@@ -60,13 +60,17 @@ def may_pay(scene: Scene, effects: list[Named], tolerance: float) -> bool:
     acting = [effect for _, effect in effects if not effect.off]
     fixed = [effect for effect in acting if effect.STAGE == "field" and not effect.RANDOM]
     layered = any(name == "finite_thickness" and not effect.off for name, effect in effects)
-    fingers = [_saved(scene, finger, fixed, tolerance, layered) for finger in range(len(scene.arrays))]
-    saved = sum(one for one, _ in fingers)
+    shares = [effect.saves(bool(scene.loads), layered) if "saves" in effect.SAYS else SAVED for effect in fixed]
     behind = [effect for effect in acting if effect.STAGE != "field"]
-    open_ends = [(seen, EFFECT + READING * 3 * seen.taxels * scene.samples) for _, seen in fingers if seen]
-    if saved <= enough < saved + len(behind) * sum(each for _, each in open_ends):  # only then these decide
-        for seen, each in open_ends:
-            saved += each * sum(effect.reach(seen) <= tolerance * seen.largest for effect in behind)
+    each = [EFFECT + READING * 3 * array.rows * array.cols * scene.samples for array in scene.arrays]
+    if _frames(scene) * sum(shares) + len(behind) * sum(each) <= enough:  # whatever they do
+        return False
+    fingers = [_saved(scene, finger, fixed, shares, tolerance) for finger in range(len(scene.arrays))]
+    saved = sum(one for one, _ in fingers)
+    open_ends = [(seen, one) for one, (_, seen) in zip(each, fingers, strict=True) if seen]
+    if saved <= enough < saved + len(behind) * sum(one for _, one in open_ends):  # only then these decide
+        for seen, one in open_ends:
+            saved += one * sum(effect.reach(seen) <= tolerance * seen.largest for effect in behind)
     return saved > enough
 
 
@@ -105,7 +109,15 @@ def _cost(scene: Scene) -> float:
     return scene.samples * each
 
 
-def _saved(scene: Scene, finger: int, fixed: list[Any], tolerance: float, layered: bool) -> tuple[float, Seen | None]:
+def _frames(scene: Scene) -> float:
+    """Time [s] of all frames with all effects on, if all that presses did so on every finger."""
+    count, bodies = len(scene.loads) + len(scene.contacts), any(map(is_body, scene.contacts))
+    return scene.samples * sum([frame_time(count, array.rows * array.cols, bodies) for array in scene.arrays])
+
+
+def _saved(
+    scene: Scene, finger: int, fixed: list[Any], shares: list[float], tolerance: float
+) -> tuple[float, Seen | None]:
     """Time [s] of the fixed effects on one finger's field that may be small enough, and the readings' bounds.
 
     These only where effects behind the field may be small, too.
@@ -122,8 +134,6 @@ def _saved(scene: Scene, finger: int, fixed: list[Any], tolerance: float, layere
     slopes = Slopes(array, medium, scale * array.depth**2 * force * fall, force, highest, not bodies)
     change = highest * min(1.0, JUMPS / scene.samples)
     seen = unseen(scene, finger, highest)._replace(change=change)
-    points = bool(scene.loads)
-    shares = [effect.saves(points, layered) if "saves" in effect.SAYS else SAVED for effect in fixed]
     sizes = [effect.most(slopes) / highest if "most" in effect.SAYS else math.inf for effect in fixed]
     frame = frame_time(len(mine), seen.taxels, bodies) * min(1.0, sum(shares))
     saved, open_end = 0.0, bodies and math.inf in sizes
