@@ -8,7 +8,7 @@ meet a kink cost anything, so the order is 3 for the work of the plain scheme, a
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
+from cnnsim.support.compiled_loops import kept_helper, kept_njit
 
 CHUNK = 512
 """Cells of which the rates are computed at once, in the nearest cache."""

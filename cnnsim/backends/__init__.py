@@ -12,8 +12,8 @@ from numpy.typing import DTypeLike
 
 from cnnsim.backends.base import Backend, BlockBackend, parse_dtype
 from cnnsim.support import InputError
+from cnnsim.support.errors import not_known
 from cnnsim.support.extras import install_line
-from cnnsim.support.nearest import not_known
 
 NAMES = ("reference", "cpu", "opencl")
 """Each is a folder of this package, whose module ``backend`` has the class as ``BACKEND``."""

@@ -12,9 +12,9 @@ from cnnsim.cli.pictures import check_plot
 from cnnsim.cli.run import json_option
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, watched
-from cnnsim.support.echo import echo, say
 from cnnsim.support.files import check_place, write_rows, writing
 from cnnsim.support.pictures.picture import read_picture
+from cnnsim.support.terminal import echo, say
 
 if TYPE_CHECKING:
     from cnnsim.prototyping.accuracy.work_precision import Row

@@ -11,7 +11,7 @@ from cnnsim.network import parse_boundary
 from cnnsim.network.boundary import BOUNDARY_FORMS
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, progress
-from cnnsim.support.echo import say
+from cnnsim.support.terminal import say
 
 _FILE = click.Path(path_type=Path)
 

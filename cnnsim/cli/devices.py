@@ -7,7 +7,7 @@ import click
 from cnnsim import backends
 from cnnsim.backends.opencl.device.devices import devices as list_devices
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.echo import echo, hanging
+from cnnsim.support.terminal import echo, hanging
 
 
 @click.command(epilog=examples("cnnsim devices", "cnnsim devices --json", "CNNSIM_DEVICE=1 cnnsim devices"))

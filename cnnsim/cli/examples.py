@@ -6,8 +6,8 @@ import click
 
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples as calls
-from cnnsim.support.echo import echo
 from cnnsim.support.files import writing
+from cnnsim.support.terminal import echo
 
 _PACKAGE = Path(__file__).parents[1]
 _CHECKOUT = _PACKAGE.parent

@@ -13,7 +13,7 @@ from cnnsim.program.file import find_program
 from cnnsim.program.program import Program
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.echo import say, say_table
+from cnnsim.support.terminal import say, say_table
 
 if TYPE_CHECKING:
     from cnnsim.program.explain_large import LargeProgram

@@ -9,9 +9,8 @@ from cnnsim.formats.export import KEPT, WRITERS
 from cnnsim.formats.files import READERS, ImportedFile, import_file
 from cnnsim.support import InputError, naming
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.echo import echo, say
-from cnnsim.support.files import write_text
-from cnnsim.support.names import check_name
+from cnnsim.support.files import check_name, write_text
+from cnnsim.support.terminal import echo, say
 
 
 @click.command(

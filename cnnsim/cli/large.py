@@ -13,10 +13,10 @@ from cnnsim.cli.pictures import arrow, check_output
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.support import InputError
 from cnnsim.support.command_line import print_json
-from cnnsim.support.echo import say
 from cnnsim.support.files import check_folder, make_folder
 from cnnsim.support.pictures.pixels import Levels
 from cnnsim.support.pictures.sequence import PictureSequence, Reading, size_text
+from cnnsim.support.terminal import say
 
 if TYPE_CHECKING:
     from cnnsim.program.machine import UniversalMachine

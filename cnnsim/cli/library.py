@@ -9,7 +9,7 @@ from cnnsim.library import folders
 from cnnsim.library.catalogue import sound
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.echo import say_table
+from cnnsim.support.terminal import say_table
 
 
 @click.command(

@@ -8,8 +8,8 @@ import click
 from cnnsim.library.new import new_text
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples
-from cnnsim.support.echo import echo
 from cnnsim.support.files import write_text
+from cnnsim.support.terminal import echo
 
 NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 """What a template or a program may be called."""

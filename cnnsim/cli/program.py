@@ -23,12 +23,12 @@ from cnnsim.cli.run import backend_option, device_option, json_option
 from cnnsim.cli.threads import find_backend, threads_option
 from cnnsim.support import Array, InputError
 from cnnsim.support.command_line import examples, print_json, watched
-from cnnsim.support.echo import say
 from cnnsim.support.files import check_folder, make_folder
 from cnnsim.support.pictures.film import filming, is_film
 from cnnsim.support.pictures.picture import write_picture
 from cnnsim.support.pictures.read import sequence_of
 from cnnsim.support.pictures.sequence import PictureSequence, Reading
+from cnnsim.support.terminal import say
 
 _SHOWN = 10
 """Steps of which each number is printed; of more, the least and the most."""

@@ -9,9 +9,9 @@ from cnnsim.cli.pictures import binary_option, check_plot, range_option
 from cnnsim.cli.run import json_option
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, progress
-from cnnsim.support.echo import echo, say, say_table
 from cnnsim.support.pictures.picture import read_picture
 from cnnsim.support.pictures.read import read_pictures
+from cnnsim.support.terminal import echo, say, say_table
 
 
 @click.command(

@@ -29,9 +29,9 @@ from cnnsim.planning.savings import Saving
 from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, watched
-from cnnsim.support.echo import say
 from cnnsim.support.pictures.film import write_film
 from cnnsim.support.pictures.sequence import Reading
+from cnnsim.support.terminal import say
 
 backend_option = click.option("--backend", type=click.Choice(backends.NAMES), default="cpu", show_default=True)
 device_option = click.option("--device", help="OpenCL device, by number or part of its name; see `cnnsim devices`.")

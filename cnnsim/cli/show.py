@@ -13,8 +13,8 @@ from cnnsim.program.program import Program
 from cnnsim.program.words import step_rows
 from cnnsim.support import Floats
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.echo import echo, hanging, say_table
 from cnnsim.support.pictures.picture import to_ascii
+from cnnsim.support.terminal import echo, hanging, say_table
 
 
 @click.command(epilog=examples("cnnsim show edge", "cnnsim show hole-filler --json", "cnnsim show slip-front"))

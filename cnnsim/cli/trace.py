@@ -20,9 +20,9 @@ from cnnsim.network.boundary import BOUNDARY_FORMS
 from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.echo import say
 from cnnsim.support.pictures.film import write_film
 from cnnsim.support.pictures.sequence import Reading
+from cnnsim.support.terminal import say
 
 _FILE = click.Path(path_type=Path)
 

@@ -15,8 +15,8 @@ from cnnsim.library.folders import folder as shipped_folder
 from cnnsim.library.imported import Imported
 from cnnsim.library.read import load_file
 from cnnsim.support import Diagnostics, InputError
-from cnnsim.support.bounds import FOREIGN, TEMPLATES, check_file
 from cnnsim.support.files import check_free, make_folder, writing
+from cnnsim.support.limits import FOREIGN, TEMPLATES, check_file
 
 
 def _tem(data: bytes, stem: str, report: Diagnostics) -> list[Imported]:

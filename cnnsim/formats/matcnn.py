@@ -21,7 +21,7 @@ from cnnsim.library.imported import Imported, assume_setting, library_name
 from cnnsim.network import Argument, Quantity, Table, Template, Term
 from cnnsim.network.table import from_pairs
 from cnnsim.support import Diagnostics, Floats, InputError
-from cnnsim.support.bounds import TEMPLATES
+from cnnsim.support.limits import TEMPLATES
 
 _CODES = {"a": 33, "b": 11}  # A: of y_kl - y_ij, B: of u_kl - u_ij; D says its own
 _QUANTITIES = {"1": "u", "2": "x", "3": "y"}

@@ -7,7 +7,7 @@ from cnnsim.library.entry import LibraryEntry, Role
 from cnnsim.library.write import template_text
 from cnnsim.network import ZERO_FLUX, AnyTemplate, Boundary, Template
 from cnnsim.support import Diagnostics, InputError
-from cnnsim.support.names import LONGEST
+from cnnsim.support.files import LONGEST_NAME
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def plain(template: AnyTemplate, place: str) -> Template:
 
 def library_name(text: str) -> str:
     """Return a name as our files have it, lower case and hyphens: ``CCD_HOR`` becomes ``ccd-hor``."""
-    return re.sub(r"[^a-z0-9]+", "-", text.lower())[:LONGEST].strip("-") or "unnamed"
+    return re.sub(r"[^a-z0-9]+", "-", text.lower())[:LONGEST_NAME].strip("-") or "unnamed"
 
 
 def assume_setting(imported: Imported, report: Diagnostics, boundary: Boundary | None = None) -> Imported:

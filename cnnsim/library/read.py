@@ -11,9 +11,9 @@ from cnnsim.library.read_network import TEMPLATE_KEYS, needed_keys, parse_pictur
 from cnnsim.network import LayeredTemplate, parse_boundary
 from cnnsim.network.characteristic import parse_cell
 from cnnsim.support import Floats, InputError, naming
+from cnnsim.support.error_list import ErrorList
 from cnnsim.support.errors import shown
-from cnnsim.support.faults import KeyFaults
-from cnnsim.support.names import check_name
+from cnnsim.support.files import check_name
 from cnnsim.support.toml_file import (
     line_of,
     located,
@@ -37,7 +37,7 @@ def load_file(path: Path) -> LibraryEntry:
         InputError: all that is wrong, with the file's name and the lines.
     """
     data = read_toml(path, "template file")
-    faults = KeyFaults(str(path))
+    faults = ErrorList(str(path))
     found = _found(data, path.stem, faults)
     faults.tell()
     with naming(path):
@@ -48,7 +48,7 @@ def load_file(path: Path) -> LibraryEntry:
         return entry
 
 
-def _found(data: dict[str, Any], stem: str, faults: KeyFaults) -> dict[str, Any]:
+def _found(data: dict[str, Any], stem: str, faults: ErrorList) -> dict[str, Any]:
     """Return what a file says as the fields of an entry; ``faults`` get what is missing, unknown and wrong."""
     faults.check(data, (*_REQUIRED, *_OPTIONAL), required=(*_REQUIRED, *needed_keys(data)))
     found: dict[str, Any] = {}
@@ -112,7 +112,7 @@ def _role(key: str, value: Any, words: tuple[str, ...]) -> Role:
     raise InputError(f"{key} is {shown(value)}; one of {', '.join(map(repr, words))} or a number from -1 to 1 wanted")
 
 
-def _example(data: dict[str, Any], faults: KeyFaults) -> Example | None:
+def _example(data: dict[str, Any], faults: ErrorList) -> Example | None:
     before = len(faults)
     faults.check(data, (*_PLANES, "tolerance"), required=("output",))
     planes: dict[str, Floats | None] = dict.fromkeys(_PLANES)

@@ -21,8 +21,8 @@ import numpy as np
 from cnnsim.network import AnyTemplate, LayeredTemplate, Template, Term
 from cnnsim.network.table import parse_table
 from cnnsim.support import Floats, InputError, naming
+from cnnsim.support.error_list import ErrorList
 from cnnsim.support.errors import shown
-from cnnsim.support.faults import KeyFaults
 from cnnsim.support.pictures.picture import parse_ascii
 from cnnsim.support.toml_file import located, take_positive, take_tables
 
@@ -37,7 +37,7 @@ def needed_keys(data: dict[str, Any]) -> tuple[str, ...]:
     return ("layer",) if "layer" in data else _NEEDED
 
 
-def read_template(data: dict[str, Any], name: str, faults: KeyFaults) -> AnyTemplate | None:
+def read_template(data: dict[str, Any], name: str, faults: ErrorList) -> AnyTemplate | None:
     """Return the template of a file, of whatever kind; None where something is wrong, which ``faults`` then have."""
     if "layer" not in data:
         return _single_layer(data, name, faults, "")
@@ -58,7 +58,7 @@ def read_template(data: dict[str, Any], name: str, faults: KeyFaults) -> AnyTemp
     return None
 
 
-def _single_layer(data: dict[str, Any], name: str, faults: KeyFaults, place: str) -> Template | None:
+def _single_layer(data: dict[str, Any], name: str, faults: ErrorList, place: str) -> Template | None:
     """Return the template of one layer, or None; its keys are checked already. Each fault has its own line."""
     before = len(faults)
     tables: list[dict[str, Any]] = []
@@ -73,7 +73,7 @@ def _single_layer(data: dict[str, Any], name: str, faults: KeyFaults, place: str
     return Template(data["A"], data.get("B", 0.0), data["z"], name, [term for term in terms if term is not None])
 
 
-def _term(table: dict[str, Any], place: str, faults: KeyFaults) -> Term | None:
+def _term(table: dict[str, Any], place: str, faults: ErrorList) -> Term | None:
     before = len(faults)
     faults.check(table, _TERM_KEYS, place, ("weights",))
     values: dict[str, Any] = dict(table)

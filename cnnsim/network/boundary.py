@@ -9,9 +9,8 @@ import numpy as np
 
 from cnnsim.network.weights import Tap, reach
 from cnnsim.support import Array, InputError, Integers
-from cnnsim.support.errors import shown
+from cnnsim.support.errors import did_you_mean, not_known, shown
 from cnnsim.support.keywords import spelled_class
-from cnnsim.support.nearest import did_you_mean, not_known
 from cnnsim.support.values import is_number
 
 BoundaryKind = Literal["fixed", "zero-flux", "periodic"]

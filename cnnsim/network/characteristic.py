@@ -8,8 +8,8 @@ import numpy as np
 from cnnsim.network.cell import CellModel
 from cnnsim.network.table import Table, parse_table, table_value
 from cnnsim.support import Array, InputError
+from cnnsim.support.errors import not_known
 from cnnsim.support.keywords import spelled_class
-from cnnsim.support.nearest import not_known
 from cnnsim.support.values import is_number
 
 CharacteristicKind = Literal["clip", "sign", "tanh", "table"]

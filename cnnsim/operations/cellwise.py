@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cnnsim.support import Array, InputError
-from cnnsim.support.nearest import not_known
+from cnnsim.support.errors import not_known
 
 Planes = tuple[Array, ...]
 

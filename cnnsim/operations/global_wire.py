@@ -5,7 +5,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from cnnsim.support import Integers
-from cnnsim.support.nearest import not_known
+from cnnsim.support.errors import not_known
 
 Wire = Literal["any", "all", "count"]
 Register = int | Integers

@@ -3,7 +3,7 @@
 import numpy as np
 
 from cnnsim.support import Flags
-from cnnsim.support.nearest import not_known
+from cnnsim.support.errors import not_known
 
 FUNCTIONS = (
     "white",         # nothing is black

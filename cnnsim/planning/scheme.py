@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from cnnsim.support import Array, Floats
-from cnnsim.support.nearest import not_known
+from cnnsim.support.errors import not_known
 
 
 @dataclass(frozen=True)

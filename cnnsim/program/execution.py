@@ -32,7 +32,7 @@ from cnnsim.program.program import (
 from cnnsim.program.stretch import Stretch
 from cnnsim.program.to_accuracy import to_accuracy
 from cnnsim.support import Array, InputError, naming
-from cnnsim.support.bounds import REGISTER
+from cnnsim.support.limits import REGISTER
 from cnnsim.support.progress import watcher
 
 if TYPE_CHECKING:

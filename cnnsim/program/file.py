@@ -12,8 +12,8 @@ from cnnsim.program.names import LocalTemplate, Names
 from cnnsim.program.program import Program, Step
 from cnnsim.program.steps import read_steps
 from cnnsim.support import InputError, naming
-from cnnsim.support.faults import KeyFaults, read_all
-from cnnsim.support.names import check_name
+from cnnsim.support.error_list import ErrorList, read_all
+from cnnsim.support.files import check_name
 from cnnsim.support.toml_file import check_keys, located, read_toml, take, take_duration
 
 _REQUIRED = ("name", "inputs", "outputs", "step")
@@ -70,7 +70,7 @@ def program_of(
     Raises:
         InputError: the step and what is wrong with it.
     """
-    faults = KeyFaults()
+    faults = ErrorList()
     faults.check(data, (*_REQUIRED, *_OPTIONAL), required=_REQUIRED)
     found: dict[str, Any] = dict.fromkeys(("name", "inputs", "outputs"), ())
     for key, kind in _KINDS.items():
@@ -99,7 +99,7 @@ def program_of(
     )  # fmt: skip
 
 
-def _numbers(data: dict[str, Any], parameters: Mapping[str, float], faults: KeyFaults) -> dict[str, Any]:
+def _numbers(data: dict[str, Any], parameters: Mapping[str, float], faults: ErrorList) -> dict[str, Any]:
     defined: dict[str, Any] = {}
     with faults.collecting():
         defined = take(data, "parameters", dict, "program", {})
@@ -108,7 +108,7 @@ def _numbers(data: dict[str, Any], parameters: Mapping[str, float], faults: KeyF
 
 
 def _local_templates(
-    data: dict[str, Any], templates: Mapping[str, Template], faults: KeyFaults
+    data: dict[str, Any], templates: Mapping[str, Template], faults: ErrorList
 ) -> dict[str, LocalTemplate]:
     """Return the program's own templates by name; a wrong one stands there as one that does nothing."""
     tables: dict[str, Any] = {}

@@ -7,10 +7,10 @@ from cnnsim.network import Boundary, Template
 from cnnsim.planning.duration import Duration
 from cnnsim.program.program import ProgramMemory
 from cnnsim.support import InputError
-from cnnsim.support.bounds import PLANES, check_most
+from cnnsim.support.error_list import ErrorList
 from cnnsim.support.errors import shown
-from cnnsim.support.faults import KeyFaults
-from cnnsim.support.names import check_name
+from cnnsim.support.files import check_name
+from cnnsim.support.limits import PLANES, check_most
 from cnnsim.support.toml_file import in_range, located
 
 LocalTemplate = tuple[Template, Boundary, Duration]
@@ -25,7 +25,7 @@ class Names:
 
     def __init__(
         self, declared: Mapping[str, Any], parameters: Mapping[str, float],
-        templates: Mapping[str, LocalTemplate], faults: KeyFaults,
+        templates: Mapping[str, LocalTemplate], faults: ErrorList,
     ) -> None:  # fmt: skip
         self.memory: dict[str, ProgramMemory] = {}
         for kind in get_args(ProgramMemory):

@@ -22,9 +22,8 @@ from cnnsim.program.program import (
 )
 from cnnsim.program.template_step import find_template, read_template_step
 from cnnsim.support import InputError, naming
-from cnnsim.support.bounds import NUMBER, REPEATS, STEPS, check_most
-from cnnsim.support.errors import cut, shown
-from cnnsim.support.nearest import not_known
+from cnnsim.support.errors import cut, not_known, shown
+from cnnsim.support.limits import NUMBER, REPEATS, STEPS, check_most
 from cnnsim.support.toml_file import located
 
 

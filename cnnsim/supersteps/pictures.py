@@ -8,8 +8,8 @@ import numpy as np
 from cnnsim.supersteps.store import zarr_library
 from cnnsim.supersteps.strips import FileRows
 from cnnsim.support import Array, InputError
-from cnnsim.support.arrays.array_file import mapped_array
-from cnnsim.support.bounds import one_line
+from cnnsim.support.array_files import mapped_array
+from cnnsim.support.limits import one_line
 from cnnsim.support.pictures.arrays import CNN_VALUES, check_array_levels, cnn_values
 from cnnsim.support.pictures.picture import check_size, check_whole_file, opened, pictures_in
 from cnnsim.support.pictures.pixels import (

@@ -15,9 +15,9 @@ import numpy as np
 from cnnsim.supersteps.blocks import Area, Blocks, runs
 from cnnsim.supersteps.shards import Shards, create
 from cnnsim.support import Array, InputError, Integers
-from cnnsim.support.bounds import one_line
 from cnnsim.support.extras import install_line
 from cnnsim.support.files import make_folder
+from cnnsim.support.limits import one_line
 
 Kept = TypeVar("Kept")
 FORMAT, VERSION = "cnnsim supersteps", 4

@@ -12,13 +12,12 @@ from typing import Any, TypeVar
 import click
 
 from cnnsim.start import STOPPED, leave, raise_again
-from cnnsim.support.compile_notice import Told
-from cnnsim.support.echo import as_markup, console, drop_unwritten, echo, json_line, printable, take_any_text
 from cnnsim.support.errors import InputError
 from cnnsim.support.files import Replaced
-from cnnsim.support.notices import Notices
+from cnnsim.support.interrupts import Stopping
+from cnnsim.support.notices import Notices, Told
 from cnnsim.support.progress import terminal_bar, watched_by
-from cnnsim.support.stopping import Stopping
+from cnnsim.support.terminal import as_markup, console, drop_unwritten, echo, json_line, printable, take_any_text
 
 Item = TypeVar("Item")
 LONGEST = 3000

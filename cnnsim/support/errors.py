@@ -1,6 +1,7 @@
 """InputError: the exception for whatever a user can get wrong."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
+from difflib import get_close_matches
 
 
 class InputError(ValueError):
@@ -57,3 +58,21 @@ class naming:  # noqa: N801 - it reads as a word after "with"; a generator would
     def __exit__(self, _kind: object, error: BaseException | None, _trace: object) -> None:
         if isinstance(error, InputError):
             raise reworded(error, lambda text: f"{self._where}: {text}") from error
+
+
+def not_known(what: str, given: object, known: Collection[str]) -> InputError:
+    """Return the error for a word that is not known; it has all that are, and the nearest."""
+    return InputError(f"{what} {shown(given)}; known are {', '.join(known)}{did_you_mean(given, known)}")
+
+
+def did_you_mean(given: object, known: Collection[str]) -> str:
+    """Return "; did you mean 'zero-flux'?", nothing where none is near."""
+    near = nearest(given, known)
+    return "" if near is None else f"; did you mean {near!r}?"
+
+
+def nearest(given: object, known: Collection[str]) -> str | None:
+    """Return the nearest word, None where none is near."""
+    words = {one.lower(): one for one in known}
+    near = get_close_matches(given.lower(), words, 1) if isinstance(given, str) else []
+    return words[near[0]] if near else None

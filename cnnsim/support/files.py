@@ -2,6 +2,7 @@
 
 import csv
 import os
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -154,3 +155,21 @@ def make_folder(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot make the folder {folder}: {error.strerror or error}") from error
+
+
+LONGEST_NAME = 100
+"""Characters of a name: with a folder's and a suffix it still is a file's name everywhere."""
+_NAME = re.compile(rf"[A-Za-z0-9_][A-Za-z0-9_-]{{0,{LONGEST_NAME - 1}}}", re.ASCII)
+
+
+def check_name(name: str, what: str) -> str:
+    """Return a name.
+
+    Raises:
+        InputError: it has other characters than letters, digits, - and _, begins with -, is empty or too long.
+    """
+    if not _NAME.fullmatch(name):
+        raise InputError(
+            f"{what} {name[: LONGEST_NAME + 1]!r}; letters, digits, - and _ wanted, not - first, {LONGEST_NAME} at most"
+        )
+    return name

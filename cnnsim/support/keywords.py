@@ -5,8 +5,7 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
-from cnnsim.support.errors import InputError
-from cnnsim.support.nearest import nearest
+from cnnsim.support.errors import InputError, nearest
 
 Given = ParamSpec("Given")
 Returned = TypeVar("Returned")

@@ -78,7 +78,7 @@ def _bar() -> Any:
         TimeRemainingColumn,
     )
 
-    from cnnsim.support.echo import console  # the same
+    from cnnsim.support.terminal import console  # the same
 
     columns = TextColumn("{task.description}", markup=False), BarColumn(20), TimeElapsedColumn(), TimeRemainingColumn()
     return Progress(*columns, console=console(err=True), transient=True, redirect_stdout=False, redirect_stderr=False)

@@ -8,9 +8,8 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
-from cnnsim.support.bounds import TEXT, check_file, check_most, reason
-from cnnsim.support.errors import InputError, MissingKeyError, reworded, shown
-from cnnsim.support.nearest import nearest
+from cnnsim.support.errors import InputError, MissingKeyError, nearest, reworded, shown
+from cnnsim.support.limits import TEXT, check_file, check_most, reason
 from cnnsim.support.toml_lines import LinedTable, with_lines
 
 ValueType = TypeVar("ValueType")

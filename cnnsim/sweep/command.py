@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.echo import echo, say
+from cnnsim.support.terminal import echo, say
 
 KEPT = 20
 """Failures that are shown as JSON; the table has all."""

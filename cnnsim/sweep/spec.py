@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import InputError
+from cnnsim.support.error_list import ErrorList
 from cnnsim.support.errors import naming
-from cnnsim.support.faults import KeyFaults
 from cnnsim.support.toml_file import check_keys, located, read_toml, take
 from cnnsim.sweep.kind import Case, Kind, load_kind
 
@@ -56,7 +56,7 @@ def read_sweep(path: Path, kinds: Mapping[str, str]) -> Sweep:
         InputError: unknown keys or kinds, keys given twice, no case, a case that cannot be.
     """
     table = read_toml(path, "sweep")
-    faults = KeyFaults(str(path))
+    faults = ErrorList(str(path))
     faults.check(table, ("kind", "grid", "fixed"), required=("kind", "grid"))
     kind, values, chosen = _parts(table, kinds, faults)
     faults.tell()
@@ -75,7 +75,7 @@ def read_sweep(path: Path, kinds: Mapping[str, str]) -> Sweep:
 
 
 def _parts(
-    table: Mapping[str, Any], kinds: Mapping[str, str], faults: KeyFaults
+    table: Mapping[str, Any], kinds: Mapping[str, str], faults: ErrorList
 ) -> tuple[Kind | None, dict[str, tuple[Any, ...]], dict[str, Any]]:
     """Return the kind, the values of each key of [grid], and those of [fixed]; None for a kind that is not known."""
     kind: Kind | None = None
@@ -110,7 +110,7 @@ def _check(sweep: Sweep) -> None:
     if sweep.kind.check is None:
         return
     first: Case = sweep.case(0)
-    faults = KeyFaults()
+    faults = ErrorList()
     with faults.collecting():
         sweep.kind.check(first)
     for key, values in sweep.grid.items():

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim.support import InputError
-from cnnsim.support.bounds import one_line
 from cnnsim.support.extras import install_line
 from cnnsim.support.files import make_folder, telling_nobody, writing
-from cnnsim.support.stopping import foreign_call
+from cnnsim.support.interrupts import foreign_call
+from cnnsim.support.limits import one_line
 from cnnsim.sweep.kind import Row
 
 NUMBER = "case"

@@ -11,8 +11,8 @@ from typing import Any, TypeVar
 
 from cnnsim.support import InputError
 from cnnsim.support.extras import install_line
+from cnnsim.support.interrupts import held_back
 from cnnsim.support.memory import free_memory
-from cnnsim.support.stopping import held_back
 from cnnsim.workers.base import Lost, Workers
 
 KEPT = 0.25

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from cnnsim.support.command_line import print_json
-from cnnsim.support.echo import console
+from cnnsim.support.terminal import console
 from examples.paper.claims import arguments
 from examples.paper.needle import FORCE, NEAR, figure
 from examples.paper.skins import SKINS, Skin, Trial, on_the_bench

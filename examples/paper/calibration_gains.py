@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from cnnsim.support.command_line import print_json
-from cnnsim.support.echo import console
+from cnnsim.support.terminal import console
 from examples.paper.claims import arguments
 from examples.paper.needle import DEPTH, FORCE, NEAR, NOISE, SPEED, Located, Scan, figure, locate, scan, typical
 from examples.paper.skins import ALL, LINES, POINT, STRESS, Skin

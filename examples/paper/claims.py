@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from cnnsim.support.command_line import print_json
-from cnnsim.support.echo import console
+from cnnsim.support.terminal import console
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from cnnsim.support import Floats, InputError
-from cnnsim.support.arrays.npz_file import read_npz_arrays
-from cnnsim.support.compiling.private_folder import user_cache
+from cnnsim.support.array_files import read_npz_arrays
+from cnnsim.support.cache_folder import user_cache
 
 VERSION = 2
 """Goes up when the same bump gets other numbers: older tables are then computed anew."""

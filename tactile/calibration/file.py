@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim.support import naming
-from cnnsim.support.faults import KeyFaults, read_all
+from cnnsim.support.error_list import ErrorList, read_all
 from cnnsim.support.files import named_file, write_text
 from cnnsim.support.toml_file import located, parse_toml, read_toml, take, take_from_zero, take_numbers, take_positive
 from tactile.calibration.gains import Gains
@@ -55,7 +55,7 @@ def _calibration(table: dict[str, Any], where: str) -> Calibration | TaxelGains:
     refuse_other_kind(table, where, "calibration")
     if "taxel" in table:
         return taxel_gains(table, where)
-    faults = KeyFaults(where)
+    faults = ErrorList(where)
     faults.check(table, KEYS, "", (*GAIN_KEYS, "radial"))
     for name, keys in (("radial", RADIAL_KEYS), ("sigma", GAIN_KEYS)):
         if name in table:

@@ -8,7 +8,7 @@ from typing import Any, cast
 import numpy as np
 
 from cnnsim.support import InputError, naming
-from cnnsim.support.faults import KeyFaults, read_all
+from cnnsim.support.error_list import ErrorList, read_all
 from cnnsim.support.files import write_text
 from cnnsim.support.toml_file import line_of, located, take, take_tables
 from tactile.calibration.taxel_gains import TaxelGains
@@ -26,7 +26,7 @@ def taxel_gains(table: Mapping[str, Any], where: str) -> TaxelGains:
     Raises:
         InputError: an unknown or missing key, a wrong type or value, a taxel missing or there twice.
     """
-    faults = KeyFaults(where)
+    faults = ErrorList(where)
     faults.check(table, KEYS, "", KEYS)
     shape = quantity = None
     with faults.collecting():

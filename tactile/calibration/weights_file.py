@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from cnnsim.support import Floats, InputError
-from cnnsim.support.bounds import reason
+from cnnsim.support.limits import reason
 from tactile.calibration.from_weights import KnownLoads
 
 GRAVITY = 9.80665e-3

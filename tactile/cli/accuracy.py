@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import click
 
 from cnnsim.support.command_line import examples, print_json, watched
-from cnnsim.support.echo import echo
 from cnnsim.support.files import write_rows, writing
+from cnnsim.support.terminal import echo
 
 if TYPE_CHECKING:
     from tactile.simulator.choice.tradeoff import Trade

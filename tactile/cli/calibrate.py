@@ -8,7 +8,7 @@ import numpy as np
 
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, watched
-from cnnsim.support.echo import echo
+from cnnsim.support.terminal import echo
 from tactile.calibration.from_weights import NAMES, Model, calibrate_loads
 from tactile.calibration.tare import Tare
 from tactile.core.frame import Frame

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from cnnsim.support.command_line import examples, watched
-from cnnsim.support.echo import echo
+from cnnsim.support.terminal import echo
 from tactile.cli.options import FILE
 
 

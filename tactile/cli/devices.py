@@ -11,8 +11,8 @@ import click
 
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.echo import echo
-from cnnsim.support.own_file import lock, open_shut
+from cnnsim.support.exclusive_file import lock, open_shut
+from cnnsim.support.terminal import echo
 from tactile.cli.loading import ends_at_once
 from tactile.cli.options import ARRAY, FILE, PROTOCOL, chosen_description, write_new_text
 from tactile.cli.port.console import be_steady, stopping

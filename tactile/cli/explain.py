@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.echo import console, printable
+from cnnsim.support.terminal import console, printable
 
 FULL = 1000
 """Columns where the output is no terminal: no line of a scene is longer, and nothing is cut."""

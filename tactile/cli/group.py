@@ -7,7 +7,7 @@ import click
 
 from cnnsim.cli.examples import write_examples
 from cnnsim.support.command_line import CommandGroup
-from cnnsim.support.echo import echo
+from cnnsim.support.terminal import echo
 from tactile.cli.accuracy import accuracy
 from tactile.cli.calibrate import calibrate
 from tactile.cli.convert import convert

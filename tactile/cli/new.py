@@ -5,9 +5,8 @@ from pathlib import Path
 import click
 
 from cnnsim.support.command_line import examples
-from cnnsim.support.echo import echo
-from cnnsim.support.files import write_text
-from cnnsim.support.names import check_name
+from cnnsim.support.files import check_name, write_text
+from cnnsim.support.terminal import echo
 from tactile.cli.new_texts import ARRAY, DETECTOR, SCENE
 
 

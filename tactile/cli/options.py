@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cnnsim.support import InputError
+from cnnsim.support.exclusive_file import refuse_existing
 from cnnsim.support.files import writing
-from cnnsim.support.own_file import refuse_existing
 from tactile.wire.registry import NAMES
 
 if TYPE_CHECKING:

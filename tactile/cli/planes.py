@@ -3,7 +3,7 @@
 import click
 
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.echo import echo, say_table
+from cnnsim.support.terminal import echo, say_table
 
 
 @click.command(epilog=examples("tactile planes", "tactile planes --json"))

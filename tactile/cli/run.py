@@ -8,7 +8,7 @@ import click
 
 from cnnsim import backends
 from cnnsim.support.command_line import examples, print_json, watched
-from cnnsim.support.echo import echo, say
+from cnnsim.support.terminal import echo, say
 from tactile.calibration.live_tare import TareMode
 from tactile.cli.opened import RunChoices, gains_of, open_for_run
 from tactile.cli.options import TareChoice, check_thresholds, detection

@@ -8,7 +8,7 @@ from typing import Any
 import cnnsim
 from cnnsim.support import InputError
 from cnnsim.support.command_line import print_json, watched
-from cnnsim.support.echo import echo, say_table
+from cnnsim.support.terminal import echo, say_table
 from tactile import pipeline
 from tactile.cli.opened import Opened, RunChoices, open_for_run
 from tactile.core.source import FrameStream, provenance

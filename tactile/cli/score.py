@@ -7,7 +7,7 @@ import click
 
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, watched
-from cnnsim.support.echo import echo
+from cnnsim.support.terminal import echo
 from tactile.cli.options import ARRAY, Finite, check_thresholds, detection
 
 if TYPE_CHECKING:

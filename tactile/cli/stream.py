@@ -11,7 +11,7 @@ import click
 from cnnsim import backends
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples
-from cnnsim.support.echo import echo
+from cnnsim.support.terminal import echo
 from tactile.cli.loading import ends_at_once
 from tactile.cli.options import (
     ARRAY,

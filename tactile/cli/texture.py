@@ -8,8 +8,8 @@ import click
 
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.echo import echo, say_table
 from cnnsim.support.files import check_free
+from cnnsim.support.terminal import echo, say_table
 from tactile.cli.options import FILE, Finite
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, cast, get_args
 
 from cnnsim.support import InputError, naming
-from cnnsim.support.faults import read_all
+from cnnsim.support.error_list import read_all
 from cnnsim.support.toml_file import line_of, located, take, take_from_zero, take_numbers, take_positive
 from tactile.core.frame import Quantity, TaxelArray
 

@@ -8,9 +8,9 @@ from typing import Literal, get_args
 import numpy as np
 
 from cnnsim.support import Flags, Floats, InputError
-from cnnsim.support.bounds import READING, TAXELS, check_most
+from cnnsim.support.files import check_name
 from cnnsim.support.keywords import spelled_class
-from cnnsim.support.names import check_name
+from cnnsim.support.limits import READING, TAXELS, check_most
 from cnnsim.support.values import is_whole
 
 Quantity = Literal["strain", "stress", "force"]

@@ -6,7 +6,7 @@ from io import StringIO
 from pathlib import Path
 
 from cnnsim.support import InputError
-from cnnsim.support.bounds import reason
+from cnnsim.support.limits import reason
 
 
 def read_lines(path: Path) -> tuple[list[dict[str, str]], Sequence[str]]:

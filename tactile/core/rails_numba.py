@@ -1,6 +1,6 @@
 """Ends of the range of every taxel, compiled: how often its extremes were read, and how often a little less."""
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 
 
 @kept_njit(error_model="numpy")

@@ -6,7 +6,7 @@ import numpy as np
 from numba import get_num_threads, prange
 
 from cnnsim.support import Floats
-from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
+from cnnsim.support.compiled_loops import kept_helper, kept_njit
 from tactile.core.loads import COLUMNS, F, Q, R, X, Y
 from tactile.elastic.disc_table import DiscTable
 from tactile.elastic.medium import Medium

@@ -3,7 +3,7 @@
 import numpy as np
 
 from cnnsim.support import Floats, Integers
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 from tactile.core.loads import F, Q, R, X, Y
 
 

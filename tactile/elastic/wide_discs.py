@@ -16,7 +16,7 @@ from functools import lru_cache
 import numpy as np
 
 from cnnsim.support import Flags, Floats
-from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
+from cnnsim.support.compiled_loops import kept_helper, kept_njit
 from tactile.core.loads import COLUMNS, F, Q, R, X, Y
 from tactile.elastic.gauss import gauss
 from tactile.elastic.halfspace import point_scale

@@ -13,7 +13,7 @@ from cnnsim.library.folders import folder, folders, not_found, program_file, pro
 from cnnsim.program.file import load_program, program_of
 from cnnsim.program.program import Program
 from cnnsim.support import naming
-from cnnsim.support.faults import KeyFaults, read_all
+from cnnsim.support.error_list import ErrorList, read_all
 from cnnsim.support.files import named_file
 from cnnsim.support.toml_file import check_keys, line_of, located, read_toml, take, take_from_zero, take_tables
 from cnnsim.support.toml_lines import without
@@ -90,7 +90,7 @@ def read_detector(name: str | Path, known: Collection[str] = NAMES) -> DetectorF
         path = _named(str(name))
     table = read_toml(path, "detector or program file")
     refuse_other_kind(table, path, "detector")
-    faults, rules = KeyFaults(str(path)), list[EventRule]()
+    faults, rules = ErrorList(str(path)), list[EventRule]()
     with naming(path):
         events = take_tables(table, "event", "detector")
     for number, event in enumerate(events, 1):

@@ -5,7 +5,7 @@ What `tactile.inverse.attempt` does of it in steps for large pads: each call fro
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 from tactile.inverse.consensus_numba import consensus, signals
 from tactile.inverse.least_squares.components_numba import components
 from tactile.inverse.least_squares.doubt_numba import foreign

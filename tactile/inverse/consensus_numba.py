@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numba import njit
 
-from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
+from cnnsim.support.compiled_loops import kept_helper, kept_njit
 from tactile.inverse.least_squares.fit import TIED
 from tactile.inverse.validity import Validity
 

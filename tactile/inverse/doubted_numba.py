@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
+from cnnsim.support.compiled_loops import kept_helper, kept_njit
 from tactile.inverse.alternatives import ALONE, FEW, NO_LESS, PATCH, SHARE, WORST
 from tactile.inverse.consensus_numba import signals
 from tactile.inverse.least_squares.components_numba import components

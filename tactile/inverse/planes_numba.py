@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_helper
+from cnnsim.support.compiled_loops import kept_helper
 from tactile.inverse.taxel_numba import BLOCK, strain_blocks, stress_blocks
 
 

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 from tactile.inverse.attempt_numba import one_load
 from tactile.inverse.consensus_numba import strongest
 from tactile.inverse.doubted_numba import holds, may_be_another

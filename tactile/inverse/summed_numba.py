@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 
 
 @kept_njit(error_model="numpy")

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numba import get_num_threads, njit, prange
 
-from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
+from cnnsim.support.compiled_loops import kept_helper, kept_njit
 from tactile.inverse.validity import FAR, Validity
 
 BLOCK = 256

@@ -8,7 +8,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from cnnsim.support import Floats, InputError
-from cnnsim.support.bounds import WINDOW, check_most
+from cnnsim.support.limits import WINDOW, check_most
 from tactile.materials.slide import Slide
 from tactile.materials.spectra import band_means, coupling, memory, spectrum
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import InputError
-from cnnsim.support.arrays.npz_file import read_npz_arrays
-from cnnsim.support.bounds import one_line
+from cnnsim.support.array_files import read_npz_arrays
 from cnnsim.support.files import make_folder, writing
+from cnnsim.support.limits import one_line
 from tactile.materials.features import BANDS, FINE, FeatureSet
 from tactile.materials.model import Confidence, TextureModel
 from tactile.materials.nearest import Known, Space

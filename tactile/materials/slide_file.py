@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Floats, InputError
-from cnnsim.support.arrays.npz_file import read_npz_arrays
-from cnnsim.support.bounds import one_line
+from cnnsim.support.array_files import read_npz_arrays
+from cnnsim.support.limits import one_line
 from tactile.materials.slide import Slide
 
 NEEDED = ("force", "length", "t")

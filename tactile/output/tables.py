@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cnnsim.support.echo import console
+from cnnsim.support.terminal import console
 from tactile.core.frame import TaxelArray
 from tactile.events.event import Event
 from tactile.inverse.load import Load

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cnnsim.support import Integers
-from cnnsim.support.bounds import READING
+from cnnsim.support.limits import READING
 from tactile.core.frame import Frame, TaxelArray
 
 

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 from cnnsim.support import InputError
-from cnnsim.support.own_file import NewFile
+from cnnsim.support.exclusive_file import NewFile
 
 
 class DurableFile:

@@ -20,7 +20,7 @@ from mcap.records import Chunk, DataEnd, Footer
 from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
 
 from cnnsim.support import InputError
-from cnnsim.support.bounds import CHUNK, RECORD, check_plain
+from cnnsim.support.limits import CHUNK, RECORD, check_plain
 
 MAGIC = b"\x89MCAP0\r\n"
 BROKEN = (McapError, CRCValidationError, zstandard.ZstdError, struct.error, ValueError, OverflowError, MemoryError,

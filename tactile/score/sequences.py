@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Flags, Floats, InputError
-from cnnsim.support.arrays.npz_file import read_npz_arrays
+from cnnsim.support.array_files import read_npz_arrays
 from tactile import pipeline
 from tactile.core.frame import Frame
 from tactile.core.source import FrameStream, Provenance

@@ -7,8 +7,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from cnnsim.support import Floats, InputError
-from cnnsim.support.echo import echo
 from cnnsim.support.extras import install_line
+from cnnsim.support.terminal import echo
 from tactile.bump.shape import Shape
 from tactile.bump.table import Response, remembered
 from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y, TaxelArray

@@ -7,7 +7,7 @@ from numba import get_num_threads, prange
 from numpy.typing import NDArray
 
 from cnnsim.support import Floats
-from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
+from cnnsim.support.compiled_loops import kept_helper, kept_njit
 
 BITS = 13
 """The table has 2^13 quantiles: 32 KiB, the first-level cache."""

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from cnnsim.support import Floats
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 from tactile.core.loads import F
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.moving_contact import MovingContact

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cnnsim.support import Floats
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 from tactile.core.frame import TaxelArray
 from tactile.core.loads import COLUMNS, F
 from tactile.elastic.halfspace import point_scale

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cnnsim.support import InputError
+from cnnsim.support.exclusive_file import refuse_existing
 from cnnsim.support.files import writing
-from cnnsim.support.own_file import refuse_existing
 from tactile.core.frame import Frame
 from tactile.core.source import FrameStream, Source, provenance
 from tactile.sources import open_source

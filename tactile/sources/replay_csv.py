@@ -23,8 +23,8 @@ from pathlib import Path
 import numpy as np
 
 from cnnsim.support import InputError
-from cnnsim.support.bounds import TABLE, check_file, one_line
 from cnnsim.support.errors import SHOWN, cut
+from cnnsim.support.limits import TABLE, check_file, one_line
 from tactile.core.frame import MOST_FLAGS, Frame, TaxelArray
 from tactile.core.header import header_text, read_header
 from tactile.core.source import FrameStream, Source

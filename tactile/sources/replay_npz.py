@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import InputError
-from cnnsim.support.arrays.npz_file import open_npz
+from cnnsim.support.array_files import open_npz
 from tactile.core.frame import MOST_FLAGS, Frame, TaxelArray
 from tactile.core.header import Header, header_text, read_header
 from tactile.core.source import Provenance, Source

@@ -14,7 +14,7 @@ import numpy as np
 from pyarrow import parquet  # type: ignore[import-untyped]  # it ships no types
 
 from cnnsim.support import InputError
-from cnnsim.support.bounds import check_plain, check_unpacked, one_line
+from cnnsim.support.limits import check_plain, check_unpacked, one_line
 from tactile.core.frame import MOST_FLAGS, Frame, TaxelArray
 from tactile.core.header import Header, header_text, read_header
 from tactile.core.source import Provenance, Source

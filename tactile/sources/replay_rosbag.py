@@ -24,9 +24,9 @@ from typing import IO, Any
 import numpy as np
 
 from cnnsim.support import InputError
-from cnnsim.support.bounds import one_line
 from cnnsim.support.extras import install_line
-from cnnsim.support.names import LONGEST
+from cnnsim.support.files import LONGEST_NAME
+from cnnsim.support.limits import one_line
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import Provenance
 from tactile.sources.bag_process import FRAME, KIND
@@ -104,7 +104,7 @@ def read_bag(path: Path) -> BagReplay:
 
 def _finger(topic: str) -> str:
     """Return a topic as a finger's name: hub_0-sensor_1."""
-    return re.sub(r"[^A-Za-z0-9_]+", "-", topic).strip("-")[:LONGEST] or "sensor"
+    return re.sub(r"[^A-Za-z0-9_]+", "-", topic).strip("-")[:LONGEST_NAME] or "sensor"
 
 
 @contextmanager

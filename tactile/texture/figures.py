@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cnnsim.support import Flags, Floats, InputError, Integers
-from cnnsim.support.bounds import WINDOW, check_most
+from cnnsim.support.limits import WINDOW, check_most
 
 
 @dataclass(frozen=True)

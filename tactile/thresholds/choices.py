@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Self
 
 from cnnsim.support import InputError, naming
-from cnnsim.support.faults import KeyFaults
+from cnnsim.support.error_list import ErrorList
 from cnnsim.support.toml_file import located, take, take_numbers
 from tactile.thresholds.levels import SIGMAS, Sigmas
 from tactile.thresholds.threshold import SIGN, Threshold
@@ -67,7 +67,7 @@ KEYS = tuple(ThresholdChoices.__dataclass_fields__)
 """Keys of a table ``[thresholds]``: the names of the options."""
 
 
-def take_choices(table: Mapping[str, Any], faults: KeyFaults, place: str) -> ThresholdChoices:
+def take_choices(table: Mapping[str, Any], faults: ErrorList, place: str) -> ThresholdChoices:
     """Return the choices of a table ``[thresholds]``, none of them where ``faults`` were found.
 
     ``place`` names the table in messages. Unknown keys, values that are none and thresholds that contradict each other

@@ -31,8 +31,8 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Floats, InputError, Integers, naming
-from cnnsim.support.bounds import TEXT, check_file, reason
-from cnnsim.support.faults import KeyFaults, read_all
+from cnnsim.support.error_list import ErrorList, read_all
+from cnnsim.support.limits import TEXT, check_file, reason
 from cnnsim.support.toml_file import (
     check_keys,
     line_of,
@@ -85,7 +85,7 @@ def parse_description(text: str, where: str) -> Description:
     """
     table = parse_toml(text, where)
     refuse_other_kind(table, where, "array description")
-    faults = KeyFaults(where)
+    faults = ErrorList(where)
     faults.check(table, TOP_KEYS, "", ("protocol", "finger"))
     fingers = table.get("finger", [])
     for number, finger in enumerate(fingers if isinstance(fingers, list) else [], 1):

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.support.echo import json_line
+from cnnsim.support.terminal import json_line
 from tactile import pipeline
 from tactile.cli.port import console
 from tactile.cli.port.live import LiveMonitor, LiveOptions

@@ -17,7 +17,7 @@ from PIL import Image
 
 from cnnsim.cli.group import main as cnnsim
 from cnnsim.support import InputError
-from cnnsim.support.bounds import TAXELS, check_unpacked
+from cnnsim.support.limits import TAXELS, check_unpacked
 from cnnsim.support.pictures.picture import write_picture
 from tactile.cli.group import main as tactile
 from tactile.core.frame import TaxelArray

@@ -6,7 +6,7 @@ import numpy as np
 
 from cnnsim.backends.base import Backend
 from cnnsim.support import Array, Floats
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 from tactile.texture.figures_numba import step
 from tests.hard_cases.case import HardCase
 

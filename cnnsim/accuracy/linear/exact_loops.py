@@ -5,7 +5,7 @@ Coefficients are (terms, cells); a cell's ``piece`` is 0 where it is linear, els
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
+from cnnsim.support.compiled_loops import kept_helper, kept_njit
 
 TERMS = 26
 """Of the series, at most. With |J| s <= 2 the first one left out is 2^26 / 26! = 2e-19 of the state."""

@@ -1,6 +1,6 @@
 """Sizes of the jumps of a table that inputs are near to, compiled."""
 
-from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
+from cnnsim.support.compiled_loops import kept_helper, kept_njit
 
 
 @kept_helper(error_model="numpy")

@@ -47,7 +47,7 @@ from cnnsim.operations.cellwise import Cellwise
 from cnnsim.operations.routine import Routine, Stores
 from cnnsim.planning.plan import Plan
 from cnnsim.support import Array, InputError, Integers
-from cnnsim.support.compile_notice import announce
+from cnnsim.support.notices import announce
 
 announce(cache_folder(planes.clip.serial))
 

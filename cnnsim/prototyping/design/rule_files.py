@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from cnnsim.network import Boundary
 from cnnsim.prototyping.design.rule import WindowRule, window_text, windows
 from cnnsim.support import Flags, Floats, InputError
+from cnnsim.support.error_list import ErrorList
 from cnnsim.support.errors import shown
-from cnnsim.support.faults import KeyFaults
 from cnnsim.support.pictures.picture import read_picture
 from cnnsim.support.toml_file import located, read_toml
 from cnnsim.support.values import as_numbers
@@ -32,14 +32,14 @@ def read_table(path: str | Path) -> WindowRule:
         InputError: no such file, unknown keys, a window of another form, or one that is in both lists.
     """
     data = read_toml(Path(path), "truth table")
-    faults = KeyFaults(str(path))
+    faults = ErrorList(str(path))
     faults.check(data, ("black", "white", "default"))
     table = _table(data, faults)
     faults.tell()
     return WindowRule(table, f"the truth table {Path(path).name}")
 
 
-def _table(data: dict[str, Any], faults: KeyFaults) -> NDArray[np.int8]:
+def _table(data: dict[str, Any], faults: ErrorList) -> NDArray[np.int8]:
     lists: dict[int, list[Any]] = {1: [], -1: []}
     for colour, name in ((1, "black"), (-1, "white")):
         with faults.collecting(), located(data, name):

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from cnnsim.support.arrays.array_file import read_array
-from cnnsim.support.arrays.npz_file import open_npz
+from cnnsim.support.array_files import open_npz, read_array
 from cnnsim.support.errors import InputError
 from cnnsim.support.pictures.pixels import Levels, extremes, from_levels, labels_error, tell_if_dark
 from cnnsim.support.pictures.sequence import PictureSequence, Reading

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from cnnsim.support.bounds import check_plain, reason
 from cnnsim.support.errors import InputError, shown
 from cnnsim.support.files import named_file, writing
 from cnnsim.support.keywords import spelled
+from cnnsim.support.limits import check_plain, reason
 from cnnsim.support.memory import check_memory
 from cnnsim.support.pictures.pixels import Levels, check_labels, check_reading, least_bytes, pixel_bytes, values_of
 from cnnsim.support.pictures.upright import read_through, upright_size

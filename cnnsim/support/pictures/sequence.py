@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from cnnsim.support.bounds import check_plain, one_line
 from cnnsim.support.errors import InputError
+from cnnsim.support.limits import check_plain, one_line
 from cnnsim.support.memory import check_memory
 from cnnsim.support.pictures.film import video_library
 from cnnsim.support.pictures.picture import check_size, opened, pictures_in

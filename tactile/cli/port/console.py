@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from cnnsim.support import InputError
-from cnnsim.support.echo import console as screen
-from cnnsim.support.echo import echo
+from cnnsim.support.terminal import console as screen
+from cnnsim.support.terminal import echo
 from tactile.serial.kept_memory import keep_memory
 from tactile.serial.priority import raise_priority
 from tactile.serial.time_slice import ask_for_short_slices

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 from cnnsim import backends
 from cnnsim.support import InputError
-from cnnsim.support.echo import json_line
+from cnnsim.support.terminal import json_line
 from cnnsim.support.toml_file import check_keys, take
 from tactile import pipeline
 from tactile.calibration.live_tare import IDLE, TareNote

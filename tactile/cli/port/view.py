@@ -8,7 +8,7 @@ from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
-from cnnsim.support.echo import printable
+from cnnsim.support.terminal import printable
 from tactile.cli.port.live import LiveMonitor, tare_words
 from tactile.core.frame import NORMAL
 from tactile.pipeline import FrameReport

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numba import prange
 
-from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
+from cnnsim.support.compiled_loops import kept_helper, kept_njit
 from tactile.core.loads import F, Q, R, X, Y
 
 BLOCK = 256

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from cnnsim.support import Floats
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 from tactile.core.loads import F, Q, R, X, Y
 from tactile.elastic.halfspace import point_scale
 from tactile.elastic.layer_loads import REACH, layer_table

@@ -2,7 +2,7 @@
 
 import math
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 
 FOLLOWS = 0.3
 """[s] Time constant: what grows by less than the level in that time is drift."""

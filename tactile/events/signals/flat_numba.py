@@ -1,6 +1,6 @@
 """What taxels bear alike beside the pattern of a grip, compiled: the part of a load that drift may have made."""
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 
 UNLIKE = 0.15
 """Part of the mean pressing by which taxels differ in a pattern that is known; a flatter one tells nothing apart."""

@@ -2,7 +2,7 @@
 
 import math
 
-from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
+from cnnsim.support.compiled_loops import kept_helper, kept_njit
 
 KEPT, EACH = 128, 0.004
 """Frames that are remembered, and the least time between two [s]: the last half second at 1000 Hz, more at less."""

@@ -2,7 +2,7 @@
 
 import math
 
-from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
+from cnnsim.support.compiled_loops import kept_helper, kept_njit
 from tactile.events.signals.step_numba import binary
 
 BORNE = 0.2

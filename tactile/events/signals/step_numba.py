@@ -2,7 +2,7 @@
 
 import math
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 
 CROSS = 0.02
 """Shear below this part of the normal component has no direction: axes of real taxels see each other so much."""

@@ -3,7 +3,7 @@ not explain."""
 
 import math
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 from tactile.events.signals.step_numba import binary
 
 ALIKE = (0.45, 0.7)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
+from cnnsim.support.compiled_loops import kept_helper, kept_njit
 from tactile.inverse.least_squares.fit_numba import solve
 from tactile.inverse.least_squares.layer_numba import layer_forces
 

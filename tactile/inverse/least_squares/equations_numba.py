@@ -6,7 +6,7 @@ and ``scale`` (n, 3) is what they were multiplied by.
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
+from cnnsim.support.compiled_loops import kept_helper, kept_njit
 from tactile.inverse.least_squares.half_space_numba import LOOSELY, half_space_rest, half_space_slopes, half_space_sums
 from tactile.inverse.least_squares.layer_numba import layer_rest, layer_slopes, layer_sums
 

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 from tactile.inverse.least_squares.fit import HUNG_ON, LEAST_FREE, SAME, SLIGHT
 from tactile.inverse.least_squares.fit_numba import fit
 

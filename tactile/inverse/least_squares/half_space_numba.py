@@ -8,7 +8,7 @@ import math
 
 from numba import njit
 
-from cnnsim.support.compiling.kept_loops import kept_helper
+from cnnsim.support.compiled_loops import kept_helper
 
 LOOSELY = {"reassoc", "contract", "nsz", "arcp"}
 

@@ -7,7 +7,7 @@ import math
 
 from numba import njit
 
-from cnnsim.support.compiling.kept_loops import kept_helper
+from cnnsim.support.compiled_loops import kept_helper
 from tactile.inverse.least_squares.half_space_numba import LOOSELY
 
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
+from cnnsim.support.compiled_loops import kept_helper, kept_njit
 
 LOOSE = 12.0
 """Twice the error of a variance from a tenth's quantile of n numbers, times the root of n."""

@@ -21,7 +21,7 @@ import math
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
+from cnnsim.support.compiled_loops import kept_helper, kept_njit
 from tactile.inverse.least_squares.equations_numba import equations, slopes
 from tactile.inverse.least_squares.fit import HUNG_ON
 from tactile.inverse.least_squares.fit_numba import back, factored, fit

@@ -5,7 +5,7 @@ Lengths and signals as in `half_space_numba`.
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 from tactile.inverse.least_squares.equations_numba import product, rest, slopes
 from tactile.inverse.least_squares.fit_numba import solve
 

@@ -1,6 +1,6 @@
 """Standard deviations from few residuals: Student's, where nobody knows the noise."""
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 
 
 @kept_njit()

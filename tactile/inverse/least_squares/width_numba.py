@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 from tactile.inverse.least_squares.equations_numba import equations, rest
 from tactile.inverse.least_squares.fit_numba import back
 

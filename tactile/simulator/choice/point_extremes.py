@@ -5,7 +5,7 @@ from itertools import accumulate
 import numpy as np
 
 from cnnsim.support import Floats, Integers
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 from tactile.core.loads import COLUMNS, F, Q
 from tactile.elastic.halfspace import point_scale
 from tactile.elastic.sums.direct import SERIAL_BELOW

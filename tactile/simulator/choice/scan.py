@@ -1,6 +1,6 @@
 """One pass over readings for their extremes, compiled."""
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 from tactile.core.frame import NORMAL
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from cnnsim.support import Floats, InputError
-from cnnsim.support.arrays.array_file import read_array
-from cnnsim.support.bounds import check_file, one_line
+from cnnsim.support.array_files import read_array
+from cnnsim.support.limits import check_file, one_line
 
 MOST = 1 << 18
 """Cells of a height map, at most."""

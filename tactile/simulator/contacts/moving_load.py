@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.support import Flags, Floats, InputError
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 from cnnsim.support.keywords import spelled
 from tactile.core.loads import COLUMNS, FORCE
 from tactile.elastic.medium import Medium

@@ -40,7 +40,7 @@ from functools import partial
 from typing import Any, ClassVar, Protocol, cast
 
 from cnnsim.support import InputError, naming
-from cnnsim.support.faults import read_all
+from cnnsim.support.error_list import read_all
 from cnnsim.support.toml_file import check_keys, located, take
 from cnnsim.support.values import is_number
 from tactile.simulator.effect import within

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter

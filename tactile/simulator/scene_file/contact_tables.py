@@ -8,9 +8,9 @@ from typing import Any, cast
 import numpy as np
 
 from cnnsim.support import InputError, naming
-from cnnsim.support.arrays.array_file import read_array
-from cnnsim.support.bounds import one_line
-from cnnsim.support.faults import read_all
+from cnnsim.support.array_files import read_array
+from cnnsim.support.error_list import read_all
+from cnnsim.support.limits import one_line
 from cnnsim.support.toml_file import check_keys, line_of, located, take, take_from_zero, take_numbers, take_positive
 from tactile.simulator.contacts.indenter import ROUND, Indenter, ShapeName
 from tactile.simulator.contacts.materials import PRESETS

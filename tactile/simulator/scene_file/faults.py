@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim.support import InputError
-from cnnsim.support.faults import KeyFaults
+from cnnsim.support.error_list import ErrorList
 from cnnsim.support.toml_file import take, take_from_zero, take_positive
 from tactile.core.array_table import take_array
 from tactile.simulator.effects import ORDER, read_effect
@@ -23,7 +23,7 @@ def tell_all(table: dict[str, Any], where: str, folder: Path, first: InputError)
     Raises:
         InputError: all faults, each once.
     """
-    faults = KeyFaults(where)
+    faults = ErrorList(where)
 
     def trying(read: Callable[[], Any]) -> None:
         with faults.collecting():

@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import Any, cast
 
 from cnnsim.support import InputError
-from cnnsim.support.bounds import FRAMES, RATE, check_most
-from cnnsim.support.faults import KeyFaults
+from cnnsim.support.error_list import ErrorList
+from cnnsim.support.limits import FRAMES, RATE, check_most
 from cnnsim.support.toml_file import line_of, read_toml, take, take_positive, take_tables
 from tactile.core.array_table import take_array
 from tactile.core.file_kinds import refuse_other_kind
@@ -76,7 +76,7 @@ def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tupl
 
 
 def _scene(table: dict[str, Any], where: str, folder: Path) -> tuple[Scene, float | None]:
-    faults = KeyFaults(where)
+    faults = ErrorList(where)
     check_scene_keys(table, faults)
     faults.tell()
     cover = take(table, "cover", dict, where)

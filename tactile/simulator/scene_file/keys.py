@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from cnnsim.support.faults import KeyFaults
+from cnnsim.support.error_list import ErrorList
 
 TOP = (
     "title", "rate_hz", "duration_s", "seed", "effects", "tolerance", "accuracy", "backend", "dtype",
@@ -25,7 +25,7 @@ TABLES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 """[[table]] -> its keys, and those of them that are needed."""
 
 
-def check_scene_keys(table: dict[str, Any], faults: KeyFaults) -> None:
+def check_scene_keys(table: dict[str, Any], faults: ErrorList) -> None:
     """Give the ``faults`` the keys that are unknown or missing in all tables of a scene."""
     faults.check(table, TOP, "", ("title", "rate_hz", "duration_s", "cover", "finger"))
     cover = table.get("cover", {})
@@ -41,7 +41,7 @@ def check_scene_keys(table: dict[str, Any], faults: KeyFaults) -> None:
         _check_effects(faults, effects)
 
 
-def _check_effects(faults: KeyFaults, effects: Any) -> None:
+def _check_effects(faults: ErrorList, effects: Any) -> None:
     from tactile.simulator.effects import ORDER, effect_class  # only where called for
 
     faults.check(effects, ORDER, "[effect]")

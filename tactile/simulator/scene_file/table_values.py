@@ -6,7 +6,7 @@ from typing import Any, Literal
 import numpy as np
 
 from cnnsim.support import Floats, InputError
-from cnnsim.support.faults import read_all
+from cnnsim.support.error_list import read_all
 from cnnsim.support.toml_file import line_of, located, numbers, take, take_from_zero
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.scene.checks import WHERE

@@ -11,7 +11,7 @@ from cnnsim import InputError
 from cnnsim.library.read import load_file
 from cnnsim.program.file import load_program
 from cnnsim.prototyping.design.rule_files import read_table
-from cnnsim.support.faults import KeyFaults
+from cnnsim.support.error_list import ErrorList
 from cnnsim.support.toml_file import MOST_FAULTS
 from cnnsim.sweep.spec import read_sweep
 
@@ -119,7 +119,7 @@ def test_all_faults_of_a_file_are_told_at_once(
 
 
 def test_of_many_faults_the_first_are_told() -> None:
-    faults = KeyFaults("x.toml")
+    faults = ErrorList("x.toml")
     for number in range(MOST_FAULTS + 5):
         faults.check({f"key-{number}": 1}, ("a",))
         faults.check({f"key-{number}": 1}, ("a",))  # the same once more is no other fault

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from cnnsim.support.compiling.fingerprint import fingerprint
+from cnnsim.support.fingerprint import fingerprint
 from tests.kits.paths import ROOT
 
 CALLER = """
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 import callee
 from callee import inlined, linked, nested, COUNT, WHAT
 
@@ -26,7 +26,7 @@ if __name__ == "__main__":
 CALLEE = """
 import numpy as np
 from numba import njit
-from cnnsim.support.compiling.kept_loops import kept_njit
+from cnnsim.support.compiled_loops import kept_njit
 
 COUNT = 10
 WHAT = np.array([1.0, 100.0])

@@ -9,14 +9,14 @@ from types import SimpleNamespace
 
 import pytest
 
-from cnnsim.support.compiling import kept_loops
-from cnnsim.support.compiling.kept_loops import kept_njit
-from cnnsim.support.compiling.private_folder import first_usable, is_private
+from cnnsim.support import compiled_loops as kept_loops
+from cnnsim.support.cache_folder import first_usable, is_private
+from cnnsim.support.compiled_loops import kept_njit
 from cnnsim.support.notices import Notices
 from tests.kits.paths import ROOT
 
 TEMPLATE = """
-from cnnsim.support.compiling.kept_loops import folder, kept_njit
+from cnnsim.support.compiled_loops import folder, kept_njit
 
 @kept_njit(error_model="numpy")
 def double(x):

@@ -8,10 +8,10 @@ from click.testing import CliRunner
 
 from cnnsim.cli.group import main
 from cnnsim.support import InputError
-from cnnsim.support.names import check_name
+from cnnsim.support.files import check_name
 from cnnsim.support.pictures.picture import write_picture
 from tactile.core.frame import TaxelArray
-from tests.cnnsim.support.test_echo import TEMPLATE
+from tests.cnnsim.support.test_terminal import TEMPLATE
 
 BAD = ["", "../x", "a/b", "a b", "a\x1b", "..", "-o", "a.b", "C:x", "größe", "a\n", "=1+1", "x" * 101]
 PROGRAM = """

@@ -16,7 +16,7 @@ from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from cnnsim.backends.cpu.jit.compile import Kernel, helper, named
-from cnnsim.support.compiling.kept_loops import kept_cfunc
+from cnnsim.support.compiled_loops import kept_cfunc
 
 
 def compiled_at(function: Kernel, signature: Any) -> Any:

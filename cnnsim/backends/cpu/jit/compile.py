@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numba
 
-from cnnsim.support.compiling.kept_loops import kept_helper, kept_njit
+from cnnsim.support.compiled_loops import kept_helper, kept_njit
 
 Kernel = Callable[..., Any]
 

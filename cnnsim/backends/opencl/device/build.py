@@ -17,7 +17,7 @@ from cnnsim.backends.opencl.device import pocl
 from cnnsim.network import Boundary, Tap, reach
 from cnnsim.planning.plan import Plan
 from cnnsim.support import InputError
-from cnnsim.support.stopping import foreign_call
+from cnnsim.support.interrupts import foreign_call
 
 Defines = Mapping[str, str | int]
 

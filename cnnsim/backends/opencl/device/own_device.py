@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim.backends.opencl.device.devices import VARIABLE, all_devices, choose_device, title, type_of
-from cnnsim.support.compiling.private_folder import first_usable, user_cache
-from cnnsim.support.own_file import lock
+from cnnsim.support.cache_folder import first_usable, user_cache
+from cnnsim.support.exclusive_file import lock
 
 
 @cache

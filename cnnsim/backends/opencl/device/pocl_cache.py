@@ -17,7 +17,7 @@ from functools import cache
 from itertools import islice
 from pathlib import Path
 
-from cnnsim.support.compiling.private_folder import first_usable, user_cache
+from cnnsim.support.cache_folder import first_usable, user_cache
 
 VARIABLE = "POCL_CACHE_DIR"
 LIST = "cnnsim-files.json"

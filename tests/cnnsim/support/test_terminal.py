@@ -12,7 +12,7 @@ from rich.table import Table
 
 from cnnsim.cli.group import main as cnnsim
 from cnnsim.support.command_line import watched
-from cnnsim.support.echo import as_markup, console, json_line, printable
+from cnnsim.support.terminal import as_markup, console, json_line, printable
 from tactile.cli.group import main as tactile
 from tests.kits.paths import ROOT
 
@@ -117,7 +117,7 @@ def test_nothing_is_printed_but_by_the_one_helper(path: Path) -> None:
     if path.name == "echo.py":
         return
     found = re.findall(r"click\.s?echo\(|(?<![\w.])print\((?!\*)|\bConsole\(|from_markup\(", path.read_text("utf-8"))
-    assert not found, "cnnsim.support.echo wanted: echo, console or as_markup"
+    assert not found, "cnnsim.support.terminal wanted: echo, console or as_markup"
 
 
 @pytest.mark.parametrize("columns", [40, 80, 200])

@@ -12,8 +12,7 @@ import pytest
 from numpy.lib import format as npy
 
 from cnnsim import InputError, read_pictures
-from cnnsim.support.arrays.array_file import mapped_array, read_array
-from cnnsim.support.arrays.npz_file import read_npz_arrays
+from cnnsim.support.array_files import mapped_array, read_array, read_npz_arrays
 from tactile import open_source
 
 HUGE = r"800 bytes of numbers, and its head says 1000000 x 1000000 of float64, which take 8000000000000 \(8 TB\); a "

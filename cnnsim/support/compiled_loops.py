@@ -25,9 +25,9 @@ from numba.core.caching import FunctionCache
 from numba.core.ccallback import CFunc
 from numba.core.serialize import dumps
 
-from cnnsim.support.compiling.fingerprint import fingerprint, stable
-from cnnsim.support.compiling.private_folder import first_usable, is_private, user_cache
-from cnnsim.support.stopping import listen_to_numba
+from cnnsim.support.cache_folder import first_usable, is_private, user_cache
+from cnnsim.support.fingerprint import fingerprint, stable
+from cnnsim.support.interrupts import listen_to_numba
 
 _BYTES = sha256().digest_size
 _BLAS = "scipy.linalg.cython_blas"

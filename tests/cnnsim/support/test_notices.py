@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cnnsim import write_picture
-from cnnsim.support.compile_notice import Notice
+from cnnsim.support.notices import Notice
 
 
 def test_it_is_said_once_and_only_when_something_is_compiled() -> None:

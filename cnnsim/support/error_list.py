@@ -8,7 +8,7 @@ from cnnsim.support.errors import InputError, MissingKeyError, SeveralFaultsErro
 from cnnsim.support.toml_file import MOST_FAULTS, check_keys
 
 
-class KeyFaults:
+class ErrorList:
     """Collects what is wrong with the keys of a file, and with their values, to be told at once, the same thing once.
 
     ``where`` names the file, unless that is done outside; the length is how many faults there are. Once a `check` has
@@ -64,7 +64,7 @@ def read_all(where: str, *readers: Callable[[], Any]) -> list[Any]:
     Raises:
         InputError: what they raise, all of it.
     """
-    faults, found = KeyFaults(where), []
+    faults, found = ErrorList(where), []
     for read in readers:
         with faults.collecting():
             found.append(read())

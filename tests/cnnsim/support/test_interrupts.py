@@ -30,8 +30,8 @@ if kind == "callback":  # within a call from LLVM, where Python loses what is ra
     ExecutionEngine.set_object_cache = with_press
 
 from numba.core import event
-from cnnsim.support.compiling.kept_loops import kept_njit
-from cnnsim.support.stopping import Stopping
+from cnnsim.support.compiled_loops import kept_njit
+from cnnsim.support.interrupts import Stopping
 
 class Pass(event.Listener):
     on_start = press
@@ -57,7 +57,7 @@ FOREIGN = """
 import atexit
 import click
 from cnnsim.support.command_line import CommandGroup
-from cnnsim.support.stopping import foreign_call
+from cnnsim.support.interrupts import foreign_call
 
 @click.group(cls=CommandGroup)
 def main(): pass
