@@ -14,13 +14,13 @@ from tactile.core.noise import Noise, is_noise
 from tactile.core.rails import Rails
 from tactile.events.code import Code, encode
 from tactile.events.comparators import BINARY, Comparators
-from tactile.events.detector import Detector, Happening
+from tactile.events.detector import Detector, Transition
 from tactile.events.detector_file import shipped_detectors, users_detectors
 from tactile.events.hidden_contact import HiddenContact
+from tactile.events.load_travel import Travel
 from tactile.events.planes import CODE, Moment, PlanePool
 from tactile.events.registry import SHIPPED
 from tactile.events.signals.signals import Signals
-from tactile.events.travel import Travel
 from tactile.inverse.load import Load
 from tactile.inverse.localise import localise
 from tactile.inverse.point import NO_LOAD, OnePoint
@@ -145,7 +145,7 @@ class Finger:
         known = self._weights, self._saturated, array.thickness
         return localise(self._positions, pressing, pulling, array.depth, *known)
 
-    def notice(self, frame: Frame, load: Load) -> list[Happening]:
+    def notice(self, frame: Frame, load: Load) -> list[Transition]:
         """Run the comparators and the detectors on the frame and return what begins and what ends."""
         if not frame.whole and not frame.valid.any():
             return []  # there is no offset yet, or no taxel can be read: nothing is known, and what lasts goes on

@@ -19,7 +19,7 @@ from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream, Source
 from tactile.events.code import Code
 from tactile.events.event import Event
-from tactile.events.narrator import Narrator
+from tactile.events.event_builder import EventBuilder
 from tactile.finger import Finger
 from tactile.inverse.load import Load
 from tactile.settings import Settings
@@ -89,7 +89,7 @@ def run(source: Source, settings: Settings, sinks: Iterable[Sink], fingers: list
         raise InputError(f"sinks {shown(sinks)}; a list of functions wanted, each of which takes a FrameReport")
     if fingers is None:
         fingers = make_fingers(source.arrays, source.modulus, settings)
-    told = Narrator(fingers)
+    told = EventBuilder(fingers)
     requests = getattr(source, "tare_requests", None)  # of sources that people can talk to
     with watched_by(None):  # of long work: a frame's programs are none, and a bar would count their steps
         for raw in source:

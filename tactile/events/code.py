@@ -1,4 +1,4 @@
-"""Event codes: traction planes encoded as CNN input, comparator outputs decoded to a ternary code of the taxels."""
+"""Event codes: encode traction planes as CNN inputs, decode comparator outputs to a ternary code."""
 
 from dataclasses import dataclass
 
@@ -17,10 +17,10 @@ _ARROWS = {
 
 
 def encode(frame: Frame, quantity: Quantity, shear: Threshold, contact: Threshold) -> dict[str, Floats]:
-    """Return the planes shear_x, shear_y and pressing (rows, cols) in CNN values of [-1, 1].
+    """Return the planes shear_x, shear_y and pressing (rows, cols) as CNN values in [-1, 1].
 
     Pressing is +normal for force, -normal for strain and stress (eqs (1), (10): u_zz < 0 under a pressing load).
-    Taxels that are not valid, and readings that are not finite, become 0: no code.
+    Invalid taxels and non-finite readings become 0, which is no code.
     """
     use = frame.valid[..., None] & np.isfinite(frame.values)
     values = np.where(use, frame.values, 0.0)
@@ -28,7 +28,7 @@ def encode(frame: Frame, quantity: Quantity, shear: Threshold, contact: Threshol
 
 
 def encode_values(values: Floats, quantity: Quantity, shear: Threshold, contact: Threshold) -> dict[str, Floats]:
-    """Return the same planes of values (rows, cols, 3) that are all finite."""
+    """Return the same planes for finite values (rows, cols, 3)."""
     inward = 1.0 if quantity == "force" else -1.0
     scaled = np.empty((3, *values.shape[:2]))
     scaled[:NORMAL] = values[..., :NORMAL].transpose(2, 0, 1) / shear.full_scale
@@ -39,23 +39,23 @@ def encode_values(values: Floats, quantity: Quantity, shear: Threshold, contact:
 
 @dataclass(frozen=True)
 class Code:
-    """What the comparators of one finger say: ternary planes ``x``, ``y`` of -1, 0, +1 and ``contact`` (rows, cols)."""
+    """Comparator outputs of one finger: ternary planes ``x``, ``y`` of -1, 0, +1 and ``contact`` (rows, cols)."""
 
     x: NDArray[np.int8]
     y: NDArray[np.int8]
     contact: Flags
 
     def arrows(self) -> str:
-        """One arrow a taxel, row by row; rows are parted by a space."""
+        """Return one arrow per taxel, row by row, with a space between rows."""
         rows = zip(self.x.tolist(), self.y.tolist(), strict=True)
         return " ".join("".join(_ARROWS[cell] for cell in zip(*row, strict=True)) for row in rows)
 
     def ternary(self) -> str:
-        """Two characters of -, 0, + a taxel (x then y), row by row."""
+        """Return two characters of -, 0, + per taxel (x, then y), row by row."""
         return "".join("0+-"[value] for value in np.stack((self.x, self.y), axis=-1).ravel().tolist())
 
     def direction(self) -> str:
-        """Where the taxels' shear points by majority: "+x", "-y", "+x -y", or "about a point" if they disagree."""
+        """Return the majority direction of the shear: "+x", "-y", "+x -y", or "about a point" without a majority."""
         votes = (int(self.x.sum()), int(self.y.sum()))
         most = max(abs(vote) for vote in votes)
         if most == 0:
@@ -65,13 +65,13 @@ class Code:
         )
 
     def signs(self) -> int:
-        """The paper's binary code: two bits a taxel (x then y, 1 is plus), row by row, the first one highest."""
+        """Return the paper's binary code: two bits per taxel (x, then y; 1 is plus), row by row, first highest."""
         bits = np.stack((self.x, self.y), axis=-1).ravel() > 0
         return int("".join("1" if bit else "0" for bit in bits.tolist()), 2)
 
 
 def decode(planes: dict[str, Flags]) -> Code:
-    """Return the code of the comparators' planes x_plus, x_minus, y_plus, y_minus, contact."""
+    """Return the code of the comparator planes x_plus, x_minus, y_plus, y_minus and contact."""
     x, y = (planes[f"{axis}_plus"].astype(np.int8) - planes[f"{axis}_minus"].astype(np.int8) for axis in "xy")
     return Code(x, y, planes["contact"])
 

@@ -1,4 +1,4 @@
-"""Comparators: cells that compare traction planes with thresholds, and remember the outcome for the hysteresis."""
+"""Comparators: CNN cells that compare traction planes with thresholds, with hysteresis."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,15 +16,15 @@ BINARY = Threshold(1 / 6, 1 / 12)
 """The binary scale: off below 1/6, on above 1/4."""
 AS_THEY_ARE, ONCE = np.arange(3), np.ones(3)
 SLACK = 1e-6
-"""CNN value by which an input must miss every threshold for its cells to sleep; far above any rounding."""
+"""Distance in CNN value from every threshold at which a comparator is skipped; far above rounding."""
 
 
 class Comparators:
-    """The analogic program ``event-code`` with its thresholds, running on one grid of planes.
+    """The analogic program ``event-code`` with given thresholds on one grid of planes.
 
-    While no cell can switch they sleep: with A = a = 2 a white cell turns black only above its upper threshold and a
-    black one white only below its lower (`Threshold.comparator`), so between those the program would give back what it
-    keeps. ``code`` is what the cells say now, ``before`` what they said one frame ago.
+    The program is skipped while no cell can switch. With A = 2 a white cell turns black only above its upper threshold,
+    and a black cell turns white only below its lower threshold (`Threshold.comparator`); between them the program would
+    return the state it keeps. ``code`` is the current code, ``before`` that of the previous frame.
     """
 
     def __init__(self, machine: UniversalMachine, shape: tuple[int, int], shear: Threshold, contact: Threshold) -> None:
@@ -43,9 +43,9 @@ class Comparators:
         self._set_quiet_range()
 
     def update(self, planes: Floats) -> bool:
-        """Take the planes shear_x, shear_y, pressing (3, rows, cols) of `encode`; return whether the code has changed.
+        """Process the planes shear_x, shear_y, pressing (3, rows, cols) of `encode`; return whether the code changed.
 
-        Planes after these three are not looked at.
+        Further planes are ignored.
         """
         if self._quiet(planes, AS_THEY_ARE, ONCE, self._low, self._high):
             self.before = self.code
@@ -57,7 +57,7 @@ class Comparators:
         return bool(out["moved"])
 
     def _set_quiet_range(self) -> None:
-        """Note between which inputs (3, rows, cols) every cell stays as it is."""
+        """Store the input range (3, rows, cols) in which no cell switches."""
         code = self.code
         cells = code.x + 1, code.y + 1, code.contact.view(np.int8)
         self._low = np.array([low[kind] for (low, _), kind in zip(self._bounds, cells, strict=True)])
@@ -65,10 +65,10 @@ class Comparators:
 
 
 class Switches:
-    """The analogic program ``comparators`` on planes in the binary scale, asleep while none of its cells can switch.
+    """The analogic program ``comparators`` on planes in the binary scale; skipped while no cell can switch.
 
-    Arguments: ``shape`` (rows, cols); ``sources``: which plane each of the n signals is, ``factors`` times what. ``on``
-    (n, rows, cols) says of every signal where it is on.
+    Arguments: ``shape`` (rows, cols); ``sources``: index of the plane of each of the n signals; ``factors``: its
+    factor. ``on`` (n, rows, cols) holds the state of each signal.
     """
 
     def __init__(
@@ -85,7 +85,7 @@ class Switches:
         self._set_quiet_range()
 
     def update(self, planes: Floats) -> bool:
-        """Take planes (planes, rows, cols) and return whether any cell has switched."""
+        """Process planes (planes, rows, cols) and return whether any cell has switched."""
         if self._quiet(planes, self._sources, self._factors, self._low, self._high):
             return False
         on = self._machine.run(self._program, signal=planes[self._sources] * self._factors[:, None, None])["on"]
@@ -100,12 +100,12 @@ class Switches:
 
 
 def shipped(name: str) -> Path:
-    """Return the file of a program that came with the library: users' files of that name replace it nowhere."""
+    """Return the file of a program of the shipped library, which users' files of that name never replace."""
     return folder() / "programs" / f"{name}.toml"
 
 
 def _levels(threshold: Threshold) -> tuple[float, float]:
-    """Return below which CNN value a cell turns white and above which black."""
+    """Return the CNN values below which a cell turns white and above which it turns black."""
     return (
         threshold.dead_band / threshold.full_scale,
         (threshold.dead_band + threshold.hysteresis) / threshold.full_scale,

@@ -1,4 +1,4 @@
-"""Detectors at work: the program of a detector file on a finger's planes, frame by frame, and what it says."""
+"""Detectors: run the program of a detector file on the planes of a finger, frame by frame."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -11,15 +11,15 @@ from cnnsim.program.machine import UniversalMachine
 from cnnsim.support import Flags, Floats
 from tactile.events.detector_file import DetectorFile, EventRule
 from tactile.events.planes import PlanePool
-from tactile.events.tracker import Tracker, Turn
+from tactile.events.tracker import Change, Tracker
 
 
 @dataclass(frozen=True)
-class Happening:
-    """That an event of a rule begins or ends: from ``onset`` to ``end`` [s]; what the program's outputs say of it."""
+class Transition:
+    """The begin or end of an event of a rule: ``onset`` and ``end`` [s], with what the outputs of the program add."""
 
     rule: EventRule
-    turn: Turn
+    change: Change
     onset: float
     end: float | None
     taxels: Flags | None
@@ -28,12 +28,12 @@ class Happening:
 
 
 class Detector:
-    """One detector on one finger, with its machine's memory.
+    """One detector on one finger, with the memory of its machine.
 
-    A program sees every frame. It is not run where that could not tell: while its planes are those of the frame before,
-    all of them logic, and its memory came out of the last run as it went in, its outputs are the same again. One that
-    ``publishes`` gives its outputs to the pool, where the detectors that follow find them; users' detectors do not:
-    whatever they call their planes, those of the shipped ones stay as they are.
+    A program runs on every frame. The run is skipped when its outputs cannot change: all its inputs are logic planes,
+    they equal those of the previous frame, and the last run left the memory unchanged. A detector that ``publishes``
+    writes its outputs to the pool as inputs of later detectors. Users' detectors do not, so they cannot replace a
+    shipped plane.
     """
 
     def __init__(self, file: DetectorFile, machine: UniversalMachine, pool: PlanePool, *, publishes: bool) -> None:
@@ -46,27 +46,27 @@ class Detector:
         self._fixed = False
         self._last: list[Floats] = []
         self._kept: dict[str, Any] = {}
-        self._unnamed = dict[str, float]()  # onsets of events that last and of which no kind was told
+        self._unnamed = dict[str, float]()  # onsets of lasting events whose kind is not known yet
 
-    def update(self, t: float) -> list[Happening]:
-        """Take the planes of the pool at ``t`` [s] and return what begins and ends."""
+    def update(self, t: float) -> list[Transition]:
+        """Process the planes of the pool at ``t`` [s] and return the transitions of all rules."""
         ran = self._run()
         found = []
         for tracker in self._trackers:
-            if not (ran or tracker.waits):
+            if not (ran or tracker.pending):
                 continue
             rule, out = tracker.rule, self.outputs
             turn = tracker.update(t, _on(out[rule.when]), rule.unless is not None and _on(out[rule.unless]))
             if turn is not None:
                 assert tracker.onset is not None
-                found.append(self._named(self._happening(tracker, turn)))
+                found.append(self._named(self._transition(tracker, turn)))
                 if turn == "ends":
                     tracker.onset = tracker.end = None
         return found
 
-    def _named(self, what: Happening) -> Happening:
-        """Return the first kind that is told of an event with the onset of that: its kind shows later than itself."""
-        if what.turn == "ends":
+    def _named(self, what: Transition) -> Transition:
+        """Give the first kind of an event the onset of that event, because the kind shows later."""
+        if what.change == "ends":
             self._unnamed.pop(what.rule.kind, None)
             return what
         if what.rule.kind_of is not None:
@@ -97,7 +97,7 @@ class Detector:
         self._seen = pool.version
         return True
 
-    def _happening(self, tracker: Tracker, turn: Turn) -> Happening:
+    def _transition(self, tracker: Tracker, turn: Change) -> Transition:
         rule, out = tracker.rule, self.outputs
         votes = [_count(out[name]) for name in rule.direction] or [0] * 4
         turns = [_count(out[name]) for name in rule.sense]
@@ -105,7 +105,7 @@ class Detector:
         taxels = out[rule.taxels] if rule.taxels else None
         assert tracker.onset is not None
         late = self._pool.late(rule.lag_of, tracker.onset)
-        return Happening(
+        return Transition(
             rule,
             turn,
             max(tracker.onset - (rule.lag if late is None else late), 0.0),
@@ -117,7 +117,7 @@ class Detector:
 
 
 def direction_of(along: tuple[float, float]) -> str:
-    """Return "+x", "-y", "+x -y" of what points along x and y; nothing where it points nowhere."""
+    """Return the direction of a vector as "+x", "-y" or "+x -y"; an empty string for 0 or NaN."""
     most = max(map(abs, along))
     if not most > 0:  # NaN neither
         return ""
@@ -137,5 +137,5 @@ def _alike(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
 
 
 def _is(one: Any, other: Any) -> bool:
-    """Whether two outputs, of which analog ones may hold NaN, are the same to the last bit."""
+    """Whether two outputs are equal bit by bit; analog ones may hold NaN."""
     return bool(one.tobytes() == other.tobytes() if isinstance(one, np.ndarray) else one == other)

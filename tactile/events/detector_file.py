@@ -1,4 +1,4 @@
-"""Detector files: an analogic program, and a table of what its planes and registers mean, read and checked."""
+"""Detector files: an analogic program with a table of the events that its planes and registers mean."""
 
 import re
 from collections.abc import Collection, Sequence
@@ -25,9 +25,9 @@ EVENT_KEYS = (
     "kind_of",
 )  # fmt: skip
 OF_THE_DATA = ("direction", "sense", "taxels", "of_taxels", "force_n", "shear_n")
-"""What the words of an event may name in braces; a slip has a length, too."""
+"""Names allowed in braces in the words of an event; a slip also has ``length_mm``."""
 OF_LOAD = "load"
-"""A direction that is that of the whole tangential load."""
+"""Value of ``direction`` for the direction of the total tangential load."""
 WAYS = ("right", "left", "down", "up")
 TIMES = ("confirm_ms", "release_ms", "lag_ms")
 KIND = re.compile(r"[a-z][a-z0-9_]*")
@@ -35,15 +35,15 @@ KIND = re.compile(r"[a-z][a-z0-9_]*")
 
 @dataclass(frozen=True)
 class EventRule:
-    """When a detector's outputs mean an event.
+    """How outputs of a detector map to an event.
 
-    ``when``: the plane (any cell black) or register (not 0) that is on while it lasts; ``taxels``: the plane of the
-    taxels concerned; ``direction``: four planes or registers for +x, -x, +y, -y, of which the larger ones give it, or
-    ``along_load``: that of the whole tangential load; ``sense``: two, clockwise and anticlockwise as seen in the
-    picture; it begins once it was on for ``confirm`` [s] and ends once it was off for ``release`` [s]; with ``unless``
-    it need not stay on, but that must not come on meanwhile; ``lag`` [s] is what its planes come late by, which is
-    taken off the onset; where the plane ``lag_of`` knows by how much it came late, that is taken off instead. The
-    first of those that are a ``kind_of`` another event of the file begins where that began.
+    ``when``: plane (any cell black) or register (not 0) that is on while the event lasts. ``taxels``: plane of the
+    taxels that take part. ``direction``: four planes or registers for +x, -x, +y, -y, of which the larger give the
+    direction; with ``along_load`` the total tangential load gives it. ``sense``: two planes or registers, clockwise and
+    anticlockwise in the picture. The event begins when ``when`` was on for ``confirm`` [s] and ends when it was off for
+    ``release`` [s]. With ``unless`` it need not stay on, but ``unless`` must not come on in that time. ``lag`` [s], or
+    the delay measured by ``lag_of``, is subtracted from the onset. The first event that is a ``kind_of`` another one
+    takes over its onset.
     """
 
     kind: str
@@ -62,14 +62,14 @@ class EventRule:
 
     @property
     def outputs(self) -> set[str]:
-        """The program's outputs that the rule reads."""
+        """The outputs of the program that the rule reads."""
         single = {name for name in (self.taxels, self.unless) if name is not None}
         return {self.when, *self.direction, *self.sense, *single}
 
 
 @dataclass(frozen=True)
 class DetectorFile:
-    """A program and the events it makes; none for a program whose outputs alone are asked for."""
+    """A program and the events it makes; no events for a plain program."""
 
     name: str
     program: Program
@@ -77,13 +77,13 @@ class DetectorFile:
 
 
 def read_detector(name: str | Path, known: Collection[str] = NAMES) -> DetectorFile:
-    """Return the detector that a file is, or that has this name in the library.
+    """Return the detector of a file, or of that name in the library.
 
     Arguments: ``name`` of a file (.toml), of a detector (``programs/touch``) or of a program of the library, which
-    makes no events; ``known``: the planes that there are.
+    makes no events; ``known``: the planes available as inputs.
 
     Raises:
-        InputError: no such file, what is wrong in it, or a plane that a frame does not have.
+        InputError: a missing file, faults in it, or an unknown input plane.
     """
     path = named_file(name)
     if not path.suffix:
@@ -104,10 +104,10 @@ def read_detector(name: str | Path, known: Collection[str] = NAMES) -> DetectorF
 
 
 def users_detectors(names: Collection[str]) -> list[DetectorFile]:
-    """Return the detectors and programs that a user has named, which stand beside the shipped ones.
+    """Return the detectors and programs that a user names, which run next to the shipped ones.
 
     Raises:
-        InputError: as `read_detector`; a name that two of them have, or a kind of event that another detector makes.
+        InputError: as `read_detector`; a name used twice, or a kind of event that another detector makes.
     """
     if not names:
         return []
@@ -119,7 +119,7 @@ def users_detectors(names: Collection[str]) -> list[DetectorFile]:
     for name in names:
         detector = read_detector(name, known)
         if detector.name in (one.name for one in found):
-            raise InputError(f"{name}: there is a program {detector.name!r} already; each once, and a name each wanted")
+            raise InputError(f"{name}: a program {detector.name!r} is given already; one program per name wanted")
         kinds = [rule.kind for rule in detector.rules]
         for n, kind in enumerate(kinds):
             if kind in makers or kind in kinds[:n]:
@@ -131,7 +131,7 @@ def users_detectors(names: Collection[str]) -> list[DetectorFile]:
 
 
 def shipped_detectors(names: Collection[str]) -> list[DetectorFile]:
-    """Return detectors that came with the library; users' files of these names do not replace them."""
+    """Return detectors of the shipped library, which users' files of these names never replace."""
     found, known = [], [*NAMES]
     for name in names:
         found.append(read_detector(folder() / "programs" / "touch" / f"{name}.toml", known))
@@ -215,7 +215,7 @@ def _optional(table: dict[str, Any], key: str, where: str) -> str | None:
 def _lag_of(table: dict[str, Any], where: str) -> str | None:
     lag_of = _optional(table, "lag_of", where)
     if lag_of not in (None, *LATE):
-        wanted = f"one of {', '.join(LATE)} wanted, which know it"
+        wanted = f"one of {', '.join(LATE)} wanted, whose delay is measured"
         raise InputError(f"{where}: lag_of = {lag_of!r}; {wanted}{line_of(table, 'lag_of')}")
     return lag_of
 
@@ -227,7 +227,7 @@ def _check(program: Program, rules: Sequence[EventRule], known: Collection[str])
     for n, rule in enumerate(rules):
         if rule.kind_of is not None and rule.kind_of not in (before := [one.kind for one in rules[:n]]):
             raise InputError(
-                f"event {rule.kind!r}: kind_of = {rule.kind_of!r}; an event before it in the file wanted, of"
+                f"event {rule.kind!r}: kind_of = {rule.kind_of!r}; an earlier event of the file wanted, of"
                 f" {', '.join(before) or 'none'}"
             )
         missing = sorted(rule.outputs - set(program.outputs))

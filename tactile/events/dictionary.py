@@ -1,4 +1,4 @@
-"""Dictionary of the sign codes of two 2 x 2 fingers: what each of the 65 536 says in words; larger arrays vote."""
+"""Dictionary of the 65 536 sign codes of two 2 x 2 fingers, in words; larger arrays reduce to them by votes."""
 
 from collections.abc import Iterator
 from functools import cache
@@ -12,15 +12,15 @@ from tactile.events.hand import OPPOSITE
 CODES = 1 << 16
 """Two bits a taxel, eight a finger, two fingers."""
 X = np.array([[-1, 1], [-1, 1]])
-"""Where a taxel of a 2 x 2 finger lies along x; its transpose along y (down)."""
+"""x positions of the taxels of a 2 x 2 finger; the transpose has the y positions (down)."""
 
 
 @cache  # a finger has 256 of them, the whole dictionary asks 131 072 times
 def finger_word(code: int) -> str:
-    """Return what eight bits of a finger say, by the mode of motion that most of the eight signs agree with.
+    """Return the meaning of the eight bits of a finger: the motion that most of its signs agree with.
 
-    With signs (sx, sy) of the taxels at (x, y): pull sum s, turn sum (x sy - y sx), spread sum (x sx + y sy); a mode
-    counts that at least six of its eight signs (three of four in a pull along an axis) have.
+    With signs (sx, sy) of the taxels at (x, y): pull sum s, turn sum (x sy - y sx), spread sum (x sx + y sy). A turn or
+    spread needs six of the eight signs, a pull along an axis three of four.
     """
     bits = np.array([1 if code >> (7 - n) & 1 else -1 for n in range(8)]).reshape(2, 2, 2)
     sx, sy = bits[..., 0], bits[..., 1]
@@ -35,7 +35,7 @@ def finger_word(code: int) -> str:
 
 
 def word(code: int) -> str:
-    """Return what a code of 16 bits, the first finger highest, says: of the hand where the fingers agree or oppose."""
+    """Return the meaning of a code of 16 bits, first finger highest: of the hand where both fingers agree or oppose."""
     first, second = finger_word(code >> 8), finger_word(code & 0xFF)
     if first == second:
         return "lift" if first == "pull +y" else f"both {first}"
@@ -46,12 +46,12 @@ def word(code: int) -> str:
 
 
 def entries() -> Iterator[tuple[int, str]]:
-    """Return every code with its words."""
+    """Return every code with its meaning."""
     return ((code, word(code)) for code in range(CODES))
 
 
 def reduced(code: Code) -> int:
-    """Return the eight bits of a finger of any size: each quarter of its taxels votes on both signs, a tie is minus."""
+    """Return the eight bits of a finger of any size: each quarter of its taxels votes on both signs; a tie is minus."""
     bits = [
         vote(quarter) for rows in _halves(code.x.shape[0]) for cols in _halves(code.x.shape[1])
         for quarter in (code.x[rows, cols], code.y[rows, cols])
@@ -60,10 +60,10 @@ def reduced(code: Code) -> int:
 
 
 def vote(signs: NDArray[np.int8]) -> bool:
-    """Whether more taxels say plus than minus."""
+    """Whether more taxels are plus than minus."""
     return int(signs.sum(dtype=np.int64)) > 0
 
 
 def _halves(count: int) -> tuple[slice, slice]:
-    """Return both halves of an axis; the middle one of an odd number, and the only one, belongs to both."""
+    """Return both halves of an axis; both include the middle of an odd length."""
     return slice(0, (count + 1) // 2), slice(count // 2, count)

@@ -1,4 +1,4 @@
-"""Events: what has happened to a finger or the hand: an interval, a kind and its data; words are made here alone."""
+"""Events: intervals in time with a kind, data and a text, of a finger or of the hand."""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -9,20 +9,21 @@ from tactile.inverse.load import Load
 
 Data = Mapping[str, str | int | float]
 """An event's data by name; the name of a quantity ends in its SI unit: ``force_n`` [N], ``length_m`` [m]."""
-_GAPS = re.compile(r"( ?,)+")  # around data that are not known
+_GAPS = re.compile(r"( ?,)+")  # around unknown data
 UNITS = {"_n": ("N", 2), "_mm": ("mm", 2), "_pa": ("Pa", 0)}
-"""Ending of a quantity's name -> its unit in words, and decimal places."""
+"""Suffix of a quantity -> its unit and decimal places in the text."""
 
 
 @dataclass(frozen=True)
 class Event:
     """One tactile event of one finger, or of the ``hand``.
 
-    ``t`` [s] its onset, ``end`` [s] where it ends, None while it lasts; ``told`` [s] the time of the frame that decided
-    that it began, so that told - t is the delay of detection; ``sequence`` of that frame. ``kind``, ``data`` and
-    ``text``: what has happened; ``taxels`` (row, col) concerned, and ``confidence``, their part of the pressed ones;
-    the finger's code when it was told as ``arrows`` and as ``ternary`` signs -0+, and ``hand`` the sign code of all
-    fingers; ``latency`` [s] from that frame's arrival in the pipeline; ``load`` of the finger in it.
+    ``t`` [s] is the onset, ``end`` [s] the end, None while the event lasts. ``told`` [s] is the time of the frame that
+    decided the onset, so told - t is the delay of detection; ``sequence`` is the number of that frame. ``kind``,
+    ``data`` and ``text`` describe the event; ``taxels`` (row, col) take part, and ``confidence`` is their share of the
+    pressed taxels. ``arrows`` and ``ternary`` are the code of the finger in that frame, ``hand`` the sign code of all
+    fingers. ``latency`` [s] counts from the arrival of that frame in the pipeline; ``load`` is that of the finger in
+    it.
     """
 
     t: float
@@ -46,20 +47,19 @@ class Event:
 
     @property
     def words(self) -> str:
-        """The event in words: its text with the data in it, a length ``x_m`` also as ``x_mm``; what is not known is
-        left out."""
+        """The text with the data filled in; a length ``x_m`` is also there as ``x_mm``; unknown data are left out."""
         known: dict[str, Any] = {f"{name}m": 1e3 * float(v) for name, v in self.data.items() if name.endswith("_m")}
-        said = self.text.format_map(_Said({**self.data, **known}))
+        said = self.text.format_map(_TextData({**self.data, **known}))
         return _GAPS.sub(",", " ".join(said.split())).strip(" :,")
 
     @property
     def key(self) -> tuple[str, str, float]:
-        """What tells an event from the others of its run: it stays the same when the event ends."""
+        """Identity of an event within its run: it stays the same when the event ends."""
         return self.finger, self.kind, self.t
 
 
-class _Said(dict[str, Any]):
-    """Data as words; a name without data is nothing."""
+class _TextData(dict[str, Any]):
+    """Data formatted for the text; unknown names become empty."""
 
     def __missing__(self, name: str) -> str:
         return ""
@@ -73,17 +73,17 @@ class _Said(dict[str, Any]):
 
 
 class EventLog:
-    """The events of a run so far, each once: one that ends takes the place of the one that had begun."""
+    """The events of a run so far; an ended event replaces the one that began."""
 
     def __init__(self) -> None:
         self._events: dict[tuple[str, str, float], Event] = {}
 
     def add(self, begun: Iterable[Event], ended: Iterable[Event]) -> None:
-        """Take what has begun and what has ended."""
+        """Add events that begin and events that end."""
         for event in (*begun, *ended):
             self._events[event.key] = event
 
     @property
     def events(self) -> list[Event]:
-        """All events in the order of their onsets."""
+        """All events, sorted by onset."""
         return sorted(self._events.values(), key=lambda event: event.t)

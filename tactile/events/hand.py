@@ -1,4 +1,4 @@
-"""Events of the hand: fingers that touch together grip; their tangential loads together lift, pull or twist."""
+"""Events of the hand: grip, lift, pull and twist, from events of fingers that touch together."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -7,16 +7,16 @@ from tactile.core.frame import HAND
 from tactile.events.event import Event
 
 TOGETHER = 0.25
-"""[s] Tangential loads of two fingers that begin this near to each other are one event of the hand."""
+"""[s] Largest time between the onsets of two tangential loads that make one event of the hand."""
 OPPOSITE = {"+x": "-x", "-x": "+x", "+y": "-y", "-y": "+y"}
 
 
 class Hand:
-    """Follows the fingers' events. A hand of one finger has none of its own.
+    """Combines events of fingers to events of the hand. A hand of one finger has none.
 
-    ``grip``: two fingers or more in contact. While they are, tangential loads of two fingers in the same direction are
-    a ``lift`` where the skin is pulled down (+y, the weight of what is held) and a ``pull`` otherwise, and in opposite
-    directions a ``twist``: each lasts until the first of them ends.
+    ``grip``: two or more fingers in contact. During a grip, tangential loads of two fingers in the same direction are a
+    ``lift`` where the skin is pulled down (+y, the weight of the object) and a ``pull`` otherwise; in opposite
+    directions they are a ``twist``. Each lasts until the first of the two ends.
     """
 
     def __init__(self, fingers: int) -> None:
@@ -27,7 +27,7 @@ class Hand:
         self._shared: Event | None = None
 
     def join(self, begun: Iterable[Event], ended: Iterable[Event]) -> tuple[list[Event], list[Event]]:
-        """Take the fingers' events and return those of the hand that begin and end with them."""
+        """Process events of fingers and return the events of the hand that begin and end with them."""
         joined: list[Event] = []
         parted: list[Event] = []
         if self._fingers < 2:
@@ -58,7 +58,7 @@ class Hand:
         return joined, parted
 
     def _share(self, event: Event) -> Event | None:
-        """Return what the newest tangential load has in common with another finger's."""
+        """Return the event that the newest tangential load makes with that of another finger."""
         others = [one for one in self._drawn.values() if one.finger != event.finger and event.t - one.t <= TOGETHER]
         mine = str(event.data.get("direction", ""))
         if self._shared is not None or not mine:

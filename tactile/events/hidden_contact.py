@@ -1,4 +1,4 @@
-"""Contact of a firm load amid taxels, none of which feels it press."""
+"""Hidden contact: a firm located load between taxels, none of which is pressed."""
 
 import numpy as np
 
@@ -9,21 +9,20 @@ from tactile.inverse.validity import Validity
 from tactile.thresholds.levels import Levels
 
 HIDDEN = 6.0
-"""A located load is a contact from so many times the force on that a taxel right under it would feel.
+"""Force over the contact level of a taxel right below, from which a located load is a contact.
 
-Loads of less lie nearer than a depth to some taxel of arrays that are less than 1.2 depths apart, which feels them.
+A weaker load presses some taxel, if the pitch is below 1.2 depths: one lies nearer than a depth.
 """
 BEARING = 3
-"""Taxels that have to agree on it: one alone locates what its noise says."""
-FELT = 1 / 4
-"""Of a plane in the binary scale: on."""
+"""Least number of taxels that agree on the load: a single taxel locates its own noise."""
+ON = 1 / 4
+"""Value of a plane in the binary scale at which it goes on."""
 
 
 class HiddenContact:
-    """Where a firm load lies at which no taxel feels it: sqrt(2) depths from it the normal signal is 0.
+    """Marks the contact of a firm load that presses no taxel: sqrt(2) depths from it the normal signal is 0.
 
-    So a load amid four taxels may press as hard as it likes; their shear locates it all the same. ``newtons``: what
-    `localise` multiplies a signal with.
+    The shear of the taxels locates such a load. ``newtons``: the factor of `localise` from signal to force.
     """
 
     def __init__(self, array: TaxelArray, newtons: float) -> None:
@@ -35,7 +34,7 @@ class HiddenContact:
         self._off = self._on = np.inf
 
     def set_levels(self, levels: Levels) -> None:
-        """Take the levels at which contact of a taxel goes off and on."""
+        """Set the levels at which the contact of a taxel goes off and on."""
         self._off, self._on = (float(np.median(one[..., 2])) * self._under for one in (levels.off, levels.on))
 
     def write(self, load: Load, pressing: Floats, use: Flags) -> None:
@@ -45,7 +44,7 @@ class HiddenContact:
         x, y = load.x - self._origin[0], load.y - self._origin[1]
         amid = abs(x) <= self._half[0] and abs(y) <= self._half[1]
         known = load.taxels >= BEARING and load.validity in (Validity.INSIDE, Validity.OUTSIDE)
-        if pressing.max() > FELT or not (amid and known and use.any()):
+        if pressing.max() > ON or not (amid and known and use.any()):
             return
         away = np.where(use, np.hypot(self._positions[..., 0] - load.x, self._positions[..., 1] - load.y), np.inf)
         pressing.flat[int(away.argmin())] = self._binary(load.F, self._off, self._on)

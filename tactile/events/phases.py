@@ -1,4 +1,4 @@
-"""Phases of a grasp: the time of a finger tiled by what it is doing, out of its events."""
+"""Phases of a grasp: divide the time of a finger into approach, load, hold, slip, unload, release."""
 
 from collections.abc import Iterable
 from itertools import pairwise
@@ -12,7 +12,7 @@ APPROACH, LOAD, HOLD, TANGENTIAL, SLIP, UNLOAD, RELEASE = (
 
 
 class Phase(NamedTuple):
-    """What a finger is doing from ``start`` to ``end`` [s]."""
+    """One phase of a finger from ``start`` to ``end`` [s]."""
 
     phase: str
     start: float
@@ -20,10 +20,10 @@ class Phase(NamedTuple):
 
 
 def phases(events: Iterable[Event], finger: str, start: float, end: float) -> list[Phase]:
-    """Return the phases of one finger from ``start`` to ``end`` [s]: they follow each other without gap or overlap.
+    """Return the phases of one finger from ``start`` to ``end`` [s], without gap or overlap.
 
-    Without contact a finger approaches, or releases where a release lasts. In contact it loads until its first hold and
-    unloads after its last one; between holds it loads. Tangential load and slip take their time out of all of these.
+    Without contact the phase is approach, or release where a release lasts. In contact it is load until the first hold,
+    unload after the last hold, and load between holds. Tangential load and slip replace all of these.
     """
     mine = [event for event in events if event.finger == finger]
     paint: list[tuple[float, float, str]] = [(start, end, APPROACH)]
@@ -46,7 +46,7 @@ def _until(event: Event, last: float) -> float:
 
 
 def _tiled(paint: list[tuple[float, float, str]], start: float, end: float) -> list[Phase]:
-    """Return what is on top at every time; what comes later in the list covers what comes before."""
+    """Return the topmost interval at every time; later entries of the list cover earlier ones."""
     cuts = sorted({start, end, *(min(max(t, start), end) for first, last, _ in paint for t in (first, last))})
     tiles: list[Phase] = []
     for first, last in pairwise(cuts):

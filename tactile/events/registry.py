@@ -1,4 +1,4 @@
-"""Which detectors watch every finger. Adding one is one file under ``templates/programs/touch``, and its name here."""
+"""Shipped detectors. A new one is one file in ``templates/programs/touch``, and its name here."""
 
 SHIPPED = ("contact", "tangential", "slip")
-"""In the order in which they run: a later one may have the outputs of an earlier one as inputs."""
+"""In running order: a later detector may read the outputs of an earlier one."""

@@ -1,18 +1,18 @@
-"""Intervals of events: when what a rule watches has been on for long enough, and off for long enough."""
+"""Event tracker: confirms the begin and the end of an event rule over time."""
 
 from dataclasses import dataclass
 from typing import Literal
 
 from tactile.events.detector_file import EventRule
 
-Turn = Literal["begins", "ends"]
+Change = Literal["begins", "ends"]
 
 
 @dataclass
 class Tracker:
-    """Follows one rule of one finger through time; ``onset`` [s] is where it was first on, ``end`` first off.
+    """State of one rule on one finger; ``onset`` [s] is when it first came on, ``end`` when it first went off.
 
-    What waits to be told begins again where it is off; of a rule that says what takes it back, where that is on alone.
+    An unconfirmed onset is dropped when the signal goes off; with ``unless`` in the rule, only when that comes on.
     """
 
     rule: EventRule
@@ -21,12 +21,12 @@ class Tracker:
     end: float | None = None
 
     @property
-    def waits(self) -> bool:
-        """Whether time alone may bring a turn."""
+    def pending(self) -> bool:
+        """Whether a transition is pending."""
         return (self.onset is not None and not self.active) or self.end is not None
 
-    def update(self, t: float, on: bool, back: bool = False) -> Turn | None:
-        """Take whether it is on at ``t`` [s], and whether what takes it ``back`` is; return what begins or ends."""
+    def update(self, t: float, on: bool, back: bool = False) -> Change | None:
+        """Process the signal ``on`` and its veto ``back`` at ``t`` [s]; return the transition, if any."""
         if not self.active:
             waits = self.onset is not None and self.rule.unless is not None
             if back or not (on or waits):

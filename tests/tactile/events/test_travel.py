@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tactile.events.travel import Travel
+from tactile.events.load_travel import Travel
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 

@@ -1,4 +1,4 @@
-"""Travel of a located load over the skin: whether it leaves the place where it rested, by more than its own unrest."""
+"""Travel of a located load: whether it moves over the skin by more than its noise."""
 
 from math import exp, hypot, isfinite
 
@@ -6,23 +6,23 @@ from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 
 START = 50e-6
-"""[m] of travel that begins a slip: ten times the precision of localisation (3-5 um, paper, section 4) ..."""
+"""[m] Travel that begins a slip: ten times the precision of localisation (3-5 um, paper, section 4)."""
 SIGMAS = 6.0
-"""... and at least so many times the unrest of the place from frame to frame, and what both places are uncertain by."""
+"""Least travel over the noise of the position from frame to frame, and over the uncertainty of both positions."""
 REST = 0.25
-"""[s] without so much travel that ends one: longer than the sticking phases of stick-slip."""
+"""[s] Time without such travel that ends a slip: longer than the sticking phases of stick-slip."""
 MEMORY = 0.5
-"""[s] over which the unrest is averaged."""
+"""[s] Averaging time of the noise."""
 FASTEST, JUMP = 0.5, 1e-3
-"""[m/s], [m] A place that is left faster, and as far, from frame to frame is no slip: another contact is located."""
+"""[m/s], [m] A faster and longer jump between frames is another contact, not a slip."""
 LOCATED = (Validity.INSIDE, Validity.OUTSIDE)
 
 
 class Travel:
-    """Follows one finger's located load from contact to release; ``way`` (x, y) [m] that it went in its last slip.
+    """Follows the located load of one finger from contact to release; ``way`` (x, y) [m] is the path of its last slip.
 
-    Of several loads it is the one nearest to where it was, and not the strongest, which another may become.
-    The unrest is that of second differences, which a steady motion does not have.
+    Of several loads it follows the nearest to the last position, not the strongest. The noise of the position is
+    estimated from second differences, in which a steady motion vanishes.
     """
 
     def __init__(self) -> None:
@@ -36,7 +36,7 @@ class Travel:
         self.way = (0.0, 0.0)
 
     def update(self, t: float, load: Load, contact: bool) -> bool:
-        """Return whether the load travels."""
+        """Return whether the load is moving."""
         if not contact:
             self._forget()
             return False
@@ -54,10 +54,10 @@ class Travel:
             self._mark = (t, load.x, load.y, _spread(load))
             return False
         since, x, y, spread = self._mark
-        # where little presses, as a contact begins or ends, the unrest is not yet known, or that of a firmer grip
+        # while a contact begins or ends the averaged noise is that of no grip or of a firmer one
         least = max(START, SIGMAS * self._unrest, SIGMAS * hypot(spread, _spread(load)))
         self._away = self._away + 1 if hypot(load.x - x, load.y - y) > least else 0
-        # with noise one reading proves little
+        # with noise a single reading is not enough
         if self._away >= (1 if self._unrest < START / SIGMAS else 3):
             self._mark, self._away = (t, load.x, load.y, _spread(load)), 0
             if not self._travels:
@@ -85,16 +85,16 @@ class Travel:
             return
         (t0, x0, y0), (_, x1, y1), (t2, x2, y2) = self._last
         self._last.pop(0)
-        bend = hypot(x2 - 2 * x1 + x0, y2 - 2 * y1 + y0) / 3.46  # of two independent components, over three readings
+        bend = hypot(x2 - 2 * x1 + x0, y2 - 2 * y1 + y0) / 3.46  # sqrt(6) sigma, two components
         weight = 1 - exp(-max(t2 - t0, 0.0) / 2 / MEMORY)  # a device's clock may jump back
-        if bend < START or self._unrest > 0:  # a jump is no noise
+        if bend < START or self._unrest > 0:  # a jump is not noise
             self._unrest = (self._unrest**2 * (1 - weight) + min(bend, START) ** 2 * weight) ** 0.5
 
 
 def _spread(load: Load) -> float:
-    """Return by how much a load's place [m] changes by chance, along the axis known less; 0 where nobody knows it.
+    """Return the standard deviation of a load's position [m] by noise, along its less certain axis; 0 if unknown.
 
-    What the load leaves unexplained shifts the place in all frames alike, and is no part of it.
+    A misfit of the model shifts the position in all frames alike and does not count.
     """
     spread = max(load.scatter[:2])
     return spread if isfinite(spread) else 0.0

@@ -1,4 +1,4 @@
-"""Events of a hand out of what its fingers' detectors say: with codes, load, newtons and words; joined to grips."""
+"""Event builder: turns transitions of detectors into events with codes, load, newtons and words."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -9,14 +9,14 @@ import numpy as np
 
 from tactile.core.frame import Frame, TaxelArray
 from tactile.events.code import Code, hand_code
-from tactile.events.detector import Happening, direction_of
+from tactile.events.detector import Transition, direction_of
 from tactile.events.event import Data, Event
 from tactile.events.hand import Hand
 from tactile.inverse.load import Load
 
 
-class Told(Protocol):
-    """What the narrator reads of a finger."""
+class FingerState(Protocol):
+    """The attributes of a finger that the event builder reads."""
 
     @property
     def array(self) -> TaxelArray: ...  # noqa: D102 - the finger's array
@@ -26,24 +26,24 @@ class Told(Protocol):
     def travelled(self) -> tuple[float, float] | None: ...  # noqa: D102 - how far the load has travelled [m], if it is located
 
 
-class Narrator:
-    """Makes events of happenings; remembers those that last, so that an end is the end of the event that began."""
+class EventBuilder:
+    """Makes events from transitions, and keeps the lasting ones so that an end finds the event that began."""
 
-    def __init__(self, fingers: Sequence[Told]) -> None:
+    def __init__(self, fingers: Sequence[FingerState]) -> None:
         self._fingers = fingers
         self._open: dict[tuple[str, str], Event] = {}
         self._hand = Hand(len(fingers))
 
     def events(
-        self, finger: Told, frame: Frame, load: Load, happened: list[Happening], arrived: float
+        self, finger: FingerState, frame: Frame, load: Load, happened: list[Transition], arrived: float
     ) -> tuple[tuple[Event, ...], tuple[Event, ...]]:
-        """Return the events that begin and those that end; ``arrived`` is when the frame came, by `perf_counter`."""
+        """Return the events that begin and the events that end; the frame arrived at ``arrived`` (`perf_counter`)."""
         begun, ended = [], []
         code = finger.code
         hand = hand_code([one.code for one in self._fingers])
         for what in happened:
             name = finger.array.name
-            if what.turn == "begins":
+            if what.change == "begins":
                 data = _data(what, load, code)
                 rest = data["of_taxels"] if what.taxels is None else max(int(code.contact.sum()), 1)
                 taxels = () if what.taxels is None else tuple((i, j) for i, j in np.argwhere(what.taxels).tolist())
@@ -61,7 +61,7 @@ class Narrator:
         return (*begun, *joined), (*ended, *parted)
 
 
-def _data(what: Happening, load: Load, code: Code) -> Data:
+def _data(what: Transition, load: Load, code: Code) -> Data:
     data: dict[str, str | int | float] = {"of_taxels": code.contact.size}
     direction = direction_of((load.Q, load.R)) if what.rule.along_load else what.direction
     if direction:
@@ -78,7 +78,7 @@ def _data(what: Happening, load: Load, code: Code) -> Data:
 
 
 def _ended(event: Event, end: float | None, travelled: tuple[float, float] | None) -> Event:
-    """Return the event with its end; a slip with how far the located load has travelled."""
+    """Return the event with its end; a slip also has the distance that the located load travelled."""
     data = dict(event.data)
     if travelled is not None and event.kind == "slip":
         dx, dy = travelled
