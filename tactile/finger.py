@@ -1,4 +1,4 @@
-"""Finger: the state of one taxel array between frames, and the stages of the pipeline that a frame passes."""
+"""Finger: the state of one taxel array between frames, and the pipeline stages of a frame."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -11,7 +11,7 @@ from cnnsim.support import Flags, Floats
 from tactile.calibration.live_tare import LiveTare, TareNote
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.noise import Noise, is_noise
-from tactile.core.rails import Rails
+from tactile.core.saturation import Saturation
 from tactile.events.code import Code, encode
 from tactile.events.comparators import BINARY, Comparators
 from tactile.events.detector import Detector, Transition
@@ -33,15 +33,15 @@ from tactile.thresholds.levels import levels
 from tactile.thresholds.threshold import CONTACT, SIGN
 
 STILL = 0.6
-"""[s] without any sign of sliding after which nothing slides."""
+"""[s] Time without a sign of sliding after which nothing slides."""
 APART = 0.1
-"""[s] for which a rough material may let go of the skin between its teeth: what is felt then counts for nothing."""
+"""[s] Longest loss of contact between the asperities of a rough material; such frames are ignored."""
 LIVELY = 0.25
-"""Unrest of a normal load under which a texture passes: 1 % of it, above its noise; a grip is ten times stiller."""
+"""Unsteadiness of the normal load on a moving texture: 1 % of the load, above its noise; a grip has a tenth of it."""
 
 
 class Finger:
-    """One array with its tare, its inverse, its comparators, its detectors and its texture figures."""
+    """One array with its tare, inverse, comparators, detectors and texture figures."""
 
     def __init__(self, array: TaxelArray, modulus: float | None, settings: Settings, number: int = 0) -> None:
         contact = settings.contact or CONTACT[array.quantity]
@@ -53,7 +53,7 @@ class Finger:
         self.taxels = Comparators(machine, array.shape, SIGN if self._signs else BINARY, BINARY)
         self._signals, self._pool = Signals(array.shape, array.quantity), PlanePool(machine, array.shape)
         files = [*shipped_detectors(SHIPPED), *users_detectors(settings.programs)]
-        # a machine each: programs of one name keep nothing of each other's
+        # one machine each, so that programs of the same name do not share memory
         self._detectors = [
             Detector(file, UniversalMachine(settings.backend, "float64"), self._pool, publishes=n < len(SHIPPED))
             for n, file in enumerate(files)
@@ -61,8 +61,8 @@ class Finger:
         self._own = self._detectors[len(SHIPPED) :]
         self._travel, self._whole = Travel(), Signals((1, 1), "force")
         least = contact.dead_band if array.quantity == "force" else CONTACT["force"].dead_band
-        self._texture = Texture(settings.window, least if settings.floor is None else settings.floor)
-        self._felt: TextureFigures | None = None
+        self._figures = Texture(settings.window, least if settings.floor is None else settings.floor)
+        self._last_figures: TextureFigures | None = None
         self._machine, self._inverse = machine, inverse_program(array, modulus, contact.dead_band)
         if self._inverse is not None:
             machine.prepare(self._inverse, array.shape)
@@ -72,7 +72,7 @@ class Finger:
         self._half = array.cols * array.pitch / 2, array.rows * array.pitch / 2
         self._newtons = newtons(array, modulus)
         self._hidden = None if self._inverse is None else HiddenContact(array, self._newtons)
-        self._rails = Rails(array.shape)
+        self._rails = Saturation(array.shape)
         self._saturated: Flags | None = None
         self._nothing = np.full((1, 1, 3) if self._inverse is not None else (*array.shape, 3), np.nan)
         self._noise: Noise | None = None
@@ -84,7 +84,7 @@ class Finger:
         self._set_noise()
 
     def calibrate(self, raw: Frame) -> Frame:
-        """Return the frame less its tare, times the gains."""
+        """Return the frame after tare and gains."""
         frame = self.tare(raw)
         if self.tare.noise is not self._noise or (self._noise is None and self.tare.early is not self._early):
             self._set_noise()
@@ -123,7 +123,7 @@ class Finger:
             self._per_sigma = np.where(self._left_out[..., None], 0, self._newtons / known)
 
     def locate(self, frame: Frame) -> Load:
-        """Return the load under this finger: the inverse in every cell, then the taxels' consensus; or their sum."""
+        """Return the load under this finger: the inverse of every cell and their consensus, or their sum."""
         if self._inverse is None:
             return summed(self._positions, frame.values, frame.valid, self._floor)
         values = frame.values
@@ -145,10 +145,10 @@ class Finger:
         known = self._weights, self._saturated, array.thickness
         return localise(self._positions, pressing, pulling, array.depth, *known)
 
-    def notice(self, frame: Frame, load: Load) -> list[Transition]:
-        """Run the comparators and the detectors on the frame and return what begins and what ends."""
+    def detect(self, frame: Frame, load: Load) -> list[Transition]:
+        """Run the comparators and detectors on the frame and return the events that begin and end."""
         if not frame.whole and not frame.valid.any():
-            return []  # there is no offset yet, or no taxel can be read: nothing is known, and what lasts goes on
+            return []  # no offset yet, or no valid taxel: lasting events continue
         use, all_used = frame.valid, frame.whole and self._none_left_out
         if not self._none_left_out:
             use = use & ~self._left_out
@@ -184,12 +184,12 @@ class Finger:
             self.tare.touched(frame.t)
         return found
 
-    def feel(self, frame: Frame, load: Load) -> TextureFigures:
+    def texture(self, frame: Frame, load: Load) -> TextureFigures:
         """Return the texture figures after this frame: of every taxel that measures force, else of the located load.
 
-        Frames in which nothing slides do not count: neither slip nor a change of the tangential load for a while, nor a
-        normal load as restless as a texture makes it. Of a located load the frames in which it is away for a moment are
-        left out of the window.
+        A frame counts only while something slides: a slip or a change of the tangential load within `STILL`, or a
+        normal load as unsteady as on a texture. Frames in which a located load is lost for less than `APART` are left
+        out of the window.
         """
         pool, whole = self._pool, self._signals if self._inverse is None else self._whole
         lively = whole.unrest > LIVELY and not (pool.black("rising") or pool.black("dropping"))
@@ -198,34 +198,34 @@ class Finger:
         if frame.t - self._slid > STILL:
             values = self._nothing
         elif self._inverse is not None:
-            if self._texture.floor < load.F:
+            if self._figures.floor < load.F:
                 self._pressed = frame.t
-            elif self._felt is not None and 0 <= frame.t - self._pressed < APART:
-                return self._felt
+            elif self._last_figures is not None and 0 <= frame.t - self._pressed < APART:
+                return self._last_figures
             values = np.array([[[load.Q, load.R, load.F]]])
         else:
             values = frame.values if frame.whole else np.where(frame.valid[..., None], frame.values, np.nan)
-        self._felt = self._texture.update(values)
-        return self._felt
+        self._last_figures = self._figures.update(values)
+        return self._last_figures
 
     @property
     def code(self) -> Code:
-        """What the comparators say now."""
+        """Current code of the comparators."""
         return self.taxels.code
 
     @property
     def travelled(self) -> tuple[float, float] | None:
-        """How far the located load has travelled in its last slip [m]; None where loads are not located."""
+        """Distance of the located load during its last slip [m]; None where loads are not located."""
         return None if self._inverse is None else self._travel.way
 
     def tare_notes(self) -> tuple[TareNote, ...]:
-        """Return what became of tares since this was last called."""
+        """Return the changes of the tare since the last call."""
         if not self.tare.notes:
             return ()
         notes = tuple(self.tare.notes)
         self.tare.notes.clear()
         return notes
 
-    def said(self) -> Mapping[str, Mapping[str, Any]]:
-        """Return the outputs of users' programs that have changed with this frame."""
+    def program_outputs(self) -> Mapping[str, Mapping[str, Any]]:
+        """Return the outputs of users' programs that changed with this frame."""
         return {one.file.name: one.outputs for one in self._own if one.changed}

@@ -1,4 +1,4 @@
-"""The tactile pipeline: frames are calibrated, located, watched for events, and reported. Start reading here."""
+"""The tactile pipeline: calibrate, locate, detect events, report, for every frame. Start reading here."""
 
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
@@ -30,11 +30,11 @@ from tactile.thresholds.threshold import CONTACT, SHEAR
 
 @dataclass(frozen=True)
 class FrameReport:
-    """Everything known after one frame of one finger.
+    """Results of one frame of one finger.
 
-    ``events`` that this frame tells to have begun, ``ended`` those it tells to be over (see `Event.key`); ``tares``:
-    what has become of tares, ``tare`` what the first took away; ``said``: changed outputs of the user's programs by
-    name; ``levels``: where the taxels' comparators switch in this frame.
+    ``events``: events that begin with this frame; ``ended``: events that end with it (see `Event.key`); ``tares``:
+    changes of the tare; ``tare``: the offsets of the first tare; ``outputs``: changed outputs of the user's programs by
+    name; ``levels``: switching levels of the comparators.
     """
 
     array: TaxelArray
@@ -46,7 +46,7 @@ class FrameReport:
     ended: tuple[Event, ...] = ()
     tares: tuple[TareNote, ...] = ()
     tare: TareCheck | None = None
-    said: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    outputs: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     levels: Levels | None = None
 
     def __repr__(self) -> str:
@@ -55,43 +55,43 @@ class FrameReport:
 
 
 WARM = 20.0
-"""Times its largest level that the made-up touch of `warm_up` presses."""
+"""Pressing of the made-up grip of `warm_up` over its largest level."""
 WARM_SCRIPT = (
     [(0, 0, 0, 0)] * 42 + [(0, 0, 1, 0)] * 30 + [(0.02 * n, 0, 1, 0) for n in range(25)]
     + [(0.5, 0.05 * n, 1, 0) for n in range(12)] + [(0, 0, 1, 1)] * 4 + [(0, 0, 0, 0)] * 42
 )  # fmt: skip
-"""Pull, way along x in pitches, pressing, and pressing of a second load of its frames, one each 20 ms: idle for two
-tares before and after."""
+"""Frames of the made-up grip, 20 ms apart: pull, position along x in pitches, pressing, pressing of a second load. Idle
+for two tares before and after."""
 
 Sink = Callable[[FrameReport], None]
 
 
 def make_fingers(arrays: Iterable[TaxelArray], modulus: float | None, settings: Settings) -> list[Finger]:
-    """Return the fingers that `run` takes frames through, before the first of them."""
+    """Return the fingers of `run`, before the first frame."""
     return [Finger(array, modulus, settings, number) for number, array in enumerate(arrays)]
 
 
 @spelled()
 def run(source: Source, settings: Settings, sinks: Iterable[Sink], fingers: list[Finger] | None = None) -> None:
-    """Take every frame of the source through the pipeline and hand the report to each sink.
+    """Pass every frame of the source through the pipeline and the report to each sink.
 
-    ``fingers``: new ones of the source's arrays, where they had to be there before the first frame.
+    ``fingers``: the fingers of the source's arrays, if they were made before the first frame.
 
     Raises:
-        InputError: a path in the place of a source, no settings, what is no list of functions; as the source itself.
+        InputError: a path instead of a source, invalid settings or sinks; as the source itself.
     """
     if isinstance(source, str | Path):
         raise InputError(f"run({str(source)!r}, ...); a source of frames wanted: open_source({str(source)!r})")
     if not isinstance(settings, Settings):
-        raise InputError(f"settings {shown(settings)}; Settings() wanted, or with what is to be another")
+        raise InputError(f"settings {shown(settings)}; Settings(...) wanted")
     sinks = tuple(sinks) if isinstance(sinks, Iterable) else sinks
     if not isinstance(sinks, tuple) or not all(map(callable, sinks)):
-        raise InputError(f"sinks {shown(sinks)}; a list of functions wanted, each of which takes a FrameReport")
+        raise InputError(f"sinks {shown(sinks)}; a list of functions of a FrameReport wanted")
     if fingers is None:
         fingers = make_fingers(source.arrays, source.modulus, settings)
-    told = EventBuilder(fingers)
-    requests = getattr(source, "tare_requests", None)  # of sources that people can talk to
-    with watched_by(None):  # of long work: a frame's programs are none, and a bar would count their steps
+    events = EventBuilder(fingers)
+    requests = getattr(source, "tare_requests", None)  # of sources that take requests
+    with watched_by(None):  # no progress bar for the programs of a frame
         for raw in source:
             arrived = perf_counter()
             while requests:
@@ -101,9 +101,9 @@ def run(source: Source, settings: Settings, sinks: Iterable[Sink], fingers: list
             finger = fingers[raw.finger]
             frame = finger.calibrate(raw)
             load = finger.locate(frame)
-            happened = finger.notice(frame, load)
-            texture = finger.feel(frame, load)
-            begun, ended = told.events(finger, frame, load, happened, arrived) if happened else ((), ())
+            transitions = finger.detect(frame, load)
+            texture = finger.texture(frame, load)
+            begun, ended = events.build(finger, frame, load, transitions, arrived) if transitions else ((), ())
             report = FrameReport(
                 finger.array,
                 frame,
@@ -113,7 +113,7 @@ def run(source: Source, settings: Settings, sinks: Iterable[Sink], fingers: list
                 begun,
                 ended,
                 *_tares(finger),
-                finger.said(),
+                finger.program_outputs(),
                 finger.levels,
             )
             for sink in sinks:
@@ -121,7 +121,7 @@ def run(source: Source, settings: Settings, sinks: Iterable[Sink], fingers: list
 
 
 def _tares(finger: Finger) -> tuple[tuple[TareNote, ...], TareCheck | None]:
-    """Return what became of tares with this frame, and what the first took away."""
+    """Return the changes of the tare in this frame, and the offsets of the first tare."""
     notes = finger.tare_notes()
     return notes, next((note.check for note in notes if note.check is not None), None)
 
@@ -129,10 +129,10 @@ def _tares(finger: Finger) -> tuple[tuple[TareNote, ...], TareCheck | None]:
 def warm_up(
     arrays: tuple[TaxelArray, ...], modulus: float | None, settings: Settings, sinks: Iterable[Sink] = ()
 ) -> None:
-    """Run on a made-up grip of every array, so that nothing is compiled or refused once real frames arrive.
+    """Run the pipeline on a made-up grip of every array, so that all loops are compiled before the first real frame.
 
-    It goes the way of a real one: nothing, so that a tare is taken, a firm touch, a pull, a slip, where loads are
-    located two at once and a taxel that contradicts them, and nothing again, above every level of the settings.
+    The grip has all stages of a real one: idle frames for a tare, a firm touch, a pull, a slip, two loads at once and a
+    stuck taxel, and idle frames again, above every level of the settings.
     """
     made = []
     for finger, array in enumerate(arrays):
@@ -151,7 +151,7 @@ def warm_up(
 
 
 def _touch(array: TaxelArray, modulus: float | None) -> Floats:
-    """Return the frames (n, rows, cols, 3) of a made-up grip: of a point load where loads are located, largest 1."""
+    """Return the frames (n, rows, cols, 3) of the made-up grip, of a point load where loads are located, largest 1."""
     if array.quantity == "force":
         pull, _, press, _ = np.array(WARM_SCRIPT).T
         return np.broadcast_to(np.stack([pull, 0 * pull, press], -1)[:, None, None], (len(pull), *array.shape, 3))
@@ -165,6 +165,6 @@ def _touch(array: TaxelArray, modulus: float | None) -> Floats:
             frames[n] = point_load_strain(places, array.depth, load, modulus or 1.0)
         else:
             frames[n] = point_load_stress(places, array.depth, load)
-        if second and n % 2:  # a taxel that is stuck
+        if second and n % 2:  # a stuck taxel
             frames[n, -1, -1] = np.abs(frames[n]).max()
     return frames / max(float(np.abs(frames).max()), 1e-300)

@@ -1,4 +1,4 @@
-"""Settings of the pipeline, and how they follow from what a user chose: alike for files, ports and their recordings."""
+"""Settings of the pipeline, and how they follow from options, array files and recordings."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -29,17 +29,17 @@ TARES = ("auto", "manual", "off")
 @spelled_class
 @dataclass(frozen=True)
 class Settings:
-    """What the pipeline can be told; None means: as the array's quantity asks for.
+    """Settings of the pipeline; None selects the default of the array's quantity.
 
-    ``shear`` and ``contact`` are the least thresholds in the unit of the signal, which ``sigmas`` times the noise of a
-    taxel may pass; ``window`` T [frames] and ``floor`` (normal signal) of the texture figures; ``tare``: whether an
-    offset is taken from still, unloaded frames by itself ("auto"), on request ("manual") or never ("off"); ``gains``
-    from readings to the array's quantity, eq. (15); ``depth`` [m] to locate with and ``radial`` correction of what a
-    taxel locates, as a scan measured them; ``programs``: users' detectors, files or names of the library; ``backend``
-    of the machine.
+    ``shear`` and ``contact``: lower limits of the thresholds [unit of the signal]; ``sigmas``: thresholds as multiples
+    of the noise; ``window`` T [frames] and ``floor`` (normal signal) of the texture figures; ``tare``: offsets are
+    taken from still, unloaded frames ("auto"), on request ("manual"), never ("off"), or from a number of frames;
+    ``gains`` from readings to the array's quantity, eq. (15); ``depth`` [m] and ``radial`` correction for locating
+    loads, from a calibration scan; ``programs``: users' detectors, files or names of the library; ``backend`` of the
+    machine.
 
     Raises:
-        InputError: a value of another kind, a tare of no known name.
+        InputError: a value of another kind, or an unknown tare mode.
     """
 
     shear: Threshold | None = None
@@ -75,10 +75,10 @@ class Settings:
             raise InputError(f"programs {shown(self.programs)}; a tuple of files or names wanted")
 
     def calibrated(self, skin: "Calibration | TaxelGains", arrays: Iterable[TaxelArray]) -> Self:
-        """Return the settings with this skin's gains, depth and radial correction.
+        """Return the settings with the gains, depth and radial correction of a skin.
 
         Raises:
-            InputError: an array that does not measure strain, or what the gains of taxels make, or of another shape.
+            InputError: an array of another quantity or shape than that of the calibration.
         """
         if isinstance(skin, TaxelGains):
             shape = skin.matrix.shape[:2]
@@ -96,12 +96,12 @@ class Settings:
 
 
 DEFAULT = Settings()
-"""What holds where nobody has chosen."""
+"""Default settings."""
 
 
 @dataclass(frozen=True)
 class PipelineOptions(ThresholdChoices):
-    """The options of the command line that `run`, `replay` and `live` share; None is no choice.
+    """Command-line options that `run`, `replay` and `live` share; None is no choice.
 
     ``window`` and ``floor`` as in `Settings`; ``program``: users' detectors and programs.
     """
@@ -113,7 +113,7 @@ class PipelineOptions(ThresholdChoices):
     tare: TareMode = "off"
 
     def but(self, chosen: ThresholdChoices) -> Self:
-        """Return these options with those in place that somebody nearer has ``chosen``, but for the tare."""
+        """Return these options, each replaced by that of ``chosen`` where it has one, except the tare."""
         changed = super().but(chosen)
         if isinstance(chosen, PipelineOptions):
             given = {name: getattr(chosen, name) for name in ("window", "floor", "backend")}
@@ -124,12 +124,12 @@ class PipelineOptions(ThresholdChoices):
     def settings(
         self, source: Source, skin: "Calibration | TaxelGains | None" = None, gains: Gains | None = None
     ) -> Settings:
-        """Return the pipeline's settings for a source: thresholds that are not chosen are those of its array's file.
+        """Return the pipeline settings for a source; thresholds not chosen come from its array description.
 
         Arguments: ``skin``: calibration of its arrays; ``gains`` from readings to their quantity.
 
         Raises:
-            InputError: thresholds that are none, or a calibration of strain for an array of something else.
+            InputError: invalid thresholds, or a calibration for another quantity.
         """
         shear, contact, sigmas = described(source).but(self).thresholds()
         chosen = Settings(
@@ -147,14 +147,14 @@ class PipelineOptions(ThresholdChoices):
 
 
 def described(source: Source) -> ThresholdChoices:
-    """Return the thresholds that the array description of a source's device has, if there is one.
+    """Return the thresholds in the array description of a source, if it has one.
 
     Raises:
-        InputError: it is wrong.
+        InputError: the description is invalid.
     """
     text = provenance(source).description
     if not text:
         return ThresholdChoices()
-    from tactile.wire.description_file import parse_description  # only for what came from a device
+    from tactile.wire.description_file import parse_description  # imported for device recordings only
 
     return parse_description(text, "array description").thresholds

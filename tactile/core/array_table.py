@@ -1,4 +1,4 @@
-"""Taxel array read from a table of a TOML file that people write."""
+"""Reader of a taxel array from a table of a TOML file."""
 
 from collections.abc import Mapping
 from typing import Any, cast, get_args
@@ -10,9 +10,9 @@ from tactile.core.frame import Quantity, TaxelArray
 
 
 def take_array(table: Mapping[str, Any], unit: str, where: str, quantity: str | None = None) -> TaxelArray:
-    """Return the taxel array that a table describes, its lengths under keys that end in ``unit``, "m" or "mm".
+    """Return the taxel array of a table; its length keys end in ``unit``, "m" or "mm".
 
-    ``quantity``: the table's own unless given.
+    ``quantity``: that of the table if None.
 
     Raises:
         InputError: as ``take`` and ``TaxelArray``.
@@ -35,7 +35,7 @@ def take_array(table: Mapping[str, Any], unit: str, where: str, quantity: str | 
 
 
 def take_count(table: Mapping[str, Any], key: str, where: str) -> int:
-    """Return a whole number from 1 up.
+    """Return a whole number of at least 1.
 
     Raises:
         InputError: as ``take``, or another number.
@@ -47,10 +47,10 @@ def take_count(table: Mapping[str, Any], key: str, where: str) -> int:
 
 
 def take_quantity(table: Mapping[str, Any], where: str) -> Quantity:
-    """Return what taxels measure.
+    """Return the quantity that the taxels measure.
 
     Raises:
-        InputError: as ``take``, or no quantity.
+        InputError: as ``take``, or an unknown quantity.
     """
     quantity = take(table, "quantity", str, where)
     if quantity not in get_args(Quantity):

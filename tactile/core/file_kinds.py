@@ -1,4 +1,4 @@
-"""Kinds of files that people write by hand for touch, told apart by their keys where one is given for another."""
+"""Kinds of TOML files for touch, recognised by their keys."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,16 +14,16 @@ KINDS: dict[FileKind, tuple[tuple[str, ...], str]] = {
     "calibration": (("shear_gain", "normal_gain", "taxel"), "`tactile run --calibration`"),
     "sweep": (("grid",), "`tactile sweep`"),
 }
-"""Kind -> keys that only it has, of which it has one at least; what takes it."""
+"""Kind -> (its own keys, at least one of which is present; the command that takes it)."""
 
 
 def refuse_other_kind(table: Mapping[str, Any], where: str | Path, wanted: FileKind) -> None:
-    """Refuse the table of a file that has keys of another kind, and none of the one that is wanted.
+    """Refuse the table of a file of another kind: keys of that kind, and none of the wanted one.
 
-    Arguments: ``where`` is the file, or what names it in messages.
+    Arguments: ``where`` names the file in messages.
 
     Raises:
-        InputError: what it is, and what takes it.
+        InputError: names the kind found and the command that takes it.
     """
     if not table.keys().isdisjoint(KINDS[wanted][0]):
         return

@@ -14,14 +14,14 @@ from cnnsim.support.limits import READING, TAXELS, check_most
 from cnnsim.support.values import is_whole
 
 Quantity = Literal["strain", "stress", "force"]
-"""What a taxel measures: strain (u_xz, u_yz, u_zz), stress [Pa] of the same components, or force [N]."""
+"""Measured quantity: strain (u_xz, u_yz, u_zz), stress [Pa] of the same components, or force [N]."""
 
 HAND = "hand"
-"""The finger of events that several fingers make together: no array has this name."""
+"""Finger name of events of several fingers; no array may have it."""
 FLAGS = {"slip_detection": 1, "reference_loaded": 2, "contact": 4}
-"""Words of a device on its sensor as a whole -> the bit of each."""
+"""Status flags of a device -> bit."""
 MOST_FLAGS = 2**32 - 1
-"""Largest number that bits of flags are, as recordings keep them."""
+"""Largest value of the flags in recordings."""
 
 SHEAR_X, SHEAR_Y, NORMAL = 0, 1, 2
 """The last axis of a frame."""
@@ -32,13 +32,13 @@ SHEAR_X, SHEAR_Y, NORMAL = 0, 1, 2
 class TaxelArray:
     """A rectangular array of three-axial taxels under the cover of one finger.
 
-    Arguments: ``rows``, ``cols``; ``pitch`` [m] between neighbours; ``depth`` [m] of the taxels under the cover's
-    surface (unused for force sensors); ``origin`` [m], the (x, y) of the array's centre; ``thickness`` [m] of the cover
-    over its rigid base, at least the depth: loads are then located as on a layer so thick, None where it is not known:
-    as on a half-space.
+    Arguments: ``rows``, ``cols``; ``pitch`` [m] between neighbours; ``depth`` [m] of the taxels below the surface of
+    the cover (unused for force sensors); ``origin`` [m], the (x, y) of the centre of the array; ``thickness`` [m] of
+    the cover over its rigid base, at least the depth: loads are then located on a layer of this thickness, or on a
+    half-space if None.
 
     Raises:
-        InputError: a name of other characters than letters, digits, - and _, an empty array or too large a one, a
+        InputError: a name of other characters than letters, digits, - and _, an empty or too large array, a
             pitch that is not positive, a negative depth, a thickness below the depth, an unknown quantity.
     """
 
@@ -56,11 +56,11 @@ class TaxelArray:
         if not (isinstance(self.name, str) and lengths and all(map(is_whole, (self.rows, self.cols)))):
             raise InputError(
                 f"taxel array {self.name!r}: {self.rows!r} x {self.cols!r} taxels, pitch {self.pitch!r}, depth"
-                f" {self.depth!r}; a text, two whole numbers and two lengths [m] wanted"
+                f" {self.depth!r}; a text, two integers and two lengths [m] wanted"
             )
         check_name(self.name, "taxel array")
         if self.name == HAND:
-            raise InputError("taxel array 'hand': events of all fingers together are called so; another name wanted")
+            raise InputError("taxel array 'hand': the name of events of several fingers; another name wanted")
         if self.rows < 1 or self.cols < 1:
             raise InputError(f"taxel array {self.name!r}: {self.rows} x {self.cols} taxels, at least 1 x 1 wanted")
         check_most(self.rows * self.cols, TAXELS, f"taxel array {self.name!r}: {self.rows} x {self.cols} taxels")
@@ -106,12 +106,11 @@ class TaxelArray:
 
 @dataclass(frozen=True)
 class Frame:
-    """One reading of one finger's array.
+    """One reading of the array of one finger.
 
-    ``values`` (rows, cols, 3), last axis (shear_x, shear_y, normal) in the unit of the array's quantity; ``t`` [s]
-    host time since the stream began; ``t_device`` [s] the device's own clock (NaN where it has none); ``valid``
-    (rows, cols), False where a taxel's reading is not to be used; ``flags``: what the device itself says, `FLAGS` added
-    up, which the pipeline does not look at.
+    ``values`` (rows, cols, 3), last axis (shear_x, shear_y, normal) in the unit of the array's quantity; ``t`` [s] host
+    time since the start of the stream; ``t_device`` [s] device clock (NaN without one); ``valid`` (rows, cols), False
+    where a reading must not be used; ``flags``: status flags of the device (`FLAGS` added), which the pipeline ignores.
     """
 
     finger: int
@@ -129,9 +128,9 @@ class Frame:
 
     @property
     def read(self) -> Flags:
-        """(rows, cols), True where a taxel is valid and its reading is a number that can be one."""
+        """(rows, cols), True where a taxel is valid and its reading is finite and within range."""
         values: Floats = self.values
-        if np.vdot(values, values) < READING**2:  # so all of them are; neither NaN nor infinity is below anything
+        if np.vdot(values, values) < READING**2:  # then all are; NaN and infinity fail the comparison
             return self.valid
         return self.valid & (np.abs(values) <= READING).all(-1)
 

@@ -1,24 +1,24 @@
-"""Header of recordings as files of frames: the TOML text that says what their numbers are, in SI units.
+"""Header of recordings: TOML text with the arrays, units and origin of the frames, in SI units.
 
-CSV has it as comment lines, NPZ as the array ``tactile``, Parquet as metadata, MCAP as a metadata record:
+CSV stores it in comment lines, NPZ in the array ``tactile``, Parquet in its metadata, MCAP in a metadata record:
 
     tactile_recording = 1
     title = "grip"
-    youngs_modulus_pa = 2400000.0          (left out where it is not known)
-    start_ns = 1700000000000000000         (since 1970, where t counts from; left out where it is not known)
-    untared = true                         (readings have a device's offsets; left out where they have none)
-    array_description = "..."              (text of the device's array description; left out without one)
-    live_choices = "..."                   (options of the live run that recorded it, as JSON; left out without one)
+    youngs_modulus_pa = 2400000.0          (optional)
+    start_ns = 1700000000000000000         (Unix time at which t is 0; optional)
+    untared = true                         (readings contain device offsets; optional)
+    array_description = "..."              (text of the device's array description; optional)
+    live_choices = "..."                   (options of the live run, as JSON; optional)
     [[finger]]
     name = "left"
     rows = 2
     cols = 2
     pitch_m = 0.0015
     depth_m = 0.0015
-    thickness_m = 0.002                    (of the cover; left out where it is not known)
+    thickness_m = 0.002                    (of the cover; optional)
     origin_m = [0.0, 0.0]
     quantity = "strain"                    (strain, stress or force)
-    calibrated = false                     (readings are in the wire's unit; left out where in the quantity's)
+    calibrated = false                     (readings are in the unit of the wire; optional)
 """
 
 import json
@@ -40,7 +40,7 @@ NEEDED = ("name", "rows", "cols", "pitch_m", "depth_m", "quantity")
 
 
 class Header(NamedTuple):
-    """What a header says: title, modulus [Pa] and arrays as ``Source`` has them, and where the frames come from."""
+    """Contents of a header: title, modulus [Pa] and arrays as in ``Source``, and the provenance."""
 
     title: str
     modulus: float | None
@@ -49,10 +49,10 @@ class Header(NamedTuple):
 
 
 def header_text(source: Source) -> str:
-    """Return the header of a source's frames; reading it back gives the same numbers to the last bit.
+    """Return the header of a source; reading it back gives the same numbers bit for bit.
 
     Raises:
-        InputError: two fingers have one name.
+        InputError: two fingers have the same name.
     """
     names = [array.name for array in source.arrays]
     if len(set(names)) < len(names):
@@ -90,10 +90,10 @@ def _lines(source: Source) -> Iterator[str]:
 
 
 def read_header(text: str, where: str, place: str = "") -> Header:
-    """Return what a header says; ``where`` names the file in messages, ``place`` the header in it.
+    """Return the contents of a header; ``where`` names the file in messages, ``place`` the header in it.
 
     Raises:
-        InputError: no TOML, an unknown or missing key, a wrong value, no finger or two of one name.
+        InputError: invalid TOML, an unknown or missing key, a wrong value, no finger or a name used twice.
     """
     table = parse_toml(text, f"{where}: {place}" if place else where)
     check_keys(table, TOP_KEYS, where, ("tactile_recording",))
@@ -127,5 +127,5 @@ def _flag(table: dict[str, Any], key: str, where: str, default: bool) -> bool:
 
 
 def _text(text: str) -> str:
-    """Return a TOML string: JSON's, which may hold a bare DEL where TOML may not."""
+    """Return a TOML string: a JSON string with DEL escaped, which TOML requires."""
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")

@@ -1,4 +1,4 @@
-"""Lines of a label file: a CSV file of what people know of recordings."""
+"""Reader of label files: CSV tables of known events of recordings."""
 
 import csv
 from collections.abc import Sequence
@@ -10,10 +10,10 @@ from cnnsim.support.limits import reason
 
 
 def read_lines(path: Path) -> tuple[list[dict[str, str]], Sequence[str]]:
-    """Return the lines of a label file by column, and the names of its columns.
+    """Return the rows of a label file by column, and the names of its columns.
 
     Raises:
-        InputError: no such file, or none that is read as text.
+        InputError: a missing file, or one that is not a text table.
     """
     try:
         reader = csv.DictReader(StringIO(path.read_text(encoding="utf-8-sig")))

@@ -1,4 +1,4 @@
-"""Loads on a cover as arrays (..., n, 5): what the columns x, y [m] and Q, R, F [N] of a row are called."""
+"""Columns of loads on a cover as arrays (..., n, 5): x, y [m] and Q, R, F [N]."""
 
 X, Y, Q, R, F = range(5)
 PLACE = slice(X, Y + 1)

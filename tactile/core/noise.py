@@ -1,4 +1,4 @@
-"""Noise of every taxel, from frames in which nothing happens: how large, how slow, and whose readings to leave out."""
+"""Noise of every taxel from quiet frames: standard deviation, slow part, dead and noisy taxels."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -9,29 +9,29 @@ import numpy as np
 from cnnsim.support import Flags, Floats
 
 NORMAL_MAD = 0.6745
-"""Median absolute deviation of a normal distribution of sigma 1."""
+"""Median absolute deviation of the standard normal distribution."""
 NOISY = 6.0
-"""A taxel this many times as noisy as the median one of its array, in any component, is left out ..."""
+"""Sigma over that of the median taxel, in any component, above which a taxel is left out."""
 FEW = 4
-"""... where there are at least so many to compare with."""
+"""Least number of taxels for this comparison."""
 FADE = 0.95
-"""Part of the noise known before that is kept with each block."""
+"""Factor by which earlier noise fades with each block."""
 UNLIKE = 2.0
-"""From so many times the median taxel's noise a taxel has one of its own."""
+"""Sigma over that of the median taxel, above which a taxel keeps its own value."""
 STRIKING = 6.0
-"""Sigma from which a reading is no noise: one of 768 is as large by chance in one frame of a million."""
+"""Sigma above which a reading is no noise: one of 768 reaches it by chance in one frame of a million."""
 MANY = 64
-"""Taxels from which on two frames tell the noise: to a tenth."""
+"""Number of taxels from which two frames give the noise to a tenth."""
 BLOCKS = 20
-"""The median taxel's noise is the mean over so many blocks."""
+"""Number of blocks over which the noise of the median taxel is averaged."""
 
 
 @dataclass(frozen=True)
 class Noise:
-    """Noise of an array: ``sigma`` (rows, cols, 3) in all, ``jitter`` (rows, cols, 3) from one frame to the next.
+    """Noise of an array: ``sigma`` (rows, cols, 3) in total, ``jitter`` (rows, cols, 3) from one frame to the next.
 
-    ``dead`` (rows, cols): taxels that read the same to the last bit while most others do not. ``typical`` (3,): sigma
-    of the median taxel, the mean over ``blocks`` blocks of frames.
+    ``dead`` (rows, cols): taxels whose readings are identical while most others vary. ``typical`` (3,): sigma of the
+    median taxel, averaged over ``blocks`` blocks of frames.
     """
 
     sigma: Floats
@@ -42,13 +42,13 @@ class Noise:
 
     @cached_property
     def noisy(self) -> Flags:
-        """(rows, cols), True where a taxel has far more noise than the median one of a larger array."""
+        """(rows, cols), True where a taxel of a larger array has far more noise than the median one."""
         typical = np.median(self.sigma.reshape(-1, 3), axis=0)
         enough = self.dead.size >= FEW and bool((typical > 0).all())
         return (self.sigma > NOISY * typical).any(-1) & ~self.dead & enough
 
     def and_before(self, before: "Noise | None") -> "Noise":
-        """Return the larger of this noise and what was known before, which fades: a calm block proves little."""
+        """Return the larger of this noise and the fading noise ``before``, because a calm block proves little."""
         if before is None:
             return self
         sigma, jitter = np.maximum(self.sigma, FADE * before.sigma), np.maximum(self.jitter, FADE * before.jitter)
@@ -58,35 +58,35 @@ class Noise:
 
     @property
     def levels(self) -> Floats:
-        """Standard deviations (rows, cols, 3) to weigh readings with: the median taxel's, but where one is noisier.
+        """Standard deviations (rows, cols, 3) for weights: that of the median taxel, or its own for a noisier taxel.
 
-        What 20 frames say of one taxel is wrong by a fourth, and of the largest of many blocks by more.
+        An estimate from 20 frames of a single taxel is off by a quarter.
         """
         return np.where(self.sigma > UNLIKE * self.typical, self.sigma, self.typical)
 
     @property
     def left_out(self) -> Flags:
-        """(rows, cols), True where a taxel's reading is not to be used."""
+        """(rows, cols), True where the readings of a taxel must not be used."""
         return self.noisy | self.dead
 
     @property
     def slow(self) -> Floats:
-        """(rows, cols, 3), the part of the noise that is correlated from frame to frame."""
+        """(rows, cols, 3), the part of the noise that is correlated between frames."""
         # white noise of 20 frames has a measured sigma up to a third above its jitter
         return np.sqrt(np.maximum(self.sigma**2 - 1.7 * self.jitter**2, 0.0))
 
     def words(self) -> list[str]:
-        """Name the taxels that are left out, and why."""
+        """Return one line per taxel that is left out, with the reason."""
         said = [f"taxel ({i}, {j}) is noisy, left out" for i, j in np.argwhere(self.noisy & ~self.dead).tolist()]
         return said + [f"taxel ({i}, {j}) is dead, left out" for i, j in np.argwhere(self.dead).tolist()]
 
 
 def measured(block: Floats) -> Noise:
-    """Return the noise of frames (n, rows, cols, 3) without a load; NaN where a taxel did not read.
+    """Return the noise of unloaded frames (n, rows, cols, 3); invalid readings are NaN.
 
-    Robust: median absolute deviations, about the median, and of the steps from frame to frame about theirs; frames that
-    repeat the one before do not count, unless most do. No component is taken for calmer than two thirds of the array's
-    median one: few frames measure a sigma badly.
+    Robust: median absolute deviations about the median, and of the frame-to-frame steps about theirs. Repeated frames
+    do not count, unless most frames repeat. No component is below two thirds of the array's median, because few frames
+    give a poor estimate.
     """
     differs = np.any(np.diff(block, axis=0) != 0, axis=(1, 2, 3))
     fresh = np.concatenate([block[:1], block[1:][differs]]) if 2 * differs.sum() > differs.size else block
@@ -94,7 +94,7 @@ def measured(block: Floats) -> Noise:
     sigma = _spread(series - _median(series)[..., None])
     steps = np.diff(series)
     jitter = np.zeros_like(sigma)
-    if len(fresh) > 2:  # about their median: what grows steadily is no noise
+    if len(fresh) > 2:  # about their median, so that a steady growth is no noise
         jitter = _spread(steps - _median(steps)[..., None]) / np.sqrt(2)
     still = (np.nanmax(block, axis=0) == np.nanmin(block, axis=0)).all(-1)
     dead = still & (2 * still.sum() < still.size)
@@ -105,10 +105,10 @@ def measured(block: Floats) -> Noise:
 
 
 def early_noise(before: Floats, now: Floats) -> Floats | None:
-    """Return sigma (rows, cols, 3) of two frames that follow one another, the same for all taxels; None of few taxels.
+    """Return sigma (rows, cols, 3) from two consecutive frames, equal for all taxels; None for few taxels.
 
-    It is the robust deviation over the taxels of how far the frames differ: what presses on some of them is left out,
-    and so are offsets. A component in which most taxels repeat themselves has none.
+    It is the robust deviation of the frame difference over the taxels, which ignores offsets and the pressed taxels. A
+    component in which most taxels repeat their reading has sigma 0.
     """
     if before[..., 0].size < MANY:
         return None
@@ -117,7 +117,7 @@ def early_noise(before: Floats, now: Floats) -> Floats | None:
 
 
 def spread(block: Floats) -> Floats:
-    """Return the robust standard deviation over the frames (n, ...), about their median; 0 where nothing was read."""
+    """Return the robust standard deviation over frames (n, ...) about their median; 0 without readings."""
     series = np.ascontiguousarray(np.moveaxis(block, 0, -1))
     return _spread(series - _median(series)[..., None])
 
@@ -128,10 +128,9 @@ def _spread(series: Floats) -> Floats:
 
 
 def _median(series: Floats) -> Floats:
-    """Return the median along the last axis, of the readings that there are.
+    """Return the median along the last axis, ignoring NaN.
 
-    Of whole series it is taken by one partition: a fifth of the time of NumPy's median, for which the frames that
-    arrive meanwhile would have to wait.
+    One partition takes a fifth of the time of `numpy.median`, while live frames wait.
     """
     if not np.isfinite(series).all():
         found: Floats = np.nanmedian(series, axis=-1)
@@ -143,10 +142,10 @@ def _median(series: Floats) -> Floats:
 
 
 def is_noise(values: Floats, per_sigma: Floats) -> bool:
-    """Return whether readings are no more than noise makes: none is striking, and all together are about its power.
+    """Return whether readings are consistent with noise: none is extreme, and their total power is plausible.
 
-    Arguments: ``values``; ``per_sigma``: 1 over the noise, 0 of what counts for nothing; both (rows, cols, 3).
+    Arguments: ``values``; ``per_sigma``: 1 over the noise, 0 for ignored components; both (rows, cols, 3).
     """
     z = (values * per_sigma).ravel()
-    power = 1.5 * z.size + 7 * sqrt(2 * z.size)  # seven sigma beyond noise that is known to a fifth
+    power = 1.5 * z.size + 7 * sqrt(2 * z.size)  # seven sigma above a noise known to a fifth
     return float(z @ z) < power and float(np.abs(z).max()) < STRIKING

@@ -1,4 +1,4 @@
-"""Sources of frames: what live, recorded and simulated ones have in common, and one of given frames."""
+"""Sources of frames: the protocol of live, recorded and simulated sources, and one of given frames."""
 
 from collections import deque
 from collections.abc import Iterable, Iterator
@@ -11,9 +11,9 @@ from tactile.core.frame import Frame, TaxelArray
 class Source(Protocol):
     """An iterable of frames, ordered in time over all fingers.
 
-    ``title``: a line for people; ``arrays``: the fingers' arrays, in the order of ``Frame.finger``; ``modulus``:
-    Young's modulus of the cover [Pa], None where the arrays measure force or stress and it is not known;
-    ``frames``: how many frames there are over all fingers, None where nobody knows.
+    ``title``: one line of text; ``arrays``: arrays of the fingers, in the order of ``Frame.finger``; ``modulus``:
+    Young's modulus of the cover [Pa], None where it is unknown and the arrays measure force or stress;
+    ``frames``: number of frames over all fingers, None if unknown.
     """
 
     @property
@@ -29,12 +29,12 @@ class Source(Protocol):
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where a source's frames come from, which conversions keep.
+    """Origin of the frames of a source, which conversions keep.
 
-    ``untared``: the readings have the offsets of a device, so that a tare is wanted; ``uncalibrated``: names of the
-    fingers whose readings are in the unit of the wire and not in that of their array's quantity; ``start_ns``: the
-    time since 1970 [ns] from which ``Frame.t`` counts, None where nobody knows; ``description``: the text of the
-    device's array description, ``choices`` the options of the live run that recorded it, as JSON, empty without one.
+    ``untared``: the readings contain device offsets, so a tare is needed; ``uncalibrated``: names of the fingers whose
+    readings are in the unit of the wire, not of their quantity; ``start_ns``: Unix time [ns] at which ``Frame.t`` is 0,
+    None if unknown; ``description``: text of the array description of the device; ``choices``: options of the live run
+    that recorded it, as JSON; both empty without one.
     """
 
     untared: bool = False
@@ -45,16 +45,16 @@ class Provenance:
 
 
 def provenance(source: Source) -> Provenance:
-    """Return where a source's frames come from; sources of one's own need not say it."""
+    """Return the provenance of a source, the default if it has none."""
     said = getattr(source, "provenance", None)
     return said if isinstance(said, Provenance) else Provenance()
 
 
 @dataclass(frozen=True)
 class FrameStream:
-    """A source of given frames, as often as ``stream`` can be gone through; the others as in ``Source``.
+    """A source of given frames, iterable as often as ``stream`` is; other attributes as in ``Source``.
 
-    ``tare_requests``: whether by force, one for each tare that was asked for and not yet taken.
+    ``tare_requests``: one entry per requested tare that is not taken yet, True to force it.
     """
 
     title: str

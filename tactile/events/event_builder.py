@@ -34,14 +34,14 @@ class EventBuilder:
         self._open: dict[tuple[str, str], Event] = {}
         self._hand = Hand(len(fingers))
 
-    def events(
-        self, finger: FingerState, frame: Frame, load: Load, happened: list[Transition], arrived: float
+    def build(
+        self, finger: FingerState, frame: Frame, load: Load, transitions: list[Transition], arrived: float
     ) -> tuple[tuple[Event, ...], tuple[Event, ...]]:
         """Return the events that begin and the events that end; the frame arrived at ``arrived`` (`perf_counter`)."""
         begun, ended = [], []
         code = finger.code
         hand = hand_code([one.code for one in self._fingers])
-        for what in happened:
+        for what in transitions:
             name = finger.array.name
             if what.change == "begins":
                 data = _data(what, load, code)

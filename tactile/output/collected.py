@@ -62,7 +62,7 @@ class Collected:
         self._errors: dict[str, list[tuple[float, float]]] = {}
         self._log = EventLog()
         self.notes: list[TareNote] = []
-        self.said: list[tuple[float, str, str, dict[str, Any]]] = []
+        self.outputs: list[tuple[float, str, str, dict[str, Any]]] = []
         self.strongest: dict[str, Floats] = {}
         self._sums: dict[str, float] = {}
         self.dead_bands: dict[str, float] = {}
@@ -77,7 +77,7 @@ class Collected:
         self._firmest(report)
         self.take(report.events, report.ended)
         self.notes += report.tares
-        self.said += [(report.frame.t, report.array.name, name, dict(out)) for name, out in report.said.items()]
+        self.outputs += [(report.frame.t, report.array.name, name, dict(out)) for name, out in report.outputs.items()]
         if report.tare is not None:
             self._tares[report.array.name] = report.tare
         load, texture = report.load, report.texture

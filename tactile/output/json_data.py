@@ -53,7 +53,7 @@ def run_data(collected: Collected, arrays: tuple[TaxelArray, ...], settings: Set
         "settings": settings_data(settings), "seconds": collected.seconds, "frames": collected.frames,
         "fingers": finger_data(collected, arrays),
         "events": [told(event) | {"latency_s": event.latency} for event in collected.events],
-        "programs": [program_data(*said) for said in collected.said],
+        "programs": [program_data(*row) for row in collected.outputs],
         "tares": [
             {"t_s": note.t, "finger": arrays[note.finger].name, "why": note.why, "detail": note.detail}
             for note in collected.notes if note.detail

@@ -41,9 +41,9 @@ def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
             place = f"{error['place_median_m'] * 1e3:.2g} mm, at most {error['place_max_m'] * 1e3:.2g}"
             force = f"{error['force_median_n']:.2g} N, at most {error['force_max_n']:.2g}"
             screen.print(f"{name}: off the truth by {place}; {force}", highlight=False, markup=False)
-    if (earlier := len(collected.said) - SAID) > 0:
+    if (earlier := len(collected.outputs) - SAID) > 0:
         screen.print(f"{earlier} outputs of programs before these; --json has all", highlight=False, markup=False)
-    for t, finger, name, outputs in collected.said[-SAID:]:
+    for t, finger, name, outputs in collected.outputs[-SAID:]:
         plain = ", ".join(f"{key} {_short(value)}" for key, value in outputs.items())
         screen.print(f"{t:.3f} {finger}: {name}: {plain}", highlight=False, markup=False)
     for array in arrays:

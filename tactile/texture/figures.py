@@ -1,4 +1,4 @@
-"""Texture figures of every taxel over the last T frames: friction coefficient and roughness."""
+"""Texture figures of every taxel over the last T frames: friction coefficient and roughness, eqs (19), (20)."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from cnnsim.support.limits import WINDOW, check_most
 
 @dataclass(frozen=True)
 class TextureFigures:
-    """Figures (rows, cols) at one time: ``friction`` [1] and ``roughness`` [1], both NaN where not ``valid``."""
+    """Texture figures (rows, cols) at one time: ``friction`` and ``roughness`` [1], both NaN where not ``valid``."""
 
     friction: Floats
     roughness: Floats
@@ -18,19 +18,18 @@ class TextureFigures:
 
 
 class Texture:
-    """Running mean of the instantaneous friction coefficient, and its spread in hundredths of the mean.
+    """Moving average of the instantaneous friction coefficient, and its spread in percent of the mean.
 
         mu(i) = sqrt(T_x(i)^2 + T_y(i)^2) / |S_n(i)|
         friction(t)  = sum of mu(i) / T                                           over i = t-T+1 .. t
         roughness(t) = 100 / friction(t) * sqrt(sum of (friction(t) - mu(i))^2 / (T - 1))
 
-    Arguments: ``window`` T, at least 2; ``floor``: samples whose |S_n| is at or below it do not count (unit of the
-    frames). Figures are valid once all T samples of the window count. Where nothing but zero shear was seen the
-    roughness is 0.
+    Arguments: ``window`` T, at least 2; ``floor``: samples with |S_n| at or below it are excluded (unit of the frames).
+    Figures are valid once T consecutive samples count. Zero shear gives roughness 0.
 
-    A frame costs O(1): the window is the tail of one block of T frames and the head of the next; the tails are
-    summed up once a block, the head as it grows, and the two are joined by their means (Chan, Golub, LeVeque
-    1979). Nothing is ever subtracted from a sum, so a burst leaves no rounding behind when it leaves the window.
+    A frame costs O(1): the window is the tail of one block of T frames and the head of the next. The tails are summed
+    once per block, the head as it grows, and both are joined by their means (Chan, Golub, LeVeque 1979). No sum is ever
+    reduced by subtraction, so a burst leaves no rounding error when it leaves the window.
 
     Raises:
         InputError: a window below 2, a floor that is negative or not finite.
@@ -53,10 +52,10 @@ class Texture:
         self._streak: Integers | None = None
 
     def update(self, values: Floats) -> TextureFigures:
-        """Take the next frame's values (rows, cols, 3) and return the figures of the window that ends with it.
+        """Process a frame (rows, cols, 3) and return the figures of the window that ends with it.
 
         Raises:
-            InputError: a frame of another shape than those before.
+            InputError: a frame of another shape than the earlier ones.
         """
         if values.ndim != 3 or values.shape[2] != 3:
             raise InputError(f"texture frame of shape {values.shape}, (rows, cols, 3) wanted")

@@ -1,4 +1,4 @@
-"""One frame of the texture figures, compiled: the loop of `tactile.texture.figures.Texture`, which has the formulas."""
+"""Update of the texture figures for one frame, compiled; `tactile.texture.figures.Texture` has the formulas."""
 
 import math
 
@@ -9,11 +9,11 @@ from cnnsim.support.compiled_loops import kept_helper, kept_njit
 
 @kept_njit(error_model="numpy")
 def step(values, floor, streak, block, tails, grown, head, figures):  # type: ignore[no-untyped-def]  # typed at the call
-    """Take one frame (rows, cols, 3) as the block's sample ``head``; write ``figures`` (2, rows, cols), all in place.
+    """Process one frame (rows, cols, 3) as sample ``head`` of the block; write ``figures`` (2, rows, cols) in place.
 
-    ``block`` (T, rows, cols) samples; ``tails`` (T + 1, 2, rows, cols) mean and sum of squares about it of the last
-    block's samples from k on; ``grown`` (2, rows, cols) those of this block's samples so far; ``streak`` samples in a
-    row that count.
+    ``block`` (T, rows, cols) samples; ``tails`` (T + 1, 2, rows, cols) mean and sum of squared deviations of the
+    samples of the last block from k on; ``grown`` (2, rows, cols) the same of the samples of this block so far;
+    ``streak`` number of consecutive samples that count.
     """
     window, rows, cols = block.shape
     last = head + 1 == window
@@ -34,7 +34,7 @@ def step(values, floor, streak, block, tails, grown, head, figures):  # type: ig
             if streak[i, j] >= window:
                 figures[0, i, j] = mean
                 figures[1, i, j] = 100 * math.sqrt(squares / (window - 1)) / mean if mean > 0 else 0.0
-            if last:  # sum up the full block from its end; the head starts anew
+            if last:  # sum the full block from its end; the head starts again
                 mean = squares = 0.0
                 for k in range(window - 1, -1, -1):
                     mean, squares = _added(mean, squares, window - 1 - k, block[k, i, j])

@@ -1,4 +1,4 @@
-"""Thresholds as people choose them, in an array's file or on the command line: floors, sigmas, bare signs."""
+"""Threshold choices of the user, from an array file or the command line: floors, sigmas, bare signs."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -12,7 +12,7 @@ from tactile.thresholds.threshold import SIGN, Threshold
 
 
 class ChosenThresholds(NamedTuple):
-    """Floors of ``shear`` and ``contact``, None where the quantity's own are to serve, and ``sigmas``."""
+    """Floors of ``shear`` and ``contact``, None for the defaults of the quantity, and ``sigmas``."""
 
     shear: Threshold | None
     contact: Threshold | None
@@ -21,10 +21,10 @@ class ChosenThresholds(NamedTuple):
 
 @dataclass(frozen=True)
 class ThresholdChoices:
-    """What somebody has chosen of the thresholds; None is no choice.
+    """Thresholds chosen by the user; None is no choice.
 
-    ``dead_band``, ``hysteresis`` and ``contact_level`` are least thresholds [unit of the quantity], a hysteresis of
-    None half the dead band; ``sigmas`` as in `Sigmas`; ``sign_code``: the bare signs, without a dead band.
+    ``dead_band``, ``hysteresis`` and ``contact_level`` are lower limits [unit of the quantity]; hysteresis None is half
+    the dead band; ``sigmas`` as in `Sigmas`; ``sign_code``: bare signs without a dead band.
     """
 
     dead_band: float | None = None
@@ -34,9 +34,9 @@ class ThresholdChoices:
     sign_code: bool = False
 
     def but(self, chosen: "ThresholdChoices") -> Self:
-        """Return these choices with those in place that somebody nearer has ``chosen``, each for itself.
+        """Return these choices, each replaced by that of ``chosen`` where it has one.
 
-        A dead band takes the place of bare signs, and bare signs that of a dead band.
+        A dead band replaces bare signs, and bare signs replace a dead band.
         """
         names = ("dead_band", "hysteresis", "contact_level", "sigmas")
         changed: dict[str, Any] = {name: getattr(chosen, name) for name in names if getattr(chosen, name) is not None}
@@ -47,10 +47,10 @@ class ThresholdChoices:
         return replace(self, **changed)
 
     def thresholds(self) -> ChosenThresholds:
-        """Return the thresholds that are chosen.
+        """Return the chosen thresholds.
 
         Raises:
-            InputError: thresholds that contradict each other, or numbers that are none.
+            InputError: thresholds that contradict each other, or invalid numbers.
         """
         if self.sign_code and (self.dead_band, self.hysteresis) != (None, None):
             raise InputError("sign_code has no dead band; dead_band and hysteresis not wanted with it")
@@ -64,14 +64,14 @@ class ThresholdChoices:
 
 
 KEYS = tuple(ThresholdChoices.__dataclass_fields__)
-"""Keys of a table ``[thresholds]``: the names of the options."""
+"""Keys of a table ``[thresholds]``, named like the options."""
 
 
 def take_choices(table: Mapping[str, Any], faults: ErrorList, place: str) -> ThresholdChoices:
-    """Return the choices of a table ``[thresholds]``, none of them where ``faults`` were found.
+    """Return the choices of a table ``[thresholds]``, the default ones where ``faults`` were found.
 
-    ``place`` names the table in messages. Unknown keys, values that are none and thresholds that contradict each other
-    go to the faults.
+    ``place`` names the table in messages. Unknown keys, invalid values and contradicting thresholds are added to
+    ``faults``.
     """
     faults.check(table, KEYS, place)
     if not isinstance(table, Mapping):

@@ -1,4 +1,4 @@
-"""Thresholds of every taxel: so many times its own noise, and never below a floor."""
+"""Threshold levels of every taxel: multiples of its noise, with a floor."""
 
 from dataclasses import dataclass
 
@@ -13,9 +13,9 @@ from tactile.core.noise import Noise
 from tactile.thresholds.threshold import CONTACT, SHEAR, Threshold
 
 FEW = 64
-"""Taxels up to which 2 contact sigma are kept: at 6 and 100 frames a second noise passes them once in two days."""
+"""Number of taxels up to which 2 contact sigma are used; noise passes 6 sigma once in two days at 100 frames/s."""
 CALM = 0.05
-"""Part of the thresholds used without any noise that is the floor once noise is measured."""
+"""Floor over the default thresholds once the noise is measured."""
 
 
 @spelled_class
@@ -42,12 +42,12 @@ class Sigmas:
 
 
 SIGMAS = Sigmas()
-"""What is used where a user says nothing."""
+"""Default multiples."""
 
 
 @dataclass(frozen=True)
 class Levels:
-    """Where each taxel's comparators switch: ``off`` and ``on`` (rows, cols, 3) [unit of the signal], on above off."""
+    """Switching levels of the comparators: ``off`` and ``on`` (rows, cols, 3) [unit of the signal], on above off."""
 
     off: Floats
     on: Floats
@@ -57,15 +57,14 @@ def levels(
     shape: tuple[int, int], quantity: Quantity, sigmas: Sigmas, shear: Threshold | None, contact: Threshold | None,
     noise: Noise | None, early: Floats | None = None,
 ) -> Levels:  # fmt: skip
-    """Return the levels: dead_band sigma and hysteresis sigma more, for the normal component contact and as much more.
+    """Return the levels: dead_band sigma, and hysteresis sigma more; for contact, contact sigma and as much more.
 
-    Of more than `FEW` taxels some one is beyond a level by chance the more often the more there are: a contact of them
-    begins at sqrt((2 contact)^2 + 2 ln(taxels / `FEW`)) sigma, which noise passes on all of them together no more often
-    than 2 contact on so few. ``early`` (rows, cols, 3): sigma of the first frames of a large array, which holds the
-    levels up until the noise is known.
+    Above `FEW` taxels a contact begins at sqrt((2 contact)^2 + 2 ln(taxels / `FEW`)) sigma, so that noise passes it on
+    a large array as seldom as 2 contact sigma on `FEW` taxels. ``early`` (rows, cols, 3): sigma of the first frames of
+    a large array, used until the noise is known.
 
-    ``shear`` and ``contact`` are the floors that a user gives. Without them the floor is the quantity's own threshold
-    (`SHEAR`, `CONTACT`) while no noise is known, and a twentieth of it once it is: then the noise decides.
+    ``shear`` and ``contact`` are the floors of the user. The default floor is the threshold of the quantity (`SHEAR`,
+    `CONTACT`) while the noise is unknown, and a twentieth of it afterwards.
     """
     off, on = np.empty((*shape, 3)), np.empty((*shape, 3))
     known = noise is not None and bool(noise.sigma.any())

@@ -1,4 +1,4 @@
-"""Dead bands with hysteresis: the comparator cell of each, and those used where a user gives none."""
+"""Dead bands with hysteresis: their comparator cells, and the default thresholds."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ from tactile.core.frame import Quantity
 class Threshold:
     """A dead band with hysteresis [unit of the signal]: on above ``dead_band + hysteresis``, off below ``dead_band``.
 
-    With both 0 it is the bare sign, which at exactly 0 stays what it was.
+    With both 0 it is the bare sign, which keeps its state at exactly 0.
 
     Raises:
         InputError: a negative or infinite number.
@@ -31,14 +31,14 @@ class Threshold:
 
     @property
     def full_scale(self) -> float:
-        """The signal that becomes CNN value 1; larger ones are clipped, which no comparator can see."""
+        """Signal of CNN value 1; larger signals are clipped without effect on any comparator."""
         return 4 * (self.dead_band + self.hysteresis) or 1.0
 
     def comparator(self, sign: int = 1) -> Template:
         """Return the cell that compares ``sign`` times its input with this threshold; its state must be kept.
 
-        A = a = 2 holds y = -1 until B u + z > 1 and y = +1 until B u + z < -1. With on, off in units of full scale
-        B = 2 / (on - off) and z = -(on + off) / (on - off). Without hysteresis a = 1, B = 1, z = -dead band.
+        A = 2 holds y = -1 until B u + z > 1 and y = +1 until B u + z < -1. With on, off in units of full scale
+        B = 2 / (on - off) and z = -(on + off) / (on - off). Without hysteresis A = 1, B = 1, z = -dead band.
         """
         off = self.dead_band / self.full_scale
         if self.hysteresis == 0:
@@ -55,11 +55,11 @@ SHEAR: dict[Quantity, Threshold] = {
     "strain": Threshold(1e-3, 5e-4),
     "stress": Threshold(2e3, 1e3),
 }
-"""Thresholds for shear [N, 1, Pa] where a user gives none."""
+"""Default thresholds of shear [N, 1, Pa]."""
 
 CONTACT: dict[Quantity, Threshold] = {
     "force": Threshold(0.05, 0.025),
     "strain": Threshold(1e-3, 5e-4),
     "stress": Threshold(2e3, 1e3),
 }
-"""Thresholds for the normal component [N, 1, Pa]."""
+"""Default thresholds of the normal component [N, 1, Pa]."""

@@ -139,7 +139,7 @@ class LiveMonitor:
             line = {"type": "event_end"} | self._plain.end(event)
             self._say(line)
             self._note("/events", arrival, line)
-        for name, outputs in report.said.items():
+        for name, outputs in report.outputs.items():
             self._say({"type": "program"} | program_data(report.frame.t, report.array.name, name, outputs))
         for tared in report.tares:
             line = tare_line(tared, self._source.arrays[tared.finger].name)

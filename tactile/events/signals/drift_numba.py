@@ -1,31 +1,31 @@
-"""Drift, compiled: what all taxels come to read together, and each one that nothing presses, is taken off."""
+"""Drift compensation of unpressed taxels, compiled: common drift and drift of each taxel."""
 
 import math
 
 from cnnsim.support.compiled_loops import kept_njit
 
 FOLLOWS = 0.3
-"""[s] Time constant: what grows by less than the level in that time is drift."""
+"""[s] Time constant: growth below one level in this time is drift."""
 LITTLE = 0.05
-"""A level above this part of what a pressed taxel bears may have a part of the contact below it."""
+"""Part of the load of a pressed taxel, below which the level of another taxel must lie: no contact hides below it."""
 TOGETHER = 0.05
-"""[s] Time constant of what taxels that nothing presses read together, ..."""
+"""[s] Time constant of the common drift."""
 MOST_OF, WEAK = 0.25, 2.0
-"""... where these are more than this part of all, and a contact bears more than so many levels on a pressed taxel."""
+"""The common drift needs this part of all taxels unpressed, and a contact of more than this many levels on a pressed
+taxel."""
 
 
 @kept_njit(error_model="numpy")
 def follow(values, fast, use, off, on, most, fastest, dt, contact, common, base, out):  # type: ignore[no-untyped-def]  # typed at the call
-    """Move ``common`` (3,) and ``base`` (rows, cols, 3) towards what unpressed taxels read; write ``values`` less both
-    to ``out``.
+    """Update the drift estimates from unpressed taxels and write the compensated readings to ``out``.
 
-    A taxel is unpressed while its mean ``fast``, which is less both already, is below its level ``on`` of pressing; for
-    ``common`` in a ``contact`` below ``off``, above which one that was pressed still is.
-    ``common`` goes towards where most of them are (a mean in which none counts for more than ``fastest`` (3,) [1/s]
-    times `TOGETHER`), so no faster than ``fastest``. A component of the base, of pressing in a ``contact`` alone, is
-    followed while it is below its level, too, and, in a contact, the level of pressing is little beside what a pressed
-    taxel bears: in a light one nothing is. What comes faster than a level in `FOLLOWS` stays, and so does what is more
-    than ``most`` (3,) in all. With ``dt`` 0 [s] nothing moves.
+    ``common`` (3,) is the drift of all taxels, ``base`` (rows, cols, 3) the remaining drift of each; out = values -
+    common - base. A taxel is unpressed while its compensated mean ``fast`` is below its level ``on`` of pressing; for
+    ``common`` in a ``contact`` below ``off``, above which a taxel that was pressed still is. ``common`` follows the
+    mean of the unpressed taxels, each clipped to ``fastest`` (3,) [1/s] times `TOGETHER`, so it moves no faster than
+    ``fastest``. A component of ``base`` (in a ``contact`` only pressing) follows while it is below its level and, in a
+    contact, while the level of pressing is small next to the load of a pressed taxel. Changes faster than one level in
+    `FOLLOWS`, and more than ``most`` (3,) in all, remain in the readings. With ``dt`` 0 [s] nothing changes.
     """
     rows, cols = use.shape
     part, together = 1 - math.exp(-dt / FOLLOWS), 1 - math.exp(-dt / TOGETHER)
@@ -54,7 +54,7 @@ def follow(values, fast, use, off, on, most, fastest, dt, contact, common, base,
         for j in range(cols):
             moves = part > 0 and use[i, j] and fast[i, j, 2] < on[i, j, 2] and (on[i, j, 2] < least or not contact)
             for k in range(3):
-                # what presses one taxel more than the others while nothing is told of may be a slow touch
+                # without a contact, pressing of a single taxel may be a slow touch
                 if moves and (contact or k < 2) and abs(fast[i, j, k]) < on[i, j, k]:
                     base[i, j, k] = min(max(base[i, j, k] + part * fast[i, j, k], -most[k]), most[k])
                 out[i, j, k] = values[i, j, k] - common[k] - base[i, j, k]

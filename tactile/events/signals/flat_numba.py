@@ -1,18 +1,18 @@
-"""What taxels bear alike beside the pattern of a grip, compiled: the part of a load that drift may have made."""
+"""Uniform part of a load, compiled: the pressing that drift or creep may have made in a release."""
 
 from cnnsim.support.compiled_loops import kept_njit
 
 UNLIKE = 0.15
-"""Part of the mean pressing by which taxels differ in a pattern that is known; a flatter one tells nothing apart."""
+"""Relative spread of the pressing below which a pattern counts as uniform (regularises the fit)."""
 
 
 @kept_njit(error_model="numpy")
 def flat(fast, held, use, a, most):  # type: ignore[no-untyped-def]  # typed at the call
-    """Return how much of the pressing of all taxels is alike on all of them and not of the grip, at most ``most`` each.
+    """Return the pressing that is uniform over all taxels and not part of the grip, at most ``most`` each.
 
-    The pressing p of the taxels in ``use`` (rows, cols), the mean ``fast`` (rows, cols, 3), is fitted by c + b h, least
-    squares: h is what they bore of late, ``held`` (rows, cols), which is moved towards p by its part ``a``. In a grip
-    that is let go b falls to 0, and what is left of p is drift or creep. Where h is the same everywhere c is 0.
+    The pressing p of the taxels in ``use`` (rows, cols), from the mean ``fast`` (rows, cols, 3), is fitted by c + b h
+    in least squares. h is their recent load ``held`` (rows, cols), which moves towards p by the factor ``a``. In a
+    release b falls to 0, and the rest of p is drift or creep. c is 0 where h is uniform.
     """
     rows, cols = use.shape
     count = 0

@@ -1,4 +1,4 @@
-"""Names of the planes and of the numbers that signals of a finger have, in their order."""
+"""Names of the signal planes and of the scalar signals of a finger, in their order."""
 
 PLANES = ("shear_x", "shear_y", "pressing", "drawn_x", "drawn_y", "share", "firmness")
 LEVELS = (

@@ -1,33 +1,33 @@
-"""Where a change of shear set in, compiled: the bend of the last 0.3 s, found when a tangential load is told."""
+"""Onset of a change of shear, compiled: a fit of straight lines with a bend to the last 0.3 s."""
 
 import math
 
 from cnnsim.support.compiled_loops import kept_helper, kept_njit
 
 KEPT, EACH = 128, 0.004
-"""Frames that are remembered, and the least time between two [s]: the last half second at 1000 Hz, more at less."""
+"""Number of stored frames, and the least time between two [s]: half a second at 1000 Hz, more at lower rates."""
 LOOK = 0.3
-"""[s] that is looked back over."""
+"""[s] Length of the fitted interval."""
 LEAST = 8
-"""Frames that a bend needs; with fewer nothing is said of it."""
+"""Least number of frames of a fit."""
 BETTER = 0.5
-"""Two bends are told where they leave less than this part of the squares that one leaves: a load may come softly."""
+"""Residual of two bends over that of one, below which two are used: a load may begin softly."""
 
 
 @kept_njit(error_model="numpy")
 def remember(t, fast, times, past, state):  # type: ignore[no-untyped-def]  # typed at the call
-    """Keep the means ``fast`` (rows, cols, 3) in ``past`` (KEPT, rows, cols, 3) at the time ``t`` [s] in ``times``.
+    """Store the means ``fast`` (rows, cols, 3) in the ring ``past`` (KEPT, rows, cols, 3), and ``t`` [s] in ``times``.
 
-    ``state`` (2,): where the next goes, and how many there are.
+    ``state`` (2,): next index and number of stored frames.
     """
     last = (state[0] - 1) % KEPT
-    if state[1] > 0 and t < times[last]:  # a clock that went back
+    if state[1] > 0 and t < times[last]:  # the clock went back
         state[0] = state[1] = 0
     elif state[1] > 0 and t - times[last] < EACH:
         return
     times[state[0]] = t
     _, rows, cols, parts = past.shape
-    for i in range(rows):  # by hand: an assignment of arrays takes seconds to compile
+    for i in range(rows):  # an assignment of arrays takes seconds to compile
         for j in range(cols):
             for m in range(parts):
                 past[state[0], i, j, m] = fast[i, j, m]
@@ -37,13 +37,13 @@ def remember(t, fast, times, past, state):  # type: ignore[no-untyped-def]  # ty
 
 @kept_njit(error_model="numpy")
 def bend(t, drawn, slow, explained, times, past, state, series, hinges):  # type: ignore[no-untyped-def]  # typed at the call
-    """Return the time [s] at which the shear of the taxels drawn began to change, ``t`` where that cannot be said.
+    """Return the time [s] at which the shear of the drawn taxels began to change, ``t`` if unknown.
 
-    The shear s along what is ``drawn`` (2, rows, cols), less what the pressing explains, is fitted by
-    a + b t + c max(t - t0, 0) over the last `LOOK`: t0 is the time that leaves least squares. Where two such bends
-    leave far less it is the one that turns upwards more: what crept a little before is not yet the load.
-    ``explained``: whether the pressing explains shear; ``slow`` (rows, cols, 3) says how much for each newton;
-    ``series`` (2, KEPT) and ``hinges`` (KEPT, KEPT) are scratch.
+    The shear s along ``drawn`` (2, rows, cols), minus the part that the pressing explains, is fitted by a + b t + c
+    max(t - t0, 0) over the last `LOOK`; t0 has the least squares. Where a fit with two such bends halves the residual,
+    the steeper of the two is the onset: a slow creep before it is not the load. ``explained``: whether pressing
+    explains shear; ``slow`` (rows, cols, 3) gives its ratio; ``series`` (2, KEPT) and ``hinges`` (KEPT, KEPT) are
+    scratch.
     """
     count = 0
     _, rows, cols = drawn.shape
@@ -68,7 +68,7 @@ def bend(t, drawn, slow, explained, times, past, state, series, hinges):  # type
 
 @kept_helper(error_model="numpy")
 def _steepest_bend(series, hinges, count):  # type: ignore[no-untyped-def]  # typed at the call
-    """Return the time of the bend of a course (count,) that turns upwards most, of one or two; 0 where none does."""
+    """Return the time of the steepest upward bend of a series (count,), of one or two bends; 0 without one."""
     whole = _level(series[1], series[0], count)
     for n in range(2, count - 2):
         for m in range(count):
@@ -93,7 +93,7 @@ def _steepest_bend(series, hinges, count):  # type: ignore[no-untyped-def]  # ty
 
 @kept_helper(error_model="numpy")
 def _level(values, t, count):  # type: ignore[no-untyped-def]  # typed at the call
-    """Take a straight course over ``t`` off ``values`` (count,), least squares; return the squares that are left."""
+    """Subtract the least-squares line over ``t`` from ``values`` (count,); return the residual sum of squares."""
     mt = mv = 0.0
     for m in range(count):
         mt += t[m] / count

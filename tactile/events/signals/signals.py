@@ -1,4 +1,4 @@
-"""Signals of a finger: what a frame and those before it say of every taxel and of the whole load, as CNN values."""
+"""Signals of a finger: planes per taxel and scalars of the total load, as CNN values, updated per frame."""
 
 from math import exp, isfinite
 
@@ -13,63 +13,60 @@ from tactile.inverse.validity import Validity
 from tactile.thresholds.levels import Levels
 
 FAST, SLOW = 0.01, 0.2
-"""[s] Time constants of the taxels' two means; the change that is looked at is the fast one less the slow one."""
+"""[s] Time constants of the two means of a taxel; a change is the fast mean minus the slow one."""
 LOAD = (0.004, 0.015, 0.1, 0.3, 0.3, 0.05, 0.08)
-"""[s] Time constants of the whole load: three means, the held load, the memory of the steepest fall, and of
-unrest; and the slow mean while the load is unsteady."""
+"""[s] Time constants of the total load: three means, the held load, the steepest fall, the unsteadiness; and the slow
+mean while the load is unsteady."""
 KEPT = 16
-"""Numbers that `step_numba.step` keeps."""
+"""Number of state variables of `step_numba.step`."""
 DRAWN = 9.0
-"""An unexplained change of shear counts from so many sigma of it; it is tried on every taxel in every frame."""
+"""Threshold of an unexplained change of shear [sigma]; every taxel is tested in every frame."""
 TAUS = tuple(0.003 * 1.15**k for k in range(23))
-"""[s] Time constants of the growth of the pull, to 65 ms; the shortest that noise allows is looked at: in coarser steps
-a light grasp that just misses one waits for the next, which comes late by 2.7 of it."""
+"""[s] Time constants of the growth of the pull, to 65 ms; the shortest that noise allows is used. Coarser steps would
+delay a light grasp by 2.7 of the next time constant."""
 DRIFT = np.array([90.0, 90.0, 23.0])
-"""Levels, where comparators go on, that drift of an unpressed taxel may reach: 1 N of shear, 0.5 N of pressing at noise
-of 1.1 and 3.6 mN."""
+"""Largest drift of an unpressed taxel in levels: 1 N of shear, 0.5 N of pressing at noise of 1.1 and 3.6 mN."""
 COMMON, FASTEST = 1.2, 3.5
-"""Levels of pressing a second that drift of all taxels is fast at most, 25 mN/s at this noise, and during a contact 75:
-one that comes so slowly looks the same."""
+"""Fastest common drift in levels of pressing per second without and with a contact: 25 and 75 mN/s at this noise."""
 UNKNOWN = np.array([0.011, 0.011, 0.022])
-"""Those levels [N], taken while no noise is known."""
+"""Those levels [N] while the noise is unknown."""
 HELD_LOAD = 3
-"""Where the held load's time constant is in `LOAD`, and the held load in what is kept."""
+"""Index of the held load in `LOAD` and in the state of `step_numba.step`."""
 LARGE_PARTS = (0.2, 0.3)
-"""Parts of the held load: a load is large above the one, until it is below the other."""
+"""Parts of the held load at which ``large`` goes off and on."""
 
 ALWAYS = np.ones((1, 1), bool)
 ONE = Levels(np.full((1, 1, 3), 0.01), np.full((1, 1, 3), 0.015))
-"""Levels [N] of a located load as a taxel; only its numbers and what is drawn are used."""
+"""Levels [N] of a located load as a taxel; only scalars and drawn shear are used."""
 
 
 class Signals:
-    """Seven planes and fifteen numbers of one finger, renewed with every frame.
+    """Seven planes and fifteen scalars of one finger, updated with every frame.
 
-    Planes (rows, cols), binary scale (1/6 where a comparator goes off, 1/4 where it goes on):
-    ``shear_x``, ``shear_y``, ``pressing``: the reading over the taxel's own levels; of shear, levels of at least 2 %
-    of the pressing on the taxel. ``drawn_x``, ``drawn_y``: change of the shear s that the change of the normal n does
-    not explain, ds - (s/n) dn, with d the mean of 10 ms (two frames at least) less that of 200 ms (80 while the load
-    is unsteady), and ds alone where shear is most of what changes; on from 9 sigma and from 1.6 % of what a taxel
-    typically bears, or where the same of all taxels together is on for pressed ones: from 6 sigma, 3 % of F and 30 %
-    of what the whole shear changed by of late, where it outruns its own mean.
-    ``share``: a taxel's shear along the whole one over its pressing, over that of the rim (of those above the mean, or
-    of the edge): the same number for all where all slide. 1/4 from 0.9 on, -1/4 from 0.82 down (or 1.5 and 4.5 sigma),
-    of the 3 x 3 neighbourhood where sigma is above 0.04, 0 where noise leaves that open, too. ``firmness``: the slow
-    mean of pressing over three times its levels, or the fast one over five times.
+    Planes (rows, cols), binary scale (1/6: comparator off, 1/4: on): ``shear_x``, ``shear_y``, ``pressing``: reading
+    over the levels of the taxel; for shear, levels of at least 2 % of its pressing. ``drawn_x``, ``drawn_y``: change of
+    the shear s that the change of the normal n does not explain, ds - (s/n) dn. d is the mean of 10 ms (at least two
+    frames) minus that of 200 ms (80 ms while the load is unsteady). It is ds alone where shear is most of the change.
+    They are on from 9 sigma and 1.6 % of the typical load of a taxel, or, on pressed taxels, where the same quantity of
+    all taxels together is on: from 6 sigma, 3 % of F and 30 % of the largest recent change of the total shear, where it
+    exceeds its own mean. ``share``: shear of a taxel along the total shear over its pressing, over the same ratio of
+    the rim; equal for all taxels in full slip. It is 1/4 from 0.9 on, -1/4 from 0.82 down (or 1.5 and 4.5 sigma), of
+    the 3 x 3 neighbourhood where sigma is above 0.04, and 0 where noise leaves it undecided. ``firmness``: slow mean of
+    pressing over three times its levels, or fast mean over five times.
 
-    Numbers, of the whole normal load F (sum over the taxels), binary scale: ``loaded`` F against its noise; ``rising``
-    F against its mean of 100 ms (25 %); ``falling`` the fall from the mean of 15 ms to that of 4 ms (1.5 % of the held
-    load); ``steep`` this fall over the steepest of late (off below 0.4); ``large`` F over the held load (off below
-    0.2); ``unsteady`` F away from its mean of 100 ms (3 %); ``sheared`` whether shear changes by more than about half
-    of what the pressing does (sums of squares over the taxels, 0.3), ``outweighs`` and than noise does (6 variances);
-    ``driven`` change of the whole shear (mean of 10 ms less that of 200 ms) against 6 sigma and 0.4 % of F;
-    ``dropping`` a fall of 4 %, as of a finger that opens; ``yielding`` the growth of Q/F against its fastest of the
-    last 0.5 s (on below 0.25, off above 0.4): a contact that slides as a whole follows no further; ``sticking`` the
-    part of F that taxels bear which stick (on above 0.15, off below 0.1); ``turning``, ``turning_back`` the torque,
-    about the middle of the pressing, of shear that the pressing does not explain, clockwise and anticlockwise in the
-    picture (0.7 of what it could be, 6 % of what F would make); ``balanced`` whether both are off, in force alone.
+    Scalars of the total normal load F (sum over the taxels), binary scale: ``loaded`` F over its noise; ``rising`` F
+    over its mean of 100 ms (25 %); ``falling`` the fall from the mean of 15 ms to that of 4 ms (1.5 % of the held
+    load); ``steep`` this fall over the steepest recent one (off below 0.4); ``large`` F over the held load (off below
+    0.2); ``unsteady`` difference of F from its mean of 100 ms (3 %); ``sheared`` whether shear changes by more than
+    about half of the pressing (sums of squares over the taxels, 0.3); ``outweighs`` and by more than noise (6
+    variances); ``driven`` change of the total shear (mean of 10 ms minus that of 200 ms) over 6 sigma and 0.4 % of F;
+    ``dropping`` a fall of 4 %, as when a gripper opens; ``yielding`` growth of Q/F over its fastest of the last 0.5 s
+    (on below 0.25, off above 0.4): a contact that slides as a whole stops following; ``sticking`` part of F on sticking
+    taxels (on above 0.15, off below 0.1); ``turning``, ``turning_back`` torque about the centre of pressure of the
+    shear that the pressing does not explain, clockwise and anticlockwise in the picture (0.7 of its possible value, 6 %
+    of F times the radius of gyration); ``balanced`` whether both are off, force taxels only.
 
-    In strain the pressing of a point load sums to 0 over the plane, so F is the sum of the pressed taxels alone.
+    In strain the pressing of a point load sums to 0 over the plane, so F is the sum over the pressed taxels only.
     """
 
     def __init__(self, shape: tuple[int, int], quantity: Quantity) -> None:
@@ -98,14 +95,14 @@ class Signals:
         self._drawn, self._quiet = np.zeros(shape), np.zeros((3, *shape))
         self._counts = np.ones(shape, bool)
         self._taus, self._growth = np.array(TAUS), np.zeros(2 * len(TAUS) + 4)
-        self._shares = quantity == "force" and self._counts.size > 1  # where loads are located, a slip is a travel
+        self._shares = quantity == "force" and self._counts.size > 1  # located loads: a slip is a travel of the load
         self._one = np.zeros((1, 1, 3))
         self._times, self._past, self._next = np.zeros(FRAMES), np.zeros((FRAMES, *shape, 3)), np.zeros(2, np.int64)
         self._series, self._hinges = np.zeros((2, FRAMES)), np.zeros((FRAMES, FRAMES))
         self._load, self._grows = self, GROWS
 
     def set_noise(self, noise: Noise | None, levels: Levels) -> None:
-        """Take the noise: what is left of it after the means, and from where on a change is one."""
+        """Set the noise after the filters and the threshold of an unexplained change."""
         if noise is not None:
             self._counts = ~noise.left_out
         if noise is None or not noise.sigma.any():
@@ -124,9 +121,9 @@ class Signals:
         self._most, self._fastest = DRIFT * level, np.outer((COMMON, FASTEST), np.full(3, level[2]))
 
     def update(self, frame: Frame, use: Flags, levels: Levels, contact: bool = False) -> None:
-        """Take a frame; ``use`` (rows, cols) which taxels count, ``levels`` of their comparators.
+        """Process a frame; ``use`` (rows, cols) marks usable taxels, ``levels`` are those of their comparators.
 
-        In a ``contact`` the drift of force taxels that nothing presses is taken off.
+        In a ``contact`` the drift of unpressed force taxels is subtracted.
         """
         values = frame.values
         if self._shares:
@@ -141,10 +138,10 @@ class Signals:
         self._update(frame.t, values, use, levels)
 
     def forget_drift(self, taken: Floats) -> None:
-        """Take note that a new offset has the drift in it, which has moved by ``taken`` (rows, cols, 3)."""
+        """Remove from the drift estimate what a new offset contains; it changed by ``taken`` (rows, cols, 3)."""
         self._base[:] = 0.0
         common, part = self._common, np.nan_to_num(np.nanmedian(taken.reshape(-1, 3), axis=0))
-        common -= np.clip(part, np.minimum(common, 0.0), np.maximum(common, 0.0))  # what was followed, and no more
+        common -= np.clip(part, np.minimum(common, 0.0), np.maximum(common, 0.0))  # at most the drift that was followed
 
     def _update(self, t: float, values: Floats, use: Flags, levels: Levels) -> None:
         dt = 0.0 if self._t is None else max(t - self._t, 0.0)
@@ -168,22 +165,23 @@ class Signals:
             turn = self._turn(self._fast, self._slow, use, self._quiet[0], self._quiet[1])
             self.levels[TURNING], self.levels[TURNING + 1], self.levels[BALANCED] = turn, -turn, 5 / 12 - abs(turn)
         if self.levels[RISING] > 0.25 or self.levels[DROPPING] > 0.25:
-            self._next[:] = 0  # how shear changes while a grip closes or opens is no beginning of a pull
+            self._next[:] = 0  # shear of a closing or opening grip is not the onset of a pull
         else:
             self._remember(t, self._fast, self._times, self._past, self._next)
         self.force = float(self._scalars[0])
 
     @property
     def late(self) -> float | None:
-        """What the growth of the pull came late by when it was told [s]: 2.5 tau of the two means that it needed.
+        """Delay [s] of the growth of the pull when it was reported: 2.5 tau of its two filters.
 
-        After a pull that stops at once its growth, (1 + t/tau) exp(-t/tau) of what it was, is below 0.25 by 2.7 tau;
-        where it yields by and by, which a longer mean knows, the means are not late. None where no growth is looked at.
+        After a sudden stop the filtered growth, (1 + t/tau) exp(-t/tau) of its former value, is below 0.25 after 2.7
+        tau. Where it yields gradually, as a longer filter shows, there is no delay. None where the growth is not
+        observed.
         """
         return float(2.5 * self._growth[-1]) if self._shares else None
 
     def drawn_since(self, t: float) -> float:
-        """Return when what is drawn now began to be [s]; ``t`` where nothing says so."""
+        """Return the onset [s] of the shear that is drawn now; ``t`` if unknown."""
         load = self._load
         if load._t is None:
             return t
@@ -207,25 +205,28 @@ class Signals:
 
     @property
     def unrest(self) -> float:
-        """How restless the whole normal load is: 1 where it is unsteady at 4 %, the largest of the last 50 ms."""
+        """Unsteadiness of the total normal load: 1 at 4 %, the largest of the last 50 ms."""
         return float(self._scalars[10])
 
     def take_load(self, t: float, load: Load) -> None:
-        """Take a located load as if it were one taxel that measures force; no load is 0 N, what is not known stays."""
+        """Process a located load as one force taxel; no load is 0 N, an unknown load keeps the last value."""
         lost = load.validity is Validity.NO_LOAD
         self._one[0, 0] = (0.0, 0.0, 0.0) if lost else (load.Q, load.R, load.F)
         if not lost:
             _, _, of_q, of_r, of_f = load.scatter
             if isfinite(of_q + of_r + of_f):
                 keep = (self._interval / (self._interval + 2 * FAST)) ** 0.5
-                shear, normal = self._quiet.item(0), self._quiet.item(1)  # numbers: arrays of one cell take their time
+                shear, normal = (
+                    self._quiet.item(0),
+                    self._quiet.item(1),
+                )  # floats: faster than arrays of one cell
                 self._quiet[0, 0, 0] = shear = shear + 0.1 * (max(of_q, of_r) * keep - shear)
                 self._quiet[1, 0, 0] = normal + 0.1 * (of_f * keep - normal)
                 self._drawn[0, 0] = DRAWN * shear
         self._update(t, self._one, ALWAYS, ONE)
 
     def put_load(self, load: "Signals") -> None:
-        """Let the numbers and what is drawn be those of the located load: shear strain alone is no tangential load."""
+        """Copy scalars and drawn shear of the located load: shear strain alone is no tangential load."""
         self.planes[3:5] = load.planes[3:5]
         self.planes[5] = 0.0
         self.levels[:] = load.levels
@@ -233,5 +234,5 @@ class Signals:
 
     @property
     def shear(self) -> tuple[float, float]:
-        """The whole tangential load after 10 ms, in the unit of the signal."""
+        """Total tangential load after 10 ms, in the unit of the signal."""
         return float(self._scalars[5]), float(self._scalars[6])

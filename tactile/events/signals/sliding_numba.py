@@ -1,4 +1,4 @@
-"""Whether a contact slides, compiled: each taxel's share of the shear, and whether the pull grows no more."""
+"""Slip of a contact, compiled: share of each taxel in the shear, and whether the pull stops growing."""
 
 import math
 
@@ -6,55 +6,55 @@ from cnnsim.support.compiled_loops import kept_helper, kept_njit
 from tactile.events.signals.step_numba import binary
 
 BORNE = 0.2
-"""Taxels that bear less than this part of what the most pressed one does count by how much of it they bear."""
+"""Part of the largest pressing of a taxel, below which a taxel counts with reduced weight."""
 LIGHT = 0.02
-"""Least part of what the most pressed one does that a taxel of the rim bears."""
+"""Least pressing of a rim taxel, as a part of the largest pressing."""
 KNOWN = 0.12
-"""Largest sigma of a share that is asked for."""
+"""Largest sigma of a share that is used."""
 ALONE = 0.04
-"""A share less well known is that of the 3 x 3 taxels around."""
+"""Sigma above which the share of the 3 x 3 neighbourhood is used."""
 EDGE_KNOWN, EDGE_SIGMAS = 0.08, 2.0
-"""Largest sigma of the share of the edge, all that bears less than `BORNE`; less so many sigma it may be the rim's."""
+"""Largest relative sigma of the ratio of the edge (taxels below `BORNE`), and the sigmas subtracted from it."""
 FULL, STUCK, SIGMAS = 0.1, 0.18, 3.0
-"""A share is full at less than so much below 1, and sticks at more, or at so many sigma; full at half as many."""
+"""Lack of share below which a taxel is full and above which it sticks, at least SIGMAS / 2 and SIGMAS of its noise."""
 CERTAIN = 4.5
-"""Sigmas from which on a taxel is said to stick: in a contact that vibrates for a second noise passes 3 somewhere."""
+"""Sigmas for a sticking taxel in ``share``: a vibrating contact passes 3 sigma somewhere within a second."""
 LITTLE, MUCH = 0.1, 0.15
-"""Parts of the load: a contact sticks where taxels that stick bear so much, until they bear less than so little."""
+"""Parts of the load on sticking taxels at which ``sticking`` goes off and on."""
 MEMORY = 0.5
-"""[s] over which the fastest growth is remembered."""
+"""[s] Memory of the fastest growth."""
 SURE = 6.0
-"""Growth counts from so many sigma on."""
+"""Least growth [sigma]."""
 CLEAR = 0.1
-"""Noise of the growth over the fastest one, at most: a pull that goes on is seven times that above one that yields."""
+"""Largest noise of the growth over the fastest growth."""
 GROWN = 0.1
-"""Part of the present ratio by which it must have grown, above its least of late ..."""
+"""Least growth of the ratio above its recent minimum, as a part of the ratio."""
 LATE = 2.0
-"""... which is forgotten with this time constant [s]."""
+"""[s] Memory of the recent minimum."""
 YIELDS, GOES_ON = 0.25, 0.4
-"""The pull yields where it grows by less than this part of the fastest, until it grows by more than that.
+"""Growth over the fastest growth, below which ``yielding`` goes on and above which it goes off.
 
-Where an object is moved evenly the growth falls as the root of the way that is left (Mindlin): less is nearer the slip.
+Under an even motion the growth falls with the root of the remaining distance (Mindlin), so a lower value is closer to
+the slip.
 """
 LONGER, STOPPED = 4.0, 2.7
-"""A mean so many times as long still grows, when the pull yields, by (1 + x) exp(-x) of the fastest growth after a
-sudden stop, x its `STOPPED` means ago over how much longer; ..."""
+"""A filter LONGER times as long still grows by (1 + x) exp(-x) of the fastest growth, STOPPED time constants after a
+sudden stop; x is STOPPED / LONGER."""
 SOFT, AT_ONCE = 0.7, 0.95
-"""... by less than this part of that the pull has become slow by and by, by more than that it has stopped at once."""
+"""Measured over expected growth: below SOFT the pull slowed gradually, above AT_ONCE it stopped suddenly."""
 FINE, SUDDEN = 0.05, 0.4
-"""Where the growth has fallen below that part of the fastest by and by, it is asked of a longer mean, of less noise."""
+"""Noise and growth over the fastest growth, at which a longer filter decides whether a slow growth continues."""
 
 
 @kept_njit(error_model="numpy")
 def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, rising, planes, levels):  # type: ignore[no-untyped-def]
-    """Take one frame (rows, cols, 3) and its means ``fast``; write the share (rows, cols) into ``planes`` and whether
-    the pull yields and whether the contact sticks into ``levels``, in CNN values.
+    """Process one frame (rows, cols, 3) with its means ``fast``; write the share, ``yielding`` and ``sticking``.
 
-    ``sigma`` (rows, cols) of shear from frame to frame, ``noise_q``, ``noise_n`` of shear and normal after the mean;
-    ``taus`` (n,) [s] time constants tried, at least the ``interval`` of the frames; ``rising``: the load still rises.
-    ``kept`` (2 n + 4,): the ratio of the whole shear to the whole normal load after one mean and after two of each
-    time constant, its fastest growth of late [1/s], its least of late, its fastest growth in all of the pull, and the
-    time constant that was looked at, less where the growth had become slow by and by: then it came less late.
+    ``sigma`` (rows, cols): frame-to-frame noise of shear; ``noise_q``, ``noise_n``: noise of shear and normal after the
+    mean; ``taus`` (n,) [s]: time constants, at least the ``interval`` of the frames; ``rising``: the load still rises.
+    ``kept`` (2 n + 4,): ratio of total shear to total normal load after one and after two filters of each time
+    constant, its fastest recent growth [1/s], its recent minimum, its fastest growth during the pull, and the time
+    constant in use, reduced where the growth became slow gradually.
     """
     rows, cols = use.shape
     most = force = q = r = q_now = r_now = whole = noise = fw = 0.0
@@ -102,10 +102,10 @@ def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, 
                             spread += noise_q[k, m] ** 2 + (rim * noise_n[k, m]) ** 2
                 doubt = math.sqrt(spread) / (rim * press) if press > 0 else 1.0
             doubt = math.hypot(doubt, of_rim)
-            if doubt < KNOWN:  # the share is known well enough to be asked for
+            if doubt < KNOWN:  # the share is known well enough
                 lack = 1 - along / (rim * press)
                 full, stuck = max(FULL, SIGMAS / 2 * doubt), max(STUCK, SIGMAS * doubt)
-                # stuck is -1/4 and below, full 1/4 and above; one that has stuck is remembered, so it is to be certain
+                # stuck: -1/4 and below, full: 1/4 and above; sticking is remembered, so it needs certainty
                 certain = max(STUCK, CERTAIN * doubt)
                 planes[5, i, j] = max(-1.0, min(1.0, 0.25 - 0.5 * (lack - full) / (certain - full)))
                 bears += fast[i, j, 2] * max(0.0, min(1.0, (lack - full) / (stuck - full)))
@@ -116,10 +116,11 @@ def slide(values, fast, use, sigma, noise_q, noise_n, dt, interval, taus, kept, 
 
 @kept_helper(error_model="numpy")
 def _rim(fast, use, noise_q, noise_n, x, y, ratio, most):  # type: ignore[no-untyped-def]
-    """Return the ratio of shear to pressing that the rim of the contact carries, and its sigma over itself.
+    """Return the ratio of shear to pressing at the rim of the contact, and its relative sigma.
 
-    It is that of the taxels above the ``ratio`` of all; or, where that is surely more, that of the edge: a contact
-    little wider than two taxels has its core on all that bear much, and there these carry the same below friction.
+    It is that of the taxels above the ``ratio`` of all, or that of the edge, where that is larger with certainty. In a
+    contact little wider than two taxels the core lies on all well-pressed taxels, and these carry the same below
+    friction.
     """
     rows, cols = use.shape
     above = below = spread = edge = light = doubt = 0.0
@@ -130,7 +131,7 @@ def _rim(fast, use, noise_q, noise_n, x, y, ratio, most):  # type: ignore[no-unt
                 continue
             along = fast[i, j, 0] * x + fast[i, j, 1] * y
             noise = noise_q[i, j] ** 2 + (ratio * noise_n[i, j]) ** 2
-            # one that bears little is part of the rim all the same where it is well known
+            # a lightly pressed taxel belongs to the rim where its ratio is well known
             if along > ratio * press and (press > BORNE * most or (ALONE * ratio * press) ** 2 > noise):
                 above += along
                 below += press
@@ -140,7 +141,7 @@ def _rim(fast, use, noise_q, noise_n, x, y, ratio, most):  # type: ignore[no-unt
                 light += press
                 doubt += noise
     rim = max(above / below, ratio) if below > 0 else ratio
-    spread = math.sqrt(spread) / (rim * below) if below > 0 else 0.0  # those above are so by noise, too
+    spread = math.sqrt(spread) / (rim * below) if below > 0 else 0.0  # noise selects them, too
     if edge > 0:
         doubt = math.sqrt(doubt) / edge
         if doubt < EDGE_KNOWN and edge / light * (1 - EDGE_SIGMAS * doubt) > rim:
@@ -150,9 +151,9 @@ def _rim(fast, use, noise_q, noise_n, x, y, ratio, most):  # type: ignore[no-unt
 
 @kept_helper(error_model="numpy")
 def _grow(now, noise, dt, interval, taus, kept, rising, levels):  # type: ignore[no-untyped-def]
-    """Follow the growth of the ratio ``now`` of shear to normal load, whose white noise is ``noise``."""
+    """Update the growth of the ratio ``now`` of shear to normal load, with white noise ``noise``."""
     count = len(taus)
-    if rising:  # how shear grows while a grip closes says nothing of a pull
+    if rising:  # shear of a closing grip is not a pull
         kept[: 2 * count] = now
         kept[2 * count] = 0.0
         kept[2 * count + 1] = now
@@ -161,7 +162,7 @@ def _grow(now, noise, dt, interval, taus, kept, rising, levels):  # type: ignore
     fastest = kept[2 * count] * math.exp(-dt / MEMORY)
     for k in range(count):
         tau = max(taus[k], interval)
-        # the mean interval: devices sample evenly, and a frame that came late would look like a pull that halts
+        # the mean interval: a late frame would look like a pause of the pull
         a = 1 - math.exp(-interval / tau)
         kept[k] += a * (now - kept[k])
         kept[count + k] += a * (kept[k] - kept[count + k])
@@ -170,7 +171,7 @@ def _grow(now, noise, dt, interval, taus, kept, rising, levels):  # type: ignore
             fastest = max(fastest, growth)
     kept[2 * count] = fastest
     kept[2 * count + 2] = max(fastest, kept[2 * count + 2] * math.exp(-dt / LATE))
-    for k in range(count):  # the shortest that noise allows
+    for k in range(count):  # the shortest filter that noise allows
         tau = max(taus[k], interval)
         if fastest > 0 and 0.5 * noise * math.sqrt(interval / tau**3) < CLEAR * fastest:
             growth = (kept[k] - kept[count + k]) / tau
@@ -185,7 +186,7 @@ def _grow(now, noise, dt, interval, taus, kept, rising, levels):  # type: ignore
 
 @kept_helper(error_model="numpy")
 def _at_once(tau, most, interval, taus, kept):  # type: ignore[no-untyped-def]
-    """Return 1 where the growth has just been as fast as ever, ``most``; 0 where it has become slow by and by."""
+    """Return 1 after a sudden stop of a growth of ``most``, 0 after a gradual one, a value between otherwise."""
     count = len(taus)
     k = 0
     while k < count - 1 and taus[k] < LONGER * tau:
@@ -198,7 +199,7 @@ def _at_once(tau, most, interval, taus, kept):  # type: ignore[no-untyped-def]
 
 @kept_helper(error_model="numpy")
 def _goes_on(fastest, noise, interval, taus, kept):  # type: ignore[no-untyped-def]
-    """Return whether a growth that has become slow by and by goes on: what noise hides from a short mean."""
+    """Return whether a growth that became slow gradually continues, which noise hides from a short mean."""
     count = len(taus)
     for k in range(count):
         tau = max(taus[k], interval)

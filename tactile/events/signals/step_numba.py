@@ -1,28 +1,28 @@
-"""One frame of the signals of a finger, compiled: the loops of `Signals`, which has the formulas."""
+"""Update of the signals of a finger for one frame, compiled; `Signals` has the formulas."""
 
 import math
 
 from cnnsim.support.compiled_loops import kept_njit
 
 CROSS = 0.02
-"""Shear below this part of the normal component has no direction: axes of real taxels see each other so much."""
+"""Shear below this part of the normal component has no direction: cross-talk of the axes of real taxels."""
 WHOLE, WHOLE_PART = 6.0, 0.03
-"""An unexplained change of the whole shear counts from so many sigma and from this part of the load on ..."""
+"""Threshold of an unexplained change of the total shear [sigma], and as a part of the load."""
 OUTRUNS = 1.25
-"""... where it is so many times its own mean of late ..."""
+"""It must exceed its own recent mean by this factor."""
 CREEP, CREEP_TIME = 0.3, 0.4
-"""... and so much of the largest change of late, which silicone goes on with for so long [s] ..."""
+"""It must exceed this part of the largest recent change (creep of silicone), remembered for this time [s]."""
 GROWS = 1.25
-"""... but where shear is most of what changes, and changes by so many times its mean square of late."""
+"""No creep is assumed where the change of shear exceeds its recent mean square by this factor."""
 HELD = 0.24
-"""... and otherwise lasts: between where a comparator goes off and on."""
+"""CNN value between off and on: the state of the comparator stays."""
 MOVED = 6.0
-"""Squares of the shear's changes, over the variances of their noise, that are more than noise (about 1)."""
+"""Squared change of shear over its noise variance, above which it is no noise."""
 
 
 @kept_njit(error_model="numpy")
 def binary(value, off, on):  # type: ignore[no-untyped-def]  # typed at the call
-    """Return a CNN value: 1/6 at ``off``, 1/4 at ``on``, straight between, then 1/4 for each ``on`` up to 1."""
+    """Return a CNN value: 1/6 at ``off``, 1/4 at ``on``, linear between, then 1/4 per ``on`` up to 1."""
     size = abs(value)
     if size >= on:
         out = min(0.25 * size / on, 1.0) if on > 0 else 1.0
@@ -52,22 +52,20 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     values, use, counts, inward, rectify, dt, off, on, drawn_on, noise_q, noise_n, fast, slow, scalars, taps, planes,
     levels,
 ):  # fmt: skip
-    """Take one frame (rows, cols, 3); write ``planes`` (7, rows, cols) and ``levels`` (14,), all in CNN values, but for
-    the share and what `slide` and `turn` say.
+    """Process one frame (rows, cols, 3); write ``planes`` (7, rows, cols) and ``levels``, except share and slip.
 
-    ``use`` (rows, cols) which read, ``counts`` which are not left out; ``off``, ``on`` (rows, cols, 3) thresholds;
-    ``drawn_on`` (rows, cols) of an unexplained change of shear; ``noise_q``, ``noise_n`` of shear and normal after
-    10 ms; ``taps`` the nine time constants [s];
-    ``fast``, ``slow`` (rows, cols, 3) and ``scalars`` are kept from frame to frame: F after 4, 15 and 100 ms, the held
-    load, the steepest fall, Q and R after 10 ms, frames seen, the changes
-    of shear and of pressing, the largest unrest of late, the mean of the whole unexplained change,
-    the largest change of the whole shear of late, and the mean of the changes of shear.
+    ``use`` (rows, cols) marks valid taxels, ``counts`` those not left out; ``off``, ``on`` (rows, cols, 3) thresholds;
+    ``drawn_on`` (rows, cols) threshold of an unexplained change of shear; ``noise_q``, ``noise_n`` noise of shear and
+    normal after 10 ms; ``taps`` the nine time constants [s]. State: ``fast``, ``slow`` (rows, cols, 3) means,
+    ``scalars``: F after 4, 15 and 100 ms, held load, steepest fall, Q and R after 10 ms, number of frames, changes of
+    shear and of pressing, largest recent unsteadiness, mean of the total unexplained change (2), largest recent change
+    of the total shear, mean of the changes of shear.
     """
     rows, cols = use.shape
     a_fast = 1 - math.exp(-dt / max(taps[0], 2 * dt)) if dt > 0 else 0.0
     sheared = scalars[8] > 0.25 * scalars[9]
     sets_in = sheared and scalars[8] > GROWS * scalars[15]
-    # while the load changes the slow mean has to keep up: what was before says nothing of what is drawn now
+    # while the load changes the slow mean must keep up
     a_slow = 1 - math.exp(-dt / (taps[8] if scalars[10] > 1 and not sheared else taps[1]))
     first = scalars[7] == 0
     force = q = r = n = q_slow = r_slow = n_slow = press_noise = shear_noise = squares = 0.0
@@ -81,12 +79,12 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
                     fast[i, j, k] = slow[i, j, k] = value
                 fast[i, j, k] += a_fast * (value - fast[i, j, k])
                 slow[i, j, k] += a_slow * (value - slow[i, j, k])
-                # where it presses hard, a small part of that is no shear to be sure of
+                # cross-talk of a strong pressing
                 extra = 0.0 if k == 2 else CROSS * max(fast[i, j, 2], 0.0)
                 low = max(off[i, j, k], extra)
                 shown = fast[i, j, k] if k < 2 else value
                 planes[k, i, j] = binary(shown, low, low + max(on[i, j, k] - off[i, j, k], extra)) if use[i, j] else 0.0
-                if k == 2 and counts[i, j]:  # one that does not read just now is taken for what it read last
+                if k == 2 and counts[i, j]:  # an invalid taxel keeps its last value
                     force += max(value, 0.0) if rectify else value
             low, high = off[i, j, 2], on[i, j, 2]
             firm = max(binary(slow[i, j, 2], 3 * low, 3 * high), binary(fast[i, j, 2], 5 * low, 5 * high))
@@ -127,12 +125,12 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     least = max(6 * math.sqrt(shear_noise), 0.004 * max(f100, 0.0), 1e-12)
     levels[7] = binary(driven, least / 1.5, least)
     levels[8] = binary(fall, 0.027 * top + noise / 3, 0.04 * top + noise / 2)
-    # noise falls with the root of the number of taxels: all together tell a pull that none of them could tell alone
+    # averaging over the taxels reveals a pull below the noise of each
     explained = (n - n_slow) / n_slow if n_slow > 3 * math.sqrt(press_noise) and not sets_in else 0.0
     all_q, all_r = q - q_slow * (1 + explained), r - r_slow * (1 + explained)
     scalars[14] = max(driven, scalars[14] * math.exp(-dt / CREEP_TIME))
     least_all = max(WHOLE * math.sqrt(shear_noise), WHOLE_PART * max(f100, 0.0), CREEP * scalars[14], 1e-12)
-    # what the grip's closing has begun goes on ever more slowly; a pull that sets in outruns it
+    # creep after the closing of a grip slows down; a new pull exceeds its mean
     change_all, most = math.hypot(all_q, all_r), max(abs(all_q), abs(all_r))
     level = binary(change_all, least_all / 1.5, least_all)
     if not change_all > OUTRUNS * math.hypot(scalars[12], scalars[13]):
@@ -142,12 +140,12 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     scalars[12] += a_slow * (all_q - scalars[12])
     scalars[13] += a_slow * (all_r - scalars[13])
     moved = pressed = 0.0
-    typical = squares / f100 if f100 > 0 else 0.0  # pressing of a taxel, weighted by itself
+    typical = squares / f100 if f100 > 0 else 0.0  # mean pressing of a taxel, weighted by itself
     for i in range(rows):
         for j in range(cols):
             change_n = fast[i, j, 2] - slow[i, j, 2]
             under = max(slow[i, j, 2], 0.0)
-            creep = 0.0  # where shear is most of what changes, and more and more of it, no closing grip goes on
+            creep = 0.0  # no creep where the change is mostly shear and grows
             if n_slow > 0 and rows * cols > 1 and not sets_in:
                 creep = CREEP * scalars[14] * min(under / n_slow, 1.0)
             least = max(drawn_on[i, j], 0.016 * typical, creep)
@@ -170,5 +168,5 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     scalars[9] += calm * (pressed - scalars[9])
     scalars[15] += (1 - math.exp(-dt / taps[1])) * (scalars[8] - scalars[15])
     levels[6] = binary(scalars[8], 0.2 * scalars[9], 0.3 * scalars[9]) if scalars[8] > 0 else 0.0
-    still = MOVED * shear_noise  # in a still hold both are noise, and their proportion says nothing
+    still = MOVED * shear_noise  # in a still hold both are noise, and their ratio is meaningless
     levels[13] = binary(scalars[8], 0.2 * scalars[9] + still / 1.5, 0.3 * scalars[9] + still) if scalars[8] > 0 else 0.0

@@ -1,5 +1,4 @@
-"""Whether a contact is turned, compiled: the torque, about the middle of the pressing, of shear that the pressing does
-not explain."""
+"""Torque of a contact, compiled: turning shear about the centre of pressure beyond what the pressing explains."""
 
 import math
 
@@ -7,24 +6,23 @@ from cnnsim.support.compiled_loops import kept_njit
 from tactile.events.signals.step_numba import binary
 
 ALIKE = (0.45, 0.7)
-"""Part of the torque that the same shear would make if all of it pointed one way round: off, on."""
+"""Torque over the largest torque of the same shear magnitudes: off, on."""
 MUCH = (0.045, 0.06)
-"""Torque over what the load would make at the radius of gyration of its pressing: off, on."""
+"""Torque over the load times the radius of gyration of its pressing: off, on."""
 SIGMAS = (4.0, 6.0)
-"""The same in sigma of the torque, which has that of the middle in it."""
+"""Torque over its sigma, including that of the centre of pressure: off, on."""
 LIGHTLY = 0.1
-"""Part of what a taxel typically bears: what bears less has no say, and what bore less is taken for one of all."""
+"""Part of the typical load of a taxel, below which a taxel is ignored or regularised by the mean ratio."""
 
 
 @kept_njit(error_model="numpy")
 def turn(fast, slow, use, noise_q, noise_n):  # type: ignore[no-untyped-def]  # typed at the call
-    """Return a CNN value of how the shear turns, positive for clockwise as seen in the picture (y points down).
+    """Return a CNN value of the torque, positive for clockwise as seen in the picture (y points down).
 
-    T = sum (r - c) x e over the taxels in ``use`` (rows, cols), c the middle of their pressing and e = s - (s'/n') n:
-    their shear less what their pressing n explains, which is that where a contact is pressed harder, unloaded or
-    shifted each taxel keeps its shear for a pressing. s, n are the means ``fast``, s', n' ``slow`` (rows, cols, 3). The
-    least of T over sum |r - c| |e|, of T over the load times the radius of gyration of the pressing, and of T over its
-    noise (``noise_q``, ``noise_n`` of a taxel's shear and pressing) decides.
+    T = sum (r - c) x e over the taxels in ``use`` (rows, cols). c is the centre of pressure; e = s - (s'/n') n is the
+    shear that the pressing does not explain, with means s, n ``fast`` and s', n' ``slow`` (rows, cols, 3). The least of
+    three ratios decides: T over sum |r - c| |e|, T over the load times the radius of gyration of the pressing, and T
+    over its noise (``noise_q``, ``noise_n`` of shear and pressing of a taxel).
     """
     rows, cols = use.shape
     force = x = y = slow_n = slow_q = slow_r = squares = 0.0

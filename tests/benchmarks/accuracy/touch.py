@@ -75,9 +75,9 @@ def _once(array: TaxelArray, frames: list[Frame], asked: str, settings: Settings
         start = perf_counter()
         frame = finger.calibrate(raw)
         load = locate(frame)
-        finger.notice(frame, load)
+        finger.detect(frame, load)
         if asked in ASKED[2:]:
-            finger.feel(frame, load)
+            finger.texture(frame, load)
         times.append(perf_counter() - start)
     return times
 

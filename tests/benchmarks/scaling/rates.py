@@ -60,12 +60,12 @@ def measured(side: int) -> dict[str, Any]:
 
     def notice() -> None:
         count[0] += 1
-        finger.notice(finger.calibrate(raws[count[0] % 2]), load)
+        finger.detect(finger.calibrate(raws[count[0] % 2]), load)
 
     def whole() -> None:
         count[0] += 1
         one = finger.calibrate(raws[count[0] % 2])
-        finger.notice(one, finger.locate(one))
+        finger.detect(one, finger.locate(one))
 
     row: dict[str, Any] = {"taxels a side": side, "taxels": side * side}
     row["simulator"] = _simulated(side)

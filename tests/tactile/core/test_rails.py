@@ -3,12 +3,12 @@
 import numpy as np
 
 from cnnsim.support import Floats
-from tactile.core.rails import LEAST, Rails
+from tactile.core.saturation import LEAST, Saturation
 
 
 def marked(signal: Floats, noise: float, end: float = np.inf, step: float = 0.0) -> list[bool]:
     """Whether the one taxel is marked after each frame of a normal reading ``signal`` (n,)."""
-    random, rails = np.random.default_rng(1), Rails((1, 1))
+    random, rails = np.random.default_rng(1), Saturation((1, 1))
     jitter, said = np.full((1, 1, 3), noise), []
     for value in signal:
         read = np.array([[[0.0, 0.0, value]]]) + random.normal(size=(1, 1, 3)) * noise
@@ -35,6 +35,6 @@ def test_a_load_that_is_held_is_not() -> None:
 
 
 def test_readings_that_are_missing_count_for_nothing() -> None:
-    rails = Rails((1, 2))
+    rails = Saturation((1, 2))
     for _ in range(3 * LEAST):
         assert rails(np.full((1, 2, 3), np.nan), np.full((1, 2, 3), 1e-3)) is None

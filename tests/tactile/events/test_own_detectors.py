@@ -32,7 +32,7 @@ def test_the_detector_on_the_page_runs_on_recordings(tmp_path: Path) -> None:
     source = stream(np.concatenate([one, one + other, one, np.zeros_like(one)]))
     said: list[float] = []
     programs = (str(two_blobs(tmp_path)),)
-    run(source, Settings(programs=programs), [lambda report: said.extend([report.frame.t] * len(report.said))])
+    run(source, Settings(programs=programs), [lambda report: said.extend([report.frame.t] * len(report.outputs))])
     assert 4 <= len(said) <= 12  # of 500 frames: where its outputs change
     (event,) = (found for found in events(source, programs=programs) if found.kind == "two_blobs")
     assert (event.t, event.end) == pytest.approx((1.0, 1.5), abs=0.006)

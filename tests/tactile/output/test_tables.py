@@ -115,7 +115,7 @@ def test_what_programs_put_out_is_in_the_json_and_the_last_of_it_in_the_table(
 ) -> None:
     collected, array = Collected(), TaxelArray("pad", 2, 2, 1e-3, 1e-3)
     plane = np.array([[True, False], [False, False]])
-    collected.said = [
+    collected.outputs = [
         (n / 10, "pad", "mine", {"here": plane, "level": np.array([0.5, np.nan]), "count": n}) for n in range(8)
     ]
     told = json.loads(json.dumps(run_data(collected, (array,), Settings()), allow_nan=False))["programs"]

@@ -1,14 +1,14 @@
-"""Ends of the range of every taxel, compiled: how often its extremes were read, and how often a little less."""
+"""End points of the range of every taxel, compiled: counts of extreme readings and of readings near them."""
 
 from cnnsim.support.compiled_loops import kept_njit
 
 
 @kept_njit(error_model="numpy")
 def watch(values, before, jitter, band, ends, hits, steps, rule, saturated):  # type: ignore[no-untyped-def]
-    """Take the readings (rows, cols, 3) of a frame and mark the taxels (rows, cols) that are at an end.
+    """Process the readings (rows, cols, 3) of a frame and mark the saturated taxels (rows, cols).
 
-    ``ends``, ``hits`` (rows, cols, 3, 2, and 2 for hits: at the end, near it) and ``steps`` (3,) are kept; ``rule``:
-    how many hits make an end, and how many times those near it. Readings that are not finite count for nothing.
+    ``ends``, ``hits`` (rows, cols, 3, 2, and 2 for counts at the end point and near it) and ``steps`` (3,) are state;
+    ``rule``: least count at an end point, and its least ratio to the count near it. Non-finite readings are ignored.
     """
     least, often = rule
     rows, cols, _ = values.shape
