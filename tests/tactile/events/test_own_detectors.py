@@ -81,7 +81,7 @@ def test_the_detector_on_the_page_runs_on_a_scene(tmp_path: Path) -> None:
     (("{taxels}", "{taxel}"), "words name taxel"),
     (("{taxels}", "{length_mm}"), "words name length_mm; of direction, sense, taxels, of_taxels"),
     (("confirm_ms = 20", 'lag_of = "touch"'), "lag_of = 'touch'; one of yielding, drawn wanted"),
-    (("confirm_ms = 20", 'kind_of = "touch"'), "kind_of = 'touch'; an event before it in the file wanted, of none"),
+    (("confirm_ms = 20", 'kind_of = "touch"'), "kind_of = 'touch'; an earlier event of the file wanted, of none"),
     (("confirm_ms", "confirms_ms"), "did you mean 'confirm_ms'"),
 ])  # fmt: skip
 def test_wrong_detectors_are_refused(tmp_path: Path, change: tuple[str, str], message: str) -> None:
