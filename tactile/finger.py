@@ -22,11 +22,9 @@ from tactile.events.planes import CODE, Moment, PlanePool
 from tactile.events.registry import SHIPPED
 from tactile.events.signals.signals import Signals
 from tactile.inverse.load import Load
-from tactile.inverse.localise import localise
-from tactile.inverse.point import NO_LOAD, OnePoint
-from tactile.inverse.program import inverse_program, newtons
+from tactile.inverse.localise import NO_LOAD, FrameFit, localise
 from tactile.inverse.summed import summed
-from tactile.inverse.weights import weigh
+from tactile.inverse.weights import inverse_program, newtons, weigh
 from tactile.settings import Settings
 from tactile.texture.figures import Texture, TextureFigures
 from tactile.thresholds.levels import levels
@@ -67,7 +65,7 @@ class Finger:
         if self._inverse is not None:
             machine.prepare(self._inverse, array.shape)
         alone = self._inverse is not None and machine.backend.name == "cpu" and self._radial is None
-        self._point = OnePoint(array, modulus, contact.dead_band) if alone else None
+        self._point = FrameFit(array, modulus, contact.dead_band) if alone else None
         self._positions = array.positions()
         self._half = array.cols * array.pitch / 2, array.rows * array.pitch / 2
         self._newtons = newtons(array, modulus)

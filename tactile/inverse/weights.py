@@ -1,15 +1,19 @@
-"""Weights of an array's signals, from the noise of each: made once for all the frames that are located with them."""
+"""Units and weights of an array's signals, and the program of its per-cell inverse."""
 
 from typing import NamedTuple
 
 import numpy as np
 
+from cnnsim.library.folders import folder
+from cnnsim.program.file import load_program
+from cnnsim.program.program import Program
 from cnnsim.support import Floats, InputError
+from tactile.core.frame import TaxelArray
 
 
 class Weights(NamedTuple):
-    """``noise``: the median standard deviation of the signals, None where none is known; ``scale`` (n, 3): that over
-    each signal's own, ``trust`` (n,): the least of a taxel's.
+    """``noise``: median standard deviation of the signals, None if unknown; ``scale`` (n, 3): that over the standard
+    deviation of each signal; ``trust`` (n,): the least of a taxel's three.
     """
 
     noise: float | None
@@ -18,20 +22,47 @@ class Weights(NamedTuple):
 
 
 def weigh(noise: Floats | float | None, shape: tuple[int, int]) -> Weights:
-    """Return the weights for a noise of one number or (rows, cols, 3), as `localise` takes it; alike for None.
+    """Return the weights for a noise of one number or (rows, cols, 3); equal weights for None.
 
     Raises:
         InputError: noise that does not have the array's shape, or is not positive.
     """
     count = shape[0] * shape[1]
-    alike = np.ones((count, 3)), np.ones(count)
+    equal = np.ones((count, 3)), np.ones(count)
     if noise is None:
-        return Weights(None, *alike)
+        return Weights(None, *equal)
     if np.shape(noise) not in ((), (*shape, 3)) or not np.min(noise) > 0:
         wanted = f"positive numbers, one or {(*shape, 3)}, wanted"
         raise InputError(f"noise of shape {np.shape(noise)} from {np.min(noise):g} N on; {wanted}")
     if not np.ndim(noise):
-        return Weights(float(noise), *alike)
+        return Weights(float(noise), *equal)
     sigma = np.reshape(noise, (-1, 3))
     typical = float(np.median(sigma))
     return Weights(typical, typical / sigma, (typical / sigma).min(axis=1))
+
+
+def newtons(array: TaxelArray, modulus: float | None) -> float:
+    """Return the factor from a signal to newtons: 4 pi E z^2 / 3 of eq. (1), 2 pi z^2 / 3 of eq. (10)."""
+    if array.quantity == "strain":
+        return 4 * np.pi / 3 * (modulus or 1.0) * array.depth**2
+    return 2 * np.pi / 3 * array.depth**2
+
+
+def inverse_program(array: TaxelArray, modulus: float | None, floor: float) -> Program | None:
+    """Return the program that locates a load from each taxel alone, from signals above ``floor``; None of forces.
+
+    Raises:
+        InputError: strain taxels without the cover's ``modulus`` [Pa].
+    """
+    if array.quantity == "force":
+        return None
+    programs = folder() / "programs"  # the shipped ones: users' files of these names do not replace them
+    if array.quantity == "stress":
+        return load_program(programs / "locate-stress.toml", parameters={"depth": array.depth, "floor": floor})
+    if modulus is None:
+        raise InputError(
+            f"taxel array {array.name!r} measures strain; the cover's Young's modulus is wanted, none is given"
+        )
+    return load_program(
+        programs / "locate-strain.toml", parameters={"depth": array.depth, "modulus": modulus, "floor": floor}
+    )
