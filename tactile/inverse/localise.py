@@ -164,11 +164,11 @@ def _loads(taxels: Taxels, found: Candidate, *, local: bool) -> list[Load]:
             validity = Validity.NOT_ONE
         elif doubt or sigmas[k, :2].max() > UNSURE * depth:
             validity = Validity.AMBIGUOUS
+        place_x, place_y = (origin + fit.loads[k, :2] * depth).tolist()
         q, r, f = values[k, 2:].tolist()
-        place = (origin + fit.loads[k, :2] * depth).tolist()
-        sigma, scatter = sigmas[k].tolist(), scatters[k].tolist()
+        sigma, scatter = tuple(sigmas[k].tolist()), tuple(scatters[k].tolist())
         misfit, count = float(misfits[k]), len(found.order)
-        loads.append(Load(*place, q, r, f, tuple(sigma), misfit, count, validity, out, scatter=tuple(scatter)))
+        loads.append(Load(place_x, place_y, q, r, f, sigma, misfit, count, validity, out, scatter=scatter))
     return loads
 
 

@@ -140,9 +140,8 @@ def _noise_energy(signals: Signals, rest: Floats, chi: float) -> float:
         np.partition(np.abs(values).ravel(), int(part * size))[int(part * size)] / quantile
         for values, part, quantile in quantiles
     )
-    grid = np.zeros((rows * cols, 3))
-    grid[signals.cells] = rest
-    grid = grid.reshape(rows, cols, 3)
+    grid: Floats = np.zeros((rows, cols, 3))
+    grid.reshape(-1, 3)[signals.cells] = rest
     alike = (grid[1:] * grid[:-1]).sum() + (grid[:, 1:] * grid[:, :-1]).sum()
     pairs = (rows - 1) * cols + rows * (cols - 1)
     likeness = np.clip(alike / pairs * rows * cols / chi - CHANCE / math.sqrt(3.0 * pairs), 0.0, 1.0)
@@ -214,8 +213,11 @@ class Taxels:
         top = float(self.peak[order[0]])
         noise = None if self.noise is None else self.noise / top
         weights, units = (self.signal, self.trust, self.scale), (self.depth, self.strain, self.layer, top)
-        tried, first, second, data, loads, result = one_load(self.at, self.planes, weights, order, units, noise or 0.0)
-        fit, rival = Fit(Signals(*data, order, self.shape, noise), loads, result), tried[second]
+        tried, first, second, (seen, felt, scale, strain, layer, tie), loads, result = one_load(
+            self.at, self.planes, weights, order, units, noise or 0.0
+        )
+        signals = Signals(seen, felt, scale, strain, layer, tie, order, self.shape, noise)
+        fit, rival = Fit(signals, loads, result), tried[second]
         if thorough:
             places = [place for place in tried if np.isfinite(place[2])]
             fits = [fitted(self._signals(order, place, noise), place[None, :2]) for place in places]
