@@ -1,4 +1,4 @@
-"""A file that is whole up to its last push, whatever happens to the program or the disk."""
+"""Durable file: complete up to its last push, after a crash of the program or a full disk."""
 
 import os
 from pathlib import Path
@@ -8,15 +8,15 @@ from cnnsim.support.exclusive_file import NewFile
 
 
 class DurableFile:
-    """Collects bytes and hands them to the operating system in pushes, each of which is there or is not.
+    """Collects bytes and writes them in atomic pushes.
 
-    What has been pushed survives the end of the program. A push that fails, as on a full disk, is taken back, so that
-    the file ends where the last good one did; ``failed`` says why, and nothing is written any more. No file that was
-    there is touched, unless it is to ``replace``: then it is replaced when this one `settle`s. While it is open,
-    other programs of this kind leave it alone.
+    Pushed bytes survive the end of the program. A push that fails, as on a full disk, is rolled back, so that the file
+    ends with the last complete one; ``failed`` is the reason, and later writes are ignored. An existing file is kept,
+    unless ``replace``: then it is replaced by `settle`. While the file is open, other programs of this kind refuse to
+    open it.
 
     Raises:
-        InputError: the file cannot be made, or something of that name is there.
+        InputError: the file cannot be made, or its name is taken.
     """
 
     def __init__(self, path: Path, replace: bool = False) -> None:
@@ -34,14 +34,14 @@ class DurableFile:
         return len(data)
 
     def tell(self) -> int:
-        """Return how long the file will be."""
+        """Return the length of the file after the next push."""
         return self._whole + len(self._pending)
 
     def flush(self) -> None:
-        """Do nothing: only `push` writes."""
+        """Do nothing, because only `push` writes."""
 
     def push(self) -> None:
-        """Hand over what was collected."""
+        """Write the collected bytes."""
         if self.failed or not self._pending:
             return
         data = bytes(self._pending)
@@ -58,10 +58,10 @@ class DurableFile:
         self._whole += len(data)
 
     def settle(self) -> None:
-        """Push for the first time, and only then take the place of a file that is to be replaced.
+        """Push for the first time, then take the place of a file to be replaced.
 
         Raises:
-            InputError: not even that can be written; nothing is left of it.
+            InputError: the push fails; the new file is removed.
         """
         self.push()
         try:

@@ -1,4 +1,4 @@
-"""Recordings made of other files: compressed copies of recordings, and frames that never were on a wire."""
+"""Recordings made from files: compressed copies of recordings, and frames without wire bytes."""
 
 from dataclasses import replace
 from importlib.metadata import version
@@ -18,7 +18,7 @@ from tactile.wire.packets import emulated_description
 
 
 def write_indexed(source: Path, target: Path) -> None:
-    """Copy a recording, whole, broken off or damaged, record by record into the compressed form.
+    """Copy a recording, complete or damaged, record by record into the compressed form.
 
     Raises:
         InputError: ``source`` is no recording.
@@ -41,7 +41,7 @@ def write_indexed(source: Path, target: Path) -> None:
 
 
 def _described(source: Path, writer: Writer) -> dict[int, int]:
-    """Register the channels, from wherever in the file they can be read, and return the new number of each."""
+    """Register the channels found anywhere in the file, and return the new number of each."""
     schemas: dict[int, int] = {0: 0}
     channels: dict[int, int] = {}
     for record in records(source):
@@ -54,13 +54,13 @@ def _described(source: Path, writer: Writer) -> dict[int, int]:
 
 
 def write_frames(path: Path, source: Source) -> None:
-    """Write frames without bytes of a wire, with the header of `tactile.core.header` as ``frames`` of the metadata.
+    """Write frames without wire bytes, with the header of `tactile.core.header` as ``frames`` of the metadata.
 
-    Without an array description of the source's own, one is made up for the native format.
+    A source without an array description gets one for the native format.
 
     Raises:
-        InputError: something of that name is there.
-        OSError: it cannot be written.
+        InputError: the name is taken.
+        OSError: the file cannot be written.
     """
     known, epoch = provenance(source), Epoch.now()
     if known.start_ns is not None:

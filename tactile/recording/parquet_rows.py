@@ -1,4 +1,4 @@
-"""Rows of a table written to a Parquet file as they come: frames of a recording, figures of a run."""
+"""Parquet file written row by row: frames of a recording, figures of a run."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,7 +9,7 @@ import pyarrow as pa  # type: ignore[import-untyped]  # it ships no types
 from pyarrow import parquet
 
 BATCH = 4096
-"""Rows written at once."""
+"""Rows per batch."""
 TYPES = {
     float: pa.float64(), int: pa.int64(), str: pa.string(), list[float]: pa.list_(pa.float64()),
     list[bool]: pa.list_(pa.bool_()),
@@ -18,7 +18,7 @@ TYPES = {
 
 
 class ParquetRows:
-    """A Parquet file that grows by rows, whole when the block ends; without a row it has its columns all the same.
+    """A Parquet file that grows by rows and is complete when the block ends; it may have no rows.
 
     Arguments: ``path`` of the file; ``columns``: name and kind (a key of `TYPES`) of each; ``metadata`` of the file.
 
@@ -44,7 +44,7 @@ class ParquetRows:
             self._out.close()
 
     def __call__(self, *row: Any) -> None:
-        """Add a row: a value for each column, in their order; None where there is none."""
+        """Add a row: a value or None for each column, in their order."""
         self._rows.append(row)
         if len(self._rows) == BATCH:
             self._flush()

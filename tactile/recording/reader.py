@@ -1,4 +1,4 @@
-"""Reading of recordings, whole ones, those whose writer was killed, and damaged ones."""
+"""Reader of recordings: complete ones, interrupted ones and damaged ones."""
 
 import json
 import struct
@@ -23,18 +23,18 @@ from tactile.wire.description_file import parse_description
 from tactile.wire.source import DAMAGED, Chunk, WireSource
 
 FRAMES = "frames"
-"""The entry of the metadata with the header of frames that were not on a wire."""
+"""Metadata entry with the header of frames without wire bytes."""
 FIRST = 4
-"""Frames a finger that are held against the head as a recording is opened: fingers take turns."""
+"""Frames per finger that are checked against the header when a recording is opened."""
 
 
 @dataclass
 class Recorded:
-    """A recording on disk, read again from the beginning each time.
+    """A recording on disk, read from the beginning each time.
 
-    ``made``: with what it was made; ``start`` [ns] since 1970, from which times count; ``counts``: the counters, None
-    where it was not closed in good order; ``damage``: what could not be read, in words; ``complete``: it was closed in
-    good order and every check sum is right; ``topics`` of the channels.
+    ``made``: settings it was made with; ``start`` [ns] Unix time at which times are 0; ``counts``: the counters, None
+    if it was not closed; ``damage``: descriptions of unreadable parts; ``complete``: it was closed and every checksum
+    is right; ``topics`` of the channels.
     """
 
     path: Path
@@ -49,22 +49,22 @@ class Recorded:
 
     @property
     def has_wire(self) -> bool:
-        """Whether it holds what came over a wire."""
+        """Whether it contains wire bytes."""
         return "/wire" in self.messages
 
     @property
     def state(self) -> str:
-        """What is wrong with it and what helps, in a line; empty if it is complete."""
+        """One line about what is wrong with it and what helps; empty if it is complete."""
         if self.damage:
             more = f", and {len(self.damage) - 1} places more" if len(self.damage) > 1 else ""
-            return f"damaged: {self.damage[0]}{more}; what is given out is what could still be checked"
+            return f"damaged: {self.damage[0]}{more}; only parts with a right checksum are used"
         if not self.complete:
             whole = f"`tactile convert {self.path.name} whole.mcap` makes one that every viewer can index"
             return f"not closed in good order: it ends where its writer was stopped; {whole}"
         return ""
 
     def chunks(self) -> Iterator[Chunk]:
-        """Yield what came over the wire, as the reader that recorded it gave it on, and where something is missing."""
+        """Yield the chunks of wire bytes as recorded, with a mark where some are missing."""
         t = 0
         for record in records(self.path):
             if isinstance(record, Damage):
@@ -82,7 +82,7 @@ class Recorded:
             yield chunk
 
     def stored_frames(self) -> Iterator[Frame]:
-        """Yield the frames as they were written, before their tare."""
+        """Yield the stored frames, before their tare."""
         for record in records(self.path):
             if self._topic(record).startswith("/frames/"):
                 with readable(self.path):
@@ -98,7 +98,7 @@ class Recorded:
                 yield note
 
     def source(self) -> "WireSource | StoredSource":
-        """Return the frames before their tare as a ``Source``: decoded anew from the bytes where there are any."""
+        """Return the frames before their tare as a ``Source``, decoded from the wire bytes if there are any."""
         notes = (f"{self.path.name}: {self.state}",) if self.state else ()
         if not self.has_wire:
             stored = StoredSource(self)
@@ -115,10 +115,10 @@ class Recorded:
 
 
 class StoredSource:
-    """The stored frames of a recording without bytes, as a ``Source``; ``notes``: what is wrong with it, in words.
+    """The stored frames of a recording without wire bytes, as a ``Source``; ``notes``: warnings about it.
 
     Raises:
-        InputError: its head describes other arrays than its first frames are of; so does going through the others.
+        InputError: its header does not fit its first frames; iteration raises it for later frames.
     """
 
     notes: tuple[str, ...] = ()
@@ -131,7 +131,7 @@ class StoredSource:
             header = read_header(recorded.made[FRAMES], str(recorded.path), "metadata frames")
         self.title, self.modulus, self.arrays, self.provenance = header
         self.frames: int | None = sum(n for topic, n in recorded.messages.items() if topic.startswith("/frames/"))
-        for _ in islice(self, FIRST * len(self.arrays)):  # before anybody makes room for what the head says
+        for _ in islice(self, FIRST * len(self.arrays)):  # before memory is allocated for the header's sizes
             pass
 
     def __repr__(self) -> str:
@@ -150,7 +150,7 @@ class StoredSource:
 
 @contextmanager
 def readable(path: Path) -> Iterator[None]:
-    """Say of what stands in a record and cannot be read that the recording is damaged."""
+    """Turn a decoding error of a record into a message about a damaged recording."""
     try:
         yield
     except (ValueError, LookupError, TypeError, OverflowError, struct.error) as error:
@@ -158,11 +158,11 @@ def readable(path: Path) -> Iterator[None]:
 
 
 def open_recording(path: Path) -> Recorded:
-    """Look through a recording.
+    """Open a recording and check it.
 
     Raises:
-        InputError: no such file, nothing that `tactile record` or `tactile live` wrote, one of a newer version, or one
-            whose head is damaged.
+        InputError: no such file, a file that `tactile record` or `tactile live` did not write, a newer version, or a
+            damaged header.
     """
     made: dict[str, str] = {}
     counts, data, closed = None, None, False
@@ -197,7 +197,7 @@ def open_recording(path: Path) -> Recorded:
 
 
 def _checked(path: Path, made: dict[str, str], array: bytes) -> tuple[int, str]:
-    """Return the start [ns] and the array description after a look at the sums that cover them."""
+    """Return the start [ns] and the array description after checking their checksums."""
     told, written = made.get(schema.SUM), made.get("version")
     if told != schema.sum_of({name: value for name, value in made.items() if name != schema.SUM}):
         raise InputError(

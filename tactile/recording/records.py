@@ -1,8 +1,7 @@
-"""Records of an MCAP file, each held against the check sum that covers it.
+"""Records of an MCAP file, each verified by its checksum.
 
-A file that was closed in good order has sums over every chunk, over the whole data section and over the summary, so
-that no changed bit stays unseen. In one that was broken off the chunks have theirs, and `schema.sum_of` covers what
-stands before them.
+A closed file has checksums over every chunk, the data section and the summary. An interrupted file has those of its
+chunks, and `schema.sum_of` covers the metadata before them.
 """
 
 import os
@@ -25,26 +24,26 @@ from cnnsim.support.limits import CHUNK, RECORD, check_plain
 MAGIC = b"\x89MCAP0\r\n"
 BROKEN = (McapError, CRCValidationError, zstandard.ZstdError, struct.error, ValueError, OverflowError, MemoryError,
           RuntimeError)  # fmt: skip
-"""What the libraries raise at damage; lz4 says RuntimeError."""
+"""Exceptions of the libraries for damaged data; lz4 raises RuntimeError."""
 
 DATA_END = 4
-"""Bytes of the record at the end of the data, whose own head is the one thing that no sum covers."""
+"""Bytes of the record at the end of the data; its header has no checksum."""
 
 
 @dataclass(frozen=True)
 class Damage:
-    """Stands where something could not be read or its sum was wrong; ``what`` in words."""
+    """Marks an unreadable part or a wrong checksum; ``what`` describes it."""
 
     what: str
 
 
 @dataclass(frozen=True)
 class Closed:
-    """Stands at the end of a file that was closed in good order; `Damage` before it may have spoilt it since."""
+    """Marks the end of a file that was closed; `Damage` may precede it."""
 
 
 def records(path: Path) -> Iterator[Any]:
-    """Yield the records of an MCAP file, those of chunks in their places, up to its end or where it breaks off.
+    """Yield the records of an MCAP file, including those in chunks, up to its end or where it breaks off.
 
     Raises:
         InputError: it cannot be opened, or is no plain file.
@@ -70,7 +69,7 @@ def _records(file: IO[bytes]) -> Iterator[Any]:
         except BROKEN:
             if _has_end(file, size):
                 yield Damage(f"what begins at byte {at} cannot be read")
-            return  # else the writer was stopped here
+            return  # otherwise the writer was stopped here
         if record is None:
             break
         if isinstance(record, DataEnd):
@@ -110,7 +109,7 @@ def _unpacked(chunk: Chunk) -> bytes:
 
 
 def _length(file: IO[bytes], at: int) -> int:
-    """Return how long the record that begins there says that it is; the file stays at its place."""
+    """Return the length that the record at this position states; the file position is kept."""
     back = file.tell()
     file.seek(at + 1)
     length = int.from_bytes(file.read(8), "little")
@@ -119,13 +118,13 @@ def _length(file: IO[bytes], at: int) -> int:
 
 
 def _has_end(file: IO[bytes], size: int) -> bool:
-    """Return whether the file ends as one that was closed."""
+    """Return whether the file ends like a closed one."""
     file.seek(max(0, size - len(MAGIC)))
     return size > 2 * len(MAGIC) and file.read() == MAGIC
 
 
 def _summary_is_right(file: IO[bytes], footer: Footer, size: int) -> bool:
-    """Return whether the sum over the summary is right: from its start up to itself; the file stays at its place."""
+    """Return whether the checksum of the summary is right; the file position is kept."""
     at, left, total = file.tell(), size - len(MAGIC) - 4 - footer.summary_start, 0
     if not 0 < footer.summary_start < at:
         return False

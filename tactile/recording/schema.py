@@ -16,9 +16,9 @@ import numpy as np
 from tactile.core.frame import Frame
 
 VERSION = "2"
-"""Of the topics, records and messages of a recording; a reader cannot know what those of another one mean."""
+"""Version of the topics, records and messages; a reader refuses other versions."""
 SUM = "crc32"
-"""The entry of the metadata record ``tactile`` with `sum_of` the others."""
+"""Entry of the metadata record ``tactile`` with `sum_of` the others."""
 HEAD = b"\0\1\0\0"
 WIRE_NAME, WIRE = "tactile/msg/Wire", "uint8[] data\n"
 FRAME_NAME = "tactile/msg/Frame"
@@ -41,7 +41,7 @@ COUNT = struct.Struct("<I")
 
 
 def _object(**properties: Any) -> bytes:
-    """Return a JSON schema of an object; what is optional may also be null."""
+    """Return a JSON schema of an object; optional entries may be null."""
     return json.dumps({"type": "object", "properties": properties}).encode()
 
 
@@ -56,7 +56,7 @@ LOAD = {
     "additionalProperties": NUMBER,
 }
 LOG_NAME = "foxglove.Log"
-"""The schema by whose name viewers know a log."""
+"""Schema name of logs in viewers."""
 INFO, WARNING = 2, 3
 NOTES: dict[str, tuple[str, bytes]] = {
     "/port": ("tactile.Port", _object(note=TEXT)),
@@ -87,7 +87,7 @@ NOTES: dict[str, tuple[str, bytes]] = {
 
 
 def log_line(topic: str, note: dict[str, Any], ns: int) -> dict[str, Any] | None:
-    """Return a note in words, at ``ns`` [ns] since 1970, as viewers' logs have them; None for one that is only data."""
+    """Return a note as a log message at ``ns`` [ns] Unix time; None for a note that is only data."""
     if topic == "/port":
         name, message = "port", note["note"]
     elif topic == "/events":
@@ -103,7 +103,7 @@ def log_line(topic: str, note: dict[str, Any], ns: int) -> dict[str, Any] | None
 
 
 def sum_of(made: dict[str, str]) -> str:
-    """Return the CRC-32, in hexadecimal, of a metadata record's entries: MCAP has no sum for these."""
+    """Return the CRC-32, in hexadecimal, of the entries of a metadata record, which MCAP does not protect."""
     return f"{zlib.crc32(json.dumps(sorted(made.items())).encode()):08x}"
 
 
@@ -113,7 +113,7 @@ def pack_wire(data: bytes) -> bytes:
 
 
 def unpack_wire(message: bytes) -> bytes:
-    """Return the bytes that a Wire message holds."""
+    """Return the bytes in a Wire message."""
     return message[8 : 8 + COUNT.unpack_from(message, 4)[0]]
 
 
@@ -128,10 +128,10 @@ def pack_frame(frame: Frame) -> bytes:
 
 
 def unpack_frame(message: bytes) -> Frame:
-    """Return the frame that a Frame message holds.
+    """Return the frame in a Frame message.
 
     Raises:
-        ValueError: it says that it has more or fewer taxels than are in it.
+        ValueError: the stated number of taxels does not fit its length.
     """
     body = message[len(HEAD) :]
     t, t_device, sequence, finger, flags, rows, cols = FIXED.unpack_from(body)
@@ -147,7 +147,7 @@ def unpack_frame(message: bytes) -> Frame:
 
 
 def _frame_bytes(taxels: int) -> int:
-    """Return the length of a Frame message of so many taxels."""
+    """Return the length of a Frame message."""
     at = FIXED.size + COUNT.size + taxels
     at += -at % 4 + COUNT.size
     return len(HEAD) + at + -at % 8 + taxels * 3 * 8

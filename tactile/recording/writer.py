@@ -1,13 +1,12 @@
-"""Writing of recordings: MCAP files with the bytes of the wire, the frames made of them, and all that explains them.
+"""Writer of recordings: MCAP files with wire bytes, decoded frames, and all metadata.
 
-Topics: ``/wire`` bytes as they arrived, ``/wire/unparsed`` those for which the reader had no room, ``/port`` notes
-(plugged, unplugged, tare), ``/frames/NAME`` frames of each finger, ``/tare`` offsets, ``/events``, ``/counts``, and
-``/log`` with ports, tares and events in words, as viewers show logs. The array description is attached as
-``array.toml``; the metadata record ``tactile`` says with what the file was made, ``counts`` is there if it was closed
-in good order.
+Topics: ``/wire`` bytes as received, ``/wire/unparsed`` bytes dropped by the decoder's queue, ``/port`` notes (plugged,
+unplugged, tare), ``/frames/NAME`` frames of each finger, ``/tare`` offsets, ``/events``, ``/counts``, and ``/log`` with
+ports, tares and events as text for viewers. The array description is attached as ``array.toml``; the metadata record
+``tactile`` has the settings, and ``counts`` is there if the file was closed.
 
-What came within a tenth of a second is a chunk with its check sum, not compressed; an unfinished one is lost with the
-program. `tactile convert a.mcap b.mcap` makes the compressed form, and a whole one of a recording that was broken off.
+The data of a tenth of a second is one uncompressed chunk with its checksum; an unfinished chunk is lost with the
+program. `tactile convert a.mcap b.mcap` writes the compressed form, also of an interrupted recording.
 """
 
 import json
@@ -29,17 +28,17 @@ from tactile.wire.description import Description
 from tactile.wire.source import Chunk
 
 PUSH = 0.08
-"""[s] after which what was recorded is handed to the operating system; with the wait for a turn still below 0.1 s."""
+"""[s] Period of the pushes; with scheduling delays below 0.1 s."""
 
 
 class Recording:
     """A recording that is being written. Two threads may write; a full disk only sets ``failed``.
 
-    ``epoch``: the instant from which the times of all that is written count; ``compressed``: in larger chunks, for what
-    can be made again; ``replace``: replace a recording of that name.
+    ``epoch``: zero of all times; ``compressed``: larger compressed chunks, for data that can be made again;
+    ``replace``: replace a recording of that name.
 
     Raises:
-        InputError: the file cannot be made, or something of that name is there.
+        InputError: the file cannot be made, or its name is taken.
     """
 
     def __init__(
@@ -81,29 +80,29 @@ class Recording:
 
     @property
     def failed(self) -> str:
-        """Why nothing is written any more, as the system says it; empty while all is well."""
+        """System message of a failed write; empty without a failure."""
         return self._file.failed
 
     @property
     def ended(self) -> str:
-        """That nothing is written any more, why, and what is left of it, for people; empty while all is well."""
+        """Message about a failed write and the readable part; empty without a failure."""
         if not self.failed:
             return ""
         return f"recording {self._path} ended: {self.failed}; what was written until then can be read"
 
     def chunk(self, chunk: Chunk, parsed: bool = True) -> None:
-        """Write what came over the wire, or a note about it."""
+        """Write wire bytes, or a note about the wire."""
         if chunk.note:
             self.note("/port", chunk.t, {"note": chunk.note})
             return
         self._add(self._wire if parsed else self._unparsed, chunk.t, schema.pack_wire(chunk.data))
 
     def frame(self, frame: Frame, arrival: int) -> None:
-        """Write a frame that arrived ``arrival`` [ns] after the stream began."""
+        """Write a frame that arrived ``arrival`` [ns] after the epoch."""
         self._add(self._frames[frame.finger], arrival, schema.pack_frame(frame), frame.sequence % 2**32)
 
     def note(self, topic: str, t: int, data: dict[str, Any]) -> None:
-        """Write a JSON object ``t`` [ns] after the stream began, and in words into the log what is worth it."""
+        """Write a JSON object ``t`` [ns] after the epoch, and a log message for people."""
         self._json(topic, t, data)
         line = schema.log_line(topic, data, self._start + t)
         if line is not None:
@@ -119,7 +118,7 @@ class Recording:
             self._writer.add_message(channel, self._start + t, data, self._start + t, sequence)
 
     def push(self, now: bool = False) -> None:
-        """Hand what was written to the operating system if the last time is long enough ago."""
+        """Push if the last push is at least `PUSH` ago."""
         if now or time.monotonic() - self._pushed >= PUSH:
             with self._lock:
                 if not self._compressed:

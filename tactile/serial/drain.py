@@ -1,11 +1,10 @@
-"""Drain of a serial port: a process of its own that reads, stamps and keeps what comes until the reader takes it.
+"""Drain process of a serial port: reads, time-stamps and buffers bytes until the reader takes them.
 
-The program that interprets frames may have to wait for its turn, with the processor or with its own threads; a
-terminal holds no more than some milliseconds of bytes meanwhile. This process does nothing else, so it is always in
-time. It runs as a script and imports only what is light.
+The pipeline may be delayed by the scheduler or by its own threads, while a terminal buffers only a few milliseconds of
+bytes. This process does nothing else, so no byte is lost. It runs as a script and imports only light modules.
 
-It is spoken to over a socket. In: a head, the hello, the poll, and the open port itself. Out: records of kind, time
-[ns] on the clock that all processes share, length, and bytes. When the reader says no more it sends what it has and
+Protocol on a socket. In: a header, the hello, the poll, and the file descriptor of the open port. Out: records of kind,
+time [ns] of the monotonic clock, length, and bytes. When the reader closes its side the process sends its buffer and
 ends.
 """
 
@@ -19,20 +18,20 @@ import sys
 import time
 
 ORDER = struct.Struct("<IId")
-"""Length of the hello, length of the poll, seconds from one poll to the next; then both."""
+"""Length of the hello, length of the poll, period of the polls [s]; then both."""
 RECORD = struct.Struct("<BqI")
 """kind, time [ns], length; then the bytes."""
 DATA, GONE, DROPPED = 0, 1, 2
-"""Bytes of the port; the port failed, and why; bytes for which there was no room, as decimal digits."""
+"""Kinds: bytes of the port; failure of the port with its reason; number of dropped bytes, as decimal digits."""
 CAPACITY = 64 * 2**20
-"""Bytes kept for a reader that is behind: more than a minute of a 1000 Hz array of 64 taxels."""
+"""Buffer size in bytes: more than a minute of a 1000 Hz array of 64 taxels."""
 MOST = 65536
 FULL = 4000
-"""Bytes that a terminal gives at once if it has more."""
+"""Bytes per read of a terminal that has more."""
 
 
 class Drain:
-    """Reads one port after another and hands the records on as fast as the reader takes them."""
+    """Reads one port after another and forwards records as fast as the reader takes them."""
 
     def __init__(self, reader: socket.socket) -> None:
         self._reader = reader
@@ -43,7 +42,7 @@ class Drain:
         reader.setblocking(False)
 
     def run(self) -> None:
-        """Go on until the reader says that it is enough, or is gone."""
+        """Run until the reader closes its side or is gone."""
         self._events.register(self._reader, select.POLLIN)
         while True:
             for number, event in self._events.poll(self._wait()):
@@ -56,13 +55,13 @@ class Drain:
             self._push()
 
     def _wait(self) -> float | None:
-        """Return the time to the next poll [ms], None where there is none."""
+        """Return the time to the next poll [ms], None without polling."""
         if self._port < 0 or not self._poll:
             return None
         return max(0.0, 1e3 * (self._asked + self._period - time.monotonic()))
 
     def _take_order(self) -> bool:
-        """Take a port to read; return False at the end of the reader's orders."""
+        """Accept a port to read; return False when the reader has closed its side."""
         try:
             order, ports, _, _ = socket.recv_fds(self._reader, MOST, 1)
         except OSError:
@@ -85,7 +84,7 @@ class Drain:
         try:
             os.write(self._port, words)
         except BlockingIOError:
-            pass  # a device that does not listen
+            pass  # the device does not read
         except OSError as error:
             self._let_go(error)
 
@@ -131,7 +130,7 @@ class Drain:
         self._events.modify(self._reader, select.POLLIN | (select.POLLOUT if self._pending else 0))
 
     def _finish(self) -> None:
-        """Take what has come by now, and wait until the reader has all."""
+        """Read the rest of the bytes, and send the buffer."""
         if self._port >= 0 and self._events.poll(0):
             self._read()
         if self._port >= 0:
@@ -143,10 +142,10 @@ class Drain:
 
 
 def main() -> None:
-    """Serve the socket whose number is the only argument."""
+    """Serve the socket whose file descriptor is the only argument."""
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):
-        signal.signal(getattr(signal, name), signal.SIG_IGN)  # it is the reader who ends this
-    with contextlib.suppress(OSError, AttributeError):  # before all that compute, where that is allowed
+        signal.signal(getattr(signal, name), signal.SIG_IGN)  # the reader ends this process
+    with contextlib.suppress(OSError, AttributeError):  # real-time priority, where permitted
         os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
     with socket.socket(fileno=int(sys.argv[1])) as reader, contextlib.suppress(BrokenPipeError, ConnectionError):
         Drain(reader).run()

@@ -1,4 +1,4 @@
-"""Drained port: starts the process that drains a serial port, gives it the port, and takes what it has kept."""
+"""Drained port: starts the drain process of a serial port, passes it the port, and receives its records."""
 
 import contextlib
 import socket
@@ -14,31 +14,31 @@ if TYPE_CHECKING:
     import serial
 
 MOST = 2**20
-"""Bytes taken at a time."""
+"""Bytes per receive."""
 
 
 class Drained:
-    """The other end of `drain.Drain`. ``over``: nothing more will come."""
+    """The reader's end of `drain.Drain`. ``over``: nothing more will come."""
 
     def __init__(self) -> None:
         self.over = False
         self._received = bytearray()
         self._socket, theirs = socket.socketpair()
         with theirs:
-            # a session of its own: no signals of the terminal, and a share of the processors of its own
+            # its own session: no signals of the terminal, and its own share of the processors
             self._process = subprocess.Popen(
                 [sys.executable, "-E", "-s", "-S", str(Path(drain.__file__)), str(theirs.fileno())],
                 stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, pass_fds=[theirs.fileno()], start_new_session=True,
             )  # fmt: skip
 
     def read(self, port: "serial.Serial", talk: Talk) -> None:
-        """Let it read an open port from now on, and say there what is to be said."""
+        """Pass an open port to the process, with the bytes to send on it."""
         order = drain.ORDER.pack(len(talk.hello), len(talk.poll), talk.period) + talk.hello + talk.poll
-        with contextlib.suppress(OSError):  # `take` will say that it is over
+        with contextlib.suppress(OSError):  # `take` reports the end
             socket.send_fds(self._socket, [order], [port.fileno()])
 
     def take(self, timeout: float) -> list[tuple[int, int, bytes]]:
-        """Return the records (kind, time [ns], bytes) there are, waiting up to ``timeout`` [s] for the first."""
+        """Return the available records (kind, time [ns], bytes); wait up to ``timeout`` [s] for the first."""
         self._socket.settimeout(timeout)
         try:
             data = self._socket.recv(MOST)
@@ -64,12 +64,12 @@ class Drained:
         return found
 
     def finish(self) -> None:
-        """Let it send what it has and end."""
+        """Ask the process to send its buffer and end."""
         with contextlib.suppress(OSError):
             self._socket.shutdown(socket.SHUT_WR)
 
     def close(self) -> None:
-        """Wait until it has ended."""
+        """Wait for the end of the process."""
         self.finish()
         self._socket.close()
         self._process.wait()

@@ -1,6 +1,6 @@
-"""Emulated device: a pseudo-terminal that sends packets at their times, with faults on request.
+"""Emulated device: a pseudo-terminal that sends packets on time, with faults on request.
 
-What it writes goes through the kernel's terminal as from a real port; the other side opens the port with any program.
+Its bytes pass through the kernel's terminal like those of a real port; any program can open the other side.
 """
 
 import contextlib
@@ -24,26 +24,25 @@ from tactile.wire.base import Encoder
 from tactile.wire.packets import TimedPacket
 
 BUFFER = 64 * 1024
-"""Bytes the device keeps while nobody reads; frames beyond are lost, as in firmware, and counted."""
+"""Buffer of the device in bytes; frames beyond it are dropped, as in firmware, and counted."""
 BOOT = 0.3
 """[s] from the opening of the port to the first frame."""
 PIECE_PAUSE = 0.0005
-"""[s] between the pieces of a frame that is split."""
+"""[s] Pause between the pieces of a split frame."""
 AWAY = -1
-"""The file number of a port that is unplugged."""
+"""File descriptor of an unplugged port."""
 LINGER = 0.1
-"""[s] that the port stays after the last byte."""
+"""[s] Time the port stays open after the last byte."""
 
 
 class Emulator:
-    """One device. ``port`` is the name to open, and stays the same over unpluggings if there is a ``link``.
+    """One emulated device. ``port`` is the name to open; with a ``link`` it survives unplugging.
 
-    ``device``: what obeys the host and answers it; nobody if None. After `run`, ``sent`` is the number of packets that
-    went out or were spoilt on purpose, ``lost`` of those for which there was no room.
+    ``device``: handles requests of the host, None if there are none. After `run`, ``sent`` is the number of packets
+    sent or corrupted on purpose, ``lost`` the number of packets dropped because the buffer was full.
 
     Raises:
-        InputError: the link cannot be made, or something of that name is there; a link that leads nowhere any more, as
-            an emulator that was killed leaves it, is replaced.
+        InputError: the link cannot be made, or its name is taken; a dangling link of a killed emulator is replaced.
     """
 
     def __init__(
@@ -60,7 +59,7 @@ class Emulator:
         tty.setraw(slave)  # no echo, no line editing
         os.set_blocking(self._master, False)
         self.port = self._terminal = os.ttyname(slave)
-        os.close(slave)  # from now on the master hangs up whenever nobody has the port open
+        os.close(slave)  # from here the master reports a hang-up while no program has the port open
         self._poll = select.poll()
         self._poll.register(self._master, select.POLLHUP)
         if self._link is not None:
@@ -70,18 +69,18 @@ class Emulator:
                 self._link.symlink_to(self.port)
             except FileExistsError as error:
                 os.close(self._master)
-                raise InputError(f"link {self._link}: there is something of that name; another name wanted") from error
+                raise InputError(f"link {self._link}: the name is taken; another name wanted") from error
             except OSError as error:
                 os.close(self._master)
                 raise InputError(f"link {self._link}: cannot be made: {error.strerror}") from error
             self.port = str(self._link)
 
     def _links_here(self, link: Path) -> bool:
-        """Return whether the link is this emulator's, or an old one whose terminal's name is ours now."""
+        """Return whether the link belongs to this emulator, or is an old one to the same terminal."""
         return link.is_symlink() and str(link.readlink()) == self._terminal
 
     def pull(self) -> None:
-        """Take the port away, and its link."""
+        """Remove the port and its link."""
         if self._master == AWAY:
             return
         if self._link is not None and self._links_here(self._link):
@@ -93,7 +92,7 @@ class Emulator:
     def run(
         self, packets: Iterable[TimedPacket], stop: threading.Event, opened: Callable[[], None] | None = None
     ) -> None:
-        """Send every packet at its time after the port was first opened, until they end or ``stop`` is set."""
+        """Send every packet on time after the port was first opened, until they end or ``stop`` is set."""
         try:
             while not stop.is_set() and self._hung_up():
                 stop.wait(0.01)
@@ -121,25 +120,25 @@ class Emulator:
             self.pull()
 
     def _hung_up(self) -> bool:
-        """Return whether nobody has the port open."""
+        """Return whether no program has the port open."""
         if self._master == AWAY:
             return True
         return any(event & select.POLLHUP for _, event in self._poll.poll(0))
 
     def _serve(self, seconds: float) -> None:
-        """Wait up to so long, while what is pending goes out and what the host says is read."""
+        """Wait for a time while pending bytes are sent and requests are read."""
         if self._master == AWAY:
             time.sleep(min(seconds, 0.01))
             return
         wanted = [self._master] if self._pending else []
         said, room, _ = select.select([self._master], wanted, [], min(seconds, 0.05))
         if said and not self._receive():
-            time.sleep(min(seconds, 0.01))  # a port that nobody has open always has something to say: that
+            time.sleep(min(seconds, 0.01))  # a port that no program has open polls as ready: hang-up
         elif room:
             self._push()
 
     def _receive(self) -> bool:
-        """Take what the host says, and answer; return whether there is a host."""
+        """Read requests of the host and answer; return whether there is a host."""
         try:
             said = os.read(self._master, 4096)
         except BlockingIOError:
@@ -152,8 +151,8 @@ class Emulator:
         return True
 
     def _push(self) -> None:
-        """Hand over what is pending, as much as the terminal takes; with nobody there a device keeps nothing."""
-        if self._hung_up():  # the terminal would keep 64 KiB for the next one who opens it
+        """Write as many pending bytes as the terminal takes; without a host they are discarded."""
+        if self._hung_up():  # the terminal would keep 64 KiB for the next program
             self._pending.clear()
         with contextlib.suppress(OSError):
             while self._pending:
@@ -179,7 +178,7 @@ class Emulator:
                 time.sleep(PIECE_PAUSE)
 
     def _flush(self, stop: threading.Event) -> None:
-        """Wait until the host has everything, or hangs up: closing the port throws away what waits in it."""
+        """Wait until the host has read everything or closed the port, because closing discards the rest."""
         while not stop.is_set() and not self._hung_up() and (self._pending or self._unread()):
             self._serve(0.01)
             stop.wait(0.01)

@@ -1,4 +1,4 @@
-"""Faults on request: what cables, hubs and firmware do to a stream."""
+"""Faults on request: what cables, hubs and firmware do to a stream of packets."""
 
 from dataclasses import dataclass, fields
 
@@ -9,11 +9,11 @@ from cnnsim.support import InputError
 
 @dataclass(frozen=True)
 class Faults:
-    """How often what goes wrong; nothing unless asked for.
+    """Rates of faults, all 0 by default.
 
-    ``drop``, ``repeat``: probability for a frame; ``flip``: for a bit; ``split``: send every frame in pieces with
-    pauses between; ``stall``, ``unplug``: [s] from one to the next, lasting ``stall_for`` and ``unplug_for`` [s].
-    Frames of a stall come afterwards at once, those of an unplugged time never.
+    ``drop``, ``repeat``: probability per frame; ``flip``: per bit; ``split``: send every frame in pieces with pauses;
+    ``stall``, ``unplug``: period [s] of these faults, which last ``stall_for`` and ``unplug_for`` [s]. Frames of a
+    stall are sent together afterwards; frames of an unplugged time are lost.
 
     Raises:
         InputError: a probability outside 0..1 or a negative time.
@@ -36,7 +36,7 @@ class Faults:
                 raise InputError(f"fault {field.name} = {value}, a number from 0 to {most:g} wanted")
 
     def spoil(self, packet: bytes, rng: np.random.Generator) -> list[bytes]:
-        """Return the pieces that go over the cable instead of a packet."""
+        """Return the pieces that are sent instead of a packet."""
         if self.drop and rng.random() < self.drop:
             return []
         if self.flip:

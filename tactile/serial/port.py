@@ -1,4 +1,4 @@
-"""Opening a serial port, and saying in words why it does not open."""
+"""Serial port: opening it, reading it, and error messages with cures."""
 
 import contextlib
 import errno
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 MOST = 65536
 FULL = 4000
-"""Bytes that a terminal gives at once if it has more."""
+"""Bytes per read of a terminal that has more."""
 CURES = {
     errno.ENOENT: "there is no such port: is the device plugged in? `tactile ports` lists the ports there are",
     errno.ENODEV: "the device behind it is gone: plug it in again",
@@ -28,14 +28,14 @@ CURES = {
     errno.ENOTTY: "not a serial port",
     errno.EISDIR: "not a serial port",
 }
-"""Error number -> what it means and what to do."""
+"""Error number -> meaning and cure."""
 
 
 def open_port(name: str, baudrate: int) -> "serial.Serial":
-    """Open a port for oneself alone, 8N1, without flow control.
+    """Open a port exclusively, 8N1, without flow control.
 
     Raises:
-        InputError: it cannot be opened; the message says which of the reasons it is and what helps.
+        InputError: it cannot be opened; the message has the reason and a cure.
     """
     serial = need("serial", "a serial port")
     try:
@@ -44,16 +44,15 @@ def open_port(name: str, baudrate: int) -> "serial.Serial":
         number = error.errno if isinstance(error, OSError) else None
         what = CURES.get(number, str(error)) if number is not None else _configured(str(error))
         raise InputError(f"port {name}: {what}") from error
-    with contextlib.suppress(OSError, ValueError, NotImplementedError):  # only some drivers have it
+    with contextlib.suppress(OSError, ValueError, NotImplementedError):  # not all drivers have it
         port.set_low_latency_mode(True)  # USB adapters wait 16 ms for more bytes otherwise
     return port
 
 
 def take(port: "serial.Serial", timeout: float) -> bytes:
-    """Return all bytes that have come, waiting up to ``timeout`` [s] for the first.
+    """Return all available bytes; wait up to ``timeout`` [s] for the first.
 
-    In two calls of the system where pyserial's own reading needs five: after each of them this thread has to wait for
-    its turn with the interpreter.
+    Uses two system calls where pyserial uses five; each one may cost this thread its turn with the interpreter.
 
     Raises:
         OSError: the port is gone.

@@ -1,4 +1,4 @@
-"""Port check: says in words when an open port gives nothing, nothing that fits, or much that does not."""
+"""Port check: warnings about an open port that is silent or whose bytes do not fit the description."""
 
 import time
 from collections.abc import Callable
@@ -9,15 +9,15 @@ from tactile.wire.description import Description
 from tactile.wire.source import PLUGGED, Chunk
 
 PATIENCE = 2.5
-"""[s] after which something is said."""
+"""[s] Time before the first warning."""
 STRAY = 0.2
-"""Of all bytes, the share that may belong to no frame before something is said."""
+"""Share of bytes outside frames above which a warning is issued."""
 
 
 class PortCheck:
-    """Watches what comes through a port; ``trouble`` says what is wrong now, in words, and `say` is told once of each.
+    """Watches the bytes of a port. ``trouble`` is the present warning; `say` receives each warning once.
 
-    ``counts`` gives the decoder's counters.
+    ``counts`` returns the counters of the decoder.
     """
 
     def __init__(
@@ -33,7 +33,7 @@ class PortCheck:
         self._before = replace(self._counts())
 
     def see(self, chunk: Chunk) -> None:
-        """Take a chunk on its way to the decoder."""
+        """Register a chunk on its way to the decoder."""
         if chunk.note == PLUGGED:
             self._begin()
         elif chunk.data:
@@ -41,7 +41,7 @@ class PortCheck:
             self._last = time.monotonic()
 
     def look(self, is_open: bool, over: bool = False) -> None:
-        """Say what is new to be said; ``over``: without waiting, since nothing more will come."""
+        """Issue new warnings; ``over``: at once, because nothing more will come."""
         now = time.monotonic()
         trouble = ""
         if is_open and (over or now - self._since > PATIENCE):

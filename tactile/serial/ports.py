@@ -1,4 +1,4 @@
-"""List of the serial ports and what may be behind them."""
+"""List of serial ports with a guess of the device."""
 
 from tactile.wire.extras import need
 
@@ -6,7 +6,7 @@ KNOWN = {
     (0x16D0, 0x14CC): "Robotiq TSF-85",
     (0x04B4, 0xF232): "Robotiq TSF-85",
     (0x2341, None): "Arduino board",
-    (0x239A, None): "Adafruit board (ReSkin and AnySkin use such)",
+    (0x239A, None): "Adafruit board (used by ReSkin and AnySkin)",
     (0x2E8A, None): "Raspberry Pi Pico",
     (0x303A, None): "Espressif board",
     (0x16C0, 0x0483): "Teensy",
@@ -14,7 +14,7 @@ KNOWN = {
     (0x10C4, None): "Silicon Labs adapter",
     (0x1A86, None): "WCH adapter",
 }
-"""USB vendor and product (None for any) -> what it may be."""
+"""USB vendor and product (None for any) -> likely device."""
 
 
 def list_ports() -> list[dict[str, str]]:

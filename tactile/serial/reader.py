@@ -1,8 +1,7 @@
-"""Port reader: opens a port, has it drained by a process of its own, and hands on what that has kept.
+"""Port reader: opens a port, has it read by a drain process, and forwards the chunks.
 
-Whoever waits for frames takes what there is himself (`PortReader.poll`): the way over another thread costs two changes
-of threads a packet, and the interpreter serves one at a time. Only while he is busy the reader's own thread does, so
-that what came is recorded soon whatever the pipeline does.
+The thread that waits for frames takes the chunks itself (`PortReader.poll`), because a second thread costs two thread
+switches per packet. While it is busy the reader's own thread takes them, so that they are recorded soon.
 """
 
 import socket
@@ -20,20 +19,20 @@ from tactile.wire.base import Talk
 from tactile.wire.source import FORCED_TARE, PLUGGED, TARE, UNPLUGGED, Chunk
 
 FIRST_PAUSE, LONGEST_PAUSE = 0.1, 0.5
-"""[s] between tries to open a port that was unplugged: doubled each time."""
+"""[s] Pause between attempts to open an unplugged port, doubled each time."""
 WAIT = 0.05
-"""[s] after which a thread that gets nothing looks whether it is to stop."""
+"""[s] Longest wait before a thread checks whether to stop."""
 TURN = 0.01
-"""[s] from one look of the reader's thread to the next whether somebody takes what comes."""
+"""[s] Period at which the reader's thread checks whether another thread polls."""
 
 
 class PortReader:
-    """Opens a port when it is made and reads it after `start`; chunks count nanoseconds from ``epoch``.
+    """Opens a port when made and reads it after `start`; times of chunks count in nanoseconds from ``epoch``.
 
-    ``hand_on`` is called with what has come, and with nothing while nothing comes, by one thread at a time: the
-    reader's, or that of `poll`; ``ended`` after the last chunk. A bad frame is not its business: only a port that fails
-    is closed, and opened again until it is back; ``once``: it stays closed. ``why`` says why it is not open just now,
-    ``plugged`` [ns] on the clock of the chunks since when it is; ``dropped`` bytes had no room.
+    ``hand_on`` is called with new chunks, also with an empty list, by one thread at a time: the reader's or that of
+    `poll`; ``ended`` after the last chunk. A port that fails is closed and opened again when it is back, unless
+    ``once``. ``why`` is the reason why it is closed now, ``plugged`` [ns] the time since when it is open, ``dropped``
+    the number of lost bytes.
 
     Raises:
         InputError: the port cannot be opened the first time.
@@ -60,27 +59,27 @@ class PortReader:
         self._thread = threading.Thread(target=self._run, name=f"port {name}", daemon=True)
 
     def start(self) -> None:
-        """Begin to read; what the system has kept since the port was opened came nobody knows when."""
-        with suppress(Exception):  # the port is gone, which reading it tells
+        """Begin to read; bytes that the system buffered before are discarded, because their time is unknown."""
+        with suppress(Exception):  # a failed port is reported when read
             self._port.reset_input_buffer()
         self._thread.start()
 
     def ask_tare(self, force: bool = False) -> None:
-        """Put a request for a tare into the stream, where a recording keeps it; by ``force`` also of what is loaded."""
+        """Put a tare request into the stream and the recording; ``force``: also of a loaded array."""
         self._note(FORCED_TARE if force else TARE)
 
     def close(self) -> None:
-        """Stop reading and let go of the port; what has come by now is handed on."""
+        """Stop reading and close the port; bytes received so far are forwarded."""
         self._stop.set()
         self._wake.set()
-        if self._thread.ident is None:  # it never began
+        if self._thread.ident is None:  # never started
             self._port.close()
             self._let_drain_end()
         else:
             self._thread.join()
 
     def poll(self, timeout: float) -> bool:
-        """Hand on in this thread what has come, waiting up to ``timeout`` [s]; False where the reader's own has to."""
+        """Forward chunks in this thread, waiting up to ``timeout`` [s]; False where the reader's own thread must."""
         if not self._turn.acquire(blocking=False):
             return False
         try:
@@ -122,7 +121,7 @@ class PortReader:
             self._ended()
 
     def _read_drained(self) -> None:
-        """Hand on what the draining process has until the port fails; at the end, all that it still has."""
+        """Forward chunks of the drain process until the port fails; at the end, all that remain."""
         assert self._drained is not None
         if self._drained.over:
             self._drained.close()
@@ -145,7 +144,7 @@ class PortReader:
             raise self._failed
 
     def _take(self, timeout: float) -> bool:
-        """Hand on what the draining process has, and note if the port has failed."""
+        """Forward chunks of the drain process, and note a failed port."""
         assert self._drained is not None
         records = self._drained.take(timeout)
         start = self.epoch.monotonic
@@ -161,7 +160,7 @@ class PortReader:
         return True
 
     def _read_here(self) -> None:
-        """Read where no port can be given to another process: it waits for the other threads' turns."""
+        """Read in this thread where a port cannot be passed to another process."""
         port, talk = self._port, self._talk
         wait = min(WAIT, talk.period) if talk.poll else WAIT
         if talk.hello:
@@ -188,4 +187,4 @@ class PortReader:
 
 
 CAN_DRAIN = hasattr(socket, "send_fds")
-"""Whether this system lets a process give an open port to another; Windows does not."""
+"""Whether an open port can be passed to another process; not on Windows."""

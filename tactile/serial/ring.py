@@ -1,4 +1,4 @@
-"""Bounded queue between two threads: giving never waits, and what finds no place is counted."""
+"""Bounded queue between two threads: put never waits, and dropped chunks are counted."""
 
 import threading
 from collections import deque
@@ -6,13 +6,13 @@ from collections import deque
 from tactile.wire.source import Chunk
 
 CAPACITY = 64 * 2**20
-"""Bytes kept for a reader that is behind: more than a minute of a 1000 Hz array of 64 taxels."""
+"""Queue size in bytes: more than a minute of a 1000 Hz array of 64 taxels."""
 CHUNK_COST = 64
-"""Bytes that a chunk counts beside its data, so that empty ones are bounded, too."""
+"""Overhead per chunk in bytes, which bounds the number of empty chunks."""
 
 
 class Ring:
-    """Chunks in, chunks out. One that finds no room is dropped: the newest goes, so that what is kept is unbroken."""
+    """A bounded queue of chunks. The newest chunk is dropped when it is full, so that the queue has no gaps."""
 
     def __init__(self, capacity: int = CAPACITY) -> None:
         self.overflowed = 0
@@ -22,7 +22,7 @@ class Ring:
         self._closed = False
 
     def put(self, chunk: Chunk) -> bool:
-        """Take a chunk at once, or count its bytes as overflowed and return False. Notes always find room."""
+        """Append a chunk, or count its bytes as overflowed and return False. Notes are never dropped."""
         cost = len(chunk.data) + CHUNK_COST
         with self._wake:
             if chunk.data and self._used + cost > self._capacity:
@@ -34,7 +34,7 @@ class Ring:
         return True
 
     def get(self, timeout: float) -> list[Chunk]:
-        """Return all chunks there are, waiting up to ``timeout`` [s] for the first."""
+        """Return all chunks; wait up to ``timeout`` [s] for the first."""
         with self._wake:
             if timeout and not self._chunks and not self._closed:
                 self._wake.wait(timeout)
@@ -44,7 +44,7 @@ class Ring:
         return chunks
 
     def close(self) -> None:
-        """Let `get` return at once from now on."""
+        """Make `get` return at once from now on."""
         with self._wake:
             self._closed = True
             self._wake.notify_all()

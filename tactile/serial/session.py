@@ -1,4 +1,4 @@
-"""Session on a port: what the reader hands on is recorded, and made into frames for whoever asks."""
+"""Session on a port: chunks are recorded, then decoded to frames for the consumer."""
 
 import threading
 import time
@@ -16,22 +16,21 @@ from tactile.wire.description import Description
 from tactile.wire.source import Chunk, WireSource
 
 NAP = 0.1
-"""[s] after which waiting threads look whether it is time to stop."""
+"""[s] Longest wait before a thread checks whether to stop."""
 
 
 class Session:
-    """Reads a port until `stop`, for ``seconds``, or ``once`` until it is unplugged; records before anyone looks.
+    """Reads a port until `stop`, for ``seconds``, or with ``once`` until it is unplugged; records every byte first.
 
-    ``record`` makes the ``recording`` once the port is open, given the instant from which all times count. ``stopped``:
-    what `stop` sets, where that has to be known before the port is open. ``warn`` is told in words when within three
-    seconds nothing comes, or nothing that fits the description.
+    ``record`` makes the ``recording`` once the port is open, given the epoch of all times. ``stopped``: the event that
+    `stop` sets, if it is needed before the port is open. ``warn`` is called when within three seconds nothing comes, or
+    nothing that fits the description.
 
-    draining process -> recording -> ring -> whoever iterates over ``source``. He takes the first step himself while
-    he waits, and the reader's thread while he is busy. Bytes for which the ring has no room are recorded all the same,
+    Flow: drain process -> recording -> ring -> iteration over ``source``. Bytes dropped by the ring are still recorded,
     as unparsed.
 
     Raises:
-        InputError: the port cannot be opened, or the recording not be made.
+        InputError: the port cannot be opened, or the recording cannot be made.
     """
 
     def __init__(
@@ -56,7 +55,7 @@ class Session:
 
     @property
     def counts(self) -> Counts:
-        """All counters of the stream so far."""
+        """All counters of the stream."""
         counts = self.source.counts
         counts.overflowed = self._ready.overflowed + self.reader.dropped
         return counts
@@ -71,17 +70,17 @@ class Session:
             self.recording.note(topic, t, data)
 
     def stop(self) -> None:
-        """Let the frames end; what has arrived by now still comes. May be called from a signal handler."""
+        """End the frames; bytes received so far still come. Safe in a signal handler."""
         self._stopped.set()
 
     def close(self) -> None:
-        """Let go of the port; all that came is recorded, and in the ring."""
+        """Close the port; all bytes received are recorded and in the ring."""
         self.stop()
         self.reader.close()
 
     def _chunks(self) -> Iterator[Chunk]:
         closing = False
-        self.reader.start()  # not before somebody takes what comes: it would wait for him
+        self.reader.start()  # not before a consumer iterates, or chunks would wait for it
         while True:
             over = self._ready.closed
             chunks = self._ready.get(0)
@@ -95,14 +94,14 @@ class Session:
                 return
             if not closing and (self._stopped.is_set() or time.monotonic() >= self._until or self._failed()):
                 self.check.look(not self.reader.why and not self.source.counts.good, over=True)
-                self.close()  # from here the ring only empties
+                self.close()  # from here the ring is only emptied
                 closing = True
 
     def _failed(self) -> bool:
         return self.recording is not None and bool(self.recording.failed)
 
     def _take(self, chunks: list[Chunk]) -> None:
-        """Record what came, then let it be made into frames."""
+        """Record chunks, then queue them for decoding."""
         for chunk in chunks:
             room = self._ready.put(chunk)
             if self.recording is not None:

@@ -1,4 +1,4 @@
-"""Reading a port from a command: opening, stopping in good order, and printing how it went."""
+"""Port commands: opening, orderly stopping, live view, and the summary at the end."""
 
 import contextlib
 import gc
@@ -11,9 +11,6 @@ from typing import TYPE_CHECKING, Any
 from cnnsim.support import InputError
 from cnnsim.support.terminal import console as screen
 from cnnsim.support.terminal import echo
-from tactile.serial.kept_memory import keep_memory
-from tactile.serial.priority import raise_priority
-from tactile.serial.time_slice import ask_for_short_slices
 
 if TYPE_CHECKING:
     from tactile.cli.port.live import LiveOptions
@@ -23,12 +20,12 @@ if TYPE_CHECKING:
 
 
 ENDS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
-"""Signals that end a reader in good order; Windows lacks the last."""
+"""Signals that end a reader in an orderly way; Windows lacks the last."""
 
 
 def warm_up(description: "Description", options: "LiveOptions") -> "list[Finger]":
-    """Compile and refuse whatever there is to it before the port is opened; return the fingers, new."""
-    from tactile import pipeline  # the machine is loaded only when it runs
+    """Compile all loops and check all settings before the port is opened; return new fingers."""
+    from tactile import pipeline  # imported when it runs
     from tactile.wire.source import WireSource  # the same
 
     settings = options.settings(WireSource(description, ()), options.skin)
@@ -38,7 +35,7 @@ def warm_up(description: "Description", options: "LiveOptions") -> "list[Finger]
 
 @contextlib.contextmanager
 def stopping(stop: Callable[[], None]) -> Iterator[None]:
-    """Let Ctrl-C, SIGTERM and the end of the terminal call ``stop`` instead of breaking off."""
+    """Call ``stop`` on Ctrl-C, SIGTERM and the end of the terminal instead of aborting."""
     if threading.current_thread() is not threading.main_thread():  # signals reach only that one
         yield
         return
@@ -52,7 +49,7 @@ def stopping(stop: Callable[[], None]) -> Iterator[None]:
 
 @contextlib.contextmanager
 def closing(session: "Session", as_json: bool, monitor: Any = None) -> Iterator[None]:
-    """Close port and recording whatever happens, and print the counters; those of a ``monitor``, too."""
+    """Close port and recording in any case, and print the counters, also those of a ``monitor``."""
     recording = session.recording
     try:
         yield
@@ -79,14 +76,14 @@ def closing(session: "Session", as_json: bool, monitor: Any = None) -> Iterator[
                 usual, most = clock["residual_median_s"], clock["residual_max_s"]
                 echo(f"device: {clock['drift_ppm']:+.1f} ppm; frames come {usual:.6f} s after it, longest {most:.6f}")
             for name, value in settled.items():
-                echo(f"{name.replace('_', ' ')}: {'not told by the data' if value is None else value}")
+                echo(f"{name.replace('_', ' ')}: {'not known from the data' if value is None else value}")
     if recording is not None and recording.failed:
         raise InputError(recording.ended)
 
 
 @contextlib.contextmanager
 def viewing(monitor: Any, session: "Session", port: str, wanted: bool) -> Iterator[None]:
-    """Show the live view on a terminal while something runs."""
+    """Show the live view on a terminal inside the block."""
     if not wanted:
         yield
         return
@@ -102,7 +99,7 @@ def viewing(monitor: Any, session: "Session", port: str, wanted: bool) -> Iterat
 
 
 def listen(session: "Session") -> None:
-    """Take commands typed while it runs."""
+    """Read commands from standard input: t (tare), t! (forced tare), q (stop)."""
     with contextlib.suppress(OSError, ValueError):  # no standard input
         for line in sys.stdin:
             if line.strip() == "t":
@@ -114,26 +111,21 @@ def listen(session: "Session") -> None:
 
 
 def be_steady() -> None:
-    """Let threads that are started from now on have their turn soon, also while other programs are busy.
+    """Reduce thread latency: switch after 0.25 ms, not 5 ms, and exempt existing objects from garbage collection.
 
-    The interpreter hands over after 0.25 ms, where its default is 5 ms, and the collector of cyclic garbage leaves
-    alone what all libraries have made so far: looking through that takes longer than a frame. Memory that was given
-    back is kept.
+    A collection of all objects that the libraries have made takes longer than a frame.
     """
-    ask_for_short_slices()
-    raise_priority()
-    keep_memory()
     sys.setswitchinterval(0.00025)
     gc.collect()
     gc.freeze()
 
 
 def tell(line: dict[str, Any]) -> None:
-    """Print an event, a tare, or what a program of the user's says, for people."""
+    """Print an event, a tare or the output of a user's program as text."""
     if line["type"] == "program":
         echo(f"{line['t_s']:10.3f}  {line['finger']}  {line['program']}: {line['outputs']}")
     if line["type"] == "tare":
-        from tactile.cli.port.live import tare_words  # is loaded where there are tares
+        from tactile.cli.port.live import tare_words  # imported for tares only
 
         echo(f"{line['t_s']:10.3f}  {line['finger']}  tare {tare_words(line)}")
     if line["type"] == "event_end":
@@ -144,16 +136,16 @@ def tell(line: dict[str, Any]) -> None:
 
 
 def nothing(line: dict[str, Any]) -> None:
-    """Print nothing: there is a view."""
+    """Print nothing, because there is a view."""
 
 
 def warn(text: str) -> None:
-    """Tell people of trouble with the port."""
+    """Print a warning about the port."""
     echo(f"warning: {text}", err=True)
 
 
 def warn_json(text: str) -> None:
-    """Tell other programs of trouble with the port."""
+    """Print a warning about the port as JSON."""
     from tactile.cli.port.live import print_line  # only here
 
     print_line({"type": "warning", "text": text})
