@@ -58,11 +58,11 @@ def run(
     """
     from tactile import pipeline  # the machine is loaded only when it runs
     from tactile.output.collected import Collected  # the same
+    from tactile.output.ground_truth import truth_of  # the same
+    from tactile.output.invalid_readings import InvalidReadings  # the same
     from tactile.output.json_data import run_data, settings_data  # the same
     from tactile.output.record import Record  # the same
     from tactile.output.tables import tables  # the same
-    from tactile.output.truth import truth_of  # the same
-    from tactile.output.unread import Unread  # the same
 
     if parquet and output is None:
         raise click.UsageError("--parquet writes beside the .csv file; -o FOLDER wanted")
@@ -82,7 +82,7 @@ def run(
     pipeline.warm_up(frames.arrays, frames.modulus, settings)  # else the first latencies are the compiler's
     truth = truth_of(frames)
     collected = Collected(truth)
-    unread = Unread(frames.arrays)
+    unread = InvalidReadings(frames.arrays)
     seen = watched(unread.through(frames), "touch", frames.frames)
     asked: deque[bool] = getattr(frames, "tare_requests", deque())  # of recordings in which a tare was asked for
     passed = FrameStream(frames.title, frames.arrays, frames.modulus, frames.frames, seen, provenance(frames), asked)

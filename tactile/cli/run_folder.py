@@ -14,8 +14,8 @@ from tactile.cli.opened import Opened, RunChoices, open_for_run
 from tactile.core.source import FrameStream, provenance
 from tactile.events.event import Event, EventLog
 from tactile.output.event_table import TOLD, UNITS, event_row, write_events
+from tactile.output.invalid_readings import InvalidReadings
 from tactile.output.json_data import settings_data
-from tactile.output.unread import Unread
 from tactile.pipeline import FrameReport
 from tactile.sources.folder import recordings_in
 from tactile.thresholds.levels import Levels
@@ -94,7 +94,7 @@ def run_folder(folder: Path, choices: RunChoices, output: Path | None, *, parque
 def _run(file: Path, choices: RunChoices) -> tuple[list[dict[str, Any]], dict[str, Any]]:
     """Return the rows of one recording's events, and a summary of it."""
     opened, seen = open_for_run(file, choices), _Watch()
-    source, unread = opened.source, Unread(opened.source.arrays)
+    source, unread = opened.source, InvalidReadings(opened.source.arrays)
     asked: deque[bool] = getattr(source, "tare_requests", deque())  # of recordings in which a tare was asked for
     frames = unread.through(source)
     passed = FrameStream(source.title, source.arrays, source.modulus, source.frames, frames, provenance(source), asked)

@@ -1,4 +1,4 @@
-"""A run kept in memory: its events, the figures of every frame as named columns, and the firmest frame."""
+"""A run collected in memory: its events, the figures of every frame as columns, and the strongest frame."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -11,22 +11,21 @@ from tactile.calibration.live_tare import TareNote
 from tactile.calibration.tare_check import TareCheck
 from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y, TaxelArray
 from tactile.events.event import Event, EventLog
-from tactile.output.truth import Truth
+from tactile.output.ground_truth import GroundTruth
 from tactile.pipeline import FrameReport
 
 LATE = 2
-"""Times as many frames as a tare takes may go by before the first reading until that is told."""
+"""Number of tare lengths without a reading after which the delay is reported."""
 SMOOTH = 10
-"""Frames that are averaged before readings are said to fall below the tare."""
+"""Number of frames averaged before readings count as below the tare."""
 
 
 class Columns(NamedTuple):
-    """The figures of one finger's frames, each (frames,).
+    """The figures of the frames of one finger, each (frames,).
 
-    ``t`` [s]; ``shear_x``, ``shear_y``, ``normal``: sums over the valid taxels, in the unit of the array's quantity,
-    NaN without any;
-    ``x``, ``y`` [m], ``Q``, ``R``, ``F`` [N] and ``validity`` of the load, located or summed;
-    ``friction``, ``roughness``: means over the taxels where they are valid, NaN where there are none.
+    ``t`` [s]; ``shear_x``, ``shear_y``, ``normal``: sums over the valid taxels, in the unit of the quantity, NaN
+    without any; ``x``, ``y`` [m], ``Q``, ``R``, ``F`` [N] and ``validity`` of the located or summed load; ``friction``,
+    ``roughness``: means over the taxels where they are valid, NaN without any.
     """
 
     t: Floats
@@ -44,20 +43,20 @@ class Columns(NamedTuple):
 
 
 def total(report: FrameReport, axis: int) -> float:
-    """Return one component summed over the valid taxels, in the unit of the array's quantity; NaN without any."""
+    """Return one component summed over the valid taxels, in the unit of the quantity; NaN without any."""
     valid = report.frame.valid
     return float(report.frame.values[..., axis][valid].sum()) if valid.any() else float("nan")
 
 
 def texture_mean(plane: Any, valid: Any) -> float:
-    """Return the mean of a texture figure over the taxels where it is valid; NaN where there is none."""
+    """Return the mean of a texture figure over its valid taxels; NaN without any."""
     return float(plane[valid].mean()) if valid.any() else float("nan")
 
 
 class Collected:
-    """A sink that keeps what the table and the picture need."""
+    """A sink that collects the data of the tables and the plot."""
 
-    def __init__(self, truth: Truth | None = None) -> None:
+    def __init__(self, truth: GroundTruth | None = None) -> None:
         self._truth = truth
         self._errors: dict[str, list[tuple[float, float]]] = {}
         self._log = EventLog()
@@ -72,7 +71,7 @@ class Collected:
         self._others: dict[str, list[tuple[float, float, float, float]]] = {}
 
     def __call__(self, report: FrameReport) -> None:
-        """Take one report."""
+        """Process one report."""
         self.frames += 1
         self._firmest(report)
         self.take(report.events, report.ended)
@@ -94,7 +93,7 @@ class Collected:
         ))  # fmt: skip
 
     def _firmest(self, report: FrameReport) -> None:
-        """Keep the frame if it presses most, with NaN where a taxel's reading is not to be used."""
+        """Keep the frame with the largest normal sum, with NaN for invalid taxels."""
         name, sum_ = report.array.name, abs(total(report, NORMAL))
         if not sum_ > self._sums.get(name, -1.0):  # NaN: no reading at all
             return
@@ -104,32 +103,32 @@ class Collected:
             self.dead_bands[name] = float(np.median(report.levels.off[..., :NORMAL]))
 
     def take(self, begun: Iterable[Event], ended: Iterable[Event]) -> None:
-        """Take events that have begun, and such that are over."""
+        """Add events that begin and events that end."""
         self._log.add(begun, ended)
 
     @property
     def events(self) -> list[Event]:
-        """All events in the order of their onsets, each with its end if it is over."""
+        """All events, sorted by onset, each with its end if it is over."""
         return self._log.events
 
     def columns(self, finger: str) -> Columns:
-        """Return the figures of one finger's frames."""
+        """Return the figures of the frames of one finger."""
         rows = np.array(self._rows.get(finger, []), dtype=np.float64).reshape(-1, len(Columns._fields))
         return Columns(*rows.T)
 
     def others(self, finger: str) -> Floats:
-        """Return (loads, 4): time [s], place (x, y) [m] and force F [N] of loads located beside the strongest one."""
+        """Return (loads, 4): time [s], position (x, y) [m] and force F [N] of further loads."""
         return np.array(self._others.get(finger, []), dtype=np.float64).reshape(-1, 4)
 
     def errors(self, finger: str) -> Floats:
-        """Return (frames, 2): distance of the located load from the true one [m], and what its force is off [N].
+        """Return (frames, 2): distance of the located load from the true one [m], and error of its force [N].
 
-        NaN where nothing was located or nothing pressed; no rows where nobody knows the truth.
+        NaN without a located or true load; no rows for sources without ground truth.
         """
         return np.array(self._errors.get(finger, []), dtype=np.float64).reshape(-1, 2)
 
     def tare(self, array: TaxelArray) -> TareCheck | None:
-        """Return what the tare took away from a finger, judged by the other readings too; None without a tare."""
+        """Return the offsets of the tare of a finger, checked against later readings; None without a tare."""
         check = self._tares.get(array.name)
         if check is None:
             return None
@@ -147,5 +146,5 @@ class Collected:
 
     @property
     def seconds(self) -> float:
-        """The time [s] from the first frame to the last, of the finger where that is longest."""
+        """Longest time [s] from the first to the last frame of a finger."""
         return max((rows[-1][0] - rows[0][0] for rows in self._rows.values()), default=0.0)

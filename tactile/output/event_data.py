@@ -1,4 +1,4 @@
-"""Events as plain data for JSON; of large arrays only what has changed in the code since the event before."""
+"""Events as plain data for JSON; for large arrays only the changes of the code."""
 
 import math
 from collections.abc import Mapping
@@ -11,15 +11,15 @@ from tactile.events.event import Event
 from tactile.inverse.load import Load
 
 INLINE = 64
-"""Most taxels of an array whose whole code stands in every event, and of a hand whose sign code does."""
+"""Largest number of taxels whose whole code is in every event."""
 
 
 class EventData:
-    """Turns the events of a run, one after the other, into plain data.
+    """Converts the events of a run, in order, to plain data.
 
-    An array of more than `INLINE` taxels has, in the place of ``arrows`` and ``ternary``, ``changed``: the numbers of
-    the ``taxels`` (row * cols + col) whose code is not that of the finger's event before, and their ``ternary`` codes;
-    before the first event all are 00. A hand of more taxels has no ``hand``.
+    An array of more than `INLINE` taxels has ``changed`` in place of ``arrows`` and ``ternary``: the numbers of the
+    ``taxels`` (row * cols + col) whose code differs from that of the finger's previous event, and their ``ternary``
+    codes; before the first event all are 00. A hand with more taxels has no ``hand``.
     """
 
     def __init__(self, arrays: tuple[TaxelArray, ...]) -> None:
@@ -28,7 +28,7 @@ class EventData:
         self._before: dict[str, Any] = {}
 
     def __call__(self, event: Event) -> dict[str, Any]:
-        """Return the next event."""
+        """Convert the next event."""
         data = event_data(event)
         if not self._hand:
             del data["hand"]
@@ -38,7 +38,7 @@ class EventData:
         return data
 
     def end(self, event: Event) -> dict[str, Any]:
-        """Return what is new of an event that is over: its end, and data that grew."""
+        """Return the new data of an ended event: its end, and data added at the end."""
         whole = event_data(event)
         return {name: whole[name] for name in ("t_s", "end_s", "finger", "kind", "data", "words")}
 
@@ -51,7 +51,7 @@ class EventData:
 
 
 def event_data(event: Event) -> dict[str, Any]:
-    """Return an event: all that follows from the frames, so not its latency."""
+    """Return the data of an event that follow from the frames, without its latency."""
     data = {name: finite(value) if isinstance(value, float) else value for name, value in event.data.items()}
     return {
         "t_s": event.t, "end_s": event.end, "told_s": finite(event.told), "finger": event.finger,
@@ -63,7 +63,7 @@ def event_data(event: Event) -> dict[str, Any]:
 
 
 def program_data(t: float, finger: str, program: str, outputs: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a program of the user's says of a frame: logic as 0 and 1, analog numbers to six digits."""
+    """Return the output of a user's program for a frame: logic as 0 and 1, analog numbers to six digits."""
     plain = {}
     for output, value in outputs.items():
         values = np.asarray(value)
@@ -77,7 +77,7 @@ def program_data(t: float, finger: str, program: str, outputs: Mapping[str, Any]
 
 
 def load_data(load: Load | None) -> dict[str, Any] | None:
-    """Return a located load with how sure it is, None where there is none."""
+    """Return a located load with its uncertainty, None without one."""
     if load is None or not math.isfinite(load.F):
         return None
     where: dict[str, Any] = {name: finite(getattr(load, name)) for name in ("x", "y", "Q", "R", "F")}
@@ -88,5 +88,5 @@ def load_data(load: Load | None) -> dict[str, Any] | None:
 
 
 def finite(value: float | None) -> float | None:
-    """Return a number as JSON has it: None for NaN and infinity."""
+    """Return a number for JSON: None for NaN and infinity."""
     return value if value is not None and math.isfinite(value) else None

@@ -1,6 +1,6 @@
-"""One table of the events of many recordings: a row an event, or a recording that could not be read; CSV and Parquet.
+"""Table of the events of many recordings (CSV, Parquet): a row per event or unreadable recording.
 
-The head of both is JSON: version, settings, units, and what became of each recording; in CSV as comment lines.
+The header of both is JSON: version, settings, units, and the status of each recording; in CSV as comment lines.
 """
 
 import csv
@@ -28,23 +28,23 @@ COLUMNS: Mapping[str, Any] = {
     "load_y_m": float, "load_q_n": float, "load_r_n": float, "load_f_n": float, "shear_off": float, "shear_on": float,
     "normal_off": float, "normal_on": float, "unit": str, "error": str,
 }  # fmt: skip
-"""Columns and their kinds; thresholds are the medians over the finger's taxels when the event was told."""
+"""Columns and their types; thresholds are medians over the taxels at the time of the report."""
 UNITS: Mapping[Quantity, str] = {"force": "N", "strain": "1", "stress": "Pa"}
 TOLD = {
     "t_s": "[s] onset, from the first frame of the recording", "end_s": "[s] end, empty while it lasts",
-    "told_s": "[s] of the frame that decided it", "sequence": "of that frame", "confidence": "[1]",
-    "data": "JSON, the names end in their SI unit", "taxels": "row.col of those concerned",
-    "ternary": "code of the finger, -0+ for x and y of each taxel",
+    "told_s": "[s] time of the deciding frame", "sequence": "of that frame", "confidence": "[1]",
+    "data": "JSON; names end in their SI unit", "taxels": "row.col of the taxels",
+    "ternary": "code of the finger: -0+ for x and y of each taxel",
     "load_x_m": "[m]", "load_y_m": "[m]", "load_q_n": "[N] along x", "load_r_n": "[N] along y",
     "load_f_n": "[N] pressing", "shear_off": "a direction ends below it, in unit", "shear_on": "and begins above it",
     "normal_off": "contact ends below it, in unit", "normal_on": "and begins above it",
-    "error": "why a recording has no events",
+    "error": "reason why a recording has no events",
 }  # fmt: skip
-"""What the columns are, for the head."""
+"""Descriptions of the columns for the header."""
 
 
 def event_row(recording: str, event: Event, levels: Levels | None, quantity: Quantity | None) -> dict[str, Any]:
-    """Return an event as a row; ``levels`` and ``quantity`` of its finger, None for events of the hand."""
+    """Return an event as a row; ``levels`` and ``quantity`` are those of its finger, None for events of the hand."""
     load = event.load
     row: dict[str, Any] = {
         "recording": recording, "finger": event.finger, "kind": event.kind, "t_s": event.t, "end_s": event.end,

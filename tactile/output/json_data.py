@@ -15,7 +15,7 @@ from tactile.settings import Settings
 
 
 def settings_data(settings: Settings) -> dict[str, Any]:
-    """Return the settings of a run: how it was tared, thresholds (None: as the quantity's), and the rest."""
+    """Return the settings of a run: tare, thresholds (None: default of the quantity), and the rest."""
     return {
         "tare": settings.tare, "sigmas": asdict(settings.sigmas),
         "shear": None if settings.shear is None else asdict(settings.shear),
@@ -28,7 +28,7 @@ def settings_data(settings: Settings) -> dict[str, Any]:
 def finger_data(collected: Collected, arrays: tuple[TaxelArray, ...]) -> dict[str, dict[str, Any]]:
     """Return for each finger its frames, loads by validity, texture figures, phases and tare.
 
-    The texture figures are medians over the frames in which they were valid; None if they never were.
+    The texture figures are medians over the frames where they are valid; None if there are none.
     """
     fingers = {}
     for array in arrays:
@@ -47,7 +47,7 @@ def finger_data(collected: Collected, arrays: tuple[TaxelArray, ...]) -> dict[st
 
 
 def run_data(collected: Collected, arrays: tuple[TaxelArray, ...], settings: Settings) -> dict[str, Any]:
-    """Return a run: its settings, fingers, events, changed outputs of the user's programs, and what became of tares."""
+    """Return a run: settings, fingers, events, changed outputs of users' programs, and tares."""
     told = EventData(arrays)
     return {
         "settings": settings_data(settings), "seconds": collected.seconds, "frames": collected.frames,
@@ -67,7 +67,7 @@ def _phases(collected: Collected, finger: str) -> list[Phase]:
 
 
 def error_data(errors: Floats) -> dict[str, Any] | None:
-    """Return how far located loads are off the scene's true ones, over the frames that have both; None without any."""
+    """Return the errors of located loads against the true ones of a scene; None without any."""
     both = errors[np.isfinite(errors).all(axis=1)]
     if not len(both):
         return None

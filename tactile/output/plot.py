@@ -1,4 +1,4 @@
-"""Plot of a run, one picture: the events, the normal and shear signals over time, and where the load was."""
+"""Plot of a run: events, normal and shear signals over time, and the taxel plane."""
 
 from pathlib import Path
 from textwrap import fill
@@ -16,11 +16,11 @@ from tactile.output.plot_plane import SURE, draw_plane
 from tactile.thresholds.threshold import CONTACT
 
 TITLE = 100
-"""Characters of a line of the title: what a user wrote may be longer than the picture is wide."""
+"""Longest line of the title in characters."""
 LEAST = 0.1
-"""Least height of an axis over the largest value: a constant is drawn as one, not as its rounding."""
+"""Least height of an axis over the largest value, so that rounding of a constant is not visible."""
 LEAST_FORCE = 0.01
-"""[N] least height of an axis of located loads."""
+"""[N] Least height of an axis of located loads."""
 
 
 def draw(collected: Collected, arrays: tuple[TaxelArray, ...], title: str, path: Path) -> None:
@@ -60,17 +60,17 @@ def picture(collected: Collected, arrays: tuple[TaxelArray, ...], title: str) ->
         firmest, dead_band = collected.strongest.get(array.name), collected.dead_bands.get(array.name)
         draw_plane(part.add_subplot(grid[:, 1]), columns, array, firmest, others, dead_band)
         labelled.append((labels, events, array.name))
-    figure.draw_without_rendering()  # lays it out: where labels fit is known from here on
+    figure.draw_without_rendering()  # lays out the figure, which the labels need
     figure.set_layout_engine("none")
     for axis, events, name in labelled:
         told = label(axis, events)
-        rest = "" if told == len(events) else f", {len(events) - told} without room for their words"
+        rest = "" if told == len(events) else f", {len(events) - told} without room for a label"
         axis.set_title(f"{name}: {len(events) or 'no'} event{'s' * (len(events) != 1)}{rest}", loc="left")
     return figure
 
 
 def _signals(normal: Any, shear: Any, columns: Columns, array: TaxelArray) -> None:
-    """Draw the load's components where it was located, else the taxels' sums."""
+    """Draw the components of a located load, or the sums over the taxels."""
     t = columns.t
     located = array.quantity != "force" and np.isfinite((columns.Q, columns.R, columns.F)).any()
     if located:
@@ -85,15 +85,17 @@ def _signals(normal: Any, shear: Any, columns: Columns, array: TaxelArray) -> No
     _line(normal, t, pressing, doubted, "black", "")
     sheared = bool(
         np.isfinite(along_x).any() or np.isfinite(along_y).any()
-    )  # a row knows one alone, a column the other
+    )  # a row locates along one axis only, a column along the other
     if sheared:
         for signal, colour, name in ((along_x, "tab:blue", "x"), (along_y, "tab:orange", "y")):
             _line(shear, t, signal, doubted, colour, name if np.isfinite(signal).any() else f"{name}: not known")
     else:
-        words = "one taxel alone cannot tell shear from place" if located else "no reading" if t.size else "no frame"
+        words = (
+            "one taxel cannot separate shear from position" if located else "no reading" if t.size else "no frame"
+        )
         shear.text(0.5, 0.5, words, transform=shear.transAxes, ha="center", va="center", backgroundcolor="white")
     if doubted.any():
-        normal.plot([], [], ".", color="0.6", label="not sure: ambiguous, or no single point load")
+        normal.plot([], [], ".", color="0.6", label="uncertain: ambiguous, or no single point load")
         doubts = normal.legend(loc="lower right", bbox_to_anchor=(1, 0.98), fontsize=8, frameon=False)
     if sheared:
         shear.legend(loc="lower right", bbox_to_anchor=(1, 0.98), ncols=2, fontsize=8, frameon=False)
@@ -114,7 +116,7 @@ def _signals(normal: Any, shear: Any, columns: Columns, array: TaxelArray) -> No
 
 
 def _looked_at(signal: Floats, doubted: Any, least: float) -> Floats:
-    """Return what is sure, and what is not but lies no further from it than it reaches: the rest may be anywhere."""
+    """Return the values that set the axis: certain ones, and uncertain ones near them."""
     sure = signal[np.isfinite(signal) & ~doubted]
     if not sure.size:
         return signal
@@ -125,19 +127,19 @@ def _looked_at(signal: Floats, doubted: Any, least: float) -> Floats:
 
 
 def _line(axis: Any, t: Floats, signal: Floats, doubted: Any, colour: str, name: str) -> None:
-    """Draw a signal, and as pale dots where it is not sure."""
+    """Draw a signal, with pale dots where it is uncertain."""
     sure = np.where(doubted, np.nan, signal)
     axis.plot(t, sure, color=colour, label=name)
     gaps = np.concatenate([[True], ~np.isfinite(sure), [True]])
     alone = ~gaps[1:-1] & gaps[:-2] & gaps[2:]
-    if alone.any():  # a line needs two
+    if alone.any():  # a line needs two points
         axis.plot(t[alone], sure[alone], ".", color=colour, markersize=5, clip_on=False)
     if doubted.any():
         axis.plot(t[doubted], signal[doubted], ".", color=colour, alpha=0.4, markersize=3, markeredgewidth=0)
 
 
 def _heights(axis: Any, signal: Floats, least: float) -> None:
-    """Choose the axis so that what hardly changes looks so, with plain numbers."""
+    """Set the limits of the axis so that nearly constant values look constant."""
     axis.ticklabel_format(axis="y", useOffset=False)
     known = signal[np.isfinite(signal)]
     if not known.size:
@@ -150,7 +152,7 @@ def _heights(axis: Any, signal: Floats, least: float) -> None:
 
 
 def _tared(normal: Any, shear: Any, t: Floats) -> None:
-    """Shade the stretch of the tare, in which there are no signals."""
+    """Shade the time of the tare, without signals."""
     for axis in (normal, shear):
         axis.axvspan(t[0], t[-1], color="0.93", zorder=-1)
     normal.text(t[0], 0.02, " tare", transform=normal.get_xaxis_transform(), fontsize=8, color="0.4")

@@ -1,4 +1,4 @@
-"""Labels of events above a time axis: in rows, so that none lies on another or beyond the edge."""
+"""Event labels above a time axis, in rows without overlap."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -13,26 +13,26 @@ COLOURS = {
     **dict.fromkeys(("tangential_load", "pull", "lift", "twist", "pinch", "spread"), "tab:brown"),
     **dict.fromkeys(("load", "hold"), "0.6"),
 }  # fmt: skip
-"""Colours of the kinds of event that come with the library."""
+"""Colours of the shipped kinds of events."""
 OWN = "tab:blue"
-"""Colour of kinds that a user's detector makes."""
+"""Colour of kinds made by users' detectors."""
 MINOR = ("load", "hold", "pull")
-"""Kinds that are written down where there is room left."""
+"""Kinds that are labelled only in remaining space."""
 SIZE = 8
 """[pt] of the labels."""
 GAP = 6.0
-"""[px] between neighbouring labels of a row."""
+"""[px] Distance of neighbouring labels of a row."""
 
 
 @dataclass
 class Row:
-    """A row of labels, and from where to where [px] each of them reaches."""
+    """A row of labels, with their extents [px]."""
 
     y: float
     taken: list[tuple[float, float]]
 
     def has_room(self, left: float, right: float) -> bool:
-        """Return whether nothing lies there yet."""
+        """Return whether an extent is free."""
         return all(right + GAP <= start or left >= end + GAP for start, end in self.taken)
 
 
@@ -44,9 +44,9 @@ def mark(axes: Iterable[Any], events: Iterable[Event]) -> None:
 
 
 def label(axis: Any, events: Iterable[Event]) -> int:
-    """Write down as many events as there is room for, the important ones first; return how many that are.
+    """Draw labels of the events that fit, most important first; return their number.
 
-    The figure must have been laid out: where a label fits depends on where the axis lies.
+    The figure must be laid out, because the positions depend on the axis.
     """
     box = axis.get_window_extent()
     inches = axis.get_figure(root=True)

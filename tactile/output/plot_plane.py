@@ -1,4 +1,4 @@
-"""Plot of the taxel plane: where the load was, or the forces of the firmest moment, with their scales."""
+"""Plot of the taxel plane: positions of the load, or the forces of the strongest frame, with scales."""
 
 from typing import Any
 
@@ -11,27 +11,27 @@ from tactile.output.collected import Columns
 from tactile.thresholds.threshold import SHEAR
 
 SURE = (Validity.INSIDE, Validity.OUTSIDE)
-"""Loads that are drawn as located; of others with a place it is said that they are not sure."""
+"""Validities of certain positions; others are marked as uncertain."""
 SQUARES = 20
-"""Taxels along a side up to which each is drawn; those of larger arrays would be a net."""
+"""Largest number of taxels per side that are drawn one by one."""
 ARROWS = 16
-"""Arrows along a side; of more taxels, blocks of them share one, their mean."""
+"""Largest number of arrows per side; larger arrays show means of blocks."""
 REACH = 0.85
-"""Length of the longest arrow over the distance of neighbouring ones."""
+"""Length of the longest arrow over the distance of neighbouring arrows."""
 
 
 def draw_plane(
     axis: Any, columns: Columns, array: TaxelArray, strongest: Floats | None, others: Floats, dead_band: float | None
 ) -> None:
-    """Draw the taxels, and over them the tracks of the located loads, or the forces of the firmest moment.
+    """Draw the taxels with the tracks of located loads, or with the forces of the strongest frame.
 
-    ``others`` (n, 4): t, x, y, F of loads beside the strongest; ``dead_band`` [N] of the median taxel's shear then.
+    ``others`` (n, 4): t, x, y, F of further loads; ``dead_band`` [N] of the median taxel's shear in that frame.
     """
     places = array.positions() * 1e3
     _frame(axis, places, array)
     _taxels(axis, array)
     if strongest is None:
-        words = "no frame" if not columns.t.size else "no frame with a reading to be used"
+        words = "no frame" if not columns.t.size else "no frame with a valid reading"
     elif array.quantity == "force":
         words = _forces(axis, array, places, strongest, dead_band)
     else:
@@ -51,7 +51,7 @@ def _frame(axis: Any, places: Floats, array: TaxelArray) -> None:
 
 
 def _taxels(axis: Any, array: TaxelArray) -> None:
-    """Draw each taxel's square, or the edge of an array of many."""
+    """Draw the square of each taxel, or the outline of a large array."""
     from matplotlib.collections import PatchCollection  # slow to import
     from matplotlib.patches import Rectangle  # the same
 
@@ -68,7 +68,7 @@ def _taxels(axis: Any, array: TaxelArray) -> None:
 
 
 def _track(axis: Any, columns: Columns, others: Floats) -> str:
-    """Draw the places of the loads over time, and apart from them those that are not sure."""
+    """Draw the positions of the loads over time, uncertain ones separately."""
     placed = np.isfinite(columns.x)
     sure = placed & np.isin(columns.validity, SURE)
     doubted = placed & ~sure
@@ -80,7 +80,7 @@ def _track(axis: Any, columns: Columns, others: Floats) -> str:
         beyond = _beyond(axis, columns.x[doubted] * 1e3, columns.y[doubted] * 1e3)
         count = int(doubted.sum())
         edge = f", {beyond} beyond the edge" if beyond else ""
-        words.append(f"crosses: not sure, {count} frame{'s' * (count != 1)}{edge}")
+        words.append(f"crosses: uncertain, {count} frame{'s' * (count != 1)}{edge}")
     if sure.any():
         strongest = (column[sure] for column in (columns.t, columns.x, columns.y, columns.F))
         several = np.isin(others[:, 0], columns.t[sure])
@@ -89,7 +89,7 @@ def _track(axis: Any, columns: Columns, others: Floats) -> str:
         most = max(float(press.max()), 1e-12)
         dots = axis.scatter(x * 1e3, y * 1e3, c=t, s=6 + 60 * press / most, cmap="viridis", linewidth=0, zorder=2)
         bar = axis.figure.colorbar(dots, ax=axis, label="time [s]", shrink=0.6, format="%g")
-        if np.ptp(t) == 0:  # else the scale says times in which nothing was located
+        if np.ptp(t) == 0:  # limits the scale to times with a located load
             bar.set_ticks([t[0]])
         words.insert(0, f"located load, largest dot {most:.2g} N")
         if several.any():
@@ -101,13 +101,13 @@ def _track(axis: Any, columns: Columns, others: Floats) -> str:
 
 
 def _beyond(axis: Any, x: Floats, y: Floats) -> int:
-    """Return how many places [mm] lie outside of the axis."""
+    """Count the positions [mm] outside the axis."""
     (left, right), (low, high) = axis.get_xlim(), sorted(axis.get_ylim())
     return int(((x < left) | (x > right) | (y < low) | (y > high)).sum())
 
 
 def _forces(axis: Any, array: TaxelArray, places: Floats, values: Floats, dead_band: float | None) -> str:
-    """Draw the normal forces as grey levels and the shear forces as arrows, each with its scale."""
+    """Draw normal forces as grey levels and shear forces as arrows, with scales."""
     pitch, dead_band = array.pitch * 1e3, dead_band or SHEAR["force"].dead_band
     press = values[..., NORMAL]
     most = max(float(np.nanmax(np.abs(press))), dead_band)
@@ -136,11 +136,11 @@ def _forces(axis: Any, array: TaxelArray, places: Floats, values: Floats, dead_b
     if len(unknown):
         axis.plot(*unknown.T, "x", color="0.6", markersize=4)
         what += f"\ncrosses: no reading, {len(unknown)} taxel{'s' * (len(unknown) > 1)}"
-    return f"firmest moment, {np.nansum(press):.3g} N\n{what}\nat most {largest:.2g} N{small}\n"
+    return f"strongest frame, {np.nansum(press):.3g} N\n{what}\nat most {largest:.2g} N{small}\n"
 
 
 def _blocks(plane: Floats, block: int) -> Floats:
-    """Return the means (rows, cols, 2) of blocks of so many taxels, as far as they are known; NaN where none is."""
+    """Return the means (rows, cols, 2) of blocks of taxels, ignoring NaN; NaN for empty blocks."""
     if block == 1:
         return plane
 
@@ -154,6 +154,6 @@ def _blocks(plane: Floats, block: int) -> Floats:
 
 
 def _round_number(value: float) -> float:
-    """Return the largest of 1, 2, 5 times a power of ten that is not above a value."""
+    """Return the largest of 1, 2, 5 times a power of ten that is at most a value."""
     power = 10.0 ** np.floor(np.log10(value))
     return float(max(step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)))

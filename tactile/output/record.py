@@ -1,4 +1,4 @@
-"""The record of a run: frames.csv (and frames.parquet where it is wanted), a row a frame, and events.json."""
+"""Record of a run: frames.csv (and optionally frames.parquet), a row per frame, and events.json."""
 
 import csv
 import json
@@ -15,7 +15,7 @@ from tactile.events.phases import phases
 from tactile.inverse.load import Load
 from tactile.output.collected import texture_mean, total
 from tactile.output.event_data import INLINE, EventData
-from tactile.output.truth import Truth
+from tactile.output.ground_truth import GroundTruth
 from tactile.pipeline import FrameReport
 from tactile.wire.extras import need
 
@@ -28,35 +28,35 @@ COLUMNS = (
 TRUE_COLUMNS = (
     "true_loads", "true_x_m", "true_y_m", "true_q_n", "true_r_n", "true_f_n", "error_m", "error_n",
 )  # fmt: skip
-"""Further columns where a scene knows the truth."""
+"""Additional columns for scenes with ground truth."""
 KINDS = dict.fromkeys(("finger", "code", "load_validity", "load_others", "events"), str) | dict.fromkeys(
     ("sequence", "load_taxels", "true_loads"), int
 )
-"""Columns that are texts and whole numbers; all others are floating-point numbers."""
+"""Types of the text and integer columns; others are floating point."""
 FORMULA = tuple("=+-@\t\r")
-"""What a cell begins with that a spreadsheet computes."""
+"""First characters of cells that a spreadsheet evaluates."""
 
 
 def text_cell(text: str, *, always: bool = False) -> str:
-    """Return a text as a cell that a spreadsheet neither computes nor takes for a number: an apostrophe before it.
+    """Return a text as a cell that a spreadsheet takes for text: with a leading apostrophe.
 
-    Only where it begins as a formula does, unless ``always``: a code such as -0+0 or 0000 is a text.
+    Only for texts that begin like a formula, unless ``always``: a code such as -0+0 or 0000.
     """
     return f"'{text}" if always or text[:1] in FORMULA else text
 
 
 class Record:
-    """A sink that writes frames.csv as the frames come, and events.json (with what made them) at the end.
+    """A sink that writes frames.csv as frames come, and events.json (with the settings) at the end.
 
-    ``parquet``: the rows of frames.csv as frames.parquet, too; texts are there as they are, without an apostrophe.
+    ``parquet``: also write frames.parquet, with texts without apostrophes.
 
     Raises:
-        InputError: a file cannot be written, or Parquet's library is not installed.
+        InputError: a file cannot be written, or the Parquet library is not installed.
     """
 
     def __init__(
-        self, folder: Path, arrays: tuple[TaxelArray, ...], provenance: dict[str, Any], truth: Truth | None = None, *,
-        parquet: bool = False,
+        self, folder: Path, arrays: tuple[TaxelArray, ...], provenance: dict[str, Any],
+        truth: GroundTruth | None = None, *, parquet: bool = False,
     ) -> None:  # fmt: skip
         self._folder, self._provenance, self._plain = folder, provenance, EventData(arrays)
         self._log = EventLog()
@@ -85,7 +85,7 @@ class Record:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if isinstance(error, OSError):  # what could not be written as a whole is not kept
+        if isinstance(error, OSError):  # incomplete files are removed
             self._whole.__exit__(kind, error, trace)
             return
         self._whole.close()
@@ -125,7 +125,7 @@ class Record:
             self._rows(frame.t, name, frame.sequence, *figures, code, *located, *spread, others, *felt, happened, *true)
 
     def _code(self, report: FrameReport) -> str | None:
-        """Return the ternary code; of a large array None where it is that of the frame before."""
+        """Return the ternary code; for a large array None if it is unchanged."""
         name, code = report.array.name, report.code.ternary()
         if report.array.rows * report.array.cols > INLINE and self._codes.get(name) == code:
             return None
@@ -134,5 +134,5 @@ class Record:
 
 
 def _words(load: Load) -> str:
-    """Return a load beside the strongest as x y [m] Q R F [N]."""
+    """Return a further load as x y [m] Q R F [N]."""
     return " ".join(f"{value:.6g}" for value in (load.x, load.y, load.Q, load.R, load.F))

@@ -1,4 +1,4 @@
-"""Tables of a run on the terminal: the events, and the figures of each finger."""
+"""Tables of a run on the terminal: events, and the figures of each finger."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -18,17 +18,17 @@ if TYPE_CHECKING:  # rich is slow to import
 TIME, UNTIL, FINGER, CODE, HAND, MEANING = "time [s]", "until", "finger", "code", "hand", "meaning"
 LOAD, LATENCY = "load: (x, y) [mm], Q R F [N]", "latency [µs]"
 WIDE = 10_000
-"""Columns in which any line has room: how wide a table would be is measured in that."""
+"""Width at which the table is measured: every line fits."""
 LEAST = 30
-"""Characters below which what happened is not cut but goes on in the next line."""
+"""Least width of the meaning column before it wraps instead of being cut."""
 SAID = 5
-"""Most lines of what users' programs have said that are shown: the last ones."""
+"""Largest number of program outputs shown: the last ones."""
 LEGIBLE = 16
-"""Most taxels of an array whose code is in the table, and most hexadecimal digits of the hand's code."""
+"""Largest number of taxels whose code is shown, and of hexadecimal digits of the hand's code."""
 
 
 def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
-    """Print the table of events and a line of figures for each finger; codes of many taxels are left to the record."""
+    """Print the table of events and a line of figures for each finger; codes of large arrays are omitted."""
     screen = console()
     forces = all(array.quantity == "force" for array in arrays)
     _print_events(screen, collected.events, arrays, not forces)
@@ -40,7 +40,7 @@ def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
         if (error := facts["error"]) is not None:
             place = f"{error['place_median_m'] * 1e3:.2g} mm, at most {error['place_max_m'] * 1e3:.2g}"
             force = f"{error['force_median_n']:.2g} N, at most {error['force_max_n']:.2g}"
-            screen.print(f"{name}: off the truth by {place}; {force}", highlight=False, markup=False)
+            screen.print(f"{name}: error against the ground truth: {place}; {force}", highlight=False, markup=False)
     if (earlier := len(collected.outputs) - SAID) > 0:
         screen.print(f"{earlier} outputs of programs before these; --json has all", highlight=False, markup=False)
     for t, finger, name, outputs in collected.outputs[-SAID:]:
@@ -52,7 +52,7 @@ def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
 
 
 def _print_events(screen: "Console", events: list[Event], arrays: tuple[TaxelArray, ...], located: bool) -> None:
-    """Print each event in one line, or two where it is narrow; name the codes and latencies that found no room."""
+    """Print each event in one line, or two on a narrow terminal; list the omitted columns."""
     if not events:
         screen.print("no events", highlight=False, markup=False)
         return
@@ -93,7 +93,7 @@ def _print_events(screen: "Console", events: list[Event], arrays: tuple[TaxelArr
 
 
 def _table(headings: list[str], rows: list[dict[str, str]], width: int = WIDE) -> "Table":
-    """Return the table of events; where the ``width`` is too small only what happened is cut, or goes on below."""
+    """Return the table of events; on a narrow terminal only the meaning is cut or wrapped."""
     from rich.table import Table  # only for people
 
     table = Table(title="Events", title_justify="left")
@@ -112,7 +112,7 @@ def _table(headings: list[str], rows: list[dict[str, str]], width: int = WIDE) -
 
 
 def _located(load: Load | None) -> str:
-    """Say where a load is and how sure that is; a part of it that is not known keeps its place."""
+    """Return the position of a load and its certainty; unknown components become ?."""
     if load is None or not np.isfinite(load.F):
         return "" if load is None else load.validity.name.lower().replace("_", " ")
     place = f"({_signed(load.x * 1e3, 2)}, {_signed(load.y * 1e3, 2)})"

@@ -1,4 +1,4 @@
-"""Opening a source of frames: a scene or a recording."""
+"""Opening a source of frames: a scene, a recording or a ROS bag."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -9,16 +9,16 @@ from tactile.core.source import Source
 from tactile.wire.extras import need
 
 KINDS = (".toml", ".npz", ".csv", ".parquet", ".mcap", ".bag", ".db3")
-"""Suffixes of what can be opened; the folder of a ROS 2 bag can, too."""
+"""Suffixes of sources; the folder of a ROS 2 bag is a source, too."""
 
 
 def open_source(path: Path | str) -> Source:
-    """Return the source that a file is: a scene (.toml), a recording (.npz, .csv, .parquet, .mcap) or a ROS bag.
+    """Return the source in a file: a scene (.toml), a recording (.npz, .csv, .parquet, .mcap) or a ROS bag.
 
     A ROS bag is a .bag file, a .db3 file or the folder of a ROS 2 bag.
 
     Raises:
-        InputError: no path; the file is missing, of no known kind, or wrong inside.
+        InputError: no path; a missing file, an unknown suffix, or invalid contents.
     """
     path = named_file(path)
     suffix = ".bag" if path.is_dir() else path.suffix.lower()
@@ -37,19 +37,19 @@ def is_bag(folder: Path) -> bool:
 
 
 def _read_scene(path: Path) -> Source:
-    from tactile.simulator.scene_file.file import read_scene  # only with a source is it wanted
+    from tactile.simulator.scene_file.file import read_scene  # imported when used
 
     return read_scene(path)
 
 
 def _read_csv(path: Path) -> Source:
-    from tactile.sources.replay_csv import read_csv  # only with a source is it wanted
+    from tactile.sources.replay_csv import read_csv  # imported when used
 
     return read_csv(path)
 
 
 def _read_npz(path: Path) -> Source:
-    from tactile.sources.replay_npz import read_npz  # only with a source is it wanted
+    from tactile.sources.replay_npz import read_npz  # imported when used
 
     return read_npz(path)
 

@@ -1,8 +1,8 @@
-"""ROS bags read in a process of its own: the library makes code of a bag's definitions, and believes its sizes.
+"""ROS bag reader process: isolates the library, which generates code from a bag's definitions and trusts its sizes.
 
-Its output is a line of JSON, what the bag holds, and then the frames: `FRAME` with the finger, the time [ns], the
-device's time [us], the sequence number, the device's flags and the number of pillars, and the forces. The time is the
-stamp of the message's header, the sequence number its own; where there is none, when the bag got it, and its count.
+Its output is a line of JSON with the contents of the bag, then the frames: `FRAME` with finger, time [ns], device time
+[us], sequence number, device flags and number of pillars, then the forces. Time and sequence number are those of the
+message header; without a header they are the time of recording and a count.
 """
 
 import json
@@ -16,23 +16,23 @@ from typing import Any
 
 FRAME = struct.Struct("<IqdqBI")
 FLAGS = ("is_sd_active", "is_ref_loaded", "is_contact")
-"""Fields of a message that are the bits of `tactile.core.frame.FLAGS`, in their order."""
+"""Fields of a message that are the bits of `tactile.core.frame.FLAGS`, in order."""
 KIND = "SensorState"
 MEMORY = 2**30
-"""Bytes of memory that the process may have."""
+"""Memory limit of the process in bytes."""
 CUT = 300
-"""Characters of a message that are told."""
+"""Longest message in characters."""
 
 
 def main(path: Path) -> None:
-    """Write what a bag holds."""
+    """Write the contents of a bag."""
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-    resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))  # it has nothing to write
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))  # it writes nothing
     try:
         _tell(path)
     except BrokenPipeError:
         return
-    except Exception as error:  # whatever a library raises on a broken bag: the reader makes one line of it
+    except Exception as error:  # any exception of the library on a broken bag becomes one message
         said = " ".join(str(error).split()) or type(error).__name__
         sys.stderr.write(said[:CUT])
         sys.exit(2)
@@ -76,7 +76,7 @@ def _tell(path: Path) -> None:
 
 
 def _stamp(message: Any, got: int) -> int:
-    """Return the time of a message [ns]: its header's, or when the bag ``got`` it."""
+    """Return the time of a message [ns]: that of its header, or the time ``got`` of recording."""
     said = getattr(getattr(message, "header", None), "stamp", None)
     return got if said is None else (said.sec * 10**9 + said.nanosec) or got
 

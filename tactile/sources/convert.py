@@ -1,4 +1,4 @@
-"""Conversion of recordings and scenes into CSV, NPZ, Parquet and MCAP, and what of them a format cannot hold."""
+"""Conversion of recordings and scenes to CSV, NPZ, Parquet and MCAP, with a report of what a format cannot hold."""
 
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
@@ -18,7 +18,7 @@ from tactile.wire.extras import need
 
 
 class Conversion(NamedTuple):
-    """How many frames were written, and in words what was assumed or left behind."""
+    """Number of frames written, and notes on what was assumed or omitted."""
 
     frames: int
     notes: tuple[str, ...]
@@ -30,14 +30,14 @@ def convert(
     replace: bool = False,
     watch: Callable[[Iterable[Frame], int | None], Iterable[Frame]] = lambda seen, _: seen,
 ) -> Conversion:
-    """Write the frames of ``source`` as ``target``, in the form its suffix names.
+    """Write the frames of ``source`` to ``target`` in the format of its suffix.
 
-    Arrays, names, units, times, sequence numbers and flags are kept to the last bit. The target is there when all is
-    written, or as it was before. ``watch`` is handed the frames and their number, and hands them on.
+    Arrays, names, units, times, sequence numbers and flags are kept bit for bit. The target is written completely or
+    not at all. ``watch`` receives the frames and their number, and passes them on.
 
     Raises:
-        InputError: an unknown suffix, a name that is taken (unless to ``replace``), no frames, a full disk, or what
-            reader or writer find wrong.
+        InputError: an unknown suffix, an existing target (unless ``replace``), no frames, a full disk, or errors of the
+            reader or writer.
     """
     suffix = target.suffix.lower()
     if suffix == ".toml":
@@ -71,7 +71,7 @@ def convert(
 
 
 class _Seen:
-    """Counts frames that go through, and their taxels whose flag and reading contradict each other."""
+    """Counts frames, and taxels whose flag and reading contradict each other."""
 
     frames = masked = unread = 0
 
@@ -85,7 +85,7 @@ class _Seen:
 
 
 def _assumed(path: Path, source: Source) -> list[str]:
-    """Say what the file does not tell and its reader supposes."""
+    """Return a note on facts that the file does not have and its reader assumes."""
     from tactile.sources.replay_pillars import PILLAR_PITCH, PillarReplay  # only here
 
     if isinstance(source, PillarReplay) or path.is_dir() or path.suffix.lower() in (".bag", ".db3"):
@@ -94,7 +94,7 @@ def _assumed(path: Path, source: Source) -> list[str]:
 
 
 def _left_behind(path: Path, source: Source) -> list[str]:
-    """Say what a source has besides its frames, which no recording of frames can hold."""
+    """Return a note on contents of the source that are not frames."""
     left: list[str] = list(getattr(source, "others", ()))
     if path.suffix.lower() == ".toml":
         left.append("the loads that it knows to be true")

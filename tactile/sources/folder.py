@@ -1,4 +1,4 @@
-"""The recordings and scenes that lie in a folder, found by their suffixes."""
+"""Recordings and scenes in a folder, found by their suffixes."""
 
 from pathlib import Path
 
@@ -6,18 +6,18 @@ from cnnsim.support import InputError
 from tactile.sources import KINDS, is_bag
 
 EVENTS = b"# tactile_events"
-"""How a table of events begins, which is no recording."""
+"""First bytes of a table of events, which is no recording."""
 
 
 def is_folder_of_recordings(source: Path) -> bool:
-    """Return whether a source is a folder in which recordings may lie, and not a bag."""
+    """Return whether a source is a folder of recordings, and not a bag."""
     return source.is_dir() and not is_bag(source)
 
 
 def recordings_in(folder: Path) -> list[Path]:
-    """Return what of a folder can be opened, in the order of the names: files of `KINDS` and folders that are bags.
+    """Return the sources in a folder, sorted by name: files of `KINDS` and folders that are bags.
 
-    A CSV file without the header of a recording, such as a table of labels, is none of them.
+    A CSV file without the header of a recording, such as a table of labels, is skipped.
 
     Raises:
         InputError: no such folder.
@@ -36,4 +36,4 @@ def _is_recording(path: Path) -> bool:
             start = file.read(len(EVENTS))
             return start[:1] == b"#" and start != EVENTS
     except OSError:
-        return True  # its reader says what is wrong
+        return True  # its reader reports the fault

@@ -1,4 +1,4 @@
-"""Frames in a CSV file that people and spreadsheets can read: one line, one frame of one finger.
+"""CSV recordings: one line per frame of one finger.
 
 The file begins with the header of `tactile.core.header` as comment lines:
 
@@ -12,7 +12,7 @@ Then a line of column names and the frames, ordered in time:
 
     t_s,t_device_s,finger,sequence,flags,x0,y0,n0,x1,y1,n1,...
 
-flags are the bits of `tactile.core.frame.FLAGS` that the device says; the column may be missing. x, y, n are shear_x,
+flags are the bits of `tactile.core.frame.FLAGS`; the column is optional. x, y, n are shear_x,
 shear_y and normal of taxel row * cols + col. A finger with fewer taxels has shorter lines. An empty or NaN cell makes
 the taxel invalid; ``t_device_s`` is empty where the device has no clock.
 """
@@ -33,11 +33,11 @@ FIXED_COLUMNS = ("t_s", "t_device_s", "finger", "sequence", "flags")
 
 
 def read_csv(path: Path) -> FrameStream:
-    """Read a whole recording.
+    """Read a recording.
 
     Raises:
-        InputError: no such file, or a line that is cut short, out of time order or not as the header says: the
-            message names file, line and what was wanted.
+        InputError: no such file, or a line that is incomplete, out of time order or inconsistent with the header; the
+            message names file, line and what is expected.
     """
     with one_line(path, "a CSV recording"):
         check_file(path, "recording", TABLE)
@@ -72,12 +72,12 @@ def _read(path: Path, lines: list[str]) -> FrameStream:
 
 
 def write_csv(path: Path, source: Source) -> None:
-    """Write all frames of a source; reading them back gives the same numbers to the last bit.
+    """Write all frames of a source; reading them back gives the same numbers bit for bit.
 
-    Taxels that are not valid become empty cells, whatever they read.
+    Invalid taxels become empty cells, whatever their reading.
 
     Raises:
-        InputError: two fingers have one name.
+        InputError: two fingers have the same name.
         OSError: the file cannot be written.
     """
     names = [array.name for array in source.arrays]

@@ -1,9 +1,9 @@
-"""Frames in NPZ files: arrays of NumPy with a header that says what they are, or recordings of pillars without one.
+"""NPZ recordings: NumPy arrays of frames with a header, or PapillArray recordings without one.
 
-``tactile`` is the header, a text as `tactile.core.header` has it. Of every finger, s0, s1, ...: ``s0_values``
+``tactile`` is the header, a text in the form of `tactile.core.header`. For every finger s0, s1, ...: ``s0_values``
 (frames, rows, cols, 3) in the unit of its quantity; ``s0_valid`` (frames, rows, cols); ``s0_t_s`` and
 ``s0_t_device_s`` (frames,) [s], NaN where the device has no clock; ``s0_sequence`` (frames,); ``s0_place`` (frames,):
-which frames of the whole recording these are; and where a device has said anything ``s0_flags`` (frames,), the bits of
+positions of these frames in the recording; and, if a device has flags, ``s0_flags`` (frames,), the bits of
 `tactile.core.frame.FLAGS`.
 """
 
@@ -51,7 +51,7 @@ class NpzReplay:
 
     @property
     def provenance(self) -> Provenance:
-        """Where the frames come from."""
+        """Origin of the frames."""
         return self.header.provenance
 
     @property
@@ -75,7 +75,7 @@ class NpzReplay:
 
 
 def read_npz(path: Path) -> NpzReplay | PillarReplay:
-    """Read a recording: frames with their header, or pillars without one.
+    """Read a recording: frames with a header, or a PapillArray recording.
 
     Raises:
         InputError: no such file, no NPZ file, a wrong header, a missing array or one of the wrong shape.
@@ -109,10 +109,10 @@ def _columns(file: "np.lib.npyio.NpzFile", number: int, array: TaxelArray, path:
 
 
 def write_npz(path: Path, source: Source) -> None:
-    """Write all frames of a source; reading them back gives the same numbers to the last bit.
+    """Write all frames of a source; reading them back gives the same numbers bit for bit.
 
     Raises:
-        InputError: two fingers have one name.
+        InputError: two fingers have the same name.
         OSError: the file cannot be written.
     """
     out: dict[str, Any] = {"tactile": np.array(header_text(source))}

@@ -1,4 +1,4 @@
-"""Frames in Parquet files: one row, one frame of one finger, the header of `tactile.core.header` as metadata.
+"""Parquet recordings: one row per frame of one finger, the header of `tactile.core.header` as metadata.
 
 Columns: ``t_s``, ``t_device_s`` (NaN where the device has no clock), ``finger`` (its name), ``sequence``, ``values``
 (shear_x, shear_y, normal of every taxel, row by row, in the unit of the quantity), ``valid`` (one flag
@@ -22,9 +22,9 @@ from tactile.recording.parquet_rows import ParquetRows
 
 KEY = b"tactile"
 BATCH = 4096
-"""Rows read at once."""
+"""Rows per batch."""
 FIRST = 4
-"""Rows a finger that are held against the header as a file is opened: fingers take turns."""
+"""Rows per finger that are checked against the header when a file is opened."""
 COLUMNS = {
     "t_s": float, "t_device_s": float, "finger": str, "sequence": int, "values": list[float], "valid": list[bool],
     "flags": int,
@@ -32,7 +32,7 @@ COLUMNS = {
 
 
 class ParquetReplay:
-    """The frames of a Parquet file, as a ``Source``, read again each time."""
+    """The frames of a Parquet file as a ``Source``, read again each time."""
 
     def __init__(self, path: Path, header: Header, frames: int) -> None:
         self._path, self.frames = path, frames
@@ -48,7 +48,7 @@ class ParquetReplay:
         return self.read(BATCH)
 
     def read(self, batch_rows: int) -> Iterator[Frame]:
-        """Yield the frames, so many rows of the file read at once."""
+        """Yield the frames, read in batches of rows."""
         fingers = {array.name: number for number, array in enumerate(self.arrays)}
         row = 0
         with one_line(self._path, "a Parquet recording"), parquet.ParquetFile(self._path) as file:
@@ -95,16 +95,16 @@ def read_parquet(path: Path) -> ParquetReplay:
         )
     replay = ParquetReplay(path, read_header(text.decode(errors="replace"), str(path), "metadata tactile"), rows)
     first = FIRST * len(replay.arrays)
-    for _ in islice(replay.read(first), first):  # before anybody makes room for what the header says
+    for _ in islice(replay.read(first), first):  # before memory is allocated for the header's sizes
         pass
     return replay
 
 
 def write_parquet(path: Path, source: Source) -> None:
-    """Write all frames of a source; reading them back gives the same numbers to the last bit.
+    """Write all frames of a source; reading them back gives the same numbers bit for bit.
 
     Raises:
-        InputError: two fingers have one name.
+        InputError: two fingers have the same name.
         OSError: the file cannot be written.
     """
     with ParquetRows(path, COLUMNS, {KEY: header_text(source).encode()}) as out:

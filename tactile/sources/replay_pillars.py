@@ -1,4 +1,4 @@
-"""Recordings of PapillArray sensors in NPZ files without a header: forces of pillars, host and device stamps."""
+"""PapillArray recordings in NPZ files without a header: forces of pillars, host and device stamps."""
 
 import math
 import re
@@ -13,15 +13,15 @@ from tactile.core.frame import FLAGS, Frame, TaxelArray
 from tactile.core.source import Provenance
 
 PILLAR_PITCH = 7e-3
-"""Distance of neighbouring pillars of a PapillArray [m]: nominal, the files do not say it."""
+"""Nominal distance of neighbouring pillars of a PapillArray [m]; files do not have it."""
 STAMPS = ("t_ns", "seq", "tus")
 
 
 @dataclass(frozen=True)
 class PillarReplay:
-    """A recording of pillars, as a ``Source`` of force frames; times count from the earliest host stamp.
+    """A PapillArray recording as a ``Source`` of force frames; times count from the earliest host stamp.
 
-    ``others``: names of the file's arrays that are left alone.
+    ``others``: names of the arrays of the file that are ignored.
     """
 
     title: str
@@ -41,7 +41,7 @@ class PillarReplay:
 
     @property
     def provenance(self) -> Provenance:
-        """A device's readings, with its offsets."""
+        """Readings of a device, with its offsets."""
         return Provenance(untared=True, start_ns=min(int(stamps.min()) for stamps in self.host_ns))
 
     def __iter__(self) -> Iterator[Frame]:
@@ -116,7 +116,7 @@ def _read_sensor(
 
 
 def _flags(file: "np.lib.npyio.NpzFile", name: str, frames: int, where: str) -> Integers:
-    """Return (T,) the device's flags, as `tactile.core.frame.FLAGS`; 0 where the file has none."""
+    """Return (T,) the flags of the device, as `tactile.core.frame.FLAGS`; 0 if the file has none."""
     if f"{name}_flags" not in file.files:
         return np.zeros(frames, np.int64)
     flags = file[f"{name}_flags"]

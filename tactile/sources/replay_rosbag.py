@@ -1,9 +1,9 @@
 """PapillArray recordings in ROS bags (1 and 2), read with the `rosbags` library.
 
-A sensor's topic carries messages with ``tus`` (device time [us]) and ``pillars``, each with ``fX``, ``fY``, ``fZ`` [N];
-bags name the type papillarray_ros_v2/SensorState or sensor_interfaces/SensorState. Frames get the stamp of the
-message's header, counted from the first, its sequence number (ROS 1) and its flags ``is_sd_active``, ``is_ref_loaded``
-and ``is_contact``; without a header the time at which the bag got it, and its count.
+The topic of a sensor has messages with ``tus`` (device time [us]) and ``pillars``, each with ``fX``, ``fY``, ``fZ``
+[N]; the type is papillarray_ros_v2/SensorState or sensor_interfaces/SensorState. Frames have the stamp of the message
+header, counted from the first, its sequence number (ROS 1) and its flags ``is_sd_active``, ``is_ref_loaded`` and
+``is_contact``; without a header the time of recording, and a count.
 """
 
 import json
@@ -33,16 +33,16 @@ from tactile.sources.bag_process import FRAME, KIND
 from tactile.sources.replay_pillars import PILLAR_PITCH
 
 LATE = 0.5
-"""[s] by which a message may come later than one that was stamped after it."""
+"""[s] Largest delay of a message behind one with a later stamp."""
 PATIENCE = 4.0
-"""[s] in which a bag's index is read; gigabytes of bags have one."""
+"""[s] Time limit for reading the index of a bag."""
 
 
 @dataclass(frozen=True)
 class BagReplay:
-    """The sensors of a bag, as a ``Source`` of force frames, read again each time.
+    """The sensors of a bag as a ``Source`` of force frames, read again each time.
 
-    ``others``: what the bag holds besides, in words; ``start_ns``: time of its first frame since 1970 [ns].
+    ``others``: other contents of the bag, in words; ``start_ns``: Unix time of its first frame [ns].
     """
 
     path: Path
@@ -55,7 +55,7 @@ class BagReplay:
 
     @property
     def provenance(self) -> Provenance:
-        """A device's readings, with its offsets."""
+        """Readings of a device, with its offsets."""
         return Provenance(untared=True, start_ns=self.start_ns)
 
     @property
@@ -64,7 +64,7 @@ class BagReplay:
         return self.path.stem
 
     def __iter__(self) -> Iterator[Frame]:
-        waiting: list[tuple[int, int, Frame]] = []  # a bag has messages as they came, which is not as they were stamped
+        waiting: list[tuple[int, int, Frame]] = []  # messages are stored in the order of arrival, not of their stamps
         with _bag(self.path) as (about, out):
             start, latest = min(about["starts"]), 0.0
             for number in range(about["frames"]):
@@ -103,16 +103,16 @@ def read_bag(path: Path) -> BagReplay:
 
 
 def _finger(topic: str) -> str:
-    """Return a topic as a finger's name: hub_0-sensor_1."""
+    """Return the finger name of a topic, such as hub_0-sensor_1."""
     return re.sub(r"[^A-Za-z0-9_]+", "-", topic).strip("-")[:LONGEST_NAME] or "sensor"
 
 
 @contextmanager
 def _bag(path: Path) -> Iterator[tuple[dict[str, Any], IO[bytes]]]:
-    """Give what a bag holds and the stream of its frames, from a process with limits."""
+    """Return the contents of a bag and the stream of its frames, from a process with limits."""
     if find_spec("rosbags") is None:
         raise InputError(f"a ROS bag needs rosbags, which is not installed: {install_line('serial')}")
-    # a thread of linear algebra takes memory for nothing; no path of ours may come before the installed library's
+    # no memory for threads of linear algebra; no path of this project before the installed library
     process = subprocess.Popen(
         [sys.executable, "-P", "-m", "tactile.sources.bag_process", str(path.absolute())], stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},

@@ -12,7 +12,7 @@ import numpy as np
 from cnnsim.support import InputError
 from cnnsim.sweep.kind import Case, Kind, Row, in_kernels
 from tactile.output.collected import Collected
-from tactile.output.truth import truth_of
+from tactile.output.ground_truth import truth_of
 from tactile.pipeline import run as run_pipeline
 from tactile.settings import PipelineOptions
 from tactile.simulator.scene_file.file import scene_from, scene_table

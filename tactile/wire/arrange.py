@@ -1,4 +1,4 @@
-"""Arrangement of readings as the wire carries them into frames, and back for emulators."""
+"""Arrangement of wire readings into frames of fingers, and the inverse for emulators."""
 
 from collections.abc import Iterator
 
@@ -9,13 +9,13 @@ from tactile.wire.base import Reading, Taxels
 from tactile.wire.description import Board, Description
 
 NOTHING = np.full((1, 3), np.nan)
-"""The reading of a cell without a chip."""
+"""Reading of a cell without a chip."""
 
 
 class Arrange:
-    """Splits readings over the boards, turns axes, applies gains, puts chips into their cells.
+    """Splits readings by board, turns axes, applies gains, and puts chips into cells.
 
-    Frames without a sequence number of the device's get a count of their own, from 0 for each finger.
+    Frames without a sequence number of the device are counted from 0 for each finger.
     """
 
     def __init__(self, description: Description) -> None:
@@ -25,7 +25,7 @@ class Arrange:
         self._counts = [0] * len(self._boards)
 
     def __call__(self, reading: Reading, t: float) -> Iterator[Frame]:
-        """Yield the frames of a reading that was taken at host time ``t`` [s]."""
+        """Yield the frames of a reading taken at host time ``t`` [s]."""
         if reading.device is not None:
             yield self._frame(reading.device, reading.values, reading, t)
             return

@@ -1,7 +1,7 @@
-"""Decoder and encoder of a wire format: bytes in, readings and counted faults out; no port and no clock here.
+"""Decoder and encoder of a wire format: bytes to readings with counted faults, without port or clock.
 
-A decoder's answer depends on the bytes alone, not on how they were cut: every decision is taken at the first byte that
-settles it, and no later byte takes it back.
+The output of a decoder depends only on the bytes, not on how they are cut into chunks: each decision is made at the
+first byte that settles it, and is final.
 """
 
 from abc import ABC, abstractmethod
@@ -12,20 +12,19 @@ from typing import Any
 from cnnsim.support import Floats
 
 NEXT = 1024
-"""A sequence number less than this after another goes on from it, whatever was lost between: a second of frames."""
+"""Largest difference of sequence numbers that counts as lost frames: a second of frames."""
 Taxels = Floats
-"""(taxels, 3): readings in the device's order and unit, last axis (x, y, z) as the device names them."""
+"""(taxels, 3): readings in the device's order and unit, last axis (x, y, z) of the device."""
 
 
 @dataclass
 class Counts:
-    """What has been seen of a stream.
+    """Counters of a stream.
 
-    ``good`` frames; ``bad_checksum`` frames that began but never checked out; ``resynchronised`` bytes that belong to
-    no frame; ``missing`` frames by the sequence number; ``missing_by_rate`` an estimate for frames without one;
-    ``repeated`` frames, which are not given out; ``unfit`` frames that are whole but not of the described shape;
-    ``late`` frames that arrived more than `clock.LATE` after the device clock's line; ``overflowed`` bytes for which
-    there was no room.
+    ``good`` frames; ``bad_checksum`` frames that began but had no valid end; ``resynchronised`` bytes outside frames;
+    ``missing`` frames by sequence number; ``missing_by_rate`` an estimate for frames without a number; ``repeated``
+    frames, which are dropped; ``unfit`` complete frames of another shape than described; ``late`` frames more than
+    `clock.LATE` behind the line of the device clock; ``overflowed`` bytes dropped by a full queue.
     """
 
     good: int = 0
@@ -48,12 +47,12 @@ class Counts:
 
 @dataclass(frozen=True)
 class Reading:
-    """One frame as it came over the wire.
+    """One decoded frame.
 
-    ``values`` (taxels, 3); ``device`` which of the boards on this wire, None where one frame holds all of them one
-    after the other; ``sequence`` the device's count, None where it has none; ``t_device`` [s], NaN where it has no
-    clock; ``end`` the number of bytes of the stream up to the end of this frame; ``checked`` whether a CRC covers the
-    frame and so its sequence number; of a plain sum changes may cancel.
+    ``values`` (taxels, 3); ``device`` number of the board on this wire, None if one frame has all of them in order;
+    ``sequence`` number of the device, None without one; ``t_device`` [s], NaN without a device clock; ``end`` position
+    in the stream after this frame; ``checked`` whether a CRC protects the frame, so that its sequence number can be
+    trusted.
     """
 
     values: Taxels
@@ -66,7 +65,7 @@ class Reading:
 
 @dataclass(frozen=True)
 class Found:
-    """The next thing in the buffer: ``skip`` bytes that are no frame, then a frame of ``length`` bytes if not 0."""
+    """Next item in the buffer: ``skip`` bytes outside frames, then a frame of ``length`` bytes, if not 0."""
 
     skip: int
     length: int = 0
@@ -74,7 +73,7 @@ class Found:
 
 
 class Decoder(ABC):
-    """Bytes in, readings out. A format says in `_next` what comes next in ``self._buffer``."""
+    """Bytes in, readings out. A format implements `_next`, which finds the next item in ``self._buffer``."""
 
     def __init__(self) -> None:
         self.counts = Counts()
@@ -84,27 +83,27 @@ class Decoder(ABC):
         self._leapt: dict[int | None, int] = {}  # a number that leapt in a frame without a checksum
 
     def feed(self, data: bytes) -> list[Reading]:
-        """Take the next bytes of the stream, however cut, and return the readings that they complete."""
+        """Append bytes of the stream, cut anywhere, and return the readings that they complete."""
         self._buffer += data
         return self._drain(False)
 
     def finish(self) -> list[Reading]:
-        """Return what can still be read when no byte follows: at the end, or when the plug is pulled."""
+        """Return what can be decoded when no byte follows: at the end, or when the device is unplugged."""
         readings = self._drain(True)
         self._drop(len(self._buffer))
         self._restart()
         return readings
 
     def settled(self) -> dict[str, Any]:
-        """Return what the decoder has found out about the device by itself, as plain data."""
+        """Return the facts about the device that the decoder found in the data."""
         return {}
 
     @abstractmethod
     def _next(self, over: bool) -> Found | None:
-        """Return what the buffer begins with, None while that is open; ``over``: no byte follows."""
+        """Return the item at the start of the buffer, None while undecided; ``over``: no byte follows."""
 
     def _restart(self) -> None:  # noqa: B027 - most formats remember nothing between frames
-        """Forget where frames lie: what follows is a new stream."""
+        """Forget the frame positions, because a new stream follows."""
 
     def _drain(self, over: bool) -> list[Reading]:
         readings = []
@@ -124,7 +123,7 @@ class Decoder(ABC):
         del self._buffer[:count]
 
     def _is_new(self, reading: Reading) -> bool:
-        """Count what the sequence number says; a step back or over half the range is a device that began anew."""
+        """Count by sequence number; a step back or of over half the range is a restarted device."""
         if reading.sequence is None:
             return True
         if reading.device not in self._last:
@@ -141,9 +140,9 @@ class Decoder(ABC):
         return True
 
     def _weigh(self, device: int | None, sequence: int, step: int) -> None:
-        """Believe a leap of a number that no checksum covers when the next frame goes on from there.
+        """Accept a jump of an unprotected sequence number when the next frame continues from it.
 
-        Where the next frame goes on from the number before, the one between was that frame, its number changed.
+        If the next frame continues from the number before, the jump was a corrupted number.
         """
         doubted = self._leapt.get(device)
         if doubted is None:
@@ -164,36 +163,35 @@ class Decoder(ABC):
 
 
 class Encoder(ABC):
-    """A device's side of the wire: readings in, bytes out, commands obeyed. What tests and `tactile emulate` send.
+    """Device side of a wire format: readings in, bytes out, requests handled. Used by tests and `tactile emulate`.
 
-    It begins as the last host left it: sending. A device that only answers is ``polled``; ``asked`` counts the requests
-    for readings that it has received.
+    It starts in sending mode. A device that only answers is ``polled``; ``asked`` counts the requests received.
     """
 
     polled = False
     asked = 0
 
     def preamble(self) -> bytes:
-        """Return what the device sends when it starts."""
+        """Return the bytes that the device sends at start."""
         return b""
 
     @abstractmethod
     def encode(self, boards: Sequence[Taxels], sequence: int, t_device: float) -> bytes:
-        """Return one instant's bytes of all boards; readings out of the format's range are clipped.
+        """Return the bytes of all boards at one time; readings out of range are clipped.
 
-        A device that was told to be silent, or to send less often, returns nothing.
+        A device that is silenced or sends at a lower rate returns nothing.
 
         Arguments: ``boards`` (taxels, 3) of every board, in the device's unit; ``t_device`` [s].
         """
 
     def receive(self, data: bytes) -> bytes:
-        """Take what the host says, however cut, obey it, and return the answer. Most devices ignore it."""
+        """Process bytes of the host, cut anywhere, and return the answer. Most devices ignore them."""
         return b""
 
 
 @dataclass(frozen=True)
 class Talk:
-    """What a host has to say to a device: ``hello`` once, ``poll`` every ``period`` [s] where it only answers."""
+    """Bytes that a host sends to a device: ``hello`` once, ``poll`` every ``period`` [s] if the device only answers."""
 
     hello: bytes = b""
     poll: bytes = b""
@@ -202,7 +200,7 @@ class Talk:
 
 @dataclass(frozen=True)
 class Options:
-    """What a format must be told: ``shapes`` (rows, cols) of the boards, and ``extra`` options of that format."""
+    """Parameters of a format: ``shapes`` (rows, cols) of the boards, and ``extra`` options of that format."""
 
     shapes: tuple[tuple[int, int], ...]
     extra: dict[str, Any] = field(default_factory=dict)

@@ -1,8 +1,8 @@
-"""Device clock to host time: a robust line through the frames that were delayed least.
+"""Conversion of device time to host time: a robust line through the least delayed frames.
 
-What comes over a cable can be late, never early. So of every quarter of a second of device time only the frame with the
-smallest (arrival - device time) counts, and the line is Theil and Sen's: the median of the slopes of all pairs of
-those, then the median of the offsets. One delayed for seconds, or a third of them, does not move it.
+Frames arrive late, never early. From every quarter of a second of device time only the frame with the smallest
+(arrival - device time) counts. The line is that of Theil and Sen: the median of the slopes of all pairs, then the
+median of the offsets. A delay of seconds, or of a third of the frames, does not change it.
 
 Source: P. K. Sen, "Estimates of the regression coefficient based on Kendall's tau", JASA 63 (1968) 1379.
 """
@@ -12,21 +12,21 @@ from collections import deque
 import numpy as np
 
 BIN = 0.25
-"""[s] of device time from which one frame counts."""
+"""[s] Width of a bin of device time."""
 KEPT = 64
-"""Bins that make the line: the last 16 s."""
+"""Number of bins of the line: the last 16 s."""
 ENOUGH = 8
-"""Bins from which on the slope is the data's; before, both clocks are taken to run alike."""
+"""Number of bins from which the slope is fitted; with fewer it is 1."""
 LATE = 0.02
-"""[s] after the line from which on a frame counts as late."""
+"""[s] Delay behind the line from which a frame counts as late."""
 ANEW = 1.0
-"""[s] that device time may leap against host time before it is taken for another clock."""
+"""[s] Jump of device time against host time that counts as another clock."""
 
 
 class ClockLine:
-    """Maps the device's time to the host's, both in seconds since the stream began; it only looks back.
+    """Maps device time to host time, both in seconds since the start of the stream, from past frames only.
 
-    ``late`` counts frames more than `LATE` after the line.
+    ``late`` counts frames more than `LATE` behind the line.
     """
 
     def __init__(self) -> None:
@@ -42,7 +42,7 @@ class ClockLine:
         self._slope, self._offset, self._base = 1.0, float("inf"), 0.0
 
     def __call__(self, t_device: float, arrival: float) -> float:
-        """Return the host time of a frame [s]: the arrival where the device has no clock. It never runs backwards."""
+        """Return the host time of a frame [s], its arrival without a device clock. It never decreases."""
         if t_device == t_device:  # a device without a clock says NaN
             step, waited = t_device - self._last_device, arrival - self._last_arrival
             if step < 0 or step - waited > ANEW:
@@ -54,7 +54,7 @@ class ClockLine:
         return self._latest
 
     def plain(self) -> dict[str, float | None]:
-        """Return the drift [1e-6] and the residual's median, 99th percentile and largest of late [s]; None without."""
+        """Return the drift [1e-6] and the median, 99th percentile and maximum of the residual [s]; None if unknown."""
         if not self._residuals:
             return {"drift_ppm": None, "residual_median_s": None, "residual_p99_s": None, "residual_max_s": None}
         residual = np.array(self._residuals)

@@ -1,4 +1,4 @@
-"""Description of what is on the other end of a cable: the boards, how their readings become frames, the wire format."""
+"""Array description: the boards of a device, the mapping of their readings to frames, and the wire format."""
 
 from dataclasses import dataclass, field
 
@@ -12,10 +12,10 @@ from tactile.wire.registry import Format
 
 @dataclass(frozen=True)
 class Board:
-    """How one board's readings become a finger's frame.
+    """Mapping of the readings of one board to the frames of a finger.
 
-    ``turn`` (3, 3) takes device axes to (shear_x, shear_y, normal); ``gains`` None where the wire's unit is already
-    the quantity's, or where nobody has calibrated it; ``cells`` (rows, cols) chip numbers, -1 for none.
+    ``turn`` (3, 3) maps device axes to (shear_x, shear_y, normal); ``gains`` is None if the unit of the wire is that of
+    the quantity, or if the board is uncalibrated; ``cells`` (rows, cols) chip numbers, -1 for none.
     """
 
     array: TaxelArray
@@ -25,15 +25,15 @@ class Board:
 
     @property
     def chips(self) -> int:
-        """Number of taxels that the wire carries for this board."""
+        """Number of taxels of this board on the wire."""
         return int((self.cells >= 0).sum())
 
 
 @dataclass(frozen=True)
 class Description:
-    """What is on the other end of the cable; ``text`` is the file it was read from, kept in recordings.
+    """Description of a device; ``text`` is the file it was read from, which recordings keep.
 
-    ``thresholds``: what the pipeline is to use where its user chooses nothing else.
+    ``thresholds``: defaults of the pipeline where the user chooses none.
     """
 
     title: str
@@ -51,17 +51,17 @@ class Description:
 
     @property
     def arrays(self) -> tuple[TaxelArray, ...]:
-        """The fingers' arrays."""
+        """Arrays of the fingers."""
         return tuple(board.array for board in self.boards)
 
     @property
     def uncalibrated(self) -> tuple[str, ...]:
-        """Names of the fingers whose readings are in the unit of the wire, which is no quantity's."""
+        """Names of the fingers whose readings are in the unit of the wire."""
         raw = not self.wire.calibrated(self.options)
         return tuple(board.array.name for board in self.boards if raw and board.gains is None)
 
     def check_calibrated(self) -> None:
-        """Refuse to interpret readings whose unit is no quantity.
+        """Refuse readings whose unit is no quantity.
 
         Raises:
             InputError: a board in microtesla without gains.

@@ -1,22 +1,22 @@
-"""Array descriptions: a TOML file that says what is on the other end of the cable.
+"""Array description files (TOML): boards, wire format, gains and thresholds of a device.
 
 title = "gripper"
 protocol = "reskin"             # one of tactile.wire.registry.NAMES
-baudrate = 115200               # may be left out
-youngs_modulus_mpa = 0.4        # of the cover; wanted where the quantity is strain
-[options]                       # the protocol's own, may be left out
-[[finger]]                      # one for each board, in the order in which the wire carries them
+baudrate = 115200               # optional
+youngs_modulus_mpa = 0.4        # of the cover; required for strain
+[options]                       # of the protocol; optional
+[[finger]]                      # one per board, in the order of the wire
 name = "thumb"
 rows = 3
 cols = 3
 pitch_mm = 7.0
 depth_mm = 2.0
-quantity = "strain"             # strain, stress or force: what the readings are after the gains
-axes = ["x", "y", "-z"]         # which of the device's axes are shear_x, shear_y and normal
+quantity = "strain"             # of the readings after the gains: strain, stress or force
+axes = ["x", "y", "-z"]         # device axes of shear_x, shear_y and normal
 gains = [1e-5, 2e-5]            # shear, normal: eq. (15); quantity per unit of the wire
-cells = [[-1, 1, -1], [4, 0, 2], [-1, 3, -1]]   # the device's number of the chip in each cell, -1 where none is
-[thresholds]                    # where the command line says nothing; may be left out, and so may each of them
-dead_band = 1e-3                # least shear that is a direction [unit of the quantity], as --dead-band
+cells = [[-1, 1, -1], [4, 0, 2], [-1, 3, -1]]   # chip number of each cell, -1 for none
+[thresholds]                    # defaults of the command line; each is optional
+dead_band = 1e-3                # least shear that gives a direction [unit of the quantity], as --dead-band
 hysteresis = 5e-4               # as --hysteresis
 contact_level = 1e-3            # as --contact-level
 sigmas = [4, 6, 3]              # as --sigmas
@@ -58,7 +58,7 @@ FINGER_KEYS = (
 )  # fmt: skip
 
 NEEDED = ("name", "rows", "cols", "pitch_mm", "depth_mm", "quantity")
-"""Keys that every [[finger]] has to have."""
+"""Required keys of a [[finger]]."""
 
 
 def read_description(path: Path) -> Description:
@@ -78,7 +78,7 @@ def read_description(path: Path) -> Description:
 
 
 def parse_description(text: str, where: str) -> Description:
-    """Return the description that a text is; ``where`` names it in messages.
+    """Return the description in a text; ``where`` names it in messages.
 
     Raises:
         InputError: as `read_description`.
@@ -117,12 +117,12 @@ def parse_description(text: str, where: str) -> Description:
     if len(quantities) > 1 and (thresholds.dead_band, thresholds.contact_level) != (None, None):
         raise InputError(
             f"{where}: [thresholds]: levels for fingers of {' and '.join(quantities)}; fingers of one quantity,"
-            f" whose unit they have, or sigmas alone wanted{line_of(table['thresholds'])}"
+            f" or sigmas alone wanted, because levels have one unit{line_of(table['thresholds'])}"
         )
     baudrate = take(table, "baudrate", int, where, wire.baudrate)
     modulus = take(table, "youngs_modulus_mpa", float, where) * 1e6 if "youngs_modulus_mpa" in table else None
     options = Options(tuple(_wire_shape(board) for board in boards), extra)
-    wire.decoder(options)  # so that wrong options are told now
+    wire.decoder(options)  # reports wrong options now
     title = take(table, "title", str, where, wire.summary)
     return Description(title, wire, baudrate, modulus, options, boards, text, thresholds)
 
@@ -131,7 +131,7 @@ def default_description(protocol: str) -> Description:
     """Return the description of a device that has only one form.
 
     Raises:
-        InputError: the protocol says too little about the device.
+        InputError: the protocol has more than one form.
     """
     wire = find_format(protocol)
     if not wire.fingers:
@@ -140,7 +140,7 @@ def default_description(protocol: str) -> Description:
 
 
 def write_description(top: dict[str, Any], fingers: Iterable[dict[str, Any]]) -> str:
-    """Return the TOML text of tables with texts, numbers and lists."""
+    """Return the TOML text of tables of texts, numbers and lists."""
     lines = [f"{key} = {_toml(value)}" for key, value in top.items() if not isinstance(value, dict)]
     for name, table in top.items():
         if isinstance(table, dict) and table:
@@ -151,7 +151,7 @@ def write_description(top: dict[str, Any], fingers: Iterable[dict[str, Any]]) ->
 
 
 def _toml(value: Any) -> str:
-    # texts, numbers, true, false and lists look alike in both, but for a bare DEL, which TOML does not take
+    # JSON values are TOML values, except for a bare DEL
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")
 
 

@@ -1,4 +1,4 @@
-"""Tare inside a device: the mean of some readings, subtracted from when the host asks for it."""
+"""Tare inside an emulated device: the mean of some readings, subtracted on request of the host."""
 
 from collections.abc import Sequence
 
@@ -8,7 +8,7 @@ from tactile.wire.base import Taxels
 
 
 class DeviceTare:
-    """Subtracts the mean of the readings of ``seconds`` after `ask`, once that time is over, and until the next one."""
+    """Subtracts the mean of the readings of ``seconds`` after `ask`, from the end of that time to the next request."""
 
     def __init__(self, seconds: float) -> None:
         self._seconds = seconds
@@ -18,11 +18,11 @@ class DeviceTare:
         self._offset: list[Taxels] | None = None
 
     def ask(self) -> None:
-        """Begin to average with the next readings."""
+        """Start to average with the next readings."""
         self._asked, self._until, self._seen = True, None, []
 
     def __call__(self, boards: Sequence[Taxels], t: float) -> list[Taxels]:
-        """Return the readings of all boards at device time ``t`` [s] less the offset."""
+        """Return the readings of all boards at device time ``t`` [s] minus the offset."""
         if self._asked:
             self._asked, self._until = False, t + self._seconds
         if self._until is not None:

@@ -1,4 +1,4 @@
-"""Optional libraries, imported when a board or a recording needs them."""
+"""Import of optional libraries for boards and recordings."""
 
 import importlib
 from types import ModuleType
@@ -8,10 +8,10 @@ from cnnsim.support.extras import install_line
 
 
 def need(module: str, what: str) -> ModuleType:
-    """Import a module for ``what``.
+    """Import a module that ``what`` needs.
 
     Raises:
-        InputError: a library it wants is not installed.
+        InputError: a library is not installed.
     """
     try:
         return importlib.import_module(module)

@@ -1,4 +1,4 @@
-"""Packets of an emulated device: the frames of a scene or a recording in a wire format, each at its time."""
+"""Packets of an emulated device: the frames of a scene or recording in a wire format, with their times."""
 
 from collections.abc import Iterable, Iterator
 from typing import Any
@@ -15,19 +15,19 @@ from tactile.wire.description_file import parse_description, write_description
 from tactile.wire.registry import find_format
 
 FIRM = {"strain": 0.01, "stress": 2e4, "force": 1.0}
-"""A firm touch in every quantity [1, Pa, N]."""
+"""Reading of a firm touch for every quantity [1, Pa, N]."""
 KEPT = 50_000
-"""Frames up to which all are computed before the first is sent, so that none is late for that."""
+"""Number of frames up to which all are computed before the first is sent."""
 
 TimedPacket = tuple[float, bytes]
-"""Seconds since the device started, and what it sends then."""
+"""Time since the start of the device [s], and the bytes sent then."""
 
 
 def emulated_description(protocol: str, source: Source) -> Description:
-    """Return a description of a device that could have sensed the source's frames.
+    """Return a description of a device that could have measured the frames of a source.
 
     Raises:
-        InputError: the source's arrays do not fit the protocol.
+        InputError: the arrays of the source do not fit the protocol.
     """
     wire = find_format(protocol)
     if wire.single and len(source.arrays) > 1:
@@ -52,10 +52,10 @@ def emulated_description(protocol: str, source: Source) -> Description:
 
 
 def check_form(protocol: str, source: Source) -> None:
-    """Refuse a source whose arrays are not those that a device of this protocol always has.
+    """Refuse a source whose arrays do not have the fixed form of this protocol.
 
     Raises:
-        InputError: so they are, with both shapes.
+        InputError: names both shapes.
     """
     wanted = [(finger["rows"], finger["cols"]) for finger in find_format(protocol).fingers]
     found = [array.shape for array in source.arrays]
@@ -73,13 +73,13 @@ def _shapes(shapes: Iterable[tuple[int, int]]) -> str:
 def packets(
     description: Description, source: Source, loop: bool = False, device: Encoder | None = None
 ) -> Iterator[TimedPacket]:
-    """Return what the described device sends while the source's frames happen; ``loop`` begins again at the end.
+    """Return the packets of the described device for the frames of a source; ``loop`` repeats them.
 
-    ``device``: the encoder, where somebody else has to know it, too. All that takes long is done before this returns,
-    so that the first packets are in time.
+    ``device``: the encoder, if the caller needs it too. Slow work is done before this returns, so that the first
+    packets are in time.
 
     Raises:
-        InputError: the source's arrays are not the description's.
+        InputError: the arrays of the source differ from those of the description.
     """
     if [array.shape for array in source.arrays] != [array.shape for array in description.arrays]:
         found, wanted = (_shapes(array.shape for array in one.arrays) for one in (source, description))
@@ -91,7 +91,7 @@ def packets(
 
 
 class _Readings:
-    """What the boards read at every instant of a source, again each time."""
+    """Readings of all boards at every time of a source; iterable repeatedly."""
 
     def __init__(self, description: Description, source: Source) -> None:
         self._boards, self._source, self._blanks = description.boards, source, description.wire.blanks
@@ -115,7 +115,7 @@ def _packets(encoder: Encoder, readings: Iterable[tuple[float, list[Taxels]]], l
 
 
 def instants(frames: Iterable[Frame], fingers: int) -> Iterator[tuple[float, list[Frame]]]:
-    """Yield one frame of every finger at a time, as soon as each has a new one, at the last one's time [s]."""
+    """Yield one frame of every finger, as soon as each has a new one, with the time of the last one [s]."""
     newest: dict[int, Frame] = {}
     for frame in frames:
         newest[frame.finger] = frame

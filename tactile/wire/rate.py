@@ -1,12 +1,11 @@
-"""Frames that are missing by the device's rate, for formats whose frames carry no number.
+"""Missing frames estimated from the rate of a device, for formats without sequence numbers.
 
-What comes over a cable can be late, never early. So a frame that was delayed is caught up with by those after it, and
-one that was lost is not: from then on all come a period later. The period is the mean of spans of eight frames, those
-left out in which one is missing; of every sixteen frames the one least behind its place counts, and what the next
-hundred or so do not catch up with is lost.
+Frames arrive late, never early. Later frames make up for a delayed frame, but not for a lost one: from then on all
+arrive one period later. The period is the mean of spans of eight frames without a gap. Of every sixteen frames the
+least delayed one counts, and a delay that the next hundred frames or so do not make up for is a loss.
 
-It is an estimate: one frame lost in a hundred is found nearly always, one in twenty every other time; where arrivals
-scatter by half a period, fewer. Of a device that sends when it likes nothing is counted.
+It is an estimate: it finds nearly every loss at a rate of one frame in a hundred, every other at one in twenty, and
+fewer where arrivals scatter by half a period. A device without a fixed rate has no count.
 """
 
 from collections import deque
@@ -14,19 +13,19 @@ from collections import deque
 import numpy as np
 
 SPAN = 8
-"""Frames from one arrival to the other of which the period is made."""
+"""Number of frames of a span, from which the period is computed."""
 SPANS = 64
-"""The latest of them that count."""
+"""Number of recent spans."""
 BIN, BINS = 16, 8
-"""Frames of which the least late counts, and so many of these that a loss must outlast."""
+"""Frames per bin, of which the least delayed counts, and number of bins that a loss must last."""
 STEADY = 0.35
-"""Of the spans, the share that has to agree within half a period."""
+"""Share of the spans that must agree within half a period."""
 ANEW = 0.2
-"""Relative change of the period that makes it another rate."""
+"""Relative change of the period that counts as another rate."""
 
 
 class RateGaps:
-    """Counts in ``missing`` the frames that should have come between those that did."""
+    """Counts the missing frames in ``missing``."""
 
     def __init__(self) -> None:
         self.missing = 0
@@ -34,7 +33,7 @@ class RateGaps:
         self.restart()
 
     def restart(self) -> None:
-        """Forget the rate: what follows is a new stream."""
+        """Forget the rate, because a new stream follows."""
         self._arrivals.clear()
         self._period = 0.0
         self._count = 0
@@ -43,7 +42,7 @@ class RateGaps:
         self._before: tuple[int, float] | None = None
 
     def see(self, arrival: float) -> None:
-        """Take the arrival of the next frame [s]."""
+        """Process the arrival of the next frame [s]."""
         self._arrivals.append(arrival)
         self._count += 1
         if self._count % BIN == 0 and len(self._arrivals) == SPANS + SPAN:
@@ -71,12 +70,12 @@ class RateGaps:
         if len(self._levels) == BINS:
             least = min(self._levels)
             lost = round((least - self._base) / period)
-            self.missing = max(0, self.missing + lost)  # fewer again where frames caught up later than expected
+            self.missing = max(0, self.missing + lost)  # the count falls where frames caught up later than expected
             self._base = least
 
 
 def _period(times: np.ndarray) -> float | None:
-    """Return the period [s] of frames that arrived at such times, None where they keep none."""
+    """Return the period [s] of frames with these arrivals, None without a fixed rate."""
     spans = (times[SPAN:] - times[:-SPAN]) / SPAN
     middle = float(np.median(spans))
     agreeing = spans[np.abs(spans - middle) < middle / 2 / SPAN]

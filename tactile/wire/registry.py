@@ -1,4 +1,4 @@
-"""Names of the wire formats. A new one is one file in ``formats`` with its ``FORMATS``, and its name here."""
+"""Registry of wire formats. A new one is one file in ``formats`` with its ``FORMATS``, and its name here."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,17 +17,17 @@ NAMES = {
     "native": "native",
     "csv": "csv_text",
 }
-"""Protocol name -> the module of `tactile.wire.formats` that has it in ``FORMATS``."""
+"""Protocol name -> module of `tactile.wire.formats` with its ``FORMATS`` entry."""
 
 
 @dataclass(frozen=True)
 class Format:
-    """A wire format: ``baudrate`` where the user gives none, ``keys`` its own options.
+    """A wire format: default ``baudrate``, and ``keys`` of its own options.
 
-    ``strong`` is a reading that a firm touch may give, for emulators of devices that nobody has calibrated, None where
-    firmware sends the quantity itself; ``pushes``: z is positive when pressed and cannot be negative; ``calibrated``:
-    the readings are the quantity as they come; ``single``: it carries one array; ``blanks``: a reading may be NaN;
-    ``fingers``: their tables where the device has only one form.
+    ``strong``: reading of a firm touch, for emulators of uncalibrated devices, None if the device sends the quantity
+    itself; ``pushes``: z is positive when pressed and cannot be negative; ``calibrated``: readings are the quantity;
+    ``single``: it has one array; ``blanks``: a reading may be NaN; ``fingers``: their tables if the device has only one
+    form.
     """
 
     name: str
@@ -49,9 +49,9 @@ def find_format(name: str) -> Format:
     """Return the format of that name.
 
     Raises:
-        InputError: there is none, or a library that it wants is missing.
+        InputError: an unknown name, or a missing library.
     """
     if name not in NAMES:
         raise InputError(f"protocol {name!r}; one of {', '.join(NAMES)} wanted")
     found: Format = need(f"tactile.wire.formats.{NAMES[name]}", f"protocol {name!r}").FORMATS[name]
-    return found  # only the one that is used is imported
+    return found  # imported only when used

@@ -1,4 +1,4 @@
-"""Frames from chunks of bytes: the same code for a port and for a recording of one."""
+"""Frames from chunks of bytes, of a port or of a recording of one."""
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
@@ -19,7 +19,7 @@ TARE, FORCED_TARE = "tare", "tare by force"
 
 @dataclass(frozen=True)
 class Chunk:
-    """Bytes that arrived together, ``t`` [ns] after the stream began; ``note`` says something else happened."""
+    """Bytes that arrived together, ``t`` [ns] after the start of the stream; ``note`` marks another occurrence."""
 
     t: int
     data: bytes = b""
@@ -27,11 +27,10 @@ class Chunk:
 
 
 class WireSource:
-    """Frames out of chunks, as a ``Source``. Everything about them follows from the chunks alone.
+    """Frames decoded from chunks, as a ``Source``. They depend on the chunks only.
 
-    ``see``: called with every frame; ``tare_requests``: whether by force, one for each tare that was asked for and that
-    nobody has taken yet; ``arrival`` [ns] of the frame that was given out last, on the clock of the chunks; ``notes``:
-    what is wrong with the recording that they come from, in words.
+    ``see``: called with every frame; ``tare_requests``: one entry per requested tare that is not taken yet, True to
+    force it; ``arrival`` [ns] of the last frame, on the clock of the chunks; ``notes``: warnings about the recording.
     """
 
     notes: tuple[str, ...] = ()
@@ -54,7 +53,7 @@ class WireSource:
 
     @property
     def counts(self) -> Counts:
-        """What has been seen so far."""
+        """Counters of the stream."""
         counts = self.decoder.counts
         counts.late = self.clock.late
         counts.missing_by_rate = self._rate.missing

@@ -1,15 +1,14 @@
-"""Text lines of numbers, for whatever prints them: one line, one frame.
+"""CSV text lines: one line of numbers per frame, from any device that prints them.
 
     [sequence,][time,]x0,y0,z0,x1,y1,z1,...[*HH] LF or CR LF
 
-Numbers are parted by commas, semicolons, tabs or spaces. Option ``before`` names the columns before the taxels:
-"sequence", "t_us", "t_ms", "t_s", or "-" for one that is left alone. ``nan`` marks a taxel without a reading. HH is
-optional: the exclusive or of all bytes before the asterisk, in hexadecimal, as NMEA 0183 has it; a line that has one is
-checked. Lines that begin with ``#``, and other text, are passed over. The first line is never used, since it may have
-lost its beginning.
+Separators are commas, semicolons, tabs or spaces. Option ``before`` names the columns before the taxels: "sequence",
+"t_us", "t_ms", "t_s", or "-" for an ignored one. ``nan`` marks a taxel without a reading. HH is an optional check byte:
+the exclusive or of all bytes before the asterisk, in hexadecimal, as in NMEA 0183. Lines that begin with ``#``, and
+other text, are skipped. The first line is skipped, because it may be incomplete.
 
-A line without HH whose digits are changed into digits goes unseen; bytes at random have no line with the right number
-of columns. A sequence number that leaps in such a line counts when the next line goes on from it.
+Changed digits in a line without HH are not detected. A jump of the sequence number in such a line is accepted when the
+next line continues from it.
 """
 
 import math
@@ -23,7 +22,7 @@ from tactile.wire.base import Decoder, Encoder, Found, Options, Reading, Taxels
 from tactile.wire.registry import Format
 
 LONGEST, CELL = 65536, 32
-"""Bytes of a line that is waited for: at least so many, and so many for each number."""
+"""Longest line in bytes: at least this, and CELL bytes per number."""
 SPLIT = re.compile(rb"[ \t]*[,;][ \t]*|[ \t]+")
 NUMBER = rb"(?:[+-]?(?:\d++\.?\d*+|\.\d++)(?:[eE][+-]?\d{1,3})?|[nN][aA][nN])"
 NUMBERS = re.compile(NUMBER + rb"(?:(?:" + SPLIT.pattern + rb")" + NUMBER + rb")*+")
@@ -61,7 +60,7 @@ class CsvDecoder(Decoder):
             self.counts.bad_checksum += 1
             return Found(end + 1)
         body = body.strip()
-        if not NUMBERS.fullmatch(body):  # one look at the whole line: a look at every number takes five times as long
+        if not NUMBERS.fullmatch(body):  # parsing the whole line is five times faster than each number
             return Found(end + 1)
         only_commas = len(body.translate(None, b"; \t")) == len(body)
         cells = body.split(b",") if only_commas else SPLIT.split(body)
@@ -91,7 +90,7 @@ class CsvEncoder(Encoder):
         self._before, self._check = columns_before(options), bool(options.extra.get("check", False))
 
     def preamble(self) -> bytes:
-        """Return a line of column names up to the first taxel's."""
+        """Return a line of column names up to those of the first taxel."""
         return ",".join(["#", *self._before, "x0", "y0", "z0", "..."]).encode() + b"\r\n"
 
     def encode(self, boards: Sequence[Taxels], sequence: int, t_device: float) -> bytes:

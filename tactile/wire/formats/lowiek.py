@@ -1,17 +1,17 @@
 """The LowiekVDS magnetic fingertip arrays (2 x 2, 4 x 8): one start byte and bare 16-bit words.
 
 One frame, big endian: AA; then for every taxel x, y, z as u16, the bitwise complement of the magnetometer's word. No
-checksum, number or time, and AA may occur anywhere inside. A word stands for 0.150 uT (x, y) or 0.242 uT (z), at gain 7
-and resolution 0. The chips wrap around: of the values 2^16 apart that a word may stand for, it is the one nearest to
-the value before. A leap of over 2^14 moves that value only if it lasts for three frames, so that one changed bit leaves
-no offset. With option ``mode = "force"`` a word is a force instead: x, y from -10 to 10 N, z from -30 to 30 N.
+checksum, sequence number or time, and AA may occur anywhere inside. A word stands for 0.150 uT (x, y) or 0.242 uT (z),
+at gain 7 and resolution 0. The words wrap around: of the possible values, 2^16 apart, the one nearest to the previous
+value is used. A jump of over 2^14 counts only if it lasts for three frames, so that one changed bit leaves no offset.
+With option ``mode = "force"`` a word is a force instead: x, y from -10 to 10 N, z from -30 to 30 N.
 
-Out of step, the frames' phase is found from five frames: of the offsets where AA stands five times a frame apart, the
-one at which the words change least, since out of phase low bytes become high ones. In step, a frame that changes
-little is given out at once; one that jumps waits for the start byte of the next, and for five frames where another
-phase has start bytes, too. So a lost byte costs a frame or two and no false wrap. Bytes at random pass once in 2^40
-offsets. A byte of a word that stays AA looks like a start in every frame: of such phases the one at which the words
-change less wins, also later. Nobody can tell a first word that stays AAAA from a last one that does.
+Synchronisation needs five frames: of the offsets with AA five times at the distance of a frame, the one with the
+smallest changes of the words is the phase, because out of phase low bytes become high ones. In phase, a frame with
+small changes is accepted at once; one that jumps waits for the start byte of the next frame, or for five frames where
+another phase has start bytes too. A lost byte thus costs one or two frames and no false wrap. Random bytes pass once in
+2^40 offsets. A constant byte AA of a word looks like a start byte in every frame; the phase with smaller changes wins,
+also later. A constant first word AAAA cannot be distinguished from a constant last one.
 
 Source: High-Resolution-Three-axis-Force-Sensing-for-Robotic-Fingertips, ``sensor-readout/src/main.cpp``,
 ``notebooks/tools/sensor_reader.py``; the host there counts words from 0 to 65 535, here they have a sign.
@@ -29,17 +29,17 @@ START = 0xAA
 LSB = np.array([0.150, 0.150, 0.242])
 SPAN = np.array([10.0, 10.0, 30.0])
 PROOF, LAST_PROOF = 5, 3
-"""Start bytes in a row that make a phase, and at the stream's end."""
+"""Number of consecutive start bytes that make a phase, and at the end of the stream."""
 LEAP, LASTING = 2**14, 3
-"""A change of a word from one frame to the next that is doubted, and the frames after which it is believed."""
+"""Change of a word between frames that is doubted, and the number of frames that confirm it."""
 SMOOTH = 2**11
-"""A word that changes by less from one frame to the next is no sign of a lost byte (307 uT)."""
+"""Change of a word between frames below which no byte is lost (307 uT)."""
 CLEAR = 2
-"""A phase at which the words change so many times less than at the one in use takes its place."""
+"""Ratio of the changes of the words at which another phase replaces the present one."""
 
 
 class LowiekDecoder(Decoder):
-    """Decodes frames of all boards' taxels."""
+    """Decodes frames with the taxels of all boards."""
 
     def __init__(self, options: Options) -> None:
         super().__init__()
@@ -85,7 +85,7 @@ class LowiekDecoder(Decoder):
         return Found(skip)
 
     def _rivalled(self) -> bool:
-        """Return whether another phase can have a start byte in this frame and, as far as it is here, in the next."""
+        """Return whether another phase can have a start byte in this frame and the available part of the next."""
         data, length = self._buffer, self._length
         at = data.find(START, 1, length)
         while at >= 0 and data[at + length : at + length + 1] not in (b"", bytes([START])):
@@ -93,7 +93,7 @@ class LowiekDecoder(Decoder):
         return at >= 0
 
     def _better_phase(self) -> int | None:
-        """Return the offset in a frame at which the last frames looked clearly more like frames, None if none did."""
+        """Return the offset at which the last frames fit clearly better, None if there is none."""
         past, length = self._past, self._length
         if len(past) <= PROOF * length:
             return None
@@ -105,7 +105,7 @@ class LowiekDecoder(Decoder):
         return best if CLEAR * changes[best] < changes[0] else None
 
     def _search(self, over: bool) -> Found | None:
-        """Find the phase and skip what is before it; at the stream's end fewer frames have to do."""
+        """Find the phase and skip the bytes before it; at the end of the stream fewer frames suffice."""
         data, length = self._buffer, self._length
         proof = min(PROOF, len(data) // length) if over else PROOF
         starts = len(data) - proof * length + 1  # offsets from which so many frames fit
@@ -121,12 +121,12 @@ class LowiekDecoder(Decoder):
         return Found(at)
 
     def _starts(self, tries: range, proof: int) -> list[int]:
-        """Return the offsets at which so many frames could begin."""
+        """Return the offsets at which this many frames could begin."""
         data, length = self._buffer, self._length
         return [at for at in tries if all(data[at + n * length] == START for n in range(proof))]
 
     def _best(self, starts: list[int], proof: int) -> int:
-        """Return the first of the offsets at which the words do not change clearly more than at another."""
+        """Return the first offset whose words do not change clearly more than at another offset."""
         changes = [self._roughness(at, proof) for at in starts]
         return next(at for at, change in zip(starts, changes, strict=True) if change <= CLEAR * min(changes))
 
@@ -165,7 +165,7 @@ class LowiekDecoder(Decoder):
 
 
 class LowiekEncoder(Encoder):
-    """Encodes frames; fields beyond the words' range wrap as the chips do, forces are clipped."""
+    """Encodes frames; field values wrap as on the chips, forces are clipped."""
 
     def __init__(self, options: Options) -> None:
         self._force = force_mode(options)
@@ -189,12 +189,12 @@ def force_mode(options: Options) -> bool:
 
 
 def _jump(now: Integers, before: Integers) -> Integers:
-    """Return the change of words around the circle of 2^16."""
+    """Return the change of words modulo 2^16, signed."""
     return (now - before + 2**15) % 2**16 - 2**15
 
 
 def _changes(words: list[Integers]) -> list[int]:
-    """Return how much the words change from each frame to the next."""
+    """Return the sum of changes of the words between frames."""
     return [int(np.abs(_jump(a, b)).sum()) for a, b in zip(words[1:], words, strict=False)]
 
 

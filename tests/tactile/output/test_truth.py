@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tactile.output.truth import Truth, truth_of
+from tactile.output.ground_truth import GroundTruth, truth_of
 from tactile.pipeline import FrameReport, run
 from tactile.settings import Settings
 from tactile.simulator.scene_file.file import scene_from
@@ -72,7 +72,7 @@ def test_the_nearest_of_several_and_the_time_of_sampling() -> None:
 
     effect = {"frame_timing": {"jitter_ms": 2.0, "drops": 0.2}}
     scene = scene_from(parsed(load=[load(-0.5), load(0.5)], effect=effect, duration_s=0.09, seed=3), "here")
-    truth, seen = Truth(scene), 0
+    truth, seen = GroundTruth(scene), 0
 
     def check(report: FrameReport) -> None:
         nonlocal seen

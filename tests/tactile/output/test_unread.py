@@ -9,7 +9,7 @@ import pytest
 
 from cnnsim.support import Array
 from tactile.core.frame import Frame, TaxelArray
-from tactile.output.unread import Unread
+from tactile.output.invalid_readings import InvalidReadings
 from tactile.sources import open_source
 from tactile.sources.replay_npz import write_npz
 from tests.kits.paths import ROOT
@@ -67,7 +67,7 @@ def test_a_folder_tells_of_each_recording(tmp_path: Path) -> None:
 
 def test_counts_by_hand() -> None:
     array = TaxelArray("tip", 2, 2, 1e-3, 1e-3)
-    unread, yes = Unread((array,)), np.ones((2, 2), bool)
+    unread, yes = InvalidReadings((array,)), np.ones((2, 2), bool)
     values = np.zeros((4, 2, 2, 3))
     values[:, 0, 0, 1] = np.nan  # a taxel that is never read
     values[1, 1, 1, 2] = np.inf
@@ -78,4 +78,4 @@ def test_counts_by_hand() -> None:
     assert unread.lines == [
         "tip: 1 of 4 taxels could be read in no frame, 5 readings of other taxels could not be read, in 1 frames none"
     ]
-    assert Unread((array,)).lines == []
+    assert InvalidReadings((array,)).lines == []

@@ -2,13 +2,13 @@
 
     55 66 77 88 | payload (`papillarray.packet`) | u16 sum of the payload's bytes | AA BB CC DD
 
-There is no length and no escaping, so both markers may occur inside a float: at every end marker each start marker
-before it is tried, the earliest first, and a packet counts whose checksum and structure are right. Bytes at random pass
-the checksum once in 65 536 times, and then have to have the structure of a packet as well.
+There is no length and no escaping, so both markers may occur inside a float. At every end marker each earlier start
+marker is tried, the first one first; a packet needs the right checksum and structure. Random bytes pass the checksum
+once in 65 536 times, but hardly the structure.
 
-Manual and vendor's host differ on two points, which the decoder settles from the data: whether a pillar's first triple
-is its force or its displacement (the pillars' forces add up to the sensor's), and whether the type of a sensor's slip
-entry has one byte or two (the block has one length only). Until a load tells, the first triple is taken for the force.
+The manual and the vendor's host differ on two points, which the decoder finds from the data: whether the first triple
+of a pillar is its force or its displacement (forces of pillars add up to that of the sensor), and whether the type of a
+slip entry has one byte or two (from the length of the block). Before a load decides, the first triple is the force.
 """
 
 from typing import Any
@@ -31,12 +31,12 @@ from tactile.wire.formats.papillarray.packet import (
 from tactile.wire.registry import Format
 
 LONGEST = 16384
-"""Bytes from start to end marker that are waited for, or twice a larger device's; two sensors of nine need 817."""
+"""Longest packet in bytes, or twice that of a larger device; two sensors of nine pillars need 817."""
 LARGEST = 2**16
-"""Bytes of a packet whose offsets have 16 bits, as hubs send them."""
+"""Largest packet with offsets of 16 bits, as hubs send them."""
 SHORTEST = 4 + 1 + 2 + 2 + 4
 NEAR, FAR = 0.05, 0.5
-"""[N] The right triple's sum is this near to the sensor's force, the wrong one's this far, where the order shows."""
+"""[N] Largest error of the sum of the right triples, and least error of the wrong ones, that decide their order."""
 ORDERS = ("force first, as the vendor's host reads it", "displacement first, as the manual draws it")
 
 
@@ -47,13 +47,13 @@ class PapillarrayDecoder(Decoder):
         super().__init__()
         self._taxels = options.taxels
         self._longest = max(LONGEST, 2 * _packet_size(options))
-        self._searched = 0  # in the buffer: end markers before this place have been tried
+        self._searched = 0  # end markers before this position have been tried
         self._read_packet = PacketReader()
         self._order: int | None = None
         self._entry: int | None = None
 
     def settled(self) -> dict[str, Any]:
-        """Return the two points on which manual and host differ, None where nothing has told yet."""
+        """Return the two points on which manual and host differ, None while unknown."""
         order = None if self._order is None else ORDERS[self._order]
         return {"pillar": order, "slip_entry_type_bytes": self._entry}
 
@@ -70,7 +70,7 @@ class PapillarrayDecoder(Decoder):
         return self._stale()
 
     def _ending_at(self, mark: int) -> Found | None:
-        """Return the packet whose end marker is at ``mark``, if any of the start markers before begins it."""
+        """Return the packet that ends with the marker at ``mark``, if any start marker before it fits."""
         data, end = self._buffer, mark + len(END)
         start = data.find(START, max(0, end - self._longest), mark)
         if start < 0:
@@ -83,7 +83,7 @@ class PapillarrayDecoder(Decoder):
             later = data.find(START, start + 1, mark)
             if later < 0:
                 break
-            total -= sum(data[start + 4 : later + 4])  # so that many markers cost no more than few
+            total -= sum(data[start + 4 : later + 4])  # bounds the cost of many markers
             start = later
         return None
 
@@ -101,12 +101,12 @@ class PapillarrayDecoder(Decoder):
             return Found(end)
         self._settle(packet)
         values = packet.triples[:, :, self._order or 0].reshape(-1, 3)
-        # of a sum of bytes two changes may cancel, one of them in the counter: a leap of it has to be confirmed
+        # two changes may cancel in a byte sum, so a jump of the counter needs confirmation
         place = self._begin + end
         return Found(start, end - start, Reading(values, place, None, packet.counter, packet.micros * 1e-6, False))
 
     def _stale(self) -> Found | None:
-        """Drop what can be in no packet any more: all before the first start marker that is not too old."""
+        """Drop bytes that can no longer be part of a packet."""
         data = self._buffer
         oldest = max(0, len(data) - self._longest + 1)
         keep = data.find(START, oldest)

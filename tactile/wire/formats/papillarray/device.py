@@ -1,10 +1,10 @@
-"""The hub's side of PTSCOM 2.0: packets out, and the commands that the specification has.
+"""Emulated PapillArray hub (PTSCOM 2.0): packets, and the commands of the specification.
 
     z\\n  bias: zero the readings; nothing may touch the sensors for up to 2 s
     S\\n  start slip detection      s\\n  stop it
     f100\\n f250\\n f500\\n f1000\\n  packets per second
 
-Other text is passed over. Source: PTSCOM 2.0 specification (Contactile, September 2022).
+Other text is ignored. Source: PTSCOM 2.0 specification (Contactile, September 2022).
 """
 
 import math
@@ -18,7 +18,7 @@ from tactile.wire.device_tare import DeviceTare
 from tactile.wire.formats.papillarray.packet import END, HUB, PILLAR, START, WHOLE
 
 BIAS = 2.0
-"""[s] that the hub averages."""
+"""[s] Averaging time of the hub."""
 RATES = (100, 250, 500, 1000)
 INELIGIBLE, IN_CONTACT = -2, 2
 """A pillar's slip state without slip detection and with it."""

@@ -1,4 +1,4 @@
-"""The inside of a PTSCOM 2.0 packet: its table of blocks and what each block holds.
+"""Payload of a PTSCOM 2.0 packet: its table of blocks and their contents.
 
 Payload, little endian: u8 w; entries {u16 type, offset of w bytes} and a closing u16 0. Offsets count from the first
 byte after the start marker. Blocks of type
@@ -9,8 +9,8 @@ byte after the start marker. Blocks of type
     5  Ns; for every sensor Np; for every pillar u16 1, int8 slip state, float32 friction
     6  Ns; for every sensor an entry type of 1 or 2 bytes, int8 state, float32 friction, float32 wanted grip force
 
-Ns and Np are u16, each followed by as many offsets of w bytes. What these nested offsets count from differs between
-devices, so the blocks are read one entry after the other and the nested offsets are left alone.
+Ns and Np are u16, each followed by as many offsets of w bytes. The origin of these nested offsets differs between
+devices, so the blocks are read entry by entry and the nested offsets are ignored.
 
 Sources: PTSCOM 2.0 specification (Contactile, September 2022); contactile-papillarray-ros2 ``protocol.py``.
 """
@@ -34,16 +34,15 @@ Span = tuple[int, int]
 
 
 class WrongPacketError(Exception):
-    """The payload is not built as it says."""
+    """The payload has an invalid structure."""
 
 
 @dataclass(frozen=True)
 class Packet:
-    """What the pipeline and the settling need of a packet.
+    """Contents of a packet.
 
-    ``triples`` (sensors, pillars, 2, 3): force and displacement in either order; ``force`` (sensors, 3) [N] of the
-    whole sensors, None where the block is missing; ``entry`` 1 or 2, the bytes of a type 6 entry's type, None where
-    neither fits.
+    ``triples`` (sensors, pillars, 2, 3): force and displacement in either order; ``force`` (sensors, 3) [N] of whole
+    sensors, None without the block; ``entry`` 1 or 2, the bytes of the type of a type 6 entry, None where neither fits.
     """
 
     counter: int
@@ -55,10 +54,10 @@ class Packet:
 
 @dataclass(frozen=True)
 class Layout:
-    """Where everything is in payloads of one build; those of a device are all alike, so it is found out only once.
+    """Byte positions in payloads of one structure; a device always sends the same, so it is found once.
 
-    ``fixed`` places of the bytes that are the same in all of them: the table, and counts, offsets and types of the
-    blocks that are read; ``told`` these bytes.
+    ``fixed`` positions of the bytes equal in all of them: table, counts, offsets and types of the blocks; ``told``
+    these bytes.
     """
 
     length: int
@@ -71,11 +70,11 @@ class Layout:
     entry_open: bool
 
     def fits(self, payload: bytes, data: NDArray[np.uint8]) -> bool:
-        """Return whether a payload is built so."""
+        """Return whether a payload has this structure."""
         return len(payload) == self.length and data.take(self.fixed).tobytes() == self.told and not self.entry_open
 
     def read(self, payload: bytes, data: NDArray[np.uint8]) -> Packet:
-        """Return what a payload of this build holds."""
+        """Return the contents of a payload of this structure."""
         counter, micros = HUB.unpack_from(payload, self.hub)
         triples = data.take(self.triples).view("<f4")[..., 0].astype(np.float64)
         force = None if self.force is None else data.take(self.force).view("<f4")[..., 0].astype(np.float64)
@@ -89,10 +88,10 @@ class PacketReader:
         self._layout: Layout | None = None
 
     def __call__(self, payload: bytes) -> Packet:
-        """Return what a payload holds.
+        """Return the contents of a payload.
 
         Raises:
-            WrongPacketError: a table, a count or a block that does not fit into it.
+            WrongPacketError: a table, a count or a block that does not fit.
         """
         data = np.frombuffer(payload, np.uint8)
         if self._layout is None or not self._layout.fits(payload, data):

@@ -1,9 +1,9 @@
-"""Paxini PX-6AX GEN3: the high-speed board, which pushes frames, and the serial converter board, which is asked.
+"""Paxini PX-6AX GEN3 decoders: high-speed board, which pushes frames, and serial converter board, which is polled.
 
 Packets are those of `paxini.packet`. Pushed data hold for every module a resultant of 6 bytes (three int16) where
 option ``resultant`` is true, then its points; answers hold the points of one module, and status 1 comes with valid
 ones. Bytes at random pass once in 2^40 (push: two start bytes, 00 and the length's two bytes are fixed) or 2^88 tries,
-each still times 2^8 for the LRC. Replies of the high-speed board to what it was told are no frames and no noise.
+each still times 2^8 for the LRC. Replies of the high-speed board to commands are ignored.
 """
 
 import struct
@@ -19,7 +19,7 @@ from tactile.wire.registry import Format
 
 
 class PaxiniDecoder(Decoder):
-    """What both boards share: a start, a length, a check byte at the end."""
+    """Base of both decoders: a start, a length, a check byte at the end."""
 
     starts: tuple[bytes, ...]
 

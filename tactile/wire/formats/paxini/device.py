@@ -1,8 +1,8 @@
-"""The boards' side of Paxini PX-6AX GEN3: frames out, and the requests that they obey.
+"""Emulated Paxini PX-6AX GEN3 boards: frames, and the requests they handle.
 
-The high-speed board pushes; it obeys writes to the push and data type registers and the calibration, and answers reads
-of those, of the module bitmap and of the point counts. The serial converter board answers reads of the points and the
-calibration. What they do not know is answered with an error: function + 80, or status 4 or 2.
+The high-speed board pushes frames. It handles writes to the push and data type registers and the calibration, and reads
+of these, the module bitmap and the point counts. The serial converter board handles reads of the points and the
+calibration. Other requests are answered with an error: function + 80, or status 4 or 2.
 """
 
 import struct
@@ -16,7 +16,7 @@ from tactile.wire.device_tare import DeviceTare
 from tactile.wire.formats.paxini import packet as px
 
 SETTLE = 0.1
-"""[s] that a calibration averages."""
+"""[s] Averaging time of a calibration."""
 BAD_CHECK, BAD_COMMAND = 0x02, 0x04
 
 
@@ -29,7 +29,7 @@ class PaxiniEncoder(Encoder):
         self._tare, self._received = DeviceTare(SETTLE), bytearray()
 
     def receive(self, data: bytes) -> bytes:
-        """Obey and answer every request that is complete; noise before a request is passed over."""
+        """Handle every complete request; noise before a request is skipped."""
         self._received += data
         said = b""
         while True:
@@ -48,11 +48,11 @@ class PaxiniEncoder(Encoder):
 
     @abstractmethod
     def _length(self, head: bytes) -> int:
-        """Return the whole length of the request that begins so."""
+        """Return the length of the request at the start."""
 
     @abstractmethod
     def _answer(self, request: bytes) -> bytes:
-        """Obey a request and return the answer."""
+        """Handle a request and return the answer."""
 
 
 class PushEncoder(PaxiniEncoder):

@@ -1,4 +1,4 @@
-"""What both Paxini PX-6AX GEN3 boards share: packets, points, options.
+"""Packets, points and options of both Paxini PX-6AX GEN3 boards.
 
 Little endian; LRC is the two's complement of the sum of all bytes before it; a point is int8 Fx, int8 Fy, uint8 Fz in
 0.1 N, Fz positive when pressed.
@@ -39,9 +39,9 @@ MODULES, DATA_TYPE, AUTO_PUSH, POINT_COUNTS, ZERO = 0x0010, 0x0016, 0x0017, 0x00
 POINTS_ADDRESS, ZERO_ADDRESS = 0x40E, 0x03
 """Addresses of the serial converter board."""
 LONGEST = 2048
-"""Bytes of data that are waited for though the modules have fewer, to say that they are unfit."""
+"""Bytes of data to wait for beyond those of the modules, so that other shapes are recognised."""
 SLOTS, LARGEST = 28, 2**16 - 16
-"""Modules of the high-speed board; most bytes of data, whose length has 16 bits."""
+"""Modules of the high-speed board; largest number of data bytes for a 16-bit length."""
 
 
 def lrc(data: bytes | bytearray) -> int:
@@ -74,12 +74,12 @@ def fast_request(function: int, register: int, data: bytes = b"") -> bytes:
 
 
 def slow_request(function: int, address: int, data: bytes = b"", count: int = 0) -> bytes:
-    """Return a request to the serial converter board; ``count`` bytes are wanted where it reads."""
+    """Return a request to the serial converter board; a read asks for ``count`` bytes."""
     return closed(REQUEST + SLOW.pack(9 + len(data), 1, 0, function, address, count or len(data)) + data)
 
 
 def resultant(options: Options) -> bool:
-    """Return the option: whether pushed data hold resultants."""
+    """Return the option ``resultant``: whether pushed data contain resultants."""
     found = options.extra.get("resultant", True)
     if not isinstance(found, bool):
         raise InputError(f"paxini-fast: resultant = {found!r}, true or false wanted")
@@ -87,7 +87,7 @@ def resultant(options: Options) -> bool:
 
 
 def longest(data: int) -> int:
-    """Return the largest length to wait for where the modules send ``data`` bytes.
+    """Return the longest packet to wait for if the modules send ``data`` bytes.
 
     Raises:
         InputError: more than a packet can hold.

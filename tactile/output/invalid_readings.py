@@ -1,4 +1,4 @@
-"""Readings that could not be read, counted and told: a run without events may be one in which nothing was read."""
+"""Count of invalid readings: a run without events may be one without readings."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ from tactile.core.frame import Frame, TaxelArray
 
 @dataclass
 class _Finger:
-    """Counts of one finger: its frames, those in which no taxel was read, and how often each taxel was not."""
+    """Counts of one finger: frames, frames without a reading, and invalid readings of each taxel."""
 
     unread: Integers
     frames: int = 0
@@ -21,8 +21,8 @@ class _Finger:
 
 
 @dataclass
-class Unread:
-    """Counts taxels that are not valid, or whose readings are no numbers that can be one, in frames as they come."""
+class InvalidReadings:
+    """Counts invalid taxels, and readings that are not finite or out of range, in frames as they come."""
 
     arrays: tuple[TaxelArray, ...]
     _fingers: list[_Finger] = field(init=False)
@@ -31,7 +31,7 @@ class Unread:
         self._fingers = [_Finger(np.zeros(array.shape, np.int64)) for array in self.arrays]
 
     def through(self, frames: Iterable[Frame]) -> Iterator[Frame]:
-        """Count the frames and hand them on."""
+        """Count the frames and pass them on."""
         for frame in frames:
             finger = self._fingers[frame.finger]
             finger.frames += 1
@@ -44,7 +44,7 @@ class Unread:
 
     @property
     def lines(self) -> list[str]:
-        """What could not be read, a line a finger; nothing where all was."""
+        """One line per finger with invalid readings."""
         pairs = zip(self.arrays, self._fingers, strict=True)
         return [f"{array.name}: {said}" for array, finger in pairs if (said := _words(finger))]
 

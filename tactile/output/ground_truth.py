@@ -1,4 +1,4 @@
-"""Truth of a scene beside what was located: the load that was put there, and how far off the located one is."""
+"""Ground truth of a scene: the true load of every frame, and the error of the located one."""
 
 from typing import Any, NamedTuple
 
@@ -9,16 +9,16 @@ from tactile.core.loads import FORCE, PLACE
 from tactile.pipeline import FrameReport
 
 AT_ONCE = 512
-"""Frames for which the true loads are computed together."""
+"""Frames per evaluation of the true loads."""
 NAN = float("nan")
 
 
 class TrueLoad(NamedTuple):
-    """The true load of a frame: (x, y) [m], (Q, R, F) [N], NaN where nothing presses, and the located one's errors.
+    """The true load of a frame: (x, y) [m], (Q, R, F) [N], NaN without one, and the errors of the located load.
 
-    ``pressing``: how many press at that time; the one nearest to the located place is given, or the firmest where
-    nothing was located. ``error_m``: distance of the places; ``error_n``: length of the difference of the forces, of
-    those components that were located; NaN where one of the two is missing.
+    ``pressing``: number of loads at that time; the one nearest to the located position is given, or the strongest one.
+    ``error_m``: distance of the positions; ``error_n``: length of the difference of the forces, of the located
+    components; NaN if either load is missing.
     """
 
     pressing: int = 0
@@ -32,7 +32,7 @@ class TrueLoad(NamedTuple):
 
 
 class Truth:
-    """Gives the true load of every report of a run over a scene, or over anything with its ``loads_at``."""
+    """Returns the true load of every report of a run on a scene, or on any source with ``loads_at``."""
 
     def __init__(self, scene: Any) -> None:
         self._scene = scene
@@ -40,7 +40,7 @@ class Truth:
         self._fingers = {array.name: number for number, array in enumerate(scene.arrays)}
 
     def __call__(self, report: FrameReport) -> TrueLoad:
-        """Return the true load at the time at which a frame was sampled, which its sequence number tells."""
+        """Return the true load at the sampling time of a frame, from its sequence number."""
         rows = self._rows(self._fingers[report.array.name], report.frame.sequence)
         rows = rows[np.abs(rows[:, FORCE]).max(axis=1, initial=0.0) > 0]
         if not len(rows):
@@ -57,7 +57,7 @@ class Truth:
         return found._replace(error_m=float(apart.min()), error_n=error)
 
     def _rows(self, finger: int, sequence: int) -> Floats:
-        """Return the (contacts, 5) loads on a finger when a frame was sampled."""
+        """Return the (contacts, 5) loads on a finger at the sampling time of a frame."""
         first, loads = self._known.get(finger, (0, np.empty((0, 0, 5))))
         if not first <= sequence < first + len(loads):
             first = sequence - sequence % AT_ONCE
@@ -68,5 +68,5 @@ class Truth:
 
 
 def truth_of(source: Any) -> Truth | None:
-    """Return the truth of a scene; None for recordings, which do not know it."""
+    """Return the ground truth of a scene; None for recordings."""
     return Truth(source) if hasattr(source, "loads_at") else None
