@@ -1,4 +1,4 @@
-"""The command that says what accuracy costs in a scene."""
+"""Command `accuracy`: what accuracy costs in a scene."""
 
 from dataclasses import asdict
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The command that calibrates from a scan, or from known weights."""
+"""Command `calibrate`: calibration from a scan or from known weights."""
 
 from pathlib import Path
 from typing import get_args
@@ -58,7 +58,7 @@ def calibrate(
         return
     if speed_mm_s is None or load_n is None:
         raise click.UsageError("--speed-mm-s and --load-n of a needle wanted, or --weights FILE")
-    from tactile.calibration.file import write_calibration  # SciPy's splines are slow to import
+    from tactile.calibration.file import write_calibration  # slow to import
     from tactile.calibration.from_scan import calibrate as from_scan  # the same
     from tactile.sources import open_source  # the same
 
@@ -110,9 +110,9 @@ def _tared(source: Source, scan: Path, tare: int) -> list[Frame]:
 
 def _from_weights(scan: Path, weights: Path, fit: Model, tare: int, output: Path | None, as_json: bool) -> None:
     """Calibrate every taxel by known loads."""
-    from tactile.calibration.taxel_file import write_taxel_gains  # only here
+    from tactile.calibration.taxel_file import write_taxel_gains  # imported when used
     from tactile.calibration.weights_file import read_weights, steady_means  # the same
-    from tactile.sources import open_source  # SciPy's splines are slow to import
+    from tactile.sources import open_source  # slow to import
 
     times, loads = read_weights(weights)
     source = open_source(scan)

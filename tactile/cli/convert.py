@@ -1,4 +1,4 @@
-"""The command that writes the frames of a source in another form."""
+"""Command `convert`: writes the frames of a source in another format."""
 
 from pathlib import Path
 
@@ -24,7 +24,7 @@ def convert(source: Path, target: Path, replace: bool) -> None:
     SOURCE is what `tactile run` takes: a recording (.mcap, .npz, .csv, .parquet), a ROS bag (.bag, .db3 or a folder)
     or a scene (.toml). What TARGET cannot hold is said on stderr.
     """
-    from tactile.sources.convert import convert as write  # only here
+    from tactile.sources.convert import convert as write  # imported when used
 
     there = target.exists()
     done = write(source, target, replace, lambda frames, total: watched(frames, "frames", total))

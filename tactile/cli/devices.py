@@ -65,7 +65,7 @@ def emulate(
     link: Path | None, loop: bool, seed: int, **faults: Any,
 ) -> None:  # fmt: skip
     """Be a device: print the port to open, then send frames at their times once somebody opens it."""
-    from tactile.serial.emulator import Emulator  # only here
+    from tactile.serial.emulator import Emulator  # imported when used
     from tactile.serial.faults import Faults  # the same
     from tactile.sources import open_source  # the same
     from tactile.wire.packets import check_form, emulated_description, packets  # the same
@@ -107,7 +107,7 @@ def emulate(
 
 
 def _introduce(device: "Emulator", array: Path | None) -> None:
-    """Say where the device is, and to people what reads it."""
+    """Print the port of the device, and for people the command that reads it."""
     echo(device.port)
     sys.stdout.flush()
     if sys.stderr.isatty():

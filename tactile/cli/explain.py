@@ -1,4 +1,4 @@
-"""The command that explains a scene."""
+"""Command `explain`: the parts of a scene with their size and time."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The command line of the tactile layer: the group of all commands."""
+"""Command line of the tactile layer: the group of all commands."""
 
 import warnings
 from typing import Any

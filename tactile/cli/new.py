@@ -1,4 +1,4 @@
-"""The command `new`: a commented file of a scene, an array description or a detector, which runs as it is."""
+"""Command `new`: writes a commented, runnable file of a scene, an array description or a detector."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Texts of new scene files, array descriptions and detectors: every key, most of them as comments."""
+"""Templates of scene files, array descriptions and detectors: every key, most of them as comments."""
 
 SCENE = """\
 # A finger is touched, pushed to the right and released. Lengths in mm, forces in N, times in s.

@@ -1,4 +1,4 @@
-"""A scene or a recording opened with the settings that a user's choices, its live run or its own unit ask for."""
+"""Opening a scene or recording with the settings of the user, of its live run, or of its file."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RunChoices:
-    """What a user of `tactile run` has chosen: ``options``, how to ``tare``, ``gains`` or a ``calibration`` file."""
+    """Choices of a user of `tactile run`: ``options``, mode of ``tare``, ``gains`` or a ``calibration`` file."""
 
     options: PipelineOptions
     tare: TareMode | None = None
@@ -31,7 +31,7 @@ class RunChoices:
 
 @dataclass(frozen=True)
 class Opened:
-    """A ``source``, its ``settings`` and tare ``mode``; ``notes`` on it, and on its ``forces``, in words."""
+    """A ``source``, its ``settings`` and tare ``mode``; ``notes`` on it and on its ``forces``."""
 
     source: Source
     settings: Settings
@@ -57,7 +57,7 @@ def open_for_run(path: Path, choices: RunChoices) -> Opened:
     mode = choices.tare if choices.tare is not None else lived.tare if lived else ("auto" if known.untared else "off")
     skin = lived.skin if lived else None
     if choices.calibration is not None:
-        from tactile.calibration.file import load_calibration  # SciPy's splines are slow to import
+        from tactile.calibration.file import load_calibration  # slow to import
 
         skin = load_calibration(choices.calibration)
     options = lived.but(choices.options) if lived else choices.options
@@ -70,16 +70,16 @@ def open_for_run(path: Path, choices: RunChoices) -> Opened:
 
 
 def _recorded(choices: str, source: Path) -> "LiveOptions | None":
-    """Return the options of the live run that recorded a source, None where it was none."""
+    """Return the options of the live run that recorded a source, None for other sources."""
     if not choices:
         return None
-    from tactile.cli.port.live import recorded_options  # only here
+    from tactile.cli.port.live import recorded_options  # imported when used
 
     return recorded_options(choices, str(source))
 
 
 def gains_of(text: str | None) -> Gains | None:
-    """Return the gains that SHEAR,NORMAL says."""
+    """Return the gains in a text SHEAR,NORMAL."""
     if text is None:
         return None
     try:
@@ -90,8 +90,8 @@ def gains_of(text: str | None) -> Gains | None:
 
 
 def _on_bumps(settings: Settings, arrays: tuple[TaxelArray, ...], bumps: "Bumps") -> tuple[Settings, str]:
-    """The settings with which a flat cover's inverse gives a load on a bump its force, and what was done, in words."""
-    from tactile.calibration.radial import RadialCorrection  # SciPy's splines are slow to import
+    """Return settings that scale the forces of a flat cover's inverse to those on a bump, and a note."""
+    from tactile.calibration.radial import RadialCorrection  # slow to import
 
     factors = {array.name: bumps.over_flat(array, array.quantity) for array in arrays}
     factor = max(factors.values())

@@ -48,7 +48,7 @@ def kept_calibration(path: Path | None, description: "Description") -> str | Non
     if path is None:
         description.check_calibrated()
         return None
-    from tactile.calibration.file import load_calibration  # SciPy's splines are slow to import
+    from tactile.calibration.file import load_calibration  # slow to import
 
     load_calibration(path)  # so that messages name the file
     return path.read_text(encoding="utf-8")

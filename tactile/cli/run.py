@@ -56,7 +56,7 @@ def run(
     SOURCE is a scene (.toml), a recording (.npz, .csv, .parquet, .mcap) or a ROS bag (.bag, .db3 or a folder); or
     a folder of them, whose events make one table, events.csv: a recording that is broken is a row with its error.
     """
-    from tactile import pipeline  # the machine is loaded only when it runs
+    from tactile import pipeline  # imported when used
     from tactile.output.collected import Collected  # the same
     from tactile.output.ground_truth import truth_of  # the same
     from tactile.output.invalid_readings import InvalidReadings  # the same
@@ -71,7 +71,7 @@ def run(
         raise click.UsageError("--calibration has gains; leave out --gains")
     choices = RunChoices(PipelineOptions(**chosen), tare, gains_of(gains), calibration)
     if is_folder_of_recordings(source):
-        from tactile.cli.run_folder import run_folder  # the machine is loaded only when it runs
+        from tactile.cli.run_folder import run_folder  # imported when used
 
         run_folder(source, choices, output, parquet=parquet, as_json=as_json)
         return

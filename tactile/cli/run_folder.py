@@ -1,4 +1,4 @@
-"""Many recordings run through the pipeline, one after the other, into one table of events."""
+"""Runs many recordings through the pipeline into one table of events."""
 
 from collections import Counter, deque
 from dataclasses import asdict, dataclass, field
@@ -24,7 +24,7 @@ from tactile.wire.extras import need
 
 @dataclass
 class _Watch:
-    """A sink that keeps the events, the levels at which each was told, and how long it all was."""
+    """A sink that collects the events, the levels of each, and the duration."""
 
     log: EventLog = field(default_factory=EventLog)
     levels: dict[tuple[str, str, float], Levels | None] = field(default_factory=dict)
@@ -50,16 +50,16 @@ class _Watch:
 
 
 def run_folder(folder: Path, choices: RunChoices, output: Path | None, *, parquet: bool, as_json: bool) -> None:
-    """Run the recordings and scenes of a folder; one that is broken is a row with its error.
+    """Run the recordings and scenes of a folder; an unreadable one becomes a row with its error.
 
     Raises:
-        InputError: none in it, none that could be run, or a table that cannot be written.
+        InputError: none in it, none that can be run, or a table that cannot be written.
     """
     files = recordings_in(folder)
     if not files:
         raise InputError(f"{folder}: no recordings or scenes in it, which are wanted")
     if parquet:
-        need("tactile.recording.parquet_rows", "a Parquet table")  # said before the work
+        need("tactile.recording.parquet_rows", "a Parquet table")  # fails before the work
     rows: list[dict[str, Any]] = []
     recordings = []
     for file in watched(files, "recordings", len(files)):
@@ -92,7 +92,7 @@ def run_folder(folder: Path, choices: RunChoices, output: Path | None, *, parque
 
 
 def _run(file: Path, choices: RunChoices) -> tuple[list[dict[str, Any]], dict[str, Any]]:
-    """Return the rows of one recording's events, and a summary of it."""
+    """Return the event rows of one recording, and a summary of it."""
     opened, seen = open_for_run(file, choices), _Watch()
     source, unread = opened.source, InvalidReadings(opened.source.arrays)
     asked: deque[bool] = getattr(source, "tare_requests", deque())  # of recordings in which a tare was asked for

@@ -1,4 +1,4 @@
-"""The command that scores recordings and sequences against labels, and simulated grasps against their closed form."""
+"""Command `score`: recordings and sequences against labels, simulated grasps against closed forms."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 HALVES = ("all", "tune", "report")
 FEW = 0.5
-"""Share of the frames in contact: where located loads explain fewer, the array is described wrongly."""
+"""Share of contact frames explained by located loads, below which the array description is probably wrong."""
 
 
 @click.command(
@@ -74,7 +74,7 @@ def score(
         raise click.UsageError("--gain, --kind and --rate are of sequences; a file of them and --array wanted")
     if recordings is None and not grasps and not idle_minutes:
         raise click.UsageError("nothing to score; a folder and --labels, --grasps or --idle-minutes wanted")
-    from tactile.core.source import provenance  # the machine is loaded only when it runs
+    from tactile.core.source import provenance  # imported when used
     from tactile.settings import PipelineOptions  # the same
 
     check_thresholds(chosen)

@@ -1,4 +1,4 @@
-"""Where the command line `tactile` begins: all else is imported when Ctrl-C is answered."""
+"""Entry point of the command line `tactile`; other imports follow once Ctrl-C is handled."""
 
 from cnnsim.start import start
 

@@ -48,7 +48,7 @@ def record(
     replace: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Record bytes and frames of a port until Ctrl-C, without interpreting them."""
-    from tactile.recording.writer import Recording  # only here
+    from tactile.recording.writer import Recording  # imported when used
     from tactile.serial.session import Session  # the same
 
     description = chosen_description(protocol, array)
@@ -98,7 +98,7 @@ def live(
     """Run the pipeline on frames as they arrive. Typing t and Return asks for a tare, t! takes it
     whatever presses, q or Ctrl-C ends."""
     from tactile.cli.port.live import LiveMonitor, LiveOptions, print_line  # the same
-    from tactile.recording.writer import Recording  # only here
+    from tactile.recording.writer import Recording  # imported when used
     from tactile.serial.session import Session  # the same
 
     check_thresholds(chosen)
@@ -132,7 +132,7 @@ def replay(recording: Path, paced: bool, speed: float | None, as_json: bool, **c
 
     Options of thresholds and programs take the place of those of the live run, and these of those in the array file.
     """
-    import time  # only here
+    import time  # imported when used
 
     from tactile.cli.port.live import LiveMonitor, print_line, recorded_options  # the same
     from tactile.cli.port.live import paced as at_its_time

@@ -1,4 +1,4 @@
-"""The command `sweep` of the tactile layer: its kinds of sweep, each with its module."""
+"""Command `sweep` of the tactile layer: its kinds of sweep, each with its module."""
 
 from cnnsim.sweep.command import sweep_command
 

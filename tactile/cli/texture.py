@@ -1,4 +1,4 @@
-"""The commands that learn materials from slides, tell them, and say how well they are told."""
+"""Commands for textures: train, classify, report."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -13,14 +13,14 @@ from cnnsim.support.terminal import echo, say_table
 from tactile.cli.options import FILE, Finite
 
 if TYPE_CHECKING:
-    from tactile.materials.assess import Assessment
+    from tactile.materials.assessment import Assessment
     from tactile.materials.slide import Slide
 
 KINDS = ("full", "figures")
 
 
 def _shared(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command the options that say what slides are and what is computed of them."""
+    """Add the options that describe slides and their features to a command."""
     for option in reversed((
         click.option("--labels", type=FILE, help="CSV: recording, material, and what is known of sensor, start_s,"
                      " stop_s, speed_mm_s, block."),
@@ -33,7 +33,7 @@ def _shared(command: Callable[..., None]) -> Callable[..., None]:
 
 
 class _Texture(click.Group):
-    """A group of commands whose names stand in the order in which they are used."""
+    """A group of commands listed in the order of use."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(self.commands)
@@ -101,8 +101,8 @@ def classify(
     source: Path, model: Path, confidence: float, labels: Path | None, window: int, speed: float | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Tell the materials of slides: SOURCE is a folder, a file of slides or a recording."""
+    from tactile.materials.classification import strange, told_slides  # the same
     from tactile.materials.model_file import read_model  # NumPy is slow to import
-    from tactile.materials.tell import strange, told_slides  # the same
     from tactile.materials.windows import cut  # the same
 
     known = read_model(model)
@@ -145,7 +145,7 @@ def report(
     Windows are tried by slide, by block of slides, at another place of the slides, and with each material left out
     as an unknown one; for the paper's two figures and the full set.
     """
-    from tactile.materials.assess import assess  # NumPy is slow to import
+    from tactile.materials.assessment import assess  # NumPy is slow to import
     from tactile.materials.features import feature_set  # the same
     from tactile.materials.fit import learner  # the same
     from tactile.materials.model import hop  # the same

@@ -1,4 +1,4 @@
-"""Conditions under which slides were recorded: rate, pressing, direction and speed."""
+"""Recording conditions of slides: rate, pressing, direction and speed."""
 
 from typing import Any
 
@@ -8,7 +8,7 @@ from tactile.materials.windows import WindowTable
 
 
 def conditions_of(table: WindowTable, window: int) -> dict[str, Any]:
-    """Return under which conditions slides were recorded, each as its 5 and 95 % points over the windows."""
+    """Return the recording conditions of slides, each as its 5 and 95 % points over the windows."""
     rows = []
     for slide, start in zip(table.slide.tolist(), table.start.tolist(), strict=True):
         one = table.slides[slide]

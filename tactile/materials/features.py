@@ -1,4 +1,4 @@
-"""Features of a window of a slide: the paper's two figures, or a full set of spectra, memory and coupling."""
+"""Features of a window of a slide: the paper's two figures, or a full set of spectra, autocorrelation and coupling."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -15,33 +15,33 @@ from tactile.materials.spectra import band_means, coupling, memory, spectrum
 Kind = Literal["figures", "full"]
 CHANNELS = ("shear_x", "shear_y", "normal", "friction")
 PAIRS = ((0, 2), (1, 2), (0, 1))
-"""Channels whose coupling is told: each shear with the normal, and both shears."""
+"""Pairs of channels with coupling features: each shear with the normal, and both shears."""
 BANDS, FINE = 16, 4
-"""Bands of a spectrum, and frequencies in each of them."""
+"""Number of bands of a spectrum, and of frequencies in each band."""
 LAGS = np.array([1, 2, 3, 4, 6, 8, 12, 16, 24, 32])
-"""Lags of the autocorrelation, in samples of the slides that are learned from."""
+"""Lags of the autocorrelation, in samples of the training slides."""
 SHIFTS = np.array([-8, -4, -2, -1, 1, 2, 4, 8])
 """Lags of the coupling of two channels."""
 FLOOR = 0.05
-"""A sample pressed with less than this part of the window's mean has no friction of its own: the finger jumps."""
+"""Pressing over the mean of the window, below which a sample has no friction value: the finger jumps."""
 SHORTEST = 8
-"""Samples of a window in which a full set makes sense."""
+"""Least number of samples of a window for the full set."""
 
 
 @dataclass(frozen=True)
 class FeatureSet:
-    """Which numbers describe a window of ``window`` samples.
+    """The features of a window of ``window`` samples.
 
     ``kind``: "figures" are friction coefficient and roughness, eqs (19), (20), as logarithms; "full" adds
 
         mean shear / mean normal, log mean normal, log (spread / mean normal) of each channel,
-        log of the power in bands, of the whole 1, by least squares at the samples' own times,
+        log of the relative power in bands, from least squares at the sample times,
         autocorrelation, correlation of the shears with the normal at several lags,
         mean step, skewness and kurtosis of each channel,
 
-    all but the means of what a parabola over the window leaves. ``frequencies`` [1/s], or [1/m] where a slide's way is
-    known (``by_way``), and ``spacing`` [s] or [m] of the samples that lags count in are those of the slides that are
-    learned from: so spectra of other rates and, by way, other speeds are compared at the same places.
+    all but the means after subtraction of a parabola. ``frequencies`` [1/s], or [1/m] if the speed of the slides is
+    known (``by_way``), and ``spacing`` [s] or [m] of the lags come from the training slides, so that spectra of other
+    rates and, by way, other speeds are compared at the same frequencies.
 
     Source: Vasarhelyi, Fodor, Roska, eqs (19), (20) for the two figures.
     """
@@ -54,7 +54,7 @@ class FeatureSet:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """A name for each number."""
+        """A name for each feature."""
         names = ["friction", "roughness"]
         if self.kind == "figures":
             return tuple(names)
@@ -71,9 +71,9 @@ class FeatureSet:
         return tuple(names + [f"{what} {name}" for what in ("step", "skewness", "kurtosis") for name in CHANNELS])
 
     def __call__(self, t: Floats, force: Floats, speed: float | None = None) -> Floats:
-        """Return the features of one window: ``t`` (n,) [s], ``force`` (n, 3) as in `Slide`, ``speed`` [m/s] by way.
+        """Return the features of one window: ``t`` (n,) [s], ``force`` (n, 3) as in `Slide`, ``speed`` [m/s] if by way.
 
-        NaN where half of it is not pressed or nothing changes.
+        NaN where less than half of it is pressed, or nothing changes.
         """
         along = (t - t[0]) * (speed if self.by_way and speed is not None else 1.0)
         with np.errstate(all="ignore"):
@@ -110,12 +110,12 @@ class FeatureSet:
 
 
 def feature_set(kind: str, window: int, slides: Iterable[Slide]) -> FeatureSet:
-    """Return the features for slides: their frequencies go from once a window to half the rate of the samples.
+    """Return the features for slides; their frequencies go from one per window to half the sample rate.
 
-    By way where every slide has its speed, else by time.
+    By way if every slide has a speed, else by time.
 
     Raises:
-        InputError: an unknown kind, a window that is too short or too long, or no slide as long as it.
+        InputError: an unknown kind, a window that is too short or too long, or no slide of its length.
     """
     if kind not in get_args(Kind):
         raise InputError(f"features {kind!r}; {' or '.join(get_args(Kind))} wanted")

@@ -1,4 +1,4 @@
-"""The space and the known windows learned from windows with materials, by scikit-learn."""
+"""Fit of the feature space and the known windows, by scikit-learn."""
 
 import importlib
 from dataclasses import replace
@@ -9,16 +9,16 @@ import numpy as np
 from cnnsim.support import Floats, InputError, Integers
 from cnnsim.support.extras import install_line
 from tactile.materials.features import Kind
-from tactile.materials.nearest import Known, Space
+from tactile.materials.nearest_neighbours import Known, Space
 
 LANDMARKS = 600
-"""Windows to which kernels are taken; half as many cost 0.01 of the accuracy."""
+"""Number of windows with kernels; half as many cost 0.01 of the accuracy."""
 WIDTH = 0.25
-"""Kernels fall by exp(-WIDTH) at a mean squared distance of 1 in each scaled feature."""
+"""Exponent of the kernels at a mean squared distance of 1 in each scaled feature."""
 WEIGHT = 4.0
-"""Weight of a kernel's feature, which is within 1, beside the scaled ones."""
+"""Weight of the kernel features relative to the scaled ones."""
 SHRINKAGE = 0.2
-"""Times features over windows: how far the covariance is drawn to a multiple of the identity; 0.02 for 8000 windows."""
+"""Shrinkage of the covariance to a multiple of the identity, times features over windows; 0.02 for 8000 windows."""
 
 
 def learner(module: str) -> ModuleType:
@@ -38,22 +38,22 @@ def learner(module: str) -> ModuleType:
 def fit(values: Floats, material: Integers, count: int, kind: Kind) -> tuple[Space, Known]:
     """Return the space and the known windows of features (n, k) with materials (n,), numbers below ``count``.
 
-    The two figures are only scaled. The full set is joined by kernels to windows chosen at random (the same each time),
-    and turned to the discriminants of the materials.
+    The two figures are only scaled. The full set gets kernels to a fixed random choice of windows, and is projected to
+    the discriminants of the materials.
     """
     centre, spread = values.mean(0), values.std(0)
     scale = np.where(spread > 0, spread, 1.0)
     size = values.shape[1]
     space = Space(centre, scale, np.empty((0, size)), np.empty((0, 0)), WIDTH / size, WEIGHT, np.eye(size))
     if kind == "full" and len(np.unique(material)) > 1:
-        # threads of linear algebra that wait for a busy processor cost ten times what they save
-        with importlib.import_module("threadpoolctl").threadpool_limits(1, "blas"):  # scikit-learn brings it
+        # threads of linear algebra on a busy processor cost ten times what they save
+        with importlib.import_module("threadpoolctl").threadpool_limits(1, "blas"):  # a dependency of scikit-learn
             space = _turned(space, (values - centre) / scale, material)
     return space, Known(space(values), material, count)
 
 
 def _turned(space: Space, scaled: Floats, material: Integers) -> Space:
-    """Return the space with kernels to some of the scaled windows, turned to their discriminants."""
+    """Return the space with kernels to some of the scaled windows, projected to their discriminants."""
     kernels = learner("kernel_approximation").Nystroem(
         gamma=space.gamma, n_components=min(LANDMARKS, len(scaled) // 2), random_state=0
     )

@@ -1,4 +1,4 @@
-"""A model of materials: the features, the space and the known windows, and how sure a told material is."""
+"""Texture model: features, feature space, known windows, and confidence of a prediction."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,23 +10,23 @@ from cnnsim.support import Floats
 from tactile.materials.conditions import conditions_of
 from tactile.materials.features import FeatureSet
 from tactile.materials.fit import fit, learner
-from tactile.materials.nearest import Known, Space
+from tactile.materials.nearest_neighbours import Known, Space
+from tactile.materials.novelty import StandOut, numbered, stand_out
 from tactile.materials.slide import Slide
-from tactile.materials.unknown import StandOut, numbered, stand_out
 from tactile.materials.windows import WindowTable, cut
 
 OVERLAP = 4
-"""The full set is learned from windows that begin every quarter of one, the two figures from windows side by side."""
+"""Overlap of training windows: a window every quarter of its length (full set), or adjacent windows (two figures)."""
 
 
 @dataclass(frozen=True)
 class Confidence:
-    """Probability that the told material is right, from the share of the votes s and the novelty d of a window.
+    """Probability that the predicted material is right, from the vote share s and the novelty d of a window.
 
         p = 1 / (1 + exp(-(offset + vote log(s / (1 - s)) + distance log d)))
 
-    Fitted to windows that were not learned from, each material left out in turn; all unknown ones together count as
-    much as one known material.
+    Fitted to held-out windows, with each material left out in turn; all unknown ones together weigh as much as one
+    known material.
     """
 
     offset: float
@@ -42,9 +42,9 @@ class Confidence:
 
 @dataclass(frozen=True)
 class TextureModel:
-    """What ``materials`` feel like: ``features`` of windows, their ``space``, the ``known`` windows in it.
+    """A classifier of ``materials``: ``features`` of windows, their ``space``, the ``known`` windows in it.
 
-    ``confidence`` in what is told; ``conditions``: under which the slides were recorded, as plain data.
+    ``confidence`` of a prediction; ``conditions``: recording conditions of the training slides, as plain data.
     """
 
     materials: tuple[str, ...]
@@ -58,7 +58,7 @@ class TextureModel:
         return f"TextureModel({', '.join(self.materials)}; {self.features.kind}, {len(self.known.places)} windows)"
 
     def tell(self, table: WindowTable) -> tuple[Floats, Floats]:
-        """Return of windows (n,) their shares of the votes (n, materials), and the confidence (n,) in the largest."""
+        """Return the vote shares (n, materials) of windows (n,), and the confidence (n,) of the largest."""
         vote = self.known.vote(self.space(table.values))
         return vote.shares, self.confidence(vote.share, vote.novelty)
 
@@ -69,12 +69,12 @@ def hop(features: FeatureSet) -> int:
 
 
 def train(slides: Sequence[Slide], features: FeatureSet) -> tuple[TextureModel, dict[str, float]]:
-    """Learn from slides; return the model, and for each material how well it stands out where it is left out (AUROC).
+    """Train on slides; return the model, and for each material the AUROC of its novelty when it is left out.
 
     Raises:
         InputError: slides without a material, fewer than two materials, fewer than two slides of one; no scikit-learn.
     """
-    learner("neighbors")  # said before the work
+    learner("neighbors")  # fails before the work
     table = cut(slides, features, hop(features))
     materials, numbers = numbered(table)
     stands = stand_out(table, features.kind, features.window)
@@ -85,7 +85,7 @@ def train(slides: Sequence[Slide], features: FeatureSet) -> tuple[TextureModel, 
 
 
 def _confidence(stands: StandOut, materials: int) -> Confidence:
-    if not stands.right.any() or stands.right.all():  # two materials: nothing can be left out
+    if not stands.right.any() or stands.right.all():  # with two materials none can be left out
         return Confidence(0.0, 1.0, 0.0)
     counts = np.where(stands.unknown, 1 / max(stands.unknown.sum(), 1), materials / max((~stands.unknown).sum(), 1))
     evidence = np.column_stack(_evidence(stands.share, stands.novelty))
@@ -95,5 +95,5 @@ def _confidence(stands: StandOut, materials: int) -> Confidence:
 
 
 def _evidence(share: Floats, novelty: Floats) -> tuple[Floats, Floats]:
-    bounded = np.clip(share, 0.01, 0.99)  # 31 votes say no more
+    bounded = np.clip(share, 0.01, 0.99)  # the resolution of 31 votes
     return np.log(bounded / (1 - bounded)), np.log(np.maximum(novelty, 1e-6))

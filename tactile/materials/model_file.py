@@ -1,4 +1,4 @@
-"""Models of materials as files: an NPZ file of plain arrays and a text of JSON; nothing in it is ever executed."""
+"""Texture model files: NPZ with plain arrays and JSON; nothing in it is executed."""
 
 import json
 from pathlib import Path
@@ -12,14 +12,14 @@ from cnnsim.support.files import make_folder, writing
 from cnnsim.support.limits import one_line
 from tactile.materials.features import BANDS, FINE, FeatureSet
 from tactile.materials.model import Confidence, TextureModel
-from tactile.materials.nearest import Known, Space
+from tactile.materials.nearest_neighbours import Known, Space
 
 FORMAT, VERSION = "tactile texture model", 1
 ARRAYS = ("frequencies", "centre", "scale", "landmarks", "root", "projection", "places", "material")
 
 
 def check_suffix(path: Path) -> None:
-    """Refuse a name that is none of a model.
+    """Refuse a file name without the suffix of a model.
 
     Raises:
         InputError: another suffix than .npz.
@@ -29,10 +29,10 @@ def check_suffix(path: Path) -> None:
 
 
 def write_model(path: Path, model: TextureModel, replace: bool = True) -> None:
-    """Write a model as ``path`` (.npz).
+    """Write a model to ``path`` (.npz).
 
     Raises:
-        InputError: another suffix, a name that is taken, or a disk that is full.
+        InputError: another suffix, an existing file, or a full disk.
     """
     check_suffix(path)
     features, space, sure = model.features, model.space, model.confidence
@@ -69,7 +69,7 @@ def read_model(path: Path) -> TextureModel:
 
 
 def _model(head: dict[str, Any], arrays: dict[str, Any]) -> TextureModel:
-    """Return the model of a head and arrays; ``ValueError`` and its like where they do not fit together."""
+    """Return the model of a header and arrays; ``ValueError`` and similar where they are inconsistent."""
     material = arrays.pop("material")
     floats = {name: np.asarray(one, np.float64) for name, one in arrays.items()}
     if not np.issubdtype(material.dtype, np.integer) or not all(np.isfinite(one).all() for one in floats.values()):

@@ -1,4 +1,4 @@
-"""Pictures of textures: windows over friction and roughness, as the paper's Fig. 15, and a table of confusions."""
+"""Plots of textures: windows over friction and roughness (Fig. 15 of the paper), and a confusion matrix."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -7,16 +7,16 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support.files import make_folder, writing
-from tactile.materials.assess import Assessment
+from tactile.materials.assessment import Assessment
 from tactile.materials.windows import WindowTable
 
 HOW = {"block": "by block of slides", "slide": "by slide"}
 POINTS = 3000
-"""Most windows that are drawn, as many as the paper draws; of more a part is chosen at random, the same each time."""
+"""Largest number of windows drawn, as in the paper; a fixed random choice of more."""
 
 
 def draw_figures(table: WindowTable, title: str, path: Path) -> None:
-    """Write a picture of friction coefficient and roughness of windows, a colour for each material.
+    """Write a plot of friction coefficient and roughness of windows, a colour for each material.
 
     ``table``: windows whose first two features are the logarithms of both.
 
@@ -51,7 +51,7 @@ def draw_figures(table: WindowTable, title: str, path: Path) -> None:
 
 
 def draw_confusion(found: Assessment, title: str, path: Path) -> None:
-    """Write a picture of which material was told for which, in percent of the windows of each.
+    """Write a plot of predicted against true material, in percent of the windows of each.
 
     Raises:
         InputError: the file cannot be written.
@@ -74,13 +74,13 @@ def draw_confusion(found: Assessment, title: str, path: Path) -> None:
     axis.set_xlabel("told")
     axis.set_ylabel("material")
     right = np.trace(found.confusion) / max(found.confusion.sum(), 1)
-    axis.set_title(f"{title}: {right:.3f} right, tried {HOW[found.grouped]}", parse_math=False, fontsize=10)
+    axis.set_title(f"{title}: {right:.3f} right, tested {HOW[found.grouped]}", parse_math=False, fontsize=10)
     figure.colorbar(image, ax=axis, shrink=0.8, label="% of the material's windows")
     _save(figure, path)
 
 
 def _styles(count: int) -> Sequence[tuple[Any, str]]:
-    """Return colour and marker of each material, no two alike up to eighty."""
+    """Return colour and marker of each material, unique up to eighty."""
     from matplotlib import colormaps  # slow to import
 
     colours = colormaps["tab10" if count <= 10 else "tab20"].colors  # type: ignore[attr-defined]  # of listed maps

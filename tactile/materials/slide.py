@@ -1,4 +1,4 @@
-"""A slide: the force on one finger over time while a material passes under it."""
+"""Slide: the force on one finger over time while a material moves under it."""
 
 from dataclasses import dataclass
 
@@ -11,12 +11,12 @@ from cnnsim.support import Floats, InputError
 class Slide:
     """One stroke over one material.
 
-    Arguments: ``name`` for people; ``t`` (n,) [s], growing; ``force`` (n, 3): shear_x, shear_y and normal in one unit,
-    the normal positive when pressed; ``material``, empty where nobody knows; ``block`` of slides that were recorded
-    together; ``speed`` [m/s], None where nobody knows.
+    Arguments: ``name``; ``t`` (n,) [s], increasing; ``force`` (n, 3): shear_x, shear_y and normal in one unit, the
+    normal positive when pressed; ``material``, empty if unknown; ``block``: group of slides recorded together;
+    ``speed`` [m/s], None if unknown.
 
     Raises:
-        InputError: times that do not grow, shapes that do not match, a speed that is not positive.
+        InputError: times that do not increase, shapes that do not match, a speed that is not positive.
     """
 
     name: str
@@ -33,7 +33,7 @@ class Slide:
                 " (n,) and (n, 3) wanted"
             )
         if not (np.isfinite(self.t).all() and (np.diff(self.t) > 0).all()):
-            raise InputError(f"slide {self.name}: times that do not grow; growing ones [s] wanted")
+            raise InputError(f"slide {self.name}: times that do not increase; increasing ones [s] wanted")
         if self.speed is not None and not (np.isfinite(self.speed) and self.speed > 0):
             raise InputError(f"slide {self.name}: speed {self.speed} m/s; a positive number wanted")
 

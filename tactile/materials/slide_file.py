@@ -1,7 +1,7 @@
-"""Many slides in one NPZ file: their forces one after the other, how long each is, and what it was over.
+"""NPZ file of slides: concatenated forces, the length of each slide, and its material.
 
-``force`` (sum of length, 3) [N]; ``length`` (slides,), samples of each; ``t`` (sum of length,) [s], beginning anew with
-each slide or not; and where they are known ``material`` (slides,), numbers or words, ``repeat`` (slides,), the order in
+``force`` (sum of length, 3) [N]; ``length`` (slides,), samples of each; ``t`` (sum of length,) [s], which may
+restart with each slide; optionally ``material`` (slides,), numbers or words, ``repeat`` (slides,), the order in
 which a material's slides were recorded, ``block`` (slides,), ``speed_m_s`` (slides,) and ``axes``: which columns of
 ``force`` are shear_x, shear_y and normal. Without ``axes`` the normal is the column of the largest mean size, its sign
 such that pressing is positive, and the shears are the others in their order.
@@ -21,7 +21,7 @@ from tactile.materials.slide import Slide
 NEEDED = ("force", "length", "t")
 KNOWN = ("material", "repeat", "block", "speed_m_s")
 BLOCKS = 5
-"""Blocks that a material's slides are parted into where nobody says which were recorded together."""
+"""Number of blocks of the slides of a material, if the file has none."""
 
 
 def is_slide_file(path: Path) -> bool:
@@ -36,7 +36,7 @@ def is_slide_file(path: Path) -> bool:
 
 
 def read_slide_file(path: Path) -> list[Slide]:
-    """Return the slides of an NPZ file; without ``block`` each material's are parted into fifths by their order.
+    """Return the slides of an NPZ file; without ``block`` the slides of each material are split into fifths, in order.
 
     Raises:
         InputError: no such file, a missing array or one of the wrong shape.

@@ -1,4 +1,4 @@
-"""The slides of a folder: files of slides, and recordings whose material a label or their folder's name says."""
+"""Slides of a folder: NPZ files of slides, and recordings whose material is given by a label or the folder name."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -19,26 +19,26 @@ from tactile.sources import is_bag, open_source
 from tactile.sources.folder import recordings_in
 
 PRESSED = 0.2
-"""A finger slides from the first to the last time that it is pressed with so much of its firm load ..."""
+"""Part of the firm load above which a finger is pressed: a slide lasts from the first to the last such time."""
 FIRM = 95
-"""... which is this percentile of its normal load."""
+"""Percentile of the normal load that is the firm load."""
 
 
 def read_slides(path: Path, labels: list[SlideLabel] | None = None) -> list[Slide]:
     """Return the slides of a file or of all files in a folder.
 
-    An NPZ file of slides says itself what they are over. Of any other recording or scene each finger makes one slide,
-    from the load that the pipeline finds: its material is that of the ``labels``, else the name of the folder that it
-    lies in, if that is a folder within ``path``. Recordings without a label are left out where there are labels.
+    An NPZ file of slides has their materials. In any other recording or scene each finger makes one slide, from the
+    load of the pipeline. Its material comes from the ``labels``, else from the name of its folder within ``path``. With
+    labels, recordings without one are skipped.
 
     Raises:
-        InputError: nothing to read, a label without its recording, or what a reader finds wrong.
+        InputError: no slides, a label without its recording, or errors of a reader.
     """
     files = _files(path)
     if labels is not None and (missing := {one.recording for one in labels} - {file.stem for file, _ in files}):
         raise InputError(f"{path}: no recording {', '.join(sorted(missing))}, which the labels name")
     slides: list[Slide] = []
-    loose: list[int] = []  # of which nobody says the block
+    loose: list[int] = []  # without a block
     watch = watcher()
     for n, (file, folder) in enumerate(files):
         if watch is not None:
@@ -62,7 +62,7 @@ def read_slides(path: Path, labels: list[SlideLabel] | None = None) -> list[Slid
 
 
 def _files(path: Path) -> list[tuple[Path, str]]:
-    """Return the files to read, each with the name of the folder that it lies in within ``path``."""
+    """Return the files to read, each with the name of its folder within ``path``."""
     if not path.is_dir() or is_bag(path):
         return [(path, "")]
     inside = [one for one in sorted(path.iterdir()) if one.is_dir() and not is_bag(one)]
@@ -70,7 +70,7 @@ def _files(path: Path) -> list[tuple[Path, str]]:
 
 
 class _Loads:
-    """A sink that keeps each finger's loads: time, Q, R, F."""
+    """A sink that collects the loads of each finger: time, Q, R, F."""
 
     def __init__(self) -> None:
         self.rows: dict[str, list[tuple[float, float, float, float]]] = {}
@@ -81,7 +81,7 @@ class _Loads:
 
 
 def _slides(source: Source, labels: list[SlideLabel]) -> Iterator[tuple[SlideLabel, Slide]]:
-    """Give the slides of a recording's fingers: where the label says when, else where they are pressed."""
+    """Yield the slides of the fingers of a recording: the labelled interval, else the pressed one."""
     seen = _Loads()
     pipeline.run(source, Settings(tare="auto" if provenance(source).untared else "off"), [seen])
     for number, array in enumerate(source.arrays):
@@ -93,7 +93,7 @@ def _slides(source: Source, labels: list[SlideLabel]) -> Iterator[tuple[SlideLab
             if label.finger not in (None, number) or not new.any():
                 continue
             start, stop = (float("nan") if at is None else at for at in (label.start, label.stop))
-            use = new & ~(t < start) & ~(t > stop)  # nothing is before or after what nobody knows
+            use = new & ~(t < start) & ~(t > stop)  # a missing limit is open
             if np.isnan(start) and np.isnan(stop):
                 use &= normal > PRESSED * np.percentile(normal, FIRM)
             if use.any():

@@ -1,4 +1,4 @@
-"""Labels of slides: which material passed under which finger of which recording, read from a CSV file."""
+"""Labels of slides: material, finger and time interval in recordings, from a CSV file."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +14,7 @@ OPTIONAL = ("sensor", "start_s", "stop_s", "speed_mm_s", "block")
 class SlideLabel:
     """One stroke: ``recording`` without suffix, ``material``, ``finger``, ``start``, ``stop`` [s], ``speed`` [m/s].
 
-    ``block`` of slides recorded together. None where the file does not say it.
+    ``block``: group of slides recorded together. None for values that the file does not have.
     """
 
     recording: str
@@ -27,10 +27,10 @@ class SlideLabel:
 
 
 def read_slide_labels(path: Path) -> list[SlideLabel]:
-    """Return the lines of a label file: columns recording, material and what is known of `OPTIONAL`.
+    """Return the rows of a label file: columns recording, material and optionally those of `OPTIONAL`.
 
     Raises:
-        InputError: no such file, a missing column, an empty name, a number that is none.
+        InputError: no such file, a missing column, an empty name, an invalid number.
     """
     lines, columns = read_lines(path)
     if not set(NEEDED) <= set(columns):

@@ -1,4 +1,4 @@
-"""Spectra of samples at uneven times, power in bands, coupling of channels, and memory at given lags."""
+"""Spectra of unevenly sampled signals, power in bands, coupling of channels, and autocorrelation."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ Waves = np.ndarray[tuple[int, ...], np.dtype[np.complex128]]
 
 
 def spectrum(at: Floats, channels: Floats, frequencies: Floats) -> Waves:
-    """Return the waves (channels, frequencies) in samples of any times, through a bell-shaped window over them.
+    """Return the amplitudes (channels, frequencies) of samples at any times, through a bell-shaped window.
 
         Y(f) = 2 sum w(k) x(k) exp(-2 pi i f t(k)) / sum w(k)
 
@@ -30,9 +30,9 @@ def band_means(values: Floats, fine: int) -> Floats:
 
 
 def coupling(waves: Waves, pairs: Sequence[tuple[int, int]], fine: int) -> Floats:
-    """Return how channels go together in pairs of bands: cosine parts of all pairs of channels, then sine parts.
+    """Return the coherence of all pairs of channels in bands: real parts, then imaginary parts.
 
-    Each is the cross power over the root of both powers, so between -1 and 1.
+    Each is the cross power over the root of both powers, between -1 and 1.
     """
     power = band_means(np.abs(waves) ** 2, fine) + 1e-6
     out = []
@@ -44,7 +44,7 @@ def coupling(waves: Waves, pairs: Sequence[tuple[int, int]], fine: int) -> Float
 
 
 def memory(one: Floats, other: Floats, lags: Floats) -> Floats:
-    """Return the correlation of two evenly sampled channels of mean square 1 at lags in samples, between them linear.
+    """Return the correlation of two evenly sampled channels of mean square 1 at lags in samples, linearly interpolated.
 
     c(k) = sum one(n + k) other(n) / N
     """

@@ -1,4 +1,4 @@
-"""Splits of windows into those to learn from and those to try: by slide, by block of slides, by place on the slide."""
+"""Splits of windows into training and test sets: by slide, by block of slides, by place on the slide."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -10,18 +10,18 @@ from tactile.materials.fit import learner
 from tactile.materials.windows import WindowTable
 
 FOLDS = 5
-"""Parts of the slides that are tried in turn, each with the others learned from."""
+"""Number of folds of the slides."""
 
 
 class Split(NamedTuple):
-    """Numbers of the windows to learn from, and of those to try."""
+    """Indices of the training windows and of the test windows."""
 
     train: Integers
     test: Integers
 
 
 def by_slide(table: WindowTable, window: int) -> Iterator[Split]:
-    """Give fifths of the slides, each material in each; of a slide all windows are on one side."""
+    """Yield five splits of the slides, each with all materials; all windows of a slide are on one side."""
     folds = min(FOLDS, *(len(set(table.slide[table.material == one])) for one in set(table.material)))
     way = learner("model_selection").StratifiedGroupKFold(folds, shuffle=True, random_state=0)
     for train, test in way.split(table.values, table.material, table.slide):
@@ -29,7 +29,7 @@ def by_slide(table: WindowTable, window: int) -> Iterator[Split]:
 
 
 def by_block(table: WindowTable, window: int) -> Iterator[Split]:
-    """Give each block of slides that were recorded together, the others to learn from; none where there is but one."""
+    """Yield each block of slides as the test set; nothing for a single block."""
     for block in sorted(set(table.block)) if len(set(table.block)) > 1 else ():
         there = table.block == block
         known = np.isin(table.material, table.material[~there])
@@ -39,7 +39,7 @@ def by_block(table: WindowTable, window: int) -> Iterator[Split]:
 
 
 def by_place(table: WindowTable, window: int) -> Iterator[Split]:
-    """Give each half of the slides, the other to learn from: the same slides, but another place of the material."""
+    """Yield each half of every slide as the test set: the same slides at another place of the material."""
     middle = np.array([one.t.size / 2 for one in table.slides])[table.slide]
     first, second = table.start + window <= middle, table.start >= middle
     for train, test in ((first, second), (second, first)):
@@ -48,7 +48,7 @@ def by_place(table: WindowTable, window: int) -> Iterator[Split]:
 
 
 def _apart(table: WindowTable, test: Integers, window: int) -> Integers:
-    """Return those of the windows to try that do not overlap, from the first of each slide on."""
+    """Return the test windows that do not overlap, from the first of each slide on."""
     slide, start = table.slide[test], table.start[test]
     first = {one: start[slide == one].min() for one in set(slide)}
     from_first = start - np.array([first[one] for one in slide])

@@ -1,4 +1,4 @@
-"""Windows of slides as a table: the features of each, its slide, and where in the slide it lies."""
+"""Table of windows of slides: the features of each, its slide, and its position in the slide."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,15 +11,15 @@ from tactile.materials.features import FeatureSet
 from tactile.materials.slide import Slide
 
 GAP = 0.5
-"""A window with a gap of more than this part of its time is left out: what is between cannot be told."""
+"""Largest gap in a window, as a part of its duration."""
 
 
 @dataclass(frozen=True)
 class WindowTable:
-    """Windows (n,) of ``slides``: ``values`` (n, features), ``slide`` (n,) number of each one's slide.
+    """Windows (n,) of ``slides``: ``values`` (n, features), ``slide`` (n,) number of its slide.
 
     ``place`` (n,): 0 for the first window of its slide, 1 for one that ends with it; ``start`` (n,) its first sample;
-    ``dropped``: windows left out since something was not pressed, did not change, or had a gap.
+    ``dropped``: number of windows without pressing or variation, or with a gap.
     """
 
     slides: Sequence[Slide]
@@ -31,26 +31,26 @@ class WindowTable:
 
     @property
     def material(self) -> "np.ndarray[tuple[int, ...], np.dtype[np.str_]]":
-        """(n,) material of each window's slide."""
+        """(n,) material of the slide of each window."""
         return np.array([one.material for one in self.slides])[self.slide]
 
     @property
     def block(self) -> Integers:
-        """(n,) block of each window's slide."""
+        """(n,) block of the slide of each window."""
         return np.array([one.block for one in self.slides])[self.slide]
 
     def only(self, chosen: Flags) -> "WindowTable":
-        """Return some of the windows."""
+        """Return a selection of the windows."""
         return WindowTable(
             self.slides, self.values[chosen], self.slide[chosen], self.place[chosen], self.start[chosen], self.dropped
         )
 
 
 def cut(slides: Sequence[Slide], features: FeatureSet, hop: int) -> WindowTable:
-    """Cut slides into windows that begin every ``hop`` samples, and compute their features.
+    """Cut slides into windows every ``hop`` samples, and compute their features.
 
     Raises:
-        InputError: a hop below 1, or not one window that can be used.
+        InputError: a hop below 1, or no usable window.
     """
     if hop < 1:
         raise InputError(f"windows every {hop} samples; 1 or more wanted")

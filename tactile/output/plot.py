@@ -90,9 +90,7 @@ def _signals(normal: Any, shear: Any, columns: Columns, array: TaxelArray) -> No
         for signal, colour, name in ((along_x, "tab:blue", "x"), (along_y, "tab:orange", "y")):
             _line(shear, t, signal, doubted, colour, name if np.isfinite(signal).any() else f"{name}: not known")
     else:
-        words = (
-            "one taxel cannot separate shear from position" if located else "no reading" if t.size else "no frame"
-        )
+        words = "one taxel cannot separate shear from position" if located else "no reading" if t.size else "no frame"
         shear.text(0.5, 0.5, words, transform=shear.transAxes, ha="center", va="center", backgroundcolor="white")
     if doubted.any():
         normal.plot([], [], ".", color="0.6", label="uncertain: ambiguous, or no single point load")

@@ -1,20 +1,20 @@
-"""Ten-line detectors that a real one has to beat: fixed thresholds on the sums of a finger's forces."""
+"""Baseline detectors of ten lines: fixed thresholds on the summed forces of a finger."""
 
 import numpy as np
 
 from cnnsim.support import Floats
 
 TARE = 100
-"""Frames averaged away at the start."""
+"""Number of frames averaged at the start."""
 ON, OFF = 0.3, 0.15
-"""[N] Contact begins and ends with the total normal force."""
+"""[N] Total normal force at which contact begins, and ends."""
 AWAY = 0.2
-"""[N] Tangential load begins when the total shear force leaves that of the last `REST` frames by so much."""
+"""[N] Change of the total shear force from the mean of the last `REST` frames that begins a tangential load."""
 REST = 150
 
 
 def baseline(t: Floats, values: Floats, inward: float) -> list[tuple[float, str]]:
-    """Return (time, kind) of what fixed thresholds find in one finger's values (frames, rows, cols, 3)."""
+    """Return (time, kind) of the events of fixed thresholds in the values (frames, rows, cols, 3) of a finger."""
     total = np.nansum(values - np.nanmean(values[:TARE], axis=0), axis=(1, 2)) * (1, 1, inward)
     found, touches = [], False
     for n in range(TARE, len(t)):
@@ -28,11 +28,11 @@ def baseline(t: Floats, values: Floats, inward: float) -> list[tuple[float, str]
 
 
 RATIO = 0.5
-"""Slip begins when shear passes this part of the pressing, as with a friction that somebody guessed."""
+"""Shear over pressing at which slip begins: a guessed friction."""
 
 
 def slip_baseline(t: Floats, values: Floats) -> list[tuple[float, str]]:
-    """Return (time, "slip") of where the total shear force passes a fixed part of the total normal force."""
+    """Return (time, "slip") where the total shear force exceeds a fixed part of the total normal force."""
     total = np.nansum(values - np.nanmean(values[:TARE], axis=0), axis=(1, 2))
     slides = (total[:, 2] > ON) & (np.hypot(total[:, 0], total[:, 1]) > RATIO * total[:, 2])
     return [(float(t[n]), "slip") for n in np.flatnonzero(slides[1:] & ~slides[:-1]) + 1]

@@ -1,4 +1,4 @@
-"""Labels of recordings: what is known to have happened to each finger, read from a CSV file."""
+"""Labels of recordings: known times of events of each finger, from a CSV file."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,17 +10,17 @@ from tactile.core.label_lines import read_lines
 TRUTHS = {
     "contact_s": "contact", "release_s": "release", "tangential_onset_s": "tangential_load", "gross_slip_s": "slip",
 }  # fmt: skip
-"""Column of a label file -> kind of event that has to begin then."""
+"""Column of a label file -> kind of the event that begins then."""
 HOLD = ("peak_s", "open_s")
-"""Columns between which a finger holds; the first half second after the peak is left out: the grip settles."""
+"""Columns that bound a hold; the first half second after the peak is excluded, because the grip settles."""
 SETTLING = 0.5
 FLAG = "flag_on_s"
-"""Column of the time at which the device itself says contact."""
+"""Column of the time of the device's own contact flag."""
 
 
 @dataclass(frozen=True)
 class Labelled:
-    """One finger of one recording: ``times`` [s] by kind of event, when it ``holds`` [s], the device's ``flag`` [s]."""
+    """A finger of a recording: ``times`` [s] by kind, hold interval ``holds`` [s], ``flag`` [s] of the device."""
 
     recording: str
     finger: int
@@ -30,10 +30,10 @@ class Labelled:
 
 
 def read_labels(path: Path) -> list[Labelled]:
-    """Return the lines of a label file: recording, sensor (0, 1, ...) and columns of times [s], empty where none.
+    """Return the rows of a label file: recording, sensor (0, 1, ...) and columns of times [s], empty if unknown.
 
     Raises:
-        InputError: no such file, a column that is missing, a number that is none.
+        InputError: no such file, a missing column, an invalid number.
     """
     lines, columns = read_lines(path)
     missing = {"recording", "sensor"} - set(columns)
@@ -47,7 +47,7 @@ def read_labels(path: Path) -> list[Labelled]:
         try:
             numbers = {name: float(line[name]) for name in (*known, *HOLD, FLAG) if line.get(name)}
             finger = int(line["sensor"])
-        except (TypeError, ValueError) as error:  # a TypeError: a line that ends before its sensor
+        except (TypeError, ValueError) as error:  # TypeError: an incomplete line
             raise InputError(f"{path}, line {n}: {error}; numbers wanted") from error
         holds = (numbers[HOLD[0]] + SETTLING, numbers[HOLD[1]]) if all(name in numbers for name in HOLD) else None
         times = {TRUTHS[name]: numbers[name] for name in known if name in numbers}

@@ -1,4 +1,4 @@
-"""Events found matched with events that are known: precision, recall and errors of the onset."""
+"""Matching of detected and known events: precision, recall and errors of the onset."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 WINDOW = 0.05
-"""[s] An event that begins this near to the known time is right."""
+"""[s] Largest error of the onset of a right event."""
 
 
 @dataclass
 class Tally:
-    """Counts of one kind of event: ``hit``, ``false`` and ``missed``; ``errors`` [s] found minus known, of the hits."""
+    """Counts of one kind of event: ``hit``, ``false``, ``missed``; ``errors`` [s] of the hits, detected minus known."""
 
     hit: int = 0
     false: int = 0
@@ -20,7 +20,7 @@ class Tally:
     errors: list[float] = field(default_factory=list)
 
     def add(self, found: Iterable[float], known: Iterable[float], window: float = WINDOW) -> None:
-        """Match the times of one finger of one recording: each known one with the nearest found one, once."""
+        """Match the times of one finger of one recording: each known time with the nearest detected one, once."""
         left = sorted(found)
         for time in sorted(known):
             near = min(left, key=lambda one: abs(one - time), default=None)
@@ -34,12 +34,12 @@ class Tally:
 
     @property
     def precision(self) -> float:
-        """Part of what was found that is right; NaN where nothing was found."""
+        """Share of the detected events that are right; NaN without any."""
         return self.hit / (self.hit + self.false) if self.hit + self.false else float("nan")
 
     @property
     def recall(self) -> float:
-        """Part of what is known that was found; NaN where nothing is known."""
+        """Share of the known events that are detected; NaN without any."""
         return self.hit / (self.hit + self.missed) if self.hit + self.missed else float("nan")
 
     def plain(self) -> dict[str, Any]:

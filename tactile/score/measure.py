@@ -1,4 +1,4 @@
-"""Recordings with labels taken through the pipeline: how well the events agree, and how calm the codes are."""
+"""Score of labelled recordings: agreement of events with labels, and code changes during holds."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -23,7 +23,7 @@ MARK = "baseline: "
 
 
 def voted(x: NDArray[np.int8]) -> NDArray[np.int8]:
-    """Return a ternary plane (rows, cols) with 0 where no 8-neighbour says the same: the vote of a neighbourhood."""
+    """Return a ternary plane (rows, cols) with 0 where no 8-neighbour agrees: a vote of the neighbourhood."""
     around = np.pad(x, 1)
     rows, cols = x.shape
     agree = np.zeros(x.shape, bool)
@@ -35,7 +35,7 @@ def voted(x: NDArray[np.int8]) -> NDArray[np.int8]:
 
 
 class Watched:
-    """A sink that keeps the events, and when each finger's code changes, also after the vote of the neighbours."""
+    """A sink that collects events, and the times of code changes, also after the neighbourhood vote."""
 
     def __init__(self) -> None:
         self._log = EventLog()
@@ -50,7 +50,7 @@ class Watched:
         return self._log.events
 
     def __call__(self, report: FrameReport) -> None:
-        """Take one report."""
+        """Process one report."""
         name, code = report.array.name, report.code.ternary()
         self._log.add(report.events, report.ended)
         if code != self._codes.setdefault(name, code):
@@ -64,7 +64,7 @@ class Watched:
 
 @dataclass
 class Score:
-    """What many recordings together say, the baselines' figures under names that begin with "baseline: "."""
+    """Combined score of many recordings; names of the baseline begin with "baseline: "."""
 
     kinds: dict[str, Tally] = field(default_factory=dict)
     before_flag: list[bool] = field(default_factory=list)
@@ -94,14 +94,14 @@ def score(
     folder: Path, labels: Iterable[Labelled], open_one: Callable[[Path], tuple[Source, Settings]],
     window: float = WINDOW, watch: Callable[[list[str]], Iterable[str]] = iter,
 ) -> Score:  # fmt: skip
-    """Take every recording that has labels through the pipeline and count.
+    """Run every labelled recording through the pipeline and count.
 
-    Arguments: ``open_one`` opens a recording and says its settings; ``window`` [s] of a match;
-    ``watch`` hands the names on and may show how far it is. Where a recording's
-    labels name a kind for one finger, that kind is judged on all its labelled fingers.
+    Arguments: ``open_one`` opens a recording and returns its settings; ``window`` [s] of a match; ``watch`` passes the
+    names on and may show progress. If the labels of a recording name a kind for one finger, that kind is judged on all
+    its labelled fingers.
 
     Raises:
-        InputError: a recording that is not there, or without the labelled finger.
+        InputError: a missing recording, or a missing labelled finger.
     """
     total, by_name = Score(), dict[str, list[Labelled]]()
     for label in labels:
@@ -127,7 +127,7 @@ def _judge(total: Score, seen: Watched, label: Labelled, source: Source, window:
     plain = baseline(np.array(times), np.array(values), 1.0 if array.quantity == "force" else -1.0)
     for kind, known in label.times.items():
         for prefix, found in (("", mine), (MARK, plain)):
-            # a tangential load may come again; its first onset is the labelled one
+            # only the first tangential load is labelled
             onsets = [t for t, what in found if what == kind]
             total.kinds.setdefault(prefix + kind, Tally()).add(onsets, [known], window)
     if label.flag is not None:

@@ -1,4 +1,4 @@
-"""Simulated grasps with onsets in closed form: a sphere that slips from its rim inwards, on an array of forces."""
+"""Simulated grasps with onsets in closed form: a sphere that slips from its rim inwards, on a force array."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,25 +11,25 @@ from tactile.core.frame import NORMAL, Frame, TaxelArray
 from tactile.core.source import FrameStream, Provenance
 
 NOISE = (1.1e-3, 1.1e-3, 3.6e-3)
-"""[N] White noise of shear and normal, as measured on an idle PapillArray ..."""
+"""[N] White noise of shear and normal, as measured on an idle PapillArray."""
 NOISY = 0.05
-"""[N] ... and that of its worst pillar, in all components of one taxel."""
+"""[N] Noise of its worst pillar, in all components of one taxel."""
 FINE = 32
-"""Lines across a taxel along which pressure is integrated: its rim bears little, and all of a pull that begins."""
+"""Number of lines across a taxel for the integration of the pressure, because the rim bears little."""
 SLIDE = 0.3
-"""[s] that a contact slides before it is let go."""
+"""[s] Sliding time before the release."""
 
 Drive = Literal["force", "way", "held"]
 
 
 @dataclass(frozen=True)
 class Grasp:
-    """One simulated grasp: pressed, held, pulled until it slides (or not quite), let go.
+    """One simulated grasp: pressed, held, pulled until it slides (or not quite), released.
 
     ``rate`` [Hz]; ``radius`` a [m] of the contact at ``force`` P [N] and its ``middle`` (x, y) [m]; ``friction`` mu;
-    ``along`` [rad] the pull; ``drive``: the tangential force grows evenly ("force"), the object is moved evenly
-    ("way"), or it is pulled to ``most`` of mu P and held there ("held"). ``times`` [s]: first touch, fully pressed,
-    start of the pull, gross slip (or the end of the pull), opening, last touch, end. ``noisy`` (row, col).
+    ``along`` [rad] direction of the pull; ``drive``: the tangential force grows linearly ("force"), the object moves
+    at constant speed ("way"), or it is pulled to ``most`` of mu P and held there ("held"). ``times`` [s]: first touch,
+    fully pressed, start of the pull, gross slip (or end of the pull), opening, last touch, end. ``noisy`` (row, col).
     """
 
     seed: int
@@ -54,9 +54,9 @@ class Grasp:
         return known | ({} if self.drive == "held" else {"slip": slip})
 
     def pull(self, t: Floats) -> Floats:
-        """Return Q / (mu P) at the times [s].
+        """Return Q / (mu P) at times [s].
 
-        Under an even motion d the contact carries Q = mu P (1 - (1 - d / d_slip)^(3/2)) (Mindlin 1949).
+        Under a motion d at constant speed the contact carries Q = mu P (1 - (1 - d / d_slip)^(3/2)) (Mindlin 1949).
         """
         _, _, start, slip, *_ = self.times
         part = np.clip((t - start) / (slip - start), 0, 1)
@@ -66,15 +66,15 @@ class Grasp:
     def forces(self) -> tuple[Floats, Floats]:
         """Return the times (n,) [s] and noiseless readings (n, rows, cols, 3) [N].
 
-        q = mu p(r; a) - mu (c / a) p(r; c): in the circle c = a (1 - Q / mu P)^(1/3) the contact sticks (Cattaneo
-        1938, Mindlin 1949), so taxel i reads mu P h_i(a) - (mu P - Q) h_i(c), where h_i is its part of a Hertz
-        pressure of that radius.
+        q = mu p(r; a) - mu (c / a) p(r; c): the contact sticks in the circle c = a (1 - Q / mu P)^(1/3) (Cattaneo 1938,
+        Mindlin 1949), so taxel i reads mu P h_i(a) - (mu P - Q) h_i(c), where h_i is its part of a Hertz pressure of
+        that radius.
         """
         touch, pressed, _, slip, opening, gone, end = self.times
         t = np.arange(round(end * self.rate)) / self.rate
         normal = self.force * np.interp(t, [touch, pressed, opening, gone], [0, 1, 1, 0])
         share = self.pull(t)
-        # what slides when the grip opens goes on sliding; a contact that still sticks is let go as it is carried
+        # a sliding contact slides on while the grip opens; a sticking one keeps its shear over pressing
         way = np.array([np.cos(self.along), np.sin(self.along)])
         gone_on = np.clip(t - slip, 0, opening - slip) * (0.0 if self.drive == "held" else self.speed)
         values = np.zeros((len(t), *self.array.shape, 3))
@@ -108,7 +108,7 @@ class Grasp:
         return here / max(here.sum(), 1)
 
     def source(self) -> FrameStream:
-        """Return the grasp as a source of frames with noise, a pure function of the seed."""
+        """Return the grasp as a source of noisy frames, a pure function of the seed."""
         t, values = self.forces()
         rng = np.random.default_rng((self.seed, 1))
         noise = np.broadcast_to(NOISE, (*self.array.shape, 3)).copy()
@@ -120,13 +120,13 @@ class Grasp:
 
 
 def _cuts(array: TaxelArray, axis: int, each: int) -> Floats:
-    """Return the edges [m] along an axis of the taxels, or of so many parts of each."""
+    """Return the edges [m] of the taxels along an axis, or of parts of each."""
     count = (array.cols, array.rows)[axis] * each
     return array.origin[axis] + (np.arange(count + 1) - count / 2) * array.pitch / each
 
 
 def grasp(seed: int) -> Grasp:
-    """Return the grasp of a seed: sizes, forces, friction and speeds as hands and grippers have them."""
+    """Return the grasp of a seed: sizes, forces, friction and speeds typical of hands and grippers."""
     rng = np.random.default_rng(seed)
     size, pitch = int(rng.choice([3, 4, 6, 8])), float(rng.uniform(2e-3, 4e-3))
     array = TaxelArray("pad", size, size, pitch, 0.0, quantity="force")
@@ -152,5 +152,5 @@ def grasp(seed: int) -> Grasp:
 
 
 def grasps(count: int, first: int = 0) -> Iterator[Grasp]:
-    """Return so many grasps, from a first seed on."""
+    """Return a number of grasps with consecutive seeds."""
     return (grasp(seed) for seed in range(first, first + count))

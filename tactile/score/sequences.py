@@ -1,4 +1,4 @@
-"""Sequences of a device's readings that are labelled yes or no: whether what slips is told, and how soon."""
+"""Score of sequences labelled slip or no slip: accuracy and delay of the detection."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
@@ -19,21 +19,23 @@ from tactile.wire.base import Reading
 from tactile.wire.description import Description
 
 KINDS = ("pull", "twist", "slip", "incipient_slip")
-"""Events that say that a held object moves against the skin, or is about to."""
+"""Kinds of events that mean that a held object moves against the skin, or is about to."""
 QUIET = 30
-"""Frames at the beginning in which nothing slips."""
+"""Number of initial frames without slip."""
 SMOOTH, BROAD = 9, 25
-"""Frames, an odd number, of the means over which the onset of a change and its steepest place are looked for."""
+"""Odd numbers of frames of the moving averages for the onset of a change and for its steepest rise."""
 MISFIT = 0.4
-"""Part of the readings, as root mean squares, from which on a located load does not explain them."""
+"""Relative root mean square residual above which a located load does not explain the readings."""
 BASELINE = 8.0
-"""Sigma of the noise that the norm of all channels passes in the plain detector."""
+"""Threshold of the plain detector on the norm of all channels [sigma]."""
 
 
 @dataclass(frozen=True)
 class Sequences:
-    """Readings ``signal`` (n, frames, chips, 3) in the unit of the wire, ``rate`` [Hz], and which of them ``slips``
-    (n,); ``onset`` (n,) [s] of what slips, NaN where nobody knows."""
+    """Readings ``signal`` (n, frames, chips, 3) in the unit of the wire, ``rate`` [Hz], and labels ``slips`` (n,).
+
+    ``onset`` (n,) [s] of the slips, NaN if unknown.
+    """
 
     signal: Floats
     slips: Flags
@@ -55,11 +57,11 @@ def read_sequences(path: Path, description: Description, rate: float | None = No
     """Return the sequences of an NPZ file.
 
     ``signal`` (sequences, frames, channels): boards in the order of the description, chips, x, y, z; ``slip``
-    (sequences,) yes or no; and what is known of ``onset_s`` (sequences,) and ``rate_hz``, which ``rate`` replaces. An
-    onset that nobody knows is where the signal begins to change.
+    (sequences,) yes or no; optionally ``onset_s`` (sequences,) and ``rate_hz``, which ``rate`` replaces. An unknown
+    onset is where the signal begins to change.
 
     Raises:
-        InputError: no such file, an array that is missing or of another shape.
+        InputError: no such file, a missing array or one of another shape.
     """
     found = read_npz_arrays(path, "file of sequences", ("signal", "slip", "onset_s", "rate_hz"))
     chips = sum(board.chips for board in description.boards)
@@ -86,16 +88,15 @@ def read_sequences(path: Path, description: Description, rate: float | None = No
 
 
 def _norms(signal: Floats) -> Floats:
-    """Return (n, frames) the norm of all channels less their mean at the beginning."""
+    """Return (n, frames) the norm of all channels minus their initial mean."""
     norms: Floats = np.linalg.norm(signal - signal[:, :QUIET].mean(axis=1, keepdims=True), axis=2)
     return norms
 
 
 def onset(norm: Floats) -> int:
-    """Return the frame at which a signal (frames,) begins to grow, knowing all of it.
+    """Return the frame at which a signal (frames,) begins to grow, from the whole signal.
 
-    The one where a line that is flat until there and rises straight from there fits best, least squares, up to where
-    the signal rises steepest.
+    It is the least-squares fit of a constant followed by a rising straight line, up to the steepest rise of the signal.
     """
     smooth, broad = (np.convolve(np.pad(norm, n // 2, mode="edge"), np.ones(n) / n, "valid") for n in (SMOOTH, BROAD))
     top = int(np.argmax(np.gradient(broad)[BROAD // 2 : -BROAD // 2])) + BROAD // 2
@@ -110,7 +111,7 @@ def onset(norm: Floats) -> int:
 
 
 def plain_detector(norm: Floats) -> int | None:
-    """Return the first frame whose norm passes `BASELINE` times the noise at the beginning; None where none does."""
+    """Return the first frame whose norm exceeds `BASELINE` times the initial noise; None without one."""
     noise = float(np.sqrt((norm[:QUIET] ** 2).mean()))
     passed = np.flatnonzero(norm[QUIET:] > BASELINE * noise)
     return int(passed[0]) + QUIET if len(passed) else None
@@ -118,7 +119,7 @@ def plain_detector(norm: Floats) -> int | None:
 
 @dataclass
 class Verdicts:
-    """What is said of sequences with a factor on their readings: counts of right and wrong, and how soon [s]."""
+    """Decisions on sequences with a factor on their readings: counts of right and wrong ones, and delays [s]."""
 
     right: int = 0
     false: int = 0
@@ -128,7 +129,7 @@ class Verdicts:
     told: list[float] = field(default_factory=list)
 
     def add(self, slips: bool, known: float, found: tuple[float, float] | None) -> None:
-        """Count a sequence that ``slips`` from ``known`` [s] on, or not; ``found``: onset and time of being told."""
+        """Count a sequence that ``slips`` from ``known`` [s] on, or not; ``found``: onset and time of the report."""
         self.right += slips is (found is not None)
         self.false += not slips and found is not None
         self.missed += slips and found is None
@@ -153,7 +154,7 @@ class Verdicts:
 
 @dataclass
 class _Followed:
-    """Events of one sequence, and in how many frames of a contact its located load explains what is read."""
+    """Events of one sequence, and the number of contact frames whose located load explains the readings."""
 
     log: EventLog = field(default_factory=EventLog)
     explained: int = 0
@@ -171,15 +172,14 @@ def score_sequences(
     gains: Sequence[float] = (1.0,), kinds: Iterable[str] = KINDS,
     watch: Callable[[list[int]], Iterable[int]] = iter,
 ) -> dict[str, Any]:  # fmt: skip
-    """Return for each factor on the readings, and for the plain detector, what is said of the sequences.
+    """Return the decisions on the sequences for each factor on the readings, and for the plain detector.
 
-    A sequence is said to slip where an event of one of the ``kinds`` is told; ``watch`` hands the numbers of the
-    sequences on and may show how far it is. ``explained``: share of the fingers' frames in contact in which the located
-    load explains most of what is read; None of force, where none is located. Where it is small the gains, the axes or
-    the depth are not those of the array, and events rest on loads without meaning.
+    A sequence is a slip if an event of one of the ``kinds`` is reported; ``watch`` passes the numbers of the sequences
+    on and may show progress. ``explained``: share of the contact frames in which the located load explains most of the
+    readings; None for force arrays. A small share means that gains, axes or depth of the array are wrong.
 
     Raises:
-        InputError: readings in the unit of the wire that are called strain or stress.
+        InputError: uncalibrated readings described as strain or stress.
     """
     kinds = tuple(kinds)
     for board in description.boards:

@@ -1,4 +1,4 @@
-"""Simulated grasps and idle noise taken through the pipeline: events against onsets that are known in closed form."""
+"""Score of simulated grasps and idle noise: events against onsets in closed form."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
@@ -17,15 +17,15 @@ from tactile.settings import Settings
 
 KINDS = ("contact", "release", "slip")
 IDLE_RATE, IDLE_SIDE = 200.0, 4
-"""Frames a second, and taxels along each side, of the array that is left alone."""
+"""Frames per second, and taxels per side, of the idle array."""
 
 
 @dataclass
 class SimulatedScore:
-    """What many simulated grasps say: tallies by kind, the baseline's under "baseline: ...".
+    """Score of many simulated grasps: tallies by kind, those of the baseline under "baseline: ...".
 
-    ``late`` [s] from a known gross slip to when it was told; ``before``: of the gross slips, whether incipient slip was
-    told before; ``idle`` events in ``idle_minutes``.
+    ``late`` [s] from a known gross slip to its report; ``before``: of the gross slips, whether an incipient slip was
+    reported before; ``idle`` events in ``idle_minutes``.
     """
 
     kinds: dict[str, Tally] = field(default_factory=dict)
@@ -50,7 +50,7 @@ def score_grasps(
     seeds: Iterable[int], settings: Callable[[FrameStream], Settings], idle_minutes: float = 0.0,
     window: float = WINDOW,
 ) -> SimulatedScore:  # fmt: skip
-    """Take the grasp of every seed, and then minutes of noise alone, through the pipeline and count."""
+    """Run the grasp of every seed, then minutes of pure noise, through the pipeline and count."""
     total = SimulatedScore(idle_minutes=idle_minutes)
     for seed in seeds:
         one = grasp(seed)
@@ -86,7 +86,7 @@ def _judge(total: SimulatedScore, one: Grasp, source: FrameStream, events: list[
 
 
 def idle(minutes: float, seed: int = 0) -> FrameStream:
-    """Return an array that nothing touches, with the noise of `partial_slip.grasp`, one taxel far noisier."""
+    """Return an untouched array with the noise of `partial_slip.grasp`, one taxel far noisier."""
     array = TaxelArray("idle", IDLE_SIDE, IDLE_SIDE, 3e-3, 0.0, quantity="force")
     count = round(60 * minutes * IDLE_RATE)
     every = np.ones(array.shape, bool)

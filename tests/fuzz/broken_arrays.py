@@ -121,7 +121,7 @@ def _model(path: Path) -> None:
     from tactile.materials.features import BANDS, FINE, FeatureSet
     from tactile.materials.model import Confidence, TextureModel
     from tactile.materials.model_file import write_model
-    from tactile.materials.nearest import Known, Space
+    from tactile.materials.nearest_neighbours import Known, Space
 
     features = FeatureSet("figures", 100, np.linspace(1, 50, BANDS * FINE), 0.01)
     size, marks, wide = len(features.names), 3, 2

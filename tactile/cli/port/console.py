@@ -63,7 +63,7 @@ def closing(session: "Session", as_json: bool, monitor: Any = None) -> Iterator[
         if recording is not None:
             recording.close(summary)
         if as_json:
-            from tactile.cli.port.live import print_line  # only here
+            from tactile.cli.port.live import print_line  # imported when used
 
             print_line({"type": "end", **summary})
         else:
@@ -146,6 +146,6 @@ def warn(text: str) -> None:
 
 def warn_json(text: str) -> None:
     """Print a warning about the port as JSON."""
-    from tactile.cli.port.live import print_line  # only here
+    from tactile.cli.port.live import print_line  # imported when used
 
     print_line({"type": "warning", "text": text})

@@ -1,4 +1,4 @@
-"""The pipeline on a port or on a recording of one: its options, and the lines that it prints and records."""
+"""The pipeline on a port or a recording of one: options, printed and recorded lines."""
 
 import json
 import sys
@@ -29,14 +29,14 @@ AUTO: Final = "auto"
 MANUAL, OFF = "manual", "off"
 EVENTS_KEPT = 12
 STATUS = 10**9
-"""[ns] from one status to the next."""
+"""[ns] Period of the status lines."""
 
 
 @dataclass(frozen=True)
 class LiveOptions(PipelineOptions):
-    """The options of a live run; a recording keeps them, so that a replay runs alike.
+    """Options of a live run; a recording keeps them, so that a replay is identical.
 
-    ``calibration`` is the text of a calibration's file. The tare and the description's gains come before the pipeline.
+    ``calibration`` is the text of a calibration file. Tare and gains of the description come before the pipeline.
     """
 
     tare: Literal["auto", "manual", "off"] = AUTO
@@ -44,14 +44,14 @@ class LiveOptions(PipelineOptions):
 
     @property
     def skin(self) -> "Calibration | TaxelGains | None":
-        """The calibration that the text is.
+        """The calibration in the text.
 
         Raises:
-            InputError: it is wrong.
+            InputError: it is invalid.
         """
         if self.calibration is None:
             return None
-        from tactile.calibration.file import parse_calibration  # SciPy's splines are slow to import
+        from tactile.calibration.file import parse_calibration  # slow to import
 
         return parse_calibration(self.calibration, "calibration")
 
@@ -64,7 +64,7 @@ def recorded_options(text: str, where: str) -> LiveOptions:
     """Return the options that a recording keeps as JSON.
 
     Raises:
-        InputError: no JSON, an option that this version does not know, or a value of another kind.
+        InputError: invalid JSON, an unknown option, or a value of another kind.
     """
     kinds = {
         "window": int,
@@ -96,7 +96,7 @@ def recorded_options(text: str, where: str) -> LiveOptions:
 
 
 def tare_line(note: TareNote, finger: str) -> dict[str, Any]:
-    """Return what became of a tare as plain data."""
+    """Return a change of the tare as plain data."""
     return {
         "type": "tare", "t_s": note.t, "finger": finger, "taken": note.offset is not None, "why": note.why,
         "detail": note.detail,
@@ -104,10 +104,10 @@ def tare_line(note: TareNote, finger: str) -> dict[str, Any]:
 
 
 class LiveMonitor:
-    """The sink of a live run or a replay: hands lines of plain data on, and keeps what a view shows.
+    """The sink of a live run or a replay: passes lines of plain data on, and keeps the state of the view.
 
-    ``say`` gets every event, tare and status as a dict; ``note`` gets the events and tares for a recording.
-    ``now`` returns [ns] on the chunks' clock, None in a replay as fast as possible, where latency means nothing.
+    ``say`` receives every event, tare and status as a dict; ``note`` receives events and tares for a recording. ``now``
+    returns [ns] on the clock of the chunks, None in a fast replay, which has no latency.
     """
 
     def __init__(
@@ -126,7 +126,7 @@ class LiveMonitor:
         self._plain = EventData(source.arrays)
 
     def __call__(self, report: FrameReport) -> None:
-        """Take one report."""
+        """Process one report."""
         arrival = self._source.arrival
         self.newest[report.array.name] = report
         for event in report.events:
@@ -158,7 +158,7 @@ class LiveMonitor:
             self._note("/counts", arrival, status)
 
     def status(self) -> dict[str, Any]:
-        """Return counters, rates, latencies and the clock's line as plain data."""
+        """Return counters, rates, latencies and the line of the device clock as plain data."""
         now = self._source.arrival if self._now is None else self._now()
         figures = self.meter.plain(now * 1e-9)
         clock = {name: finite(value) for name, value in self._source.clock.plain().items()}
@@ -174,7 +174,7 @@ class LiveMonitor:
 
 
 def print_line(line: dict[str, Any]) -> None:
-    """Print a line for other programs at once."""
+    """Print a line for other programs and flush it."""
     sys.stdout.write(json_line(line) + "\n")
     sys.stdout.flush()
 
@@ -182,7 +182,7 @@ def print_line(line: dict[str, Any]) -> None:
 def paced(
     chunks: Iterable[Chunk], speed: float, now: Callable[[], float], wait: Callable[[float], None]
 ) -> Iterator[Chunk]:
-    """Yield chunks at their times, ``speed`` times as fast."""
+    """Yield chunks on time, at ``speed`` times the recorded rate."""
     start = now()
     for chunk in chunks:
         pause = start + chunk.t * 1e-9 / speed - now()
@@ -192,5 +192,5 @@ def paced(
 
 
 def tare_words(line: dict[str, Any]) -> str:
-    """Return what became of a tare: why it was taken or refused, and how much was taken away or is wrong."""
+    """Return a text on a change of the tare: reason, offset, and warnings."""
     return f"{line['why']}: {line['detail']}" if line["detail"] else str(line["why"])

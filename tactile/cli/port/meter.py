@@ -1,4 +1,4 @@
-"""How fast frames come and how long they take, in bounded memory."""
+"""Latency percentiles and frame rate, in bounded memory."""
 
 import math
 from collections import deque
@@ -6,7 +6,7 @@ from typing import Any
 
 BINS_PER_DECADE = 50
 SHORTEST, DECADES = 1e-6, 8
-"""[s] Latencies from 1 us to 100 s are told apart to 5 %."""
+"""[s] Shortest latency, and number of decades above it, in bins of 5 %."""
 
 
 class Meter:
@@ -19,7 +19,7 @@ class Meter:
         self._second: deque[float] = deque(maxlen=100_000)
 
     def add(self, latency: float, now: float) -> None:
-        """Count a frame that was done at ``now`` [s], ``latency`` after its last byte arrived."""
+        """Count a frame that was done at ``now`` [s], ``latency`` after the arrival of its last byte."""
         self.frames += 1
         self.longest = max(self.longest, latency)
         place = math.log10(max(latency, SHORTEST) / SHORTEST) * BINS_PER_DECADE
@@ -33,7 +33,7 @@ class Meter:
         return float(sum(1 for t in tuple(self._second) if t >= now - 1.0))
 
     def percentile(self, percent: float) -> float:
-        """Return the latency [s] that ``percent`` of the frames did not exceed, to 5 %; NaN before the first."""
+        """Return the latency [s] of a percentile, to 5 %; NaN before the first frame."""
         wanted, seen = self.frames * percent / 100, 0
         for place, count in enumerate(self._bins):
             seen += count

@@ -1,4 +1,4 @@
-"""The live view on a terminal: arrows of every taxel, events, rates, latency and losses."""
+"""Live view on a terminal: an arrow per taxel, events, rates, latency and losses."""
 
 from collections.abc import Callable
 
@@ -16,11 +16,11 @@ from tactile.thresholds.threshold import CONTACT
 
 KEYS = "t and Return: tare; t! and Return: tare by force; q and Return, or Ctrl-C: end"
 SHADES = ("dim", "white", "yellow", "red")
-"""A taxel's pressing: below the dead band, up to 4, 16 times it, beyond."""
+"""Style by pressing: below the dead band, up to 4 and 16 times it, above."""
 
 
 class LiveView:
-    """Renders what a `LiveMonitor` knows whenever rich asks; ``state`` says how the port is, in a line."""
+    """Renders the state of a `LiveMonitor` when rich asks; ``state`` returns the status of the port."""
 
     def __init__(self, monitor: LiveMonitor, title: str, state: Callable[[], str]) -> None:
         self._monitor, self._title, self._state = monitor, title, state
@@ -58,7 +58,7 @@ def _shown(text: str) -> Text:
 
 
 def _arrows(report: FrameReport) -> Text:
-    """Return the taxels' arrows, each brighter where it is pressed more."""
+    """Return the arrows of the taxels, brighter with more pressing."""
     unit = CONTACT[report.array.quantity].dead_band
     pressing = np.abs(np.nan_to_num(report.frame.values[..., NORMAL])) / unit
     level = np.digitize(pressing, (1, 4, 16))

@@ -10,10 +10,10 @@ from click.testing import CliRunner
 
 from tactile.cli.group import main
 from tactile.materials.features import feature_set
+from tactile.materials.novelty import numbered
 from tactile.materials.slide_folder import read_slides
 from tactile.materials.slide_labels import read_slide_labels
 from tactile.materials.split import by_slide
-from tactile.materials.unknown import numbered
 from tactile.materials.windows import cut
 from tactile.sources.convert import convert
 from tests.kits.paths import DATA

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from cnnsim.support import InputError
+from tactile.materials.classification import strange, told_slides
 from tactile.materials.features import feature_set
 from tactile.materials.model import TextureModel, hop, train
 from tactile.materials.model_file import read_model, write_model
 from tactile.materials.split import by_block, by_place, by_slide
-from tactile.materials.tell import strange, told_slides
 from tactile.materials.windows import WindowTable, cut
 from tests.kits.touch.slides import slide, slides
 

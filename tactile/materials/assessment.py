@@ -1,4 +1,4 @@
-"""How well materials are told: windows of other slides, other blocks of slides, other places, and unknown materials."""
+"""Assessment of texture classification: cross-validation by slide, block and place, and unknown materials."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -10,19 +10,19 @@ from cnnsim.support import Integers
 from cnnsim.support.progress import watcher
 from tactile.materials.features import Kind
 from tactile.materials.fit import fit
+from tactile.materials.novelty import numbered, stand_out
 from tactile.materials.split import Split, by_block, by_place, by_slide
-from tactile.materials.unknown import numbered, stand_out
 from tactile.materials.windows import WindowTable
 
 
 @dataclass(frozen=True)
 class Assessment:
-    """Shares of windows that are told right, by what was not learned from, and how unknown materials stand out.
+    """Accuracy of the windows under several splits, and the separation of unknown materials.
 
-    ``by_slide``, ``by_block``, ``by_place``: None where there is nothing to part; ``unknown``: for each material the
-    AUROC with which its windows, it being left out of the learning, lie farther from all known windows than those of
-    other slides of the known materials; ``confusion`` (materials, materials): known by told, by block, else by slide;
-    ``grouped`` says which.
+    ``by_slide``, ``by_block``, ``by_place``: None without such groups; ``unknown``: for each material the AUROC of the
+    distance of its windows from all known windows, when it is left out of the training, against windows of held-out
+    slides of the known materials; ``confusion`` (materials, materials): true by predicted, by block, or else by slide;
+    ``grouped`` names the split.
     """
 
     kind: Kind
@@ -51,7 +51,7 @@ class Assessment:
 
 
 def assess(table: WindowTable, kind: Kind, window: int) -> Assessment:
-    """Learn and try in turn, for each way to part the windows.
+    """Train and test for each split of the windows.
 
     Raises:
         InputError: windows without a material, fewer than two materials, or a material with fewer than two slides.
@@ -74,7 +74,7 @@ def assess(table: WindowTable, kind: Kind, window: int) -> Assessment:
 def _told(
     table: WindowTable, numbers: Integers, count: int, kind: Kind, splits: Iterable[Split], doing: str
 ) -> tuple[Integers, Integers]:
-    """Return the known and the told material of all windows that were tried."""
+    """Return the true and the predicted material of all tested windows."""
     known, said, watch = [np.empty(0, np.int64)], [np.empty(0, np.int64)], watcher()
     for train, test in splits:
         if watch is not None:

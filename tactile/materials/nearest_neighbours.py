@@ -1,4 +1,4 @@
-"""Materials told by the nearest known windows: the space in which windows are compared, and the vote in it."""
+"""Nearest-neighbour classification of materials: the feature space, and the vote of the nearest known windows."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -8,16 +8,16 @@ import numpy as np
 from cnnsim.support import Flags, Floats, Integers
 
 NEIGHBOURS = 31
-"""Known windows that vote, each by one over its distance; a quarter of a slide's windows overlap one another."""
+"""Number of known windows that vote, with weight 1 / distance; neighbouring windows overlap."""
 SAME = 1e-6
-"""A distance that is rounding alone: known windows of one material are about 1 apart."""
+"""Distance below which two windows are identical up to rounding; known windows of a material are about 1 apart."""
 NOVEL = 5
-"""The distance to the known window of this rank (from 0) is how new a window is."""
+"""Rank (from 0) of the known window whose distance is the novelty."""
 
 
 @dataclass(frozen=True)
 class Space:
-    """Where windows are compared: features scaled, joined by kernels, and turned to what parts the materials.
+    """The feature space: features scaled, extended by kernels, and projected to discriminants.
 
         u = (features - centre) / scale,   v = (u, weight * K(u) root),   place = v projection
         K_j = exp(-gamma |u - landmark_j|^2)
@@ -36,7 +36,7 @@ class Space:
     projection: Floats
 
     def __call__(self, values: Floats) -> Floats:
-        """Return the places (n, d) of features (n, k)."""
+        """Return the positions (n, d) of features (n, k)."""
         place: Floats = self.joined((values - self.centre) / self.scale) @ self.projection
         return place
 
@@ -49,32 +49,32 @@ class Space:
 
 
 class Vote(NamedTuple):
-    """Of windows (n,): ``shares`` (n, materials) of the votes, and ``novelty`` (n,), a distance in the space."""
+    """Votes on windows (n,): ``shares`` (n, materials), and ``novelty`` (n,), a distance in the space."""
 
     shares: Floats
     novelty: Floats
 
     @property
     def material(self) -> Integers:
-        """(n,) number of the material with the most votes."""
+        """(n,) number of the material with the largest share."""
         return self.shares.argmax(1)
 
     @property
     def share(self) -> Floats:
-        """(n,) its share of them."""
+        """(n,) its share."""
         return self.shares.max(1)
 
 
 @dataclass(frozen=True)
 class Known:
-    """Windows whose material is known: ``places`` (m, d) and ``material`` (m,), numbers below ``count``."""
+    """Windows of known material: ``places`` (m, d) and ``material`` (m,), numbers below ``count``."""
 
     places: Floats
     material: Integers
     count: int
 
     def holds(self, places: Floats) -> Flags:
-        """Return which of the places (n, d) are those of a known window."""
+        """Return which positions (n, d) are those of a known window."""
         from scipy.spatial import cKDTree  # slow to import
 
         distance, _ = cKDTree(self.places).query(places)
@@ -82,7 +82,7 @@ class Known:
         return same
 
     def vote(self, places: Floats) -> Vote:
-        """Return what the nearest known windows say of places (n, d)."""
+        """Return the votes of the nearest known windows on positions (n, d)."""
         from scipy.spatial import cKDTree  # slow to import
 
         ranks = min(NEIGHBOURS, len(self.places))

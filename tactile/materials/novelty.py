@@ -1,4 +1,4 @@
-"""Unknown materials: each left out of the learning in turn, and how far its windows then lie from the known ones."""
+"""Novelty of unknown materials: each is left out of the training in turn, and its distance is measured."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ from tactile.materials.windows import WindowTable
 
 
 def numbered(table: WindowTable) -> tuple[tuple[str, ...], Integers]:
-    """Return the materials in order, and each window's number among them.
+    """Return the materials in order, and the number of each window's material.
 
     Raises:
         InputError: windows without a material, fewer than two materials, or one with fewer than two slides.
@@ -32,10 +32,10 @@ def numbered(table: WindowTable) -> tuple[tuple[str, ...], Integers]:
 
 @dataclass(frozen=True)
 class StandOut:
-    """Windows that were not learned from: ``left_out`` (n,) the material that was left out, a number.
+    """Held-out windows: ``left_out`` (n,) number of the material that was left out.
 
-    ``unknown`` (n,) whether the window is of it; ``share``, ``novelty`` of its vote; ``right`` whether the told
-    material is its own.
+    ``unknown`` (n,) whether the window is of it; ``share``, ``novelty`` of its vote; ``right`` whether the predicted
+    material is right.
     """
 
     left_out: Integers
@@ -45,7 +45,7 @@ class StandOut:
     right: Flags
 
     def auroc(self, materials: tuple[str, ...]) -> dict[str, float]:
-        """Return for each material how well distance parts its windows from known ones."""
+        """Return for each material the AUROC of the distance of its windows against known ones."""
         score = learner("metrics").roc_auc_score
         out = {}
         for number in sorted(set(self.left_out.tolist())):
@@ -55,7 +55,7 @@ class StandOut:
 
 
 def stand_out(table: WindowTable, kind: Kind, window: int) -> StandOut:
-    """Leave each material out in turn, learn from four fifths of the other slides, and try it and the other fifth."""
+    """Leave each material out in turn, train on four fifths of the other slides, and test on it and the other fifth."""
     materials, numbers = numbered(table)
     folds = list(by_slide(table, window))
     rows, watch = [], watcher()

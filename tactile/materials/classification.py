@@ -1,4 +1,4 @@
-"""Materials of slides as a model tells them, and what about the slides is strange to it."""
+"""Classification of slides by a texture model, and warnings about unusual slides."""
 
 from typing import Any
 
@@ -8,26 +8,24 @@ from tactile.materials.model import TextureModel
 from tactile.materials.windows import WindowTable
 
 SURE = 0.5
-"""Least confidence with which a material is told."""
+"""Least confidence of a predicted material."""
 UNKNOWN = "unknown"
 
 
 def strange(model: TextureModel, table: WindowTable) -> list[str]:
-    """Return in words what figures are wholly outside of those learned from, and whether the windows are the same."""
+    """Return warnings: conditions outside of those of the training slides, or windows of the training set."""
     said, now = [], conditions_of(table, model.features.window)
     for name, known in model.conditions.items():
         if isinstance(known, list) and name in now and (now[name][0] > known[1] or now[name][1] < known[0]):
             have, want = (f"{one[0]:.3g} to {one[1]:.3g}" for one in (now[name], known))
-            said.append(f"{name} {have}; the model learned from {want}")
+            said.append(f"{name} {have}; the training slides have {want}")
     if model.known.holds(model.space(table.values)).mean() > 0.5:
-        said.append(
-            "most of these windows are among those it learned from; they say nothing of how well it tells others"
-        )
+        said.append("most of these windows are training windows; they do not measure the accuracy on others")
     return said
 
 
 def told_slides(model: TextureModel, table: WindowTable, least: float) -> list[dict[str, Any]]:
-    """Return for each slide its material by its windows' mean votes, "unknown" below the ``least`` mean confidence."""
+    """Return for each slide the material with the largest mean vote, "unknown" below the ``least`` mean confidence."""
     shares, sure = model.tell(table)
     out: list[dict[str, Any]] = []
     for number, slide in enumerate(table.slides):
