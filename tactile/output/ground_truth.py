@@ -31,7 +31,7 @@ class TrueLoad(NamedTuple):
     error_n: float = NAN
 
 
-class Truth:
+class GroundTruth:
     """Returns the true load of every report of a run on a scene, or on any source with ``loads_at``."""
 
     def __init__(self, scene: Any) -> None:
@@ -67,6 +67,6 @@ class Truth:
         return rows
 
 
-def truth_of(source: Any) -> Truth | None:
+def truth_of(source: Any) -> GroundTruth | None:
     """Return the ground truth of a scene; None for recordings."""
-    return Truth(source) if hasattr(source, "loads_at") else None
+    return GroundTruth(source) if hasattr(source, "loads_at") else None
