@@ -62,16 +62,13 @@ def _radius(along: Any, limit: float) -> Any:
     return np.sinh(along) if np.isinf(limit) else limit * np.tanh(along)
 
 
-def table_size(radii: Floats, depth: float, profile: Profile, unit: float, lone: bool = False) -> Floats:
+def table_size(radii: Floats, depth: float, profile: Profile, unit: float) -> Floats:
     """The largest coordinate of the table for circles of these radii [m], of a few sizes only so that they share them.
 
-    It depends on a circle's radius alone, so that readings do not depend on what else presses. ``lone``: the coordinate
-    itself, for a body whose radius never changes and needs a table of that radius alone.
+    It depends on a circle's radius alone, so that readings do not depend on what else presses.
     """
     limit = unit / depth * profile.limit
     at = coordinate(radii / depth, limit)
-    if lone:
-        return at
     # a table ten times as wide as its circles costs a hundred times as much; near a profile's largest radius little
     # changes any more, and circles go through many sizes
     sizes = np.ceil(2 * at - 1e-9) / 2 if np.isinf(limit) else 2.0 ** np.ceil(np.log2(np.maximum(at, 1.0)) - 1e-9)
@@ -79,13 +76,12 @@ def table_size(radii: Floats, depth: float, profile: Profile, unit: float, lone:
 
 
 def disc_table(
-    depth: float, top: float, profile: Profile, unit: float, medium: Medium, accuracy: float, whole: bool = True,
-    lone: bool = False,
-) -> DiscTable:  # fmt: skip
+    depth: float, top: float, profile: Profile, unit: float, medium: Medium, accuracy: float, whole: bool = True
+) -> DiscTable:
     """The table for circles of one size, see ``table_size``, over taxels at ``depth`` [m], made once.
 
     Arguments: ``unit`` [m]: the profile's lam is the radius over it; ``accuracy`` of the peak; ``whole``: with the
-    half-space, else only what the layer adds; ``lone``: of the circle ``top`` alone, none smaller.
+    half-space, else only what the layer adds.
 
     Raises:
         InputError: taxels below the layer; an accuracy that the table does not reach.
@@ -95,14 +91,13 @@ def disc_table(
             f"taxels {depth} m deep in a layer of {medium.thickness} m, a thickness of at least the depth wanted"
         )
     ratio = depth / medium.thickness if medium.thickness < DEEPEST * depth else 0.0
-    return _table(round(ratio, 12), top, profile, unit / depth, medium.nu, medium.quantity, accuracy, whole, lone)
+    return _table(round(ratio, 12), top, profile, unit / depth, medium.nu, medium.quantity, accuracy, whole)
 
 
 @lru_cache(maxsize=64)
 def _table(
-    ratio: float, top: float, profile: Profile, unit: float, nu: float, quantity: Felt, accuracy: float, whole: bool,
-    lone: bool,
-) -> DiscTable:  # fmt: skip
+    ratio: float, top: float, profile: Profile, unit: float, nu: float, quantity: Felt, accuracy: float, whole: bool
+) -> DiscTable:
     medium, limit = Medium(1.0, nu, quantity), unit * profile.limit
     ends = REACH / ratio if ratio else FAR
     fall, beyond = TAIL - np.log(accuracy), max(PAD, int(np.ceil(np.log(accuracy) / np.log(FALL))))
@@ -113,7 +108,7 @@ def _table(
     while True:
         distances = int(np.ceil(np.arcsinh(ends) / step)) + 1 + PAD
         across = np.arange(distances) * step
-        along = np.array([top]) if lone or not top else np.arange(int(np.ceil(top / step)) + 1 + beyond) * step
+        along = np.zeros(1) if not top else np.arange(int(np.ceil(top / step)) + 1 + beyond) * step
         exact = _weighted(across, along, ratio, profile, unit, limit, medium, whole, fall)
         made = DiscTable(_spline(exact), 1 / step, 1 / step, limit, ends, not ratio)
         # most points where the functions turn, about the rim

@@ -24,7 +24,6 @@ def disc_load(
     profile: Profile,
     medium: Medium,
     lam: ArrayLike = 0.0,
-    rough: bool = False,
 ) -> Floats:
     """Strain or stress, as the medium says, under loads spread over circles.
 
@@ -35,7 +34,7 @@ def disc_load(
     Arguments: ``positions`` (..., 2) [m]; ``depth`` [m]; ``loads`` (..., n, 5) rows (x, y, Q, R, F) [m, N], the
     tangential components spread like the normal one; ``radii`` (..., n) [m], 0 for a point; ``lam`` (..., n) as in
     ``Profile``. Returns (..., 3). Good to rounding for radii up to three depths, to about 1e-6 of the largest value
-    at 100; ``rough``: to 2e-5.
+    at 100.
 
     Raises:
         InputError: wrong shapes, a negative radius, a radius of more than 100 depths.
@@ -47,7 +46,7 @@ def disc_load(
     x = (at[..., 0, None] - rows[..., X]) / depth
     y = (at[..., 1, None] - rows[..., Y]) / depth
     size = np.asarray(radii, dtype=np.float64) / depth
-    a, b, c, h = potential(np.hypot(x, y), size, profile, np.asarray(lam), (rows[..., FORCE] != 0).any(axis=-1), rough)
+    a, b, c, h = potential(np.hypot(x, y), size, profile, np.asarray(lam), (rows[..., FORCE] != 0).any(axis=-1))
     q, r, f = rows[..., Q], rows[..., R], rows[..., F]
     s = q * x + r * y
     t_x = q * (b - a) - x * (h * s + f * c)
@@ -92,7 +91,7 @@ def twist_load(
 
 
 def potential(
-    rho: Floats, radius: Floats, profile: Profile, lam: Floats, wanted: ArrayLike, rough: bool = False
+    rho: Floats, radius: Floats, profile: Profile, lam: Floats, wanted: ArrayLike
 ) -> tuple[Floats, Floats, Floats, Floats]:
     """(V_rho / rho, V_z, V_rho_z / rho, (V_rho_rho - V_rho / rho) / rho^2) at depth 1, 0 where not wanted.
 
@@ -110,7 +109,7 @@ def potential(
     asked = np.broadcast_to(wanted, shape)
     flat = [np.broadcast_to(part, shape)[asked] for part in (rho, radius, lam)]
     found = np.empty((4, flat[0].size))
-    count = (_few_nodes if rough else _nodes)(float(flat[1].max(initial=0)))
+    count = _nodes(float(flat[1].max(initial=0)))
     chunk = max(1, BUDGET // count)
     for start in range(0, found.shape[1], chunk):
         cut = slice(start, start + chunk)
@@ -126,13 +125,6 @@ def _nodes(widest: float) -> int:
     if widest < 0.05:
         return 12
     return 20 if widest < 0.6 else 40 if widest < 3 else int(50 + 12 * np.log(widest))
-
-
-def _few_nodes(widest: float) -> int:
-    """Those that are good to 2e-5."""
-    if widest < 0.05:
-        return 5
-    return 6 if widest < 0.6 else 8 if widest < 1 else 12 if widest < 3 else _nodes(widest)
 
 
 def _line(rho: Floats, radius: Floats, profile: Profile, lam: Floats, count: int) -> Floats:

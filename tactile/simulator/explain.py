@@ -161,13 +161,12 @@ def _describe(effect: Any) -> str:
 def _lines(scene: Scene) -> list[str]:
     lines = []
     for finger, array in enumerate(scene.arrays):
-        method = scene.skin.method(finger)
         mine = [contact for contact in (*scene.loads, *scene.contacts) if contact.finger == finger]
         kinds = Counter(WORDS.get(type(contact).__name__, type(contact).__name__) for contact in mine)
         presses = ", ".join(f"{count} {kind}{'s' * (count > 1)}" for kind, count in kinds.items()) or "nothing presses"
         lines.append(
             f"{array.name}: {array.rows} x {array.cols} taxels of {array.quantity}, {array.depth * 1e3:g} mm deep; "
-            f"{presses}; method: {method.name} ({method.why})"
+            f"{presses}"
         )
         maps = [contact for contact in mine if isinstance(contact, HeightMap)]
         if maps and scene.bumps is None:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal, cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -15,19 +15,17 @@ from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.loads import Loads
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.field import Contact, Field
-from tactile.simulator.summation import DIRECT, FEW, Summation, choose_method
 from tactile.simulator.taxels import Taxels
 
 if TYPE_CHECKING:
-    from tactile.elastic.sums.device_sum import DeviceSum
     from tactile.simulator.bump_cover import Bumps
 
 CHUNK = 512
 """Frames computed at once: those of 8 x 8 taxels stay in the second-level cache from effect to effect."""
 LOADS_AT_ONCE = 1 << 22
 """Load components held at once: scenes with very many loads are computed in smaller pieces."""
-CHUNK_ON_DEVICE = 16_384
-"""Frames sent to an OpenCL device at once."""
+FEW = 4
+"""Point loads that are not counted: pieces are as long as they may be."""
 KEPT = 1 << 18
 """Most readings of a field that is kept for the next run: 2 MiB."""
 
@@ -46,8 +44,6 @@ class IdealSkin:
     rate: float
     samples: int
     accuracy: float
-    backend: Literal["cpu", "opencl"]
-    dtype: Literal["float32", "float64"]
     bumps: "Bumps | None"
 
     def medium(self, finger: int) -> Medium:
@@ -60,18 +56,14 @@ class IdealSkin:
 
     def loads(self, finger: int, times: Floats) -> Loads:
         """All loads on a finger at the times [s]."""
-        return self.field(finger, times, method=DIRECT).loads
+        return self.field(finger, times).loads
 
-    def method(self, finger: int) -> Summation:
-        """The method of summation that was chosen for a finger."""
-        return self._methods[finger]
-
-    def field(self, finger: int, times: Floats, first: int = 0, method: Summation | None = None) -> Field:
+    def field(self, finger: int, times: Floats, first: int = 0) -> Field:
         """The field at the taxels at any times [s], the first of them that of frame ``first``."""
         mine, taxels, medium = self._fingers[finger]
         return Field(
             self.arrays[finger], medium, times, first, mine, taxels,
-            method=method or self.method(finger), accuracy=self.accuracy, bumps=self.bumps, device=self._device,
+            accuracy=self.accuracy, bumps=self.bumps,
         )  # fmt: skip
 
     def fields(self, finger: int, times: Iterable[tuple[int, Floats]]) -> Iterator[Field]:
@@ -96,8 +88,7 @@ class IdealSkin:
 
     def pieces(self, finger: int) -> Iterator[tuple[int, Floats]]:
         """(first frame, times) of the pieces in which a finger's frames are computed."""
-        most = CHUNK if self.backend == "cpu" else CHUNK_ON_DEVICE
-        count = max(1, min(most, LOADS_AT_ONCE // max(1, COLUMNS * self._load_counts[finger])))
+        count = max(1, min(CHUNK, LOADS_AT_ONCE // max(1, COLUMNS * self._load_counts[finger])))
         for start in range(0, self.samples, count):
             yield start, np.arange(start, min(start + count, self.samples)) / self.rate
 
@@ -114,41 +105,14 @@ class IdealSkin:
         ]
 
     @cached_property
-    def _methods(self) -> tuple[Summation, ...]:
-        if self.bumps is not None:
-            return (Summation("matrix", f"{self.bumps}"),) * len(self.arrays)
-        return tuple(
-            DIRECT if sample is None else choose_method(array, sample.points, self.samples)
-            for array, sample in zip(self.arrays, self._sampled, strict=True)
-        )
-
-    @cached_property
     def _load_counts(self) -> list[int]:
-        return [FEW if one is None else one.count for one in self._sampled]
-
-    @cached_property
-    def _sampled(self) -> list[Loads | None]:
-        """What presses at points of every finger at a few moments, None of fewer than ``FEW`` loads: those are summed.
-
-        Moments show whether loads move; a load that moves only between them is caught on the way. Height maps, which
-        press on cells, take long to be pressed and are felt by tables, are left out.
-        """
-        found: list[Loads | None] = []
+        """Loads on every finger in a frame, without those of height maps, which are summed in pieces of their own."""
+        counts = []
         for finger, (mine, _, _) in enumerate(self._fingers):
-            asked = tuple(one for one in mine if not isinstance(one, HeightMap))
-            few = len(asked) < FEW and all(type(one) is MovingLoad for one in asked)
-            moments = np.zeros(0) if few else np.linspace(0, (self.samples - 1) / self.rate, min(self.samples, 5))
-            sampled = replace(self.field(finger, moments, method=DIRECT), contacts=asked)
-            found.append(None if few else sampled.loads)
-        return found
-
-    @cached_property
-    def _device(self) -> "DeviceSum | None":
-        if self.backend == "cpu":
-            return None
-        from tactile.elastic.sums.device_sum import device_sum  # only where called for
-
-        return device_sum(self.dtype)
+            counted = tuple(one for one in mine if not isinstance(one, HeightMap))
+            few = len(counted) < FEW and all(type(one) is MovingLoad for one in counted)
+            counts.append(FEW if few else replace(self.field(finger, np.zeros(1)), contacts=counted).loads.count)
+        return counts
 
     @cached_property
     def _kept(self) -> dict[int, Field]:

@@ -1,112 +1,102 @@
-"""Summation of point loads: directly, by an influence matrix or by Fourier transforms, and which is the fastest."""
+"""Strain or stress at taxels under all loads of a finger: direct sums, Fourier transforms, or a table of circles.
 
-from dataclasses import dataclass, field
-from typing import Any, Literal
+The rule: points are summed directly, or by transforms where a large map lies on the taxels' own grid. Circles and
+twists are read from a table as fine as the accuracy. Circles that are wider than ``WIDEST`` depths, and all of them
+where the accuracy is finer than ``TABLES``, are integrated one by one; the table then gives only the layer's share.
+"""
 
 import numpy as np
 
-from cnnsim.support import Floats, InputError, Integers
-from tactile.core.frame import TaxelArray
-from tactile.core.loads import FORCE, PLACE
+from cnnsim.support import Flags, Floats, InputError
+from tactile.core.loads import COLUMNS, PLACE
 from tactile.elastic.medium import Medium
 from tactile.elastic.sums.direct import direct_sum
+from tactile.simulator.contacts.loads import Disc, Loads
 
-Name = Literal["direct", "matrix", "fft"]
-FEW = 4
-"""With fewer loads a frame the direct sum is as fast as the product with a matrix."""
-LARGEST = 1 << 25
-"""Most numbers in an influence matrix: 256 MiB."""
-GRID = 24
-"""From so many cells and taxels a side on the transforms are ahead of the direct sum."""
-
-
-@dataclass(frozen=True)
-class Summation:
-    """How the loads are summed, and why so. ``memory``: matrices and transforms already made."""
-
-    name: Name
-    why: str
-    memory: dict[Any, Any] = field(default_factory=dict, compare=False, repr=False)
-
-    def remember(self, key: Any, make: Any) -> Any:
-        """What ``make()`` gave the first time for ``key``."""
-        if key not in self.memory:
-            self.memory[key] = make()
-        return self.memory[key]
+ACCURACY = 1e-4
+"""Default error of a field, as a share of its peak."""
+TABLES = 1e-5
+"""Finest accuracy at which the half-space is read from tables: finer ones take longer to make than most scenes."""
+FINEST = 1e-7
+"""Finest accuracy of what a layer adds."""
+WIDEST = 6.0
+"""Largest radius in depths of circles whose half-space field is read from a table."""
+FEWEST = 576
+"""Fewest points that are summed by transforms."""
+AT_ONCE = 1 << 22
+"""Loads times frames that are held at once."""
 
 
-DIRECT = Summation("direct", "loads that move, or few of them: every load on every taxel")
+def field_at(positions: Floats, depth: float, loads: Loads, medium: Medium, accuracy: float = ACCURACY) -> Floats:
+    """Return the readings (frames, ..., 3) of taxels at ``positions`` (..., 2) [m] under all loads.
 
-
-def choose_method(array: TaxelArray, loads: Floats, frames: int) -> Summation:
-    """Choose the method for ``frames`` frames of point loads like these (samples, n, 5) on an array.
-
-    The matrix where many loads stay where they are over more frames than there are loads; transforms where the loads
-    lie on the array's own grid and both are large; else the direct sum.
-    """
-    count = loads.shape[1]
-    if count < FEW or not len(loads) or moving(loads):
-        return DIRECT
-    if count >= GRID**2 and min(array.shape) >= GRID and _on_grid(array.positions(), loads[0, :, PLACE]) is not None:
-        return Summation("fft", f"{count} loads and {array.rows} x {array.cols} taxels on one grid: transforms")
-    if frames >= 3 * count and 9 * count * array.rows * array.cols <= LARGEST:
-        return Summation("matrix", f"{count} loads that stay in place for {frames} frames: one matrix")
-    return DIRECT
-
-
-def moving(loads: Floats) -> bool:
-    """Whether point loads (frames, n, 5) leave the places of the first frame."""
-    return bool((loads[..., PLACE] != loads[:1, :, PLACE]).any())
-
-
-def sum_loads(method: Summation | None, positions: Floats, depth: float, loads: Floats, medium: Medium) -> Floats:
-    """What taxels (..., 2) feel of point loads (frames, n, 5): (frames, ..., 3); directly where ``method`` is None.
+    Arguments: ``depth`` of the taxels [m]; ``accuracy``: the error, as a share of the field's peak, 0 for the direct
+    sum alone on a half-space and for ``FINEST`` on a layer.
 
     Raises:
-        InputError: loads that the method cannot carry: moving ones by the matrix, off the taxels' grid by transforms.
+        InputError: taxels below the cover.
     """
-    if method is None or method.name == "direct" or not loads.shape[1]:
-        return direct_sum(positions, depth, loads, medium)
-    if moving(loads):
-        raise InputError(f"loads that move, by the {method.name} method; loads that stay in place wanted")
-    if method.name == "matrix":
-        from tactile.elastic.sums.influence import Influence  # only the method that is taken is imported
-
-        places = np.ascontiguousarray(loads[0, :, PLACE])
-        key = positions.tobytes(), depth, places.tobytes(), medium
-        return method.remember(key, lambda: Influence(positions, depth, places, medium))(loads[..., FORCE])
-    return _by_transforms(method, positions, depth, loads, medium)
-
-
-def _by_transforms(method: Summation, positions: Floats, depth: float, loads: Floats, medium: Medium) -> Floats:
-    from tactile.elastic.sums.spectral import TractionTransform  # only the method that is taken is imported
-
-    grid = _on_grid(positions, loads[0, :, PLACE])
-    if grid is None:
-        raise InputError("loads and taxels that share no grid, by transforms; loads at whole pitches wanted")
-    first, shape, pitch, index = grid
-    x, y = (positions[0, 0] - first).tolist()
-    taxels = positions.shape[0], positions.shape[1]
-    key = taxels, shape, pitch, depth, medium, x, y
-    transforms = method.remember(key, lambda: TractionTransform(shape, taxels, pitch, depth, medium, (x, y)))
-    values = np.empty((len(loads), *positions.shape[:2], 3))
-    for frame, rows in zip(values, loads, strict=True):
-        traction = np.zeros((shape[0] * shape[1], 3))
-        np.add.at(traction, index, rows[:, FORCE] / pitch**2)
-        frame[:] = transforms(traction.reshape(*shape, 3))
+    if depth > medium.thickness:
+        raise InputError(
+            f"taxels {depth * 1e3:g} mm deep in a cover of {medium.thickness * 1e3:g} mm, a thickness of at least the "
+            "depth wanted"
+        )
+    values = _sum_points(positions, depth, loads.points, medium)
+    for pattern in loads.patterns:
+        count = max(1, AT_ONCE // max(1, pattern.count(accuracy)))
+        for start in range(0, len(values), count):
+            part = slice(start, start + count)
+            values[part] += _sum_points(positions, depth, pattern.of_frames(part).points(accuracy), medium)
+    at = positions.reshape(-1, 2)
+    flat = values.reshape(len(values), len(at), 3)
+    for disc in loads.discs:
+        _add_disc(flat, at, depth, disc, medium, accuracy)
+    for twist in loads.twists:
+        rows = np.zeros((*twist.radii.shape, COLUMNS + 1))
+        rows[..., [0, 1, COLUMNS]] = twist.twists
+        disc = Disc(rows, twist.radii, twist.profile, twist.unit, twist.owner)
+        _add_disc(flat, at, depth, disc, medium, accuracy)
     return values
 
 
-def _on_grid(positions: Floats, places: Floats) -> tuple[Floats, tuple[int, int], float, Integers] | None:
-    """(first place, (rows, cols), pitch, index of each load) of loads that lie whole taxel pitches apart."""
-    if positions.ndim != 3 or positions.shape[1] < 2:
-        return None
-    pitch = float(positions[0, 1, 0] - positions[0, 0, 0])
-    first = places.min(axis=0)
-    steps = (places - first) / pitch
-    cells = np.rint(steps)
-    if np.abs(steps - cells).max() > 1e-9 or cells.max() > 4096:
-        return None
-    cols, rows = (cells.max(axis=0) + 1).astype(int).tolist()
-    index = (cells[:, 1] * cols + cells[:, 0]).astype(np.int64)
-    return first, (rows, cols), pitch, index
+def _sum_points(positions: Floats, depth: float, points: Floats, medium: Medium) -> Floats:
+    from tactile.elastic.sums.spectral import grid_sum  # imports SciPy's transforms
+
+    values = grid_sum(positions, depth, points, medium) if points.shape[1] >= FEWEST else None
+    return direct_sum(positions, depth, points, medium) if values is None else values
+
+
+def _add_disc(values: Floats, at: Floats, depth: float, disc: Disc, medium: Medium, accuracy: float) -> None:
+    """Add the readings of taxels ``at`` (taxels, 2) under circles to ``values`` (frames, taxels, 3)."""
+    from tactile.elastic.disc_loops import add_discs  # compiled
+    from tactile.elastic.disc_table import disc_table, table_size
+
+    pressing = (disc.loads[..., PLACE.stop :] != 0).any(axis=-1)
+    tabled = (disc.radii <= WIDEST * depth) & (accuracy >= TABLES)
+    if (pressing & ~tabled).any():
+        _add_integrated(values, at, depth, disc, pressing & ~tabled, medium)
+    size = table_size(disc.radii, depth, disc.profile, disc.unit)
+    kinds = [(True, pressing & tabled)]
+    if np.isfinite(medium.thickness):
+        kinds.append((False, pressing & ~tabled))
+    for half_space, these in kinds:
+        for top in np.unique(size[these]).tolist():
+            here = these & (size == top)
+            table = disc_table(depth, top, disc.profile, disc.unit, medium, max(accuracy, FINEST), half_space)
+            kept = here.any(axis=0)  # most circles are of one size in all frames
+            rows = np.where(here[:, kept, None], disc.loads[:, kept], 0)
+            add_discs(values, at, depth, rows, np.where(here, disc.radii, 0)[:, kept], table, medium)
+
+
+def _add_integrated(values: Floats, at: Floats, depth: float, disc: Disc, these: Flags, medium: Medium) -> None:
+    """Add the half-space's readings under ``these`` (frames, n) circles by quadrature."""
+    from tactile.elastic.discs import disc_load, twist_load
+
+    kept = these.any(axis=0)
+    rows = np.where(these[..., None], disc.loads, 0)[:, None, kept]
+    radii = np.where(these, disc.radii, 0)[:, None, kept]
+    lam = radii / disc.unit
+    if rows.shape[-1] == COLUMNS:
+        values += disc_load(at, depth, rows, radii, disc.profile, medium, lam)
+    else:
+        values += twist_load(at, depth, rows[..., [0, 1, COLUMNS]], radii, medium, disc.profile, lam)

@@ -1,4 +1,4 @@
-"""The simulator: frames of a moving load, what effects cost, and three ways to sum loads beside GEMM and Tamaas."""
+"""The simulator: frames of a moving load, what effects cost, and two ways to sum loads next to Tamaas."""
 
 from collections.abc import Callable
 from importlib import import_module
@@ -9,7 +9,6 @@ import numpy as np
 from tactile.core.frame import TaxelArray
 from tactile.elastic.medium import Medium
 from tactile.elastic.sums.direct import direct_sum
-from tactile.elastic.sums.influence import Influence
 from tactile.elastic.sums.spectral import TractionTransform
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effects.read_noise import ReadNoise
@@ -52,20 +51,13 @@ def frames(rounds: int) -> list[Row]:
 
 
 def summation(rounds: int) -> list[Row]:
-    """The direct sum; the matrix beside GEMM of the same size; transforms beside Tamaas, where it is installed."""
+    """The direct sum; transforms next to Tamaas, where it is installed."""
     random = np.random.default_rng(0)
     loads, at = random.normal(size=(1, PAIRS[0], 5)), random.normal(size=(PAIRS[1], 2))
-    transform, forces = (
-        Influence(ARRAY.positions(), 1e-3, random.normal(size=(64, 2)), BODY),
-        random.normal(size=(8192, 64, 3)),
-    )
-    a, b = random.normal(size=(8192, 192)), random.normal(size=(192, 192))
     traction = random.normal(size=(SIDE, SIDE, 3))
     transforms = TractionTransform((SIDE, SIDE), (SIDE, SIDE), 1.0, 1.0, Medium(1.0, 0.499))
     runners: dict[str, Callable[[], object]] = {
         "direct": lambda: direct_sum(at, 0.5, loads, BODY),
-        "matrix": lambda: transform(forces),
-        "gemm": lambda: a @ b,
         "transforms": lambda: transforms(traction),
     }
     if find_spec("tamaas"):
@@ -76,8 +68,6 @@ def summation(rounds: int) -> list[Row]:
     pairs = 1e-9 * PAIRS[0] * PAIRS[1] / best["direct"]
     return [
         Row("1024 taxels, 1e5 loads, direct sum", "cpu", pairs, "G pairs/s", ">= 0.3"),
-        Row("8x8, 64 loads that stay, matrix", "cpu", 8192e-3 / best["matrix"], "kHz", ">= 0.5 of GEMM",
-            {"gemm": best["gemm"] / best["matrix"]}),
         Row(f"{SIDE}x{SIDE} loads and taxels, transforms", "cpu", 1 / best["transforms"], "Hz", ">= 0.5 x tamaas",
             against, "" if against else "tamaas: not installed"),
     ]  # fmt: skip

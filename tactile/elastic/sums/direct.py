@@ -1,4 +1,4 @@
-"""The direct sum: every load on every taxel in every frame, compiled and on all cores."""
+"""Direct sum of point loads on a half-space or layer: every load, every taxel, every frame, compiled."""
 
 import numpy as np
 from numba import get_num_threads
@@ -9,18 +9,20 @@ from tactile.elastic.halfspace import check_loads, point_scale
 from tactile.elastic.medium import Medium
 from tactile.elastic.sums.direct_numba import MANY, few_loads, few_loads_parallel, many_loads
 
+THICKEST = 1e8
+"""Depths from which on a layer is a half-space to rounding."""
 SERIAL_BELOW = 200_000
 """Fewer pairs than this are done before the threads have woken up, or soon after."""
 
 
 def direct_sum(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Medium) -> Floats:
-    """What the taxels feel in every frame: ``halfspace.point_load``, compiled.
+    """Return the readings of taxels in every frame: ``layer_loads.layered_load``, compiled.
 
     Arguments: ``positions`` (..., 2) taxel centres [m]; ``depth`` z [m]; ``loads`` (frames, n, 5), rows
     (x, y, Q, R, F) [m, m, N, N, N]. Returns (frames, ..., 3).
 
     Raises:
-        InputError: as ``halfspace.point_load``.
+        InputError: as ``layer_loads.layered_load``.
     """
     scale, trace = point_scale(depth, medium)
     at = np.asarray(positions, dtype=np.float64)
@@ -40,4 +42,8 @@ def direct_sum(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Med
         few_loads(x, y, rows, out, 0, frames, *numbers)
     else:
         few_loads_parallel(x, y, rows, out, get_num_threads(), *numbers)
+    if medium.thickness <= THICKEST * depth:
+        from tactile.elastic.sums.layer_sum import add_layer_term  # compiled
+
+        add_layer_term(out, at.reshape(-1, 2), depth, rows, medium)
     return out.reshape(frames, *at.shape[:-1], 3)

@@ -13,13 +13,11 @@ from tactile.elastic.medium import Medium
 
 
 def add_layer_term(out: Floats, positions: Floats, depth: float, loads: Floats, medium: Medium) -> None:
-    """Add to ``out`` (frames, taxels, 3); nothing where the medium has no thickness.
+    """Add the layer's share to ``out`` (frames, taxels, 3).
 
     Arguments: ``positions`` (taxels, 2) [m]; ``depth`` [m], at most the thickness; ``loads`` (frames, n, 5) [m, N].
     """
     thickness = medium.thickness
-    if not thickness <= 1e8 * depth:  # below 1e-15 of the half-space's own field
-        return
     spline = layer_table(depth / thickness, medium.nu, medium.quantity)
     table = np.ascontiguousarray(np.moveaxis(spline.c, 0, 1))  # (stretches, powers from the third down, functions)
     x, y = (np.ascontiguousarray(positions[:, axis]) for axis in (0, 1))

@@ -4,28 +4,30 @@ Both planes are padded with zeros until no cell sees its neighbour's periodic im
 to rounding. Without padding it would be four times cheaper and wrong by about the size of the map over its period.
 """
 
-from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import fft
 
-from cnnsim.support import Floats, InputError
+from cnnsim.support import Floats, InputError, Integers
+from tactile.core.loads import COLUMNS, FORCE, PLACE, Q
+from tactile.elastic.layer_loads import layered_load
 from tactile.elastic.medium import Medium
-from tactile.elastic.sums.cells import point_cell, uniform_cell
 
-CellResponse = Callable[[ArrayLike, ArrayLike, float, float, Medium], Floats]
-CELLS: dict[str, CellResponse] = {"point": point_cell, "uniform": uniform_cell}
+GRID = 24
+"""Fewest taxels along each side from which transforms are faster than the direct sum."""
 
 
 class TractionTransform:
-    """What (rows, cols) taxels feel of tractions on (map_rows, map_cols) cells of the same pitch.
+    """Readings of (rows, cols) taxels under tractions on (map_rows, map_cols) cells of the same pitch.
 
     Arguments: ``map_shape``, ``taxel_shape``; ``pitch`` [m]; ``depth`` [m]; ``offset`` (x, y) [m], the first taxel's
-    place minus the first cell's, any number; ``cell``: "point", "uniform", or a function like ``cells.point_cell``.
+    place minus the first cell's, any number. A cell's traction acts in its middle: good where the taxels lie deeper
+    than about two cells.
 
     Raises:
-        InputError: an empty map or array, a pitch that is not positive, an unknown kind of cell.
+        InputError: an empty map or array, a pitch that is not positive.
     """
 
     def __init__(
@@ -36,26 +38,23 @@ class TractionTransform:
         depth: float,
         medium: Medium,
         offset: tuple[float, float] = (0.0, 0.0),
-        cell: str | CellResponse = "point",
     ) -> None:
         if min(*map_shape, *taxel_shape) < 1 or not (np.isfinite(pitch) and pitch > 0):
             raise InputError(f"{map_shape} cells and {taxel_shape} taxels {pitch} m apart, positive numbers wanted")
-        if isinstance(cell, str) and cell not in CELLS:
-            raise InputError(f"cell {cell!r}, one of {', '.join(CELLS)} wanted")
         self.map_shape, self.taxel_shape = map_shape, taxel_shape
         size = [fft.next_fast_len(n + m - 1, real=True) for n, m in zip(map_shape, taxel_shape, strict=True)]
         self.size = size[0], size[1]
-        response = CELLS[cell] if isinstance(cell, str) else cell
         # index k stands for a taxel k cells on; the last map - 1 indices wrap around to negative distances
         rows, cols = (
             np.where(np.arange(n) < m, np.arange(n), np.arange(n) - n)
             for n, m in zip(self.size, taxel_shape, strict=True)
         )
-        kernel = response(offset[0] + cols[None, :] * pitch, offset[1] + rows[:, None] * pitch, depth, pitch, medium)
+        x, y = np.meshgrid(offset[0] + cols * pitch, offset[1] + rows * pitch)
+        kernel = point_cell(x, y, depth, pitch, medium)
         self._transfer = fft.rfft2(np.moveaxis(kernel, (-2, -1), (0, 1)), workers=-1)
 
     def __call__(self, traction: ArrayLike) -> Floats:
-        """What the taxels feel, (rows, cols, 3), under a traction map (map_rows, map_cols, 3) [Pa].
+        """Return the readings (rows, cols, 3) under a traction map (map_rows, map_cols, 3) [Pa].
 
         Raises:
             InputError: a map of another shape, or not finite.
@@ -77,9 +76,61 @@ class TractionTransform:
 
 
 def map_loads(traction: ArrayLike, pitch: float, origin: tuple[float, float]) -> Floats:
-    """The point loads (cells, 5) of a map (rows, cols, 3) [Pa] whose first cell lies at ``origin`` [m]."""
+    """Return the point loads (cells, 5) of a map (rows, cols, 3) [Pa] whose first cell lies at ``origin`` [m]."""
     given = np.asarray(traction, dtype=np.float64)
     x = origin[0] + np.arange(given.shape[1]) * pitch
     y = origin[1] + np.arange(given.shape[0]) * pitch
     places = np.stack(np.meshgrid(x, y), axis=-1)
     return np.concatenate([places, given * pitch**2], axis=-1).reshape(-1, 5)
+
+
+def point_cell(x: ArrayLike, y: ArrayLike, depth: float, pitch: float, medium: Medium) -> Floats:
+    """Return the response (..., 3 components, 3 tractions) at (x, y) [m] per Pa on a cell, all of it in its middle."""
+    at = np.stack(np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float)), axis=-1)
+    unit = np.zeros((3, 1, COLUMNS))
+    unit[range(3), 0, range(Q, COLUMNS)] = pitch**2
+    return np.stack([layered_load(at, depth, load, medium) for load in unit], axis=-1)
+
+
+def grid_sum(positions: Floats, depth: float, loads: Floats, medium: Medium) -> Floats | None:
+    """Return the readings (frames, rows, cols, 3) under loads (frames, n, 5) by transforms.
+
+    None where there are fewer than ``GRID`` taxels or ``GRID`` squared loads, where loads move, or where they do not
+    lie whole pitches of the taxels ``positions`` (rows, cols, 2) apart.
+    """
+    if loads.shape[1] < GRID**2 or positions.ndim != 3 or min(positions.shape[:2]) < GRID or not len(loads):
+        return None
+    if (loads[..., PLACE] != loads[:1, :, PLACE]).any():
+        return None
+    pitch = float(positions[0, 1, 0] - positions[0, 0, 0])
+    grid = _on_grid(pitch, loads[0, :, PLACE])
+    if grid is None:
+        return None
+    first, shape, index = grid
+    x, y = (positions[0, 0] - first).tolist()
+    transform = _transform(shape, positions.shape[:2], pitch, depth, medium, (x, y))
+    values = np.empty((len(loads), *positions.shape[:2], 3))
+    for frame, rows in zip(values, loads, strict=True):
+        traction = np.zeros((shape[0] * shape[1], 3))
+        np.add.at(traction, index, rows[:, FORCE] / pitch**2)
+        frame[:] = transform(traction.reshape(*shape, 3))
+    return values
+
+
+def _on_grid(pitch: float, places: Floats) -> tuple[Floats, tuple[int, int], Integers] | None:
+    """(first place, (rows, cols), index of each load) of loads that lie whole pitches apart."""
+    first = places.min(axis=0)
+    steps = (places - first) / pitch
+    cells = np.rint(steps)
+    if np.abs(steps - cells).max() > 1e-9 or cells.max() > 4096:
+        return None
+    cols, rows = (cells.max(axis=0) + 1).astype(int).tolist()
+    return first, (rows, cols), (cells[:, 1] * cols + cells[:, 0]).astype(np.int64)
+
+
+@lru_cache(maxsize=8)
+def _transform(
+    shape: tuple[int, int], taxels: tuple[int, int], pitch: float, depth: float, medium: Medium,
+    offset: tuple[float, float],
+) -> TractionTransform:  # fmt: skip
+    return TractionTransform(shape, taxels, pitch, depth, medium, offset)

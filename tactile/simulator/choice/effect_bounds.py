@@ -88,7 +88,7 @@ class EffectBounds:
     def field(self, finger: int, times: Floats) -> Field:
         """The ideal field of a finger for a trial, as accurate, of the peak, where readings are raised far above it."""
         fine = max(self.rough / self._ideal[finger].growth, FINEST)
-        return replace(self._scene.skin.field(finger, times), trial=True, accuracy=fine)
+        return replace(self._scene.skin.field(finger, times), accuracy=fine)
 
     @cached_property
     def rough(self) -> float:

@@ -22,8 +22,6 @@ def points_alone(field: Field) -> bool:
     count, taxels = len(field.contacts), field.taxels.places.size // 2
     return (
         field.bumps is None
-        and field.device is None
-        and field.method.name == "direct"
         and 0 < count < MANY
         and len(field.times) * taxels * count < SERIAL_BELOW
         and all(type(one) is MovingLoad for one in field.contacts)

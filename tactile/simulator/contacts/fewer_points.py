@@ -1,4 +1,4 @@
-"""Fewer point loads that taxels at a depth cannot tell from many: for pressures on cells smaller than they need."""
+"""Equivalent point loads: fewer loads than cells, with the same field at the depth of the taxels."""
 
 import numpy as np
 
@@ -7,44 +7,44 @@ from tactile.core.loads import COLUMNS, PLACE, Q
 from tactile.elastic.halfspace import point_load
 from tactile.elastic.medium import Medium
 
-ACCURACY = 5e-4
-"""Of the peak, to which a field stays what it is."""
-WIDEST, STEP = 0.4, 0.8
-"""Depths between the loads at first, and by what it is shortened until they do."""
-WORTH = 0.7
-"""Share of the loads from which fewer are not worth it."""
-RIDGE = 1e-11
-"""What keeps the forces small where loads lie so near each other that taxels cannot tell them apart."""
+WIDEST, STEP = 0.45, 0.85
+"""Spacing of the first grid in depths, and its factor from one grid to the next."""
+FEWER = 0.7
+"""Largest share of the given loads that is worth replacing them."""
 MOST = 1500
-"""Loads at most, for the time that their forces take."""
+"""Most loads: solving for more takes longer than summing the cells."""
+REGULAR = 1e-12
+"""Added to the kernel's diagonal, so that forces of neighbours that taxels cannot tell apart stay small."""
 
 
-def fewer_points(places: Floats, forces: Floats, depth: float, medium: Medium) -> tuple[Floats, Floats]:
-    """Places (m, 2) [m] and forces (levels, m) [N] in place of those given: all of them where fewer will not do.
+def fewer_points(places: Floats, shares: Floats, depth: float, accuracy: float) -> tuple[Floats, Floats]:
+    """Return places (m, 2) [m] and shares (levels, m) of fewer loads, or those given where that needs too many.
 
-    On an even grid about the places, its forces chosen so that the fields of all loads of one size at a depth z differ
-    least from what they stand for: those of a source at depth z seen from a source at depth z, (r^2 + 4 z^2)^(-3/2).
+    The loads lie on an even grid. Their shares minimise the difference of the potentials at the depth z, in the mean
+    square over sources at that depth, whose kernel is (r^2 + 4 z^2)^(-3/2). The grid gets finer until the strain at the
+    depth differs by less than half of ``accuracy`` times its peak.
 
-    Arguments: ``places`` (n, 2) [m], ``forces`` (levels, n) [N], ``depth`` z [m] of the taxels, ``medium`` they feel.
+    Arguments: ``places`` (n, 2) [m]; ``shares`` (levels, n), each level's sum 1; ``depth`` z [m] of the taxels.
     """
     low, high = places.min(axis=0), places.max(axis=0)
+    tested = _grid(low - depth, high + depth, depth / 2)
+    some = shares[[len(shares) // 2, -1]]
+    exact = _strain(tested, places, some, depth)
     apart = WIDEST * depth
-    tried = _grid(low - depth, high + depth, depth / 2)
-    spread = forces[[len(forces) // 2, -1]]
-    wanted = _felt(tried, places, spread, depth, medium)
     while True:
         grid = _grid(low, high, apart)
         near = np.full(len(grid), np.inf)
         for part in np.array_split(places, 1 + len(places) * len(grid) // 1_000_000):
             near = np.minimum(near, _squares(grid, part).min(axis=1))
         grid = grid[near < apart**2]
-        if len(grid) > min(WORTH * len(places), MOST):
-            return places, forces
-        kernel = _nearness(grid, grid, depth) + RIDGE * np.eye(len(grid))
-        made = np.asarray(np.linalg.solve(kernel, _nearness(grid, places, depth) @ forces.T).T, dtype=np.float64)
-        got = _felt(tried, grid, made[[len(forces) // 2, -1]], depth, medium)
-        if np.abs(got - wanted).max() <= ACCURACY * np.abs(wanted).max():
-            return grid, made
+        if len(grid) > min(FEWER * len(places), MOST):
+            return places, shares
+        kernel = _kernel(grid, grid, depth) + REGULAR * np.eye(len(grid))
+        found = np.asarray(np.linalg.solve(kernel, _kernel(grid, places, depth) @ shares.T).T, dtype=np.float64)
+        found /= found.sum(axis=1, keepdims=True)
+        got = _strain(tested, grid, found[[len(shares) // 2, -1]], depth)
+        if np.abs(got - exact).max() <= accuracy / 2 * np.abs(exact).max():
+            return grid, found
         apart *= STEP
 
 
@@ -61,13 +61,13 @@ def _squares(one: Floats, other: Floats) -> Floats:
     return out
 
 
-def _nearness(one: Floats, other: Floats, depth: float) -> Floats:
+def _kernel(one: Floats, other: Floats, depth: float) -> Floats:
     return (1 + _squares(one, other) / (4 * depth**2)) ** -1.5
 
 
-def _felt(at: Floats, places: Floats, forces: Floats, depth: float, medium: Medium) -> Floats:
-    """What places (n, 2) feel of forces (levels, m) that pull as they press, in the half-space: (levels, n, 3)."""
-    rows = np.empty((len(forces), 1, len(places), COLUMNS))
+def _strain(at: Floats, places: Floats, shares: Floats, depth: float) -> Floats:
+    """Strain (levels, n, 3) at places ``at`` under loads with equal components along x, y and z."""
+    rows = np.empty((len(shares), 1, len(places), COLUMNS))
     rows[..., PLACE] = places
-    rows[..., Q:] = forces[:, None, :, None]
-    return point_load(at, depth, rows, medium)
+    rows[..., Q:] = shares[:, None, :, None]
+    return point_load(at, depth, rows, Medium(1.0))

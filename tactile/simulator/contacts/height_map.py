@@ -155,7 +155,7 @@ class HeightMap:
                 total = shares[level].sum()
                 after = shares[level + 1] if level + 1 < len(shares) else np.full(shares.shape[1], 1 / shares.shape[1])
                 shares[level] = shares[level] / total if total > 0 else after
-            self.memory[key] = LoadPattern(solved.places, shares, solved.pitch, depth, medium)
+            self.memory[key] = LoadPattern(solved.places, shares, depth)
         known: LoadPattern = self.memory[key]
         return known
 

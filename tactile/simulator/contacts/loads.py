@@ -1,4 +1,4 @@
-"""Loads of one finger over some frames: at points, spread over circles, and twists. They add."""
+"""Loads of one finger over some frames: at points, spread over circles, twists, and patterns on cells. They add."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 class Disc:
     """Loads over circles: ``loads`` (frames, k, 5), ``radii`` (frames, k) [m]; ``owner`` (k,) contacts.
 
-    ``unit`` [m]: the profile's lam is the radius over it, infinite where it has none; ``flat``: a flat end, whose
-    radius no force changes.
+    ``unit`` [m]: the profile's lam is the radius over it, infinite where it has none.
     """
 
     loads: Floats
@@ -27,7 +26,6 @@ class Disc:
     profile: Profile
     unit: float
     owner: Integers
-    flat: bool = False
 
 
 @dataclass(frozen=True)
@@ -67,10 +65,10 @@ class Loads:
 
     @property
     def with_patterns(self) -> Floats:
-        """The points, and those that feel like the patterns: (frames, n, 5)."""
+        """The points, and equivalent points of the patterns: (frames, n, 5)."""
         if not self.patterns:
             return self.points
-        return np.concatenate([self.points, *(one.points(fewer=True) for one in self.patterns)], axis=1)
+        return np.concatenate([self.points, *(one.points() for one in self.patterns)], axis=1)
 
     def of_frames(self, part: slice) -> "Loads":
         """Those of some of the frames."""

@@ -17,7 +17,7 @@ from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import HERTZ, Profile
 from tactile.simulator.contacts.friction import FrictionState
 from tactile.simulator.contacts.friction_history import FrictionHistory, history
-from tactile.simulator.contacts.indenter import FLAT, LAWS, ROUND, Indenter
+from tactile.simulator.contacts.indenter import LAWS, ROUND, Indenter
 from tactile.simulator.contacts.loads import Disc, Loads, Twist
 from tactile.simulator.contacts.moving_load import along_path, checked_path, path_array, span
 from tactile.simulator.contacts.rig import STILL, Rig, at_a_point
@@ -225,7 +225,7 @@ class MovingContact:
             totals,
             np.empty((len(rows), 0, COLUMNS)),
             owner[:0],
-            (Disc(discs, radii, profile, unit, owner, self.indenter.shape in FLAT), *inner),
+            (Disc(discs, radii, profile, unit, owner), *inner),
             twists,
         )
 

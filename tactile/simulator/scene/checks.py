@@ -1,4 +1,4 @@
-"""Checks of what a scene says, as it is made: numbers, arrays, what presses on them, and where it is computed."""
+"""Checks of what a scene says, as it is made: numbers, arrays, and what presses on them."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -7,11 +7,6 @@ from cnnsim.support import InputError
 from cnnsim.support.errors import shown
 from cnnsim.support.values import is_number, is_whole
 from tactile.simulator.taxels import FINEST
-
-WHERE = (("cpu", "float64"), ("opencl", "float64"), ("opencl", "float32"))
-"""Backends and numbers in which loads are summed."""
-SINGLE = 1e-5
-"""The finest accuracy that sums in float32 keep."""
 
 
 def check(scene: Any) -> None:  # a `Scene`, which is made by its help
@@ -26,15 +21,11 @@ def check(scene: Any) -> None:  # a `Scene`, which is made by its help
         raise InputError(f"scene {scene.title!r}: seed = {scene.seed!r}, a whole number from 0 up wanted")
     if not is_number(scene.accuracy):
         raise InputError(f"scene {scene.title!r}: accuracy {scene.accuracy!r}, a number wanted")
-    finest = FINEST if scene.dtype == "float64" else SINGLE
-    if scene.accuracy != 0 and not finest <= scene.accuracy <= 0.1:
+    if scene.accuracy != 0 and not FINEST <= scene.accuracy <= 0.1:
         raise InputError(
-            f"scene {scene.title!r}: accuracy {scene.accuracy:g} in {scene.dtype}; from {finest:g} to 0.1 of the peak "
-            "wanted, or 0 for the finest there is"
+            f"scene {scene.title!r}: accuracy {scene.accuracy:g}; from {FINEST:g} to 0.1 of the peak wanted, "
+            "or 0 for the finest there is"
         )
-    if (scene.backend, scene.dtype) not in WHERE:
-        wanted = ", ".join(f"{backend} in {dtype}" for backend, dtype in WHERE)
-        raise InputError(f"scene {scene.title!r}: {scene.backend} in {scene.dtype}; one of {wanted} wanted")
     names = [array.name for array in scene.arrays]
     if not names or len(set(names)) < len(names):
         raise InputError(f"scene {scene.title!r}: arrays {names}, at least one and no name twice wanted")

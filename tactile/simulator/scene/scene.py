@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -21,7 +21,6 @@ from tactile.simulator.field import ACCURACY, Contact, Field
 from tactile.simulator.ideal_skin import IdealSkin
 from tactile.simulator.scene.checks import check, check_effects, listed
 from tactile.simulator.scene.model_range import out_of_range
-from tactile.simulator.summation import DIRECT
 
 if TYPE_CHECKING:
     from tactile.simulator.bump_cover import Bumps
@@ -63,10 +62,9 @@ class Scene:
     ``contacts``: all else that presses; what acts on one finger adds. ``effects``: (name, effect) in the order in
     which they act, none for the paper's ideal skin; effects alone, as ``make_effect`` gives them, are put in order.
     ``full_scale``: the largest strain the electronics are made for. ``accuracy``: how far the field may be off, of its
-    peak, from 1e-7; 0 for the finest there is: rounding on a half-space. ``backend`` and ``dtype``: where and in which
-    numbers loads are summed, float32 on OpenCL alone and to 1e-5 at best. ``seed``: every effect of every finger draws
-    from a generator of its own, so that none changes with the others. ``bumps``: the cover has one over every taxel,
-    None for a flat one.
+    peak, from 1e-7; 0 for the finest there is: rounding on a half-space. ``seed``: every effect of every
+    finger draws from a generator of its own, so that none changes with the others. ``bumps``: the cover has one over
+    every taxel, None for a flat one.
 
     When its frames are first asked for it warns, by `ModelRangeWarning`, of all that ``range_notes`` says.
 
@@ -87,23 +85,20 @@ class Scene:
     seed: int = 0
     bumps: "Bumps | None" = None
     accuracy: float = ACCURACY
-    backend: Literal["cpu", "opencl"] = "cpu"
-    dtype: Literal["float32", "float64"] = "float64"
 
     @spelled()
     def __init__(
         self, title: str, rate: float, duration: float, modulus: float, arrays: Iterable[TaxelArray],
         loads: Iterable[MovingLoad] = (), contacts: Iterable[Contact] = (),
         effects: Iterable[Any] = (), full_scale: float = FULL_SCALE, seed: int = 0, bumps: "Bumps | None" = None,
-        accuracy: float = ACCURACY, backend: Literal["cpu", "opencl"] = "cpu",
-        dtype: Literal["float32", "float64"] = "float64",
+        accuracy: float = ACCURACY,
     ) -> None:  # fmt: skip
         given = {
             "title": title, "rate": rate, "duration": duration, "modulus": modulus,
             "arrays": under_covers(listed("arrays", arrays, TaxelArray), acting := named_effects(effects)),
             "loads": listed("loads", loads), "contacts": listed("contacts", contacts), "effects": acting,
             "full_scale": full_scale, "seed": seed, "bumps": bumps,
-            "accuracy": accuracy, "backend": backend, "dtype": dtype,
+            "accuracy": accuracy,
         }  # fmt: skip
         for name, value in given.items():
             object.__setattr__(self, name, value)
@@ -148,7 +143,7 @@ class Scene:
         """The skin without effects."""
         return IdealSkin(
             self.arrays, self.modulus, (*self.loads, *self.contacts), self.rate, self.samples, self.accuracy,
-            self.backend, self.dtype, self.bumps,
+            self.bumps,
         )  # fmt: skip
 
     def loads_at(self, finger: int, times: Floats) -> Floats:
@@ -157,7 +152,7 @@ class Scene:
         On the cover as the effects make it, which says how hard a contact of a given depth presses; no random effect.
         """
         sure = [(name, effect) for name, effect in self.effects if not effect.RANDOM]
-        (field,) = self.affected([self.skin.field(finger, times, method=DIRECT)], "field", sure, finger)
+        (field,) = self.affected([self.skin.field(finger, times)], "field", sure, finger)
         return field.loads.totals
 
     def random(self, name: str, finger: int) -> np.random.Generator:

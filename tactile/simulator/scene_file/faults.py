@@ -12,7 +12,7 @@ from tactile.core.array_table import take_array
 from tactile.simulator.effects import ORDER, read_effect
 from tactile.simulator.scene_file.contact_tables import READERS
 from tactile.simulator.scene_file.keys import check_scene_keys
-from tactile.simulator.scene_file.table_values import quantity_of, read_load, take_seed, where_computed
+from tactile.simulator.scene_file.table_values import quantity_of, read_load, take_seed
 
 POSITIVE = ("rate_hz", "duration_s", "tolerance")
 
@@ -33,12 +33,10 @@ def tell_all(table: dict[str, Any], where: str, folder: Path, first: InputError)
     for key in POSITIVE:
         if key in table:
             trying(partial(take_positive, table, key, where))
-    for key, value in (("title", str), ("backend", str), ("dtype", str)):
-        if key in table:
-            trying(partial(take, table, key, value, where))
+    if "title" in table:
+        trying(partial(take, table, "title", str, where))
     trying(partial(take_from_zero, table, "accuracy", where, 0.0))
     trying(partial(take_seed, table, where))
-    trying(partial(where_computed, table, where))
     cover = table.get("cover")
     if isinstance(cover, dict):
         for key in ("youngs_modulus_mpa", "full_scale"):

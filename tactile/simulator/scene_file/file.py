@@ -1,7 +1,7 @@
 """Scenes in TOML files: examples/scenes/ explains every key. Lengths in mm there, SI units here."""
 
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from cnnsim.support import InputError
 from cnnsim.support.error_list import ErrorList
@@ -13,7 +13,7 @@ from tactile.core.frame import TaxelArray
 from tactile.simulator.field import ACCURACY, Contact
 from tactile.simulator.scene.scene import FULL_SCALE, Scene
 from tactile.simulator.scene_file.keys import check_scene_keys
-from tactile.simulator.scene_file.table_values import quantity_of, read_load, take_seed, where_computed
+from tactile.simulator.scene_file.table_values import quantity_of, read_load, take_seed
 
 TOLERANCE = 0.02
 """What ``effects = "auto"`` may leave out, relative to the peak of the signal, unless the scene says."""
@@ -96,7 +96,6 @@ def _scene(table: dict[str, Any], where: str, folder: Path) -> tuple[Scene, floa
         raise InputError(
             f"{where}: a scene without loads, at least one [[load]] wanted (or [[contact]], [[texture]], [[map]])"
         )
-    where_computed(table, where)
     rate, duration = take_positive(table, "rate_hz", where), take_positive(table, "duration_s", where)
     check_most(rate, RATE, f"{where}: rate_hz")
     check_most(rate * duration, FRAMES, f"{where}: frames, rate_hz times duration_s")
@@ -118,8 +117,6 @@ def _scene(table: dict[str, Any], where: str, folder: Path) -> tuple[Scene, floa
         seed=take_seed(table, where),
         bumps=bumps,
         accuracy=take(table, "accuracy", float, where, ACCURACY),
-        backend=cast(Any, take(table, "backend", str, where, "cpu")),
-        dtype=cast(Any, take(table, "dtype", str, where, "float64")),
     )
     if scene.bumps is not None:
         by_depth = [n for n, contact in enumerate(contacts, 1) if getattr(contact, "given_depth", False)]

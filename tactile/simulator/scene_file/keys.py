@@ -6,7 +6,7 @@ from typing import Any
 from cnnsim.support.error_list import ErrorList
 
 TOP = (
-    "title", "rate_hz", "duration_s", "seed", "effects", "tolerance", "accuracy", "backend", "dtype",
+    "title", "rate_hz", "duration_s", "seed", "effects", "tolerance", "accuracy",
     "cover", "finger", "load", "contact", "texture", "map", "effect",
 )  # fmt: skip
 COVER = ("youngs_modulus_mpa", "quantity", "full_scale", "kind")

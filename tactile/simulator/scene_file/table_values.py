@@ -9,7 +9,6 @@ from cnnsim.support import Floats, InputError
 from cnnsim.support.error_list import read_all
 from cnnsim.support.toml_file import line_of, located, numbers, take, take_from_zero
 from tactile.simulator.contacts.moving_load import MovingLoad
-from tactile.simulator.scene.checks import WHERE
 
 KEYFRAME = "t_s, x_mm, y_mm, Q_N, R_N, F_N"
 """Columns of a load's path."""
@@ -65,19 +64,6 @@ def read_load(table: dict[str, Any], names: list[str], where: str) -> MovingLoad
     """
     finger, path = read_all(where, lambda: one_finger(table, names, where), lambda: keyframes(table, KEYFRAME, where))
     return MovingLoad(finger, path * (1, 1e-3, 1e-3, 1, 1, 1))
-
-
-def where_computed(table: dict[str, Any], where: str) -> None:
-    """Check the backend and the numbers in which a scene is to be computed.
-
-    Raises:
-        InputError: they are none, or do not go together.
-    """
-    backend, dtype = table.get("backend", "cpu"), table.get("dtype", "float64")
-    if isinstance(backend, str) and isinstance(dtype, str) and (backend, dtype) not in WHERE:
-        wanted = ", ".join(f"{backend} in {dtype}" for backend, dtype in WHERE)
-        line = line_of(table, "dtype" if "dtype" in table else "backend")
-        raise InputError(f"{where}: {backend} in {dtype}; one of {wanted} wanted{line}")
 
 
 def chosen(table: dict[str, Any], key: str, choices: Sequence[str], where: str) -> str:

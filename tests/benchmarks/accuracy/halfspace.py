@@ -16,9 +16,7 @@ from tactile.elastic.halfspace import point_load
 from tactile.elastic.layer_loads import layer_term
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import HERTZ
-from tactile.elastic.sums.cells import uniform_cell
 from tactile.elastic.sums.direct import direct_sum
-from tactile.elastic.sums.influence import Influence
 from tactile.elastic.sums.spectral import TractionTransform
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
@@ -76,7 +74,6 @@ def _sums() -> list[dict[str, Any]]:
         loads[:, 2:] = random.normal(size=(side * side, 3)) * 1e-3
         exact = _numpy(at, loads, np.longdouble)
         traction = (loads[:, 2:] / pitch**2).reshape(side, side, 3)
-        influence = Influence(at, DEPTH, loads[:, :2], BODY) if side <= 32 else None
         transforms = TractionTransform((side, side), (side, side), pitch, DEPTH, BODY)
         ways: dict[str, Way] = {
             "direct": partial(direct_sum, at, DEPTH, loads[None], BODY),
@@ -84,8 +81,6 @@ def _sums() -> list[dict[str, Any]]:
             "NumPy, float32": partial(_numpy, at, loads, np.float32),
             "NumPy, float64": partial(_numpy, at, loads, np.float64),
         }
-        if influence is not None:
-            ways["matrix"] = partial(influence, loads[None, :, 2:])
         times = best_times(ways)
         rows += [_row("sums", way, side, _relative(ways[way](), exact), times[way]) for way in ways]
     return rows
@@ -133,7 +128,7 @@ def _mean(at: Floats, load: Floats, share: float, count: int) -> Floats:
 
 
 def _contacts() -> list[dict[str, Any]]:
-    """Hertz' pressure cut into cells, as points and as squares, against the circle in closed form."""
+    """Hertz' pressure cut into cells, as points, against the circle in closed form."""
     rows = []
     at = np.stack(np.meshgrid(np.linspace(-2, 2, 9), [0.0, 0.7]), axis=-1).reshape(-1, 2) * DEPTH
     load, radius = np.array([[0.0, 0.0, 0.0, 0.0, 1.0]]), DEPTH
@@ -146,10 +141,7 @@ def _contacts() -> list[dict[str, Any]]:
         force /= force.sum()
         points = np.zeros((len(x), COLUMNS))
         points[:, X], points[:, Y], points[:, F] = x, y, force
-        ways: dict[str, Way] = {
-            "as points": partial(direct_sum, at, DEPTH, points[None], BODY),
-            "as squares": partial(_squares, at, points, pitch),
-        }
+        ways: dict[str, Way] = {"as points": partial(direct_sum, at, DEPTH, points[None], BODY)}
         times = best_times(ways, 3)
         found = {way: _relative(run(), exact) for way, run in ways.items()}
         rows += [_row("Hertz contact, a = z", f"cells a side, {way}", n, found[way], times[way]) for way in ways]
@@ -180,11 +172,6 @@ def _circles() -> list[dict[str, Any]]:
 
 def _batches(scene: Scene) -> Floats:
     return np.concatenate([one.values for one in scene.batches(0)])
-
-
-def _squares(at: Floats, points: Floats, pitch: float) -> Floats:
-    kernel = uniform_cell(at[:, None, 0] - points[:, X], at[:, None, 1] - points[:, Y], DEPTH, pitch, BODY)[..., 2]
-    return np.asarray(np.einsum("tck,c->tk", kernel, points[:, F] / pitch**2))
 
 
 def _layers() -> list[dict[str, Any]]:

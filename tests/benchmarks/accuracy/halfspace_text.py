@@ -24,7 +24,7 @@ def costs(rows: list[dict[str, Any]], family: str, way: str) -> dict[float, floa
 
 _TEXT = """\
 **Ways to sum.** Random tractions on the taxels' own grid, n x n loads on n x n taxels, against the formula in 80
-bits. The direct sum, the influence matrix and the transforms agree to rounding; the scene takes the fastest and says
+bits. The direct sum and the transforms agree to rounding; the scene takes the fastest and says
 which (`tactile explain`). float32, tried in the same formula in NumPy, keeps six digits and takes {single:.2g} x the
 time of float64 there (median); a scene takes float64 unless it asks for less.
 
@@ -52,7 +52,7 @@ quantity: error {spline:.0e} of the peak."""
 
 def text(rows: list[dict[str, Any]], sums: Sequence[int]) -> str:
     """The paragraphs of the section; ``sums``: sides of the grids that are summed."""
-    ways = ("direct", "matrix", "transforms", "NumPy, float64", "NumPy, float32")
+    ways = ("direct", "transforms", "NumPy, float64", "NumPy, float32")
     lines = ["|---" * (len(ways) + 1) + "|"]
     for side in sums:
         cells = []

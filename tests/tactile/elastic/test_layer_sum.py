@@ -22,10 +22,3 @@ def test_compiled_it_is_the_same(thickness: float, quantity: Felt) -> None:
     reached = np.hypot(*(at[:, None] - loads[0, None, :, :2]).transpose(2, 0, 1)) < 30 * medium.thickness
     assert reached.any()
     assert reached.all() == (thickness == 60)  # loads that a thin layer does not feel are among them
-
-
-def test_a_half_space_has_none() -> None:
-    for thickness in (np.inf, 1e6):
-        out = np.zeros((1, 1, 3))
-        add_layer_term(out, np.zeros((1, 2)), 1e-3, np.ones((1, 1, 5)), Medium(1.0, thickness=thickness))
-        assert not out.any()

@@ -10,7 +10,7 @@ from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import HERTZ
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
-from tactile.simulator.field import field_at
+from tactile.simulator.summation import field_at
 from tests.oracles.elastic.torsion import turned
 
 

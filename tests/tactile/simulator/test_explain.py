@@ -164,7 +164,6 @@ def test_the_command_prints_a_tree_or_json() -> None:
         "on: size",
         "off: what",
         "read_noise",
-        "method: direct",
     ):
         assert word in done.output
     done = CliRunner().invoke(command, [str(SCENES / "needle.toml"), "--json"])

@@ -23,10 +23,10 @@ from tactile.simulator.contacts.pressed_map import press
 from tactile.simulator.contacts.rig import Rig
 from tactile.simulator.effects.finite_thickness import FiniteThickness
 from tactile.simulator.explain import explain
-from tactile.simulator.field import field_at
 from tactile.simulator.scene.model_range import out_of_range
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.scene_file.file import scene_from
+from tactile.simulator.summation import field_at
 
 R, SIDE = 5e-3, 41
 PITCH = 4e-3 / SIDE
@@ -138,19 +138,20 @@ def test_fewer_points_feel_the_same() -> None:
     x, y = cells(41, 5e-5, 0.0)
     inside = np.hypot(x, 2 * y) < 1e-3
     places = np.stack([x[inside], y[inside]], axis=-1)
-    forces = np.sqrt(1 - np.hypot(x, 2 * y)[inside] ** 2 / 1e-6) * np.array([[0.5], [1.0]])
+    shares = np.stack([np.sqrt(1 - np.hypot(x, 2 * y)[inside] ** 2 / 1e-6), np.ones(len(places))])
+    shares /= shares.sum(axis=1, keepdims=True)
     at = np.stack(np.meshgrid(np.linspace(-2e-3, 2e-3, 15), np.linspace(-2e-3, 2e-3, 15)), axis=-1)
-    fewer, carried = fewer_points(places, forces, 1e-3, Medium(2.4e6))
+    fewer, carried = fewer_points(places, shares, 1e-3, 1e-3)
     assert len(fewer) < len(places) / 8
     for medium in (Medium(2.4e6), Medium(1e5, 0.4, thickness=1.1e-3)):
         for pull in np.eye(3):
             fields = []
-            for where, force in ((places, forces[1]), (fewer, carried[1])):
+            for where, force in ((places, shares[1]), (fewer, carried[1])):
                 fields.append(layered_load(at, 1e-3, np.column_stack([where, force[:, None] * pull]), medium))
             assert np.abs(fields[1] - fields[0]).max() < 1e-3 * np.abs(fields[0]).max()
-    same, all_of_them = fewer_points(places, forces, 1e-4, Medium(2.4e6))  # taxels so near that each cell is felt
+    same, all_of_them = fewer_points(places, shares, 1e-4, 1e-3)  # shallow taxels resolve each cell
     assert same is places
-    assert all_of_them is forces
+    assert all_of_them is shares
 
 
 def test_cells_that_do_not_tell_the_contact_are_told_of() -> None:

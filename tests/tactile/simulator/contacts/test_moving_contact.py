@@ -12,7 +12,8 @@ from tactile.simulator.contacts.loads import together
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.contacts.traction_map import TractionMap
-from tactile.simulator.field import Contact, field_at
+from tactile.simulator.field import Contact
+from tactile.simulator.summation import field_at
 
 RUBBER = Medium(2.4e6)
 

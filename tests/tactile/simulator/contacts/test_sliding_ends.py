@@ -9,7 +9,7 @@ from tactile.elastic.profiles import HERTZ
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.rig import Rig
-from tactile.simulator.field import field_at
+from tactile.simulator.summation import field_at
 
 MU, R, DEPTH = 0.5, 5e-3, 1e-3
 RUBBER, LAYER = Medium(2.4e6), Medium(2.4e6, 0.45, thickness=3e-3)

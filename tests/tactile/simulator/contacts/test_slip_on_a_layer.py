@@ -14,7 +14,7 @@ from tactile.elastic.profiles import HERTZ
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.pressed_layer import PressedLayer
-from tactile.simulator.field import field_at
+from tactile.simulator.summation import field_at
 from tests.oracles.elastic.bonded import PeriodicLayer
 
 MU, R = 0.5, 200.0

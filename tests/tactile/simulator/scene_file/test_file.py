@@ -50,11 +50,9 @@ def test_what_a_scene_does_not_name_is_not_imported(tmp_path: Path, extra: str, 
     assert effects == ({module} if module else set())
     unnamed = {f"scene.{name}" for name in ("auto", "explain", "estimate", "contact_tables")}
     unnamed |= {f"contacts.{name}" for name in ("sliding_texture", "materials", "traction_map")}
-    unnamed |= {f"tactile.elastic.{name}" for name in ("discs", "lines", "influence", "spectral")}
-    if "finite_thickness" in extra:  # a point on a layer is a circle of radius 0 in its table
-        unnamed.remove("tactile.elastic.discs")
+    unnamed |= {f"tactile.elastic.{name}" for name in ("discs", "lines")}
     assert not loaded & unnamed
-    assert ("tactile.elastic.unit_disc" in loaded) == (module == "effects.finite_thickness")
+    assert ("tactile.elastic.layer_loads" in loaded) == (module == "effects.finite_thickness")
     assert ("effects" in loaded) == bool(module)
 
 
@@ -114,14 +112,11 @@ def test_very_many_loads_come_in_small_pieces(tmp_path: Path) -> None:
     assert got[0] == pytest.approx(got[29], rel=1e-12)
 
 
-def test_methods_are_chosen_and_changed_freely() -> None:
+def test_loads_that_move_and_loads_that_stay_add() -> None:
     still = [{"finger": "left", "path": [[0.0, x, 0.1, 0.0, 0.1, 1.0]]} for x in (-1.0, 0.0, 0.5, 1.0, 1.5)]
-    scene = made(load=still, duration_s=3.0)
-    assert scene.skin.method(0).name == "matrix"
-    moving = made(load=[*still, LOAD], duration_s=3.0)
-    assert moving.skin.method(0).name == "direct"
-    apart = values(made(load=[LOAD], duration_s=3.0)) + values(scene)
-    assert np.abs(values(moving) - apart).max() < 1e-13 * np.abs(apart).max()
+    apart = values(made(load=[LOAD], duration_s=3.0)) + values(made(load=still, duration_s=3.0))
+    both = values(made(load=[*still, LOAD], duration_s=3.0))
+    assert np.abs(both - apart).max() < 1e-13 * np.abs(apart).max()
 
 
 def test_extreme_scenes_are_numbers() -> None:
