@@ -97,7 +97,7 @@ class LayerContact:
     @cached_property
     def _solved(self) -> tuple[Floats, Floats, Floats, Floats, Floats]:
         """Radii, and there: force, indentation, and the weight over the half-space's (radii, places)."""
-        if self.nears_its_own:
+        if self.ends_at_own_radius:
             radii = self.radius_at(np.linspace(0, DEEPEST, 100))[1:]
         else:
             radii = self.radius_at(np.linspace(0, np.arcsinh(4 * WIDEST), 120))[1:]
@@ -130,19 +130,19 @@ class LayerContact:
         return spread(cosine_transform(excess, self.nu), at, t, step)
 
     @property
-    def nears_its_own(self) -> bool:
+    def ends_at_own_radius(self) -> bool:
         """Whether the body's own radius ends the tables, not the layer."""
         return self.body == "sphere" and self.size <= WIDEST
 
     def place(self, radius: Floats) -> Floats:
         """The tables' coordinate of a radius."""
-        if self.nears_its_own:
+        if self.ends_at_own_radius:
             return np.arctanh(np.minimum(radius / self.size, 1 - 1e-15))
         return np.arcsinh(4 * radius)
 
     def radius_at(self, place: Floats) -> Floats:
         """The radius at the tables' coordinate."""
-        out: Floats = self.size * np.tanh(place) if self.nears_its_own else np.sinh(place) / 4
+        out: Floats = self.size * np.tanh(place) if self.ends_at_own_radius else np.sinh(place) / 4
         return out
 
     def abel(self, t: Floats) -> Floats:

@@ -8,7 +8,7 @@ from cnnsim.support import Floats
 from tactile.core.frame import TaxelArray
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.loads import Loads, together
-from tactile.simulator.contacts.rig import STILL, Rig
+from tactile.simulator.contacts.mounting import STILL, Rig
 from tactile.simulator.summation import ACCURACY, field_at
 from tactile.simulator.taxels import Taxels
 

@@ -10,9 +10,9 @@ from cnnsim.support import Floats
 from cnnsim.support.compiled_loops import kept_njit
 from tactile.core.loads import F
 from tactile.elastic.medium import Medium
+from tactile.simulator.contacts.mounting import Rises
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.moving_load import MovingLoad
-from tactile.simulator.contacts.rig import Rises
 from tactile.simulator.contacts.sliding_texture import SlidingTexture
 from tactile.simulator.field import Contact, Field
 
@@ -28,7 +28,7 @@ def raised(field: Field, rises: Rises, before: Rises = ()) -> float:
         more, least = _lift(field.medium, rises), _lift(field.medium, before)
         return float(_raised_points(*pushes(field), least, least + more))
     if field.medium.thickness < math.inf and all(map(is_point, field.contacts)):  # the same on a layer
-        from tactile.simulator.contacts.tip import most_raised  # only where called for
+        from tactile.simulator.contacts.tip_law import most_raised  # only where called for
 
         forces, _, readings = pushes(field)
         return most_raised(forces, readings, before, rises, field.medium)
@@ -57,7 +57,7 @@ def lifted(field: Field, rises: Rises) -> Field:
 def pressed_by(force: float, medium: Medium, rises: Rises) -> float:
     """The normal force [N] of a contact at a point, held by its tip, when the surface rises."""
     if medium.thickness < math.inf:
-        from tactile.simulator.contacts.tip import most_pressed  # only where called for
+        from tactile.simulator.contacts.tip_law import most_pressed  # only where called for
 
         return most_pressed(force, rises, medium)
     return float((max(force, 0.0) ** (2 / 3) + _lift(medium, rises)) ** 1.5)

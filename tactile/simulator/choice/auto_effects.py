@@ -15,7 +15,7 @@ from tactile.simulator.choice.finger_bounds import FIELD
 from tactile.simulator.choice.forces import sinks_in
 from tactile.simulator.choice.leaving import negligible
 from tactile.simulator.choice.prospects import may_pay, points_may_pay
-from tactile.simulator.contacts.rig import Rig
+from tactile.simulator.contacts.mounting import Rig
 from tactile.simulator.effect import is_off
 from tactile.simulator.effects import ORDER, Effect, effect_class
 from tactile.simulator.field import ACCURACY

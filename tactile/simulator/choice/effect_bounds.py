@@ -15,7 +15,7 @@ from tactile.simulator.choice.finger_bounds import FIELD, FingerBounds, LeftOut
 from tactile.simulator.choice.forces import highest_reading, unseen
 from tactile.simulator.choice.shaking import rises
 from tactile.simulator.choice.trials import Trial
-from tactile.simulator.contacts.rig import Rises
+from tactile.simulator.contacts.mounting import Rises
 from tactile.simulator.effect import sticks
 from tactile.simulator.field import Field
 from tactile.simulator.scene.scene import Scene

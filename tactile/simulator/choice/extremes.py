@@ -9,7 +9,7 @@ import numpy as np
 from cnnsim.support import Floats, Integers
 from tactile.simulator.choice.point_extremes import point_extremes, points_alone
 from tactile.simulator.choice.scan import scan
-from tactile.simulator.contacts.rig import Rises
+from tactile.simulator.contacts.mounting import Rises
 from tactile.simulator.field import Field
 from tactile.simulator.held_needle import grown
 from tactile.simulator.scene.scene import Scene

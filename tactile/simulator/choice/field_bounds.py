@@ -11,7 +11,7 @@ from tactile.simulator.choice.extremes import FOREMOST, Extremes
 from tactile.simulator.choice.finger_bounds import FIELD, SAFE, FingerBounds, behind, largest
 from tactile.simulator.choice.shaking import Shaking
 from tactile.simulator.choice.trials import FRAMES, Trial, pays, pays_behind
-from tactile.simulator.contacts.rig import Rises
+from tactile.simulator.contacts.mounting import Rises
 from tactile.simulator.effect import sticks
 from tactile.simulator.field import Field
 from tactile.simulator.held_needle import pressed_by

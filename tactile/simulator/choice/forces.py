@@ -8,12 +8,12 @@ import numpy as np
 from tactile.core.loads import F
 from tactile.elastic.halfspace import point_scale
 from tactile.elastic.medium import Medium
+from tactile.simulator.contacts.adhesion_path import REACH
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.indenter import LAWS
+from tactile.simulator.contacts.mounting import STILL, Rig
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.moving_load import MovingLoad
-from tactile.simulator.contacts.rig import STILL, Rig
-from tactile.simulator.contacts.sticking import REACH
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.seen import Seen
 from tactile.simulator.slopes import VALUE

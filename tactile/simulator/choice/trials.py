@@ -11,8 +11,8 @@ from cnnsim.support import Floats, InputError, Integers
 from tactile.core.loads import FORCE, F
 from tactile.simulator.choice.extremes import PEAKS, RAISED, SPREAD, Extremes
 from tactile.simulator.contacts.height_map import HeightMap
+from tactile.simulator.contacts.mounting import Rises
 from tactile.simulator.contacts.moving_contact import MovingContact
-from tactile.simulator.contacts.rig import Rises
 from tactile.simulator.field import Field
 from tactile.simulator.held_needle import lifted, pushes
 from tactile.simulator.ideal_skin import CHUNK

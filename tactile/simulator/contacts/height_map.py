@@ -10,9 +10,9 @@ from tactile.core.loads import COLUMNS, FORCE, PLACE, SHEAR, F
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.load_pattern import LoadPattern, PatternLoads
 from tactile.simulator.contacts.loads import Loads
+from tactile.simulator.contacts.mounting import STILL, Rig, sum_of
 from tactile.simulator.contacts.moving_load import along_path, checked_path, span
 from tactile.simulator.contacts.pressed_map import BETWEEN, PressedMap, press
-from tactile.simulator.contacts.rig import STILL, Rig, sum_of
 
 LAST = 0.9
 """Share of a layer's thickness up to which deeper solutions are looked for by doubling."""

@@ -17,10 +17,11 @@ from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import HERTZ, Profile
 from tactile.simulator.contacts.friction import FrictionState
 from tactile.simulator.contacts.friction_history import FrictionHistory, history
-from tactile.simulator.contacts.indenter import LAWS, ROUND, Indenter
+from tactile.simulator.contacts.indenter import LAWS, Indenter
 from tactile.simulator.contacts.loads import Disc, Loads, Twist
+from tactile.simulator.contacts.mounting import STILL, Rig, at_a_point
 from tactile.simulator.contacts.moving_load import along_path, checked_path, path_array, span
-from tactile.simulator.contacts.rig import STILL, Rig, at_a_point
+from tactile.simulator.contacts.shapes import LineShape
 
 TORQUE = COLUMNS
 """The column of M, behind those of a load."""
@@ -83,16 +84,17 @@ class MovingContact:
             return at_a_point(rows[:, :COLUMNS], medium, rig)
         rows = rig.moved(rows, self.indenter, medium)
         rows[rows[:, F] < 0, PLACE.stop :] = 0
-        if self.indenter.shape not in ROUND:
-            return self._line(rows, depth, medium)
+        if isinstance(self.indenter.body, LineShape):
+            return self._line(rows, self.indenter.body.points, depth, medium)
         return self._slipping(times, rows, medium, self._dry_history(medium))
 
     def _sticking(self, times: Floats, medium: Medium, rig: Rig) -> Loads:
-        from tactile.simulator.contacts.sticking import attached, moved, table, with_pull  # only where called for
+        from tactile.simulator.contacts.adhesion_path import adhesion_table, attached, moved, with_pull
 
+        body = self.indenter.round
         pushes = self.path[:, [0, 1 + F]]
         if (medium, rig.work) not in self._laws:  # each takes as long as some hundred frames
-            self._laws[medium, rig.work] = table(self.indenter, medium, rig.work, pushes, self.given_depth)
+            self._laws[medium, rig.work] = adhesion_table(body, medium, rig.work, pushes, self.given_depth)
         law = self._laws[medium, rig.work]
         snap = float((law.indentation if self.given_depth else law.force)[0])
 
@@ -107,11 +109,11 @@ class MovingContact:
         rows[gone, PLACE.stop :] = 0
         pull, rows = held(times, rows)
         if rig.moves:
-            reaching = partial(table, self.indenter, medium, rig.work, pushes, self.given_depth)
-            pull = moved(rows, pull, reaching, rig)
+            table_to = partial(adhesion_table, body, medium, rig.work, pushes, self.given_depth)
+            pull = moved(rows, pull, table_to, rig)
         slips = self._history_of(medium, rig.work, lambda t: held(t, along_path(self.path, t)[0])[1])
         loads = self._slipping(times, rows, medium, slips)
-        return with_pull(loads, rows, rows[:, F] + pull, self.indenter, medium)
+        return with_pull(loads, rows, rows[:, F] + pull, body, medium)
 
     def _slipping(self, times: Floats, rows: Floats, medium: Medium, slips: FrictionHistory | None) -> Loads:
         if slips is None:
@@ -152,7 +154,7 @@ class MovingContact:
         if self.friction is None:
             return None
         if (medium, work) not in self._known:
-            carry = self.indenter.carrying(medium)
+            carry = self.indenter.round.carrying(medium)
             self._known[medium, work] = history(self.path[:, 0], rows_at, self.friction, carry)
         return self._known[medium, work]
 
@@ -168,24 +170,17 @@ class MovingContact:
     def _laws(self) -> dict[tuple[Medium, float], Any]:
         return {}
 
-    def _line(self, rows: Floats, depth: float, medium: Medium) -> Loads:
+    def _line(self, rows: Floats, points_of: Callable[..., Floats], depth: float, medium: Medium) -> Loads:
         if self.friction is not None:  # all of an edge slips at once
             tangential = np.hypot(rows[:, Q], rows[:, R])
             most = self.friction * np.maximum(rows[:, F], 0)
             rows[:, SHEAR] *= np.where(tangential > most, most / np.where(tangential > 0, tangential, 1), 1)[:, None]
-        total, shape = rows[:, :COLUMNS], self.indenter
-        from tactile.elastic.lines import cylinder_half_width, cylinder_loads, edge_loads  # only where called for
-
-        if shape.shape == "edge":
-            points = edge_loads(total, shape.length, shape.angle, depth)
-        else:
-            width = cylinder_half_width(total[:, F], shape.length, shape.radius, medium)
-            if np.isfinite(medium.thickness):  # refused where it goes through
-                shape.indentation(total[:, F].max(initial=0, keepdims=True), medium)
-            points = cylinder_loads(total, shape.length, width, shape.angle, depth, medium)
+        total = rows[:, :COLUMNS]
+        points = points_of(total, depth, medium)
         return Loads(total[:, None], points, np.zeros(points.shape[1], np.int64))
 
     def _round(self, rows: Floats, slipped: tuple[Floats, Floats] | None, medium: Medium) -> Loads:
+        body = self.indenter.round
         spread = [rows[:, :COLUMNS]]
         normal_at = [rows[:, F]]
         inner: tuple[Disc, ...] = ()
@@ -195,7 +190,7 @@ class MovingContact:
             shear = np.zeros((*forces.shape, COLUMNS))
             shear[..., PLACE], shear[..., SHEAR] = rows[:, None, PLACE], terms
             whole = forces >= rows[:, F, None]  # the outermost ring, which slips under all of the pressure
-            taken = None if whole.all() else self.indenter.sticking(rows[:, F, None], forces, medium)
+            taken = None if whole.all() else body.stuck_circles(rows[:, F, None], forces, medium)
             if taken is not None:
                 circles, pressed, shape = taken
                 spread[0][:, SHEAR] = np.where(whole[..., None], terms, 0).sum(axis=1)
@@ -206,10 +201,10 @@ class MovingContact:
             spread += list(np.moveaxis(shear, 1, 0))
             normal_at += list(forces.T)
         discs, forces = np.stack(spread, axis=1), np.stack(normal_at, axis=1)
-        radii = self.indenter.contact_radius(forces, medium)
+        radii = body.contact_radius(forces, medium)
         if inner:
             radii[:, 1:] = inner[0].radii
-        profile, unit = self.indenter.profile(medium)
+        profile, unit = body.profile(medium)
         owner = np.zeros(discs.shape[1], np.int64)
         twists: tuple[Twist, ...] = ()
         if rows[:, TORQUE].any():

@@ -11,7 +11,7 @@ from cnnsim.support.keywords import spelled
 from tactile.core.loads import COLUMNS, FORCE
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.loads import Loads
-from tactile.simulator.contacts.rig import STILL, Rig, at_a_point
+from tactile.simulator.contacts.mounting import STILL, Rig, at_a_point
 
 
 def along_path(path: Floats, times: Floats) -> tuple[Floats, Flags]:

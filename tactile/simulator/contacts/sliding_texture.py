@@ -10,7 +10,7 @@ from cnnsim.support.keywords import spelled_class
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.loads import Loads
 from tactile.simulator.contacts.materials import Material
-from tactile.simulator.contacts.rig import STILL, Rig, at_a_point
+from tactile.simulator.contacts.mounting import STILL, Rig, at_a_point
 
 FINEST = 24
 """Steps for the shortest of: grain, period, and the way to build up the shear that slips."""

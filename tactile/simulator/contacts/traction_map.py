@@ -10,8 +10,8 @@ from tactile.core.loads import COLUMNS, FORCE, PLACE, F
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.loads import Loads
+from tactile.simulator.contacts.mounting import STILL, Rig
 from tactile.simulator.contacts.moving_load import along_path
-from tactile.simulator.contacts.rig import STILL, Rig
 
 
 @dataclass(frozen=True, eq=False)  # arrays are not compared

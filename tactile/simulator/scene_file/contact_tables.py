@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -12,9 +12,10 @@ from cnnsim.support.array_files import read_array
 from cnnsim.support.error_list import read_all
 from cnnsim.support.limits import one_line
 from cnnsim.support.toml_file import check_keys, line_of, located, take, take_from_zero, take_numbers, take_positive
-from tactile.simulator.contacts.indenter import ROUND, Indenter, ShapeName
+from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.materials import PRESETS
 from tactile.simulator.contacts.moving_contact import MovingContact
+from tactile.simulator.contacts.shapes import LAWS, ROUND
 from tactile.simulator.contacts.sliding_texture import SlidingTexture
 from tactile.simulator.contacts.traction_map import TractionMap
 from tactile.simulator.field import Contact
@@ -23,8 +24,6 @@ from tactile.simulator.scene_file.table_values import chosen, friction_of, keyfr
 BY_FORCE = "t_s, x_mm, y_mm, Q_N, R_N, F_N"
 BY_DEPTH = "t_s, x_mm, y_mm, Q_N, R_N, indentation_mm"
 GIVEN = ("force", "indentation")
-BY_INDENTATION = ("sphere", "needle", "flat_punch")
-"""Shapes that may be pressed by depth."""
 
 
 def read_contact(table: dict[str, Any], names: list[str], where: str, folder: Path) -> Contact:
@@ -66,8 +65,8 @@ def _check_fits(table: dict[str, Any], where: str) -> None:
             raise InputError(f"{where}: {key} of a {shape}; shape = 'height_map' wanted{line_of(table, key)}")
     if table.get("twist") is True and shape not in ROUND:
         raise InputError(f"{where}: a twisted {shape}, one of {', '.join(ROUND)} wanted{line_of(table, 'twist')}")
-    if table.get("given") == "indentation" and shape not in BY_INDENTATION:
-        wanted = f"one of {', '.join(BY_INDENTATION)} wanted"
+    if table.get("given") == "indentation" and shape not in LAWS:
+        wanted = f"one of {', '.join(LAWS)} wanted"
         raise InputError(f"{where}: an indentation given for a {shape}, {wanted}{line_of(table, 'given')}")
 
 
@@ -79,7 +78,7 @@ def _indenter(table: dict[str, Any], where: str) -> Indenter:
         lambda: take(table, "angle_deg", float, where, 0.0),
     )
     with located(table), naming(where):
-        return Indenter(cast(ShapeName, shape), radius * 1e-3, length * 1e-3, float(np.deg2rad(angle)))
+        return Indenter(shape, radius * 1e-3, length * 1e-3, float(np.deg2rad(angle)))
 
 
 def _height_map(table: dict[str, Any], names: list[str], where: str, folder: Path) -> Contact:

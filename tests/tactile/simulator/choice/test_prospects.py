@@ -14,10 +14,10 @@ from tactile.simulator.choice.auto_effects import all_effects, candidates, choos
 from tactile.simulator.choice.effect_bounds import EffectBounds
 from tactile.simulator.choice.forces import highest_reading, sinks_in, unseen
 from tactile.simulator.choice.prospects import may_pay, points_may_pay
+from tactile.simulator.contacts.adhesion_path import table
 from tactile.simulator.contacts.indenter import Indenter
+from tactile.simulator.contacts.mounting import Rig
 from tactile.simulator.contacts.moving_contact import MovingContact
-from tactile.simulator.contacts.rig import Rig
-from tactile.simulator.contacts.sticking import table
 from tactile.simulator.effects import effect_class, without
 from tactile.simulator.effects.adhesion import Adhesion
 from tactile.simulator.effects.finite_thickness import FiniteThickness

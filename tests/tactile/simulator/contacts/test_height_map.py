@@ -18,9 +18,9 @@ from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.height_surface import refined
 from tactile.simulator.contacts.heights import cast_heights, read_heights, read_stl
 from tactile.simulator.contacts.indenter import Indenter
+from tactile.simulator.contacts.mounting import Rig
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.pressed_map import press
-from tactile.simulator.contacts.rig import Rig
 from tactile.simulator.effects.finite_thickness import FiniteThickness
 from tactile.simulator.explain import explain
 from tactile.simulator.scene.model_range import out_of_range

@@ -11,9 +11,9 @@ from tactile.core.loads import F
 from tactile.elastic.layer_contact import layer_contact
 from tactile.elastic.lines import cylinder_half_width
 from tactile.elastic.medium import Medium
-from tactile.simulator.contacts import tip
+from tactile.simulator.contacts import tip_law as tip
 from tactile.simulator.contacts.indenter import Indenter
-from tactile.simulator.contacts.rig import Rig, at_a_point
+from tactile.simulator.contacts.mounting import Rig, at_a_point
 from tests.oracles.elastic.bonded import PeriodicLayer
 
 
@@ -94,7 +94,7 @@ def test_a_tip_spreads_a_point_as_a_needle_does(radius: float, nu: float) -> Non
     (spread,) = at_a_point(rows, layer, Rig(tip=radius)).discs
     body = Indenter("needle", radius)
     assert spread.radii == pytest.approx(body.contact_radius(force, layer), rel=1e-9)
-    assert (spread.profile, spread.unit) == body.profile(layer)
+    assert (spread.profile, spread.unit) == body.round.profile(layer)
     # under any force, and no wider than itself
     rows[:, F] = 1e6
     (spread,) = at_a_point(rows, layer, Rig(tip=radius)).discs

@@ -10,9 +10,9 @@ from cnnsim.support import InputError
 from tactile.core.frame import TaxelArray
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.indenter import Indenter
+from tactile.simulator.contacts.mounting import Rig
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.moving_load import MovingLoad
-from tactile.simulator.contacts.rig import Rig
 from tactile.simulator.effects.adhesion import Adhesion
 from tactile.simulator.scene.model_range import out_of_range
 from tactile.simulator.scene.scene import ModelRangeWarning, Scene

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import HERTZ
 from tactile.simulator.contacts.indenter import Indenter
+from tactile.simulator.contacts.mounting import Rig
 from tactile.simulator.contacts.moving_contact import MovingContact
-from tactile.simulator.contacts.rig import Rig
 from tactile.simulator.summation import field_at
 
 MU, R, DEPTH = 0.5, 5e-3, 1e-3

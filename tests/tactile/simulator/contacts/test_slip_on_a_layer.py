@@ -13,7 +13,7 @@ from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import HERTZ
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
-from tactile.simulator.contacts.pressed_layer import PressedLayer
+from tactile.simulator.contacts.shapes.layer_law import LayerLaw
 from tactile.simulator.summation import field_at
 from tests.oracles.elastic.bonded import PeriodicLayer
 
@@ -150,7 +150,7 @@ def test_a_pull_is_felt_as_the_layer_slips_while_the_force_changes(ways: list[tu
 
 def test_rings_keep_their_places_when_the_force_changes() -> None:
     medium = Medium(1.0, thickness=1.0)
-    pressed, ends = PressedLayer("sphere", R, medium), np.array([[0.3, 0.7, 1.0, 0.0]])
+    pressed, ends = LayerLaw("sphere", "paraboloid", R, medium), np.array([[0.3, 0.7, 1.0, 0.0]])
     shares = np.array([[[0.2, 0.1], [-0.5, 0.3], [1.0, 0.0], [0.0, 0.0]]])
     for wide, same in ((0.01, True), (2.0, False)):
         force = float(pressed.force_on(np.array(wide)))

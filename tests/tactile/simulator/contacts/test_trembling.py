@@ -11,9 +11,9 @@ from tactile.core.loads import COLUMNS
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.indenter import Indenter
+from tactile.simulator.contacts.mounting import Rig
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.moving_load import MovingLoad
-from tactile.simulator.contacts.rig import Rig
 from tactile.simulator.summation import field_at
 
 R, TIP, DEPTH = 5e-3, 5e-5, 1e-3

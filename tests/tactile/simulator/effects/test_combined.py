@@ -16,8 +16,8 @@ from tactile.elastic.medium import Felt, Medium
 from tactile.elastic.profiles import HERTZ, ROUND_TIP, round_tip_radius
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.loads import Loads
+from tactile.simulator.contacts.mounting import STILL, Rig
 from tactile.simulator.contacts.moving_contact import MovingContact
-from tactile.simulator.contacts.rig import STILL, Rig
 from tactile.simulator.contacts.traction_map import TractionMap
 from tactile.simulator.effects.finite_thickness import FiniteThickness
 from tactile.simulator.effects.finite_tip import FiniteTip

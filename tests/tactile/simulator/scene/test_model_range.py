@@ -118,7 +118,7 @@ def test_what_sticks_is_as_wide_as_it_is_drawn_in() -> None:
 def test_partial_slip_over_a_thin_cover_is_told() -> None:
     # the ball touches over 5, 4 or 3 mm
     def pulled(friction: float | None, wide: float, pull: float = 0.1, grows: bool = False) -> MovingContact:
-        force = float(Indenter("sphere", 0.2).force_on(np.array(wide), Medium(2.4e6, thickness=1e-3)))
+        force = float(Indenter("sphere", 0.2).round.force_on(np.array(wide), Medium(2.4e6, thickness=1e-3)))
         first = (0.0, 0, 0, 0.0, 0, force / 2 if grows else force)
         return MovingContact(0, Indenter("sphere", 0.2), [first, (0.1, 0, 0, pull * force, 0, force)], friction)
 

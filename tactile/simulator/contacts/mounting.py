@@ -1,4 +1,4 @@
-"""How contacts are held over the cover: by what a rig displaces and raises them, and what they do at its surface."""
+"""Mounting of contacts over the cover: displacement, rise of the surface, tips, adhesion and curvature of the cover."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -14,21 +14,17 @@ from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.loads import Disc, Loads, point_loads
 
 Move = Callable[[Floats], tuple[Floats, Floats]]
-"""From places (frames, 2) [m] to the displacement (frames, 2) [m] and by what the cover rises (frames,) [m]."""
+"""From places (frames, 2) [m] to the displacement (frames, 2) [m] and the rise of the cover (frames,) [m]."""
 Rises = Sequence[tuple[float, float]]
-"""By how much [m] the surface rises, one after the other, each with the tip's radius [m] of contacts at a point."""
-CURVED = ("sphere", "needle", "cylinder")
-"""Shapes whose radius at the contact a curved cover makes smaller."""
-BY_TIP = ("point", "edge")
-"""Shapes that are held by the tip of a move, for they have no radius of their own."""
+"""Successive rises of the surface [m], each with the tip radius [m] of contacts at a point."""
 
 
 @dataclass(frozen=True)
 class Rig:
-    """What holds the contacts: ``moves`` of theirs in turn, each with the tip radius [m] of contacts at a point.
+    """How contacts are held: their ``moves`` in turn, each with the tip radius [m] of contacts at a point.
 
-    ``tip`` [m]: the tip under which loads at points are spread, 0 for points; ``work`` [J/m^2] of adhesion, 0 where
-    nothing sticks; ``curvature`` [1/m] of the cover's surface.
+    ``tip`` [m]: radius of the tip that spreads loads at points, 0 for none; ``work`` of adhesion [J/m^2], 0 for none;
+    ``curvature`` [1/m] of the cover's surface.
     """
 
     moves: tuple[tuple[Move, float], ...] = ()
@@ -37,21 +33,21 @@ class Rig:
     curvature: float = 0.0
 
     def touching(self, body: Indenter) -> Indenter:
-        """The body that touches a plane as this one touches the curved cover: 1 / R grows by its curvature."""
-        if self.curvature == 0 or body.shape not in CURVED:
+        """Return the body that touches a plane as this one touches the curved cover: 1 / R grows by its curvature."""
+        if self.curvature == 0 or not body.body.curved:
             return body
         return replace(body, radius=1 / (1 / body.radius + self.curvature))
 
     def with_move(self, move: Move, needle: float) -> "Rig":
-        """The same with one more move."""
+        """Return the mounting with one more move."""
         return altered(self, moves=(*self.moves, (move, needle)))
 
     def moved(self, rows: Floats, body: Indenter, medium: Medium) -> Floats:
-        """Loads (frames, 5 or more) of one contact, displaced and pressed as its own law has it."""
+        """Return loads (frames, 5 or more) of a contact at its displaced places, with the forces of its own law."""
         if not self.moves:
             return rows
         rows, rises = self.displaced(rows)
-        if body.shape not in BY_TIP:  # its law is the same for all of them
+        if not body.body.by_tip:  # its law is the same for all of them
             rises = [(sum_of(rises), 0.0)]
         for rise, needle in rises:
             if rise.any():
@@ -59,10 +55,9 @@ class Rig:
         return rows
 
     def displaced(self, rows: Floats) -> tuple[Floats, list[tuple[Floats, float]]]:
-        """A copy of loads (frames, 5 or more) at their displaced places, and by what the cover rises under them [m].
+        """Return a copy of loads (frames, 5 or more) at their displaced places, and the rises (frames,) [m] there.
 
-        Each (frames,) with a tip radius: that of moves with the same tip is one, for what one of them lifts off another
-        may press on again.
+        Successive rises with the same tip radius are summed: a contact that one of them lifts off may touch again.
         """
         rows, rises = rows.copy(), list[tuple[Floats, float]]()
         for move, needle in self.moves:
@@ -75,7 +70,7 @@ class Rig:
 
 
 def sum_of(rises: Sequence[tuple[Floats, float]]) -> Floats:
-    """By what all of them raise the cover [m], whatever the tips."""
+    """Return the total rise of the cover [m], whatever the tips."""
     return np.asarray(sum(rise for rise, _ in rises))
 
 
@@ -85,13 +80,13 @@ POINT = Indenter()
 
 
 def at_a_point(rows: Floats, medium: Medium, rig: Rig) -> Loads:
-    """What a contact at one point, rows (frames, 5), puts on the cover: a point load, or one under the rig's tip."""
+    """Return the loads of a contact at a point, rows (frames, 5): a point load, or a circle under the rig's tip."""
     held = rig.moved(rows, POINT, medium)
     if rig.tip == 0:
         return point_loads(held)
     force, profile, unit = held[:, None, F], ROUND_TIP, rig.tip
     if np.isfinite(medium.thickness):
-        from tactile.simulator.contacts.tip import circle  # only where called for
+        from tactile.simulator.contacts.tip_law import circle  # imports SciPy's splines
 
         radii, profile, unit = circle(force, rig.tip, medium)
     else:

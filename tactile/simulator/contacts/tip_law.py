@@ -1,6 +1,6 @@
-"""The tip over a contact at a point on a layer: how stiffly it holds that, and over which circle it spreads it.
+"""Law of the tip over a contact at a point on a layer: its stiffness, and the circle over which it spreads the force.
 
-A point is a force, and may press through any layer: neither law has an end, where a body's would refuse the scene.
+A point may press with any force: beyond its tables the law goes on as a power, where a body's would refuse the scene.
 """
 
 from functools import lru_cache
@@ -13,16 +13,16 @@ from tactile.elastic.layer_contact import layer_contact
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import ROUND_TIP, Profile, round_tip_radius
 from tactile.simulator.contacts import tip_numba
-from tactile.simulator.contacts.rig import Rises
+from tactile.simulator.contacts.mounting import Rises
 
 THINNEST = 1e-4
 """Contact radius, over the widest in the tables, below which a layer is a half-space: its force is off by 0.3 %."""
 STEPS = 4
-"""Steps of Newton's from the nearest places in a table, after which nothing is left but rounding."""
+"""Steps of Newton's method from the nearest places of the table to rounding."""
 FAR = 60.0
-"""By what logarithms of indentations go beyond a table, whose ends are powers."""
+"""Logarithms of indentations beyond the table."""
 SMALL = 0.25
-"""Tip radius over thickness up to which circles are as on the half-space: what is felt is off by 4e-4 at most."""
+"""Largest tip radius over thickness at which circles are those of the half-space: fields differ by at most 4e-4."""
 
 NOTHING: Floats = np.empty((0, 2))
 """No rises at all."""
@@ -46,9 +46,9 @@ def _force(deep: Floats, law: CubicSpline) -> tuple[Floats, Floats]:
 
 
 def held_factor(force: Floats, rise: Floats, radius: float, medium: Medium) -> Floats:
-    """By what normal forces [N] of contacts held by a tip of a ``radius`` [m] grow when a layer rises by ``rise`` [m].
+    """Return the growth of normal forces [N] under a tip of a ``radius`` [m] when a layer rises by ``rise`` [m].
 
-    The tip is a paraboloid, as Hertz has it. What does not press (force 0 or pulling) stays as it is.
+    The tip is a paraboloid, as Hertz has it. Forces that do not press are unchanged.
     """
     law, h = _stiffer(medium.nu), medium.thickness
     pressing = force > 0
@@ -92,7 +92,7 @@ def _layer(medium: Medium) -> tuple[float, float, Floats, Floats]:
 
 
 def circle(force: Floats, radius: float, medium: Medium) -> tuple[Floats, Profile, float]:
-    """Radii [m] of the contacts of a hemisphere under forces [N], their pressure, and the unit [m] of its lam.
+    """Return the contact radii [m] of a hemisphere under forces [N], their pressure, and the unit [m] of its lam.
 
     On a layer a contact is narrower than on the half-space, and no wider than the tip itself on either.
     """
