@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from cnnsim.support import InputError
+from cnnsim.support import Floats, InputError
 from tactile.core.loads import F
 from tactile.elastic.medium import Medium
-from tactile.simulator.contacts.shapes.shape import Floats, LineShape, growth
+from tactile.simulator.contacts.shapes.shape import LineShape, growth
 
 STEPS, SHARE = 60, 1e-3
 """Most steps of Newton's method, of which five are usual, and the share of a force over which the slope is taken: each

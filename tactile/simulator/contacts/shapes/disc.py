@@ -1,9 +1,10 @@
 """Disc: an even pressure on a circle of a given radius, as of a soft pad."""
 
+from cnnsim.support import Floats
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import UNIFORM
 from tactile.simulator.contacts.shapes.flat_punch import FlatPunch
-from tactile.simulator.contacts.shapes.shape import Floats, RoundShape
+from tactile.simulator.contacts.shapes.shape import RoundShape
 
 
 class Disc(RoundShape):

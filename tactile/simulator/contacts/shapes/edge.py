@@ -2,9 +2,10 @@
 
 from dataclasses import replace
 
+from cnnsim.support import Floats
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.shapes.cylinder import Cylinder
-from tactile.simulator.contacts.shapes.shape import Floats, LineShape
+from tactile.simulator.contacts.shapes.shape import LineShape
 
 
 class Edge(LineShape):

@@ -4,9 +4,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cnnsim.support import Floats
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import FLAT_PUNCH, Profile, punch_force
-from tactile.simulator.contacts.shapes.shape import Floats, RoundShape
+from tactile.simulator.contacts.shapes.shape import RoundShape
 
 if TYPE_CHECKING:
     from tactile.elastic.adhesion import Adhesion

@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from cnnsim.support import Floats
 from tactile.elastic.profiles import ROUND_TIP, round_tip_indentation, round_tip_radius
-from tactile.simulator.contacts.shapes.shape import Floats, RoundShape
+from tactile.simulator.contacts.shapes.shape import RoundShape
 
 
 class Needle(RoundShape):

@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from cnnsim.support import Floats
 from tactile.elastic.medium import Medium
-from tactile.simulator.contacts.shapes.shape import Floats, Shape
+from tactile.simulator.contacts.shapes.shape import Shape
 from tactile.simulator.contacts.shapes.sphere import Sphere
 
 

@@ -1,7 +1,8 @@
 """Sphere: a rigid ball, taken for a paraboloid, with Hertz' pressure."""
 
+from cnnsim.support import Floats
 from tactile.elastic.profiles import HERTZ, hertz_force, hertz_indentation, hertz_radius
-from tactile.simulator.contacts.shapes.shape import Floats, RoundShape
+from tactile.simulator.contacts.shapes.shape import RoundShape
 
 
 class Sphere(RoundShape):

@@ -27,7 +27,7 @@ def test_bounds_that_need_no_trial_hold_over_seeds(quantity: Felt) -> None:
         scene = random_scene(np.random.default_rng(seed))
         scene = replace(scene, arrays=(replace(scene.arrays[0], quantity=quantity),))
         slopes = extremes(scene, 0).slopes
-        field = replace(scene.skin.field(0, np.arange(0, scene.samples, 12) / scene.rate), accuracy=1e-5, trial=True)
+        field = replace(scene.skin.field(0, np.arange(0, scene.samples, 12) / scene.rate), accuracy=1e-5)
         for name, effect in scene.effects:
             if name in ("finite_tip", "taxel_area", "misplacement", "curved_fingertip", "cover_error", "poisson_ratio"):
                 (after,) = effect(iter([field]), np.random.default_rng(0))

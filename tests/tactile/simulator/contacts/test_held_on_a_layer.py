@@ -56,7 +56,7 @@ def test_a_held_round_body_is_as_stiff_as_a_rigid_one(shape: str, wide: float, n
     layer, x = PeriodicLayer((side, side), (step, step), nu), (np.arange(side) - side // 2) * step
     square, medium = x**2 + x[:, None] ** 2, Medium(1.0, nu, thickness=1.0)
     radius = {"sphere": 50.0, "needle": 2 * wide, "flat_punch": wide}[shape]
-    body = Indenter(shape, radius)  # type: ignore[arg-type]  # one of its names
+    body = Indenter(shape, radius)
     gap = np.minimum(square, radius**2)
     gap = {"sphere": square / (2 * radius), "needle": radius - np.sqrt(radius**2 - gap),
            "flat_punch": np.where(square < radius**2, 0.0, 1e3)}[shape]  # fmt: skip

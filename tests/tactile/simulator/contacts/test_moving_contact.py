@@ -154,7 +154,7 @@ def test_wrong_indenters_are_refused() -> None:
 @pytest.mark.parametrize("thickness", (np.inf, 1e-3))
 def test_a_contact_slides_round_under_the_torque_of_its_own_pressure(shape: str, thickness: float) -> None:
     medium, force, mu = Medium(2.4e6, thickness=thickness), 2.0, 0.4
-    body = Indenter(shape, 2e-2 if shape == "sphere" else 1e-3)  # type: ignore[arg-type]  # one of its names
+    body = Indenter(shape, 2e-2 if shape == "sphere" else 1e-3)
     contact = MovingContact(0, body, np.array([(0.0, 0, 0, 0, 0, force, 1.0)]), mu)
     loads = contact.loads(np.zeros(1), 1e-3, medium)
     (disc,), (twist,) = loads.discs, loads.twists

@@ -27,7 +27,7 @@ def pressed(
     *pushes: float, friction: float | None = None, by_depth: bool = False, shape: str = "sphere"
 ) -> MovingContact:
     path = np.array([(t, 0, 0, 1e-4, 0, push) for t, push in enumerate(pushes)])
-    body = Indenter(shape, R, 1e-2)  # type: ignore[arg-type]  # one of its names
+    body = Indenter(shape, R, 1e-2)
     return MovingContact(0, body, path, friction, by_depth)
 
 

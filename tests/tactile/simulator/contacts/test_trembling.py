@@ -42,7 +42,7 @@ def pressed(shape: str, force: float, by_depth: bool = False) -> Any:
     if shape == "height_map":
         return HeightMap(0, BALL, 5e-5, path, None, by_depth)
     sizes = {"sphere": R, "needle": 2e-3, "flat_punch": 1e-4, "disc": 1e-4, "cylinder": 2e-3}
-    return MovingContact(0, Indenter(shape, sizes.get(shape, 0.0), 8e-3), path, None, by_depth)  # type: ignore[arg-type]
+    return MovingContact(0, Indenter(shape, sizes.get(shape, 0.0), 8e-3), path, None, by_depth)
 
 
 def total(contact: Any, medium: Medium, held: Rig, frames: int = 1) -> NDArray[np.float64]:
