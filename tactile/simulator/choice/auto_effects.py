@@ -18,8 +18,8 @@ from tactile.simulator.choice.prospects import may_pay, points_may_pay
 from tactile.simulator.contacts.mounting import Rig
 from tactile.simulator.effect import is_off
 from tactile.simulator.effects import ORDER, Effect, effect_class
-from tactile.simulator.field import ACCURACY
 from tactile.simulator.scene.scene import Scene
+from tactile.simulator.summation import ACCURACY
 
 MOMENTS = 64
 """Frames on which it is tried whether typical effects have a meaning where no keyframes tell the hardest one."""

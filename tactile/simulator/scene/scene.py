@@ -17,10 +17,11 @@ from tactile.core.frame import Frame, TaxelArray
 from tactile.simulator.batch import Batch
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effect import is_off
-from tactile.simulator.field import ACCURACY, Contact, Field
+from tactile.simulator.field import Contact, Field
 from tactile.simulator.ideal_skin import IdealSkin
 from tactile.simulator.scene.checks import check, check_effects, listed
 from tactile.simulator.scene.model_range import out_of_range
+from tactile.simulator.summation import ACCURACY
 
 if TYPE_CHECKING:
     from tactile.simulator.bump_cover import Bumps

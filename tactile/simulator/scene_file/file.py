@@ -10,10 +10,11 @@ from cnnsim.support.toml_file import line_of, read_toml, take, take_positive, ta
 from tactile.core.array_table import take_array
 from tactile.core.file_kinds import refuse_other_kind
 from tactile.core.frame import TaxelArray
-from tactile.simulator.field import ACCURACY, Contact
+from tactile.simulator.field import Contact
 from tactile.simulator.scene.scene import FULL_SCALE, Scene
 from tactile.simulator.scene_file.keys import check_scene_keys
 from tactile.simulator.scene_file.table_values import quantity_of, read_load, take_seed
+from tactile.simulator.summation import ACCURACY
 
 TOLERANCE = 0.02
 """What ``effects = "auto"`` may leave out, relative to the peak of the signal, unless the scene says."""
