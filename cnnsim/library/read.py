@@ -39,7 +39,7 @@ def load_file(path: Path) -> LibraryEntry:
     data = read_toml(path, "template file")
     faults = ErrorList(str(path))
     found = _found(data, path.stem, faults)
-    faults.tell()
+    faults.raise_all()
     with naming(path):
         entry = LibraryEntry(**found, file=path)
         _check_whole(data, entry)

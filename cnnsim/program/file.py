@@ -92,7 +92,7 @@ def program_of(
     for name in found["outputs"]:
         with faults.collecting(), located(data, "outputs"):
             names.read(name, "outputs", "lam", "llm", "wire")
-    faults.tell()
+    faults.raise_all()
     return Program(
         found["name"], found.get("summary", ""), names.memory, tuple(found["inputs"]), tuple(found["outputs"]), keep,
         steps, path, found.get("reference", ""), numbers,

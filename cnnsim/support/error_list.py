@@ -1,72 +1,64 @@
-"""Faults of a file that people write: all of them collected, each with its line, and told at once."""
+"""List of the errors of one file: collected while it is read, and raised together."""
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
-from cnnsim.support.errors import InputError, MissingKeyError, SeveralFaultsError
-from cnnsim.support.toml_file import MOST_FAULTS, check_keys
+from cnnsim.support.errors import InputError, MissingKeyError, SeveralFaultsError, naming
+from cnnsim.support.toml_file import MOST_FAULTS, check_keys, located
 
 
 class ErrorList:
-    """Collects what is wrong with the keys of a file, and with their values, to be told at once, the same thing once.
+    """The errors of one file, each once; ``where`` names the file in the message.
 
-    ``where`` names the file, unless that is done outside; the length is how many faults there are. Once a `check` has
-    told of missing keys, that one is missing is no further fault.
+    After a `check` has reported missing keys, a `MissingKeyError` of a later reader is not added.
     """
 
     def __init__(self, where: str = "") -> None:
         self._where = where
         self._found: dict[str, InputError] = {}
-        self._told_missing = False
+        self._missing_known = False
 
     def __len__(self) -> int:
         return len(self._found)
 
     def check(self, table: Any, known: Collection[str], place: str = "", required: Collection[str] = ()) -> None:
-        """Check a table as `check_keys`; ``place`` names it in messages."""
+        """Check the keys of a table with `check_keys`; ``place`` names the table in messages."""
         with self.collecting():
             check_keys(table, known, place, required)
-        self._told_missing |= not isinstance(table, Mapping) or not set(required) <= table.keys()
+        self._missing_known |= not isinstance(table, Mapping) or not set(required) <= table.keys()
 
     @contextmanager
-    def collecting(self) -> Iterator[None]:
-        """Take what the block refuses for one fault more, or several, and go on after it."""
-        try:
-            yield
-        except SeveralFaultsError as several:
-            for error in several.faults:
-                self._add(error)
-        except InputError as error:
-            self._add(error)
+    def collecting(self, table: Any = None, key: str | None = None, where: str = "") -> Iterator[None]:
+        """Add an InputError of the block to the list and go on after the block.
 
-    def _add(self, error: InputError) -> None:
-        if not (self._told_missing and isinstance(error, MissingKeyError)):
-            self._found.setdefault(str(error).removeprefix(f"{self._where}: "), error)
-
-    def tell(self) -> None:
-        """Refuse the file if anything was found.
-
-        Raises:
-            InputError: all that was found.
+        The message is led by ``where`` and ends with the line of the table, or of its ``key``, where they are given.
         """
+        try:
+            with located(table, key):
+                if not where:
+                    yield
+                else:
+                    with naming(where):
+                        yield
+        except InputError as error:
+            for one in error.faults if isinstance(error, SeveralFaultsError) else (error,):
+                if not (self._missing_known and isinstance(one, MissingKeyError)):
+                    self._found.setdefault(str(one).removeprefix(f"{self._where}: "), one)
+
+    def raise_all(self) -> None:
+        """Raise all errors of the list as one InputError; do nothing if there are none."""
         if self._found:
-            told = list(self._found)
             more = [f"and {len(self) - MOST_FAULTS} more"] if len(self) > MOST_FAULTS else []
-            lead = f"{self._where}: " if self._where else ""
-            text = lead + "; ".join(told[:MOST_FAULTS] + more)
-            raise SeveralFaultsError(text, list(self._found.values()))
+            text = "; ".join(list(self._found)[:MOST_FAULTS] + more)
+            raise SeveralFaultsError(f"{self._where}: {text}" if self._where else text, [*self._found.values()])
 
 
 def read_all(where: str, *readers: Callable[[], Any]) -> list[Any]:
-    """Return what each of some readers returns; what any of them refuses is told at once, ``where`` said once.
-
-    Raises:
-        InputError: what they raise, all of it.
-    """
-    faults, found = ErrorList(where), []
+    """Return what each of the readers returns; their errors are raised together, led by ``where``."""
+    errors, found = ErrorList(where), []
     for read in readers:
-        with faults.collecting():
+        with errors.collecting():
             found.append(read())
-    faults.tell()
+    errors.raise_all()
     return found

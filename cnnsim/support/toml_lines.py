@@ -1,50 +1,48 @@
-"""Lines of a TOML file: where each key and each table stands, for messages. The standard library's reader tells values.
-
-The text has been read as TOML already, so what is wrong with it need not be found here.
-"""
+"""Line numbers of the keys and tables of a TOML text, for error messages. The values are read by `tomllib`."""
 
 import re
+from bisect import bisect_left
 from typing import Any
 
 Path = tuple[str | int, ...]
 """Keys, and numbers in arrays, from the top of the file."""
 
 _SPACE = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
-_BARE = re.compile(r"[A-Za-z0-9_-]+")
 _STRING = re.compile(r'"""(?:\\.|[^\\])*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'', re.DOTALL)
-_SCALAR = re.compile(r"[^,\]}#\n]+")
+_BARE, _SCALAR = re.compile(r"[A-Za-z0-9_-]+"), re.compile(r"[^,\]}#\n]+")
 
 
 class LinedTable(dict[str, Any]):
-    """A table with the lines of its keys, the ``line`` on which it begins and, of a file, that of its first [table]."""
+    """A table with the ``lines`` of its keys, its own first ``line`` and, of a file, that of the first [table]."""
 
     line: int | None = None
     first_table: int | None = None
-    lines: dict[str, int]
+
+    def __init__(self, table: dict[str, Any], lines: dict[str, int]) -> None:
+        super().__init__(table)
+        self.lines = lines
 
 
 def without(table: dict[str, Any], key: str) -> dict[str, Any]:
-    """Return a table without one of its keys, with the lines that it knows."""
-    rest = LinedTable({name: value for name, value in table.items() if name != key})
-    rest.lines = {}
-    if isinstance(table, LinedTable):
-        rest.line, rest.first_table, rest.lines = table.line, table.first_table, table.lines
+    """Return a table without one of its keys; the line numbers are kept."""
+    rest = LinedTable({name: value for name, value in table.items() if name != key}, getattr(table, "lines", {}))
+    rest.line, rest.first_table = getattr(table, "line", None), getattr(table, "first_table", None)
     return rest
 
 
 def with_lines(data: dict[str, Any], text: str) -> LinedTable:
-    """Return the table that was read from a text, it and all tables inside with their lines."""
+    """Return the table that was read from a text; it and all tables in it have their line numbers."""
     scan = _Scan(text)
     whole = _lined(data, (), scan.found)
     assert isinstance(whole, LinedTable)
-    whole.line, whole.first_table = None, scan.first_table
+    whole.first_table = scan.first_table
     return whole
 
 
 def _lined(value: Any, path: Path, found: dict[Path, int]) -> Any:
     if isinstance(value, dict):
-        table = LinedTable({key: _lined(item, (*path, key), found) for key, item in value.items()})
-        table.lines = {key: found[*path, key] for key in value if (*path, key) in found}
+        items = {key: _lined(item, (*path, key), found) for key, item in value.items()}
+        table = LinedTable(items, {key: found[*path, key] for key in value if (*path, key) in found})
         table.line = found.get(path)
         return table
     if isinstance(value, list) and any(isinstance(item, dict | list) for item in value):
@@ -53,96 +51,68 @@ def _lined(value: Any, path: Path, found: dict[Path, int]) -> Any:
 
 
 class _Scan:
-    """Goes through a text once and notes on which line each key, and each table of an array, begins."""
+    """The line on which each key and each table of an array begins, by its path; the text is valid TOML."""
 
     def __init__(self, text: str) -> None:
-        self.text, self.at, self.line, self.counted = text.replace("\r\n", "\n"), 0, 1, 0
-        self.found: dict[Path, int] = {}
+        self.text, self.at, self.found = text.replace("\r\n", "\n"), 0, dict[Path, int]()
+        self.ends = [match.start() for match in re.finditer("\n", self.text)]
         self.first_table: int | None = None
-        self.arrays: dict[Path, int] = {}
-        table: Path = ()
-        while self._skip():
-            if self.text[self.at] == "[":
-                table = self._header()
-            else:
+        table, last = (), dict[Path, int]()  # type: Path, dict[Path, int]
+        while (line := self._line()) and self.at < len(self.text):
+            if not self._take("["):
                 self._pair(table)
+                continue
+            self.first_table, many, table = self.first_table or line, self._take("["), ()
+            keys = self._keys()
+            for number, key in enumerate(keys, 1):
+                table = (*table, key)
+                self.found.setdefault(table, line)
+                if table in last and number < len(keys):
+                    table = (*table, last[table])
+            if many:
+                last[table] = last.get(table, -1) + 1
+                table = (*table, last[table])
+                self.found[table] = line
+            self.at += 1 + bool(many)
 
-    def _skip(self, pattern: re.Pattern[str] = _SPACE) -> bool:
-        """Go over blanks, ends of lines and comments, or another pattern; return whether text is left."""
-        match = pattern.match(self.text, self.at)
-        self.at = self.at if match is None else match.end()
-        return self.at < len(self.text)
+    def _line(self) -> int:
+        """Skip blanks and comments; return the number of the line."""
+        self.at = _SPACE.match(self.text, self.at).end()  # type: ignore[union-attr]  # it matches nothing as well
+        return bisect_left(self.ends, self.at) + 1
 
-    def _here(self) -> int:
-        self.line += self.text.count("\n", self.counted, self.at)
-        self.counted = self.at
-        return self.line
-
-    def _header(self) -> Path:
-        line = self._here()
-        self.first_table = self.first_table or line
-        many = self.text.startswith("[[", self.at)
-        self.at += 1 + many
-        path: Path = ()
-        keys = self._keys()
-        for key in keys:
-            path = (*path, key)
-            self.found.setdefault(path, line)
-            if key is not keys[-1] and path in self.arrays:
-                path = (*path, self.arrays[path])
-        self.at += 1 + many
-        if many:
-            self.arrays[path] = self.arrays.get(path, -1) + 1
-            path = (*path, self.arrays[path])
-            self.found[path] = line
-        return path
+    def _take(self, wanted: str | re.Pattern[str]) -> str:
+        """Return the text that comes next if it is the one wanted, and go on after it; else an empty text."""
+        self._line()
+        if isinstance(wanted, str):
+            taken = wanted if self.text.startswith(wanted, self.at) else ""
+        else:
+            taken = match.group() if (match := wanted.match(self.text, self.at)) else ""
+        self.at += len(taken)
+        return taken
 
     def _keys(self) -> list[str]:
-        """Read a dotted key, up to what follows it."""
-        keys: list[str] = []
-        while self._skip() and self.text[self.at] not in "=]":
-            if self.text[self.at] == ".":
-                self.at += 1
-            elif (match := _STRING.match(self.text, self.at)) is not None:
-                keys.append(match.group()[1:-1])
-                self.at = match.end()
-            else:
-                start = self.at
-                self._skip(_BARE)
-                keys.append(self.text[start : self.at])
-                self.at += self.at == start  # nothing that a reader of TOML lets through comes here
-        return keys
+        keys = [self._take(_STRING)[1:-1] or self._take(_BARE)]
+        return keys + self._keys() if self._take(".") else keys
 
-    def _pair(self, table: Path) -> None:
-        line, path = self._here(), table
+    def _pair(self, path: Path) -> None:
+        line = self._line()
         for key in self._keys():
             path = (*path, key)
             self.found.setdefault(path, line)
-        self.at += 1
-        self._skip()
+        self._take("=")
         self._value(path)
 
     def _value(self, path: Path) -> None:
-        self.found.setdefault(path, self._here())
-        opening = self.text[self.at]
-        if opening == "[":
-            self._inside("]", path)
-        elif opening == "{":
-            self._inside("}", path)
-        elif not _STRING.match(self.text, self.at):
-            self._skip(_SCALAR)
-        else:
-            self._skip(_STRING)
-
-    def _inside(self, closing: str, path: Path) -> None:
-        self.at += 1
-        number = 0
-        while self._skip() and self.text[self.at] != closing:
-            if self.text[self.at] == ",":
-                self.at += 1
-            elif closing == "]":
+        self.found.setdefault(path, self._line())
+        if self._take("["):
+            number = 0
+            while not self._take("]"):
                 self._value((*path, number))
+                self._take(",")
                 number += 1
-            else:
+        elif self._take("{"):
+            while not self._take("}"):
                 self._pair(path)
-        self.at += 1
+                self._take(",")
+        elif not self._take(_STRING):
+            self._take(_SCALAR)

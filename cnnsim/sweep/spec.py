@@ -59,7 +59,7 @@ def read_sweep(path: Path, kinds: Mapping[str, str]) -> Sweep:
     faults = ErrorList(str(path))
     faults.check(table, ("kind", "grid", "fixed"), required=("kind", "grid"))
     kind, values, chosen = _parts(table, kinds, faults)
-    faults.tell()
+    faults.raise_all()
     assert kind is not None
     with naming(path):
         for key in kind.paths:
@@ -117,7 +117,7 @@ def _check(sweep: Sweep) -> None:
         for value in values[1:]:
             with faults.collecting():
                 sweep.kind.check({**first, key: value})
-    faults.tell()
+    faults.raise_all()
 
 
 def _values(grid: Mapping[str, Any], key: str) -> tuple[Any, ...]:

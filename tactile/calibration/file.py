@@ -71,7 +71,7 @@ def _calibration(table: dict[str, Any], where: str) -> Calibration | TaxelGains:
         )
         with naming(where), located(table, "radial"):
             return Calibration(Gains(shear, normal), depth, RadialCorrection(*columns), sigma)
-    faults.tell()
+    faults.raise_all()
     raise AssertionError  # what is wrong has been told
 
 

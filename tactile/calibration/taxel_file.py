@@ -45,7 +45,7 @@ def taxel_gains(table: Mapping[str, Any], where: str) -> TaxelGains:
                     partial(_square, taxel, "sigma", at, np.zeros((AXES, AXES))),
                 )
             )  # fmt: skip
-    faults.tell()
+    faults.raise_all()
     assert shape is not None
     rows, cols = shape
     if len(entries) != rows * cols:

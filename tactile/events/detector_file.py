@@ -99,7 +99,7 @@ def read_detector(name: str | Path, known: Collection[str] = NAMES) -> DetectorF
     with faults.collecting():
         program = _program(table, path)
         _check(program, rules, known)
-    faults.tell()
+    faults.raise_all()
     return DetectorFile(program.name, program, tuple(rules))
 
 

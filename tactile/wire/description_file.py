@@ -103,7 +103,7 @@ def parse_description(text: str, where: str) -> Description:
         with faults.collecting():
             if key in table:
                 read(table, key, where)
-    faults.tell()
+    faults.raise_all()
     wire = find_format(take(table, "protocol", str, where))
     extra = take(table, "options", dict, where, {})
     check_keys(extra, wire.keys, f"{where}: [options] of {wire.name}")

@@ -35,7 +35,7 @@ def read_table(path: str | Path) -> WindowRule:
     faults = ErrorList(str(path))
     faults.check(data, ("black", "white", "default"))
     table = _table(data, faults)
-    faults.tell()
+    faults.raise_all()
     return WindowRule(table, f"the truth table {Path(path).name}")
 
 

@@ -57,7 +57,7 @@ def tell_all(table: dict[str, Any], where: str, folder: Path, first: InputError)
             trying(partial(_effect, effects, name, where))
     with faults.collecting():
         raise first
-    faults.tell()
+    faults.raise_all()
 
 
 def _tables(table: dict[str, Any], key: str) -> list[dict[str, Any]]:

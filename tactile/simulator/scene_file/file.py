@@ -79,7 +79,7 @@ def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tupl
 def _scene(table: dict[str, Any], where: str, folder: Path) -> tuple[Scene, float | None]:
     faults = ErrorList(where)
     check_scene_keys(table, faults)
-    faults.tell()
+    faults.raise_all()
     cover = take(table, "cover", dict, where)
     bumpy = _is_bumpy(cover, f"{where}: [cover]")
     modulus = take_positive(cover, "youngs_modulus_mpa", f"{where}: [cover]") * 1e6

@@ -50,7 +50,7 @@ def test_broken_files_are_listed_with_their_errors(broken: Path) -> None:
     assert len(found) == len(library.names()) + 1 + len(BAD)
     assert "unknown key 'zz' (line " in found["typo"]["error"]
     assert "a folder; a template file wanted" in found["folder"]["error"]
-    assert "no regular file" in found["pipe"]["error"]
+    assert "no plain file" in found["pipe"]["error"]
     text = " ".join(call("--library", broken, "list").output.split())
     assert "mine Black pixels" in text
     for name in BAD:

@@ -125,4 +125,4 @@ def test_of_many_faults_the_first_are_told() -> None:
         faults.check({f"key-{number}": 1}, ("a",))  # the same once more is no other fault
     assert len(faults) == MOST_FAULTS + 5
     with pytest.raises(InputError, match=r"'key-19'; known are a; and 5 more$"):
-        faults.tell()
+        faults.raise_all()
